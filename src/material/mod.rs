@@ -1,0 +1,1 @@
+//! What the rock looks like, in shape and colour.

@@ -1,0 +1,1 @@
+//! Noise over space, in lanes.

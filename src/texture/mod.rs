@@ -1,0 +1,1 @@
+//! Bakes any [`crate::field::Surface`] over any chunk.
