@@ -1,0 +1,237 @@
+//! The whole walk: an origin with its first branches, then branches, loops and layers until every node is placed.
+
+use std::f64::consts::PI;
+
+use nalgebra::Point3;
+
+use super::GaussianPerlin;
+use super::branches::Bud;
+use super::cave::{Cave, Kind, Station};
+use super::hops::Hops;
+use super::tuning::{
+    DEGREE, EXTRA_CHILD, MAX_DEGREE, PATIENCE, SIDE_TRUNK, SPUR_SPLITS, THIRD_AT_ORIGIN,
+    TRUNK_DIES, TRUNK_FIRST, WAKE_TRUNK,
+};
+use crate::graph::Graph;
+use crate::graph::dice::Dice;
+
+/// Nodes drawn before the search for one to wake becomes thorough.
+const WAKE_DRAWS: usize = 64;
+/// Loops closed at the end, when no node is left.
+const LAST_LOOPS: usize = 6;
+
+/// Grows one graph; the number of nodes that found room, if not all of them (in all layers) did.
+pub(super) fn grow(settings: &GaussianPerlin, dice: Dice) -> Result<Graph, usize> {
+    let mut growth = Growth::new(Cave::new(settings, dice));
+    growth.run();
+    let cave = growth.cave;
+    if cave.room() > 0 || cave.deepest + 1 < settings.layers {
+        return Err(cave.stations.len());
+    }
+    Ok(cave.into_graph())
+}
+
+/// A cave and the branches that may still grow in its deepest layer.
+struct Growth<'a> {
+    cave: Cave<'a>,
+    trunks: Vec<Bud>,
+    spurs: Vec<Bud>,
+    hops: Hops,
+    /// Rounds until another loop is tried.
+    pause: u32,
+}
+
+impl<'a> Growth<'a> {
+    fn new(cave: Cave<'a>) -> Self {
+        Self {
+            cave,
+            trunks: Vec::new(),
+            spurs: Vec::new(),
+            hops: Hops::default(),
+            pause: 0,
+        }
+    }
+
+    fn run(&mut self) {
+        self.plant();
+        let mut idle = 0;
+        while self.cave.room() > 0 && idle < PATIENCE {
+            let progress = self.open_layer() | self.advance();
+            idle = if progress { 0 } else { idle + 1 };
+        }
+        for _ in 0..LAST_LOOPS {
+            if !self.cave.is_loop_due() || !self.cave.close_loop(&mut self.hops) {
+                break;
+            }
+        }
+    }
+
+    /// The origin and its branches.
+    fn plant(&mut self) {
+        let cave = &mut self.cave;
+        let radius = cave.draw_reach(cave.lot.trunk_reach, None);
+        let heading = cave.dice.between(0.0, 2.0 * PI);
+        let position = Point3::new(0.0, 0.0, cave.surface(0.0, 0.0, 0));
+        let origin = cave.add_station(Station {
+            heading,
+            ..Station::new(position, radius, Kind::Trunk, 0)
+        });
+        let opposite = heading + cave.dice.between(130.0, 230.0) * DEGREE;
+        let third = cave.dice.chance(THIRD_AT_ORIGIN);
+        let aside = cave.dice.sign() * cave.dice.between(60.0, 120.0) * DEGREE;
+        let aside_trunk = cave.dice.chance(0.5);
+        self.bud(origin, heading, true);
+        self.bud(origin, opposite, true);
+        if third {
+            self.bud(origin, heading + aside, aside_trunk);
+        }
+    }
+
+    fn bud(&mut self, station: usize, bearing: f64, trunk: bool) {
+        let buds = if trunk {
+            &mut self.trunks
+        } else {
+            &mut self.spurs
+        };
+        buds.push(Bud {
+            station,
+            bearing,
+            trunk,
+        });
+    }
+
+    /// Goes down to the next layer when it is due; buds above stay behind.
+    fn open_layer(&mut self) -> bool {
+        if !self.cave.is_layer_due() {
+            return false;
+        }
+        let Some(foot) = self.cave.descend() else {
+            return false;
+        };
+        self.trunks.clear();
+        self.spurs.clear();
+        let heading = self.cave.stations[foot].heading;
+        self.bud(foot, heading - 50.0 * DEGREE, true);
+        self.bud(foot, heading + 50.0 * DEGREE, true);
+        true
+    }
+
+    /// Closes a loop where one is due, or grows a branch.
+    fn advance(&mut self) -> bool {
+        if self.pause == 0 && self.cave.is_loop_due() {
+            let closed = self.cave.close_loop(&mut self.hops);
+            self.pause = if closed { 0 } else { 2 };
+            return closed;
+        }
+        self.pause = self.pause.saturating_sub(1);
+        let bud = self.next_bud();
+        if self.cave.stations[bud.station].degree() >= MAX_DEGREE {
+            return false;
+        }
+        let Some(tip) = self.cave.grow(bud) else {
+            return false;
+        };
+        self.branch(tip, bud.trunk);
+        true
+    }
+
+    fn next_bud(&mut self) -> Bud {
+        let dice = &mut self.cave.dice;
+        let trunk_first = dice.chance(TRUNK_FIRST);
+        let (trunks, spurs) = (self.trunks.len(), self.spurs.len());
+        if trunks + spurs == 0 {
+            return self.wake();
+        }
+        let choices = if trunk_first && trunks > 0 {
+            trunks
+        } else {
+            trunks + spurs
+        };
+        let drawn = dice.index(choices);
+        if drawn < trunks {
+            self.trunks.swap_remove(drawn)
+        } else {
+            self.spurs.swap_remove(drawn - trunks)
+        }
+    }
+
+    /// A new branch from a node inside a passage, when no branch is alive.
+    fn wake(&mut self) -> Bud {
+        let cave = &mut self.cave;
+        let station = wakeable(cave);
+        let aside = cave.dice.sign() * cave.dice.between(60.0, 110.0) * DEGREE;
+        let end = cave.stations[station].degree() < 2;
+        Bud {
+            station,
+            bearing: cave.stations[station].heading + if end { 0.0 } else { aside },
+            trunk: cave.dice.chance(WAKE_TRUNK),
+        }
+    }
+
+    /// The children at the end of a branch.
+    fn branch(&mut self, tip: usize, trunk: bool) {
+        let children = self.children(trunk);
+        let heading = self.cave.stations[tip].heading;
+        let side = self.cave.dice.sign();
+        let dice = &mut self.cave.dice;
+        let mut turn = |low: f64, high: f64| side * dice.between(low, high) * DEGREE;
+        if !trunk {
+            let split = turn(25.0, 50.0);
+            let bearings = [heading - split, heading + split];
+            bearings[..children.min(2)]
+                .iter()
+                .for_each(|&bearing| self.bud(tip, bearing, false));
+        } else {
+            let bearings = [
+                heading - turn(0.0, 25.0),
+                heading + turn(55.0, 100.0),
+                heading - turn(70.0, 105.0),
+            ];
+            let side_trunk = self.cave.dice.chance(SIDE_TRUNK);
+            for (nth, &bearing) in bearings[..children].iter().enumerate() {
+                self.bud(tip, bearing, nth == 0 || (nth == 1 && side_trunk));
+            }
+        }
+        if children == 0 {
+            self.cave.stations[tip].alive = false;
+        }
+    }
+
+    fn children(&mut self, trunk: bool) -> usize {
+        let dice = &mut self.cave.dice;
+        let least = self.cave.settings.children_min as usize;
+        let most = self.cave.settings.children_max as usize;
+        if !trunk {
+            return if dice.chance(SPUR_SPLITS) { most } else { 0 };
+        }
+        if dice.chance(TRUNK_DIES) {
+            return 0;
+        }
+        let extra = (least..most).filter(|_| dice.chance(EXTRA_CHILD)).count();
+        least + extra
+    }
+}
+
+/// A node of the deepest layer that a branch may start from, inside a passage if there is one.
+fn wakeable(cave: &mut Cave) -> usize {
+    let deepest = cave.deepest;
+    let fits = |station: &Station| {
+        station.level == deepest
+            && station.degree() == 2
+            && matches!(station.kind, Kind::Trunk | Kind::Spur)
+    };
+    for _ in 0..WAKE_DRAWS {
+        let drawn = cave.dice.index(cave.stations.len());
+        if fits(&cave.stations[drawn]) {
+            return drawn;
+        }
+    }
+    let open: Vec<usize> = (0..cave.stations.len())
+        .filter(|&i| fits(&cave.stations[i]))
+        .collect();
+    if open.is_empty() {
+        // Every node carries at least one passage less than it may, or the cave is too crowded to grow on at all.
+        return cave.dice.index(cave.stations.len());
+    }
+    open[cave.dice.index(open.len())]
+}
