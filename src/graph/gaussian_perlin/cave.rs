@@ -8,8 +8,8 @@ use super::grid::Grid;
 use super::lengths::Lengths;
 use super::perlin::Perlin;
 use super::tuning::{
-    EXCESS_DEGREE, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK, SPREAD,
-    SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
+    EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK,
+    SPREAD, SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
 };
 use crate::graph::dice::Dice;
 use crate::graph::{Graph, Node, millimetres};
@@ -148,7 +148,7 @@ impl<'a> Cave<'a> {
 
     /// Loops that the mean degree of the reduced graph still asks for.
     pub(super) fn missing_loops(&self) -> f64 {
-        if self.settings.loop_closure == 0.0 {
+        if self.settings.loop_closure == 0.0 || self.knots <= FEW_KNOTS {
             return 0.0;
         }
         0.5 * self.mean_degree * self.knots as f64 - 0.5 * self.knot_ends as f64

@@ -36,6 +36,8 @@ struct Growth<'a> {
     cave: Cave<'a>,
     trunks: Vec<Bud>,
     spurs: Vec<Bud>,
+    /// Branches that may still grow in the layers above.
+    above: Vec<Bud>,
     hops: Hops,
     /// Rounds until another loop is tried.
     pause: u32,
@@ -47,6 +49,7 @@ impl<'a> Growth<'a> {
             cave,
             trunks: Vec::new(),
             spurs: Vec::new(),
+            above: Vec::new(),
             hops: Hops::default(),
             pause: 0,
         }
@@ -100,7 +103,7 @@ impl<'a> Growth<'a> {
         });
     }
 
-    /// Goes down to the next layer when it is due; buds above stay behind.
+    /// Goes down to the next layer when it is due.
     fn open_layer(&mut self) -> bool {
         if !self.cave.is_layer_due() {
             return false;
@@ -108,8 +111,8 @@ impl<'a> Growth<'a> {
         let Some(foot) = self.cave.descend() else {
             return false;
         };
-        self.trunks.clear();
-        self.spurs.clear();
+        self.above.append(&mut self.trunks);
+        self.above.append(&mut self.spurs);
         let heading = self.cave.stations[foot].heading;
         self.bud(foot, heading - 50.0 * DEGREE, true);
         self.bud(foot, heading + 50.0 * DEGREE, true);
@@ -139,8 +142,11 @@ impl<'a> Growth<'a> {
         let dice = &mut self.cave.dice;
         let trunk_first = dice.chance(TRUNK_FIRST);
         let (trunks, spurs) = (self.trunks.len(), self.spurs.len());
-        if trunks + spurs == 0 {
+        if trunks + spurs + self.above.len() == 0 {
             return self.wake();
+        }
+        if trunks + spurs == 0 {
+            return self.above.swap_remove(dice.index(self.above.len()));
         }
         let choices = if trunk_first && trunks > 0 {
             trunks

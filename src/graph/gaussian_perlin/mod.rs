@@ -219,3 +219,46 @@ impl GaussianPerlin {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_try() {
+        for (nodes, layers) in [(50, 1), (250, 1), (50, 3), (250, 3), (1000, 1)] {
+            let settings = GaussianPerlin {
+                nodes,
+                layers,
+                ..Default::default()
+            };
+            let mut pass = 0;
+            let mut miss = [0; 8];
+            let mut loops = 0;
+            let mut none = 0;
+            for s in 0..200 {
+                let Ok(g) = growth::grow(&settings, Dice::new(seed::stream(s, "graph", 0))) else {
+                    none += 1;
+                    continue;
+                };
+                let m = Metrics::of(&g).unwrap();
+                loops += g.loops();
+                pass += usize::from(m.realism(INSET).is_real());
+                for ((v, r), k) in m
+                    .values()
+                    .iter()
+                    .zip(&super::super::metrics::REAL_CAVES)
+                    .zip(&mut miss)
+                {
+                    if *v < r.min || *v > r.max {
+                        *k += 1
+                    }
+                }
+            }
+            println!(
+                "{nodes},{layers}: {pass}/200 none {none} miss {miss:?} loops {}",
+                loops as f64 / 200.0
+            );
+        }
+    }
+}

@@ -83,6 +83,8 @@ pub(super) const PATIENCE: usize = 400;
 
 /// Mean degree of the reduced graph aimed at, above 2, at loop closure 1.
 pub(super) const EXCESS_DEGREE: [f64; 2] = [0.04, 0.18];
+/// Branch ends up to which a cave is too small for loops.
+pub(super) const FEW_KNOTS: usize = 3;
 /// Missing loops before one is closed.
 pub(super) const LOOP_SLACK: f64 = 0.6;
 /// Greatest distance a connector spans, in mean radii on trunks.
