@@ -5,16 +5,20 @@
 
 mod dice;
 pub mod gaussian_perlin;
+pub mod json;
 pub mod metrics;
+pub mod mine;
 mod reduced;
 mod shape;
 
 use nalgebra::Point3;
 use schemars::JsonSchema;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 pub use gaussian_perlin::GaussianPerlin;
+pub use mine::Mine;
 use shape::millimetres;
 
 /// A station: a point on the centreline of a passage.
@@ -37,7 +41,7 @@ pub struct Node {
 }
 
 /// The cross-section of a passage, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Section {
     /// Full width.
     pub width_m: f64,
@@ -87,10 +91,16 @@ pub struct GeneratorRow {
 }
 
 /// Every generator, the default first.
-pub static GENERATORS: &[GeneratorRow] = &[row::<GaussianPerlin>(
-    "gaussian-perlin",
-    "caves: the PLUME paper's walk, kept within the statistics of real caves",
-)];
+pub static GENERATORS: &[GeneratorRow] = &[
+    row::<GaussianPerlin>(
+        "gaussian-perlin",
+        "caves: the PLUME paper's walk, kept within the statistics of real caves",
+    ),
+    row::<Mine>(
+        "mine",
+        "drifts and cross-cuts on levels joined by ramps or shafts",
+    ),
+];
 
 /// The generator that recipes call `name`.
 pub fn generator(name: &str) -> Option<&'static GeneratorRow> {
