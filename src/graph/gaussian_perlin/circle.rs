@@ -10,7 +10,8 @@ use super::Distribution;
 use super::GaussianPerlin;
 use super::perlin::Perlin;
 use super::tuning::{
-    DEGREE, FRACTURE, FRACTURE_KAPPA, LINK_SIGMA, PERLIN_SCALE_M, RULED_OUT, SPUR_SIGMA,
+    DEGREE, FRACTURE, FRACTURE_KAPPA, LINK_SIGMA, PERLIN_FLOOR, PERLIN_SCALE_M, RULED_OUT,
+    SPUR_SIGMA,
 };
 use crate::graph::dice::Dice;
 
@@ -86,7 +87,7 @@ impl Compass {
         }
     }
 
-    /// Perlin weights of the points on the circle; they sum to 1, or are 0 where the noise is nowhere positive.
+    /// Perlin weights of the points on the circle; they sum to 1.
     fn perlin(&self, [x, y]: [f64; 2], radius: f64) -> Table {
         if self.perlin_weight == 0.0 {
             return [0.0; SECTIONS];
@@ -97,7 +98,7 @@ impl Compass {
                 (x + radius * cos) / PERLIN_SCALE_M,
                 (y + radius * sin) / PERLIN_SCALE_M,
             );
-            value.max(0.0)
+            value.max(PERLIN_FLOOR)
         });
         normalized(points)
     }
@@ -179,11 +180,7 @@ fn fracture(dice: &mut Dice) -> Table {
 
 fn normalized(table: Table) -> Table {
     let sum: f64 = table.iter().sum();
-    if sum > 0.0 {
-        table.map(|weight| weight / sum)
-    } else {
-        table
-    }
+    table.map(|weight| weight / sum)
 }
 
 #[cfg(test)]

@@ -42,6 +42,8 @@ pub(super) const BEARING_PULL: f64 = 0.32;
 pub(super) const DRIFT: f64 = 16.0 * DEGREE;
 /// Wavelength of the Perlin term on the circle.
 pub(super) const PERLIN_SCALE_M: f64 = 14.0;
+/// Least Perlin weight, so that no direction is impossible.
+pub(super) const PERLIN_FLOOR: f64 = 0.01;
 /// Strength of the two preferred azimuths.
 pub(super) const FRACTURE: f64 = 1.4;
 /// Narrowness of the two preferred azimuths.

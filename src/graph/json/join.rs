@@ -89,7 +89,7 @@ impl Places {
         self.of_id.get(&id).copied().ok_or_else(|| ReadError::Node {
             node: format!("node {}", from.id),
             key,
-            fault: format!("name {id}, which is no node"),
+            fault: format!("has {id}, which is no node"),
         })
     }
 }

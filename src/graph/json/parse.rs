@@ -56,7 +56,8 @@ fn explained(error: &serde_json::Error, text: &str) -> ReadError {
         None => message,
     };
     if error.is_data() {
-        return ReadError::Shape { what: message };
+        let what = format!("line {line} column {column}: {message}");
+        return ReadError::Shape { what };
     }
     let before = text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
     let at = before.get(column.saturating_sub(1)..).unwrap_or_default();
@@ -180,21 +181,20 @@ impl<'de> Visitor<'de> for Nodes {
 
 /// Reads one node; `place` is its key where nodes are `keyed` by id.
 fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> {
+    let label = if keyed {
+        format!("node {place}")
+    } else {
+        place.to_owned()
+    };
     let Value::Object(fields) = node else {
-        return Err(ReadError::Shape {
-            what: format!("node {place} must be an object, found {}", kind(&node)),
-        });
+        let what = format!("{label} must be an object, found {}", kind(&node));
+        return Err(ReadError::Shape { what });
     };
     let id = match (fields.get("id"), keyed) {
         (None, true) => place.parse().ok(),
         (id, _) => id.and_then(Value::as_u64),
     };
     let Some(id) = id else {
-        let label = if keyed {
-            format!("node {place}")
-        } else {
-            place.to_owned()
-        };
         let fault = fields.get("id").map_or_else(
             || "is missing".to_owned(),
             |id| format!("must be a whole number, found {id}"),
