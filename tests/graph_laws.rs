@@ -340,3 +340,12 @@ fn to_segment(point: Point3<f64>, [a, b]: [Point3<f64>; 2]) -> f64 {
     let t = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
     (point - (a + along * t)).norm()
 }
+
+/// Drift between platforms or by accident shows here; a wanted change is accepted with `cargo insta`.
+#[test]
+fn small_graphs_are_what_they_were() {
+    for row in GENERATORS {
+        let graph = make(row.name, json!({"nodes": 30})).generate(7).unwrap();
+        insta::assert_snapshot!(row.name, write(&graph, "0.0.0", &Value::Null));
+    }
+}

@@ -88,7 +88,7 @@ impl Default for Mine {
             level_spacing_m: 15.0,
             access: Access::Ramp,
             ramp_max_deg: 8.0,
-            drifts: 3,
+            drifts: 4,
             drift_spacing_m: 20.0,
             crosscut_interval_m: 24.0,
             station_spacing_m: 6.0,
@@ -347,11 +347,11 @@ mod tests {
     #[test]
     fn without_irregularity_every_pillar_stands() {
         let mine = Mine {
-            nodes: 9 + 4 * (3 * 4 + 2 * 3),
+            nodes: 13 + 5 * (4 * 4 + 3 * 3),
             ..perfect()
         };
         let graph = mine.generate(1).expect("one level fits");
-        assert_eq!(graph.loops(), 4 * 2);
+        assert_eq!(graph.loops(), 5 * 3);
     }
 
     #[test]

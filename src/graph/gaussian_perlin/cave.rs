@@ -89,7 +89,13 @@ impl Lot {
         let trunk_reach = settings.reach_min_m + TRUNK_REACH * span;
         let stations = f64::from(settings.nodes) / f64::from(settings.layers);
         let auto = 0.5 * SPREAD * trunk_reach * stations.sqrt() + SPREAD_RIM_M;
-        let half = |side_m: f64| if side_m > 0.0 { 0.5 * side_m } else { auto };
+        let half = |side_m: f64| {
+            if side_m > 0.0 {
+                0.5 * side_m / settings.scale
+            } else {
+                auto
+            }
+        };
         Self {
             trunk_reach,
             spur_reach: settings.reach_min_m + SPUR_REACH * span,

@@ -15,7 +15,7 @@ use super::tuning::{
 use crate::graph::Graph;
 use crate::graph::dice::Dice;
 
-/// Nodes drawn before the search for one to wake becomes thorough.
+/// Nodes drawn in search of one to wake.
 const WAKE_DRAWS: usize = 64;
 /// Loops closed at the end, when no node is left.
 const LAST_LOOPS: usize = 6;
@@ -39,6 +39,8 @@ struct Growth<'a> {
     /// Branches that may still grow in the layers above.
     above: Vec<Bud>,
     hops: Hops,
+    /// First station of the deepest layer.
+    layer_start: usize,
     /// Rounds until another loop is tried.
     pause: u32,
 }
@@ -51,6 +53,7 @@ impl<'a> Growth<'a> {
             spurs: Vec::new(),
             above: Vec::new(),
             hops: Hops::default(),
+            layer_start: 0,
             pause: 0,
         }
     }
@@ -108,9 +111,11 @@ impl<'a> Growth<'a> {
         if !self.cave.is_layer_due() {
             return false;
         }
-        let Some(foot) = self.cave.descend() else {
+        let bottom = self.cave.stations.len();
+        let Some(foot) = self.cave.descend(self.layer_start) else {
             return false;
         };
+        self.layer_start = bottom;
         self.above.append(&mut self.trunks);
         self.above.append(&mut self.spurs);
         let heading = self.cave.stations[foot].heading;
@@ -163,8 +168,8 @@ impl<'a> Growth<'a> {
 
     /// A new branch from a node inside a passage, when no branch is alive.
     fn wake(&mut self) -> Bud {
+        let station = self.wakeable();
         let cave = &mut self.cave;
-        let station = wakeable(cave);
         let aside = cave.dice.sign() * cave.dice.between(60.0, 110.0) * DEGREE;
         let end = cave.stations[station].degree() < 2;
         Bud {
@@ -177,38 +182,39 @@ impl<'a> Growth<'a> {
     /// The children at the end of a branch.
     fn branch(&mut self, tip: usize, trunk: bool) {
         let children = self.children(trunk);
-        let heading = self.cave.stations[tip].heading;
-        let side = self.cave.dice.sign();
-        let dice = &mut self.cave.dice;
-        let mut turn = |low: f64, high: f64| side * dice.between(low, high) * DEGREE;
-        if !trunk {
-            let split = turn(25.0, 50.0);
-            let bearings = [heading - split, heading + split];
-            bearings[..children.min(2)]
-                .iter()
-                .for_each(|&bearing| self.bud(tip, bearing, false));
-        } else {
-            let bearings = [
-                heading - turn(0.0, 25.0),
-                heading + turn(55.0, 100.0),
-                heading - turn(70.0, 105.0),
-            ];
-            let side_trunk = self.cave.dice.chance(SIDE_TRUNK);
-            for (nth, &bearing) in bearings[..children].iter().enumerate() {
-                self.bud(tip, bearing, nth == 0 || (nth == 1 && side_trunk));
-            }
-        }
         if children == 0 {
             self.cave.stations[tip].alive = false;
+            return;
+        }
+        let heading = self.cave.stations[tip].heading;
+        let dice = &mut self.cave.dice;
+        let side = dice.sign();
+        let mut turn = |low: f64, high: f64| side * dice.between(low, high) * DEGREE;
+        if trunk {
+            let ahead = heading - turn(0.0, 25.0);
+            let aside = heading + turn(55.0, 100.0);
+            let beyond = heading - turn(70.0, 105.0);
+            let aside_trunk = self.cave.dice.chance(SIDE_TRUNK);
+            let buds = [(ahead, true), (aside, aside_trunk), (beyond, false)];
+            for &(bearing, trunk) in &buds[..children] {
+                self.bud(tip, bearing, trunk);
+            }
+        } else {
+            let split = turn(25.0, 50.0);
+            for &bearing in &[heading - split, heading + split][..children] {
+                self.bud(tip, bearing, false);
+            }
         }
     }
 
+    /// How many branches go on where one ends.
     fn children(&mut self, trunk: bool) -> usize {
         let dice = &mut self.cave.dice;
         let least = self.cave.settings.children_min as usize;
         let most = self.cave.settings.children_max as usize;
         if !trunk {
-            return if dice.chance(SPUR_SPLITS) { most } else { 0 };
+            let splits = dice.chance(SPUR_SPLITS);
+            return if splits { most.min(2) } else { 0 };
         }
         if dice.chance(TRUNK_DIES) {
             return 0;
@@ -216,28 +222,16 @@ impl<'a> Growth<'a> {
         let extra = (least..most).filter(|_| dice.chance(EXTRA_CHILD)).count();
         least + extra
     }
-}
 
-/// A node of the deepest layer that a branch may start from, inside a passage if there is one.
-fn wakeable(cave: &mut Cave) -> usize {
-    let deepest = cave.deepest;
-    let fits = |station: &Station| {
-        station.level == deepest
-            && station.degree() == 2
-            && matches!(station.kind, Kind::Trunk | Kind::Spur)
-    };
-    for _ in 0..WAKE_DRAWS {
-        let drawn = cave.dice.index(cave.stations.len());
-        if fits(&cave.stations[drawn]) {
-            return drawn;
-        }
+    /// A station inside a passage of the deepest layer, or any at all if there is none.
+    fn wakeable(&mut self) -> usize {
+        let cave = &mut self.cave;
+        let deep = cave.stations.len() - self.layer_start;
+        let drawn = (0..WAKE_DRAWS).map(|_| self.layer_start + cave.dice.index(deep));
+        let open = drawn.into_iter().find(|&drawn| {
+            let station = &cave.stations[drawn];
+            station.degree() == 2 && matches!(station.kind, Kind::Trunk | Kind::Spur)
+        });
+        open.unwrap_or_else(|| cave.dice.index(cave.stations.len()))
     }
-    let open: Vec<usize> = (0..cave.stations.len())
-        .filter(|&i| fits(&cave.stations[i]))
-        .collect();
-    if open.is_empty() {
-        // Every node carries at least one passage less than it may, or the cave is too crowded to grow on at all.
-        return cave.dice.index(cave.stations.len());
-    }
-    open[cave.dice.index(open.len())]
 }

@@ -4,9 +4,7 @@ use super::cave::{Cave, Kind};
 use super::circle::Spread;
 use super::clearance::Goal;
 use super::step::{Floor, Step};
-use super::tuning::{
-    DEGREE, GENTLEST_RAMP, LAYER_SHARE, RAMP_HEADS, RAMP_STEPS, RELIEF_GAIN, RELIEF_SCALE_M,
-};
+use super::tuning::{DEGREE, GENTLEST_RAMP, LAYER_SHARE, RAMP_HEADS, RELIEF_GAIN, RELIEF_SCALE_M};
 
 /// Height above the surface at which a ramp has arrived, in metres.
 const ARRIVED_M: f64 = 0.01;
@@ -28,21 +26,16 @@ impl Cave<'_> {
         self.deepest + 1 < self.settings.layers && self.stations.len() as f64 >= LAYER_SHARE * share
     }
 
-    /// Opens the next layer by a ramp from the deepest one; its foot, if one found room.
-    pub(super) fn descend(&mut self) -> Option<usize> {
-        let level = self.deepest;
-        let heads: Vec<usize> = (0..self.stations.len())
-            .filter(|&i| {
-                let station = &self.stations[i];
-                station.level == level && station.degree() <= 2 && station.kind != Kind::Ramp
-            })
-            .collect();
-        if heads.is_empty() {
-            return None;
-        }
+    /// Opens the next layer by a ramp from the deepest one, whose stations begin at `start`; its foot, if one found
+    /// room.
+    pub(super) fn descend(&mut self, start: usize) -> Option<usize> {
         (0..RAMP_HEADS).find_map(|_| {
-            let head = heads[self.dice.index(heads.len())];
-            self.grow_ramp(head)
+            let head = start + self.dice.index(self.stations.len() - start);
+            let station = &self.stations[head];
+            let fits = station.level == self.deepest
+                && station.degree() <= 2
+                && station.kind != Kind::Ramp;
+            fits.then(|| self.grow_ramp(head)).flatten()
         })
     }
 
@@ -64,7 +57,7 @@ impl Cave<'_> {
     fn walk_down(&mut self, head: usize, bearing: f64, slope: f64) -> Option<usize> {
         let level = self.stations[head].level + 1;
         let (mut tip, mut heading) = (head, bearing);
-        for _ in 0..RAMP_STEPS {
+        loop {
             let step = Step {
                 heading,
                 spread: Spread::Trunk,
@@ -84,6 +77,5 @@ impl Cave<'_> {
             }
             heading = self.pulled(tip, bearing);
         }
-        None
     }
 }

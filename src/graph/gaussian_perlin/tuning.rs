@@ -114,12 +114,10 @@ pub(super) const LAST_LEG: f64 = 0.8;
 
 /// Least inclination of a ramp, as a part of the greatest.
 pub(super) const GENTLEST_RAMP: f64 = 12.0 / 28.0;
-/// Steps of a ramp.
-pub(super) const RAMP_STEPS: usize = 60;
 /// Part of a layer's share of nodes after which the next one is opened.
 pub(super) const LAYER_SHARE: f64 = 0.92;
 /// Nodes tried as the head of a ramp.
-pub(super) const RAMP_HEADS: usize = 12;
+pub(super) const RAMP_HEADS: usize = 24;
 /// Height of the relief noise that makes its range about the setting.
 pub(super) const RELIEF_GAIN: f64 = 1.6;
 /// Wavelength of the relief.
