@@ -54,10 +54,10 @@ impl Dice {
 pub(super) fn probit(u: f64) -> f64 {
     const LOW: f64 = 0.02425;
     if u < LOW {
-        return tail(libm::sqrt(-2.0 * libm::log(u)));
+        return tail((-2.0 * libm::log(u)).sqrt());
     }
     if u > 1.0 - LOW {
-        return -tail(libm::sqrt(-2.0 * libm::log(1.0 - u)));
+        return -tail((-2.0 * libm::log(1.0 - u)).sqrt());
     }
     let q = u - 0.5;
     q * polynomial(

@@ -29,7 +29,7 @@ impl Graph {
         neighbors
     }
 
-    /// Passages at a node.
+    /// Passages at a node. Looks at all edges: ask [`neighbors`](Self::neighbors) for many nodes.
     pub fn degree(&self, node: usize) -> usize {
         self.edges
             .iter()

@@ -9,8 +9,8 @@ use super::clearance::Goal;
 use super::hops::Hops;
 use super::step::{Floor, Step};
 use super::tuning::{
-    BEND_DECAY, DEGREE, JOIN_TRIES, KEEP_MAIN, LAST_LEG, LINK_STEPS, LOOP_BIAS, LOOP_HOPS,
-    LOOP_SLACK, MID_TRIES, TIP_COST_M,
+    BEND_DECAY, DEAREST, DEGREE, JOIN_TRIES, KEEP_MAIN, LAST_LEG, LAYER_DISCOUNT, LINK_STEPS,
+    LOOP_BIAS, LOOP_HOPS, LOOP_SLACK, MID_TRIES, TIP_COST_M,
 };
 use crate::graph::millimetres;
 
@@ -80,16 +80,26 @@ impl Cave<'_> {
             if self.stations[to].kind == Kind::Main && self.dice.chance(KEEP_MAIN) {
                 continue;
             }
-            let chance = 1.0 + 0.6 * self.dice.unit();
-            let at_tip = self.stations[to].degree() == 1;
-            let cost = self.distance(from, to) * chance + if at_tip { TIP_COST_M } else { 0.0 };
-            let bias = libm::pow(f64::from(way_round), LOOP_BIAS);
+            let cost = self.cost_m(from, to) / libm::pow(f64::from(way_round), LOOP_BIAS);
             found.push(Candidate {
-                cost_um: (cost / bias * 1e6) as u64,
+                cost_um: (cost * 1e6) as u64,
                 from,
                 to,
             });
         }
+    }
+
+    /// What a connector costs in metres of passage: drawn within limits, less between layers, more at a tip.
+    fn cost_m(&mut self, from: usize, to: usize) -> f64 {
+        let drawn = self.distance(from, to) * self.dice.between(1.0, DEAREST);
+        let (a, b) = (&self.stations[from], &self.stations[to]);
+        let layers = if a.level == b.level {
+            1.0
+        } else {
+            LAYER_DISCOUNT
+        };
+        let tip = if b.degree() == 1 { TIP_COST_M } else { 0.0 };
+        layers * drawn + tip
     }
 
     /// Whether a connector between the two could be lawful and has nodes enough left.

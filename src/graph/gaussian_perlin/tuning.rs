@@ -101,6 +101,10 @@ pub(super) const JOIN_TRIES: usize = 14;
 pub(super) const MID_TRIES: usize = 4;
 /// Weight of the way round in the choice of a loop.
 pub(super) const LOOP_BIAS: f64 = 0.25;
+/// Greatest factor by which chance makes a connector dearer.
+pub(super) const DEAREST: f64 = 1.6;
+/// Cost of a connector between layers per cost of one within: the paper wants several.
+pub(super) const LAYER_DISCOUNT: f64 = 0.4;
 /// What a join at a tip costs beside one in a passage.
 pub(super) const TIP_COST_M: f64 = 6.0;
 /// Probability that a main branch is spared by a connector.
