@@ -5,6 +5,7 @@ use std::fs;
 
 use plume::graph::json::{Document, ReadError, read, write};
 use plume::graph::{Graph, Node};
+use proptest::prelude::*;
 use serde_json::json;
 
 fn original(name: &str) -> Document {
@@ -150,4 +151,26 @@ fn scaling_scales_every_length() {
     assert_eq!(graph.length_m(), 10.0);
     assert_eq!(graph.nodes[2].radius, 5.0);
     assert_eq!(graph.bounds().unwrap()[1], [10.0, 2.5, -1.25].into());
+}
+
+proptest! {
+    /// Whatever a file holds, it is read or refused, and what is read keeps the laws.
+    #[test]
+    fn damaged_files_are_read_or_refused(
+        cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..6_usize, "[-0-9a-z\",:{}\\[\\].]{0,4}"), 1..4)
+    ) {
+        let mut text = write(&straight(6), "0.1.0", &json!({}));
+        for (place, length, patch) in cuts {
+            let start = place.index(text.len());
+            let end = (start + length).min(text.len());
+            text.replace_range(start..end, &patch);
+        }
+        if let Ok(Document { graph, .. }) = read(&text) {
+            prop_assert_eq!(graph.components().len(), 1);
+            prop_assert!(graph.nodes.iter().all(|node| node.radius > 0.0));
+            prop_assert!(graph.nodes.iter().all(|node| node.position.iter().all(|x| x.is_finite())));
+            let back = read(&write(&graph, "0.1.0", &json!({}))).unwrap().graph;
+            prop_assert_eq!(back, graph);
+        }
+    }
 }

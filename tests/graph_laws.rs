@@ -186,6 +186,7 @@ fn stressed() -> Vec<Value> {
         json!({"nodes": 50}),
         json!({"nodes": 250}),
         json!({"nodes": 150, "layers": 3, "layer_spacing_m": 5.0}),
+        json!({"nodes": 400, "loop_closure": 2.0}),
         json!({"nodes": 150, "loop_closure": 2.0, "sigma_deg": 15.0}),
         json!({"nodes": 150, "distribution": "perlin"}),
         json!({"nodes": 150, "distribution": "gaussian", "sigma_deg": 80.0}),
@@ -227,6 +228,41 @@ fn caves_stay_in_bounds_and_are_not_too_steep() {
             }
         }
     }
+}
+
+#[test]
+fn passages_at_a_node_stand_apart_and_none_grows_in_the_forbidden_arc() {
+    // A section is ruled out by its middle, so half a degree of it may be used.
+    const SECTION_DEG: f64 = 0.6;
+    for settings in [
+        json!({"nodes": 250}),
+        json!({"nodes": 120, "forbidden_deg": 220.0}),
+    ] {
+        let generator = make("gaussian-perlin", settings.clone());
+        let behind = settings["forbidden_deg"].as_f64().unwrap_or(150.0) / 2.0;
+        for seed in 0..6 {
+            let graph = generator.generate(seed).unwrap();
+            for (node, others) in graph.neighbors().iter().enumerate() {
+                let parent = graph.nodes[node].parent;
+                for (place, &a) in others.iter().enumerate() {
+                    for &b in &others[place + 1..] {
+                        let grown = graph.nodes[b].parent == Some(node) && parent == Some(a);
+                        let least = if grown { behind } else { 55.0 };
+                        let angle = plan_angle_deg(&graph, node, a, b);
+                        assert!(
+                            angle > least - SECTION_DEG,
+                            "{settings} {seed} {node}: {angle}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn plan_angle_deg(graph: &Graph, at: usize, a: usize, b: usize) -> f64 {
+    let way = |to: usize| (graph.nodes[to].position - graph.nodes[at].position).xy();
+    way(a).angle(&way(b)).to_degrees()
 }
 
 /// A child lies on the circle of its parent, save for the last leg of a connector.
@@ -313,10 +349,12 @@ fn nearest_excess(graph: &Graph) -> f64 {
             *end == c || *end == d || neighbors[*end].contains(&c) || neighbors[*end].contains(&d)
         })
     };
+    // Two passages and the rock between them are shorter together.
+    const FAR_M: f64 = 40.0;
     let mut least = f64::INFINITY;
     for (place, &first) in graph.edges.iter().enumerate() {
         for &second in &graph.edges[place + 1..] {
-            if joined(first, second) {
+            if graph.distance_m(first[0], second[0]) > FAR_M || joined(first, second) {
                 continue;
             }
             let width = |[a, b]: [usize; 2]| half(a).max(half(b));

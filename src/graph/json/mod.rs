@@ -31,7 +31,7 @@ pub struct Document {
     pub graph: Graph,
     /// The recipe it was made from, where the file has one.
     pub recipe: Option<Value>,
-    /// Whether no plume of this line wrote it: it names no version.
+    /// Whether it names no version, as the files of the original script do not.
     pub original: bool,
 }
 
