@@ -10,7 +10,8 @@ use serde_json::json;
 
 fn original(name: &str) -> Document {
     let path = format!("tests/data/plume_original_50_{name}.json");
-    read(&fs::read_to_string(path).unwrap()).unwrap()
+    let text = fs::read_to_string(path).expect("it is in the repository");
+    read(&text).expect("it is as the original script wrote it")
 }
 
 #[test]

@@ -6,13 +6,13 @@ use plume::graph::metrics::{Metrics, REAL_CAVES};
 use plume::graph::{Graph, Node};
 
 fn numbers<const N: usize>(file: &str) -> Vec<[f64; N]> {
-    let text = fs::read_to_string(format!("tests/data/sakany/{file}")).unwrap();
+    let text = fs::read_to_string(format!("tests/data/sakany/{file}")).expect(file);
     let row = |line: &str| {
         let numbers: Vec<f64> = line
             .split_whitespace()
-            .map(|x| x.parse().unwrap())
+            .map(|x| x.parse().expect("a number"))
             .collect();
-        numbers.try_into().unwrap()
+        numbers.try_into().expect("a full row")
     };
     text.lines().map(row).collect()
 }
