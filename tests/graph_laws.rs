@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use nalgebra::Point3;
 use plume::graph::json::{read, write};
 use plume::graph::metrics::Metrics;
-use plume::graph::{GENERATORS, Generator, Graph, generator};
+use plume::graph::{GENERATORS, Generator, GeneratorRow, Graph, generator};
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 const SEEDS: u64 = 12;
@@ -170,6 +171,53 @@ fn defaults_are_what_an_empty_recipe_reads_and_unknown_keys_are_refused() {
             assert_eq!(format!("{:?}", make(row.name, settings)), empty, "{key}");
         }
         assert!((row.read)(json!({"no_such_key": 1})).is_err());
+    }
+}
+
+/// The settings of a row, each at this part of its range.
+fn drawn(row: &GeneratorRow, nodes: u32, parts: &[f64]) -> Value {
+    let schema: Value = (row.schema)().into();
+    let properties = schema["properties"]
+        .as_object()
+        .expect("settings have names");
+    let mut settings = json!({});
+    for ((key, property), part) in properties.iter().zip(parts.iter().cycle()) {
+        let (Some(low), Some(high)) = (property["minimum"].as_f64(), property["maximum"].as_f64())
+        else {
+            continue;
+        };
+        let value = low + (high - low) * part;
+        settings[key] = match property["type"].as_str() {
+            Some("integer") => (value.round() as u64).into(),
+            _ => value.into(),
+        };
+    }
+    settings["nodes"] = nodes.into();
+    settings
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 32,
+        failure_persistence: None,
+        ..Default::default()
+    })]
+
+    /// Settings anywhere in their ranges give the asked graph or a hint.
+    #[test]
+    fn any_settings_make_a_graph_or_an_error(
+        row in prop::sample::select(GENERATORS.iter().collect::<Vec<_>>()),
+        nodes in 2..90_u32,
+        parts in prop::collection::vec(prop_oneof![Just(0.0), Just(1.0), 0.0..0.3_f64], 24),
+    ) {
+        match make(row.name, drawn(row, nodes, &parts)).generate(3) {
+            Ok(graph) => {
+                prop_assert_eq!(graph.nodes.len(), nodes as usize);
+                prop_assert_eq!(graph.components().len(), 1);
+                prop_assert_eq!(&read(&write(&graph, "", &Value::Null)).unwrap().graph, &graph);
+            }
+            Err(error) => prop_assert!(!error.message.is_empty() && !error.hint.is_empty()),
+        }
     }
 }
 

@@ -218,8 +218,8 @@ impl<'a> Survey<'a> {
             active: false,
             level,
             section: Some(Section {
-                width_m: self.mine.drift_width_m,
-                height_m: self.mine.drift_height_m,
+                width_m: millimetres(self.mine.drift_width_m),
+                height_m: millimetres(self.mine.drift_height_m),
             }),
         });
         index

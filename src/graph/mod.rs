@@ -79,6 +79,7 @@ pub struct GenerateError {
 }
 
 /// A row of [`GENERATORS`].
+#[derive(Debug)]
 pub struct GeneratorRow {
     /// Name in recipes.
     pub name: &'static str,

@@ -45,7 +45,7 @@ const ATTEMPTS: [u32; 2] = [4, 400];
 /// Held back from each end of a range, so that whoever measures the graph elsewhere agrees.
 const INSET: f64 = 0.002;
 /// Part of the attempts that may run out of room before the settings are found too tight, as a divisor.
-const CROWDED: u32 = 8;
+const CROWDED: u32 = 16;
 
 /// How the direction of the next passage is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -81,7 +81,7 @@ pub(super) const TRUNK_FIRST: f64 = 0.6;
 /// Probability that a woken node grows a trunk.
 pub(super) const WAKE_TRUNK: f64 = 0.25;
 /// Rounds without progress before an attempt gives up.
-pub(super) const PATIENCE: usize = 400;
+pub(super) const PATIENCE: usize = 200;
 
 /// Mean degree of the reduced graph aimed at, above 2, at loop closure 1.
 pub(super) const EXCESS_DEGREE: [f64; 2] = [0.04, 0.18];
