@@ -17,7 +17,7 @@ use super::{GenerateError, Generator, Graph, Node, Section, millimetres};
 use crate::seed;
 
 /// Probability that a drift stops at the end of a bay, per probability that a cross-cut is left out.
-const STOPS_PER_SKIP: f64 = 0.25;
+const STOPS_PER_SKIP: f64 = 0.1;
 /// Shortest side of a ramp's square, in widths of a drift.
 const RAMP_SIDE: f64 = 4.0;
 
@@ -72,7 +72,7 @@ pub struct Mine {
     /// Height of drifts, cross-cuts and ramps, in metres.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub drift_height_m: f64,
-    /// Probability that a cross-cut is left out; drifts stop early with a quarter of it.
+    /// Probability that a cross-cut is left out; drifts stop early with a tenth of it.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub irregularity: f64,
     /// Greatest distance of a station from its place in the layout, along each axis of the plan, in metres.
@@ -88,7 +88,7 @@ impl Default for Mine {
             level_spacing_m: 15.0,
             access: Access::Ramp,
             ramp_max_deg: 8.0,
-            drifts: 4,
+            drifts: 5,
             drift_spacing_m: 20.0,
             crosscut_interval_m: 24.0,
             station_spacing_m: 6.0,
@@ -347,11 +347,11 @@ mod tests {
     #[test]
     fn without_irregularity_every_pillar_stands() {
         let mine = Mine {
-            nodes: 13 + 5 * (4 * 4 + 3 * 3),
+            nodes: 17 + 5 * (5 * 4 + 4 * 3),
             ..perfect()
         };
         let graph = mine.generate(1).expect("one level fits");
-        assert_eq!(graph.loops(), 5 * 3);
+        assert_eq!(graph.loops(), 5 * 4);
     }
 
     #[test]
