@@ -3,8 +3,23 @@
 //! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes and no files.
 //! A [`Generator`] makes one from a seed; [`GENERATORS`] lists them all.
 
+mod dice;
+pub mod gaussian_perlin;
+pub mod json;
+pub mod metrics;
+pub mod mine;
+mod reduced;
+mod shape;
+
 use nalgebra::Point3;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
+
+pub use gaussian_perlin::GaussianPerlin;
+pub use mine::Mine;
+use shape::millimetres;
 
 /// A station: a point on the centreline of a passage.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +41,7 @@ pub struct Node {
 }
 
 /// The cross-section of a passage, in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Section {
     /// Full width.
     pub width_m: f64,
@@ -64,6 +79,7 @@ pub struct GenerateError {
 }
 
 /// A row of [`GENERATORS`].
+#[derive(Debug)]
 pub struct GeneratorRow {
     /// Name in recipes.
     pub name: &'static str,
@@ -76,4 +92,30 @@ pub struct GeneratorRow {
 }
 
 /// Every generator, the default first.
-pub static GENERATORS: &[GeneratorRow] = &[];
+pub static GENERATORS: &[GeneratorRow] = &[
+    row::<GaussianPerlin>(
+        "gaussian-perlin",
+        "caves: the PLUME paper's walk, kept within the statistics of real caves",
+    ),
+    row::<Mine>(
+        "mine",
+        "drifts and cross-cuts on levels joined by ramps or shafts",
+    ),
+];
+
+/// The generator that recipes call `name`.
+pub fn generator(name: &str) -> Option<&'static GeneratorRow> {
+    GENERATORS.iter().find(|row| row.name == name)
+}
+
+const fn row<G>(name: &'static str, summary: &'static str) -> GeneratorRow
+where
+    G: Generator + DeserializeOwned + JsonSchema + 'static,
+{
+    GeneratorRow {
+        name,
+        summary,
+        schema: || schemars::schema_for!(G),
+        read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
+    }
+}

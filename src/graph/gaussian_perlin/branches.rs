@@ -1,0 +1,109 @@
+//! A branch: steps until its planned length is used up or nothing is left to draw.
+
+use super::cave::{Cave, Kind};
+use super::circle::{Spread, wrap};
+use super::clearance::Goal;
+use super::step::{Floor, Step};
+use super::tuning::{BEARING_PULL, DRIFT, NODES_IN_BRANCH, STRAIGHT_FROM};
+
+/// A branch that may grow.
+#[derive(Clone, Copy)]
+pub(super) struct Bud {
+    pub(super) station: usize,
+    pub(super) bearing: f64,
+    pub(super) trunk: bool,
+}
+
+impl Cave<'_> {
+    /// Grows a branch and returns its last node, or `None` when not one node found room.
+    ///
+    /// The direction of travel persists, drifts, and returns to the bearing of the branch.
+    pub(super) fn grow(&mut self, bud: Bud) -> Option<usize> {
+        let (length, main) = self.draw_length(bud.trunk);
+        let mean = self.reach_in(length, bud.trunk);
+        let kind = match (main, bud.trunk) {
+            (true, _) => Kind::Main,
+            (false, true) => Kind::Trunk,
+            (false, false) => Kind::Spur,
+        };
+        let spread = if length > STRAIGHT_FROM * mean {
+            Spread::Trunk
+        } else {
+            Spread::Spur
+        };
+        let (mut tip, mut bearing, mut heading) = (bud.station, bud.bearing, bud.bearing);
+        let mut grown = 0.0;
+        while grown < length && self.room() > 0 {
+            let radius = self.draw_reach(mean, Some(self.stations[tip].radius));
+            let level = self.stations[tip].level;
+            let step = Step {
+                heading,
+                spread,
+                radius,
+                kind,
+                level,
+                floor: Floor::Surface,
+                goal: Goal::Open,
+            };
+            let Some(next) = self.step(tip, &step) else {
+                break;
+            };
+            grown += self.stations[tip].radius;
+            tip = next;
+            bearing += DRIFT * self.dice.gauss();
+            bearing = self.turned_from_wall(tip, bearing);
+            heading = self.pulled(tip, bearing);
+        }
+        if main && tip != bud.station && self.room() > 0 {
+            self.stations[tip].kind = Kind::Trunk;
+        }
+        (tip != bud.station).then_some(tip)
+    }
+
+    /// The heading on from a node, drawn back to the bearing of its branch.
+    pub(super) fn pulled(&self, station: usize, bearing: f64) -> f64 {
+        let heading = self.stations[station].heading;
+        heading + BEARING_PULL * wrap(bearing - heading)
+    }
+
+    fn draw_length(&mut self, trunk: bool) -> (f64, bool) {
+        if trunk {
+            self.lengths.trunk(&mut self.dice)
+        } else {
+            (self.lengths.spur(&mut self.dice), false)
+        }
+    }
+
+    /// The mean radius in a branch of this length: long spurs walk like trunks.
+    fn reach_in(&self, length: f64, trunk: bool) -> f64 {
+        let usual = if trunk {
+            self.lot.trunk_reach
+        } else {
+            self.lot.spur_reach
+        };
+        usual
+            .max(length / NODES_IN_BRANCH)
+            .min(self.lot.trunk_reach)
+    }
+
+    /// The bearing, turned to slide along the bounds where it would run into them.
+    fn turned_from_wall(&self, station: usize, bearing: f64) -> f64 {
+        const INWARD: f64 = 0.35;
+        let at = self.position(station);
+        let rim = 2.0 * self.lot.trunk_reach;
+        let (mut x, mut y) = (libm::cos(bearing), libm::sin(bearing));
+        let meets = |at: f64, half: f64, along: f64| at.abs() > half - rim && along * at > 0.0;
+        let east_west = meets(at.x, self.lot.half[0], x);
+        let north_south = meets(at.y, self.lot.half[1], y);
+        if !east_west && !north_south {
+            return bearing;
+        }
+        if east_west {
+            x = -INWARD.copysign(at.x);
+        }
+        if north_south {
+            y = -INWARD.copysign(at.y);
+        }
+        libm::atan2(y, x)
+    }
+}
