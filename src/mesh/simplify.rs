@@ -1,0 +1,463 @@
+//! Fewer triangles by collapsing edges (Garland and Heckbert 1997) under the link condition (Dey et al., *Topology
+//! preserving edge contraction*, 1999), so a manifold stays one and keeps its genus.
+//!
+//! Border vertices stay where they are, and no new edge may join two of them: two chunks could both add it. What is
+//! left out is measured by the quadric: the root mean square distance of the new vertex to the planes of all the
+//! triangles it stands for. That is no bound of the greatest distance.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use nalgebra::Vector3;
+
+use super::facet::Facets;
+use super::quadric::Quadric;
+use super::{Mesh, QUANTA_PER_M};
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// Collapse while the error stays below, in metres.
+    pub(super) error_m: f32,
+    /// Then go on, whatever the error, while there are more triangles than this.
+    pub(super) most_triangles: Option<usize>,
+}
+
+/// The simplified triangles, and the greatest error of a collapse in metres.
+pub(super) fn simplify(facets: &Facets, goal: Goal) -> (Facets, f32) {
+    let mut collapser = Collapser::new(&facets.mesh);
+    let error_m = collapser.run(goal);
+    (collapser.finish(facets), error_m)
+}
+
+/// Cosine of the furthest that a triangle may turn in one collapse. Tuned: 72°.
+const LEAST_TURN_COSINE: f64 = 0.3;
+/// Least quality (1: equilateral, 0: no area) unless the collapse betters it. Tuned.
+const LEAST_QUALITY: f64 = 0.12;
+/// Share of an edge's squared length in its cost, so that short edges of flat patches go first. Tuned.
+const LENGTH_SHARE: f64 = 1e-6;
+
+/// Positions are whole quanta from here, so that areas are exact and round alike anywhere.
+struct Collapser<'a> {
+    mesh: &'a Mesh,
+    positions: Vec<Vector3<f64>>,
+    quadrics: Vec<Quadric>,
+    /// Dead ones hold [`NONE`] thrice.
+    triangles: Vec<[u32; 3]>,
+    live: usize,
+    corners: Corners,
+    /// Counts the changes around a vertex; candidates of before are stale.
+    versions: Vec<u32>,
+    heap: BinaryHeap<Reverse<Candidate>>,
+    marks: Marks,
+    ring: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// An edge to collapse: cost, both vertices and the sum of their versions, compared in this order.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Candidate(u128);
+
+impl Candidate {
+    fn new(cost: f32, a: u32, b: u32, version: u32) -> Self {
+        let words = [cost.to_bits(), a.min(b), a.max(b), version];
+        Self(
+            words
+                .into_iter()
+                .fold(0, |packed, word| packed << 32 | u128::from(word)),
+        )
+    }
+
+    fn unpack(self) -> (f32, u32, u32, u32) {
+        let word = |at: u32| (self.0 >> (32 * at)) as u32;
+        (f32::from_bits(word(3)), word(2), word(1), word(0))
+    }
+}
+
+/// What a collapse would do: `gone` merges into `kept`, which moves to `to`.
+struct Collapse {
+    kept: u32,
+    gone: u32,
+    to: Vector3<f64>,
+    /// Mean squared distance in quanta.
+    error: f64,
+}
+
+impl<'a> Collapser<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        let first = mesh.positions.first().copied().unwrap_or_default();
+        let local = |p: &[i32; 3]| Vector3::from_fn(|i, _| f64::from(p[i] - first[i]));
+        let mut collapser = Self {
+            mesh,
+            positions: mesh.positions.iter().map(local).collect(),
+            quadrics: vec![Quadric::default(); mesh.positions.len()],
+            triangles: mesh.triangles.clone(),
+            live: mesh.triangles.len(),
+            corners: Corners::new(mesh),
+            versions: vec![0; mesh.positions.len()],
+            heap: BinaryHeap::new(),
+            marks: Marks::new(mesh.positions.len()),
+            ring: Vec::new(),
+        };
+        for triangle in &mesh.triangles {
+            let quadric = Quadric::of_triangle(collapser.corners_of(*triangle));
+            for &corner in triangle {
+                collapser.quadrics[corner as usize].add(&quadric);
+            }
+        }
+        collapser
+    }
+
+    /// Collapses to the goal; returns the greatest error in metres.
+    fn run(&mut self, goal: Goal) -> f32 {
+        let quanta = f64::from(goal.error_m) * f64::from(QUANTA_PER_M);
+        let most_error = quanta * quanta;
+        let limit = if goal.most_triangles.is_some() {
+            f64::INFINITY
+        } else {
+            most_error
+        };
+        self.heap = self.first_candidates(limit).into();
+        let mut greatest = 0.0f64;
+        while let Some(Reverse(candidate)) = self.heap.pop() {
+            let (_, a, b, version) = candidate.unpack();
+            if !self.is_current(a, b, version) {
+                continue;
+            }
+            let Some(collapse) = self.plan(a, b) else {
+                continue;
+            };
+            let over_budget = goal.most_triangles.is_some_and(|most| self.live > most);
+            if (collapse.error > most_error && !over_budget) || !self.is_lawful(&collapse) {
+                continue;
+            }
+            greatest = greatest.max(collapse.error);
+            self.apply(&collapse);
+            self.renew_candidates(collapse.kept, limit);
+        }
+        (greatest.sqrt() / f64::from(QUANTA_PER_M)) as f32
+    }
+
+    fn first_candidates(&self, limit: f64) -> Vec<Reverse<Candidate>> {
+        let mut candidates = Vec::with_capacity(self.triangles.len() * 3 / 2);
+        for &[a, b, c] in &self.triangles {
+            for (a, b) in [(a, b), (b, c), (c, a)] {
+                // Of an edge inside, the triangle on either side offers it: one is enough. Edges without a second
+                // triangle join two border vertices and are no candidates.
+                if a < b {
+                    candidates.extend(self.candidate(a, b, limit));
+                }
+            }
+        }
+        candidates
+    }
+
+    fn candidate(&self, a: u32, b: u32, limit: f64) -> Option<Reverse<Candidate>> {
+        let collapse = self.plan(a, b).filter(|collapse| collapse.error <= limit)?;
+        let edge = self.positions[a as usize] - self.positions[b as usize];
+        let cost = (collapse.error + LENGTH_SHARE * edge.norm_squared()) as f32;
+        Some(Reverse(Candidate::new(cost, a, b, self.version(a, b))))
+    }
+
+    fn renew_candidates(&mut self, vertex: u32, limit: f64) {
+        self.versions[vertex as usize] += 1;
+        self.marks.clear();
+        for corner in self.corners.of(vertex) {
+            for end in others(self.triangles[corner.triangle], vertex) {
+                if self.marks.set(end) {
+                    self.ring.push(end);
+                }
+            }
+        }
+        while let Some(end) = self.ring.pop() {
+            let candidate = self.candidate(vertex, end, limit);
+            self.heap.extend(candidate);
+        }
+    }
+
+    /// Versions only grow, so an equal sum means that neither vertex changed.
+    fn version(&self, a: u32, b: u32) -> u32 {
+        self.versions[a as usize] + self.versions[b as usize]
+    }
+
+    fn is_current(&self, a: u32, b: u32, version: u32) -> bool {
+        self.corners.is_alive(a) && self.corners.is_alive(b) && self.version(a, b) == version
+    }
+
+    /// Where an edge would collapse to; `None` between two border vertices.
+    fn plan(&self, a: u32, b: u32) -> Option<Collapse> {
+        let [at_a, at_b] = [a, b].map(|v| self.positions[v as usize]);
+        let mut quadric = self.quadrics[a as usize];
+        quadric.add(&self.quadrics[b as usize]);
+        let collapse = |kept, gone, to| Collapse {
+            kept,
+            gone,
+            to,
+            error: quadric.at(&to),
+        };
+        match [a, b].map(|v| self.mesh.border[v as usize]) {
+            [true, true] => None,
+            [true, false] => Some(collapse(a, b, at_a)),
+            [false, true] => Some(collapse(b, a, at_b)),
+            [false, false] => {
+                let middle = ((at_a + at_b) * 0.5).map(f64::round);
+                let reach = (at_a - at_b).norm_squared();
+                let best = quadric.minimum().map(|p| p.map(f64::round));
+                let best = best.filter(|p| (p - middle).norm_squared() <= reach);
+                let middle = collapse(a, b, middle);
+                let best = best
+                    .map(|p| collapse(a, b, p))
+                    .filter(|c| c.error < middle.error);
+                Some(best.unwrap_or(middle))
+            }
+        }
+    }
+
+    fn is_lawful(&mut self, collapse: &Collapse) -> bool {
+        self.keeps_topology(collapse)
+            && self.keeps_shape(collapse.gone, collapse)
+            && (self.mesh.border[collapse.kept as usize]
+                || self.keeps_shape(collapse.kept, collapse))
+    }
+
+    /// The link condition and the rule against chords of the border.
+    fn keeps_topology(&mut self, &Collapse { kept, gone, .. }: &Collapse) -> bool {
+        self.marks.clear();
+        for corner in self.corners.of(kept) {
+            for end in others(self.triangles[corner.triangle], kept) {
+                self.marks.set(end);
+            }
+        }
+        let border = &self.mesh.border;
+        let mut shared = 0;
+        // `gone` lies inside: going around it meets each neighbour once as the next corner.
+        for corner in self.corners.of(gone) {
+            let end = self.triangles[corner.triangle][(corner.place + 1) % 3];
+            if self.marks.has(end) {
+                let least = if border[end as usize] { 2 } else { 4 };
+                if self.corners.of(end).take(least).count() < least {
+                    return false;
+                }
+                shared += 1;
+            } else if end != kept && border[kept as usize] && border[end as usize] {
+                return false;
+            }
+        }
+        shared == 2
+    }
+
+    /// Whether the triangles around `vertex` that stay neither turn over nor turn into needles.
+    fn keeps_shape(&self, vertex: u32, collapse: &Collapse) -> bool {
+        let other = collapse.kept ^ collapse.gone ^ vertex;
+        self.corners.of(vertex).all(|corner| {
+            let triangle = self.triangles[corner.triangle];
+            if triangle.contains(&other) {
+                return true;
+            }
+            let before = self.corners_of(triangle);
+            let mut after = before;
+            after[corner.place] = collapse.to;
+            let [old, new] = [before, after].map(|[a, b, c]| (b - a).cross(&(c - a)));
+            let turn = old.dot(&new);
+            let least = LEAST_TURN_COSINE * LEAST_TURN_COSINE;
+            let turns_little =
+                turn > 0.0 && turn * turn >= least * old.norm_squared() * new.norm_squared();
+            turns_little && {
+                let quality = squared_quality(after, new);
+                quality >= LEAST_QUALITY * LEAST_QUALITY || quality >= squared_quality(before, old)
+            }
+        })
+    }
+
+    fn apply(&mut self, &Collapse { kept, gone, to, .. }: &Collapse) {
+        let mut next = self.corners.detach(gone);
+        while let Some(corner) = next {
+            next = self.corners.after(corner);
+            let triangle = self.triangles[corner.triangle];
+            if triangle.contains(&kept) {
+                for (place, &vertex) in triangle.iter().enumerate() {
+                    if vertex != gone {
+                        self.corners.remove(vertex, Corner { place, ..corner });
+                    }
+                }
+                self.triangles[corner.triangle] = [NONE; 3];
+                self.live -= 1;
+            } else {
+                self.triangles[corner.triangle][corner.place] = kept;
+                self.corners.insert(kept, corner);
+            }
+        }
+        self.positions[kept as usize] = to;
+        let quadric = self.quadrics[gone as usize];
+        self.quadrics[kept as usize].add(&quadric);
+    }
+
+    fn corners_of(&self, triangle: [u32; 3]) -> [Vector3<f64>; 3] {
+        triangle.map(|corner| self.positions[corner as usize])
+    }
+
+    /// Packs what is left, in its old order.
+    fn finish(self, before: &Facets) -> Facets {
+        let first = self.mesh.positions.first().copied().unwrap_or_default();
+        let areas = self.areas();
+        let mut names = vec![NONE; self.positions.len()];
+        let mut facets = Facets {
+            mesh: Mesh::default(),
+            leanings: Vec::new(),
+        };
+        for triangle in self.triangles.iter().filter(|triangle| triangle[0] != NONE) {
+            let triangle = triangle.map(|corner| {
+                let vertex = corner as usize;
+                if names[vertex] == NONE {
+                    names[vertex] = facets.mesh.positions.len() as u32;
+                    let at = self.positions[vertex];
+                    let at = std::array::from_fn(|i| at[i] as i32 + first[i]);
+                    let border = self.mesh.border[vertex];
+                    let lean = if border {
+                        before.leanings[vertex]
+                    } else {
+                        areas[vertex]
+                    };
+                    facets.mesh.positions.push(at);
+                    facets.mesh.border.push(border);
+                    facets.leanings.push(lean);
+                }
+                names[vertex]
+            });
+            facets.mesh.triangles.push(triangle);
+        }
+        facets
+    }
+
+    fn areas(&self) -> Vec<Vector3<f64>> {
+        let mut areas = vec![Vector3::zeros(); self.positions.len()];
+        for triangle in self.triangles.iter().filter(|triangle| triangle[0] != NONE) {
+            let [a, b, c] = self.corners_of(*triangle);
+            let area = (b - a).cross(&(c - a));
+            for &corner in triangle {
+                areas[corner as usize] += area;
+            }
+        }
+        areas
+    }
+}
+
+/// Twelve times the squared area over the squared sum of squared sides: 1 for an equilateral triangle.
+fn squared_quality([a, b, c]: [Vector3<f64>; 3], double_area: Vector3<f64>) -> f64 {
+    let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    12.0 * double_area.norm_squared() / (sides * sides)
+}
+
+fn others(triangle: [u32; 3], vertex: u32) -> impl Iterator<Item = u32> {
+    triangle.into_iter().filter(move |&corner| corner != vertex)
+}
+
+/// A corner of a triangle.
+#[derive(Clone, Copy)]
+struct Corner {
+    triangle: usize,
+    place: usize,
+}
+
+impl Corner {
+    fn from_link(link: u32) -> Option<Self> {
+        let link = link as usize;
+        (link != NONE as usize).then_some(Self {
+            triangle: link / 3,
+            place: link % 3,
+        })
+    }
+
+    fn link(self) -> usize {
+        3 * self.triangle + self.place
+    }
+}
+
+/// The corners at each vertex, in linked lists over one array.
+struct Corners {
+    first: Vec<u32>,
+    next: Vec<u32>,
+}
+
+impl Corners {
+    fn new(mesh: &Mesh) -> Self {
+        let first = vec![NONE; mesh.positions.len()];
+        let mut corners = Self {
+            first,
+            next: vec![NONE; 3 * mesh.triangles.len()],
+        };
+        for (triangle, vertices) in mesh.triangles.iter().enumerate().rev() {
+            for (place, &vertex) in vertices.iter().enumerate() {
+                corners.insert(vertex, Corner { triangle, place });
+            }
+        }
+        corners
+    }
+
+    fn of(&self, vertex: u32) -> impl Iterator<Item = Corner> {
+        let first = Corner::from_link(self.first[vertex as usize]);
+        std::iter::successors(first, |&corner| self.after(corner))
+    }
+
+    fn after(&self, corner: Corner) -> Option<Corner> {
+        Corner::from_link(self.next[corner.link()])
+    }
+
+    fn is_alive(&self, vertex: u32) -> bool {
+        self.first[vertex as usize] != NONE
+    }
+
+    fn insert(&mut self, vertex: u32, corner: Corner) {
+        let first = &mut self.first[vertex as usize];
+        self.next[corner.link()] = std::mem::replace(first, corner.link() as u32);
+    }
+
+    fn remove(&mut self, vertex: u32, corner: Corner) {
+        let (link, after) = (corner.link() as u32, self.next[corner.link()]);
+        if self.first[vertex as usize] == link {
+            self.first[vertex as usize] = after;
+            return;
+        }
+        let is_before = |corner: &Corner| self.next[corner.link()] == link;
+        let before = self
+            .of(vertex)
+            .find(is_before)
+            .expect("it was inserted")
+            .link();
+        self.next[before] = after;
+    }
+
+    /// Takes all corners from a vertex; the first of them.
+    fn detach(&mut self, vertex: u32) -> Option<Corner> {
+        Corner::from_link(std::mem::replace(&mut self.first[vertex as usize], NONE))
+    }
+}
+
+/// A set of vertices that is cleared at once.
+struct Marks {
+    rounds: Vec<u32>,
+    round: u32,
+}
+
+impl Marks {
+    fn new(vertices: usize) -> Self {
+        Self {
+            rounds: vec![0; vertices],
+            round: 0,
+        }
+    }
+
+    fn clear(&mut self) {
+        self.round += 1;
+    }
+
+    /// Whether it is new.
+    fn set(&mut self, vertex: u32) -> bool {
+        std::mem::replace(&mut self.rounds[vertex as usize], self.round) != self.round
+    }
+
+    fn has(&self, vertex: u32) -> bool {
+        self.rounds[vertex as usize] == self.round
+    }
+}
