@@ -1,6 +1,6 @@
 use nalgebra::{Matrix3, Vector3};
 
-/// The mean squared distance to a set of planes, weighted by area: Garland and Heckbert's error quadric (*Surface
+/// Squared distances to a set of planes, weighted by area: Garland and Heckbert's error quadric (*Surface
 /// simplification using quadric error metrics*, 1997).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Quadric {
@@ -52,17 +52,17 @@ impl Quadric {
         self.weight += other.weight;
     }
 
-    /// Mean squared distance of `p` to the planes.
-    pub(super) fn at(&self, p: &Vector3<f64>) -> f64 {
+    /// Sum of the weights of the planes.
+    pub(super) fn weight(&self) -> f64 {
+        self.weight
+    }
+
+    /// Squared distances of `p` to the planes, weighted and summed.
+    pub(super) fn sum_at(&self, p: &Vector3<f64>) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.square;
         let square = xx * p.x * p.x + yy * p.y * p.y + zz * p.z * p.z;
         let mixed = xy * p.x * p.y + xz * p.x * p.z + yz * p.y * p.z;
-        let sum = square + 2.0 * (mixed + self.linear.dot(p)) + self.constant;
-        if self.weight > 0.0 {
-            sum.max(0.0) / self.weight
-        } else {
-            0.0
-        }
+        (square + 2.0 * (mixed + self.linear.dot(p)) + self.constant).max(0.0)
     }
 
     /// The point nearest to all planes, unless they hardly meet in one.
@@ -104,10 +104,10 @@ mod tests {
             sum.add(&Quadric::of_triangle([corner, corner + u, corner + v]));
         }
         assert!((sum.minimum().unwrap() - corner).norm() < 1e-12);
-        assert!(sum.at(&corner) < 1e-12);
+        assert!(sum.sum_at(&corner) < 1e-12);
         let away = corner + Vector3::new(0.0, 0.0, 2.0);
         assert!(
-            (sum.at(&away) - 4.0 / 3.0).abs() < 1e-12,
+            (sum.sum_at(&away) - 0.5 * 4.0).abs() < 1e-12,
             "one plane of three is 2 away"
         );
     }

@@ -1,6 +1,7 @@
 //! What every chunked mesh obeys, and fields to try it on.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+pub mod distance;
 pub mod fields;
 
 use plume::field::{Bounds, Field};
