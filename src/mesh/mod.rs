@@ -11,6 +11,7 @@
 mod bubbles;
 mod cell;
 mod chunk;
+mod corners;
 mod extract;
 mod facet;
 mod grid;
@@ -18,6 +19,7 @@ mod lattice;
 pub mod measure;
 mod normals;
 mod quadric;
+mod queue;
 mod settings;
 mod simplify;
 mod smooth;
