@@ -121,6 +121,29 @@ pub fn ladder(rungs: usize, rough_m: f32, seed: u32) -> (impl Field, Bounds) {
     (passages(capsules, rough_m, seed), bounds)
 }
 
+/// Balls of air by radius and centre, far apart. With their bounds.
+pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Bounds) {
+    let end = |axis: usize, side: f32| {
+        let ends = balls
+            .iter()
+            .map(|(radius, centre)| side * centre[axis] + radius);
+        side * ends.fold(f32::MIN, f32::max)
+    };
+    let min = std::array::from_fn(|axis| end(axis, -1.0));
+    let bounds = Bounds {
+        min,
+        max: std::array::from_fn(|axis| end(axis, 1.0)),
+    };
+    let balls = balls.to_vec();
+    let value = move |p: [f32; 3]| {
+        let depths = balls
+            .iter()
+            .map(|&(radius, centre)| distance(p, centre) - radius);
+        depths.fold(f32::MAX, f32::min)
+    };
+    (Analytic { value, slope: 1.0 }, bounds)
+}
+
 /// White noise at lattice points inside a box, rock around it: as ragged as a field on a lattice can be.
 pub fn white_noise(voxel_m: f32, cells: i32, seed: u32) -> (impl Field, Bounds) {
     let value = move |p: [f32; 3]| {
