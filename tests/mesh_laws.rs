@@ -3,7 +3,7 @@
 mod common;
 
 use common::distance::Distances;
-use common::fields::{bubbles, ladder, sphere, white_noise};
+use common::fields::{WrongNormals, bubbles, ladder, sphere, white_noise};
 use common::{assert_lawful, chunks, collisions, triangle_set, visuals};
 use plume::field::Bounds;
 use plume::mesh::measure::{Report, Seams, weld};
@@ -72,6 +72,47 @@ fn a_ball_has_its_volume_and_faces_inwards() {
                 .map(|i| (at[i] - [0.3, -0.2, 0.1][i]) * normal[i])
                 .sum();
             assert!(outwards < -4.8, "{outwards}: normals point into the air");
+        }
+    }
+}
+
+#[test]
+fn normals_that_oppose_the_triangles_are_replaced_alike_on_both_sides() {
+    let (field, bounds) = ladder(2, 0.5, 4);
+    let settings = MeshSettings {
+        chunk_m: [5.0; 3],
+        ..MeshSettings::default()
+    };
+    let right = chunks(&field, bounds, &settings);
+    let wrong = chunks(&WrongNormals(field), bounds, &settings);
+    assert_lawful(&visuals(&wrong));
+    for (right, wrong) in right.iter().zip(&wrong) {
+        for (a, b) in right.visual.normals.iter().zip(&wrong.visual.normals) {
+            assert!(
+                (0..3).map(|i| a[i] * b[i]).sum::<f32>() > 0.0,
+                "{a:?} {b:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_cave_far_from_its_origin_is_lawful() {
+    let centre = [4080.3, -4081.1, 4079.7];
+    let bounds = Bounds {
+        min: centre.map(|c| c - 5.0),
+        max: centre.map(|c| c + 5.0),
+    };
+    let made = chunks(&sphere(centre, 4.0), bounds, &MeshSettings::default());
+    let report = assert_lawful(&visuals(&made));
+    assert_eq!((report.components, report.genus), (1, 0));
+    for chunk in &made {
+        let mesh = &chunk.visual;
+        for (vertex, position) in mesh.positions.iter().enumerate() {
+            let exact = mesh
+                .position_m(vertex as u32)
+                .map(|m| (f64::from(m) * 4096.0) as i32);
+            assert_eq!(exact, *position);
         }
     }
 }

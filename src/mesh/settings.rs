@@ -15,7 +15,7 @@ pub struct MeshSettings {
     #[schemars(inner(inner(range(min = 1, max = 1024))))]
     pub divisions: Option<[u32; 3]>,
     /// How far simplification may move what cameras see, in metres: about the distance that one point of the wall in a
-    /// thousand exceeds; the worst lies within twice. 0 keeps every triangle.
+    /// thousand exceeds; the worst lies within three times. 0 keeps every triangle.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub simplify_error_m: f32,
     /// Aim at no more visual triangles than this in the whole cave, whatever the error. 0 sets no limit.

@@ -5,8 +5,9 @@
 //!
 //! The error of a collapse is the root mean square distance of the new vertex to the planes of all the triangles it
 //! stands for, as if those that are off were no more than [`PATCH`] vertices: what is right over a wide wall does not
-//! excuse what is wrong in a corner. It is no bound of the greatest distance. Measured on rough passages, against the
-//! mesh before: 99.9 % of the surface within 1.2 times the error, all of it within twice.
+//! excuse what is wrong in a corner. It is no bound of the greatest distance. Measured on rough passages against the
+//! mesh before, both ways, at errors from 0.05 to 0.5 voxels: 99.9 % of the surface lies within 1.3 times the error, all
+//! of it within three times.
 
 use nalgebra::Vector3;
 
@@ -375,5 +376,77 @@ impl Marks {
 
     fn has(&self, vertex: u32) -> bool {
         self.rounds[vertex as usize] == self.round
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(positions: Vec<[i32; 3]>, triangles: Vec<[u32; 3]>, border: Vec<bool>) -> Mesh {
+        Mesh {
+            positions,
+            normals: Vec::new(),
+            triangles,
+            border,
+        }
+    }
+
+    fn keeps_topology(mesh: &Mesh, kept: u32, gone: u32) -> bool {
+        let collapse = Collapse {
+            kept,
+            gone,
+            to: Vector3::zeros(),
+            error: 0.0,
+        };
+        Collapser::new(mesh).keeps_topology(&collapse)
+    }
+
+    /// A ring of `around` triangular sections: edges of a section have a third common neighbour.
+    fn ring(around: u32) -> Mesh {
+        let vertex = |section: u32, corner: u32| section % around * 3 + corner % 3;
+        let positions = (0..around * 3).map(|v| [v as i32, (v * v) as i32, (v % 3) as i32]);
+        let sides = (0..around).flat_map(|section| (0..3).map(move |corner| (section, corner)));
+        let triangles = sides.flat_map(|(s, c)| {
+            let [a, b] = [vertex(s, c), vertex(s, c + 1)];
+            let [d, e] = [vertex(s + 1, c), vertex(s + 1, c + 1)];
+            [[a, b, e], [a, e, d]]
+        });
+        let border = vec![false; 3 * around as usize];
+        mesh(positions.collect(), triangles.collect(), border)
+    }
+
+    #[test]
+    fn a_ring_is_never_pinched() {
+        let ring = ring(8);
+        assert!(
+            !keeps_topology(&ring, 0, 1),
+            "the section would become an edge"
+        );
+        assert!(keeps_topology(&ring, 0, 3), "along the ring there is room");
+    }
+
+    #[test]
+    fn a_tetrahedron_stays() {
+        let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        let corners = vec![[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]];
+        assert!(!keeps_topology(&mesh(corners, faces, vec![false; 4]), 0, 1));
+    }
+
+    #[test]
+    fn no_chord_joins_two_border_vertices() {
+        // A fan of six around vertex 0; the six are the border.
+        let rim = [
+            [9, 0, 0],
+            [5, 8, 0],
+            [-5, 8, 0],
+            [-9, 0, 0],
+            [-5, -8, 0],
+            [5, -8, 0],
+        ];
+        let positions: Vec<_> = std::iter::once([0; 3]).chain(rim).collect();
+        let faces: Vec<_> = (0..6).map(|k| [0, 1 + k, 1 + (k + 1) % 6]).collect();
+        let border: Vec<_> = (0..7).map(|vertex| vertex > 0).collect();
+        assert!(!keeps_topology(&mesh(positions, faces, border), 1, 0));
     }
 }

@@ -79,8 +79,10 @@ const BLEND_M: f32 = 1.0;
 /// Wavelength of the roughness in metres.
 const WAVE_M: f32 = 2.5;
 
-/// Passages blended into each other, rough by up to `rough_m`.
+/// Passages blended into each other, rough by up to `rough_m`, which must be less than the blend is deep: further out
+/// there is rock.
 pub fn passages(capsules: Vec<Capsule>, rough_m: f32, seed: u32) -> impl Field {
+    assert!(rough_m < BLEND_M);
     let value = move |p: [f32; 3]| {
         let sum: f32 = capsules
             .iter()
@@ -142,6 +144,26 @@ pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Bounds) {
         depths.fold(f32::MAX, f32::min)
     };
     (Analytic { value, slope: 1.0 }, bounds)
+}
+
+/// A field whose normals point the wrong way.
+pub struct WrongNormals<F>(pub F);
+
+impl<F: Field> Field for WrongNormals<F> {
+    fn region(&self, bounds: Bounds) -> Region {
+        self.0.region(bounds)
+    }
+
+    fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
+        self.0.distances(bounds, points, out);
+    }
+
+    fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
+        self.0.normals(bounds, points, out);
+        for normal in out {
+            *normal = normal.map(|c| -c);
+        }
+    }
 }
 
 /// White noise at lattice points inside a box, rock around it: as ragged as a field on a lattice can be.
