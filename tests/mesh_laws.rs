@@ -3,9 +3,9 @@
 mod common;
 
 use common::distance::Distances;
-use common::fields::{WrongNormals, bubbles, ladder, sphere, white_noise};
+use common::fields::{WrongNormals, bubbles, ladder, room, sphere, white_noise};
 use common::{assert_lawful, chunks, collisions, triangle_set, visuals};
-use plume::field::Bounds;
+use plume::field::{Bounds, Field};
 use plume::mesh::measure::{Report, Seams, weld};
 use plume::mesh::{ChunkMeshes, Grid, Mesh, MeshSettings, chunk};
 use proptest::prelude::*;
@@ -126,15 +126,47 @@ fn ladders_have_a_handle_per_loop() {
     }
 }
 
+/// Also where every normal has to be replaced.
 #[test]
 fn chunks_do_not_show_in_the_triangles() {
     let (field, bounds) = ladder(4, 0.6, 3);
-    let sets = [8.0, 16.0, 32.0].map(|chunk_m| {
-        let made = chunks(&field, bounds, &whole(0.25, chunk_m));
+    same_in_all_chunks(&field, bounds);
+    same_in_all_chunks(&WrongNormals(field), bounds);
+}
+
+fn same_in_all_chunks(field: &dyn Field, bounds: Bounds) {
+    let sets = [7.0, 16.0, 40.0].map(|chunk_m| {
+        let made = chunks(field, bounds, &whole(0.25, chunk_m));
         (made.len(), triangle_set(&visuals(&made)))
     });
     assert!(sets[0].0 > sets[1].0 && sets[1].0 > sets[2].0);
     assert!(sets[0].1 == sets[1].1 && sets[1].1 == sets[2].1);
+}
+
+/// Samples of a wall that lies on the lattice are all zero.
+#[test]
+fn flat_walls_on_the_lattice_are_lawful() {
+    let room = room([5.0, 3.0, 2.0]);
+    let bounds = Bounds {
+        min: [-5.0, -3.0, -2.0],
+        max: [5.0, 3.0, 2.0],
+    };
+    let settings = whole(0.25, 4.0);
+    let full = assert_lawful(&visuals(&chunks(&room, bounds, &settings)));
+    assert_eq!(full.genus, 0);
+    assert!(
+        (full.volume_m3 / 240.0 - 1.0).abs() < 0.03,
+        "smooth edges: {full:#?}"
+    );
+    let tiny = MeshSettings {
+        simplify_error_m: 1e-4,
+        ..settings
+    };
+    let simple = assert_lawful(&visuals(&chunks(&room, bounds, &tiny)));
+    assert!(
+        simple.triangles < full.triangles / 2,
+        "no error at all keeps every triangle"
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::extract::{Quad, Surface};
 use super::{Mesh, QUANTA_PER_M};
 
 /// The triangles of a chunk.
+#[derive(Clone)]
 pub(super) struct Facets {
     /// Positions, triangles and border; no normals yet.
     pub(super) mesh: Mesh,

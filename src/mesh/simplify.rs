@@ -20,7 +20,7 @@ use super::{Mesh, QUANTA_PER_M};
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Goal {
-    /// Collapse while the error stays below, in metres.
+    /// Collapse while the error stays below, in metres; nothing at 0.
     pub(super) error_m: f32,
     /// Then go on, whatever the error, while there are more triangles than this.
     pub(super) most_triangles: Option<usize>,
@@ -30,6 +30,9 @@ pub(super) struct Goal {
 pub(super) fn simplify(facets: &Facets, goal: Goal) -> (Facets, f32) {
     let mut collapser = Collapser::new(&facets.mesh);
     let error_m = collapser.run(goal);
+    if collapser.live == facets.mesh.triangles.len() {
+        return (facets.clone(), error_m);
+    }
     (collapser.finish(facets), error_m)
 }
 
@@ -118,7 +121,7 @@ impl<'a> Collapser<'a> {
                 .flatten();
             let Some(collapse) = plan else { continue };
             let over_budget = goal.most_triangles.is_some_and(|most| self.live > most);
-            if (collapse.error > most_error && !over_budget) || !self.is_lawful(&collapse) {
+            if (collapse.error >= most_error && !over_budget) || !self.is_lawful(&collapse) {
                 continue;
             }
             greatest = greatest.max(collapse.error);
@@ -157,7 +160,7 @@ impl<'a> Collapser<'a> {
     }
 
     fn queue_edge(&mut self, ends: [u32; 2], limit: f64) {
-        let Some(collapse) = self.plan(ends).filter(|collapse| collapse.error <= limit) else {
+        let Some(collapse) = self.plan(ends).filter(|collapse| collapse.error < limit) else {
             return;
         };
         let [a, b] = ends.map(|end| self.positions[end as usize]);

@@ -146,6 +146,15 @@ pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Bounds) {
     (Analytic { value, slope: 1.0 }, bounds)
 }
 
+/// A room with flat walls, whose corners are `-half_m` and `half_m`.
+pub fn room(half_m: [f32; 3]) -> impl Field {
+    let value = move |p: [f32; 3]| {
+        let depths = (0..3).map(|i| p[i].abs() - half_m[i]);
+        depths.fold(f32::MIN, f32::max)
+    };
+    Analytic { value, slope: 1.0 }
+}
+
 /// A field whose normals point the wrong way.
 pub struct WrongNormals<F>(pub F);
 
