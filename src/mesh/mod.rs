@@ -2,27 +2,35 @@
 //!
 //! A chunk is a pure function of the field, the [`Grid`] and its own [`ChunkIndex`]: any worker can make any chunk, in
 //! any order, and neighbours still share their border vertices bit for bit.
+//!
+//! The field is sampled on one lattice for the whole cave; manifold dual marching cubes finds the wall; a halo around
+//! each chunk is wide enough that both sides of a border decide the same. Promised of all chunks welded together:
+//! closed, every edge between two triangles, every vertex one fan, consistent winding, no triangle without area. Not
+//! promised: that no two triangles intersect.
+
+mod bubbles;
+mod cell;
+mod chunk;
+mod corners;
+mod extract;
+mod facet;
+mod grid;
+mod lattice;
+pub mod measure;
+mod normals;
+mod quadric;
+mod queue;
+mod settings;
+mod simplify;
+mod smooth;
+
+pub use chunk::{ChunkMeshes, chunk};
+pub use grid::{ChunkIndex, Grid, GridError};
+pub use settings::MeshSettings;
 
 /// Positions are whole multiples of `1 / QUANTA_PER_M` metres, so that they can be compared and welded exactly, and so
 /// that they are exact as `f32` within 4096 m of the origin.
 pub const QUANTA_PER_M: i32 = 4096;
-
-/// The lattice that all chunks of a cave share.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Edge of a lattice cell in metres.
-    pub voxel_m: f32,
-    /// Lattice cells per chunk along x, y and z.
-    pub cells: [i32; 3],
-    /// Lattice index of the lowest corner of chunk (0, 0, 0).
-    pub origin: [i32; 3],
-    /// Chunks along x, y and z.
-    pub chunks: [i32; 3],
-}
-
-/// Which chunk of a [`Grid`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ChunkIndex(pub [i32; 3]);
 
 /// A triangle mesh: part of the wall of the cave, seen from inside.
 ///
@@ -31,7 +39,7 @@ pub struct ChunkIndex(pub [i32; 3]);
 pub struct Mesh {
     /// Vertices in units of 1/[`QUANTA_PER_M`] m, cave frame.
     pub positions: Vec<[i32; 3]>,
-    /// Unit normals of the field at the vertices, into the air.
+    /// Unit normals of the field at the vertices, into the air. Empty where nothing is shaded (collision).
     pub normals: Vec<[f32; 3]>,
     /// Indices of the corners of each triangle.
     pub triangles: Vec<[u32; 3]>,

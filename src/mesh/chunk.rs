@@ -1,0 +1,104 @@
+use crate::field::{Field, Region};
+
+use super::Mesh;
+use super::bubbles::drop_bubbles;
+use super::extract::extract;
+use super::facet::{Facets, triangulate};
+use super::grid::{ChunkIndex, Grid};
+use super::lattice::{Lattice, Window};
+use super::normals::normals;
+use super::settings::MeshSettings;
+use super::simplify::{Goal, simplify};
+use super::smooth::smooth;
+
+/// The wall in one chunk, for cameras and for wheels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChunkMeshes {
+    /// What cameras see, with normals.
+    pub visual: Mesh,
+    /// What wheels touch, without normals.
+    pub collision: Mesh,
+    /// Greatest error that simplification reports for the visual mesh, in metres (see [`MeshSettings`]).
+    pub visual_error_m: f32,
+    /// The same for the collision mesh.
+    pub collision_error_m: f32,
+}
+
+/// Makes a chunk; `None` where it holds no wall.
+///
+/// `field` must be rock outside of the bounds the grid was made for, and finite.
+pub fn chunk(
+    field: &dyn Field,
+    grid: &Grid,
+    index: ChunkIndex,
+    settings: &MeshSettings,
+) -> Option<ChunkMeshes> {
+    let facets = facets(field, grid.voxel_m, &grid.owned(index))?;
+    let most_triangles = triangle_budget(field, grid, index, settings.max_triangles);
+    let seen = Goal {
+        error_m: settings.simplify_error_m,
+        most_triangles,
+    };
+    let touched = Goal {
+        error_m: settings.collision_error_m,
+        most_triangles: None,
+    };
+    let (visual, visual_error_m) = simplify(&facets, seen);
+    let (collision, collision_error_m) = simplify(&facets, touched);
+    let normals = normals(field, grid.voxel_m, &visual);
+    let visual = Mesh {
+        normals,
+        ..visual.mesh
+    };
+    Some(ChunkMeshes {
+        visual,
+        collision: collision.mesh,
+        visual_error_m,
+        collision_error_m,
+    })
+}
+
+/// Every triangle of a chunk.
+fn facets(field: &dyn Field, voxel_m: f32, owned: &Window) -> Option<Facets> {
+    if field.region(owned.bounds(voxel_m)) != Region::Mixed {
+        return None;
+    }
+    let lattice = Lattice::sample(field, voxel_m, &owned.with_halo());
+    let mut surface = extract(&lattice, owned);
+    drop(lattice);
+    drop_bubbles(&mut surface);
+    if !surface.quads.iter().any(|quad| quad.owned) {
+        return None;
+    }
+    smooth(&mut surface);
+    Some(triangulate(&surface, voxel_m))
+}
+
+/// Cells along the edge of a block of [`triangle_budget`].
+const BLOCK: i32 = 32;
+
+/// The share of a chunk in the triangles of the whole cave: as many parts as it has blocks that the wall may cross.
+/// Every chunk counts the blocks of all, so none has to know what another made.
+fn triangle_budget(
+    field: &dyn Field,
+    grid: &Grid,
+    index: ChunkIndex,
+    max_triangles: u32,
+) -> Option<usize> {
+    let limit = (max_triangles > 0).then_some(u64::from(max_triangles))?;
+    let own = mixed_blocks(field, grid, index);
+    let all: u64 = grid
+        .indices()
+        .map(|other| mixed_blocks(field, grid, other))
+        .sum();
+    Some((limit * own / all.max(1)) as usize)
+}
+
+fn mixed_blocks(field: &dyn Field, grid: &Grid, index: ChunkIndex) -> u64 {
+    let owned = grid.owned(index);
+    let mixed = |window: &Window| field.region(window.bounds(grid.voxel_m)) == Region::Mixed;
+    if !mixed(&owned) {
+        return 0;
+    }
+    owned.blocks(BLOCK).filter(mixed).count() as u64
+}
