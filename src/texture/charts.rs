@@ -12,7 +12,7 @@ use super::chart::{Axis, Chart, seen_area};
 use crate::mesh::Mesh;
 
 /// Least cosine between a triangle and the axis it is seen along. Tuned: lower stretches more, higher frays the charts.
-const MIN_FACING: f32 = 0.4;
+const MIN_FACING: f32 = 0.5;
 /// Rounds of smoothing of the triangles' area vectors, and of the vote among neighbours. Tuned.
 const SMOOTHING_ROUNDS: usize = 4;
 const VOTES: usize = 4;

@@ -16,8 +16,6 @@ pub(super) struct Strips {
     rows_per_strip: u32,
     starts: Vec<u32>,
     triangles: Vec<u32>,
-    /// Triangles that cover no texel centre anywhere.
-    hidden: Vec<bool>,
 }
 
 impl Strips {
@@ -39,14 +37,10 @@ impl Strips {
                 next[strip as usize] += 1;
             }
         }
-        let hidden = (0..textured.triangles.len())
-            .map(|t| is_hidden(textured, t as u32))
-            .collect();
         Self {
             rows_per_strip,
             starts,
             triangles,
-            hidden,
         }
     }
 
@@ -67,8 +61,8 @@ impl Strips {
 
     /// The triangle shown at each texel of a strip, row by row from its lowest, [`NONE`] for background.
     ///
-    /// A texel shows the triangle that holds its centre; triangles that hold none take the texel at their centre if
-    /// it is free; then charts grow by [`RINGS`] texels.
+    /// A texel shows the triangle that holds its centre, else the first that touches it; then charts grow by [`RINGS`]
+    /// texels.
     pub fn owners(&self, textured: &Textured, strip: u32) -> Vec<u32> {
         let halo = RINGS as i32;
         let rows = self.rows(strip, textured.size_px);
@@ -76,12 +70,8 @@ impl Strips {
         for &t in self.triangles(strip) {
             picture.cover(&corners(textured, t), t);
         }
-        for &t in self
-            .triangles(strip)
-            .iter()
-            .filter(|&&t| self.hidden[t as usize])
-        {
-            picture.claim_centre(&corners(textured, t), t);
+        for &t in self.triangles(strip) {
+            picture.brush(&corners(textured, t), t);
         }
         for _ in 0..RINGS {
             picture.grow();
@@ -95,16 +85,6 @@ fn strips_near(textured: &Textured, triangle: u32, rows: u32, count: u32) -> Ran
     let low = ys.into_iter().fold(i32::MAX, i32::min) - RINGS as i32;
     let high = ys.into_iter().fold(i32::MIN, i32::max) + RINGS as i32;
     low.max(0) as u32 / rows..(high as u32 / rows + 1).min(count)
-}
-
-fn is_hidden(textured: &Textured, triangle: u32) -> bool {
-    let mut hidden = true;
-    raster::spans(
-        &corners(textured, triangle),
-        0..textured.size_px as i32,
-        |_, _| hidden = false,
-    );
-    hidden
 }
 
 /// Owners of some rows.
@@ -124,26 +104,28 @@ impl Picture {
         }
     }
 
-    /// Shows the triangle wherever it holds a centre that is still free.
+    /// Shows the triangle at texels whose centre it holds.
     fn cover(&mut self, corners: &raster::Corners, triangle: u32) {
-        let (first, width) = (self.rows.start, self.width);
         raster::spans(corners, self.rows.clone(), |y, xs| {
-            let row = (y - first) as usize * width;
-            for owner in &mut self.owners[row + xs.start as usize..row + xs.end as usize] {
-                if *owner == NONE {
-                    *owner = triangle;
-                }
+            self.claim(y, xs, triangle)
+        });
+    }
+
+    /// Shows the triangle at texels that it touches.
+    fn brush(&mut self, corners: &raster::Corners, triangle: u32) {
+        raster::touched(corners, SUBTEXELS, |y, xs| {
+            if self.rows.contains(&y) {
+                self.claim(y, xs.start.max(0)..xs.end.min(self.width as i32), triangle);
             }
         });
     }
 
-    fn claim_centre(&mut self, corners: &raster::Corners, triangle: u32) {
-        let [x, y] = [0, 1]
-            .map(|k| (corners[0][k] + corners[1][k] + corners[2][k]).div_euclid(3 * SUBTEXELS));
-        if self.rows.contains(&y) {
-            let at = (y - self.rows.start) as usize * self.width + x as usize;
-            if self.owners[at] == NONE {
-                self.owners[at] = triangle;
+    /// Where texels are free.
+    fn claim(&mut self, y: i32, xs: Range<i32>, triangle: u32) {
+        let row = (y - self.rows.start) as usize * self.width;
+        for owner in &mut self.owners[row + xs.start as usize..row + xs.end as usize] {
+            if *owner == NONE {
+                *owner = triangle;
             }
         }
     }
