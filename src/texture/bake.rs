@@ -224,13 +224,24 @@ impl Pixels {
     }
 
     fn into_maps(self) -> Maps<Vec<u8>> {
-        let rows = || self.pixels.chunks(self.width).rev().flatten();
         Maps {
-            base_color: rows().flat_map(|pixel| pixel.color).collect(),
-            normal: rows().flat_map(|pixel| pixel.normal).collect(),
-            orm: rows().flat_map(|pixel| pixel.orm).collect(),
-            roughness: rows().map(|pixel| pixel.orm[1]).collect(),
+            base_color: self.channels(|pixel| pixel.color),
+            normal: self.channels(|pixel| pixel.normal),
+            orm: self.channels(|pixel| pixel.orm),
+            roughness: self.channels(|pixel| [pixel.orm[1]]),
         }
+    }
+
+    /// One map, top row first.
+    fn channels<const N: usize>(&self, of: impl Fn(&Pixel) -> [u8; N]) -> Vec<u8> {
+        let mut bytes = vec![0; self.pixels.len() * N];
+        let rows = self.pixels.chunks(self.width).rev();
+        for (row, out) in rows.zip(bytes.chunks_mut(self.width * N)) {
+            for (pixel, out) in row.iter().zip(out.chunks_exact_mut(N)) {
+                out.copy_from_slice(&of(pixel));
+            }
+        }
+        bytes
     }
 }
 

@@ -10,7 +10,7 @@ use super::raster::{self, SUBTEXELS};
 use crate::mesh::Mesh;
 
 /// Least number of texels between two charts, in both directions, beyond every texel that either of them touches.
-pub const GUTTER_PX: u32 = 2;
+pub const GUTTER_PX: u32 = 4;
 /// Cells along the side of the grid; larger atlases get larger cells. Tuned: finer packs hardly better and slower.
 const GRID: u32 = 1024;
 

@@ -8,11 +8,13 @@ use super::raster::{self, Corners, SUBTEXELS};
 const REACH: f32 = 1.0;
 
 /// A triangle of the atlas.
-pub(super) struct Patch<'a> {
-    textured: &'a Textured,
-    vertices: [usize; 3],
+pub(super) struct Patch {
     corners: Corners,
     inverse_area: f32,
+    positions: [[f32; 3]; 3],
+    normals: [[f32; 3]; 3],
+    tangents: [[f32; 3]; 3],
+    sign: f32,
 }
 
 /// Position and frame at a texel, cave frame. Normal and tangent are interpolated, not unit, as in a shader.
@@ -29,36 +31,39 @@ pub(super) struct Frame {
 pub(super) fn corners(textured: &Textured, triangle: u32) -> Corners {
     let side = textured.size_px as f32 * SUBTEXELS as f32;
     textured.triangles[triangle as usize]
-        .map(|v| textured.uvs[v as usize].map(|c| (c * side + 0.5).floor() as i32))
+        .map(|v| textured.uvs[v as usize].map(|c| (c * side + 0.5) as i32))
 }
 
-impl<'a> Patch<'a> {
-    pub fn new(textured: &'a Textured, triangle: u32) -> Self {
+impl Patch {
+    pub fn new(textured: &Textured, triangle: u32) -> Self {
         let corners = corners(textured, triangle);
         let area = raster::doubled_area(&corners);
+        let vertices = textured.triangles[triangle as usize].map(|v| v as usize);
+        let tangents = vertices.map(|v| textured.tangents[v]);
         Self {
-            textured,
-            vertices: textured.triangles[triangle as usize].map(|v| v as usize),
             corners,
             inverse_area: if area > 0 { 1.0 / area as f32 } else { 0.0 },
+            positions: vertices.map(|v| textured.positions[v]),
+            normals: vertices.map(|v| textured.normals[v]),
+            tangents: tangents.map(|[x, y, z, _]| [x, y, z]),
+            sign: tangents[0][3],
         }
     }
 
     /// The frame at the centre of a texel, which may lie outside.
     pub fn frame(&self, x: i32, y: i32) -> Frame {
         let weights = self.weights(x, y);
-        let nearest = clamped(weights);
-        let reached = if weights.iter().all(|&w| w >= -REACH) {
-            weights
+        let least = weights[0].min(weights[1]).min(weights[2]);
+        let nearest = if least < 0.0 {
+            clamped(weights)
         } else {
-            nearest
+            weights
         };
-        let tangents = self.vertices.map(|v| self.textured.tangents[v]);
         Frame {
-            position: self.position(reached),
-            normal: mix(nearest, self.vertices.map(|v| self.textured.normals[v])),
-            tangent: mix(nearest, tangents.map(|[x, y, z, _]| [x, y, z])),
-            sign: tangents[0][3],
+            position: self.position(if least < -REACH { nearest } else { weights }),
+            normal: mix(nearest, self.normals),
+            tangent: mix(nearest, self.tangents),
+            sign: self.sign,
         }
     }
 
@@ -78,7 +83,7 @@ impl<'a> Patch<'a> {
 
     /// Mixed as differences from the first corner, which keeps what precision `f32` has far from the origin.
     fn position(&self, weights: [f32; 3]) -> [f32; 3] {
-        let [a, b, c] = self.vertices.map(|v| self.textured.positions[v]);
+        let [a, b, c] = self.positions;
         [0, 1, 2].map(|k| a[k] + (weights[1] * (b[k] - a[k]) + weights[2] * (c[k] - a[k])))
     }
 }
