@@ -29,7 +29,7 @@ fn bake(mesh: &Mesh, surface: &Gradient, settings: &TextureSettings) -> (Texture
         orm,
         roughness,
     };
-    let textured = texture(mesh, surface, settings, sinks).unwrap();
+    let textured = texture(mesh, surface, settings, sinks).expect("vectors take all bytes");
     (textured, maps)
 }
 
@@ -41,7 +41,9 @@ fn of_size(size_px: u32) -> TextureSettings {
 }
 
 fn picture(bytes: &[u8]) -> RgbImage {
-    image::load_from_memory(bytes).unwrap().to_rgb8()
+    image::load_from_memory(bytes)
+        .expect("a map is a picture")
+        .to_rgb8()
 }
 
 fn meshes() -> Vec<(&'static str, Mesh)> {

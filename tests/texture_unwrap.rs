@@ -23,7 +23,7 @@ fn meshes() -> Vec<(&'static str, Mesh)> {
 fn each_atlas(law: impl Fn(&str, &Mesh, &Unwrapped)) {
     for (name, mesh) in meshes() {
         for size_px in [256, 1000, 2048] {
-            let cut = unwrap(&mesh, Resolution::SizePx(size_px)).unwrap();
+            let cut = unwrap(&mesh, Resolution::SizePx(size_px)).expect("it fits");
             assert_eq!(cut.size_px, size_px);
             law(name, &mesh, &cut);
         }

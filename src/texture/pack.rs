@@ -216,8 +216,9 @@ fn masks(range: Range<u32>) -> impl DoubleEndedIterator<Item = (usize, u64)> {
 mod tests {
     use super::*;
 
-    fn stamp(rows: &[&[Range<u32>]]) -> Stamp {
-        let rows: Vec<Vec<_>> = rows.iter().map(|runs| runs.to_vec()).collect();
+    fn stamp(rows: &[&[[u32; 2]]]) -> Stamp {
+        let runs = |row: &&[[u32; 2]]| row.iter().map(|&[start, end]| start..end).collect();
+        let rows: Vec<Vec<_>> = rows.iter().map(runs).collect();
         let width = rows.iter().flatten().map(|run| run.end).max().unwrap();
         Stamp {
             width,
@@ -229,12 +230,12 @@ mod tests {
     #[test]
     fn a_stamp_goes_to_the_lowest_free_place_and_fills_the_hole_of_another() {
         let mut grid = Grid::new(80);
-        let ring = stamp(&[&[0..70], &[0..3, 66..70], &[0..70]]);
+        let ring = stamp(&[&[[0, 70]], &[[0, 3], [66, 70]], &[[0, 70]]]);
         let at = grid.find(&ring).unwrap();
         grid.press(&ring, at[0], at[1]);
         assert_eq!(at, [0, 0]);
-        assert_eq!(grid.find(&stamp(&[&[0..63]])), Some([3, 1]));
-        assert_eq!(grid.find(&stamp(&[&[0..64]])), Some([0, 3]));
-        assert_eq!(grid.find(&stamp(&[&[0..81]])), None);
+        assert_eq!(grid.find(&stamp(&[&[[0, 63]]])), Some([3, 1]));
+        assert_eq!(grid.find(&stamp(&[&[[0, 64]]])), Some([0, 3]));
+        assert_eq!(grid.find(&stamp(&[&[[0, 81]]])), None);
     }
 }

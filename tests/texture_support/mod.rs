@@ -140,9 +140,8 @@ impl Surface for Gradient {
     ) {
         assert!(texel_m > 0.0);
         for ((point, &normal), texel) in points.iter().zip(normals).zip(out) {
-            for k in 0..3 {
-                assert!((bounds.min[k]..=bounds.max[k]).contains(&point[k]));
-            }
+            let inside = |k: usize| (bounds.min[k]..=bounds.max[k]).contains(&point[k]);
+            assert!((0..3).all(inside));
             let color = Self::color_at(*point);
             let normal = self.leaning(normal);
             *texel = Texel {
