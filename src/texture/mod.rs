@@ -1,1 +1,117 @@
 //! Bakes any [`crate::field::Surface`] over any chunk.
+//!
+//! [`texture`] cuts and flattens the chunk ([`unwrap`]), gives it tangents ([`tangent`]), looks at the surface once per
+//! texel ([`bake`]) and writes four maps as it goes. Everything that is baked comes from the position in the cave, so
+//! neighbouring chunks agree in colour at their border whatever their atlases look like.
+
+mod adjacency;
+pub mod bake;
+mod chart;
+mod charts;
+pub mod encode;
+mod owners;
+mod pack;
+mod patch;
+mod peel;
+mod raster;
+pub mod settings;
+mod srgb;
+pub mod tangent;
+pub mod unwrap;
+
+use std::io::{self, Write};
+
+use crate::field::Surface;
+use crate::mesh::Mesh;
+use settings::TextureSettings;
+
+/// A chunk ready for a renderer. Its vertices are those of the mesh, copied along seams.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Textured {
+    /// Vertices in metres, cave frame.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit normals of the mesh.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates, origin at the lower left of the picture, in 0–1.
+    pub uvs: Vec<[f32; 2]>,
+    /// MikkTSpace tangents; the bitangent is `w * cross(normal, tangent)`.
+    pub tangents: Vec<[f32; 4]>,
+    /// Triangles in the order of the mesh.
+    pub triangles: Vec<[u32; 3]>,
+    /// The mesh vertex that each vertex is a copy of.
+    pub source: Vec<u32>,
+    /// Chart of each triangle.
+    pub charts: Vec<u32>,
+    /// Texels per metre in the plane of every chart.
+    pub texels_per_m: f32,
+    /// Side of every map in pixels.
+    pub size_px: u32,
+    /// Share of the maps that charts cover, 0–1.
+    pub utilisation: f32,
+}
+
+/// One thing per map of a chunk: sinks, bytes, file names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Maps<T> {
+    /// Base colour, sRGB.
+    pub base_color: T,
+    /// Tangent-space normal, +Y up (OpenGL, glTF).
+    pub normal: T,
+    /// Occlusion, roughness and metalness (none) in red, green and blue.
+    pub orm: T,
+    /// Roughness alone, grey: the green of `orm`.
+    pub roughness: T,
+}
+
+/// Why a chunk could not be textured.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextureError {
+    /// The gutters alone fill the atlas.
+    #[error(
+        "{charts} charts do not fit into {size_px} px; raise texture.size_px or make smaller chunks"
+    )]
+    TooSmall {
+        /// Number of charts.
+        charts: usize,
+        /// Side of the atlas.
+        size_px: u32,
+    },
+    /// A map could not be written.
+    #[error("cannot write a texture map: {0}")]
+    Write(#[from] io::Error),
+}
+
+/// Unwraps `mesh`, bakes `surface` over it and writes the maps to `sinks` as they come.
+///
+/// The same bytes for the same input on any number of threads.
+///
+/// # Errors
+/// When the charts do not fit, or a sink fails.
+pub fn texture<W: Write + Send>(
+    mesh: &Mesh,
+    surface: &dyn Surface,
+    settings: &TextureSettings,
+    sinks: Maps<W>,
+) -> Result<Textured, TextureError> {
+    let mut cut = unwrap::unwrap(mesh, settings.resolution())?;
+    let tangents = tangent::tangents(mesh, &mut cut);
+    let textured = Textured {
+        positions: cut.source.iter().map(|&v| mesh.position_m(v)).collect(),
+        normals: cut
+            .source
+            .iter()
+            .map(|&v| mesh.normals[v as usize])
+            .collect(),
+        uvs: cut.uvs,
+        tangents,
+        triangles: cut.triangles,
+        source: cut.source,
+        charts: cut.charts,
+        texels_per_m: cut.texels_per_m,
+        size_px: cut.size_px,
+        utilisation: cut.utilisation,
+    };
+    bake::bake(&textured, surface, settings.format, sinks)?;
+    Ok(textured)
+}

@@ -1,0 +1,305 @@
+//! Looks at the surface once per texel and writes what it saw.
+//!
+//! The atlas is baked in strips of rows, several at a time, and each strip is handed to the encoders before the next
+//! ones begin: memory is bounded by the width of the atlas, not its area.
+
+use std::io::{self, Write};
+
+use rayon::prelude::*;
+
+use super::encode::{Channels, MapWriter};
+use super::owners::{NONE, Strips};
+use super::patch::{Frame, Patch};
+use super::settings::ImageFormat;
+use super::srgb::SrgbTable;
+use super::{Maps, Textured};
+use crate::field::{Bounds, Surface, Texel};
+
+/// Side of the squares of texels that are looked at together, so that what lies near them needs finding once; also the
+/// rows of a strip. Tuned.
+const TILE_PX: u32 = 32;
+/// Strips in flight. A constant, so that memory does not depend on the machine.
+const STRIPS_AT_ONCE: u32 = 16;
+
+/// Bakes `surface` over `textured` and writes the four maps to `sinks`.
+///
+/// Texels within two texels of a chart show its rim, extended along the plane of the nearest triangle; the rest repeats
+/// the nearest texel of its row, so that no mip level mixes in a background.
+///
+/// # Errors
+/// When a sink fails.
+pub fn bake<W: Write + Send>(
+    textured: &Textured,
+    surface: &dyn Surface,
+    format: ImageFormat,
+    sinks: Maps<W>,
+) -> io::Result<()> {
+    let strips = Strips::new(textured, TILE_PX);
+    let baker = Baker {
+        textured,
+        surface,
+        strips: &strips,
+        srgb: SrgbTable::new(),
+    };
+    let mut writers = Writers::new(sinks, textured.size_px, format)?;
+    let top_down: Vec<u32> = (0..strips.count()).rev().collect();
+    for batch in top_down.chunks(STRIPS_AT_ONCE as usize) {
+        let baked: Vec<Maps<Vec<u8>>> = batch.par_iter().map(|&strip| baker.strip(strip)).collect();
+        writers.write(&baked)?;
+    }
+    writers.finish()
+}
+
+struct Baker<'a> {
+    textured: &'a Textured,
+    surface: &'a dyn Surface,
+    strips: &'a Strips,
+    srgb: SrgbTable,
+}
+
+impl Baker<'_> {
+    /// The pixels of a strip, top row first.
+    fn strip(&self, strip: u32) -> Maps<Vec<u8>> {
+        let rows = self.strips.rows(strip, self.textured.size_px);
+        let owners = self.strips.owners(self.textured, strip);
+        let width = self.textured.size_px as usize;
+        let mut pixels = Pixels::new(width, rows.len());
+        let mut batch = Batch::default();
+        for left in (0..width).step_by(TILE_PX as usize) {
+            let columns = left..(left + TILE_PX as usize).min(width);
+            let mut tile = vec![];
+            for row in 0..rows.len() {
+                tile.extend(columns.clone().filter_map(|x| {
+                    let owner = owners[row * width + x];
+                    (owner != NONE).then_some(Spot {
+                        owner,
+                        x: x as u32,
+                        row: row as u32,
+                    })
+                }));
+            }
+            // Charts that meet in a tile may lie far apart in the cave.
+            tile.sort_by_key(|spot| self.textured.charts[spot.owner as usize]);
+            for spots in tile.chunk_by(|a, b| self.chart(a) == self.chart(b)) {
+                batch.look(self, spots, rows.start);
+                batch.paint(self, spots, &mut pixels);
+            }
+        }
+        pixels.fill_background(&owners);
+        pixels.into_maps()
+    }
+
+    fn chart(&self, spot: &Spot) -> u32 {
+        self.textured.charts[spot.owner as usize]
+    }
+}
+
+/// A texel to look at: `row` counts from the bottom of its strip.
+#[derive(Clone, Copy)]
+struct Spot {
+    owner: u32,
+    x: u32,
+    row: u32,
+}
+
+/// Texels of one chart in one tile.
+#[derive(Default)]
+struct Batch {
+    frames: Vec<Frame>,
+    points: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    texels: Vec<Texel>,
+}
+
+impl Batch {
+    fn look(&mut self, baker: &Baker, spots: &[Spot], first_row: i32) {
+        self.frames.clear();
+        for run in spots.chunk_by(|a, b| a.owner == b.owner) {
+            let patch = Patch::new(baker.textured, run[0].owner);
+            let frame = |spot: &Spot| patch.frame(spot.x as i32, first_row + spot.row as i32);
+            self.frames.extend(run.iter().map(frame));
+        }
+        self.points.clear();
+        self.points
+            .extend(self.frames.iter().map(|frame| frame.position));
+        self.normals.clear();
+        self.normals
+            .extend(self.frames.iter().map(Frame::unit_normal));
+        self.texels.clear();
+        self.texels.resize(spots.len(), Texel::default());
+        let texel_m = 1.0 / baker.textured.texels_per_m;
+        let bounds = bounds(&self.points);
+        baker.surface.texels(
+            bounds,
+            texel_m,
+            &self.points,
+            &self.normals,
+            &mut self.texels,
+        );
+    }
+
+    fn paint(&self, baker: &Baker, spots: &[Spot], pixels: &mut Pixels) {
+        for ((spot, frame), texel) in spots.iter().zip(&self.frames).zip(&self.texels) {
+            let roughness = byte(texel.roughness);
+            pixels.set(
+                spot,
+                Pixel {
+                    color: texel.color.map(|c| baker.srgb.encode(c)),
+                    normal: frame
+                        .tangent_normal(texel.normal)
+                        .map(|c| byte(0.5 * c + 0.5)),
+                    orm: [byte(texel.occlusion), roughness, 0],
+                },
+            );
+        }
+    }
+}
+
+/// The smallest box around `points`.
+fn bounds(points: &[[f32; 3]]) -> Bounds {
+    let extreme = |k: usize, start: f32, pick: fn(f32, f32) -> f32| {
+        points.iter().map(|point| point[k]).fold(start, pick)
+    };
+    Bounds {
+        min: [0, 1, 2].map(|k| extreme(k, f32::INFINITY, f32::min)),
+        max: [0, 1, 2].map(|k| extreme(k, f32::NEG_INFINITY, f32::max)),
+    }
+}
+
+/// 0–1 to 0–255, rounded.
+fn byte(value: f32) -> u8 {
+    (value * 255.0 + 0.5) as u8
+}
+
+#[derive(Clone, Copy)]
+struct Pixel {
+    color: [u8; 3],
+    normal: [u8; 3],
+    orm: [u8; 3],
+}
+
+/// What a strip shows where no chart is near in the row.
+const BLANK: Pixel = Pixel {
+    color: [128; 3],
+    normal: [128, 128, 255],
+    orm: [255, 255, 0],
+};
+
+/// A strip of pixels, lowest row first.
+struct Pixels {
+    width: usize,
+    pixels: Vec<Pixel>,
+}
+
+impl Pixels {
+    fn new(width: usize, rows: usize) -> Self {
+        Self {
+            width,
+            pixels: vec![BLANK; width * rows],
+        }
+    }
+
+    fn set(&mut self, spot: &Spot, pixel: Pixel) {
+        self.pixels[spot.row as usize * self.width + spot.x as usize] = pixel;
+    }
+
+    /// Gives every free texel the nearest pixel of its row.
+    fn fill_background(&mut self, owners: &[u32]) {
+        let rows = self
+            .pixels
+            .chunks_mut(self.width)
+            .zip(owners.chunks(self.width));
+        for (row, owners) in rows {
+            let mut left = None;
+            for (x, _) in owners
+                .iter()
+                .enumerate()
+                .filter(|&(_, &owner)| owner != NONE)
+            {
+                fill_gap(row, left, Some(x));
+                left = Some(x);
+            }
+            fill_gap(row, left, None);
+        }
+    }
+
+    fn into_maps(self) -> Maps<Vec<u8>> {
+        Maps {
+            base_color: self.channels(|pixel| pixel.color),
+            normal: self.channels(|pixel| pixel.normal),
+            orm: self.channels(|pixel| pixel.orm),
+            roughness: self.channels(|pixel| [pixel.orm[1]]),
+        }
+    }
+
+    /// One map, top row first.
+    fn channels<const N: usize>(&self, of: impl Fn(&Pixel) -> [u8; N]) -> Vec<u8> {
+        let mut bytes = vec![0; self.pixels.len() * N];
+        let rows = self.pixels.chunks(self.width).rev();
+        for (row, out) in rows.zip(bytes.chunks_mut(self.width * N)) {
+            for (pixel, out) in row.iter().zip(out.chunks_exact_mut(N)) {
+                out.copy_from_slice(&of(pixel));
+            }
+        }
+        bytes
+    }
+}
+
+/// Fills the pixels between two columns that have one, or between one and the border.
+fn fill_gap(row: &mut [Pixel], left: Option<usize>, right: Option<usize>) {
+    let (start, end) = (left.map_or(0, |x| x + 1), right.unwrap_or(row.len()));
+    let middle = match (left, right) {
+        (None, _) => start,
+        (_, None) => end,
+        _ => start + (end - start).div_ceil(2),
+    };
+    if let Some(pixel) = left.map(|x| row[x]) {
+        row[start..middle].fill(pixel);
+    }
+    if let Some(pixel) = right.map(|x| row[x]) {
+        row[middle..end].fill(pixel);
+    }
+}
+
+/// The four encoders.
+struct Writers<W: Write>(Maps<MapWriter<W>>);
+
+impl<W: Write + Send> Writers<W> {
+    fn new(sinks: Maps<W>, size_px: u32, format: ImageFormat) -> io::Result<Self> {
+        let start = |sink, channels| MapWriter::new(sink, channels, size_px, format);
+        Ok(Self(Maps {
+            base_color: start(sinks.base_color, Channels::Srgb)?,
+            normal: start(sinks.normal, Channels::LinearRgb)?,
+            orm: start(sinks.orm, Channels::LinearRgb)?,
+            roughness: start(sinks.roughness, Channels::Grey)?,
+        }))
+    }
+
+    /// Appends strips, each map on a thread of its own.
+    fn write(&mut self, strips: &[Maps<Vec<u8>>]) -> io::Result<()> {
+        type Channel = fn(&Maps<Vec<u8>>) -> &Vec<u8>;
+        let maps: [(&mut MapWriter<W>, Channel); 4] = [
+            (&mut self.0.base_color, |maps| &maps.base_color),
+            (&mut self.0.normal, |maps| &maps.normal),
+            (&mut self.0.orm, |maps| &maps.orm),
+            (&mut self.0.roughness, |maps| &maps.roughness),
+        ];
+        maps.into_par_iter().try_for_each(|(writer, channel)| {
+            strips
+                .iter()
+                .try_for_each(|strip| writer.write(channel(strip)))
+        })
+    }
+
+    fn finish(self) -> io::Result<()> {
+        let Maps {
+            base_color,
+            normal,
+            orm,
+            roughness,
+        } = self.0;
+        [base_color, normal, orm, roughness]
+            .into_par_iter()
+            .try_for_each(MapWriter::finish)
+    }
+}

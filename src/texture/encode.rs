@@ -1,0 +1,196 @@
+//! Writes a map row by row.
+
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex};
+
+use jpeg_encoder::{ColorType, Encoder as JpgEncoder, SamplingFactor};
+use png::{
+    BitDepth, Compression, Encoder as PngEncoder, Filter, SrgbRenderingIntent, StreamWriter,
+};
+
+use super::settings::ImageFormat;
+
+/// JPG quality: artefacts below what normal maps show on rock.
+const JPG_QUALITY: u8 = 90;
+/// Bytes of compressed data per PNG chunk.
+const PNG_CHUNK: usize = 1 << 16;
+
+/// What the channels of a map mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channels {
+    /// Colour, already in sRGB.
+    Srgb,
+    /// Three linear quantities.
+    LinearRgb,
+    /// One linear quantity.
+    Grey,
+}
+
+impl Channels {
+    /// Bytes per pixel.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Srgb | Self::LinearRgb => 3,
+            Self::Grey => 1,
+        }
+    }
+}
+
+/// A square map being written, top row first. The bytes depend on the pixels alone, not on how they are handed over.
+///
+/// PNG streams; JPG keeps the pixels until [`MapWriter::finish`].
+pub struct MapWriter<W: Write>(Inner<W>);
+
+enum Inner<W: Write> {
+    Png {
+        sink: W,
+        stream: Box<StreamWriter<'static, Spill>>,
+        spill: Spill,
+    },
+    Jpg {
+        sink: W,
+        pixels: Vec<u8>,
+        channels: Channels,
+        size_px: u16,
+    },
+}
+
+impl<W: Write> MapWriter<W> {
+    /// Starts a map of `size_px` (at most [`super::settings::MAX_SIZE_PX`]) pixels a side.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn new(sink: W, channels: Channels, size_px: u32, format: ImageFormat) -> io::Result<Self> {
+        let inner = match format {
+            ImageFormat::Png => {
+                let spill = Spill::default();
+                let stream = Box::new(png_stream(spill.clone(), channels, size_px)?);
+                Inner::Png {
+                    sink,
+                    stream,
+                    spill,
+                }
+            }
+            ImageFormat::Jpg => {
+                let pixels =
+                    Vec::with_capacity(size_px as usize * size_px as usize * channels.count());
+                Inner::Jpg {
+                    sink,
+                    pixels,
+                    channels,
+                    size_px: size_px as u16,
+                }
+            }
+        };
+        Ok(Self(inner))
+    }
+
+    /// Adds pixels.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match &mut self.0 {
+            Inner::Png {
+                sink,
+                stream,
+                spill,
+            } => {
+                stream.write_all(bytes)?;
+                spill.pour(sink)
+            }
+            Inner::Jpg { pixels, .. } => {
+                pixels.extend_from_slice(bytes);
+                Ok(())
+            }
+        }
+    }
+
+    /// Ends the map; all pixels must have been written.
+    ///
+    /// # Errors
+    /// When the sink fails or pixels are missing.
+    pub fn finish(self) -> io::Result<()> {
+        match self.0 {
+            Inner::Png {
+                mut sink,
+                stream,
+                spill,
+            } => {
+                stream.finish()?;
+                spill.pour(&mut sink)
+            }
+            Inner::Jpg {
+                sink,
+                pixels,
+                channels,
+                size_px,
+            } => {
+                let mut encoder = JpgEncoder::new(sink, JPG_QUALITY);
+                encoder.set_sampling_factor(SamplingFactor::F_1_1);
+                let color = if channels.count() == 1 {
+                    ColorType::Luma
+                } else {
+                    ColorType::Rgb
+                };
+                encoder
+                    .encode(&pixels, size_px, size_px, color)
+                    .map_err(io::Error::other)
+            }
+        }
+    }
+}
+
+/// Compressed bytes on their way to a sink: the stream of `png` can only own what lives forever.
+#[derive(Clone, Default)]
+struct Spill(Arc<Mutex<Vec<u8>>>);
+
+impl Spill {
+    fn pour(&self, sink: &mut impl Write) -> io::Result<()> {
+        let mut bytes = self
+            .0
+            .lock()
+            .expect("no writer panics while it holds the bytes");
+        sink.write_all(&bytes)?;
+        bytes.clear();
+        Ok(())
+    }
+}
+
+impl Write for Spill {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0
+            .lock()
+            .expect("no writer panics while it holds the bytes")
+            .extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn png_stream(
+    spill: Spill,
+    channels: Channels,
+    size_px: u32,
+) -> io::Result<StreamWriter<'static, Spill>> {
+    let mut encoder = PngEncoder::new(spill, size_px, size_px);
+    let color = if channels.count() == 1 {
+        png::ColorType::Grayscale
+    } else {
+        png::ColorType::Rgb
+    };
+    encoder.set_color(color);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Paeth);
+    if channels == Channels::Srgb {
+        // Some readers (MuJoCo) take the colour space from here.
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    }
+    Ok(encoder
+        .write_header()?
+        .into_stream_writer_with_size(PNG_CHUNK)?)
+}
