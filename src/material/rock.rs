@@ -1,0 +1,414 @@
+//! How relief, floor and detail of a rock become one field, the same way for every rock.
+
+use super::site::{BLOCK, Band, Site, Sites, Skins};
+use super::{Look, Material, Wander};
+use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, soft_max, soft_min};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch};
+
+/// The deepest a rock recedes behind the smooth wall, in metres.
+pub const RECESS_M: f32 = 0.75;
+/// The furthest it stands into the passage, as a share of half the width: a passage never closes.
+pub const PROTRUSION: f32 = 0.25;
+/// Width of the fillet between wall and floor, in metres.
+const FILLET_M: f32 = 0.24;
+/// Steepness of the field over the floor; below 1 because flanks of stones are steep.
+const FLOOR_STEEPNESS: f32 = 0.75;
+
+/// The shape of the wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Wall<T> {
+    /// How far the wall recedes, metres.
+    pub recess: T,
+    /// The same without its longest undulation: what catches dirt and water.
+    pub cavity: T,
+    /// Which of the rock's two states: 0 the first, 1 the second.
+    pub state: T,
+    /// A number in 0–1 of the rock's own: hardness of the bed, for one.
+    pub band: T,
+}
+
+/// What is too fine for the mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Detail<T> {
+    /// How much further the wall recedes, metres.
+    pub recess: T,
+    /// 1 in a crack, 0 beside it.
+    pub crack: T,
+}
+
+/// The shape of the floor.
+#[derive(Clone, Copy, Debug)]
+pub struct Floor<T> {
+    /// Height above the plane of the floor, metres.
+    pub height: T,
+    /// 1 on a stone, 0 between stones.
+    pub stone: T,
+    /// A number in 0–1 of each stone's own.
+    pub tint: T,
+}
+
+/// All that decides a colour.
+#[derive(Clone, Copy, Debug)]
+pub struct Form<S: Simd> {
+    /// The point.
+    pub point: Vec3<Value<S>>,
+    /// Upward component of the normal.
+    pub upward: Value<S>,
+    /// Height above the plane of the floor, metres.
+    pub height: Value<S>,
+    /// How deep in a hollow, about −1 to 1.
+    pub cavity: Value<S>,
+    /// See [`Wall::state`].
+    pub state: Value<S>,
+    /// See [`Wall::band`].
+    pub band: Value<S>,
+    /// See [`Detail::crack`].
+    pub crack: Value<S>,
+    /// 1 on the floor, 0 on the wall.
+    pub floor: Value<S>,
+    /// See [`Floor::stone`].
+    pub stone: Value<S>,
+    /// See [`Floor::tint`].
+    pub tint: Value<S>,
+}
+
+/// Colour and gloss.
+#[derive(Clone, Copy, Debug)]
+pub struct Paint<S: Simd> {
+    /// Base colour, linear RGB.
+    pub color: Vec3<Value<S>>,
+    /// Perceptual roughness, 0–1.
+    pub roughness: Value<S>,
+}
+
+/// A rock as formulas over lanes.
+pub trait Rock: std::fmt::Debug + Send + Sync {
+    /// How it bends passages.
+    fn wander(&self) -> Wander;
+    /// The wall, with no wavelength below 0.4 m.
+    fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
+    /// What is finer on the wall.
+    fn wall_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        wall: &Wall<T>,
+        band: Band,
+    ) -> Detail<T>;
+    /// The floor, with no wavelength below 0.4 m.
+    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T>;
+    /// The floor with all that is finer.
+    fn floor_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        floor: &Floor<T>,
+        band: Band,
+    ) -> Floor<T>;
+    /// The colour.
+    fn paint<S: Simd>(
+        &self,
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        band: Band,
+    ) -> Paint<S>;
+}
+
+/// How much of its relief a rock shows: all in passages 3.5 m wide and more, less in narrow ones.
+#[inline(always)]
+fn relief_share<S: Simd, T: Real<S>>(half_width: T) -> T {
+    (half_width * 0.4 + 0.3).within(0.3, 1.0)
+}
+
+/// The field of the wall alone.
+#[inline(always)]
+fn wall_field<S: Simd, T: Real<S>>(site: &Site<T>, wall: &Wall<T>) -> T {
+    let recess = soft_min(wall.recess, T::splat(site.simd(), RECESS_M), 0.15);
+    let recess = recess * relief_share(site.half_width);
+    site.wall - soft_max(recess, site.half_width * -PROTRUSION, 0.12)
+}
+
+/// The field of the floor alone.
+#[inline(always)]
+fn floor_field<S: Simd, T: Real<S>>(site: &Site<T>, floor: &Floor<T>) -> T {
+    let height = floor
+        .height
+        .within(-Site::<T>::DITCH_M, site.ground.highest_m());
+    (height - site.height) * FLOOR_STEEPNESS
+}
+
+impl<T> Site<T> {
+    /// The deepest ditch in a floor, metres.
+    pub const DITCH_M: f32 = 0.15;
+
+    #[inline(always)]
+    fn simd<S: Simd>(&self) -> S
+    where
+        T: Real<S>,
+    {
+        self.wall.value().token()
+    }
+
+    /// Upper bound of [`wall_field`].
+    #[inline(always)]
+    fn wall_at_most<S: Simd>(&self) -> Lanes<S>
+    where
+        T: Real<S>,
+    {
+        self.wall.value() + self.half_width.value() * PROTRUSION
+    }
+
+    /// Upper bound of [`floor_field`].
+    #[inline(always)]
+    fn floor_at_most<S: Simd>(&self) -> Lanes<S>
+    where
+        T: Real<S>,
+    {
+        (-self.height.value() + self.ground.highest_m()) * FLOOR_STEEPNESS
+    }
+}
+
+/// Wall and floor of the sites in one vector; what cannot be seen from there is absent, which changes no bit.
+struct Carved<T> {
+    field: T,
+    wall: Option<(Wall<T>, T)>,
+    floor: Option<(Floor<T>, T)>,
+}
+
+#[inline(always)]
+fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
+    let lowest_wall = site.wall.value() - RECESS_M;
+    let floor_hidden = site.floor_at_most().simd_le(lowest_wall - FILLET_M);
+    if floor_hidden.all_true() {
+        let wall = rock.wall(site);
+        let field = wall_field(site, &wall);
+        return Carved {
+            field,
+            wall: Some((wall, field)),
+            floor: None,
+        };
+    }
+    let floor = rock.floor(site);
+    let over_floor = floor_field(site, &floor);
+    let wall_hidden = site.wall_at_most().simd_le(over_floor.value() - FILLET_M);
+    if wall_hidden.all_true() {
+        return Carved {
+            field: over_floor,
+            wall: None,
+            floor: Some((floor, over_floor)),
+        };
+    }
+    let wall = rock.wall(site);
+    let at_wall = wall_field(site, &wall);
+    Carved {
+        field: soft_max(at_wall, over_floor, FILLET_M),
+        wall: Some((wall, at_wall)),
+        floor: Some((floor, over_floor)),
+    }
+}
+
+#[inline(always)]
+fn distances<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [f32]) {
+    let mut block = [0.0; BLOCK];
+    for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
+        let site: Site<Value<S>> = sites.site(simd, at);
+        Skins::put::<S>(&mut block, at, carve(rock, &site).field.value());
+    }
+    out.copy_from_slice(&block[..sites.count]);
+}
+
+#[inline(always)]
+fn gradients<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [[f32; 3]]) {
+    for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
+        let site: Site<Jet<S>> = sites.site(simd, at);
+        let gradient = carve(rock, &site).field.gradient;
+        for (lane, out) in out[at..].iter_mut().take(Lanes::<S>::LEN).enumerate() {
+            *out = gradient.map(|axis| axis[lane]);
+        }
+    }
+}
+
+/// The whole surface at the sites in one vector: shape with detail, and what decides its colour.
+#[inline(always)]
+fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<S>, Form<S>) {
+    let zero = Jet::splat(site.simd(), 0.0);
+    let carved = carve(rock, site);
+    let fine_wall = carved.wall.map(|(wall, field)| {
+        let detail = rock.wall_detail(site, &wall, band);
+        (wall, detail, field - detail.recess)
+    });
+    let fine_floor = carved.floor.map(|(floor, _)| {
+        let floor = rock.floor_detail(site, &floor, band);
+        let field = floor_field(site, &floor);
+        (floor, field)
+    });
+    let (field, share) = match (&fine_wall, &fine_floor) {
+        (Some((_, _, wall)), Some((_, floor))) => (
+            soft_max(*wall, *floor, FILLET_M),
+            (*floor - *wall).step(-0.06, 0.06),
+        ),
+        (Some((_, _, wall)), None) => (*wall, zero),
+        (None, Some((_, floor))) => (*floor, zero + 1.0),
+        (None, None) => (carved.field, zero),
+    };
+    let value = |number: Jet<S>| Value(number.value);
+    let none = Wall {
+        recess: zero,
+        cavity: zero,
+        state: zero,
+        band: zero,
+    };
+    let (wall, detail) = fine_wall.map_or((none, zero), |(wall, detail, _)| (wall, detail.recess));
+    let crack = fine_wall.map_or(zero, |(_, detail, _)| detail.crack);
+    let bare = Floor {
+        height: zero,
+        stone: zero,
+        tint: zero,
+    };
+    let floor = fine_floor.map_or(bare, |(floor, _)| floor);
+    let hollow_wall = value(wall.cavity * 2.0 + detail * 9.0);
+    let hollow_floor = value(floor.height * -2.0 + 0.15);
+    let share = value(share);
+    let form = Form {
+        point: Vec3 {
+            x: value(site.point.x),
+            y: value(site.point.y),
+            z: value(site.point.z),
+        },
+        upward: share,
+        height: value(site.height),
+        cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
+        state: value(wall.state) * (-share + 1.0),
+        band: value(wall.band),
+        crack: value(crack) * (-share + 1.0),
+        floor: share,
+        stone: value(floor.stone) * share,
+        tint: value(floor.tint),
+    };
+    (field, form)
+}
+
+#[inline(always)]
+fn skins<S: Simd, R: Rock>(
+    simd: S,
+    rock: &R,
+    sites: &Sites,
+    look: &Look,
+    band: Band,
+    normals: &[[f32; 3]],
+    out: &mut Skins,
+) {
+    for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
+        let (field, mut form) = surface(rock, &sites.site(simd, at), band);
+        let upward = |lane: usize| normals[(at + lane).min(sites.count - 1)][2];
+        form.upward = Value(Lanes::<S>::from_fn(simd, upward));
+        let paint = rock.paint(&form, &sites.site(simd, at), look, band);
+        for (lanes, to) in field.gradient.into_iter().zip(&mut out.gradient) {
+            Skins::put::<S>(to, at, lanes);
+        }
+        let color = [paint.color.x, paint.color.y, paint.color.z];
+        for (lanes, to) in color.into_iter().zip(&mut out.color) {
+            Skins::put::<S>(to, at, lanes.within(0.0, 1.0).0);
+        }
+        Skins::put::<S>(&mut out.roughness, at, paint.roughness.within(0.05, 1.0).0);
+        let open = -form.cavity.step(-0.1, 1.1) * 0.5 + 1.0;
+        Skins::put::<S>(&mut out.occlusion, at, open.0);
+    }
+}
+
+impl<R: Rock> Material for R {
+    fn wander(&self) -> Wander {
+        Rock::wander(self)
+    }
+
+    fn distances(&self, sites: &Sites, out: &mut [f32]) {
+        dispatch!(Level::new(), simd => distances(simd, self, sites, out));
+    }
+
+    fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]) {
+        dispatch!(Level::new(), simd => gradients(simd, self, sites, out));
+    }
+
+    fn skins(&self, sites: &Sites, look: &Look, band: Band, normals: &[[f32; 3]], out: &mut Skins) {
+        dispatch!(Level::new(), simd => skins(simd, self, sites, look, band, normals, out));
+    }
+}
+
+/// Rubble: one slab per cell in plan, tilted, with steep flanks and a gap to its neighbours.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rubble {
+    /// Layer of noise.
+    pub layer: u32,
+    /// Size of a cell in metres.
+    pub cell_m: f32,
+    /// Height of the lowest slab, and how much higher the highest is, in metres.
+    pub height_m: [f32; 2],
+    /// Slope of the tops at most, along each axis.
+    pub tilt: f32,
+    /// Slope of the flanks.
+    pub steepness: f32,
+}
+
+impl Rubble {
+    /// Its height and, per stone, its tint. `density` is the share of cells that hold a stone, at most 1; whatever is
+    /// constant over a stone in it keeps the stone whole.
+    #[inline(always)]
+    pub fn stones<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        at: Vec3<T>,
+        density: impl Fn([Lanes<S>; 2]) -> T,
+    ) -> Floor<T> {
+        let cell =
+            crate::noise::cells_2d(at.scaled(1.0 / self.cell_m), site.source.layer(self.layer));
+        let lot = |which: u32| T::constant(cell.random(which));
+        let centre = cell.centre.map(|c| c * self.cell_m);
+        let presence = ((density(centre) - lot(0)) * (1.0 / 0.12)).within(0.0, 1.0);
+        let other = Cell2Lots::<S>::of(cell.hash);
+        let tilt = |which: usize| T::constant((other.0[which] - 0.5) * (2.0 * self.tilt));
+        let slope = (cell.offset[0] * tilt(0) + cell.offset[1] * tilt(1)) * self.cell_m;
+        let rise = lot(1).squared() * self.height_m[1] + self.height_m[0];
+        let top = slope + rise * presence;
+        let flank = (cell.edge - 0.03 - lot(1) * 0.06) * (self.cell_m * self.steepness);
+        let height = soft_min(top, flank, self.cell_m * 0.12).at_least(0.0);
+        let height = T::pick(presence.value().simd_gt(0.0), height, height * 0.0);
+        let stone = (height * (8.0 / self.cell_m)).at_most(1.0);
+        Floor {
+            height,
+            stone,
+            tint: lot(2),
+        }
+    }
+}
+
+/// A second set of random numbers of a cell.
+struct Cell2Lots<S: Simd>([Lanes<S>; 2]);
+
+impl<S: Simd> Cell2Lots<S> {
+    #[inline(always)]
+    fn of(hash: Ints<S>) -> Self {
+        let h = hash * 0x6c07_8965;
+        let lot = |shift: u32| ((h >> shift) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0);
+        Self([lot(8), lot(19)])
+    }
+}
+
+/// The higher of two floors at every point.
+#[inline(always)]
+pub(super) fn higher<S: Simd, T: Real<S>>(a: Floor<T>, b: Floor<T>) -> Floor<T> {
+    let first = a.height.value().simd_ge(b.height.value());
+    Floor {
+        height: T::pick(first, a.height, b.height),
+        stone: T::pick(first, a.stone, b.stone),
+        tint: T::pick(first, a.tint, b.tint),
+    }
+}
+
+/// A number in 0–1 that belongs to a level.
+#[inline(always)]
+pub(super) fn level_lot<S: Simd, T: Real<S>>(level: Ints<S>, salt: i32) -> T {
+    let h = (level * 0x27d4_eb2d) ^ salt;
+    let h = (h ^ (h >> 15)) * 0x2c1b_3c6d;
+    let h = (h ^ (h >> 13)) * 0x297a_2d39;
+    T::constant(((h >> 7) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0))
+}
