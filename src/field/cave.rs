@@ -7,9 +7,9 @@ use crate::graph::Graph;
 use crate::material::{
     BLOCK, Band, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, Skins, Wander,
 };
-use crate::noise::{Jet, Source, Value};
+use crate::noise::{Jet, Source, Value, dispatched};
 use crate::seed;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Simd;
 
 /// A cave to be sampled: a graph, the shape of its passages, a rock and how it is dressed.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ impl CaveField {
             max: point,
         };
         self.blocks(bounds, &[point], |_, capsules, sites| {
-            dispatch!(Level::new(), simd => survey_values(simd, capsules, wander, sites));
+            dispatched!(simd => survey_values(simd, capsules, wander, sites));
             floor = point[2] - sites.height.value[0];
         });
         floor
@@ -195,7 +195,7 @@ impl Field for CaveField {
     fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
         let wander = self.material.wander();
         self.blocks(bounds, points, |start, capsules, sites| {
-            dispatch!(Level::new(), simd => survey_values(simd, capsules, wander, sites));
+            dispatched!(simd => survey_values(simd, capsules, wander, sites));
             self.material
                 .distances(sites, &mut out[start..start + sites.count]);
         });
@@ -204,7 +204,7 @@ impl Field for CaveField {
     fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
         let wander = self.material.wander();
         self.blocks(bounds, points, |start, capsules, sites| {
-            dispatch!(Level::new(), simd => survey_jets(simd, capsules, wander, sites));
+            dispatched!(simd => survey_jets(simd, capsules, wander, sites));
             let out = &mut out[start..start + sites.count];
             self.material.gradients(sites, out);
             for normal in out {
@@ -226,7 +226,7 @@ impl Surface for CaveField {
         let wander = self.material.wander();
         let mut skins = Skins::default();
         self.blocks(bounds, points, |start, capsules, sites| {
-            dispatch!(Level::new(), simd => survey_jets(simd, capsules, wander, sites));
+            dispatched!(simd => survey_jets(simd, capsules, wander, sites));
             let normals = &normals[start..start + sites.count];
             self.material
                 .skins(sites, &self.look, Band { texel_m }, normals, &mut skins);

@@ -96,7 +96,7 @@ impl Basalt {
 
     #[inline(always)]
     fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
-        let [x, y] = centre.map(|c| Value::<S>(c * 0.28));
+        let [x, y] = [Value::<S>(centre[0] * 0.28), Value(centre[1] * 0.28)];
         let lane = site.source.noise(30, vec3(x, y, y * 0.0));
         bank(site) * 0.5
             + T::constant(lane.0 * 0.45)

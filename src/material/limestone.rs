@@ -7,7 +7,7 @@ use super::basalt::{bank, stone_height};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Rubble, Wall, higher, level_lot};
 use super::site::{Band, Site};
 use super::{Look, Wander};
-use crate::noise::{Lanes, Real, Value, cells_3d, mix, vec3};
+use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -89,7 +89,7 @@ impl Limestone {
         let level =
             rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06;
         let (index, rest) = level.split();
-        let lot = |index, layer| level_lot::<S, T>(index, n.layer(layer));
+        let lot = inlined!(|index, layer| level_lot::<S, T>(index, n.layer(layer)));
         // The next bed begins at a height of its own, so that partings are not evenly spaced.
         let edge = lot(index, 14) * 0.28 - 0.14;
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
@@ -125,7 +125,7 @@ impl Limestone {
 
     #[inline(always)]
     fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
-        let [x, y] = centre.map(|c| Value::<S>(c * 0.3));
+        let [x, y] = [Value::<S>(centre[0] * 0.3), Value(centre[1] * 0.3)];
         let lane = site.source.noise(30, vec3(x, y, y * 0.0));
         bank(site) * 0.48
             + T::constant(lane.0 * 0.40)

@@ -2,9 +2,9 @@
 
 use super::site::{BLOCK, Band, Site, Sites, Skins};
 use super::{Look, Material, Wander};
-use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, soft_max, soft_min};
+use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, soft_max, soft_min};
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
 
 /// The deepest a rock recedes behind the smooth wall, in metres.
 pub const RECESS_M: f32 = 0.75;
@@ -223,7 +223,7 @@ fn gradients<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [[f32
         let site: Site<Jet<S>> = sites.site(simd, at);
         let gradient = carve(rock, &site).field.gradient;
         for (lane, out) in out[at..].iter_mut().take(Lanes::<S>::LEN).enumerate() {
-            *out = gradient.map(|axis| axis[lane]);
+            *out = [gradient[0][lane], gradient[1][lane], gradient[2][lane]];
         }
     }
 }
@@ -233,40 +233,45 @@ fn gradients<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [[f32
 fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<S>, Form<S>) {
     let zero = Jet::splat(site.simd(), 0.0);
     let carved = carve(rock, site);
-    let fine_wall = carved.wall.map(|(wall, field)| {
-        let detail = rock.wall_detail(site, &wall, band);
-        (wall, detail, field - detail.recess)
-    });
-    let fine_floor = carved.floor.map(|(floor, _)| {
-        let floor = rock.floor_detail(site, &floor, band);
-        let field = floor_field(site, &floor);
-        (floor, field)
-    });
-    let (field, share) = match (&fine_wall, &fine_floor) {
-        (Some((_, _, wall)), Some((_, floor))) => (
-            soft_max(*wall, *floor, FILLET_M),
-            (*floor - *wall).step(-0.06, 0.06),
-        ),
-        (Some((_, _, wall)), None) => (*wall, zero),
-        (None, Some((_, floor))) => (*floor, zero + 1.0),
-        (None, None) => (carved.field, zero),
-    };
-    let value = |number: Jet<S>| Value(number.value);
     let none = Wall {
         recess: zero,
         cavity: zero,
         state: zero,
         band: zero,
     };
-    let (wall, detail) = fine_wall.map_or((none, zero), |(wall, detail, _)| (wall, detail.recess));
-    let crack = fine_wall.map_or(zero, |(_, detail, _)| detail.crack);
+    let mut fine_wall = (
+        none,
+        Detail {
+            recess: zero,
+            crack: zero,
+        },
+        zero,
+    );
+    if let Some((wall, field)) = carved.wall {
+        let detail = rock.wall_detail(site, &wall, band);
+        fine_wall = (wall, detail, field - detail.recess);
+    }
     let bare = Floor {
         height: zero,
         stone: zero,
         tint: zero,
     };
-    let floor = fine_floor.map_or(bare, |(floor, _)| floor);
-    let hollow_wall = value(wall.cavity * 2.0 + detail * 9.0);
+    let mut fine_floor = (bare, zero);
+    if let Some((floor, _)) = carved.floor {
+        let floor = rock.floor_detail(site, &floor, band);
+        fine_floor = (floor, floor_field(site, &floor));
+    }
+    let ((wall, detail, at_wall), (floor, over_floor)) = (fine_wall, fine_floor);
+    let (field, share) = match (carved.wall.is_some(), carved.floor.is_some()) {
+        (true, true) => (
+            soft_max(at_wall, over_floor, FILLET_M),
+            (over_floor - at_wall).step(-0.06, 0.06),
+        ),
+        (true, false) => (at_wall, zero),
+        (false, _) => (over_floor, zero + 1.0),
+    };
+    let value = inlined!(|number: Jet<S>| Value(number.value));
+    let hollow_wall = value(wall.cavity * 2.0 + detail.recess * 9.0);
     let hollow_floor = value(floor.height * -2.0 + 0.15);
     let share = value(share);
     let form = Form {
@@ -280,7 +285,7 @@ fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<
         cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
         state: value(wall.state) * (-share + 1.0),
         band: value(wall.band),
-        crack: value(crack) * (-share + 1.0),
+        crack: value(detail.crack) * (-share + 1.0),
         floor: share,
         stone: value(floor.stone) * share,
         tint: value(floor.tint),
@@ -300,7 +305,7 @@ fn skins<S: Simd, R: Rock>(
 ) {
     for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
         let (field, mut form) = surface(rock, &sites.site(simd, at), band);
-        let upward = |lane: usize| normals[(at + lane).min(sites.count - 1)][2];
+        let upward = inlined!(|lane: usize| normals[(at + lane).min(sites.count - 1)][2]);
         form.upward = Value(Lanes::<S>::from_fn(simd, upward));
         let paint = rock.paint(&form, &sites.site(simd, at), look, band);
         for (lanes, to) in field.gradient.into_iter().zip(&mut out.gradient) {
@@ -322,15 +327,15 @@ impl<R: Rock> Material for R {
     }
 
     fn distances(&self, sites: &Sites, out: &mut [f32]) {
-        dispatch!(Level::new(), simd => distances(simd, self, sites, out));
+        dispatched!(simd => distances(simd, self, sites, out));
     }
 
     fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]) {
-        dispatch!(Level::new(), simd => gradients(simd, self, sites, out));
+        dispatched!(simd => gradients(simd, self, sites, out));
     }
 
     fn skins(&self, sites: &Sites, look: &Look, band: Band, normals: &[[f32; 3]], out: &mut Skins) {
-        dispatch!(Level::new(), simd => skins(simd, self, sites, look, band, normals, out));
+        dispatched!(simd => skins(simd, self, sites, look, band, normals, out));
     }
 }
 
@@ -361,11 +366,11 @@ impl Rubble {
     ) -> Floor<T> {
         let cell =
             crate::noise::cells_2d(at.scaled(1.0 / self.cell_m), site.source.layer(self.layer));
-        let lot = |which: u32| T::constant(cell.random(which));
-        let centre = cell.centre.map(|c| c * self.cell_m);
+        let lot = inlined!(|which: u32| T::constant(cell.random(which)));
+        let centre = [cell.centre[0] * self.cell_m, cell.centre[1] * self.cell_m];
         let presence = ((density(centre) - lot(0)) * (1.0 / 0.12)).within(0.0, 1.0);
         let other = Cell2Lots::<S>::of(cell.hash);
-        let tilt = |which: usize| T::constant((other.0[which] - 0.5) * (2.0 * self.tilt));
+        let tilt = inlined!(|which: usize| T::constant((other.0[which] - 0.5) * (2.0 * self.tilt)));
         let slope = (cell.offset[0] * tilt(0) + cell.offset[1] * tilt(1)) * self.cell_m;
         let rise = lot(1).squared() * self.height_m[1] + self.height_m[0];
         let top = slope + rise * presence;
@@ -388,7 +393,8 @@ impl<S: Simd> Cell2Lots<S> {
     #[inline(always)]
     fn of(hash: Ints<S>) -> Self {
         let h = hash * 0x6c07_8965;
-        let lot = |shift: u32| ((h >> shift) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0);
+        let lot =
+            inlined!(|shift: u32| ((h >> shift) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0));
         Self([lot(8), lot(19)])
     }
 }

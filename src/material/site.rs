@@ -1,6 +1,6 @@
 //! Where a point is in the cave: what a rock is told before it is asked for its relief.
 
-use crate::noise::{Jet, Lanes, Real, Source, Value, Vec3, vec3};
+use crate::noise::{Jet, Lanes, Real, Source, Value, Vec3, inlined, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -154,7 +154,7 @@ fn put<S: Simd>(lanes: Lanes<S>, to: &mut [f32; BLOCK], at: usize) {
 impl<S: Simd> Stored<S> for Value<S> {
     #[inline(always)]
     fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self> {
-        let axis = |i: usize| Value(lanes(simd, &point[i], at));
+        let axis = inlined!(|i: usize| Value(lanes(simd, &point[i], at)));
         vec3(axis(0), axis(1), axis(2))
     }
 
@@ -172,10 +172,11 @@ impl<S: Simd> Stored<S> for Value<S> {
 impl<S: Simd> Stored<S> for Jet<S> {
     #[inline(always)]
     fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self> {
-        let axis = |i: usize| Jet {
+        let one = inlined!(|here: bool| Lanes::<S>::splat(simd, f32::from(u8::from(here))));
+        let axis = inlined!(|i: usize| Jet {
             value: lanes(simd, &point[i], at),
-            gradient: std::array::from_fn(|j| Lanes::<S>::splat(simd, f32::from(u8::from(i == j)))),
-        };
+            gradient: [one(i == 0), one(i == 1), one(i == 2)],
+        });
         vec3(axis(0), axis(1), axis(2))
     }
 

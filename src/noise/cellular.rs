@@ -80,7 +80,7 @@ const JITTER_3D: f32 = 0.8;
 impl<S: Simd> Block<S> {
     #[inline(always)]
     fn around<T: Real<S>>(at: Vec3<T>, salt: i32) -> Self {
-        let [x, y, z] = [at.x, at.y, at.z].map(|c| c.value());
+        let [x, y, z] = [at.x.value(), at.y.value(), at.z.value()];
         let [fx, fy, fz] = [x.floor(), y.floor(), z.floor()];
         Self {
             place: [x - fx, y - fy, z - fz],
@@ -95,19 +95,20 @@ impl<S: Simd> Block<S> {
     /// Hash of the cell at an offset, and the vector from its feature point to the point.
     #[inline(always)]
     fn cell(&self, offset: [i32; 3]) -> (Ints<S>, [Lanes<S>; 3]) {
-        let shifted = |i: usize| self.index[i] + offset[i].wrapping_mul(PRIMES[i]);
+        let shifted = inlined!(|i: usize| self.index[i] + offset[i].wrapping_mul(PRIMES[i]));
         let h = hash::<S>(shifted(0), shifted(1), shifted(2));
-        let away = |i: usize, shift: u32| {
+        let away = inlined!(|i: usize, shift: u32| {
             let corner = offset[i] as f32 + (1.0 - JITTER_3D) / 2.0;
             self.place[i] - ten_bits::<S>(h, shift) * (JITTER_3D / 1023.0) - corner
-        };
+        });
         (h, [away(0, 0), away(1, 10), away(2, 20)])
     }
 }
 
-/// Offsets of the cells around a cell.
-fn neighbours() -> impl Iterator<Item = [i32; 3]> {
-    (0..27).map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1])
+/// Offsets of the 27 cells around a cell.
+#[inline(always)]
+fn neighbour(i: i32) -> [i32; 3] {
+    [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]
 }
 
 #[inline(always)]
@@ -121,10 +122,11 @@ fn choose<S: Simd, const N: usize>(
     yes: [Lanes<S>; N],
     no: [Lanes<S>; N],
 ) -> [Lanes<S>; N] {
-    std::array::from_fn(
-        #[inline(always)]
-        |i| mask.select(yes[i], no[i]),
-    )
+    let mut chosen = no;
+    for i in 0..N {
+        chosen[i] = mask.select(yes[i], no[i]);
+    }
+    chosen
 }
 
 #[inline(always)]
@@ -133,8 +135,8 @@ fn find_3d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell3<T> {
     let far = Lanes::<S>::splat(at.x.value().token(), 9.0);
     let (mut first, mut second) = (far, far);
     let (mut to_first, mut to_second) = ([far; 3], [far; 3]);
-    for offset in neighbours() {
-        let (_, away) = block.cell(offset);
+    for i in 0..27 {
+        let (_, away) = block.cell(neighbour(i));
         let d = dot::<S>(away, away);
         let nearest = d.simd_lt(first);
         let next = d.simd_lt(second);
@@ -144,13 +146,23 @@ fn find_3d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell3<T> {
         first = nearest.select(d, first);
     }
     let distance = first.max(1e-12).sqrt();
-    let unit = to_first.map(|c| c / distance);
-    let between: [Lanes<S>; 3] = std::array::from_fn(|i| to_second[i] - to_first[i]);
+    let [x, y, z] = to_first;
+    let unit = [x / distance, y / distance, z / distance];
+    let [u, v, w] = to_second;
+    let between = [u - x, v - y, w - z];
     let length = dot::<S>(between, between).max(1e-12).sqrt();
     let edge = (second - first) * 0.5 / length;
     Cell3 {
         distance: T::chain_3(distance, unit, at),
-        edge: T::chain_3(edge, between.map(|c| c / length), at),
+        edge: T::chain_3(
+            edge,
+            [
+                between[0] / length,
+                between[1] / length,
+                between[2] / length,
+            ],
+            at,
+        ),
     }
 }
 
@@ -160,15 +172,16 @@ fn facets_here<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
     let zero = Lanes::<S>::splat(at.x.value().token(), 0.0);
     let (mut sum, mut weights) = (zero, zero + 1e-9);
     let (mut sum_slope, mut weights_slope) = ([zero; 3], [zero; 3]);
-    for offset in neighbours() {
-        let (h, away) = block.cell(offset);
+    for i in 0..27 {
+        let (h, away) = block.cell(neighbour(i));
         let t = (-dot::<S>(away, away) * (1.0 / 1.5) + 1.0).max(0.0);
         let (t2, h2) = (t * t, h * 0x1657_33b1);
         let (t4, h2) = (t2 * t2, h2 ^ (h2 >> 13));
         let t8 = t4 * t4;
         let weight = t8 * t8 * t8;
         let weight_slope = t8 * t8 * t4 * t2 * t * (24.0 * -2.0 / 1.5);
-        let tilted = |shift: u32| (ten_bits::<S>(h2, shift) * (2.0 / 1023.0) - 1.0) * tilt;
+        let tilted =
+            inlined!(|shift: u32| (ten_bits::<S>(h2, shift) * (2.0 / 1023.0) - 1.0) * tilt);
         let plane = [tilted(0), tilted(10), tilted(20)];
         let rise = ten_bits::<S>(h2 * 0x05eb_ca6b, 21) * (2.0 / 1023.0) - 1.0;
         let height = rise + dot::<S>(plane, away);
@@ -180,7 +193,11 @@ fn facets_here<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
         }
     }
     let value = sum / weights;
-    let slope = std::array::from_fn(|i| (sum_slope[i] - value * weights_slope[i]) / weights);
+    let slope = [
+        (sum_slope[0] - value * weights_slope[0]) / weights,
+        (sum_slope[1] - value * weights_slope[1]) / weights,
+        (sum_slope[2] - value * weights_slope[2]) / weights,
+    ];
     T::chain_3(value, slope, at)
 }
 
@@ -190,7 +207,7 @@ const JITTER_2D: f32 = 0.72;
 #[inline(always)]
 fn find_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
     let simd = at.x.value().token();
-    let [x, y] = [at.x, at.y].map(|c| c.value());
+    let [x, y] = [at.x.value(), at.y.value()];
     let [fx, fy] = [x.floor(), y.floor()];
     let index = [
         fx.to_int::<Ints<S>>() * PRIMES[0],

@@ -58,7 +58,7 @@ impl Source {
         octaves: u32,
         gain: f32,
     ) -> T {
-        let crest = |at: Vec3<T>| (-self.noise(layer, at).soft_abs(0.04) + 1.0).squared();
+        let crest = inlined!(|at: Vec3<T>| (-self.noise(layer, at).soft_abs(0.04) + 1.0).squared());
         let mut last = crest(at);
         let (mut sum, mut amplitude, mut at) = (last, gain, next_octave(at));
         for _ in 1..octaves {
@@ -80,11 +80,11 @@ impl Source {
         amplitude: f32,
     ) -> Vec3<T> {
         let q = at.scaled(1.0 / length);
-        let push = |axis: u32, by: f32| {
+        let push = inlined!(|axis: u32, by: f32| {
             self.noise(layer.wrapping_add(axis << 16), q)
                 .within(-1.0, 1.0)
                 * by
-        };
+        });
         vec3(
             at.x + push(1, amplitude),
             at.y + push(2, amplitude),
@@ -122,45 +122,48 @@ pub(super) fn ten_bits<S: Simd>(hash: Ints<S>, shift: u32) -> Lanes<S> {
 
 #[inline(always)]
 fn noise<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> T {
-    let axis = |v: Lanes<S>, prime: i32| {
+    let axis = inlined!(|v: Lanes<S>, prime: i32| {
         let whole = v.floor();
         let index = whole.to_int::<Ints<S>>() * prime;
         (v - whole, [index, index + prime])
-    };
+    });
     let (x, ix) = axis(at.x.value(), PRIMES[0]);
     let (y, iy) = axis(at.y.value(), PRIMES[1]);
     let (z, iz) = axis(at.z.value(), PRIMES[2]);
     let iz = [iz[0] ^ salt, iz[1] ^ salt];
-    let fade = |t: Lanes<S>| t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    let slope = |t: Lanes<S>| t * t * (t * (t - 2.0) + 1.0) * 30.0;
+    let fade = inlined!(|t: Lanes<S>| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+    let slope = inlined!(|t: Lanes<S>| t * t * (t * (t - 2.0) + 1.0) * 30.0);
     let (u, v, w) = (fade(x), fade(y), fade(z));
     let (rx, ry, rz) = ([x, x - 1.0], [y, y - 1.0], [z, z - 1.0]);
     // Value and gradient of a corner's plane, in units of 1 / 511.5.
-    let corner = |i: usize, j: usize, k: usize| {
+    let corner = inlined!(|i: usize, j: usize, k: usize| {
         let h = hash::<S>(ix[i], iy[j], iz[k]);
-        let g = [0, 10, 20].map(|shift| ten_bits::<S>(h, shift) - 511.5);
+        let bits = inlined!(|shift| ten_bits::<S>(h, shift) - 511.5);
+        let g = [bits(0), bits(10), bits(20)];
         [g[0] * rx[i] + g[1] * ry[j] + g[2] * rz[k], g[0], g[1], g[2]]
-    };
-    let lerp = |a: [Lanes<S>; 4], b: [Lanes<S>; 4], t: Lanes<S>| -> [Lanes<S>; 4] {
-        [
-            a[0] + (b[0] - a[0]) * t,
-            a[1] + (b[1] - a[1]) * t,
-            a[2] + (b[2] - a[2]) * t,
-            a[3] + (b[3] - a[3]) * t,
-        ]
-    };
-    let along_x = |j: usize, k: usize| {
+    });
+    let lerp = inlined!(
+        |a: [Lanes<S>; 4], b: [Lanes<S>; 4], t: Lanes<S>| -> [Lanes<S>; 4] {
+            [
+                a[0] + (b[0] - a[0]) * t,
+                a[1] + (b[1] - a[1]) * t,
+                a[2] + (b[2] - a[2]) * t,
+                a[3] + (b[3] - a[3]) * t,
+            ]
+        }
+    );
+    let along_x = inlined!(|j: usize, k: usize| {
         let (a, b) = (corner(0, j, k), corner(1, j, k));
         let mut line = lerp(a, b, u);
         line[1] += (b[0] - a[0]) * slope(x);
         line
-    };
-    let along_y = |k: usize| {
+    });
+    let along_y = inlined!(|k: usize| {
         let (a, b) = (along_x(0, k), along_x(1, k));
         let mut plane = lerp(a, b, v);
         plane[2] += (b[0] - a[0]) * slope(y);
         plane
-    };
+    });
     let (a, b) = (along_y(0), along_y(1));
     let mut all = lerp(a, b, w);
     all[3] += (b[0] - a[0]) * slope(z);

@@ -180,9 +180,9 @@ impl<S: Simd> Real<S> for Jet<S> {
 
     #[inline(always)]
     fn chain_3(value: Lanes<S>, slope: [Lanes<S>; 3], at: Vec3<Self>) -> Self {
-        let along = |i: usize| {
+        let along = inlined!(|i: usize| {
             at.x.gradient[i] * slope[0] + at.y.gradient[i] * slope[1] + at.z.gradient[i] * slope[2]
-        };
+        });
         Self {
             value,
             gradient: [along(0), along(1), along(2)],
@@ -191,7 +191,7 @@ impl<S: Simd> Real<S> for Jet<S> {
 
     #[inline(always)]
     fn pick(mask: Mask<S>, yes: Self, no: Self) -> Self {
-        let along = |i: usize| mask.select(yes.gradient[i], no.gradient[i]);
+        let along = inlined!(|i: usize| mask.select(yes.gradient[i], no.gradient[i]));
         let value = mask.select(yes.value, no.value);
         Self {
             value,
@@ -246,7 +246,7 @@ impl<S: Simd> Jet<S> {
         value: Lanes<S>,
         slope: impl Fn(Lanes<S>, Lanes<S>) -> Lanes<S>,
     ) -> Self {
-        let along = |i: usize| slope(self.gradient[i], other.gradient[i]);
+        let along = inlined!(|i: usize| slope(self.gradient[i], other.gradient[i]));
         Self {
             value,
             gradient: [along(0), along(1), along(2)],
