@@ -4,6 +4,7 @@
 //! drips and cooling cracks. Second state: spall, where the lining fell and the fractured flow behind it shows. The
 //! floor is ash with angular slabs (Larson, *Illustrated Glossary of Lava Tube Features*, 1993, for what is where).
 
+use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Rubble, Wall, higher, level_lot};
 use super::site::{Band, Ground, Site};
 use super::{Look, Wander};
@@ -283,13 +284,72 @@ impl Rock for Basalt {
         look: &Look,
         band: Band,
     ) -> Paint<S> {
-        let (p, n) = (form.point, site.source);
-        let _ = (look, band);
-        let tone = n.fbm(60, p.scaled(1.1), 3, 0.57).step(-0.6, 0.8);
-        let grey = tone * 0.057 + 0.028;
+        let tone = Tone::of(form, site, band);
+        let dry = Self::wall_color(form, site, look, &tone);
+        let color = dry.under(Self::floor_color(form, &tone), form.floor);
+        let dust = form.upward.step(0.55, 0.95) * (tone.broad * 0.4 + 0.55).within(0.0, 1.0) * 0.30;
+        let color = color
+            .tinted([0.118, 0.104, 0.090], dust)
+            .lit(tone.shade(form));
+        let film = tone.film(form, look, form.floor * 0.25);
+        let glazed = (-form.state + 1.0) * (-form.floor + 1.0) * tone.patch.step(-0.1, 0.4);
+        let dry = glazed * -0.30 + tone.fine * 0.08 + 0.86;
         Paint {
-            color: vec3(grey, grey * 0.94, grey * 0.9),
-            roughness: form.floor * 0.1 + 0.8,
+            color: color.lit(film * -0.45 + 1.0),
+            roughness: mix(dry, film * 0.0 + 0.22, film),
+            film,
+            pool: film * 0.0,
         }
+    }
+}
+
+impl Basalt {
+    #[inline(always)]
+    fn wall_color<S: Simd>(
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        tone: &Tone<S>,
+    ) -> Color<S> {
+        let (p, n) = (form.point, site.source);
+        let lining = ramp(
+            (tone.broad + tone.fine * 0.35).step(-0.6, 0.8),
+            [0.028, 0.027, 0.027],
+            [0.085, 0.080, 0.076],
+        );
+        let spall = ramp(
+            (tone.broad + tone.fine * 0.5).step(-0.5, 0.7),
+            [0.060, 0.054, 0.050],
+            [0.135, 0.118, 0.103],
+        );
+        // Oxidation follows the flow levels.
+        let level = n.noise(66, p.stretched(0.32, 0.32, 1.1));
+        let red = (level + tone.fine * 0.55 + form.cavity * 0.2).step(0.30, 0.50);
+        let ochre = (tone.patch + tone.fine * 0.4 + level * -0.5).step(0.40, 0.70);
+        let bloom = (n.noise(67, p.scaled(1.25)) + tone.fine * 0.5 + tone.streak * 0.25)
+            .step(0.42, 0.72)
+            * form.cavity.step(-0.1, 0.5);
+        lining
+            .under(spall, form.state * 0.8)
+            .tinted(
+                [0.150, 0.052, 0.026],
+                red * (form.state * 0.6 + 0.4) * (0.55 * look.stain),
+            )
+            .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
+            .tinted([0.340, 0.310, 0.260], bloom * (0.40 * look.stain))
+            .lit(form.crack * -0.65 + 1.0)
+    }
+
+    #[inline(always)]
+    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let ash = ramp(
+            (tone.fine + tone.broad).step(-0.5, 0.8),
+            [0.045, 0.040, 0.037],
+            [0.105, 0.090, 0.078],
+        );
+        ash.under(
+            ramp(form.tint, [0.040, 0.038, 0.037], [0.125, 0.108, 0.094]),
+            form.stone,
+        )
     }
 }

@@ -4,6 +4,7 @@
 //! (Curl 1974). Second state: flowstone, draped by gravity. The floor is mud with puddles and embedded cobbles.
 
 use super::basalt::{bank, stone_height};
+use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Rubble, Wall, higher, level_lot};
 use super::site::{Band, Site};
 use super::{Look, Wander};
@@ -298,13 +299,76 @@ impl Rock for Limestone {
         look: &Look,
         band: Band,
     ) -> Paint<S> {
-        let (p, n) = (form.point, site.source);
-        let _ = (look, band);
-        let tone = n.fbm(60, p.scaled(1.1), 3, 0.57).step(-0.7, 0.7);
-        let grey = tone * 0.17 + 0.20;
+        let tone = Tone::of(form, site, band);
+        let wall = Self::wall_color(form, site, look, &tone);
+        let color = wall.under(Self::floor_color(form, &tone), form.floor);
+        let color = color.lit(tone.shade(form));
+        let level = tone.patch * 0.06 + (look.humidity * 0.12 - 0.09) - form.height;
+        let damp = (level + 0.05).step(0.0, 0.06) * form.floor;
+        let pool = level.step(0.0, 0.012) * form.floor * (look.humidity * 10.0).min(1.0);
+        let film = tone.film(form, look, form.state * -0.45 + form.floor * 0.6);
+        let film = film.max(damp * 0.5).max(pool);
+        let dry = tone.fine * 0.10 - form.state * 0.25 + 0.80;
+        let color = color.lit(film * -0.50 + 1.0);
         Paint {
-            color: vec3(grey, grey * 0.88, grey * 0.72),
-            roughness: form.floor * 0.1 + 0.75,
+            color: vec3(
+                color.x,
+                color.y * (film * -0.02 + 1.0),
+                color.z * (film * -0.06 + 1.0),
+            ),
+            roughness: mix(dry, pool * -0.10 + 0.20, film),
+            film,
+            pool,
         }
+    }
+}
+
+impl Limestone {
+    #[inline(always)]
+    fn wall_color<S: Simd>(
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        tone: &Tone<S>,
+    ) -> Color<S> {
+        let (p, n) = (form.point, site.source);
+        let side = tone.side;
+        let rock = ramp(
+            (tone.broad + tone.fine * 0.4).step(-0.7, 0.7),
+            [0.210, 0.185, 0.150],
+            [0.400, 0.355, 0.285],
+        );
+        let marl = form.band.step(0.55, 0.85) * 0.8;
+        let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
+        let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
+        let manganese =
+            (curtain + tone.fine * 0.6 + tone.patch * 0.4 + form.cavity * 0.3).step(0.36, 0.56);
+        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7).step(0.42, 0.60);
+        let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
+        let flowstone = ramp(
+            banding.step(-0.1, 0.7),
+            [0.620, 0.520, 0.370],
+            [0.500, 0.330, 0.160],
+        );
+        let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
+        rock.under(rock.lit(form.band * 0.0 + 0.66), marl)
+            .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
+            .tinted([0.075, 0.066, 0.058], manganese * (0.70 * look.stain))
+            .tinted([0.600, 0.550, 0.450], calcite * (0.60 * look.stain))
+            .under(flowstone, form.state * 0.9)
+            .lit(form.crack * -0.55 + 1.0)
+            .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * 0.6)
+            .tinted([0.150, 0.100, 0.060], tide * 0.65)
+    }
+
+    #[inline(always)]
+    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let mud = ramp(
+            (tone.fine * 0.6 + tone.broad).step(-0.6, 0.7),
+            [0.115, 0.080, 0.052],
+            [0.215, 0.160, 0.110],
+        );
+        let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
+        mud.under(stone.under(mud, form.stone * 0.0 + 0.45), form.stone)
     }
 }

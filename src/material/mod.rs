@@ -9,6 +9,7 @@
 //! tuned by eye under a headlamp.
 
 mod basalt;
+mod color;
 mod limestone;
 mod look;
 mod rock;

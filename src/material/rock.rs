@@ -1,5 +1,6 @@
 //! How relief, floor and detail of a rock become one field, the same way for every rock.
 
+use super::color::Color;
 use super::site::{BLOCK, Band, Site, Sites, Skins};
 use super::{Look, Material, Wander};
 use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, soft_max, soft_min};
@@ -77,9 +78,13 @@ pub struct Form<S: Simd> {
 #[derive(Clone, Copy, Debug)]
 pub struct Paint<S: Simd> {
     /// Base colour, linear RGB.
-    pub color: Vec3<Value<S>>,
+    pub color: Color<S>,
     /// Perceptual roughness, 0–1.
     pub roughness: Value<S>,
+    /// How thick a film of water lies on it, 0–1: it fills the finest relief.
+    pub film: Value<S>,
+    /// 1 where water stands level.
+    pub pool: Value<S>,
 }
 
 /// A rock as formulas over lanes.
@@ -228,9 +233,25 @@ fn gradients<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [[f32
     }
 }
 
-/// The whole surface at the sites in one vector: shape with detail, and what decides its colour.
+/// A gradient as water leaves it: a film hides most of the detail, a pool is level.
 #[inline(always)]
-fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<S>, Form<S>) {
+fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>) -> [Lanes<S>; 3] {
+    let level = [0.0, 0.0, -FLOOR_STEEPNESS];
+    let mut out = fine;
+    for i in 0..3 {
+        let filmed = fine[i] + (shape[i] - fine[i]) * paint.film.0 * 0.7;
+        out[i] = filmed + (-filmed + level[i]) * paint.pool.0;
+    }
+    out
+}
+
+/// The whole surface at the sites in one vector: its shape, the same with detail, and what decides its colour.
+#[inline(always)]
+fn surface<S: Simd, R: Rock>(
+    rock: &R,
+    site: &Site<Jet<S>>,
+    band: Band,
+) -> (Jet<S>, Jet<S>, Form<S>) {
     let zero = Jet::splat(site.simd(), 0.0);
     let carved = carve(rock, site);
     let none = Wall {
@@ -290,7 +311,7 @@ fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<
         stone: value(floor.stone) * share,
         tint: value(floor.tint),
     };
-    (field, form)
+    (carved.field, field, form)
 }
 
 #[inline(always)]
@@ -304,11 +325,12 @@ fn skins<S: Simd, R: Rock>(
     out: &mut Skins,
 ) {
     for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
-        let (field, mut form) = surface(rock, &sites.site(simd, at), band);
+        let (shape, field, mut form) = surface(rock, &sites.site(simd, at), band);
         let upward = inlined!(|lane: usize| normals[(at + lane).min(sites.count - 1)][2]);
         form.upward = Value(Lanes::<S>::from_fn(simd, upward));
         let paint = rock.paint(&form, &sites.site(simd, at), look, band);
-        for (lanes, to) in field.gradient.into_iter().zip(&mut out.gradient) {
+        let gradient = drowned(field.gradient, shape.gradient, &paint);
+        for (lanes, to) in gradient.into_iter().zip(&mut out.gradient) {
             Skins::put::<S>(to, at, lanes);
         }
         let color = [paint.color.x, paint.color.y, paint.color.z];
