@@ -34,7 +34,7 @@ impl CaveField {
         seed: u64,
     ) -> Self {
         let wander_m = furthest_wander_m(material.wander());
-        let capsules = capsules(graph, settings);
+        let capsules = capsules(graph, settings, material.wander());
         let bounds =
             capsules
                 .iter()
@@ -95,7 +95,7 @@ impl CaveField {
             felt.clear();
             felt.extend(
                 near.iter().copied().filter(|capsule| {
-                    capsule.near(centre, radius + self.wander_m).nearest < BLEND_M
+                    capsule.near(centre, radius, self.wander_m).nearest < BLEND_M
                 }),
             );
             sites.place(block);
@@ -159,7 +159,7 @@ impl Field for CaveField {
             .index
             .near(bounds)
             .into_iter()
-            .map(|capsule| capsule.near(centre, radius + self.wander_m))
+            .map(|capsule| capsule.near(centre, radius, self.wander_m))
             .filter(|range| range.nearest < BLEND_M)
             .collect();
         let wall = |distance: fn(&Range) -> f32| {

@@ -121,10 +121,12 @@ pub(super) struct Capsule {
     /// Width over height.
     squash: f32,
     square: f32,
+    /// How much of the rock's wander it follows, 0–1.
+    sway: f32,
 }
 
 /// Every capsule of a graph: passages in the order of its edges, then rooms in the order of its nodes.
-pub(super) fn capsules(graph: &Graph, settings: &PassageSettings) -> Vec<Capsule> {
+pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, wander: Wander) -> Vec<Capsule> {
     let profiles: Vec<Profile> = graph
         .nodes
         .iter()
@@ -139,23 +141,21 @@ pub(super) fn capsules(graph: &Graph, settings: &PassageSettings) -> Vec<Capsule
     let passages = graph
         .edges
         .iter()
-        .map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]]));
+        .map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], wander));
     let is_room = |&node: &usize| degree[node] >= 3 && graph.nodes[node].section.is_none();
     let lone = |&node: &usize| degree[node] == 0;
     let rooms = (0..graph.nodes.len()).filter(is_room).map(|node| {
-        Capsule::new(
-            ends(node, node),
-            [profiles[node].widened(settings.room_factor); 2],
-        )
+        let room = profiles[node].widened(settings.room_factor);
+        Capsule::new(ends(node, node), [room; 2], wander)
     });
     let pockets = (0..graph.nodes.len())
         .filter(lone)
-        .map(|node| Capsule::new(ends(node, node), [profiles[node]; 2]));
+        .map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], wander));
     passages.chain(rooms).chain(pockets).collect()
 }
 
 impl Capsule {
-    fn new(ends: [&Node; 2], profiles: [Profile; 2]) -> Self {
+    fn new(ends: [&Node; 2], profiles: [Profile; 2], wander: Wander) -> Self {
         let [start, end] = ends.map(|node| node.position.coords.map(|c| c as f32));
         let span = end - start;
         let length_squared = span.norm_squared();
@@ -172,6 +172,7 @@ impl Capsule {
             drop: profiles.map(|profile| profile.drop),
             squash: (ratio[0] + ratio[1]) / 2.0,
             square: profiles[0].square.min(profiles[1].square),
+            sway: sway(profiles, wander),
         }
     }
 
@@ -189,8 +190,9 @@ impl Capsule {
         self.half_width[0].max(self.half_width[1])
     }
 
-    /// What is certain about all points within `radius` of `centre`.
-    pub fn near(&self, centre: [f32; 3], radius: f32) -> Range {
+    /// What is certain about all points within `radius` of `centre`, in rock that pushes points by up to `wander_m`.
+    pub fn near(&self, centre: [f32; 3], radius: f32, wander_m: f32) -> Range {
+        let radius = radius + self.sway * wander_m;
         let away: [f32; 3] = std::array::from_fn(|i| centre[i] - self.start[i]);
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let share = (dot(away, self.span) * self.inverse).clamp(0.0, 1.0);
@@ -219,6 +221,18 @@ impl Capsule {
     const ROUNDING_M: f32 = 0.02;
 }
 
+/// The share of the wander that leaves every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
+/// width (or height), and rock then stands in by at most [`crate::material::PROTRUSION`] of it.
+fn sway(profiles: [Profile; 2], wander: Wander) -> f32 {
+    let narrow = profiles.map(|profile| profile.half_width.min(profile.half_height));
+    let furthest = wander.reach_m[0] + wander.reach_m[1];
+    let straightness = 1.0 - 0.6 * profiles[0].square;
+    (SWAY * narrow[0].min(narrow[1]) / furthest.max(1e-3)).min(1.0) * straightness
+}
+
+/// See [`sway`].
+const SWAY: f32 = 0.45;
+
 /// What is certain about a capsule as seen from a ball of points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Range {
@@ -244,20 +258,22 @@ pub(super) fn survey<S: Simd, T: Stored<S>>(
 ) {
     for at in (0..BLOCK).step_by(Lanes::<S>::LEN) {
         let point: Vec3<T> = T::point(simd, &sites.point, at);
-        let moved = wandered(point, wander, sites.source);
+        let push = push(point, wander, sites.source);
         let mut sums = Sums::none(simd);
         for capsule in capsules {
-            sums.add(capsule, point, moved);
+            sums.add(capsule, point, push);
         }
         sums.store(sites, at);
     }
 }
 
+/// How far the rock bends space here, metres.
 #[inline(always)]
-fn wandered<S: Simd, T: Real<S>>(point: Vec3<T>, wander: Wander, source: Source) -> Vec3<T> {
+fn push<S: Simd, T: Real<S>>(point: Vec3<T>, wander: Wander, source: Source) -> Vec3<T> {
     let [long, short] = wander.length_m;
     let far = source.warp(0x100, point, long, wander.reach_m[0]);
-    source.warp(0x101, far, short, wander.reach_m[1])
+    let near = source.warp(0x101, far, short, wander.reach_m[1]);
+    vec3(near.x - point.x, near.y - point.y, near.z - point.z)
 }
 
 /// Sums over capsules, weighted by the fourth power of how far each is felt.
@@ -287,12 +303,17 @@ impl<T> Sums<T> {
     }
 
     #[inline(always)]
-    fn add<S: Simd>(&mut self, capsule: &Capsule, point: Vec3<T>, moved: Vec3<T>)
+    fn add<S: Simd>(&mut self, capsule: &Capsule, point: Vec3<T>, push: Vec3<T>)
     where
         T: Real<S>,
     {
         let [x, y, z] = capsule.start;
-        let away = moved.shifted(-x, -y, -z);
+        let push = push.scaled(capsule.sway);
+        let away = vec3(
+            point.x - x + push.x,
+            point.y - y + push.y,
+            point.z - z + push.z,
+        );
         let share = (away.along(capsule.span) * capsule.inverse).within(0.0, 1.0);
         let [dx, dy, dz] = capsule.span;
         let off = vec3(

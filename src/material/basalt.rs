@@ -99,9 +99,9 @@ impl Basalt {
     fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
         let [x, y] = [Value::<S>(centre[0] * 0.28), Value(centre[1] * 0.28)];
         let lane = site.source.noise(30, vec3(x, y, y * 0.0));
-        bank(site) * 0.5
+        bank(site) * 0.75
             + T::constant(lane.0 * 0.45)
-            + (self.rubble - 0.6 * (1.0 - site.ground.natural))
+            + (self.rubble - 0.3 * (1.0 - site.ground.natural))
     }
 }
 
@@ -258,13 +258,13 @@ impl Rock for Basalt {
             site,
             at.shifted(1.3, 5.7, 0.0),
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.25,
+            |c| self.density(site, c) * 0.9 + 0.10,
         );
         let chips = CHIPS.stones(
             site,
             at.shifted(9.3, 2.7, 0.0),
             #[inline(always)]
-            |c| self.density(site, c) + 0.45,
+            |c| self.density(site, c) + 0.16,
         );
         let gravel = higher(gravel, chips);
         let grain = n.fbm(37, p.scaled(7.0), band.octaves(0.14, 4), 0.55) * 0.014;
@@ -336,7 +336,7 @@ impl Basalt {
                 red * (form.state * 0.6 + 0.4) * (0.55 * look.stain),
             )
             .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
-            .tinted([0.340, 0.310, 0.260], bloom * (0.40 * look.stain))
+            .tinted([0.340, 0.310, 0.260], bloom * (0.24 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
     }
 

@@ -128,9 +128,9 @@ impl Limestone {
     fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
         let [x, y] = [Value::<S>(centre[0] * 0.3), Value(centre[1] * 0.3)];
         let lane = site.source.noise(30, vec3(x, y, y * 0.0));
-        bank(site) * 0.48
+        bank(site) * 0.7
             + T::constant(lane.0 * 0.40)
-            + (self.rubble - 0.6 * (1.0 - site.ground.natural))
+            + (self.rubble - 0.3 * (1.0 - site.ground.natural))
     }
 }
 

@@ -182,6 +182,15 @@ struct Carved<T> {
 
 #[inline(always)]
 fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
+    // A function of its own, compiled once for gradients and skins together.
+    site.simd().vectorize(
+        #[inline(always)]
+        || carve_here(rock, site),
+    )
+}
+
+#[inline(always)]
+fn carve_here<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
     let lowest_wall = site.wall.value() - RECESS_M;
     let floor_hidden = site.floor_at_most().simd_le(lowest_wall - FILLET_M);
     if floor_hidden.all_true() {

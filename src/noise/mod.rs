@@ -42,3 +42,6 @@ mod lane;
 pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets};
 pub use gradient::Source;
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value, Vec3, mix, soft_max, soft_min, vec3};
+
+#[cfg(test)]
+mod laws;
