@@ -5,7 +5,8 @@
 //! floor is ash with angular slabs (Larson, *Illustrated Glossary of Lava Tube Features*, 1993, for what is where).
 
 use super::color::{Color, Tone, ramp};
-use super::rock::{Detail, Floor, Form, Paint, Rock, Rubble, Wall, higher, level_lot};
+use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
+use super::rubble::{Rubble, higher};
 use super::site::{Band, Ground, Site};
 use super::{Look, Wander};
 use crate::noise::{Lanes, Real, Value, Vec3, cells_3d, facets, mix, vec3};
@@ -223,12 +224,12 @@ impl Rock for Basalt {
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
         let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.8, 0.09);
+        let at = n.warp(35, p, 0.7, 0.13);
         let slabs = SLABS.stones(
             site,
             at,
             #[inline(always)]
-            |c| self.density(site, c) * 0.75,
+            |c| self.density(site, c) * 0.65,
         );
         let blocks = BLOCKS.stones(
             site,
@@ -253,7 +254,7 @@ impl Rock for Basalt {
         band: Band,
     ) -> Floor<T> {
         let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.8, 0.09);
+        let at = n.warp(35, p, 0.7, 0.13);
         let gravel = COBBLES.stones(
             site,
             at.shifted(1.3, 5.7, 0.0),

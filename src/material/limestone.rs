@@ -5,7 +5,8 @@
 
 use super::basalt::{bank, stone_height};
 use super::color::{Color, Tone, ramp};
-use super::rock::{Detail, Floor, Form, Paint, Rock, Rubble, Wall, higher, level_lot};
+use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
+use super::rubble::{Rubble, higher};
 use super::site::{Band, Site};
 use super::{Look, Wander};
 use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
@@ -243,12 +244,12 @@ impl Rock for Limestone {
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
         let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.8, 0.08);
+        let at = n.warp(35, p, 0.7, 0.12);
         let blocks = BLOCKS.stones(
             site,
             at,
             #[inline(always)]
-            |c| self.density(site, c) * 0.8,
+            |c| self.density(site, c) * 0.65,
         );
         let cobbles = COBBLES.stones(
             site,
@@ -273,7 +274,7 @@ impl Rock for Limestone {
         band: Band,
     ) -> Floor<T> {
         let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.8, 0.08);
+        let at = n.warp(35, p, 0.7, 0.12);
         let pebbles = PEBBLES.stones(
             site,
             at.shifted(1.3, 5.7, 0.0),

@@ -13,6 +13,7 @@ mod color;
 mod limestone;
 mod look;
 mod rock;
+mod rubble;
 mod site;
 
 pub use basalt::Basalt;

@@ -370,77 +370,6 @@ impl<R: Rock> Material for R {
     }
 }
 
-/// Rubble: one slab per cell in plan, tilted, with steep flanks and a gap to its neighbours.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rubble {
-    /// Layer of noise.
-    pub layer: u32,
-    /// Size of a cell in metres.
-    pub cell_m: f32,
-    /// Height of the lowest slab, and how much higher the highest is, in metres.
-    pub height_m: [f32; 2],
-    /// Slope of the tops at most, along each axis.
-    pub tilt: f32,
-    /// Slope of the flanks.
-    pub steepness: f32,
-}
-
-impl Rubble {
-    /// Its height and, per stone, its tint. `density` is the share of cells that hold a stone, at most 1; whatever is
-    /// constant over a stone in it keeps the stone whole.
-    #[inline(always)]
-    pub fn stones<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        at: Vec3<T>,
-        density: impl Fn([Lanes<S>; 2]) -> T,
-    ) -> Floor<T> {
-        let cell =
-            crate::noise::cells_2d(at.scaled(1.0 / self.cell_m), site.source.layer(self.layer));
-        let lot = inlined!(|which: u32| T::constant(cell.random(which)));
-        let centre = [cell.centre[0] * self.cell_m, cell.centre[1] * self.cell_m];
-        let presence = ((density(centre) - lot(0)) * (1.0 / 0.12)).within(0.0, 1.0);
-        let other = Cell2Lots::<S>::of(cell.hash);
-        let tilt = inlined!(|which: usize| T::constant((other.0[which] - 0.5) * (2.0 * self.tilt)));
-        let slope = (cell.offset[0] * tilt(0) + cell.offset[1] * tilt(1)) * self.cell_m;
-        let rise = lot(1).squared() * self.height_m[1] + self.height_m[0];
-        let top = slope + rise * presence;
-        let flank = (cell.edge - 0.03 - lot(1) * 0.06) * (self.cell_m * self.steepness);
-        let height = soft_min(top, flank, self.cell_m * 0.12).at_least(0.0);
-        let height = T::pick(presence.value().simd_gt(0.0), height, height * 0.0);
-        let stone = (height * (8.0 / self.cell_m)).at_most(1.0);
-        Floor {
-            height,
-            stone,
-            tint: lot(2),
-        }
-    }
-}
-
-/// A second set of random numbers of a cell.
-struct Cell2Lots<S: Simd>([Lanes<S>; 2]);
-
-impl<S: Simd> Cell2Lots<S> {
-    #[inline(always)]
-    fn of(hash: Ints<S>) -> Self {
-        let h = hash * 0x6c07_8965;
-        let lot =
-            inlined!(|shift: u32| ((h >> shift) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0));
-        Self([lot(8), lot(19)])
-    }
-}
-
-/// The higher of two floors at every point.
-#[inline(always)]
-pub(super) fn higher<S: Simd, T: Real<S>>(a: Floor<T>, b: Floor<T>) -> Floor<T> {
-    let first = a.height.value().simd_ge(b.height.value());
-    Floor {
-        height: T::pick(first, a.height, b.height),
-        stone: T::pick(first, a.stone, b.stone),
-        tint: T::pick(first, a.tint, b.tint),
-    }
-}
-
 /// A number in 0–1 that belongs to a level.
 #[inline(always)]
 pub(super) fn level_lot<S: Simd, T: Real<S>>(level: Ints<S>, salt: i32) -> T {
@@ -448,4 +377,79 @@ pub(super) fn level_lot<S: Simd, T: Real<S>>(level: Ints<S>, salt: i32) -> T {
     let h = (h ^ (h >> 15)) * 0x2c1b_3c6d;
     let h = (h ^ (h >> 13)) * 0x297a_2d39;
     T::constant(((h >> 7) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0))
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::material::{Basalt, Ground, Limestone};
+    use crate::noise::Source;
+
+    /// A block along a line from the axis of a passage through its wall and down to its floor.
+    fn sites() -> Sites {
+        let ground = Ground {
+            roughness_m: 0.08,
+            natural: 0.7,
+        };
+        let mut sites = Sites::new(ground, Source::new(11));
+        let points: Vec<[f32; 3]> = (0..BLOCK)
+            .map(|i| [i as f32 * 0.37, i as f32 * -0.21, i as f32 * 0.03])
+            .collect();
+        sites.place(&points);
+        for lane in 0..BLOCK {
+            let along = lane as f32 / BLOCK as f32;
+            sites.wall.value[lane] = along * 2.0 - 1.5;
+            sites.wall.gradient[0][lane] = 1.0;
+            sites.height.value[lane] = 1.5 - along * 1.6;
+            sites.height.gradient[2][lane] = 1.0;
+            sites.up.value[lane] = 1.0 - along * 2.0;
+            sites.half_width.value[lane] = 1.0 + along;
+        }
+        sites
+    }
+
+    fn everything<S: Simd, R: Rock>(simd: S, rock: &R) -> (Vec<u32>, Vec<[u32; 3]>, Skins) {
+        let sites = sites();
+        let mut values = vec![0.0; BLOCK];
+        distances(simd, rock, &sites, &mut values);
+        let mut slopes = vec![[0.0; 3]; BLOCK];
+        gradients(simd, rock, &sites, &mut slopes);
+        let mut out = Skins::default();
+        let (look, band) = (Look::default(), Band { texel_m: 0.007 });
+        skins(
+            simd,
+            rock,
+            &sites,
+            &look,
+            band,
+            &[[0.6, 0.0, 0.8]; BLOCK],
+            &mut out,
+        );
+        let bits = values.into_iter().map(f32::to_bits).collect();
+        (
+            bits,
+            slopes
+                .into_iter()
+                .map(|slope| slope.map(f32::to_bits))
+                .collect(),
+            out,
+        )
+    }
+
+    fn widths_agree(rock: &impl Rock) {
+        let level = fearless_simd::Level::new();
+        let narrow = everything(level.as_sse2().expect("part of every x86-64"), rock);
+        if let Some(avx2) = level.as_avx2() {
+            assert_eq!(narrow, everything(avx2, rock));
+        }
+        if let Some(avx512) = level.as_avx512() {
+            assert_eq!(narrow, everything(avx512, rock));
+        }
+    }
+
+    #[test]
+    fn rocks_are_the_same_on_every_width() {
+        widths_agree(&Basalt::default());
+        widths_agree(&Limestone::default());
+    }
 }

@@ -199,7 +199,7 @@ impl<S: Simd> Stored<S> for Jet<S> {
 }
 
 /// What the wall looks like at every site of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Skins {
     /// Gradient of the field with all detail.
     pub gradient: [[f32; BLOCK]; 3],

@@ -3,7 +3,8 @@
 //! Loops run over cells outside and lanes inside; the other order does not vectorise.
 
 use super::gradient::{PRIMES, hash, ten_bits};
-use super::lane::{Ints, Lanes, Mask, Real, Vec3};
+use super::lane::{Ints, Lanes, Mask, Real};
+use super::vector::Vec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd};
 
@@ -235,7 +236,7 @@ fn find_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
         cell_hash = nearest.select(h, cell_hash);
     }
     let (edge, slope) = nearest_bisector::<S>(&points, to_first);
-    let zero = far - far;
+    let zero = Lanes::<S>::splat(simd, 0.0);
     let one = zero + 1.0;
     Cell2 {
         edge: T::chain_3(edge, [slope[0], slope[1], zero], at),

@@ -1,6 +1,7 @@
 //! Gradient noise (Perlin 2002, with hashed corner gradients of any direction) and the sums made of it.
 
-use super::lane::{Ints, Lanes, Real, Vec3, vec3};
+use super::lane::{Ints, Lanes, Real};
+use super::vector::{Vec3, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 

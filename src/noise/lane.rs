@@ -1,5 +1,6 @@
 //! Numbers in lanes: plain values, and values with their gradient.
 
+use super::vector::Vec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -252,6 +253,28 @@ impl<S: Simd> Jet<S> {
             gradient: [along(0), along(1), along(2)],
         }
     }
+
+    #[inline(always)]
+    fn product(self, other: Self) -> Self {
+        let (u, v) = (self.value, other.value);
+        self.join(
+            other,
+            u * v,
+            #[inline(always)]
+            |a, b| a * v + b * u,
+        )
+    }
+
+    #[inline(always)]
+    fn quotient(self, other: Self) -> Self {
+        let (quotient, v) = (self.value / other.value, other.value);
+        self.join(
+            other,
+            quotient,
+            #[inline(always)]
+            |a, b| (a - b * quotient) / v,
+        )
+    }
 }
 
 impl<S: Simd> Add for Jet<S> {
@@ -284,13 +307,7 @@ impl<S: Simd> Mul for Jet<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let (u, v) = (self.value, other.value);
-        self.join(
-            other,
-            u * v,
-            #[inline(always)]
-            |a, b| a * v + b * u,
-        )
+        self.product(other)
     }
 }
 
@@ -298,13 +315,7 @@ impl<S: Simd> Div for Jet<S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let (quotient, v) = (self.value / other.value, other.value);
-        self.join(
-            other,
-            quotient,
-            #[inline(always)]
-            |a, b| (a - b * quotient) / v,
-        )
+        self.quotient(other)
     }
 }
 
@@ -352,93 +363,4 @@ impl<S: Simd> Mul<f32> for Jet<S> {
             gradient: [x * other, y * other, z * other],
         }
     }
-}
-
-/// A point or direction in lanes, metres.
-#[derive(Clone, Copy, Debug)]
-pub struct Vec3<T> {
-    /// East.
-    pub x: T,
-    /// North.
-    pub y: T,
-    /// Up.
-    pub z: T,
-}
-
-/// A vector of its components.
-#[inline(always)]
-pub fn vec3<T>(x: T, y: T, z: T) -> Vec3<T> {
-    Vec3 { x, y, z }
-}
-
-impl<T> Vec3<T> {
-    /// All components times a factor.
-    #[inline(always)]
-    pub fn scaled<S: Simd>(self, factor: f32) -> Self
-    where
-        T: Real<S>,
-    {
-        vec3(self.x * factor, self.y * factor, self.z * factor)
-    }
-
-    /// Each component times its own factor.
-    #[inline(always)]
-    pub fn stretched<S: Simd>(self, x: f32, y: f32, z: f32) -> Self
-    where
-        T: Real<S>,
-    {
-        vec3(self.x * x, self.y * y, self.z * z)
-    }
-
-    /// Moved by a constant.
-    #[inline(always)]
-    pub fn shifted<S: Simd>(self, x: f32, y: f32, z: f32) -> Self
-    where
-        T: Real<S>,
-    {
-        vec3(self.x + x, self.y + y, self.z + z)
-    }
-
-    /// Projection on a constant direction.
-    #[inline(always)]
-    pub fn along<S: Simd>(self, direction: [f32; 3]) -> T
-    where
-        T: Real<S>,
-    {
-        self.x * direction[0] + self.y * direction[1] + self.z * direction[2]
-    }
-
-    /// Turned by a fixed rotation, so that lattices of successive octaves do not line up.
-    #[inline(always)]
-    pub fn turned<S: Simd>(self) -> Self
-    where
-        T: Real<S>,
-    {
-        vec3(
-            self.along([0.0, 0.80, 0.60]),
-            self.along([-0.80, 0.36, -0.48]),
-            self.along([-0.60, -0.48, 0.64]),
-        )
-    }
-}
-
-/// Polynomial smooth minimum: exactly the smaller where they differ by `width` or more, at most `width / 4` below it.
-#[inline(always)]
-pub fn soft_min<S: Simd, T: Real<S>>(a: T, b: T, width: f32) -> T {
-    let difference = a - b;
-    let gap = difference.max(-difference);
-    let near = (-gap + width).at_least(0.0) * (1.0 / width);
-    a.min(b) - near * near * (width * 0.25)
-}
-
-/// Polynomial smooth maximum: exactly the larger where they differ by `width` or more, at most `width / 4` above it.
-#[inline(always)]
-pub fn soft_max<S: Simd, T: Real<S>>(a: T, b: T, width: f32) -> T {
-    -soft_min(-a, -b, width)
-}
-
-/// From `a` at 0 to `b` at 1.
-#[inline(always)]
-pub fn mix<S: Simd, T: Real<S>>(a: T, b: T, t: T) -> T {
-    a + (b - a) * t
 }
