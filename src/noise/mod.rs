@@ -44,3 +44,6 @@ pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets};
 pub use gradient::Source;
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};
 pub use vector::{Vec3, mix, soft_max, soft_min, vec3};
+
+#[cfg(test)]
+mod laws;
