@@ -344,7 +344,7 @@ impl Limestone {
         let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
         let manganese =
             (curtain + tone.fine * 0.6 + tone.patch * 0.4 + form.cavity * 0.3).step(0.36, 0.56);
-        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7).step(0.42, 0.60);
+        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7).step(0.36, 0.72);
         let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
         let flowstone = ramp(
             banding.step(-0.1, 0.7),
@@ -355,7 +355,7 @@ impl Limestone {
         rock.under(rock.lit(form.band * 0.0 + 0.66), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.70 * look.stain))
-            .tinted([0.600, 0.550, 0.450], calcite * (0.60 * look.stain))
+            .tinted([0.600, 0.550, 0.450], calcite * (0.38 * look.stain))
             .under(flowstone, form.state * 0.9)
             .lit(form.crack * -0.55 + 1.0)
             .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * 0.6)
