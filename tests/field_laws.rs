@@ -108,15 +108,18 @@ fn near_wall(field: &CaveField, count: u32) -> Vec<[f32; 3]> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
     fn a_region_keeps_its_promise(
-        at in [-21.0_f32..23.0, -4.0_f32..13.0, -12.0_f32..5.0],
-        size in [0.1_f32..4.0, 0.1_f32..4.0, 0.1_f32..4.0],
+        which in any::<proptest::sample::Index>(),
+        off in prop::array::uniform3(-1.5_f32..1.5),
+        size in prop::array::uniform3(0.02_f32..2.0),
     ) {
-        let bounds = Bounds { min: at, max: std::array::from_fn(|i| at[i] + size[i]) };
         for field in caves() {
+            let at = *which.get(&near_wall(&field, 3000));
+            let min: [f32; 3] = std::array::from_fn(|i| at[i] + off[i]);
+            let bounds = Bounds { min, max: std::array::from_fn(|i| min[i] + size[i]) };
             let region = field.region(bounds);
             let values = distances(&field, &scattered(bounds, 200));
             match region {
