@@ -3,6 +3,13 @@
 //! A field knows no grid: whoever samples it chooses the points. Values are functions of the point alone, bit for bit,
 //! whatever the batch or the bounds they are asked in.
 
+mod cave;
+mod index;
+mod passage;
+
+pub use cave::CaveField;
+pub use passage::PassageSettings;
+
 /// An axis-aligned box in metres, cave frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
@@ -10,6 +17,45 @@ pub struct Bounds {
     pub min: [f32; 3],
     /// Highest corner.
     pub max: [f32; 3],
+}
+
+impl Bounds {
+    /// The smallest box around points, of which there is at least one.
+    pub fn around(points: &[[f32; 3]]) -> Self {
+        let first = Self {
+            min: points[0],
+            max: points[0],
+        };
+        points.iter().fold(first, |all, &point| {
+            all.joined(Self {
+                min: point,
+                max: point,
+            })
+        })
+    }
+
+    /// The smallest box around both.
+    pub fn joined(self, other: Self) -> Self {
+        Self {
+            min: std::array::from_fn(|i| self.min[i].min(other.min[i])),
+            max: std::array::from_fn(|i| self.max[i].max(other.max[i])),
+        }
+    }
+
+    /// The box with `margin_m` more on every side.
+    pub fn grown(self, margin_m: f32) -> Self {
+        Self {
+            min: self.min.map(|c| c - margin_m),
+            max: self.max.map(|c| c + margin_m),
+        }
+    }
+
+    /// Centre and radius of the smallest ball around it.
+    pub fn ball(self) -> ([f32; 3], f32) {
+        let half: [f32; 3] = std::array::from_fn(|i| (self.max[i] - self.min[i]) / 2.0);
+        let radius = (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt();
+        (std::array::from_fn(|i| self.min[i] + half[i]), radius)
+    }
 }
 
 /// What a box holds.

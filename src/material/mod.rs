@@ -1,1 +1,75 @@
 //! What the rock looks like, in shape and colour.
+//!
+//! A rock is a file with a settings struct that implements [`Rock`] and a row in [`MATERIALS`]. The field asks it
+//! through [`Material`], a block of points at a time: first for the relief (shape, part of the geometry), then for the
+//! skin (finer shape, colour, roughness, occlusion).
+//!
+//! The two rocks are stacks of regimes rather than one noise: two states of the wall with sharp borders between them,
+//! steps that ignore the axis of the passage, a floor of its own, and colour that follows from form. Every stack was
+//! tuned by eye under a headlamp.
+
+mod basalt;
+mod color;
+mod limestone;
+mod look;
+mod rock;
+mod rubble;
+mod site;
+
+pub use basalt::Basalt;
+pub use limestone::Limestone;
+pub use look::Look;
+pub use rock::{Detail, Floor, Form, PROTRUSION, Paint, RECESS_M, Rock, Wall};
+pub use site::{BLOCK, Band, Channel, Ground, Site, Sites, Skins, Stored};
+
+use schemars::Schema;
+use serde_json::Value;
+
+/// How a rock bends the passages it is in, before their distance is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wander {
+    /// Wavelengths in metres, long and short.
+    pub length_m: [f32; 2],
+    /// How far each pushes a wall along one horizontal axis at most, in metres; 0.6 of it vertically.
+    pub reach_m: [f32; 2],
+}
+
+/// A rock, asked a block at a time.
+pub trait Material: std::fmt::Debug + Send + Sync {
+    /// How it bends passages.
+    fn wander(&self) -> Wander;
+    /// The field at the sites, negative in air, metres; one value per site.
+    fn distances(&self, sites: &Sites, out: &mut [f32]);
+    /// Gradients of [`Material::distances`].
+    fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]);
+    /// What the wall looks like at the sites. `normals` are unit normals of the mesh there, into the air.
+    fn skins(&self, sites: &Sites, look: &Look, band: Band, normals: &[[f32; 3]], out: &mut Skins);
+}
+
+/// A row of [`MATERIALS`].
+pub struct MaterialRow {
+    /// Name in recipes.
+    pub name: &'static str,
+    /// One line for `plume list`.
+    pub summary: &'static str,
+    /// JSON Schema of the settings: descriptions, ranges, defaults.
+    pub schema: fn() -> Schema,
+    /// Reads settings (an object holding a subset of the keys).
+    pub read: fn(Value) -> Result<Box<dyn Material>, serde_json::Error>,
+}
+
+/// Every rock, the default first.
+pub static MATERIALS: &[MaterialRow] = &[
+    MaterialRow {
+        name: "basalt",
+        summary: "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash and slabs",
+        schema: || schemars::schema_for!(Basalt),
+        read: |settings| Ok(Box::new(serde_json::from_value::<Basalt>(settings)?)),
+    },
+    MaterialRow {
+        name: "limestone",
+        summary: "karst: dipping beds, joints, solution pockets and scallops, flowstone; mud and cobbles",
+        schema: || schemars::schema_for!(Limestone),
+        read: |settings| Ok(Box::new(serde_json::from_value::<Limestone>(settings)?)),
+    },
+];

@@ -1,1 +1,49 @@
 //! Noise over space, in lanes.
+//!
+//! Every primitive is written once over [`Real`] and used twice: with [`Value`] it gives the value alone, with [`Jet`]
+//! the value and its exact gradient (forward-mode dual numbers). Lanes are as wide as the machine's own vectors, chosen
+//! at run time by `fearless_simd`; since only `+ - * / sqrt floor` and integers are used and nothing is contracted, the
+//! bits are the same on every width.
+//!
+//! Promised: values are functions of the point and the salt alone. Not promised: precision beyond about 10 km from the
+//! origin, where `f32` no longer resolves the finest grain.
+
+/// A closure that is part of its caller: one that is not would be compiled without the caller's vector instructions.
+macro_rules! inlined {
+    ($($closure:tt)*) => {
+        std::convert::identity(#[inline(always)] $($closure)*)
+    };
+}
+pub(crate) use inlined;
+
+/// Evaluates an expression with the best vectors of this machine. Only widths worth their compile time are instantiated.
+macro_rules! dispatched {
+    ($simd:ident => $expression:expr) => {{
+        let level = fearless_simd::Level::new();
+        #[cfg(target_arch = "x86_64")]
+        if let Some($simd) = level.as_avx512() {
+            fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
+        } else if let Some($simd) = level.as_avx2() {
+            fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
+        } else {
+            let $simd = level.as_sse2().expect("part of every x86-64");
+            fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        fearless_simd::dispatch!(level, $simd => $expression)
+    }};
+}
+pub(crate) use dispatched;
+
+mod cellular;
+mod gradient;
+mod lane;
+mod vector;
+
+pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets};
+pub use gradient::Source;
+pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};
+pub use vector::{Vec3, mix, soft_max, soft_min, vec3};
+
+#[cfg(test)]
+mod laws;

@@ -1,0 +1,238 @@
+//! The field of a cave: smooth passages bent and carved by a rock.
+
+use super::index::Index;
+use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
+use super::{Bounds, Field, Region, Surface, Texel};
+use crate::graph::Graph;
+use crate::material::{
+    BLOCK, Band, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, Skins, Wander,
+};
+use crate::noise::{Jet, Source, Value, dispatched};
+use crate::seed;
+use fearless_simd::Simd;
+
+/// A cave to be sampled: a graph, the shape of its passages, a rock and how it is dressed.
+#[derive(Debug)]
+pub struct CaveField {
+    index: Index,
+    material: Box<dyn Material>,
+    look: Look,
+    ground: Ground,
+    source: Source,
+    /// How far the rock can move a point before its passage is asked, metres.
+    wander_m: f32,
+    bounds: Bounds,
+}
+
+impl CaveField {
+    /// The field of this graph; `seed` changes the rock and nothing else.
+    pub fn new(
+        graph: &Graph,
+        settings: &PassageSettings,
+        material: Box<dyn Material>,
+        look: Look,
+        seed: u64,
+    ) -> Self {
+        let wander_m = furthest_wander_m(material.wander());
+        let capsules = capsules(graph, settings, material.wander());
+        let bounds =
+            capsules
+                .iter()
+                .map(Capsule::corners)
+                .fold(None, |all: Option<Bounds>, [min, max]| {
+                    let bounds = Bounds { min, max }.grown(RECESS_M + wander_m);
+                    Some(all.map_or(bounds, |all| all.joined(bounds)))
+                });
+        Self {
+            index: Index::new(capsules, BLEND_M + wander_m),
+            material,
+            look,
+            ground: Ground {
+                roughness_m: settings.floor_roughness_m,
+                natural: 1.0 - settings.floor_flatness,
+            },
+            source: Source::new(seed::salt(seed, "rock")),
+            wander_m,
+            bounds: bounds.unwrap_or(Bounds {
+                min: [0.0; 3],
+                max: [0.0; 3],
+            }),
+        }
+    }
+
+    /// A box outside which all is rock.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Height of the floor under a point in a passage, before stones and undulation; metres, cave frame.
+    pub fn floor_z(&self, point: [f32; 3]) -> f32 {
+        let mut floor = point[2];
+        let wander = self.material.wander();
+        let bounds = Bounds {
+            min: point,
+            max: point,
+        };
+        self.blocks(bounds, &[point], |_, capsules, sites| {
+            dispatched!(simd => survey_values(simd, capsules, wander, sites));
+            floor = point[2] - sites.height.value[0];
+        });
+        floor
+    }
+
+    /// Splits points into blocks, finds the capsules each block feels, and hands both on.
+    fn blocks<'a>(
+        &'a self,
+        bounds: Bounds,
+        points: &'a [[f32; 3]],
+        mut visit: impl FnMut(usize, &[&Capsule], &mut Sites),
+    ) {
+        let near = self.index.near(bounds);
+        let mut sites = Sites::new(self.ground, self.source);
+        let mut felt = Vec::with_capacity(near.len());
+        for (n, block) in points.chunks(BLOCK).enumerate() {
+            let (centre, radius) = Bounds::around(block).ball();
+            felt.clear();
+            felt.extend(
+                near.iter().copied().filter(|capsule| {
+                    capsule.near(centre, radius, self.wander_m).nearest < BLEND_M
+                }),
+            );
+            sites.place(block);
+            visit(n * BLOCK, &felt, &mut sites);
+        }
+    }
+}
+
+/// The longest way a rock can push a point, metres.
+fn furthest_wander_m(wander: Wander) -> f32 {
+    // Up to one unit along x and y, 0.6 along z.
+    const LONGEST: f32 = 1.5363;
+    (wander.reach_m[0] + wander.reach_m[1]) * LONGEST
+}
+
+/// More than the fillet between wall and floor, and all rounding, can move the surface; metres.
+const MARGIN_M: f32 = 0.1;
+const UP: [f32; 3] = [0.0, 0.0, 1.0];
+/// A normal map cannot hold more than this turn away from the mesh, as a cosine.
+const LEAST_COSINE: f32 = 0.2;
+
+#[inline(always)]
+fn survey_values<S: Simd>(simd: S, near: &[&Capsule], wander: Wander, sites: &mut Sites) {
+    survey::<S, Value<S>>(simd, near, wander, sites);
+}
+
+#[inline(always)]
+fn survey_jets<S: Simd>(simd: S, near: &[&Capsule], wander: Wander, sites: &mut Sites) {
+    survey::<S, Jet<S>>(simd, near, wander, sites);
+}
+
+fn fourth_power(x: f32) -> f32 {
+    let squared = x * x;
+    squared * squared
+}
+
+fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
+    let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    (length > 1e-6).then(|| v.map(|c| c / length))
+}
+
+/// The texel of one lane, its normal held within reach of the mesh's.
+fn texel_of(skins: &Skins, lane: usize, mesh_normal: [f32; 3]) -> Texel {
+    let of = |channels: &[[f32; BLOCK]; 3]| channels.each_ref().map(|channel| channel[lane]);
+    let normal = unit(of(&skins.gradient).map(|c| -c)).unwrap_or(mesh_normal);
+    let cosine: f32 = (0..3).map(|i| normal[i] * mesh_normal[i]).sum();
+    let lacking = (LEAST_COSINE - cosine).max(0.0);
+    let leaning = std::array::from_fn(|i| normal[i] + lacking * mesh_normal[i]);
+    Texel {
+        color: of(&skins.color),
+        normal: unit(leaning).unwrap_or(mesh_normal),
+        roughness: skins.roughness[lane],
+        occlusion: skins.occlusion[lane],
+    }
+}
+
+impl Field for CaveField {
+    fn region(&self, bounds: Bounds) -> Region {
+        let (centre, radius) = bounds.ball();
+        let ranges: Vec<Range> = self
+            .index
+            .near(bounds)
+            .into_iter()
+            .map(|capsule| capsule.near(centre, radius, self.wander_m))
+            .filter(|range| range.nearest < BLEND_M)
+            .collect();
+        let wall = |distance: fn(&Range) -> f32| {
+            let sum: f32 = ranges
+                .iter()
+                .map(|range| (BLEND_M - distance(range)).max(0.0))
+                .map(fourth_power)
+                .sum();
+            BLEND_M - sum.sqrt().sqrt()
+        };
+        let floor_low = ranges
+            .iter()
+            .map(|range| range.floor_low)
+            .fold(f32::INFINITY, f32::min);
+        let floor_high = ranges
+            .iter()
+            .map(|range| range.floor_high)
+            .fold(f32::NEG_INFINITY, f32::max);
+        if wall(|range| range.nearest) > RECESS_M + MARGIN_M {
+            return Region::Rock;
+        }
+        if bounds.max[2] < floor_low - Site::<()>::DITCH_M - MARGIN_M {
+            return Region::Rock;
+        }
+        let widest = ranges.iter().map(|range| range.widest).fold(0.0, f32::max);
+        let clear = wall(|range| range.furthest) < -(PROTRUSION * widest + MARGIN_M);
+        if clear && bounds.min[2] > floor_high + self.ground.highest_m() + MARGIN_M {
+            return Region::Air;
+        }
+        Region::Mixed
+    }
+
+    fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
+        let wander = self.material.wander();
+        self.blocks(bounds, points, |start, capsules, sites| {
+            dispatched!(simd => survey_values(simd, capsules, wander, sites));
+            self.material
+                .distances(sites, &mut out[start..start + sites.count]);
+        });
+    }
+
+    fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
+        let wander = self.material.wander();
+        self.blocks(bounds, points, |start, capsules, sites| {
+            dispatched!(simd => survey_jets(simd, capsules, wander, sites));
+            let out = &mut out[start..start + sites.count];
+            self.material.gradients(sites, out);
+            for normal in out {
+                *normal = unit(normal.map(|c| -c)).unwrap_or(UP);
+            }
+        });
+    }
+}
+
+impl Surface for CaveField {
+    fn texels(
+        &self,
+        bounds: Bounds,
+        texel_m: f32,
+        points: &[[f32; 3]],
+        normals: &[[f32; 3]],
+        out: &mut [Texel],
+    ) {
+        let wander = self.material.wander();
+        let mut skins = Skins::default();
+        self.blocks(bounds, points, |start, capsules, sites| {
+            dispatched!(simd => survey_jets(simd, capsules, wander, sites));
+            let normals = &normals[start..start + sites.count];
+            self.material
+                .skins(sites, &self.look, Band { texel_m }, normals, &mut skins);
+            for (lane, texel) in out[start..start + sites.count].iter_mut().enumerate() {
+                *texel = texel_of(&skins, lane, normals[lane]);
+            }
+        });
+    }
+}

@@ -1,0 +1,54 @@
+//! Which capsules are near a box.
+
+use super::Bounds;
+use super::passage::Capsule;
+use rustc_hash::FxHashMap;
+
+/// Edge of a bucket in metres; tuned to a few capsules each.
+const BUCKET_M: f32 = 8.0;
+
+/// Capsules by the buckets of space they are felt in.
+#[derive(Debug)]
+pub(super) struct Index {
+    capsules: Vec<Capsule>,
+    buckets: FxHashMap<[i32; 3], Vec<u32>>,
+}
+
+impl Index {
+    /// Indexes capsules that are felt up to `reach_m` outside their walls.
+    pub fn new(capsules: Vec<Capsule>, reach_m: f32) -> Self {
+        let mut buckets: FxHashMap<[i32; 3], Vec<u32>> = FxHashMap::default();
+        for (i, capsule) in (0..).zip(&capsules) {
+            let [min, max] = capsule.corners();
+            let bounds = Bounds { min, max }.grown(reach_m);
+            for bucket in buckets_of(bounds) {
+                buckets.entry(bucket).or_default().push(i);
+            }
+        }
+        Self { capsules, buckets }
+    }
+
+    /// Every capsule felt in the box and perhaps some more, in their own order.
+    pub fn near(&self, bounds: Bounds) -> Vec<&Capsule> {
+        if buckets_of(bounds).nth(self.buckets.len()).is_some() {
+            return self.capsules.iter().collect();
+        }
+        let mut found: Vec<u32> = buckets_of(bounds)
+            .filter_map(|bucket| self.buckets.get(&bucket))
+            .flatten()
+            .copied()
+            .collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+            .into_iter()
+            .map(|i| &self.capsules[i as usize])
+            .collect()
+    }
+}
+
+fn buckets_of(bounds: Bounds) -> impl Iterator<Item = [i32; 3]> {
+    let bucket = |coordinate: f32| (coordinate / BUCKET_M).floor() as i32;
+    let range = move |i: usize| bucket(bounds.min[i])..=bucket(bounds.max[i]);
+    range(2).flat_map(move |z| range(1).flat_map(move |y| range(0).map(move |x| [x, y, z])))
+}

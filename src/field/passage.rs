@@ -1,0 +1,358 @@
+//! The smooth passages: tapered capsules along the edges of a graph, rooms where passages meet, and a floor.
+//!
+//! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
+//! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
+
+use crate::graph::{Graph, Node};
+use crate::material::{BLOCK, Sites, Stored, Wander};
+use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How far from its wall a passage is felt, in metres; the smooth distance saturates there.
+pub const BLEND_M: f32 = 1.1;
+
+/// From a graph to the smooth shape of its passages.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct PassageSettings {
+    /// Width of a passage in units of the radius of its station.
+    #[schemars(range(min = 0.1, max = 4.0))]
+    pub width_per_radius: f32,
+    /// No passage is narrower than this, in metres.
+    #[schemars(range(min = 0.8, max = 10.0))]
+    pub width_min_m: f32,
+    /// Height of the full section in units of its width; the floor cuts off its lower part.
+    #[schemars(range(min = 0.4, max = 2.5))]
+    pub height_ratio: f32,
+    /// How deep below the axis the floor lies, in units of half the height: 1 leaves the round bottom open.
+    #[schemars(range(min = 0.2, max = 0.95))]
+    pub floor_drop: f32,
+    /// How flat the floor is: 0 rolling and strewn with stones, 1 a plane that wheels can drive on.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub floor_flatness: f32,
+    /// Height of stones in the middle of the floor, in metres; up to four times that at the foot of a wall.
+    #[schemars(range(min = 0.0, max = 0.3))]
+    pub floor_roughness_m: f32,
+    /// Width of a room where three or more passages meet, in units of the width of its station; 1 makes no rooms.
+    #[schemars(range(min = 1.0, max = 3.0))]
+    pub room_factor: f32,
+}
+
+impl Default for PassageSettings {
+    fn default() -> Self {
+        Self {
+            width_per_radius: 0.6,
+            width_min_m: 1.4,
+            height_ratio: 1.1,
+            floor_drop: 0.5,
+            floor_flatness: 0.3,
+            floor_roughness_m: 0.08,
+            room_factor: 1.5,
+        }
+    }
+}
+
+/// Section of a passage at a station.
+#[derive(Clone, Copy)]
+struct Profile {
+    half_width: f32,
+    half_height: f32,
+    /// Depth of the floor below the axis.
+    drop: f32,
+    /// 0 elliptic, 1 nearly rectangular.
+    square: f32,
+}
+
+impl Profile {
+    fn at(node: &Node, settings: &PassageSettings) -> Self {
+        match node.section {
+            Some(section) => Self::drift(section.width_m as f32, section.height_m as f32),
+            None => Self::cave(node.radius as f32, settings),
+        }
+    }
+
+    fn cave(radius: f32, settings: &PassageSettings) -> Self {
+        let half_width = (radius * settings.width_per_radius).max(settings.width_min_m) / 2.0;
+        let half_height = half_width * settings.height_ratio;
+        Self {
+            half_width,
+            half_height,
+            drop: half_height * settings.floor_drop,
+            square: 0.0,
+        }
+    }
+
+    /// A mined drift: the whole height is clear, so the section reaches below the floor.
+    fn drift(width: f32, height: f32) -> Self {
+        let half_height = height / (1.0 + Self::DRIFT_DROP);
+        let drop = half_height * Self::DRIFT_DROP;
+        Self {
+            half_width: width / 2.0,
+            half_height,
+            drop,
+            square: 1.0,
+        }
+    }
+
+    const DRIFT_DROP: f32 = 0.8;
+
+    fn widened(self, factor: f32) -> Self {
+        Self {
+            half_width: self.half_width * factor,
+            half_height: self.half_height * factor.sqrt(),
+            ..self
+        }
+    }
+}
+
+/// A passage from one station to the next, or a room: a capsule without length.
+#[derive(Clone, Debug)]
+pub(super) struct Capsule {
+    start: [f32; 3],
+    span: [f32; 3],
+    /// 1 / length², 0 for a room.
+    inverse: f32,
+    half_width: [f32; 2],
+    /// Depth of the floor below the axis at both ends.
+    drop: [f32; 2],
+    /// Width over height.
+    squash: f32,
+    square: f32,
+    /// How much of the rock's wander it follows, 0–1.
+    sway: f32,
+}
+
+/// Every capsule of a graph: passages in the order of its edges, then rooms in the order of its nodes.
+pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, wander: Wander) -> Vec<Capsule> {
+    let profiles: Vec<Profile> = graph
+        .nodes
+        .iter()
+        .map(|node| Profile::at(node, settings))
+        .collect();
+    let mut degree = vec![0_usize; graph.nodes.len()];
+    for &[a, b] in &graph.edges {
+        degree[a] += 1;
+        degree[b] += 1;
+    }
+    let ends = |a: usize, b: usize| [&graph.nodes[a], &graph.nodes[b]];
+    let passages = graph
+        .edges
+        .iter()
+        .map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], wander));
+    let is_room = |&node: &usize| degree[node] >= 3 && graph.nodes[node].section.is_none();
+    let lone = |&node: &usize| degree[node] == 0;
+    let rooms = (0..graph.nodes.len()).filter(is_room).map(|node| {
+        let room = profiles[node].widened(settings.room_factor);
+        Capsule::new(ends(node, node), [room; 2], wander)
+    });
+    let pockets = (0..graph.nodes.len())
+        .filter(lone)
+        .map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], wander));
+    passages.chain(rooms).chain(pockets).collect()
+}
+
+impl Capsule {
+    fn new(ends: [&Node; 2], profiles: [Profile; 2], wander: Wander) -> Self {
+        let [start, end] = ends.map(|node| node.position.coords.map(|c| c as f32));
+        let span = end - start;
+        let length_squared = span.norm_squared();
+        let ratio = profiles.map(|profile| profile.half_width / profile.half_height);
+        Self {
+            start: start.into(),
+            span: span.into(),
+            inverse: if length_squared > 1e-6 {
+                1.0 / length_squared
+            } else {
+                0.0
+            },
+            half_width: profiles.map(|profile| profile.half_width),
+            drop: profiles.map(|profile| profile.drop),
+            squash: (ratio[0] + ratio[1]) / 2.0,
+            square: profiles[0].square.min(profiles[1].square),
+            sway: sway(profiles, wander),
+        }
+    }
+
+    /// Corners of a box that holds its wall.
+    pub fn corners(&self) -> [[f32; 3]; 2] {
+        let wide = self.widest_m();
+        let reach = [wide, wide, wide / self.squash];
+        let low = |i: usize| self.start[i] + self.span[i].min(0.0) - reach[i];
+        let high = |i: usize| self.start[i] + self.span[i].max(0.0) + reach[i];
+        [[low(0), low(1), low(2)], [high(0), high(1), high(2)]]
+    }
+
+    /// Half the width at the wider end, metres.
+    pub fn widest_m(&self) -> f32 {
+        self.half_width[0].max(self.half_width[1])
+    }
+
+    /// What is certain about all points within `radius` of `centre`, in rock that pushes points by up to `wander_m`.
+    pub fn near(&self, centre: [f32; 3], radius: f32, wander_m: f32) -> Range {
+        let radius = radius + self.sway * wander_m;
+        let away: [f32; 3] = std::array::from_fn(|i| centre[i] - self.start[i]);
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let share = (dot(away, self.span) * self.inverse).clamp(0.0, 1.0);
+        let off: [f32; 3] = std::array::from_fn(|i| away[i] - share * self.span[i]);
+        let distance = dot(off, off).sqrt();
+        let spread = radius * self.inverse.sqrt();
+        let along = |share: f32| {
+            let share = share.clamp(0.0, 1.0);
+            let drop = self.drop[0] + share * (self.drop[1] - self.drop[0]);
+            self.start[2] + share * self.span[2] - drop
+        };
+        let floors = [along(share - spread), along(share + spread)];
+        let [narrow, wide] = [self.half_width[0].min(self.half_width[1]), self.widest_m()];
+        // The fourth-power norm is at least 2^-1/4 of the Euclidean one.
+        let shrink = self.squash.min(1.0) * (1.0 - 0.16 * self.square);
+        Range {
+            nearest: (distance - radius).max(0.0) * shrink - wide - Self::ROUNDING_M,
+            furthest: (distance + radius) * self.squash.max(1.0) - narrow + Self::ROUNDING_M,
+            floor_low: floors[0].min(floors[1]) - Self::ROUNDING_M,
+            floor_high: floors[0].max(floors[1]) + Self::ROUNDING_M,
+            widest: wide,
+        }
+    }
+
+    /// Allowance for rounding and for the softened centre of a section.
+    const ROUNDING_M: f32 = 0.02;
+}
+
+/// The share of the wander that leaves every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
+/// width (or height), and rock then stands in by at most [`crate::material::PROTRUSION`] of it.
+fn sway(profiles: [Profile; 2], wander: Wander) -> f32 {
+    let narrow = profiles.map(|profile| profile.half_width.min(profile.half_height));
+    let furthest = wander.reach_m[0] + wander.reach_m[1];
+    let straightness = 1.0 - 0.6 * profiles[0].square;
+    (SWAY * narrow[0].min(narrow[1]) / furthest.max(1e-3)).min(1.0) * straightness
+}
+
+/// See [`sway`].
+const SWAY: f32 = 0.45;
+
+/// What is certain about a capsule as seen from a ball of points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Range {
+    /// Lower bound of the distance to its wall, negative inside.
+    pub nearest: f32,
+    /// Upper bound of that distance.
+    pub furthest: f32,
+    /// Lowest height of its floor.
+    pub floor_low: f32,
+    /// Highest height of its floor.
+    pub floor_high: f32,
+    /// Half its width at the wider end.
+    pub widest: f32,
+}
+
+/// Fills in what the passages say about the points of a block.
+#[inline(always)]
+pub(super) fn survey<S: Simd, T: Stored<S>>(
+    simd: S,
+    capsules: &[&Capsule],
+    wander: Wander,
+    sites: &mut Sites,
+) {
+    for at in (0..BLOCK).step_by(Lanes::<S>::LEN) {
+        let point: Vec3<T> = T::point(simd, &sites.point, at);
+        let push = push(point, wander, sites.source);
+        let mut sums = Sums::none(simd);
+        for capsule in capsules {
+            sums.add(capsule, point, push);
+        }
+        sums.store(sites, at);
+    }
+}
+
+/// How far the rock bends space here, metres.
+#[inline(always)]
+fn push<S: Simd, T: Real<S>>(point: Vec3<T>, wander: Wander, source: Source) -> Vec3<T> {
+    let [long, short] = wander.length_m;
+    let far = source.warp(0x100, point, long, wander.reach_m[0]);
+    let near = source.warp(0x101, far, short, wander.reach_m[1]);
+    vec3(near.x - point.x, near.y - point.y, near.z - point.z)
+}
+
+/// Sums over capsules, weighted by the fourth power of how far each is felt.
+struct Sums<T> {
+    weight: T,
+    height: T,
+    up: T,
+    half_width: T,
+}
+
+impl<T> Sums<T> {
+    /// Keeps the means finite where no passage is felt.
+    const FAINT: f32 = 1e-9;
+
+    #[inline(always)]
+    fn none<S: Simd>(simd: S) -> Self
+    where
+        T: Real<S>,
+    {
+        let zero = T::splat(simd, 0.0);
+        Self {
+            weight: zero,
+            height: zero,
+            up: zero,
+            half_width: zero + Self::FAINT,
+        }
+    }
+
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, capsule: &Capsule, point: Vec3<T>, push: Vec3<T>)
+    where
+        T: Real<S>,
+    {
+        let [x, y, z] = capsule.start;
+        let push = push.scaled(capsule.sway);
+        let away = vec3(
+            point.x - x + push.x,
+            point.y - y + push.y,
+            point.z - z + push.z,
+        );
+        let share = (away.along(capsule.span) * capsule.inverse).within(0.0, 1.0);
+        let [dx, dy, dz] = capsule.span;
+        let off = vec3(
+            away.x - share * dx,
+            away.y - share * dy,
+            away.z - share * dz,
+        );
+        let rise = off.z * capsule.squash;
+        let half_width =
+            share * (capsule.half_width[1] - capsule.half_width[0]) + capsule.half_width[0];
+        let flat = off.x.squared() + off.y.squared();
+        let round = (flat + rise.squared() + 1e-4).sqrt();
+        let section = if capsule.square > 0.0 {
+            let square = (flat.squared() + rise.squared().squared() + 1e-6)
+                .sqrt()
+                .sqrt();
+            mix(round, square, round * 0.0 + capsule.square)
+        } else {
+            round
+        };
+        let felt = (half_width - section + BLEND_M).at_least(0.0);
+        let weight = felt.squared().squared();
+        let drop = share * (capsule.drop[1] - capsule.drop[0]) + capsule.drop[0];
+        let height = point.z - z - share * dz + drop;
+        self.weight = self.weight + weight;
+        self.height = self.height + weight * height;
+        self.up = self.up + weight * (rise / round);
+        self.half_width = self.half_width + weight * half_width;
+    }
+
+    #[inline(always)]
+    fn store<S: Simd>(self, sites: &mut Sites, at: usize)
+    where
+        T: Stored<S>,
+    {
+        let total = self.weight + Self::FAINT;
+        sites.wall.store(at, -self.weight.sqrt().sqrt() + BLEND_M);
+        sites.height.store(at, self.height / total);
+        sites.up.store(at, self.up / total);
+        sites.half_width.store(at, self.half_width / total);
+    }
+}

@@ -1,0 +1,356 @@
+//! Basalt of a lava tube.
+//!
+//! First state: the lining, glazed when the tube drained, with flow ledges along the height above the floor, remelt
+//! drips and cooling cracks. Second state: spall, where the lining fell and the fractured flow behind it shows. The
+//! floor is ash with angular slabs (Larson, *Illustrated Glossary of Lava Tube Features*, 1993, for what is where).
+
+use super::color::{Color, Tone, ramp};
+use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
+use super::rubble::{Rubble, higher};
+use super::site::{Band, Ground, Site};
+use super::{Look, Wander};
+use crate::noise::{Lanes, Real, Value, Vec3, cells_3d, facets, mix, vec3};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Shape of the basalt; defaults tuned by eye.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct Basalt {
+    /// Strength of all relief; 1 is natural, 0 a smooth tube.
+    #[schemars(range(min = 0.0, max = 1.5))]
+    pub relief: f32,
+    /// How far the walls wander from the smooth passage, in metres.
+    #[schemars(range(min = 0.0, max = 1.2))]
+    pub wander_m: f32,
+    /// How much of the lining has fallen off: about −0.6 none, 0 half, 0.6 all.
+    #[schemars(range(min = -0.6, max = 0.6))]
+    pub spall: f32,
+    /// Distance between flow ledges, in metres.
+    #[schemars(range(min = 0.4, max = 1.5))]
+    pub ledge_m: f32,
+    /// How densely the floor is strewn with slabs: −0.5 clear, 0.5 covered.
+    #[schemars(range(min = -0.5, max = 0.5))]
+    pub rubble: f32,
+}
+
+impl Default for Basalt {
+    fn default() -> Self {
+        Self {
+            relief: 1.0,
+            wander_m: 0.6,
+            spall: -0.02,
+            ledge_m: 0.7,
+            rubble: 0.06,
+        }
+    }
+}
+
+impl Basalt {
+    /// Flow levels: each height has its own recess, a belly, and an edge over the level below.
+    #[inline(always)]
+    fn levels<S: Simd, T: Real<S>>(level: T, salt: i32, sharp: f32, reach: f32, belly: f32) -> T {
+        let (index, rest) = level.split();
+        let (a, b): (T, T) = (level_lot(index, salt), level_lot(index + 1, salt));
+        (mix(a, b, rest.step(sharp, 1.0)) - 0.5) * reach - rest * (-rest + 1.0) * belly
+    }
+
+    #[inline(always)]
+    fn lining<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> T {
+        let (p, n) = (site.point, site.source);
+        let per_m = 1.0 / self.ledge_m;
+        let ledge_level = site.height * per_m + n.noise(10, p.scaled(1.0 / 3.2)) * 0.55;
+        let ledges = Self::levels(ledge_level, n.layer(11), 0.45, 0.52, 0.26);
+        let roll_level = site.height * (1.8 * per_m) + n.noise(12, p.scaled(1.0 / 2.3)) * 1.1;
+        let rolling = (n.noise(13, p.scaled(0.5)) + 0.35).within(0.0, 1.0);
+        let rolls = Self::levels(roll_level, n.layer(14), 0.30, 0.17, 0.14) * rolling;
+        let lines = n.noise(15, p.stretched(0.55, 0.55, 2.4)) * 0.06;
+        let bench = (n.noise(16, p.scaled(0.25)) * 0.35 + 0.22).at_least(0.0);
+        let bench = bench * site.height.step(0.95, 0.35);
+        // Long creases that light can rake along.
+        let crease = n
+            .noise(17, p.turned().stretched(0.16, 0.62, 0.62))
+            .soft_abs(0.05);
+        let creases = (crease * -2.2 + 1.0).at_least(0.0).squared() * -0.22;
+        ledges + rolls + lines + creases - bench
+    }
+
+    #[inline(always)]
+    fn spalled<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+        let n = site.source;
+        let w = n.warp(20, site.point, 0.9, 0.10);
+        let large = facets(
+            w.stretched(1.0 / 1.15, 1.0 / 1.15, 1.0 / 0.8),
+            1.1,
+            n.layer(21),
+        );
+        let small = facets(Self::joints(w), 1.1, n.layer(22));
+        large * 0.26 + small * 0.10 + 0.24
+    }
+
+    /// The space of the smaller fracture blocks.
+    #[inline(always)]
+    fn joints<S: Simd, T: Real<S>>(at: Vec3<T>) -> Vec3<T> {
+        at.stretched(1.0 / 0.46, 1.0 / 0.46, 1.0 / 0.40).turned()
+    }
+
+    #[inline(always)]
+    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
+        let [x, y] = [Value::<S>(centre[0] * 0.28), Value(centre[1] * 0.28)];
+        let lane = site.source.noise(30, vec3(x, y, y * 0.0));
+        bank(site) * 0.75
+            + T::constant(lane.0 * 0.45)
+            + (self.rubble - 0.3 * (1.0 - site.ground.natural))
+    }
+}
+
+/// 1 at the foot of the wall, 0 in the driving lane.
+#[inline(always)]
+pub(super) fn bank<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+    (site.wall / site.half_width).step(-0.62, -0.08)
+}
+
+/// Height of stones here, metres.
+#[inline(always)]
+pub(super) fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+    let share = (site.half_width * 0.6 - 0.1).within(0.2, 1.0);
+    (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
+}
+
+const SLABS: Rubble = Rubble {
+    layer: 31,
+    cell_m: 1.25,
+    height_m: [0.35, 0.65],
+    tilt: 0.22,
+    steepness: 5.0,
+};
+const BLOCKS: Rubble = Rubble {
+    layer: 32,
+    cell_m: 0.52,
+    height_m: [0.12, 0.26],
+    tilt: 0.26,
+    steepness: 4.0,
+};
+const COBBLES: Rubble = Rubble {
+    layer: 33,
+    cell_m: 0.17,
+    height_m: [0.016, 0.032],
+    tilt: 0.35,
+    steepness: 2.0,
+};
+const CHIPS: Rubble = Rubble {
+    layer: 34,
+    cell_m: 0.06,
+    height_m: [0.006, 0.010],
+    tilt: 0.35,
+    steepness: 1.8,
+};
+
+impl Rock for Basalt {
+    fn wander(&self) -> Wander {
+        Wander {
+            length_m: [5.0, 2.1],
+            reach_m: [self.wander_m, self.wander_m / 3.0],
+        }
+    }
+
+    #[inline(always)]
+    fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T> {
+        let (p, n) = (site.point, site.source);
+        let ceiling = site.up.step(0.15, 0.75);
+        let patches = n.noise(1, p.scaled(1.0 / 5.5)) + n.noise(2, p.scaled(1.0 / 1.9)) * 0.35;
+        let spall = (patches + ceiling * 0.35 + self.spall).step(0.0, 0.18);
+        let undulation = n.fbm(3, p.scaled(1.0 / 3.0), 3, 0.574) * 0.36;
+        let mut form = undulation * 0.0;
+        if spall.value().simd_lt(1.0).any_true() {
+            form = form + self.lining(site) * (-spall + 1.0);
+        }
+        if spall.value().simd_gt(0.0).any_true() {
+            form = form + Self::spalled(site) * spall;
+        }
+        let recess = (undulation + form) * self.relief;
+        Wall {
+            recess,
+            cavity: form,
+            state: spall,
+            band: spall * 0.0,
+        }
+    }
+
+    #[inline(always)]
+    fn wall_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        wall: &Wall<T>,
+        band: Band,
+    ) -> Detail<T> {
+        let (p, n, spall) = (site.point, site.source, wall.state);
+        let mut detail = Detail {
+            recess: spall * 0.0,
+            crack: spall * 0.0,
+        };
+        if spall.value().simd_lt(1.0).any_true() {
+            let drip = (n.noise(40, p.scaled(1.0 / 1.7)) + site.up.step(0.15, 0.75) * 0.4 + 0.15)
+                .within(0.0, 1.0);
+            let drops = cells_3d(
+                n.warp(41, p, 0.25, 0.03).stretched(7.5, 7.5, 3.6),
+                n.layer(42),
+            )
+            .distance;
+            let cell = cells_3d(n.warp(43, p, 0.6, 0.10).scaled(1.0 / 1.5), n.layer(44));
+            let crack = (cell.edge * -38.0 + 1.0).at_least(0.0);
+            let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
+            let rims =
+                saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
+            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 4), 0.52) * 0.018;
+            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * band.keep(0.05));
+            let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.02;
+            detail.recess = fine * (-spall + 1.0);
+            detail.crack = crack * (-spall + 1.0);
+        }
+        if spall.value().simd_gt(0.0).any_true() {
+            let w = n.warp(20, p, 0.9, 0.10);
+            let edges = cells_3d(Self::joints(w), n.layer(22)).edge;
+            let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * band.keep(0.17));
+            let grain = n.fbm(50, p.scaled(6.0), band.octaves(0.17, 4), 0.55) * 0.022;
+            detail.recess = detail.recess + (chips + grain) * spall;
+            detail.crack = detail.crack + (edges * -14.0 + 1.0).at_least(0.0) * spall;
+        }
+        detail
+    }
+
+    #[inline(always)]
+    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
+        let (p, n) = (site.point, site.source);
+        let at = n.warp(35, p, 0.7, 0.13);
+        let slabs = SLABS.stones(
+            site,
+            at,
+            #[inline(always)]
+            |c| self.density(site, c) * 0.65,
+        );
+        let blocks = BLOCKS.stones(
+            site,
+            at.shifted(3.3, 1.7, 0.0),
+            #[inline(always)]
+            |c| self.density(site, c) + 0.12,
+        );
+        let stones = higher(slabs, blocks);
+        let flat = vec3(p.x, p.y, p.z * 0.0);
+        let roll = n.fbm(36, flat.scaled(1.0 / 2.6), 2, 0.54) * (0.09 * site.ground.natural);
+        Floor {
+            height: stones.height * stone_height(site) + roll - 0.02,
+            ..stones
+        }
+    }
+
+    #[inline(always)]
+    fn floor_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        floor: &Floor<T>,
+        band: Band,
+    ) -> Floor<T> {
+        let (p, n) = (site.point, site.source);
+        let at = n.warp(35, p, 0.7, 0.13);
+        let gravel = COBBLES.stones(
+            site,
+            at.shifted(1.3, 5.7, 0.0),
+            #[inline(always)]
+            |c| self.density(site, c) * 0.9 + 0.10,
+        );
+        let chips = CHIPS.stones(
+            site,
+            at.shifted(9.3, 2.7, 0.0),
+            #[inline(always)]
+            |c| self.density(site, c) + 0.16,
+        );
+        let gravel = higher(gravel, chips);
+        let grain = n.fbm(37, p.scaled(7.0), band.octaves(0.14, 4), 0.55) * 0.014;
+        let on_stone = floor.stone.value().simd_gt(0.3);
+        Floor {
+            height: floor.height + gravel.height * (-floor.stone + 1.0) + grain,
+            stone: floor.stone.max(gravel.stone * 0.8),
+            tint: T::pick(on_stone, floor.tint, gravel.tint),
+        }
+    }
+
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &self,
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        band: Band,
+    ) -> Paint<S> {
+        let tone = Tone::of(form, site, band);
+        let dry = Self::wall_color(form, site, look, &tone);
+        let color = dry.under(Self::floor_color(form, &tone), form.floor);
+        let dust = form.upward.step(0.55, 0.95) * (tone.broad * 0.4 + 0.55).within(0.0, 1.0) * 0.30;
+        let color = color
+            .tinted([0.118, 0.104, 0.090], dust)
+            .lit(tone.shade(form));
+        let film = tone.film(form, look, form.floor * 0.25);
+        let glazed = (-form.state + 1.0) * (-form.floor + 1.0) * tone.patch.step(-0.1, 0.4);
+        let dry = glazed * -0.30 + tone.fine * 0.08 + 0.86;
+        Paint {
+            color: color.lit(film * -0.45 + 1.0),
+            roughness: mix(dry, film * 0.0 + 0.22, film),
+            film,
+            pool: film * 0.0,
+        }
+    }
+}
+
+impl Basalt {
+    #[inline(always)]
+    fn wall_color<S: Simd>(
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        tone: &Tone<S>,
+    ) -> Color<S> {
+        let (p, n) = (form.point, site.source);
+        let lining = ramp(
+            (tone.broad + tone.fine * 0.35).step(-0.6, 0.8),
+            [0.028, 0.027, 0.027],
+            [0.085, 0.080, 0.076],
+        );
+        let spall = ramp(
+            (tone.broad + tone.fine * 0.5).step(-0.5, 0.7),
+            [0.060, 0.054, 0.050],
+            [0.135, 0.118, 0.103],
+        );
+        // Oxidation follows the flow levels.
+        let level = n.noise(66, p.stretched(0.32, 0.32, 1.1));
+        let red = (level + tone.fine * 0.55 + form.cavity * 0.2).step(0.30, 0.50);
+        let ochre = (tone.patch + tone.fine * 0.4 + level * -0.5).step(0.40, 0.70);
+        let bloom = (n.noise(67, p.scaled(1.25)) + tone.fine * 0.5 + tone.streak * 0.25)
+            .step(0.42, 0.72)
+            * form.cavity.step(-0.1, 0.5);
+        lining
+            .under(spall, form.state * 0.8)
+            .tinted(
+                [0.150, 0.052, 0.026],
+                red * (form.state * 0.6 + 0.4) * (0.55 * look.stain),
+            )
+            .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
+            .tinted([0.340, 0.310, 0.260], bloom * (0.24 * look.stain))
+            .lit(form.crack * -0.65 + 1.0)
+    }
+
+    #[inline(always)]
+    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let ash = ramp(
+            (tone.fine + tone.broad).step(-0.5, 0.8),
+            [0.045, 0.040, 0.037],
+            [0.105, 0.090, 0.078],
+        );
+        ash.under(
+            ramp(form.tint, [0.040, 0.038, 0.037], [0.125, 0.108, 0.094]),
+            form.stone,
+        )
+    }
+}

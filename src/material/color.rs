@@ -1,0 +1,98 @@
+//! Mixing colours in lanes: linear RGB.
+
+use super::Look;
+use super::rock::Form;
+use super::site::{Band, Site};
+use crate::noise::{Real, Value, Vec3, mix, vec3};
+use fearless_simd::Simd;
+
+/// A colour per lane.
+pub type Color<S> = Vec3<Value<S>>;
+
+/// From one colour at 0 to another at 1.
+#[inline(always)]
+pub fn ramp<S: Simd>(t: Value<S>, low: [f32; 3], high: [f32; 3]) -> Color<S> {
+    vec3(
+        t * (high[0] - low[0]) + low[0],
+        t * (high[1] - low[1]) + low[1],
+        t * (high[2] - low[2]) + low[2],
+    )
+}
+
+impl<S: Simd> Color<S> {
+    /// Covered by another colour, 0 not to 1 fully.
+    #[inline(always)]
+    pub fn under(self, cover: Self, share: Value<S>) -> Self {
+        vec3(
+            mix(self.x, cover.x, share),
+            mix(self.y, cover.y, share),
+            mix(self.z, cover.z, share),
+        )
+    }
+
+    /// Covered by one colour, 0 not to 1 fully.
+    #[inline(always)]
+    pub fn tinted(self, tint: [f32; 3], share: Value<S>) -> Self {
+        let zero = share * 0.0;
+        self.under(ramp(zero, tint, tint), share)
+    }
+
+    /// Brighter or darker.
+    #[inline(always)]
+    pub fn lit(self, by: Value<S>) -> Self {
+        vec3(self.x * by, self.y * by, self.z * by)
+    }
+}
+
+/// Variations that every rock's colour draws on.
+#[derive(Clone, Copy, Debug)]
+pub struct Tone<S: Simd> {
+    /// From a decimetre down, about ±1; lighter where the wall stands out.
+    pub fine: Value<S>,
+    /// About a metre, about ±1.
+    pub broad: Value<S>,
+    /// The finest, about ±1.
+    pub grain: Value<S>,
+    /// Where water runs: patches drawn out downwards, about ±1.
+    pub streak: Value<S>,
+    /// Two metres, about ±1.
+    pub patch: Value<S>,
+    /// 1 on a vertical wall, 0 on floors and ceilings.
+    pub side: Value<S>,
+}
+
+impl<S: Simd> Tone<S> {
+    /// The variations at a point.
+    #[inline(always)]
+    pub fn of(form: &Form<S>, site: &Site<Value<S>>, band: Band) -> Self {
+        let (p, n) = (form.point, site.source);
+        let grain = n.noise(61, p.scaled(55.0)) * band.keep(0.018) * 0.8;
+        let fine = n.fbm(62, p.scaled(9.0), band.octaves(0.11, 3), 0.66) * 0.75;
+        let streak = n.noise(63, p.stretched(3.2, 3.2, 0.28)) * 0.6
+            + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3
+            + n.noise(65, p.scaled(1.0 / 2.8)) * 0.9;
+        Self {
+            fine: fine + grain * 0.25 - form.cavity.within(-1.0, 1.0) * 0.18,
+            broad: n.fbm(69, p.scaled(1.1), 3, 0.57),
+            grain,
+            streak,
+            patch: n.noise(70, p.scaled(0.5)),
+            side: -form.upward.max(-form.upward) + 1.0,
+        }
+    }
+
+    /// Darker in hollows, and uneven.
+    #[inline(always)]
+    pub fn shade(&self, form: &Form<S>) -> Value<S> {
+        let hollow = form.cavity.step(0.0, 0.9) * -0.45 + 1.0;
+        hollow * (self.fine * 0.22 + self.grain * 0.14 + 1.0)
+    }
+
+    /// Film of water, 0–1; `repelled` lowers it.
+    #[inline(always)]
+    pub fn film(&self, form: &Form<S>, look: &Look, repelled: Value<S>) -> Value<S> {
+        let threshold = look.humidity - 0.40;
+        let wet = (self.streak + form.cavity * 0.35 - repelled + threshold).step(0.15, 0.55);
+        wet * (self.side * 0.65 + 0.35) * (look.humidity * 10.0).min(1.0)
+    }
+}

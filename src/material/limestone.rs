@@ -1,0 +1,375 @@
+//! Limestone of a karst cave.
+//!
+//! First state: bedded rock, stepped along one dip through the whole cave, with solution pockets, joints and scallops
+//! (Curl 1974). Second state: flowstone, draped by gravity. The floor is mud with puddles and embedded cobbles.
+
+use super::basalt::{bank, stone_height};
+use super::color::{Color, Tone, ramp};
+use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
+use super::rubble::{Rubble, higher};
+use super::site::{Band, Site};
+use super::{Look, Wander};
+use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Shape of the limestone; defaults tuned by eye.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct Limestone {
+    /// Strength of all relief; 1 is natural, 0 a smooth tube.
+    #[schemars(range(min = 0.0, max = 1.5))]
+    pub relief: f32,
+    /// How far the walls wander from the smooth passage, in metres.
+    #[schemars(range(min = 0.0, max = 1.2))]
+    pub wander_m: f32,
+    /// How much of the wall flowstone covers: about −0.6 none, 0 a half, 0.6 all.
+    #[schemars(range(min = -0.6, max = 0.6))]
+    pub flowstone: f32,
+    /// Mean thickness of a bed, in metres.
+    #[schemars(range(min = 0.4, max = 1.5))]
+    pub bed_m: f32,
+    /// Steepest descent of the beds, in degrees from the horizontal.
+    #[schemars(range(min = 0.0, max = 60.0))]
+    pub dip_deg: f32,
+    /// Direction in which the beds descend, in degrees from x towards y.
+    #[schemars(range(min = 0.0, max = 360.0))]
+    pub dip_azimuth_deg: f32,
+    /// Direction of the joints, in degrees from x towards y.
+    #[schemars(range(min = 0.0, max = 180.0))]
+    pub joint_azimuth_deg: f32,
+    /// How densely the floor is strewn with stones: −0.5 clear, 0.5 covered.
+    #[schemars(range(min = -0.5, max = 0.5))]
+    pub rubble: f32,
+}
+
+impl Default for Limestone {
+    fn default() -> Self {
+        Self {
+            relief: 1.0,
+            wander_m: 0.75,
+            flowstone: -0.2,
+            bed_m: 0.62,
+            dip_deg: 11.0,
+            dip_azimuth_deg: 328.0,
+            joint_azimuth_deg: 60.0,
+            rubble: -0.05,
+        }
+    }
+}
+
+/// A bed and where in it a point is.
+struct Bed<T> {
+    /// Hardness of the bed at the point, 0–1.
+    hardness: T,
+    /// Height in the bed, 0 bottom to 1 top.
+    rest: T,
+    /// How open the parting above it is, 0–1.
+    parting: T,
+    /// How clearly the beds show here, 0–1.
+    show: T,
+}
+
+impl Limestone {
+    /// Up across the beds.
+    fn pole(&self) -> [f32; 3] {
+        let (dip, azimuth) = (self.dip_deg.to_radians(), self.dip_azimuth_deg.to_radians());
+        let across = libm::sinf(dip);
+        [
+            across * libm::cosf(azimuth),
+            across * libm::sinf(azimuth),
+            libm::cosf(dip),
+        ]
+    }
+
+    #[inline(always)]
+    fn bed<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Bed<T> {
+        let (p, n) = (site.point, site.source);
+        let rise = p.along(self.pole()) * (1.0 / self.bed_m);
+        let level =
+            rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06;
+        let (index, rest) = level.split();
+        let lot = inlined!(|index, layer| level_lot::<S, T>(index, n.layer(layer)));
+        // The next bed begins at a height of its own, so that partings are not evenly spaced.
+        let edge = lot(index, 14) * 0.28 - 0.14;
+        let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
+        let hardness = mix(
+            lot(index, 12),
+            lot(index + 1, 12),
+            rest_here.step(0.42, 1.0),
+        );
+        let show = n.noise(13, p.scaled(1.0 / 3.0)).step(-0.45, 0.25) * 0.85 + 0.15;
+        Bed {
+            hardness,
+            rest: rest_here,
+            parting: lot(index, 15).squared(),
+            show,
+        }
+    }
+
+    #[inline(always)]
+    fn joints<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> T {
+        let (p, n) = (site.point, site.source);
+        let azimuth = self.joint_azimuth_deg.to_radians();
+        let (sine, cosine) = (libm::sinf(azimuth), libm::cosf(azimuth));
+        let across = p.x * -sine + p.y * cosine;
+        let along = p.x * cosine + p.y * sine;
+        let bend = n.noise(16, p.scaled(0.5)) * 0.12;
+        let at = vec3(
+            across * (1.0 / 2.6) + bend,
+            along * (1.0 / 11.0),
+            p.z * 0.125,
+        );
+        (n.noise(17, at) * 5.0).bump()
+    }
+
+    #[inline(always)]
+    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
+        let [x, y] = [Value::<S>(centre[0] * 0.3), Value(centre[1] * 0.3)];
+        let lane = site.source.noise(30, vec3(x, y, y * 0.0));
+        bank(site) * 0.7
+            + T::constant(lane.0 * 0.40)
+            + (self.rubble - 0.3 * (1.0 - site.ground.natural))
+    }
+}
+
+const BLOCKS: Rubble = Rubble {
+    layer: 31,
+    cell_m: 1.2,
+    height_m: [0.35, 0.65],
+    tilt: 0.4,
+    steepness: 5.0,
+};
+const COBBLES: Rubble = Rubble {
+    layer: 32,
+    cell_m: 0.5,
+    height_m: [0.10, 0.24],
+    tilt: 0.4,
+    steepness: 4.0,
+};
+const PEBBLES: Rubble = Rubble {
+    layer: 33,
+    cell_m: 0.14,
+    height_m: [0.010, 0.026],
+    tilt: 0.3,
+    steepness: 1.5,
+};
+
+impl Rock for Limestone {
+    fn wander(&self) -> Wander {
+        Wander {
+            length_m: [6.0, 2.4],
+            reach_m: [self.wander_m, self.wander_m / 3.0],
+        }
+    }
+
+    #[inline(always)]
+    fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T> {
+        let (p, n) = (site.point, site.source);
+        let ceiling = site.up.step(0.2, 0.8);
+        let undulation = n.fbm(1, p.scaled(1.0 / 3.6), 2, 0.54) * 0.30;
+        let bed = self.bed(site);
+        let belly = bed.rest * (-bed.rest + 1.0) * 0.16;
+        let beds = ((bed.hardness - 0.5) * 0.66 - belly) * bed.show;
+        let pocket = cells_3d(
+            n.warp(2, p, 1.5, 0.2)
+                .stretched(1.0 / 2.0, 1.0 / 1.5, 1.0 / 1.3),
+            n.layer(3),
+        );
+        let pocket = (-pocket.distance.squared() + 0.30) * (ceiling * 0.28 + 0.24);
+        let joint = self.joints(site) * (ceiling * 0.55 + 0.16);
+        let cover = n.noise(4, p.stretched(1.0 / 3.4, 1.0 / 3.4, 1.0 / 7.0))
+            + n.noise(5, p.stretched(1.0 / 1.1, 1.0 / 1.1, 0.25)) * 0.4;
+        let flow = (cover + self.flowstone).step(0.0, 0.24) * site.height.step(0.0, 0.5);
+        let rock = beds + pocket + joint;
+        let mut form = rock;
+        if flow.value().simd_gt(0.0).any_true() {
+            let curtain = n.noise(6, p.stretched(2.2, 2.2, 0.30)).soft_abs(0.06) * -0.15;
+            let drape = curtain + n.noise(7, p.stretched(2.5, 2.5, 0.7)) * 0.04 - 0.10;
+            form = mix(rock, drape + beds * 0.25, flow);
+        }
+        Wall {
+            recess: (undulation + form) * self.relief,
+            cavity: rock,
+            state: flow,
+            band: bed.hardness,
+        }
+    }
+
+    #[inline(always)]
+    fn wall_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        wall: &Wall<T>,
+        band: Band,
+    ) -> Detail<T> {
+        let (p, n, flow) = (site.point, site.source, wall.state);
+        let mut detail = Detail {
+            recess: flow * 0.0,
+            crack: flow * 0.0,
+        };
+        if flow.value().simd_lt(1.0).any_true() {
+            let bed = self.bed(site);
+            let groove = ((bed.rest - 0.86) * 9.0).bump() * bed.show * (bed.parting * 0.12 + 0.03);
+            let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.15, 0.2);
+            let scallop = cells_3d(
+                n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7),
+                n.layer(42),
+            )
+            .distance;
+            let scallops = (-scallop.squared() + 0.30) * scalloped * 0.10;
+            let net = cells_3d(
+                n.warp(43, p, 0.7, 0.08)
+                    .stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3),
+                n.layer(44),
+            )
+            .edge;
+            let cracked = n.noise(45, p.scaled(1.0 / 2.2)).step(0.10, 0.45);
+            let crack = (net * -45.0 + 1.0).at_least(0.0) * cracked;
+            let grain = n.fbm(46, p.scaled(4.5), band.octaves(0.22, 4), 0.54) * 0.020;
+            let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
+            detail.recess = (scallops + groove + grain + ribs + crack * 0.015) * (-flow + 1.0);
+            detail.crack = crack * (-flow + 1.0);
+        }
+        if flow.value().simd_gt(0.0).any_true() {
+            let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)) * (0.005 * band.keep(0.04));
+            let grain = n.fbm(49, p.stretched(9.0, 9.0, 5.0), band.octaves(0.11, 2), 0.5) * 0.005;
+            detail.recess = detail.recess + (gours + grain) * flow;
+        }
+        detail
+    }
+
+    #[inline(always)]
+    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
+        let (p, n) = (site.point, site.source);
+        let at = n.warp(35, p, 0.7, 0.12);
+        let blocks = BLOCKS.stones(
+            site,
+            at,
+            #[inline(always)]
+            |c| self.density(site, c) * 0.65,
+        );
+        let cobbles = COBBLES.stones(
+            site,
+            at.shifted(3.3, 1.7, 0.0),
+            #[inline(always)]
+            |c| self.density(site, c) * 0.9 + 0.10,
+        );
+        let stones = higher(blocks, cobbles);
+        let flat = vec3(p.x, p.y, p.z * 0.0);
+        let roll = n.fbm(36, flat.scaled(1.0 / 3.2), 2, 0.5) * (0.09 * site.ground.natural);
+        Floor {
+            height: stones.height * stone_height(site) + roll,
+            ..stones
+        }
+    }
+
+    #[inline(always)]
+    fn floor_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        floor: &Floor<T>,
+        band: Band,
+    ) -> Floor<T> {
+        let (p, n) = (site.point, site.source);
+        let at = n.warp(35, p, 0.7, 0.12);
+        let pebbles = PEBBLES.stones(
+            site,
+            at.shifted(1.3, 5.7, 0.0),
+            #[inline(always)]
+            |c| self.density(site, c) * 0.9 + 0.20,
+        );
+        let grain = n.fbm(37, p.scaled(3.4), band.octaves(0.29, 5), 0.54) * 0.026;
+        let on_stone = floor.stone.value().simd_gt(0.3);
+        Floor {
+            height: floor.height
+                + pebbles.height * (-floor.stone + 1.0)
+                + grain * (floor.stone * -0.6 + 1.0),
+            stone: floor.stone.max(pebbles.stone * 0.8),
+            tint: T::pick(on_stone, floor.tint, pebbles.tint),
+        }
+    }
+
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &self,
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        band: Band,
+    ) -> Paint<S> {
+        let tone = Tone::of(form, site, band);
+        let wall = Self::wall_color(form, site, look, &tone);
+        let color = wall.under(Self::floor_color(form, &tone), form.floor);
+        let color = color.lit(tone.shade(form));
+        let level = tone.patch * 0.06 + (look.humidity * 0.12 - 0.09) - form.height;
+        let damp = (level + 0.05).step(0.0, 0.06) * form.floor;
+        let pool = level.step(0.0, 0.012) * form.floor * (look.humidity * 10.0).min(1.0);
+        let film = tone.film(form, look, form.state * -0.45 + form.floor * 0.6);
+        let film = film.max(damp * 0.5).max(pool);
+        let dry = tone.fine * 0.10 - form.state * 0.25 + 0.80;
+        let color = color.lit(film * -0.50 + 1.0);
+        Paint {
+            color: vec3(
+                color.x,
+                color.y * (film * -0.02 + 1.0),
+                color.z * (film * -0.06 + 1.0),
+            ),
+            roughness: mix(dry, pool * -0.10 + 0.20, film),
+            film,
+            pool,
+        }
+    }
+}
+
+impl Limestone {
+    #[inline(always)]
+    fn wall_color<S: Simd>(
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        tone: &Tone<S>,
+    ) -> Color<S> {
+        let (p, n) = (form.point, site.source);
+        let side = tone.side;
+        let rock = ramp(
+            (tone.broad + tone.fine * 0.4).step(-0.7, 0.7),
+            [0.210, 0.185, 0.150],
+            [0.400, 0.355, 0.285],
+        );
+        let marl = form.band.step(0.55, 0.85) * 0.8;
+        let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
+        let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
+        let manganese =
+            (curtain + tone.fine * 0.6 + tone.patch * 0.4 + form.cavity * 0.3).step(0.36, 0.56);
+        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7).step(0.36, 0.72);
+        let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
+        let flowstone = ramp(
+            banding.step(-0.1, 0.7),
+            [0.620, 0.520, 0.370],
+            [0.500, 0.330, 0.160],
+        );
+        let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
+        rock.under(rock.lit(form.band * 0.0 + 0.66), marl)
+            .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
+            .tinted([0.075, 0.066, 0.058], manganese * (0.70 * look.stain))
+            .tinted([0.600, 0.550, 0.450], calcite * (0.38 * look.stain))
+            .under(flowstone, form.state * 0.9)
+            .lit(form.crack * -0.55 + 1.0)
+            .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * 0.6)
+            .tinted([0.150, 0.100, 0.060], tide * 0.65)
+    }
+
+    #[inline(always)]
+    fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
+        let mud = ramp(
+            (tone.fine * 0.6 + tone.broad).step(-0.6, 0.7),
+            [0.115, 0.080, 0.052],
+            [0.215, 0.160, 0.110],
+        );
+        let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
+        mud.under(stone.under(mud, form.stone * 0.0 + 0.45), form.stone)
+    }
+}

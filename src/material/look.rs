@@ -1,0 +1,25 @@
+//! How a rock is dressed; nothing here moves a wall.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Settings of the skin that leave the geometry as it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct Look {
+    /// How wet the rock is: 0 bone dry, 1 dripping. Water darkens and polishes it, first in hollows and streaks.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub humidity: f32,
+    /// Strength of mineral stains (iron, manganese, sulphates, calcite); 1 is natural.
+    #[schemars(range(min = 0.0, max = 1.5))]
+    pub stain: f32,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            humidity: 0.3,
+            stain: 1.0,
+        }
+    }
+}

@@ -1,0 +1,455 @@
+//! How relief, floor and detail of a rock become one field, the same way for every rock.
+
+use super::color::Color;
+use super::site::{BLOCK, Band, Site, Sites, Skins};
+use super::{Look, Material, Wander};
+use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, soft_max, soft_min};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+
+/// The deepest a rock recedes behind the smooth wall, in metres.
+pub const RECESS_M: f32 = 0.75;
+/// The furthest it stands into the passage, as a share of half the width: a passage never closes.
+pub const PROTRUSION: f32 = 0.25;
+/// Width of the fillet between wall and floor, in metres.
+const FILLET_M: f32 = 0.24;
+/// Steepness of the field over the floor; below 1 because flanks of stones are steep.
+const FLOOR_STEEPNESS: f32 = 0.75;
+
+/// The shape of the wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Wall<T> {
+    /// How far the wall recedes, metres.
+    pub recess: T,
+    /// The same without its longest undulation: what catches dirt and water.
+    pub cavity: T,
+    /// Which of the rock's two states: 0 the first, 1 the second.
+    pub state: T,
+    /// A number in 0–1 of the rock's own: hardness of the bed, for one.
+    pub band: T,
+}
+
+/// What is too fine for the mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Detail<T> {
+    /// How much further the wall recedes, metres.
+    pub recess: T,
+    /// 1 in a crack, 0 beside it.
+    pub crack: T,
+}
+
+/// The shape of the floor.
+#[derive(Clone, Copy, Debug)]
+pub struct Floor<T> {
+    /// Height above the plane of the floor, metres.
+    pub height: T,
+    /// 1 on a stone, 0 between stones.
+    pub stone: T,
+    /// A number in 0–1 of each stone's own.
+    pub tint: T,
+}
+
+/// All that decides a colour.
+#[derive(Clone, Copy, Debug)]
+pub struct Form<S: Simd> {
+    /// The point.
+    pub point: Vec3<Value<S>>,
+    /// Upward component of the normal.
+    pub upward: Value<S>,
+    /// Height above the plane of the floor, metres.
+    pub height: Value<S>,
+    /// How deep in a hollow, about −1 to 1.
+    pub cavity: Value<S>,
+    /// See [`Wall::state`].
+    pub state: Value<S>,
+    /// See [`Wall::band`].
+    pub band: Value<S>,
+    /// See [`Detail::crack`].
+    pub crack: Value<S>,
+    /// 1 on the floor, 0 on the wall.
+    pub floor: Value<S>,
+    /// See [`Floor::stone`].
+    pub stone: Value<S>,
+    /// See [`Floor::tint`].
+    pub tint: Value<S>,
+}
+
+/// Colour and gloss.
+#[derive(Clone, Copy, Debug)]
+pub struct Paint<S: Simd> {
+    /// Base colour, linear RGB.
+    pub color: Color<S>,
+    /// Perceptual roughness, 0–1.
+    pub roughness: Value<S>,
+    /// How thick a film of water lies on it, 0–1: it fills the finest relief.
+    pub film: Value<S>,
+    /// 1 where water stands level.
+    pub pool: Value<S>,
+}
+
+/// A rock as formulas over lanes.
+pub trait Rock: std::fmt::Debug + Send + Sync {
+    /// How it bends passages.
+    fn wander(&self) -> Wander;
+    /// The wall, with no wavelength below 0.4 m.
+    fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
+    /// What is finer on the wall.
+    fn wall_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        wall: &Wall<T>,
+        band: Band,
+    ) -> Detail<T>;
+    /// The floor, with no wavelength below 0.4 m.
+    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T>;
+    /// The floor with all that is finer.
+    fn floor_detail<S: Simd, T: Real<S>>(
+        &self,
+        site: &Site<T>,
+        floor: &Floor<T>,
+        band: Band,
+    ) -> Floor<T>;
+    /// The colour.
+    fn paint<S: Simd>(
+        &self,
+        form: &Form<S>,
+        site: &Site<Value<S>>,
+        look: &Look,
+        band: Band,
+    ) -> Paint<S>;
+}
+
+/// How much of its relief a rock shows: all in passages 3.5 m wide and more, less in narrow ones.
+#[inline(always)]
+fn relief_share<S: Simd, T: Real<S>>(half_width: T) -> T {
+    (half_width * 0.4 + 0.3).within(0.3, 1.0)
+}
+
+/// The field of the wall alone.
+#[inline(always)]
+fn wall_field<S: Simd, T: Real<S>>(site: &Site<T>, wall: &Wall<T>) -> T {
+    let recess = soft_min(wall.recess, T::splat(site.simd(), RECESS_M), 0.15);
+    let recess = recess * relief_share(site.half_width);
+    site.wall - soft_max(recess, site.half_width * -PROTRUSION, 0.12)
+}
+
+/// The field of the floor alone.
+#[inline(always)]
+fn floor_field<S: Simd, T: Real<S>>(site: &Site<T>, floor: &Floor<T>) -> T {
+    let height = floor
+        .height
+        .within(-Site::<T>::DITCH_M, site.ground.highest_m());
+    (height - site.height) * FLOOR_STEEPNESS
+}
+
+impl<T> Site<T> {
+    /// The deepest ditch in a floor, metres.
+    pub const DITCH_M: f32 = 0.15;
+
+    #[inline(always)]
+    fn simd<S: Simd>(&self) -> S
+    where
+        T: Real<S>,
+    {
+        self.wall.value().token()
+    }
+
+    /// Upper bound of [`wall_field`].
+    #[inline(always)]
+    fn wall_at_most<S: Simd>(&self) -> Lanes<S>
+    where
+        T: Real<S>,
+    {
+        self.wall.value() + self.half_width.value() * PROTRUSION
+    }
+
+    /// Upper bound of [`floor_field`].
+    #[inline(always)]
+    fn floor_at_most<S: Simd>(&self) -> Lanes<S>
+    where
+        T: Real<S>,
+    {
+        (-self.height.value() + self.ground.highest_m()) * FLOOR_STEEPNESS
+    }
+}
+
+/// Wall and floor of the sites in one vector; what cannot be seen from there is absent, which changes no bit.
+struct Carved<T> {
+    field: T,
+    wall: Option<(Wall<T>, T)>,
+    floor: Option<(Floor<T>, T)>,
+}
+
+#[inline(always)]
+fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
+    // A function of its own, compiled once for gradients and skins together.
+    site.simd().vectorize(
+        #[inline(always)]
+        || carve_here(rock, site),
+    )
+}
+
+#[inline(always)]
+fn carve_here<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
+    let lowest_wall = site.wall.value() - RECESS_M;
+    let floor_hidden = site.floor_at_most().simd_le(lowest_wall - FILLET_M);
+    if floor_hidden.all_true() {
+        let wall = rock.wall(site);
+        let field = wall_field(site, &wall);
+        return Carved {
+            field,
+            wall: Some((wall, field)),
+            floor: None,
+        };
+    }
+    let floor = rock.floor(site);
+    let over_floor = floor_field(site, &floor);
+    let wall_hidden = site.wall_at_most().simd_le(over_floor.value() - FILLET_M);
+    if wall_hidden.all_true() {
+        return Carved {
+            field: over_floor,
+            wall: None,
+            floor: Some((floor, over_floor)),
+        };
+    }
+    let wall = rock.wall(site);
+    let at_wall = wall_field(site, &wall);
+    Carved {
+        field: soft_max(at_wall, over_floor, FILLET_M),
+        wall: Some((wall, at_wall)),
+        floor: Some((floor, over_floor)),
+    }
+}
+
+#[inline(always)]
+fn distances<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [f32]) {
+    let mut block = [0.0; BLOCK];
+    for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
+        let site: Site<Value<S>> = sites.site(simd, at);
+        Skins::put::<S>(&mut block, at, carve(rock, &site).field.value());
+    }
+    out.copy_from_slice(&block[..sites.count]);
+}
+
+#[inline(always)]
+fn gradients<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [[f32; 3]]) {
+    for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
+        let site: Site<Jet<S>> = sites.site(simd, at);
+        let gradient = carve(rock, &site).field.gradient;
+        for (lane, out) in out[at..].iter_mut().take(Lanes::<S>::LEN).enumerate() {
+            *out = [gradient[0][lane], gradient[1][lane], gradient[2][lane]];
+        }
+    }
+}
+
+/// A gradient as water leaves it: a film hides most of the detail, a pool is level.
+#[inline(always)]
+fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>) -> [Lanes<S>; 3] {
+    let level = [0.0, 0.0, -FLOOR_STEEPNESS];
+    let mut out = fine;
+    for i in 0..3 {
+        let filmed = fine[i] + (shape[i] - fine[i]) * paint.film.0 * 0.7;
+        out[i] = filmed + (-filmed + level[i]) * paint.pool.0;
+    }
+    out
+}
+
+/// The whole surface at the sites in one vector: its shape, the same with detail, and what decides its colour.
+#[inline(always)]
+fn surface<S: Simd, R: Rock>(
+    rock: &R,
+    site: &Site<Jet<S>>,
+    band: Band,
+) -> (Jet<S>, Jet<S>, Form<S>) {
+    let zero = Jet::splat(site.simd(), 0.0);
+    let carved = carve(rock, site);
+    let none = Wall {
+        recess: zero,
+        cavity: zero,
+        state: zero,
+        band: zero,
+    };
+    let mut fine_wall = (
+        none,
+        Detail {
+            recess: zero,
+            crack: zero,
+        },
+        zero,
+    );
+    if let Some((wall, field)) = carved.wall {
+        let detail = rock.wall_detail(site, &wall, band);
+        fine_wall = (wall, detail, field - detail.recess);
+    }
+    let bare = Floor {
+        height: zero,
+        stone: zero,
+        tint: zero,
+    };
+    let mut fine_floor = (bare, zero);
+    if let Some((floor, _)) = carved.floor {
+        let floor = rock.floor_detail(site, &floor, band);
+        fine_floor = (floor, floor_field(site, &floor));
+    }
+    let ((wall, detail, at_wall), (floor, over_floor)) = (fine_wall, fine_floor);
+    let (field, share) = match (carved.wall.is_some(), carved.floor.is_some()) {
+        (true, true) => (
+            soft_max(at_wall, over_floor, FILLET_M),
+            (over_floor - at_wall).step(-0.06, 0.06),
+        ),
+        (true, false) => (at_wall, zero),
+        (false, _) => (over_floor, zero + 1.0),
+    };
+    let value = inlined!(|number: Jet<S>| Value(number.value));
+    let hollow_wall = value(wall.cavity * 2.0 + detail.recess * 9.0);
+    let hollow_floor = value(floor.height * -2.0 + 0.15);
+    let share = value(share);
+    let form = Form {
+        point: Vec3 {
+            x: value(site.point.x),
+            y: value(site.point.y),
+            z: value(site.point.z),
+        },
+        upward: share,
+        height: value(site.height),
+        cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
+        state: value(wall.state) * (-share + 1.0),
+        band: value(wall.band),
+        crack: value(detail.crack) * (-share + 1.0),
+        floor: share,
+        stone: value(floor.stone) * share,
+        tint: value(floor.tint),
+    };
+    (carved.field, field, form)
+}
+
+#[inline(always)]
+fn skins<S: Simd, R: Rock>(
+    simd: S,
+    rock: &R,
+    sites: &Sites,
+    look: &Look,
+    band: Band,
+    normals: &[[f32; 3]],
+    out: &mut Skins,
+) {
+    for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
+        let (shape, field, mut form) = surface(rock, &sites.site(simd, at), band);
+        let upward = inlined!(|lane: usize| normals[(at + lane).min(sites.count - 1)][2]);
+        form.upward = Value(Lanes::<S>::from_fn(simd, upward));
+        let paint = rock.paint(&form, &sites.site(simd, at), look, band);
+        let gradient = drowned(field.gradient, shape.gradient, &paint);
+        for (lanes, to) in gradient.into_iter().zip(&mut out.gradient) {
+            Skins::put::<S>(to, at, lanes);
+        }
+        let color = [paint.color.x, paint.color.y, paint.color.z];
+        for (lanes, to) in color.into_iter().zip(&mut out.color) {
+            Skins::put::<S>(to, at, lanes.within(0.0, 1.0).0);
+        }
+        Skins::put::<S>(&mut out.roughness, at, paint.roughness.within(0.05, 1.0).0);
+        let open = -form.cavity.step(-0.1, 1.1) * 0.5 + 1.0;
+        Skins::put::<S>(&mut out.occlusion, at, open.0);
+    }
+}
+
+impl<R: Rock> Material for R {
+    fn wander(&self) -> Wander {
+        Rock::wander(self)
+    }
+
+    fn distances(&self, sites: &Sites, out: &mut [f32]) {
+        dispatched!(simd => distances(simd, self, sites, out));
+    }
+
+    fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]) {
+        dispatched!(simd => gradients(simd, self, sites, out));
+    }
+
+    fn skins(&self, sites: &Sites, look: &Look, band: Band, normals: &[[f32; 3]], out: &mut Skins) {
+        dispatched!(simd => skins(simd, self, sites, look, band, normals, out));
+    }
+}
+
+/// A number in 0–1 that belongs to a level.
+#[inline(always)]
+pub(super) fn level_lot<S: Simd, T: Real<S>>(level: Ints<S>, salt: i32) -> T {
+    let h = (level * 0x27d4_eb2d) ^ salt;
+    let h = (h ^ (h >> 15)) * 0x2c1b_3c6d;
+    let h = (h ^ (h >> 13)) * 0x297a_2d39;
+    T::constant(((h >> 7) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0))
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use super::*;
+    use crate::material::{Basalt, Ground, Limestone};
+    use crate::noise::Source;
+
+    /// A block along a line from the axis of a passage through its wall and down to its floor.
+    fn sites() -> Sites {
+        let ground = Ground {
+            roughness_m: 0.08,
+            natural: 0.7,
+        };
+        let mut sites = Sites::new(ground, Source::new(11));
+        let points: Vec<[f32; 3]> = (0..BLOCK)
+            .map(|i| [i as f32 * 0.37, i as f32 * -0.21, i as f32 * 0.03])
+            .collect();
+        sites.place(&points);
+        for lane in 0..BLOCK {
+            let along = lane as f32 / BLOCK as f32;
+            sites.wall.value[lane] = along * 2.0 - 1.5;
+            sites.wall.gradient[0][lane] = 1.0;
+            sites.height.value[lane] = 1.5 - along * 1.6;
+            sites.height.gradient[2][lane] = 1.0;
+            sites.up.value[lane] = 1.0 - along * 2.0;
+            sites.half_width.value[lane] = 1.0 + along;
+        }
+        sites
+    }
+
+    fn everything<S: Simd, R: Rock>(simd: S, rock: &R) -> (Vec<u32>, Vec<[u32; 3]>, Skins) {
+        let sites = sites();
+        let mut values = vec![0.0; BLOCK];
+        distances(simd, rock, &sites, &mut values);
+        let mut slopes = vec![[0.0; 3]; BLOCK];
+        gradients(simd, rock, &sites, &mut slopes);
+        let mut out = Skins::default();
+        let (look, band) = (Look::default(), Band { texel_m: 0.007 });
+        skins(
+            simd,
+            rock,
+            &sites,
+            &look,
+            band,
+            &[[0.6, 0.0, 0.8]; BLOCK],
+            &mut out,
+        );
+        let bits = values.into_iter().map(f32::to_bits).collect();
+        (
+            bits,
+            slopes
+                .into_iter()
+                .map(|slope| slope.map(f32::to_bits))
+                .collect(),
+            out,
+        )
+    }
+
+    fn widths_agree(rock: &impl Rock) {
+        let level = fearless_simd::Level::new();
+        let narrow = everything(level.as_sse2().expect("part of every x86-64"), rock);
+        if let Some(avx2) = level.as_avx2() {
+            assert_eq!(narrow, everything(avx2, rock));
+        }
+        if let Some(avx512) = level.as_avx512() {
+            assert_eq!(narrow, everything(avx512, rock));
+        }
+    }
+
+    #[test]
+    fn rocks_are_the_same_on_every_width() {
+        widths_agree(&Basalt::default());
+        widths_agree(&Limestone::default());
+    }
+}

@@ -1,0 +1,256 @@
+//! Where a point is in the cave: what a rock is told before it is asked for its relief.
+
+use crate::noise::{Jet, Lanes, Real, Source, Value, Vec3, inlined, vec3};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+
+/// Sites per block; a multiple of every vector width.
+pub const BLOCK: usize = 64;
+
+/// A quantity at every site of a block, with its gradient over space.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel {
+    /// Values.
+    pub value: [f32; BLOCK],
+    /// Derivatives along x, y and z; meaningless where only values were asked for.
+    pub gradient: [[f32; BLOCK]; 3],
+}
+
+impl Channel {
+    const ZERO: Self = Self {
+        value: [0.0; BLOCK],
+        gradient: [[0.0; BLOCK]; 3],
+    };
+
+    /// Writes lanes from `at` on.
+    #[inline(always)]
+    pub fn store<S: Simd, T: Stored<S>>(&mut self, at: usize, number: T) {
+        number.store(self, at);
+    }
+}
+
+/// The floor of a passage, the same for the whole cave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// Height of stones in the driving lane, in metres; up to [`Ground::BANK`] times that at the foot of a wall.
+    pub roughness_m: f32,
+    /// How much of its undulation and rubble the floor keeps, 0–1.
+    pub natural: f32,
+}
+
+impl Ground {
+    /// How much higher rubble is at the foot of a wall than in the driving lane.
+    pub const BANK: f32 = 4.0;
+    /// Highest undulation in metres.
+    pub const UNDULATION_M: f32 = 0.10;
+
+    /// The floor is nowhere higher above its plane than this, in metres.
+    pub fn highest_m(&self) -> f32 {
+        self.natural * Self::UNDULATION_M + self.roughness_m * Self::BANK
+    }
+}
+
+/// A block of points and what the passages say about them.
+#[derive(Clone, Debug)]
+pub struct Sites {
+    /// How many sites there are; the rest of the block is padding.
+    pub count: usize,
+    /// Coordinates in metres.
+    pub point: [[f32; BLOCK]; 3],
+    /// Distance to the smooth wall of the passage, negative in air, metres.
+    pub wall: Channel,
+    /// Height above the plane of the floor, metres.
+    pub height: Channel,
+    /// Direction from the axis of the passage to the point: 1 ceiling, 0 side, −1 floor.
+    pub up: Channel,
+    /// Half the width of the passage, metres.
+    pub half_width: Channel,
+    /// The floor.
+    pub ground: Ground,
+    /// Where the rock takes its noise from.
+    pub source: Source,
+}
+
+impl Sites {
+    /// An empty block.
+    pub fn new(ground: Ground, source: Source) -> Self {
+        Self {
+            count: 0,
+            point: [[0.0; BLOCK]; 3],
+            wall: Channel::ZERO,
+            height: Channel::ZERO,
+            up: Channel::ZERO,
+            half_width: Channel::ZERO,
+            ground,
+            source,
+        }
+    }
+
+    /// Takes over at most [`BLOCK`] points; padding repeats the last.
+    pub fn place(&mut self, points: &[[f32; 3]]) {
+        self.count = points.len();
+        for lane in 0..BLOCK {
+            let point = points[lane.min(points.len() - 1)];
+            for (axis, coordinate) in point.into_iter().enumerate() {
+                self.point[axis][lane] = coordinate;
+            }
+        }
+    }
+
+    /// The lanes from `at` on.
+    #[inline(always)]
+    pub fn site<S: Simd, T: Stored<S>>(&self, simd: S, at: usize) -> Site<T> {
+        Site {
+            point: T::point(simd, &self.point, at),
+            wall: T::load(simd, &self.wall, at),
+            height: T::load(simd, &self.height, at),
+            up: T::load(simd, &self.up, at),
+            half_width: T::load(simd, &self.half_width, at),
+            ground: self.ground,
+            source: self.source,
+        }
+    }
+}
+
+/// One site per lane; see [`Sites`] for the meaning of the fields.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<T> {
+    /// The point itself.
+    pub point: Vec3<T>,
+    /// Distance to the smooth wall.
+    pub wall: T,
+    /// Height above the floor plane.
+    pub height: T,
+    /// Where around the axis.
+    pub up: T,
+    /// Half the width of the passage.
+    pub half_width: T,
+    /// The floor.
+    pub ground: Ground,
+    /// The noise.
+    pub source: Source,
+}
+
+/// A number that can wait in a [`Channel`].
+pub trait Stored<S: Simd>: Real<S> {
+    /// The coordinates from `at` on, as variables of space.
+    fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self>;
+    /// Reads lanes from `at` on.
+    fn load(simd: S, channel: &Channel, at: usize) -> Self;
+    /// Writes lanes from `at` on.
+    fn store(self, channel: &mut Channel, at: usize);
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, from: &[f32; BLOCK], at: usize) -> Lanes<S> {
+    Lanes::<S>::from_slice(simd, &from[at..at + Lanes::<S>::LEN])
+}
+
+#[inline(always)]
+fn put<S: Simd>(lanes: Lanes<S>, to: &mut [f32; BLOCK], at: usize) {
+    lanes.store_slice(&mut to[at..at + Lanes::<S>::LEN]);
+}
+
+impl<S: Simd> Stored<S> for Value<S> {
+    #[inline(always)]
+    fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self> {
+        let axis = inlined!(|i: usize| Value(lanes(simd, &point[i], at)));
+        vec3(axis(0), axis(1), axis(2))
+    }
+
+    #[inline(always)]
+    fn load(simd: S, channel: &Channel, at: usize) -> Self {
+        Value(lanes(simd, &channel.value, at))
+    }
+
+    #[inline(always)]
+    fn store(self, channel: &mut Channel, at: usize) {
+        put::<S>(self.0, &mut channel.value, at);
+    }
+}
+
+impl<S: Simd> Stored<S> for Jet<S> {
+    #[inline(always)]
+    fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self> {
+        let one = inlined!(|here: bool| Lanes::<S>::splat(simd, f32::from(u8::from(here))));
+        let axis = inlined!(|i: usize| Jet {
+            value: lanes(simd, &point[i], at),
+            gradient: [one(i == 0), one(i == 1), one(i == 2)],
+        });
+        vec3(axis(0), axis(1), axis(2))
+    }
+
+    #[inline(always)]
+    fn load(simd: S, channel: &Channel, at: usize) -> Self {
+        let [x, y, z] = &channel.gradient;
+        Jet {
+            value: lanes(simd, &channel.value, at),
+            gradient: [lanes(simd, x, at), lanes(simd, y, at), lanes(simd, z, at)],
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, channel: &mut Channel, at: usize) {
+        put::<S>(self.value, &mut channel.value, at);
+        for (lanes, to) in self.gradient.into_iter().zip(&mut channel.gradient) {
+            put::<S>(lanes, to, at);
+        }
+    }
+}
+
+/// What the wall looks like at every site of a block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skins {
+    /// Gradient of the field with all detail.
+    pub gradient: [[f32; BLOCK]; 3],
+    /// Base colour, linear RGB.
+    pub color: [[f32; BLOCK]; 3],
+    /// Perceptual roughness.
+    pub roughness: [f32; BLOCK],
+    /// Ambient occlusion: 0 buried, 1 open.
+    pub occlusion: [f32; BLOCK],
+}
+
+impl Default for Skins {
+    fn default() -> Self {
+        Self {
+            gradient: [[0.0; BLOCK]; 3],
+            color: [[0.0; BLOCK]; 3],
+            roughness: [0.0; BLOCK],
+            occlusion: [0.0; BLOCK],
+        }
+    }
+}
+
+impl Skins {
+    /// Writes lanes of one quantity from `at` on.
+    #[inline(always)]
+    pub fn put<S: Simd>(to: &mut [f32; BLOCK], at: usize, lanes: Lanes<S>) {
+        put::<S>(lanes, to, at);
+    }
+}
+
+/// How fine a skin is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// Distance between neighbouring texels in metres.
+    pub texel_m: f32,
+}
+
+impl Band {
+    /// How much of a layer with this wavelength to keep: 1 from three texels on, 0 below two (Nyquist).
+    pub fn keep(self, wavelength_m: f32) -> f32 {
+        (wavelength_m / self.texel_m - 2.0).clamp(0.0, 1.0)
+    }
+
+    /// How many octaves from `wavelength_m` downwards can be kept, at most `most` and at least one.
+    pub fn octaves(self, wavelength_m: f32, most: u32) -> u32 {
+        let mut finest = wavelength_m / 2.0;
+        let mut octaves = 1;
+        while octaves < most && finest > 2.0 * self.texel_m {
+            finest /= 2.0;
+            octaves += 1;
+        }
+        octaves
+    }
+}

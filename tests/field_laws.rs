@@ -1,0 +1,315 @@
+//! What holds for the field of any cave, whatever its rock.
+
+use nalgebra::Point3;
+use plume::field::{Bounds, CaveField, Field, PassageSettings, Region, Surface, Texel};
+use plume::graph::{Graph, Node, Section};
+use plume::material::{Look, MATERIALS};
+use proptest::prelude::*;
+
+fn node(id: u64, position: [f64; 3], width: f64) -> Node {
+    Node {
+        id,
+        parent: None,
+        position: Point3::from(position),
+        radius: width / f64::from(PassageSettings::default().width_per_radius),
+        active: false,
+        level: 0,
+        section: None,
+    }
+}
+
+/// A ring with a room, a dead end, a shaft, a narrow passage and a mined drift.
+fn graph() -> Graph {
+    let mut nodes = vec![
+        node(0, [0.0, 0.0, 0.0], 3.0),
+        node(1, [8.0, 1.0, -1.0], 2.4),
+        node(2, [13.0, 7.0, 0.0], 5.0),
+        node(3, [5.0, 9.0, 1.0], 1.4),
+        node(4, [-3.0, 6.0, 1.5], 2.0),
+        node(5, [13.5, 7.5, -9.0], 2.6),
+        node(6, [20.0, 9.0, 0.5], 1.4),
+        node(7, [-9.0, 2.0, 0.0], 3.0),
+        node(8, [-18.0, 2.0, 0.0], 3.0),
+    ];
+    for drift in &mut nodes[7..] {
+        drift.section = Some(Section {
+            width_m: 3.5,
+            height_m: 3.0,
+        });
+    }
+    let edges = vec![
+        [0, 1],
+        [0, 4],
+        [0, 7],
+        [1, 2],
+        [2, 3],
+        [2, 5],
+        [2, 6],
+        [3, 4],
+        [7, 8],
+    ];
+    Graph { nodes, edges }
+}
+
+fn caves() -> Vec<CaveField> {
+    let settings = PassageSettings::default();
+    MATERIALS
+        .iter()
+        .map(|row| {
+            let rock = (row.read)(serde_json::json!({})).expect("an empty object is valid");
+            CaveField::new(&graph(), &settings, rock, Look::default(), 7)
+        })
+        .collect()
+}
+
+fn distances(field: &CaveField, points: &[[f32; 3]]) -> Vec<f32> {
+    let mut out = vec![f32::NAN; points.len()];
+    field.distances(Bounds::around(points), points, &mut out);
+    out
+}
+
+fn normals(field: &CaveField, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let mut out = vec![[f32::NAN; 3]; points.len()];
+    field.normals(Bounds::around(points), points, &mut out);
+    out
+}
+
+fn texels(field: &CaveField, bounds: Bounds, points: &[[f32; 3]]) -> Vec<Texel> {
+    let mut out = vec![Texel::default(); points.len()];
+    let normals = normals(field, points);
+    field.texels(bounds, 0.007, points, &normals, &mut out);
+    out
+}
+
+/// Points scattered over a box.
+fn scattered(bounds: Bounds, count: u32) -> Vec<[f32; 3]> {
+    let share = |i: u32, axis: u32| {
+        let h = (i * 3 + axis + 1).wrapping_mul(0x9e37_79b1);
+        ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / 16_777_216.0
+    };
+    let coordinate = |i: u32, axis: usize| {
+        bounds.min[axis] + share(i, axis as u32) * (bounds.max[axis] - bounds.min[axis])
+    };
+    (0..count)
+        .map(|i| [coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)])
+        .collect()
+}
+
+/// Scattered points within 0.2 m of the wall.
+fn near_wall(field: &CaveField, count: u32) -> Vec<[f32; 3]> {
+    let points = scattered(field.bounds(), count);
+    let values = distances(field, &points);
+    points
+        .into_iter()
+        .zip(values)
+        .filter(|(_, v)| v.abs() < 0.2)
+        .map(|(p, _)| p)
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn a_region_keeps_its_promise(
+        which in any::<proptest::sample::Index>(),
+        off in prop::array::uniform3(-1.5_f32..1.5),
+        size in prop::array::uniform3(0.02_f32..2.0),
+    ) {
+        for field in caves() {
+            let at = *which.get(&near_wall(&field, 3000));
+            let min: [f32; 3] = std::array::from_fn(|i| at[i] + off[i]);
+            let bounds = Bounds { min, max: std::array::from_fn(|i| min[i] + size[i]) };
+            let region = field.region(bounds);
+            let values = distances(&field, &scattered(bounds, 200));
+            match region {
+                Region::Air => prop_assert!(values.iter().all(|v| *v < 0.0), "{bounds:?}"),
+                Region::Rock => prop_assert!(values.iter().all(|v| *v > 0.0), "{bounds:?}"),
+                Region::Mixed => {}
+            }
+        }
+    }
+
+    #[test]
+    fn values_do_not_depend_on_the_batch(split in 1_usize..150, margin in 0.0_f32..30.0) {
+        for field in caves() {
+            let points = near_wall(&field, 3000);
+            let tight = Bounds::around(&points);
+            let whole = texels(&field, tight, &points);
+            let values = distances(&field, &points);
+            let parts = points.chunks(split).take(4);
+            for (part, (whole, values)) in
+                parts.zip(whole.chunks(split).zip(values.chunks(split)))
+            {
+                let bounds = Bounds::around(part).grown(margin);
+                prop_assert_eq!(&texels(&field, bounds, part)[..], whole);
+                let mut out = vec![0.0; part.len()];
+                field.distances(bounds, part, &mut out);
+                prop_assert_eq!(&out[..], values);
+            }
+        }
+    }
+}
+
+#[test]
+fn regions_are_of_use() {
+    for field in caves() {
+        let bounds = field.bounds();
+        let regions: Vec<Region> = scattered(bounds, 2000)
+            .into_iter()
+            .map(|min| {
+                field.region(Bounds {
+                    min,
+                    max: min.map(|c| c + 0.2),
+                })
+            })
+            .collect();
+        let share = |of: Region| regions.iter().filter(|r| **r == of).count() as f64 / 2000.0;
+        assert!(share(Region::Rock) > 0.6, "{}", share(Region::Rock));
+        assert!(share(Region::Air) > 0.001, "{}", share(Region::Air));
+    }
+}
+
+#[test]
+fn beyond_the_bounds_all_is_rock() {
+    for field in caves() {
+        let bounds = field.bounds();
+        let outside = |p: &[f32; 3]| (0..3).any(|i| p[i] < bounds.min[i] || p[i] > bounds.max[i]);
+        let points: Vec<_> = scattered(bounds.grown(6.0), 4000)
+            .into_iter()
+            .filter(outside)
+            .collect();
+        assert!(distances(&field, &points).iter().all(|v| *v > 0.0));
+    }
+}
+
+#[test]
+fn normals_point_down_the_field() {
+    const STEP: f32 = 0.01;
+    for field in caves() {
+        let points = near_wall(&field, 20_000);
+        let normals = normals(&field, &points);
+        let difference = |at: [f32; 3], axis: usize| {
+            let moved = |by: f32| std::array::from_fn(|i| at[i] + if i == axis { by } else { 0.0 });
+            let v = distances(&field, &[moved(STEP), moved(-STEP)]);
+            (v[1] - v[0]) / (2.0 * STEP)
+        };
+        let off = points.iter().zip(&normals).filter(|(at, normal)| {
+            let slope: [f32; 3] = std::array::from_fn(|axis| difference(**at, axis));
+            let length = slope.iter().map(|c| c * c).sum::<f32>().sqrt();
+            let cosine: f32 = slope.iter().zip(*normal).map(|(a, b)| a * b / length).sum();
+            cosine < 0.98
+        });
+        let share = off.count() as f64 / points.len() as f64;
+        assert!(
+            points.len() > 100 && share < 0.06,
+            "{share} of {} normals are off",
+            points.len()
+        );
+    }
+}
+
+#[test]
+fn texels_are_in_range() {
+    for field in caves() {
+        let points = near_wall(&field, 10_000);
+        let mesh_normals = normals(&field, &points);
+        let texels = texels(&field, Bounds::around(&points), &points);
+        for (texel, mesh) in texels.iter().zip(mesh_normals) {
+            let dot = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
+            assert!((dot(texel.normal, texel.normal) - 1.0).abs() < 1e-4);
+            assert!(dot(texel.normal, mesh) > 0.15);
+            assert!(texel.color.iter().all(|c| (0.0..=1.0).contains(c)));
+            assert!((0.05..=1.0).contains(&texel.roughness));
+            assert!((0.0..=1.0).contains(&texel.occlusion));
+        }
+    }
+}
+
+#[test]
+fn every_station_is_in_air() {
+    for field in caves() {
+        let stations: Vec<[f32; 3]> = graph()
+            .nodes
+            .iter()
+            .map(|n| n.position.coords.map(|c| c as f32).into())
+            .collect();
+        assert!(distances(&field, &stations).iter().all(|v| *v < 0.0));
+    }
+}
+
+/// A robot 0.7 m wide and 0.6 m high gets through the narrowest passage, over stones and swells of 0.18 m.
+#[test]
+fn a_robot_gets_through() {
+    let settings = PassageSettings::default();
+    let width = f64::from(settings.width_min_m);
+    let graph = Graph {
+        nodes: vec![node(0, [0.0; 3], width), node(1, [30.0, 0.0, 0.0], width)],
+        edges: vec![[0, 1]],
+    };
+    for row in MATERIALS {
+        for seed in 0..3 {
+            let rock = (row.read)(serde_json::json!({})).expect("an empty object is valid");
+            let field = CaveField::new(&graph, &settings, rock, Look::default(), seed);
+            let mut lanes: Vec<f32> = (-8..=8).map(|i| i as f32 * 0.05).collect();
+            for step in 0..110 {
+                let x = 1.0 + step as f32 * 0.25;
+                let open = (-8..=8)
+                    .map(|i| i as f32 * 0.05)
+                    .filter(|y| fits(&field, x, *y));
+                lanes = open
+                    .filter(|y| lanes.iter().any(|last| (y - last).abs() < 0.16))
+                    .collect();
+                assert!(
+                    !lanes.is_empty(),
+                    "{} seed {seed}: stuck at x = {x} m",
+                    row.name
+                );
+            }
+        }
+    }
+}
+
+fn fits(field: &CaveField, x: f32, y: f32) -> bool {
+    let floor = field.floor_z([x, y, 0.0]);
+    let across = [-0.35, -0.2, 0.0, 0.2, 0.35];
+    let up = [0.18, 0.3, 0.45, 0.6, 0.75];
+    let points: Vec<[f32; 3]> = across
+        .iter()
+        .flat_map(|dy| up.iter().map(move |dz| [x, y + dy, floor + dz]))
+        .collect();
+    distances(field, &points).iter().all(|v| *v < 0.0)
+}
+
+#[test]
+fn seed_changes_the_rock_and_look_does_not() {
+    let rock = || (MATERIALS[0].read)(serde_json::json!({})).expect("an empty object is valid");
+    let settings = PassageSettings::default();
+    let wet = Look {
+        humidity: 1.0,
+        ..Look::default()
+    };
+    let one = CaveField::new(&graph(), &settings, rock(), Look::default(), 1);
+    let same = CaveField::new(&graph(), &settings, rock(), wet, 1);
+    let other = CaveField::new(&graph(), &settings, rock(), Look::default(), 2);
+    let points = near_wall(&one, 2000);
+    assert_eq!(distances(&one, &points), distances(&same, &points));
+    assert_ne!(distances(&one, &points), distances(&other, &points));
+    let bounds = Bounds::around(&points);
+    assert_ne!(
+        texels(&one, bounds, &points),
+        texels(&same, bounds, &points)
+    );
+}
+
+#[test]
+fn rocks_refuse_unknown_settings() {
+    for row in MATERIALS {
+        let fault = (row.read)(serde_json::json!({ "colour": 3 })).expect_err("not a setting");
+        assert!(
+            fault.to_string().contains("colour"),
+            "{}: {fault}",
+            row.name
+        );
+    }
+}
