@@ -7,6 +7,8 @@
 
 use std::io::{self, Write};
 
+use nalgebra::Vector3;
+
 use crate::scene::Mesh;
 
 /// Files that a material names, relative to the material library.
@@ -45,15 +47,20 @@ pub fn write_visual(
     Ok(())
 }
 
-/// Writes positions and triangles alone.
+/// Writes positions and triangles, and normals of the triangles only because Gazebo's DART engine silently leaves out a
+/// collision mesh without any.
 ///
 /// # Errors
 /// Those of `file`.
 pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Result<()> {
     writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
+    let mut line = Vec::new();
+    for normal in vertex_normals(mesh) {
+        write_fixed(file, &mut line, "vn", &normal, 10_000)?;
+    }
     for [a, b, c] in corners(mesh) {
-        writeln!(file, "f {a} {b} {c}")?;
+        writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
     }
     Ok(())
 }
@@ -79,6 +86,21 @@ fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
         writeln!(file, "v {x} {y} {z}")?;
     }
     Ok(())
+}
+
+/// Means of the normals of the triangles at each vertex, by area; up where they cancel.
+fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
+    let mut sums = vec![Vector3::zeros(); mesh.positions.len()];
+    for corners in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|i| Vector3::from(mesh.positions[corners[i] as usize]));
+        let normal = (b - a).cross(&(c - a));
+        corners
+            .iter()
+            .for_each(|&corner| sums[corner as usize] += normal);
+    }
+    sums.iter()
+        .map(|sum| sum.try_normalize(0.0).unwrap_or_else(Vector3::z).into())
+        .collect()
 }
 
 /// OBJ counts from one.
