@@ -35,6 +35,12 @@ pub enum ExportError {
         /// The folder.
         path: PathBuf,
     },
+    /// There is a file where the output folder should be.
+    #[error("output is not a folder: {}", path.display())]
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+    },
     /// A path inside the package is absolute, climbs out of it, or is taken.
     #[error("package path {fault}: `{path}`")]
     BadPath {
@@ -100,6 +106,7 @@ impl ExportError {
                 | Self::Settings { .. }
                 | Self::NotEmpty { .. }
                 | Self::NotOurs { .. }
+                | Self::NotAFolder { .. }
                 | Self::TooLarge { .. }
         )
     }

@@ -261,6 +261,11 @@ impl Write for Tally<'_> {
 }
 
 fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
+    if path.is_file() {
+        return Err(ExportError::NotAFolder {
+            path: path.to_owned(),
+        });
+    }
     let mut entries = match fs::read_dir(path) {
         Ok(entries) => entries,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),

@@ -158,7 +158,7 @@ fn add_vertex(mesh: &mut Mesh, ring: usize, spoke: usize) {
         spoke as f64 / CELLS[1] as f64,
     ];
     // The first and last spoke, and all of a pole, are one point: bit for bit, or the wall has a slit.
-    let pole = ring % CELLS[0] == 0;
+    let pole = ring.is_multiple_of(CELLS[0]);
     let same = [
         at[0],
         if pole {
@@ -197,7 +197,7 @@ fn has_area(mesh: &Mesh, corners: [u32; 3]) -> bool {
 type Pixel = fn(usize, u32, u32) -> [u8; 3];
 
 fn base_color(chunk: usize, x: u32, y: u32) -> [u8; 3] {
-    let dark = (x / 16 + y / 16) % 2 == 0;
+    let dark = (x / 16 + y / 16).is_multiple_of(2);
     [[150, 110, 80], [100, 110, 130]][chunk]
         .map(|channel: u8| if dark { channel / 2 } else { channel })
 }
