@@ -4,7 +4,7 @@
 
 Bullet knows nothing of our exporter: it loads the collision meshes that the model names as exact triangles. From each
 spawn pose of the world the ball must fall onto the floor and stay, and rays in all directions must hit rock.
-The last line of a success is `floor_z_m Z` and `ball_z_m Z` for other engines to compare with.
+The last line of a success gives the heights of the ball and of the floor under it at the first pose.
 """
 
 import contextlib
@@ -23,6 +23,7 @@ DURATION_S = 4.0
 STEP_S = 1 / 480  # a 0.2 m ball moves less than a tenth of its radius in a step
 REST_SPEED_M_S = 0.05
 PENETRATION_M = 0.03
+GROUND_M = 0.15
 RAYS = 400
 RAY_LENGTH_M = 1000.0
 ROLL_M = 6.0  # a ball may follow a slope a little way, but not leave the place
@@ -34,11 +35,12 @@ def main(package):
         load_collisions(model, package)
         for number, spawn in enumerate(spawn_points(world)):
             check_closed(spawn, number)
+            check_grounded(spawn, number)
             floor_z, ball = drop_ball(spawn, number, gravity(world))
             if number == 0:
                 first = (floor_z, ball)
     floor_z, ball = first
-    print(f"pybullet {number + 1} spawns closed and firm, ball_z_m {ball[2]:.4f} floor_z_m {floor_z:.4f}")
+    print(f"Bullet: {number + 1} spawn poses closed in and firm, ball_z_m {ball[2]:.4f} floor_z_m {floor_z:.4f}")
 
 
 def read_world(package):
@@ -105,6 +107,14 @@ def check_closed(spawn, number):
     hits = p.rayTestBatch([eye.tolist()] * RAYS, (eye + RAY_LENGTH_M * directions).tolist())
     lost = sum(hit[0] < 0 for hit in hits)
     require(lost == 0, f"{lost} of {RAYS} rays from spawn_{number} leave the cave: the collision mesh has a hole")
+
+
+def check_grounded(spawn, number):
+    """The spawn pose must lie on the floor, or a robot starts in the air or in the rock."""
+    eye = spawn + [0, 0, DROP_M]
+    floor_z = p.rayTest(eye.tolist(), (eye - [0, 0, RAY_LENGTH_M]).tolist())[0][3][2]
+    height = spawn[2] - floor_z
+    require(abs(height) < GROUND_M, f"spawn_{number} is {height:.2f} m above the floor")
 
 
 def drop_ball(spawn, number, gravity_m_s2):
