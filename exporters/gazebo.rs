@@ -99,7 +99,7 @@ impl Gazebo {
             parts => Serde(parts),
             friction => micro(scene.friction),
             gravity => micro(scene.gravity),
-            collision_error_mm => (scene.collision_error_m * 1000.0).round(),
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => scene.spawns.iter().map(sdf_pose).collect::<Vec<_>>(),
             camera => sdf_pose(&camera(scene)),
             lights => Serde(lights.iter().map(LightText::new).collect::<Vec<_>>()),

@@ -20,7 +20,7 @@ pub const MANIFEST: &str = "manifest.json";
 ///
 /// Paths are relative with forward slashes, and each is written once.
 pub trait Package {
-    /// Opens a new file. Use [`write`](trait.Package.html#method.write), which also says which file failed.
+    /// Opens a new file. Targets call `write` instead, which checks the path, and names the file in errors.
     ///
     /// # Errors
     /// When it cannot be created.
@@ -144,11 +144,12 @@ impl Folder {
     /// the folder cannot be made.
     pub fn create(path: &Path, existing: Existing) -> Result<Self, ExportError> {
         check_vacant(path, existing)?;
-        let partial = with_suffix(path, ".partial");
+        let path = place(path)?;
+        let partial = with_suffix(&path, ".partial");
         remove(&partial)?;
         fs::create_dir_all(&partial).map_err(|error| at(partial.display(), &error))?;
         Ok(Self {
-            path: path.to_owned(),
+            path,
             partial,
             files: Files::default(),
             finished: false,
@@ -161,12 +162,16 @@ impl Folder {
     /// When the disk refuses; then the partial folder is removed.
     pub fn finish(mut self) -> Result<Files, ExportError> {
         (&mut self as &mut dyn Package).write_manifest()?;
-        let old = with_suffix(&self.path, ".old");
+        let old = with_suffix(&self.path, ".old.partial");
         remove(&old)?;
         if self.path.exists() {
-            fs::rename(&self.path, &old).map_err(|error| at(self.path.display(), &error))?;
+            rename(&self.path, &old)?;
         }
-        fs::rename(&self.partial, &self.path).map_err(|error| at(self.path.display(), &error))?;
+        if let Err(error) = rename(&self.partial, &self.path) {
+            // Without an old package there is nothing to put back, and the first error is the one to tell.
+            let _ = fs::rename(&old, &self.path);
+            return Err(error.into());
+        }
         self.finished = true;
         remove(&old)?;
         Ok(std::mem::take(&mut self.files))
@@ -285,11 +290,22 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
     }
 }
 
+/// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.
+fn place(path: &Path) -> io::Result<PathBuf> {
+    match path.canonicalize() {
+        Ok(path) => Ok(path),
+        Err(_) => std::path::absolute(path.components().collect::<PathBuf>()),
+    }
+}
+
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    // Through the components, so that a trailing slash does not put the suffix inside the folder.
-    let mut name = path.components().collect::<PathBuf>().into_os_string();
+    let mut name = path.to_owned().into_os_string();
     name.push(suffix);
     name.into()
+}
+
+fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    fs::rename(from, to).map_err(|error| at(to.display(), &error))
 }
 
 fn remove(path: &Path) -> io::Result<()> {

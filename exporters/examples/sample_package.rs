@@ -1,11 +1,12 @@
-//! Writes the sample scene for every target: `sample_package FOLDER` makes `FOLDER/<target>`.
+//! Writes the sample scene for every target: `sample_package FOLDER` makes `FOLDER/<target>`, and `FOLDER/gltf_chunks`
+//! with a file per chunk.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use plume_exporters::TARGETS;
 use plume_exporters::package::{Existing, Folder};
-use serde_json::json;
+use plume_exporters::{TARGETS, TargetRow, target};
+use serde_json::{Value, json};
 
 #[path = "../tests/sample/mod.rs"]
 mod sample;
@@ -17,10 +18,26 @@ fn main() -> Result<(), Box<dyn Error>> {
         .into();
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
-    for target in TARGETS {
-        let mut package = Folder::create(&folder.join(target.name), Existing::Replace)?;
-        (target.build)(json!({}))?.export(&chamber.scene(), &mut package)?;
-        package.finish()?;
+    for row in TARGETS {
+        write(&folder.join(row.name), row, json!({}), &chamber)?;
     }
+    let settings = json!({ "per_chunk": true });
+    write(
+        &folder.join("gltf_chunks"),
+        target("gltf")?,
+        settings,
+        &chamber,
+    )
+}
+
+fn write(
+    folder: &Path,
+    row: &TargetRow,
+    settings: Value,
+    chamber: &sample::Chamber,
+) -> Result<(), Box<dyn Error>> {
+    let mut package = Folder::create(folder, Existing::Replace)?;
+    (row.build)(settings)?.export(&chamber.scene(), &mut package)?;
+    package.finish()?;
     Ok(())
 }

@@ -133,3 +133,16 @@ fn texts_are_escaped() {
     );
     assert!(text(&package, "README.md").contains("tests & <examples>"));
 }
+
+/// The whole text, so that a change of it is seen in review.
+#[test]
+fn texts_are_golden() {
+    let package = export(GazeboSettings::default());
+    for path in [
+        "models/chamber/model.sdf",
+        "worlds/chamber.sdf",
+        "README.md",
+    ] {
+        insta::assert_snapshot!(path.replace('/', "_"), text(&package, path));
+    }
+}

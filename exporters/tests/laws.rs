@@ -7,7 +7,7 @@ mod sample;
 use std::fs;
 use std::io;
 
-use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory};
+use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
 use plume_exporters::scene::{Chunk, Chunks, Scene};
 use plume_exporters::{ExportError, TARGETS, target};
 use serde_json::json;
@@ -105,6 +105,59 @@ fn a_failed_export_leaves_nothing_behind() {
         drop(package);
         assert!(!out.exists() && !out.with_extension("partial").exists());
     }
+}
+
+/// A disk that is full after some bytes.
+struct FullDisk {
+    left: usize,
+    files: Files,
+}
+
+impl Package for FullDisk {
+    fn open(&mut self, _: &str) -> io::Result<Box<dyn io::Write + '_>> {
+        Ok(Box::new(FullFile(&mut self.left)))
+    }
+
+    fn files(&mut self) -> &mut Files {
+        &mut self.files
+    }
+}
+
+struct FullFile<'a>(&'a mut usize);
+
+impl io::Write for FullFile<'_> {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        if *self.0 < buffer.len() {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        *self.0 -= buffer.len();
+        Ok(buffer.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_with_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let texts: Vec<String> = TARGETS
+        .iter()
+        .map(|row| {
+            let mut disk = FullDisk {
+                left: 100_000,
+                files: Files::default(),
+            };
+            let target = (row.build)(json!({})).unwrap();
+            told(&target.export(&chamber.scene(), &mut disk).unwrap_err())
+        })
+        .collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    system: models/chamber/meshes/chunk_0_0_0.obj: no storage space (hint: free some space, or make smaller textures)
+    system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
+    ");
 }
 
 /// Replaces the second chunk by whatever `spoil` makes of it.
@@ -227,7 +280,7 @@ fn only_a_package_is_replaced() {
     let out = folder.path().join("cave");
     for text in ["old", "new"] {
         let mut package = Folder::create(&out, Existing::Replace).unwrap();
-        let sink: &mut dyn plume_exporters::package::Package = &mut package;
+        let sink: &mut dyn Package = &mut package;
         sink.text(&format!("{text}.txt"), text).unwrap();
         package.finish().unwrap();
     }
@@ -236,9 +289,22 @@ fn only_a_package_is_replaced() {
 }
 
 #[test]
+fn a_path_with_dots_and_links_is_the_place_it_leads_to() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("real/cave")).unwrap();
+    let out = folder.path().join("real/../real/./cave/");
+    let mut package = Folder::create(&out, Existing::Keep).unwrap();
+    let sink: &mut dyn Package = &mut package;
+    sink.text("a.txt", "a").unwrap();
+    package.finish().unwrap();
+    assert!(folder.path().join("real/cave/a.txt").exists());
+    assert_eq!(fs::read_dir(folder.path().join("real")).unwrap().count(), 1);
+}
+
+#[test]
 fn paths_cannot_leave_the_package() {
     let mut memory = Memory::default();
-    let sink: &mut dyn plume_exporters::package::Package = &mut memory;
+    let sink: &mut dyn Package = &mut memory;
     sink.text("a/b.txt", "").unwrap();
     let bad = [
         "/etc/passwd",

@@ -18,8 +18,8 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in [sample.join("gazebo"), sample.join("gltf")] {
-            judge(&judges, &package, &mut tally);
+        for package in ["gazebo", "gltf", "gltf_chunks"] {
+            judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
         return tally.result();

@@ -11,6 +11,7 @@ import puppeteer from 'puppeteer-core';
 const WIDTH = 960;
 const HEIGHT = 540;
 const EYE_M = 1.0;
+const TIMEOUT_MS = 600_000;
 const CHROMIUM = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 const FLAGS = ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=swiftshader',
   '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
@@ -22,13 +23,17 @@ if (!folder || flag !== '--out' || !out) throw new Error('usage: shot.mjs PACKAG
 const here = import.meta.dirname;
 const roots = { package: path.resolve(folder), three: path.join(here, 'node_modules/three'), page: here };
 const server = http.createServer(serve).listen(0, '127.0.0.1');
-const browser = await puppeteer.launch({ executablePath: CHROMIUM.find((file) => fs.existsSync(file)), args: FLAGS });
+const browser = await puppeteer.launch({
+  executablePath: CHROMIUM.find((file) => fs.existsSync(file)),
+  args: FLAGS,
+  protocolTimeout: TIMEOUT_MS, // a large scene keeps the page busy for minutes on a CPU
+});
 try {
   const page = await browser.newPage();
   await page.setViewport({ width: WIDTH, height: HEIGHT });
   const address = `http://127.0.0.1:${server.address().port}/page/shot.html?eye=${EYE_M}`;
   await page.goto(address);
-  await page.waitForFunction('window.report', { timeout: 300_000 });
+  await page.waitForFunction('window.report', { timeout: TIMEOUT_MS });
   const report = await page.evaluate('window.report');
   await page.screenshot({ path: out });
   const faults = judge(report);
