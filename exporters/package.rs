@@ -125,7 +125,7 @@ pub enum Existing {
 }
 
 /// A folder on disk. Files gather in `<path>.partial`; [`Folder::finish`] gives it its name, and dropping an unfinished
-/// one removes it.
+/// one removes it. What a killed process leaves there, the next one removes.
 ///
 /// Two exports to the same path at once are not kept apart.
 #[derive(Debug)]

@@ -18,6 +18,7 @@ import numpy as np
 import pybullet as p
 
 BALL_RADIUS_M = 0.2
+INERTIA_KG_M2 = 10.0  # 600 times that of a ball: it slides to a stop instead of rolling down every slope
 DROP_M = 0.6  # height of the ball's centre over the spawn pose
 DURATION_S = 4.0
 STEP_S = 1 / 480  # a 0.2 m ball moves less than a tenth of its radius in a step
@@ -26,7 +27,7 @@ PENETRATION_M = 0.03
 GROUND_M = 0.15
 RAYS = 400
 RAY_LENGTH_M = 1000.0
-ROLL_M = 6.0  # a ball may follow a slope a little way, but not leave the place
+AWAY_M = 2.0  # the ball may slide a little, but not leave the place
 
 
 def main(package):
@@ -123,7 +124,7 @@ def drop_ball(spawn, number, gravity_m_s2):
     p.setTimeStep(STEP_S)
     shape = p.createCollisionShape(p.GEOM_SPHERE, radius=BALL_RADIUS_M)
     ball = p.createMultiBody(1, shape, basePosition=(spawn + [0, 0, DROP_M]).tolist())
-    p.changeDynamics(ball, -1, rollingFriction=0.05, spinningFriction=0.05, angularDamping=0.5)
+    p.changeDynamics(ball, -1, localInertiaDiagonal=[INERTIA_KG_M2] * 3, restitution=0)
     for _ in range(round(DURATION_S / STEP_S)):
         p.stepSimulation()
     centre = np.array(p.getBasePositionAndOrientation(ball)[0])
@@ -132,7 +133,7 @@ def drop_ball(spawn, number, gravity_m_s2):
     p.removeBody(ball)
 
     where = f"ball dropped at spawn_{number}"
-    require(np.linalg.norm(centre - spawn) < ROLL_M, f"{where} is lost: it ended at {centre.round(2)}")
+    require(np.linalg.norm(centre - spawn) < AWAY_M, f"{where} is lost: it ended at {centre.round(2)}")
     require(speed < REST_SPEED_M_S, f"{where} still moves at {speed:.2f} m/s")
     require(abs(depth) < PENETRATION_M, f"{where} is not on the triangles: {-depth:.3f} m above them")
     floor = p.rayTest(centre.tolist(), (centre - [0, 0, RAY_LENGTH_M]).tolist())[0]
