@@ -6,6 +6,7 @@ mod sample;
 
 use std::fs;
 use std::io;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
 use plume_exporters::scene::{Chunk, Chunks, Scene};
@@ -104,6 +105,47 @@ fn a_failed_export_leaves_nothing_behind() {
         assert!(!error.is_usage());
         drop(package);
         assert!(!out.exists() && !out.with_extension("partial").exists());
+    }
+}
+
+/// Counts how often chunks are loaded.
+struct Counted<'a> {
+    inner: &'a sample::Chamber,
+    loads: AtomicUsize,
+}
+
+impl Chunks for Counted<'_> {
+    fn len(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn load(&self, index: usize) -> io::Result<Chunk> {
+        self.loads.fetch_add(1, Ordering::Relaxed);
+        self.inner.load(index)
+    }
+}
+
+/// Loading is not free: once, or twice where a format wants all sizes first.
+#[test]
+fn no_chunk_is_loaded_more_than_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    for row in TARGETS {
+        let counted = Counted {
+            inner: &chamber,
+            loads: AtomicUsize::new(0),
+        };
+        let scene = Scene {
+            chunks: &counted,
+            ..chamber.scene()
+        };
+        let target = (row.build)(json!({})).unwrap();
+        target.export(&scene, &mut Memory::default()).unwrap();
+        assert!(
+            counted.loads.into_inner() <= 2 * chamber.len(),
+            "{}",
+            row.name
+        );
     }
 }
 
