@@ -1,6 +1,84 @@
 //! Writes a resolved [`scene::Scene`] as packages for simulators.
 //!
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
-//! writes what each simulator expects. Targets never name each other.
+//! writes what each simulator expects. Targets never name each other; what they share are formats ([`obj`]), the frame
+//! changes ([`frame`]) and the sink ([`package`]). A new target is one file and one row of [`TARGETS`].
 
+use schemars::Schema;
+use serde_json::Value;
+
+pub mod error;
+pub mod frame;
+pub mod gazebo;
+pub mod gltf;
+pub mod names;
+pub mod obj;
+pub mod package;
 pub mod scene;
+
+pub use error::ExportError;
+use package::Package;
+use scene::Scene;
+
+/// Something that writes a scene the way one simulator wants it.
+pub trait Target {
+    /// Writes the whole package into `out`, loading one chunk at a time.
+    ///
+    /// # Errors
+    /// When the scene is not what [`scene`] promises, a chunk cannot be loaded or a file cannot be written.
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError>;
+}
+
+/// What an export wrote and how it is opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Summary {
+    /// Triangles that cameras see.
+    pub visual_triangles: u64,
+    /// Triangles that wheels touch; 0 if the target carries none.
+    pub collision_triangles: u64,
+    /// A command for a shell in the package folder, or a sentence, that opens the package.
+    pub open: String,
+}
+
+/// A row of [`TARGETS`].
+pub struct TargetRow {
+    /// What the user types, and the name of the source file.
+    pub name: &'static str,
+    /// What is written, in a few words.
+    pub summary: &'static str,
+    /// What opens the package.
+    pub opened_by: &'static str,
+    /// JSON schema of the settings: meaning, unit, default and range of each.
+    pub settings: fn() -> Schema,
+    /// The target with these settings, a JSON object in which any may be left out.
+    pub build: fn(Value) -> Result<Box<dyn Target>, ExportError>,
+}
+
+/// Every target, in the order they are listed.
+pub static TARGETS: &[TargetRow] = &[gazebo::ROW, gltf::ROW];
+
+/// The row called `name`.
+///
+/// # Errors
+/// [`ExportError::UnknownTarget`], which lists the names.
+pub fn target(name: &str) -> Result<&'static TargetRow, ExportError> {
+    TARGETS
+        .iter()
+        .find(|row| row.name == name)
+        .ok_or_else(|| ExportError::UnknownTarget {
+            name: name.to_owned(),
+            known: TARGETS
+                .iter()
+                .map(|row| row.name)
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+}
+
+/// Reads the settings of a target.
+fn settings<T: serde::de::DeserializeOwned>(
+    target: &'static str,
+    table: Value,
+) -> Result<T, ExportError> {
+    serde_json::from_value(table).map_err(|source| ExportError::Settings { target, source })
+}

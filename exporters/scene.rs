@@ -6,6 +6,9 @@ use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::error::ExportError;
+use crate::names;
+
 /// A static world in chunks.
 pub struct Scene<'a> {
     /// Safe name: `[a-z][a-z0-9_]*` (see `names`).
@@ -28,6 +31,71 @@ pub struct Scene<'a> {
     pub gravity: f64,
     /// How far the collision mesh lies from the visual mesh at most, in metres.
     pub collision_error_m: f64,
+}
+
+impl Scene<'_> {
+    /// Checks what can be checked without loading a chunk.
+    ///
+    /// # Errors
+    /// [`ExportError::BadScene`] when a name is not safe or taken, or there is no chunk or no spawn pose.
+    pub fn check(&self) -> Result<(), ExportError> {
+        if !names::is_safe(&self.name) {
+            return Err(self.fault("its name is not `[a-z][a-z0-9_]*`".to_owned()));
+        }
+        if self.chunks.is_empty() || self.spawns.is_empty() {
+            return Err(self.fault("it has no chunk or no spawn pose".to_owned()));
+        }
+        let mut lights: Vec<&str> = self
+            .lights
+            .iter()
+            .map(|light| light.name.as_str())
+            .collect();
+        lights.sort_unstable();
+        if lights.windows(2).any(|pair| pair[0] == pair[1])
+            || !lights.into_iter().all(names::is_safe)
+        {
+            return Err(
+                self.fault("the name of a light is taken or not `[a-z][a-z0-9_]*`".to_owned())
+            );
+        }
+        Ok(())
+    }
+
+    /// Loads a chunk and checks it, so that exporters may index its arrays.
+    ///
+    /// # Errors
+    /// [`ExportError::Load`] when it cannot be read, [`ExportError::BadScene`] when its arrays do not agree.
+    pub fn chunk(&self, index: usize) -> Result<Chunk, ExportError> {
+        let chunk = self
+            .chunks
+            .load(index)
+            .map_err(|source| ExportError::Load {
+                scene: self.name.clone(),
+                index,
+                source,
+            })?;
+        let fault =
+            |part, fault: &str| self.fault(format!("{part} of chunk `{}` {fault}", chunk.name));
+        if !names::is_safe(&chunk.name) {
+            return Err(fault("name", "is not `[a-z][a-z0-9_]*`"));
+        }
+        chunk
+            .visual
+            .check(Part::Visual)
+            .map_err(|text| fault("visual mesh", text))?;
+        chunk
+            .collision
+            .check(Part::Collision)
+            .map_err(|text| fault("collision mesh", text))?;
+        Ok(chunk)
+    }
+
+    fn fault(&self, fault: String) -> ExportError {
+        ExportError::BadScene {
+            scene: self.name.clone(),
+            fault,
+        }
+    }
 }
 
 /// Loads chunks one at a time.
@@ -60,7 +128,8 @@ pub struct Chunk {
     pub material: Material,
 }
 
-/// Triangles; counter-clockwise from outside the solid. Attribute arrays are empty or as long as `positions`.
+/// Triangles; counter-clockwise from outside the solid. Attribute arrays are as long as `positions` in a visual mesh
+/// and empty in a collision mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// Vertices in metres, scene frame.
@@ -73,6 +142,48 @@ pub struct Mesh {
     pub tangents: Vec<[f32; 4]>,
     /// Vertex indices, three a triangle.
     pub indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// Number of triangles.
+    pub fn triangles(&self) -> u64 {
+        self.indices.len() as u64 / 3
+    }
+
+    fn check(&self, part: Part) -> Result<(), &'static str> {
+        let count = self.positions.len();
+        let attributes = match part {
+            Part::Visual => count,
+            Part::Collision => 0,
+        };
+        if self.indices.is_empty() || !self.indices.len().is_multiple_of(3) {
+            return Err("has no triangles, or a part of one");
+        }
+        if self.indices.iter().any(|&vertex| vertex as usize >= count) {
+            return Err("has a triangle whose corner is not a vertex");
+        }
+        if [self.normals.len(), self.uvs.len(), self.tangents.len()] != [attributes; 3] {
+            return Err(
+                "has normals, texture coordinates or tangents for other vertices than its own",
+            );
+        }
+        if !self
+            .positions
+            .iter()
+            .flatten()
+            .all(|coordinate| coordinate.is_finite())
+        {
+            return Err("has a vertex that is not finite");
+        }
+        Ok(())
+    }
+}
+
+/// Which mesh of a chunk: the visual one has every attribute, the collision one positions only.
+#[derive(Clone, Copy)]
+enum Part {
+    Visual,
+    Collision,
 }
 
 /// Metallic-roughness material. Images are files already encoded.
@@ -104,6 +215,24 @@ pub enum ImageFormat {
     Png,
     /// JPEG.
     Jpeg,
+}
+
+impl ImageFormat {
+    /// File name extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+        }
+    }
+
+    /// Media type.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Png => "image/png",
+            Self::Jpeg => "image/jpeg",
+        }
+    }
 }
 
 /// A point light.

@@ -1,0 +1,118 @@
+//! What can go wrong in an export.
+
+use std::io;
+use std::path::PathBuf;
+
+/// An export that did not happen. The output folder is as it was before.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// No row of the table has this name.
+    #[error("unknown target `{name}`; known targets are {known}")]
+    UnknownTarget {
+        /// The name asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// The settings of a target cannot be read.
+    #[error("settings of target `{target}`: {source}")]
+    Settings {
+        /// Whose settings.
+        target: &'static str,
+        /// What is wrong with them.
+        source: serde_json::Error,
+    },
+    /// The output folder holds something that a package must not replace.
+    #[error("output folder is not empty: {}", path.display())]
+    NotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The output folder was to be replaced, but no export of ours has made it.
+    #[error("output folder was not written by an export and is left alone: {}", path.display())]
+    NotOurs {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// There is a file where the output folder should be.
+    #[error("output is not a folder: {}", path.display())]
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A path inside the package is absolute, climbs out of it, or is taken.
+    #[error("package path {fault}: `{path}`")]
+    BadPath {
+        /// The path inside the package.
+        path: String,
+        /// What is wrong with it.
+        fault: &'static str,
+    },
+    /// The scene breaks a promise of the scene module.
+    #[error("scene `{scene}`: {fault}")]
+    BadScene {
+        /// Name of the scene.
+        scene: String,
+        /// What is wrong and where.
+        fault: String,
+    },
+    /// A chunk cannot be loaded.
+    #[error("cannot load chunk {index} of scene `{scene}`: {source}")]
+    Load {
+        /// Name of the scene.
+        scene: String,
+        /// Index of the chunk.
+        index: usize,
+        /// What happened.
+        source: io::Error,
+    },
+    /// A file is larger than its format can say.
+    #[error("{path} would be {bytes} bytes, more than {format} can hold")]
+    TooLarge {
+        /// The path inside the package.
+        path: String,
+        /// The format.
+        format: &'static str,
+        /// Bytes the file would have.
+        bytes: u64,
+    },
+    /// A file cannot be read or written. The text names the file, the kind says why, e.g. a full disk.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+impl ExportError {
+    /// What to do about it, where there is something to do.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::NotEmpty { .. } => {
+                Some("name a new folder, or replace the package with `--force`")
+            }
+            Self::NotOurs { .. } => Some("name a new folder, or empty this one yourself"),
+            Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
+            Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {
+                Some("free some space, or make smaller textures")
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether the user asked for something that cannot be, as opposed to a machine that failed.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::UnknownTarget { .. }
+                | Self::Settings { .. }
+                | Self::NotEmpty { .. }
+                | Self::NotOurs { .. }
+                | Self::NotAFolder { .. }
+                | Self::TooLarge { .. }
+        )
+    }
+}
+
+/// The same error, its text led by the file it is about.
+pub(crate) fn at(path: impl std::fmt::Display, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("{path}: {error}"))
+}

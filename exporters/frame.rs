@@ -1,0 +1,120 @@
+//! Every change of axes, UV origin and rotation notation that a target asks for.
+//!
+//! The scene is in metres, right-handed, Z up, with the UV origin at the lower left of the image.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
+
+/// A scene vector in the frame of glTF, which is Y up: a quarter turn about x, exact in any precision.
+pub fn gltf_from_scene<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3]) -> [T; 3] {
+    [x, z, -y]
+}
+
+/// A scene tangent in the frame of glTF.
+///
+/// The handedness stays: the turn is proper, and the bitangent of glTF points up in the image as ours does, against its
+/// own v (<https://github.com/KhronosGroup/glTF-Sample-Models/issues/174>).
+pub fn gltf_tangent_from_scene([x, y, z, w]: [f32; 4]) -> [f32; 4] {
+    let [x, y, z] = gltf_from_scene([x, y, z]);
+    [x, y, z, w]
+}
+
+/// A texture coordinate with the UV origin moved from the lower to the upper left of the image.
+pub fn upper_left_uv([u, v]: [f32; 2]) -> [f32; 2] {
+    [u, 1.0 - v]
+}
+
+/// A scene pose in the frame of glTF: position, and rotation as x, y, z, w.
+pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
+    let gltf_from_scene_turn = Matrix3::from(
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>),
+    );
+    let turn = gltf_from_scene_turn * scene_from_body.rotation.to_rotation_matrix().matrix();
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
+    (
+        gltf_from_scene(scene_from_body.translation.vector.into()),
+        rotation.coords.into(),
+    )
+}
+
+/// A pose as SDF and URDF write it, `x y z roll pitch yaw`: metres and radians about fixed x, y, z, to the micrometre
+/// and the microradian.
+pub fn sdf_pose(pose: &Isometry3<f64>) -> String {
+    let [x, y, z]: [f64; 3] = pose.translation.vector.into();
+    let [roll, pitch, yaw] = roll_pitch_yaw(pose.rotation.to_rotation_matrix().matrix());
+    [x, y, z, roll, pitch, yaw].map(micro).join(" ")
+}
+
+/// Angles about fixed x, y, z; own and not nalgebra's because libm gives the same bits everywhere.
+fn roll_pitch_yaw(m: &Matrix3<f64>) -> [f64; 3] {
+    let cos_pitch = (m[(0, 0)] * m[(0, 0)] + m[(1, 0)] * m[(1, 0)]).sqrt();
+    let pitch = libm::atan2(-m[(2, 0)], cos_pitch);
+    // Looking straight up or down, roll and yaw are one angle: all of it is given to yaw.
+    if cos_pitch < 1e-9 {
+        return [0.0, pitch, libm::atan2(-m[(0, 1)], m[(1, 1)])];
+    }
+    [
+        libm::atan2(m[(2, 1)], m[(2, 2)]),
+        pitch,
+        libm::atan2(m[(1, 0)], m[(0, 0)]),
+    ]
+}
+
+/// A number to six decimals, without trailing zeros and without minus zero.
+pub fn micro(number: f64) -> String {
+    let text = format!("{number:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point3, Translation3, Vector3};
+
+    use super::*;
+
+    #[test]
+    fn up_stays_up_and_hands_stay_hands() {
+        assert_eq!(gltf_from_scene([0.0, 0.0, 1.0]), [0.0, 1.0, 0.0]);
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|axis| Vector3::from(gltf_from_scene(axis)));
+        assert_eq!(x.cross(&y), z);
+    }
+
+    #[test]
+    fn a_pose_moves_points_as_the_frame_change_does() {
+        let pose = Isometry3::from_parts(
+            Translation3::new(1.0, -2.0, 3.0),
+            UnitQuaternion::from_euler_angles(0.3, -0.4, 2.0),
+        );
+        let ([x, y, z], [i, j, k, w]) = gltf_pose_from_scene(&pose);
+        let turn = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, i, j, k));
+        let body = Point3::new(0.5, 0.25, -1.5);
+        let there = turn * body + Vector3::new(x, y, z);
+        let expected = Point3::from(gltf_from_scene((pose * body).coords.into()));
+        assert!((there - expected).norm() < 1e-12);
+    }
+
+    #[test]
+    fn sdf_poses_turn_back_into_the_rotation() {
+        for (roll, pitch, yaw) in [(0.0, 0.0, 1.5), (0.2, -0.7, -3.0), (0.0, 1.0, 0.0)] {
+            let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            let angles = roll_pitch_yaw(rotation.to_rotation_matrix().matrix());
+            for (angle, expected) in angles.into_iter().zip([roll, pitch, yaw]) {
+                assert!((angle - expected).abs() < 1e-12);
+            }
+        }
+        let down = UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.4);
+        let [roll, pitch, yaw] = roll_pitch_yaw(down.to_rotation_matrix().matrix());
+        assert!(UnitQuaternion::from_euler_angles(roll, pitch, yaw).angle_to(&down) < 1e-7);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let pose = Isometry3::translation(1.5, -0.0000001, 100.0);
+        assert_eq!(sdf_pose(&pose), "1.5 0 100 0 0 0");
+    }
+}

@@ -1,0 +1,244 @@
+//! Target `gazebo`: a model and a world for Gazebo Sim (Harmonic and later), in SDF 1.9.
+//!
+//! ```text
+//! models/<name>/{model.config, model.sdf, meshes/, materials/textures/}
+//! worlds/<name>.sdf
+//! README.md
+//! ```
+//! Meshes are OBJ, which every Gazebo since Classic reads, Z up. The model is static, so its collision meshes may be
+//! concave. URIs are `model://` only: the package works from any folder that is on `GZ_SIM_RESOURCE_PATH`. Occlusion
+//! is left out, because ogre2 does not show it.
+
+use std::f64::consts::PI;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment, context};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::ExportError;
+use crate::frame::{micro, sdf_pose};
+use crate::package::Package;
+use crate::scene::{Chunk, Image, Light, Scene};
+use crate::{Summary, Target, TargetRow, obj, settings};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "gazebo",
+    summary: "SDF 1.9 world and model with PBR textures and triangle collisions",
+    opened_by: "Gazebo Sim Harmonic and later",
+    settings: || schemars::schema_for!(GazeboSettings),
+    build: |table| Ok(Box::new(Gazebo(settings("gazebo", table)?))),
+};
+
+/// Settings of target `gazebo`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct GazeboSettings {
+    /// Whether the world carries the lights of the scene; without them only the robot's own lamps shine.
+    pub lights: bool,
+    /// Ambient light, 0 (black) to 1, the same everywhere: not physical underground, but without any a camera without
+    /// a lamp sees nothing.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub ambient: f64,
+    /// Longest physics step in seconds.
+    #[schemars(range(min = 0.0001, max = 0.05))]
+    pub physics_step_s: f64,
+}
+
+impl Default for GazeboSettings {
+    fn default() -> Self {
+        Self {
+            lights: true,
+            ambient: 0.1,
+            physics_step_s: 0.001,
+        }
+    }
+}
+
+/// The target.
+pub struct Gazebo(
+    /// Its settings.
+    pub GazeboSettings,
+);
+
+impl Target for Gazebo {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let model = format!("models/{}", scene.name);
+        let (mut parts, mut triangles) = (Vec::new(), [0, 0]);
+        for index in 0..scene.chunks.len() {
+            let chunk = scene.chunk(index)?;
+            triangles[0] += chunk.visual.triangles();
+            triangles[1] += chunk.collision.triangles();
+            parts.push(write_chunk(&model, &chunk, out)?);
+        }
+        self.write_texts(&model, scene, &parts, out)?;
+        Ok(Summary {
+            visual_triangles: triangles[0],
+            collision_triangles: triangles[1],
+            open: open_command(&scene.name),
+        })
+    }
+}
+
+impl Gazebo {
+    fn write_texts(
+        &self,
+        model: &str,
+        scene: &Scene,
+        parts: &[Part],
+        out: &mut dyn Package,
+    ) -> Result<(), ExportError> {
+        let lights: &[Light] = if self.0.lights { &scene.lights } else { &[] };
+        let values = context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            parts => Serde(parts),
+            friction => micro(scene.friction),
+            gravity => micro(scene.gravity),
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+            spawns => scene.spawns.iter().map(sdf_pose).collect::<Vec<_>>(),
+            camera => sdf_pose(&camera(scene)),
+            lights => Serde(lights.iter().map(LightText::new).collect::<Vec<_>>()),
+            ambient => micro(self.0.ambient),
+            step_s => micro(self.0.physics_step_s),
+            open => open_command(&scene.name),
+        };
+        let templates = templates();
+        for (template, path) in [
+            ("model.config", format!("{model}/model.config")),
+            ("model.sdf", format!("{model}/model.sdf")),
+            ("world.sdf", format!("worlds/{}.sdf", scene.name)),
+            ("README.md", "README.md".to_owned()),
+        ] {
+            let template = templates.get_template(template).expect("it is one of ours");
+            let text = template
+                .render(&values)
+                .expect("our templates name these values only");
+            out.text(&path, &text)?;
+        }
+        Ok(())
+    }
+}
+
+/// A chunk as the templates see it.
+#[derive(Serialize)]
+struct Part {
+    name: String,
+    base_color: String,
+    normal: String,
+    roughness: String,
+}
+
+fn write_chunk(model: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<Part, ExportError> {
+    let name = &chunk.name;
+    let texture = |role, image: &Image| format!("{name}_{role}.{}", image.format.extension());
+    let part = Part {
+        name: name.clone(),
+        base_color: texture("base_color", &chunk.material.base_color),
+        normal: texture("normal", &chunk.material.normal),
+        roughness: texture("roughness", &chunk.material.roughness),
+    };
+    let textures = format!("{model}/materials/textures");
+    for (file, image) in [
+        (&part.base_color, &chunk.material.base_color),
+        (&part.normal, &chunk.material.normal),
+        (&part.roughness, &chunk.material.roughness),
+    ] {
+        out.copy(&format!("{textures}/{file}"), &image.path)?;
+    }
+    let from_meshes = |file: &str| format!("../materials/textures/{file}");
+    let maps = obj::Maps {
+        base_color: &from_meshes(&part.base_color),
+        normal: &from_meshes(&part.normal),
+        roughness: &from_meshes(&part.roughness),
+    };
+    let library = format!("{name}.mtl");
+    out.write(&format!("{model}/meshes/{library}"), |file| {
+        Ok(obj::write_material(file, name, &maps)?)
+    })?;
+    out.write(&format!("{model}/meshes/{name}.obj"), |file| {
+        Ok(obj::write_visual(file, name, &library, &chunk.visual)?)
+    })?;
+    out.write(&format!("{model}/meshes/{name}_collision.obj"), |file| {
+        Ok(obj::write_collision(file, name, &chunk.collision)?)
+    })?;
+    Ok(part)
+}
+
+/// A light as the templates see it.
+#[derive(Serialize)]
+struct LightText {
+    name: String,
+    position: String,
+    color: String,
+    intensity: String,
+    range: String,
+}
+
+impl LightText {
+    fn new(light: &Light) -> Self {
+        let text = |numbers: [f64; 3]| numbers.map(micro).join(" ");
+        Self {
+            name: light.name.clone(),
+            position: text(light.position.into()),
+            color: text(light.color),
+            // Gazebo drives ogre2 with power scale pi, which cancels the 1/pi of a Lambertian surface.
+            intensity: micro(light.intensity_cd / PI),
+            range: micro(light.range_m),
+        }
+    }
+}
+
+/// Where the user looks from first: at the eyes of a person, 1.6 m, or under a low roof less, at the first spawn pose.
+fn camera(scene: &Scene) -> nalgebra::Isometry3<f64> {
+    scene.spawns[0] * nalgebra::Translation3::new(0.0, 0.0, 1.0)
+}
+
+fn open_command(name: &str) -> String {
+    format!("GZ_SIM_RESOURCE_PATH=$PWD/models gz sim worlds/{name}.sdf")
+}
+
+fn templates() -> Environment<'static> {
+    let mut templates = Environment::new();
+    let mut syntax = SyntaxConfig::builder();
+    syntax
+        .trim_blocks(true)
+        .lstrip_blocks(true)
+        .keep_trailing_newline(true);
+
+    templates.set_syntax(syntax.build().expect("the delimiters are the usual ones"));
+    templates.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
+    templates.set_auto_escape_callback(|name| match name.ends_with(".md") {
+        true => AutoEscape::None,
+        false => AutoEscape::Html,
+    });
+    for (name, text) in TEMPLATES {
+        templates
+            .add_template(name, text)
+            .expect("our templates parse");
+    }
+    templates
+}
+
+const TEMPLATES: [(&str, &str); 4] = [
+    (
+        "model.config",
+        include_str!("../templates/gazebo/model.config.jinja"),
+    ),
+    (
+        "model.sdf",
+        include_str!("../templates/gazebo/model.sdf.jinja"),
+    ),
+    (
+        "world.sdf",
+        include_str!("../templates/gazebo/world.sdf.jinja"),
+    ),
+    (
+        "README.md",
+        include_str!("../templates/gazebo/README.md.jinja"),
+    ),
+];

@@ -1,0 +1,180 @@
+//! Target `gltf`: binary glTF 2.0 with everything embedded, Y up, metres.
+//!
+//! Written after the Khronos specification 2.0 (<https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>) and clean
+//! under its validator. No collision meshes: glTF has no place for them yet.
+//!
+//! Memory: one chunk. A GLB starts with its own length and a JSON that knows every size, so a file of several chunks
+//! loads each chunk twice: once to plan, once to write.
+
+use gltf_json::Root;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::error::ExportError;
+use crate::package::Package;
+use crate::scene::Scene;
+use crate::{Summary, Target, TargetRow, frame, settings};
+
+mod glb;
+mod layout;
+
+use layout::Layout;
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "gltf",
+    summary: "binary glTF 2.0 with embedded PBR textures, and scene.json with spawn poses",
+    opened_by: "Blender, three.js, Unity, Unreal, Godot, any glTF viewer",
+    settings: || schemars::schema_for!(GltfSettings),
+    build: |table| Ok(Box::new(Gltf(settings("gltf", table)?))),
+};
+
+/// Settings of target `gltf`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct GltfSettings {
+    /// One file per chunk, for streaming or past the 4 GiB that one file can hold, instead of a single file.
+    pub per_chunk: bool,
+    /// Whether a single file carries the lights (extension KHR_lights_punctual).
+    pub lights: bool,
+}
+
+impl Default for GltfSettings {
+    fn default() -> Self {
+        Self {
+            per_chunk: false,
+            lights: true,
+        }
+    }
+}
+
+/// The target.
+pub struct Gltf(
+    /// Its settings.
+    pub GltfSettings,
+);
+
+impl Target for Gltf {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let (pieces, open) = match self.0.per_chunk {
+            true => (
+                write_chunks(scene, out)?,
+                "open the files of chunks/ together".to_owned(),
+            ),
+            false => (
+                self.write_single(scene, out)?,
+                format!("open {}.glb", scene.name),
+            ),
+        };
+        let visual_triangles = pieces.iter().map(|piece| piece.triangles).sum();
+        write_index(scene, &pieces, out)?;
+        Ok(Summary {
+            visual_triangles,
+            collision_triangles: 0,
+            open,
+        })
+    }
+}
+
+impl Gltf {
+    fn write_single(
+        &self,
+        scene: &Scene,
+        out: &mut dyn Package,
+    ) -> Result<Vec<Piece>, ExportError> {
+        let path = format!("{}.glb", scene.name);
+        let mut layout = Layout::new(scene);
+        let mut pieces = Vec::new();
+        for index in 0..scene.chunks.len() {
+            let chunk = scene.chunk(index)?;
+            layout.add_chunk(&chunk)?;
+            pieces.push(Piece::new(&path, &chunk));
+        }
+        if self.0.lights {
+            layout.add_lights(&scene.lights);
+        }
+        let (root, bytes) = layout.finish();
+        out.write(&path, |file| {
+            glb::write_head(file, &path, &root, bytes)?;
+            for index in 0..scene.chunks.len() {
+                glb::write_chunk(file, &scene.chunk(index)?)?;
+            }
+            Ok(())
+        })?;
+        Ok(pieces)
+    }
+}
+
+fn write_chunks(scene: &Scene, out: &mut dyn Package) -> Result<Vec<Piece>, ExportError> {
+    let mut pieces = Vec::new();
+    for index in 0..scene.chunks.len() {
+        let chunk = scene.chunk(index)?;
+        let path = format!("chunks/{}.glb", chunk.name);
+        let mut layout = Layout::new(scene);
+        layout.add_chunk(&chunk)?;
+        let (root, bytes): (Root, u64) = layout.finish();
+        out.write(&path, |file| {
+            glb::write_head(file, &path, &root, bytes)?;
+            glb::write_chunk(file, &chunk)
+        })?;
+        pieces.push(Piece::new(&path, &chunk));
+    }
+    Ok(pieces)
+}
+
+/// A chunk as `scene.json` tells of it.
+#[derive(Serialize)]
+struct Piece {
+    name: String,
+    file: String,
+    triangles: u64,
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+impl Piece {
+    fn new(file: &str, chunk: &crate::scene::Chunk) -> Self {
+        let [min, max] = layout::bounds(&chunk.visual.positions);
+        let triangles = chunk.visual.triangles();
+        Self {
+            name: chunk.name.clone(),
+            file: file.to_owned(),
+            triangles,
+            min,
+            max,
+        }
+    }
+}
+
+/// `scene.json`: what glTF has no words for, in the frame of the GLB.
+fn write_index(scene: &Scene, pieces: &[Piece], out: &mut dyn Package) -> Result<(), ExportError> {
+    let index = json!({
+        "name": scene.name,
+        "description": scene.description,
+        "generator": scene.generator,
+        "frame": "right-handed, Y up, metres; rotations are x, y, z, w and turn +X forward, +Z up",
+        "chunks": pieces,
+        "spawns": scene.spawns.iter().map(spawn).collect::<Vec<_>>(),
+        "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
+    });
+    let mut text = serde_json::to_string_pretty(&index).map_err(std::io::Error::from)?;
+    text.push('\n');
+    out.text("scene.json", &text)
+}
+
+fn spawn(pose: &nalgebra::Isometry3<f64>) -> Value {
+    let (position, rotation) = frame::gltf_pose_from_scene(pose);
+    json!({ "position": position, "rotation": rotation })
+}
+
+fn light(light: &crate::scene::Light) -> Value {
+    json!({
+        "name": light.name,
+        "position": frame::gltf_from_scene::<f64>(light.position.into()),
+        "color": light.color,
+        "intensity_cd": light.intensity_cd,
+        "range_m": light.range_m,
+    })
+}

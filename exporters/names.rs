@@ -1,0 +1,54 @@
+//! Names that are safe everywhere: SDF and URDF elements, USD prims, glTF nodes and file names on every system.
+
+/// Whether `name` is `[a-z][a-z0-9_]*`.
+pub fn is_safe(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_lowercase()) && name.chars().all(is_safe_char)
+}
+
+/// The safe name nearest to `text`: lower case, runs of anything else become one underscore.
+pub fn safe(text: &str) -> String {
+    let mut name = String::with_capacity(text.len());
+    for letter in text.chars().map(|letter| letter.to_ascii_lowercase()) {
+        if is_safe_char(letter) && letter != '_' {
+            name.push(letter);
+        } else if !name.ends_with('_') && !name.is_empty() {
+            name.push('_');
+        }
+    }
+    let name = name.trim_end_matches('_');
+    match name.starts_with(|first: char| first.is_ascii_lowercase()) {
+        true => name.to_owned(),
+        false => format!("scene_{name}").trim_end_matches('_').to_owned(),
+    }
+}
+
+fn is_safe_char(letter: char) -> bool {
+    letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_'
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_text_becomes_a_safe_name() {
+        for (text, name) in [
+            ("My Cave (2)", "my_cave_2"),
+            ("lava-tube", "lava_tube"),
+            ("7 sisters", "scene_7_sisters"),
+            ("Höhle", "h_hle"),
+            ("../../etc", "etc"),
+            ("", "scene"),
+            ("__", "scene"),
+        ] {
+            assert_eq!(safe(text), name);
+            assert!(is_safe(&safe(text)), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_safe_name_stays() {
+        assert_eq!(safe("chunk_0_2_1"), "chunk_0_2_1");
+        assert!(!is_safe("Cave") && !is_safe("2cave") && !is_safe("") && !is_safe("a/b"));
+    }
+}

@@ -1,0 +1,198 @@
+//! Wavefront OBJ with its material library: Z up, metres, UV origin at the lower left.
+//!
+//! Positions are printed with the fewest digits that give back the same `f32`, so neighbouring chunks still share
+//! their border vertices exactly. Normals have 4 decimals and texture coordinates 6 (a 500th of a texel of 2048).
+//! PBR keys after <http://exocortex.com/blog/extending_wavefront_mtl_to_support_pbr>; readers without them see the
+//! base colour.
+
+use std::io::{self, Write};
+
+use nalgebra::Vector3;
+
+use crate::scene::Mesh;
+
+/// Files that a material names, relative to the material library.
+pub struct Maps<'a> {
+    /// Base colour.
+    pub base_color: &'a str,
+    /// Tangent-space normals.
+    pub normal: &'a str,
+    /// Roughness.
+    pub roughness: &'a str,
+}
+
+/// Writes a mesh with normals and texture coordinates that uses the material `name` of the library `library`.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_visual(
+    file: &mut dyn Write,
+    name: &str,
+    library: &str,
+    mesh: &Mesh,
+) -> io::Result<()> {
+    writeln!(file, "mtllib {library}\no {name}")?;
+    write_positions(file, mesh)?;
+    let mut line = Vec::new();
+    for uv in &mesh.uvs {
+        write_fixed(file, &mut line, "vt", uv, 1_000_000)?;
+    }
+    for normal in &mesh.normals {
+        write_fixed(file, &mut line, "vn", normal, 10_000)?;
+    }
+    writeln!(file, "usemtl {name}")?;
+    for [a, b, c] in corners(mesh) {
+        writeln!(file, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")?;
+    }
+    Ok(())
+}
+
+/// Writes positions and triangles, and normals of the triangles only because Gazebo's DART engine silently leaves out a
+/// collision mesh without any.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Result<()> {
+    writeln!(file, "o {name}")?;
+    write_positions(file, mesh)?;
+    let mut line = Vec::new();
+    for normal in vertex_normals(mesh) {
+        write_fixed(file, &mut line, "vn", &normal, 10_000)?;
+    }
+    for [a, b, c] in corners(mesh) {
+        writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
+    }
+    Ok(())
+}
+
+/// Writes a material library with the one material `name`.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_material(file: &mut dyn Write, name: &str, maps: &Maps) -> io::Result<()> {
+    writeln!(
+        file,
+        "newmtl {name}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nPr 1\nPm 0\nillum 2"
+    )?;
+    writeln!(
+        file,
+        "map_Kd {}\nnorm {}\nmap_Pr {}",
+        maps.base_color, maps.normal, maps.roughness
+    )
+}
+
+fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
+    for [x, y, z] in &mesh.positions {
+        writeln!(file, "v {x} {y} {z}")?;
+    }
+    Ok(())
+}
+
+/// Means of the normals of the triangles at each vertex, by area; up where they cancel.
+fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
+    let mut sums = vec![Vector3::zeros(); mesh.positions.len()];
+    for corners in mesh.indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|i| Vector3::from(mesh.positions[corners[i] as usize]));
+        let normal = (b - a).cross(&(c - a));
+        corners
+            .iter()
+            .for_each(|&corner| sums[corner as usize] += normal);
+    }
+    sums.iter()
+        .map(|sum| sum.try_normalize(0.0).unwrap_or_else(Vector3::z).into())
+        .collect()
+}
+
+/// OBJ counts from one.
+fn corners(mesh: &Mesh) -> impl Iterator<Item = [u64; 3]> {
+    mesh.indices
+        .chunks_exact(3)
+        .map(|corner| [0, 1, 2].map(|i| u64::from(corner[i]) + 1))
+}
+
+fn write_fixed(
+    file: &mut dyn Write,
+    line: &mut Vec<u8>,
+    key: &str,
+    numbers: &[f32],
+    scale: u32,
+) -> io::Result<()> {
+    line.clear();
+    line.extend_from_slice(key.as_bytes());
+    for &number in numbers {
+        line.push(b' ');
+        push_fixed(line, number, scale);
+    }
+    line.push(b'\n');
+    file.write_all(line)
+}
+
+/// A number in whole parts of `scale`, a power of ten; three times as fast as printing the float.
+fn push_fixed(line: &mut Vec<u8>, number: f32, scale: u32) {
+    let parts = (f64::from(number.abs()) * f64::from(scale) + 0.5) as u64;
+    if number < 0.0 && parts > 0 {
+        line.push(b'-');
+    }
+    let scale = u64::from(scale);
+    push_integer(line, parts / scale);
+    let (mut rest, mut unit) = (parts % scale, scale / 10);
+    if rest > 0 {
+        line.push(b'.');
+    }
+    while rest > 0 {
+        line.push(b'0' + (rest / unit) as u8);
+        (rest, unit) = (rest % unit, unit / 10);
+    }
+}
+
+fn push_integer(line: &mut Vec<u8>, number: u64) {
+    if number >= 10 {
+        push_integer(line, number / 10);
+    }
+    line.push(b'0' + (number % 10) as u8);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fixed_numbers() {
+        for (number, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (0.25, "0.25"),
+            (-1.0, "-1"),
+            (0.000_06, "0.0001"),
+            (-0.000_01, "0"),
+            (0.999_96, "1"),
+            (12.0625, "12.0625"),
+            (-0.123_456, "-0.1235"),
+        ] {
+            let mut line = Vec::new();
+            push_fixed(&mut line, number, 10_000);
+            assert_eq!(String::from_utf8(line).unwrap(), text);
+        }
+    }
+
+    #[test]
+    fn positions_come_back_bit_for_bit() {
+        let positions: Vec<[f32; 3]> = (0..999_u16)
+            .map(|i| [1, 7, 1001].map(|k| f32::from(i) * k as f32 / 4096.0))
+            .collect();
+        let mesh = Mesh {
+            positions: positions.clone(),
+            indices: vec![0, 1, 2],
+            ..Mesh::default()
+        };
+        let mut text = Vec::new();
+        write_collision(&mut text, "rock", &mesh).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let read: Vec<f32> = text
+            .lines()
+            .filter_map(|line| line.strip_prefix("v "))
+            .flat_map(|line| line.split(' ').map(|number| number.parse::<f32>().unwrap()))
+            .collect();
+        assert_eq!(read, positions.concat());
+    }
+}

@@ -1,0 +1,316 @@
+//! Where the files of a package go: a [`Folder`] that appears whole or not at all, or [`Memory`] in tests.
+//!
+//! Files are streamed. Every package ends with [`MANIFEST`], which lists each file with its size and SHA-256 in the
+//! order of their names; a folder is replaced only if it holds one, so that no export can eat a folder of the user's.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::error::{ExportError, at};
+
+/// Name of the list of files.
+pub const MANIFEST: &str = "manifest.json";
+
+/// A sink for the files of one package.
+///
+/// Paths are relative with forward slashes, and each is written once.
+pub trait Package {
+    /// Opens a new file. Targets call `write` instead, which checks the path, and names the file in errors.
+    ///
+    /// # Errors
+    /// When it cannot be created.
+    fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>>;
+
+    /// The list of what has been written so far.
+    fn files(&mut self) -> &mut Files;
+}
+
+impl dyn Package + '_ {
+    /// Writes the file `path` with whatever `fill` puts into it.
+    ///
+    /// # Errors
+    /// When the path is not relative, climbs out, or is taken; when the file cannot be written; and the errors of
+    /// `fill`.
+    pub fn write(
+        &mut self,
+        path: &str,
+        fill: impl FnOnce(&mut dyn Write) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        self.files().check(path)?;
+        let inner = self.open(path).map_err(|error| at(path, &error))?;
+        let mut file = BufWriter::with_capacity(1 << 16, Tally::new(path, inner));
+        fill(&mut file)?;
+        file.flush()?;
+        let tally = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        let entry = tally.entry();
+        self.files().0.insert(path.to_owned(), entry);
+        Ok(())
+    }
+
+    /// Copies the file `from` of the disk to `path`.
+    ///
+    /// # Errors
+    /// As [`write`](#method.write), and when `from` cannot be read.
+    pub fn copy(&mut self, path: &str, from: &Path) -> Result<(), ExportError> {
+        let mut source = File::open(from).map_err(|error| at(from.display(), &error))?;
+        self.write(path, |file| Ok(io::copy(&mut source, file).map(drop)?))
+    }
+
+    /// Writes a text.
+    ///
+    /// # Errors
+    /// As [`write`](#method.write).
+    pub fn text(&mut self, path: &str, text: &str) -> Result<(), ExportError> {
+        self.write(path, |file| Ok(file.write_all(text.as_bytes())?))
+    }
+
+    fn write_manifest(&mut self) -> Result<(), ExportError> {
+        let mut text = serde_json::to_string_pretty(&self.files()).map_err(io::Error::from)?;
+        text.push('\n');
+        self.text(MANIFEST, &text)
+    }
+}
+
+/// The files of a package by path.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Files(pub BTreeMap<String, Entry>);
+
+/// A line of the list of files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Entry {
+    /// Size in bytes.
+    pub bytes: u64,
+    /// SHA-256 in lower-case hexadecimal.
+    pub sha256: String,
+}
+
+impl Files {
+    /// Bytes of all files together.
+    pub fn bytes(&self) -> u64 {
+        self.0.values().map(|entry| entry.bytes).sum()
+    }
+
+    fn check(&self, path: &str) -> Result<(), ExportError> {
+        let fault = |fault| {
+            Err(ExportError::BadPath {
+                path: path.to_owned(),
+                fault,
+            })
+        };
+        if path.starts_with('/') || path.contains(['\\', ':']) {
+            return fault("is not relative with forward slashes");
+        }
+        if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
+            return fault("has an empty, `.` or `..` part");
+        }
+        if self.0.contains_key(path) {
+            return fault("is written twice");
+        }
+        Ok(())
+    }
+}
+
+/// What to do with a folder that is already there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// Refuse unless it is empty.
+    Keep,
+    /// Replace it if it holds a [`MANIFEST`].
+    Replace,
+}
+
+/// A folder on disk. Files gather in `<path>.partial`; [`Folder::finish`] gives it its name, and dropping an unfinished
+/// one removes it. What a killed process leaves there, the next one removes.
+///
+/// Two exports to the same path at once are not kept apart.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    partial: PathBuf,
+    files: Files,
+    finished: bool,
+}
+
+impl Folder {
+    /// Starts a package that will be at `path`.
+    ///
+    /// # Errors
+    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] when something else is there; [`ExportError::Io`] when
+    /// the folder cannot be made.
+    pub fn create(path: &Path, existing: Existing) -> Result<Self, ExportError> {
+        check_vacant(path, existing)?;
+        let path = place(path)?;
+        let partial = with_suffix(&path, ".partial");
+        remove(&partial)?;
+        fs::create_dir_all(&partial).map_err(|error| at(partial.display(), &error))?;
+        Ok(Self {
+            path,
+            partial,
+            files: Files::default(),
+            finished: false,
+        })
+    }
+
+    /// Writes the manifest and moves the package to its place.
+    ///
+    /// # Errors
+    /// When the disk refuses; then the partial folder is removed.
+    pub fn finish(mut self) -> Result<Files, ExportError> {
+        (&mut self as &mut dyn Package).write_manifest()?;
+        let old = with_suffix(&self.path, ".old.partial");
+        remove(&old)?;
+        if self.path.exists() {
+            rename(&self.path, &old)?;
+        }
+        if let Err(error) = rename(&self.partial, &self.path) {
+            // Without an old package there is nothing to put back, and the first error is the one to tell.
+            let _ = fs::rename(&old, &self.path);
+            return Err(error.into());
+        }
+        self.finished = true;
+        remove(&old)?;
+        Ok(std::mem::take(&mut self.files))
+    }
+}
+
+impl Package for Folder {
+    fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>> {
+        let path = self.partial.join(path);
+        fs::create_dir_all(path.parent().expect("a file lies in the package"))?;
+        Ok(Box::new(File::create(path)?))
+    }
+
+    fn files(&mut self) -> &mut Files {
+        &mut self.files
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if !self.finished {
+            // The export has already failed: a second error here would hide the first.
+            let _ = remove(&self.partial);
+        }
+    }
+}
+
+/// Files in memory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// Bytes by path.
+    pub bytes: BTreeMap<String, Vec<u8>>,
+    files: Files,
+}
+
+impl Package for Memory {
+    fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>> {
+        Ok(Box::new(self.bytes.entry(path.to_owned()).or_default()))
+    }
+
+    fn files(&mut self) -> &mut Files {
+        &mut self.files
+    }
+}
+
+/// Counts and hashes what passes, and puts the path into errors.
+struct Tally<'a> {
+    path: &'a str,
+    inner: Box<dyn Write + 'a>,
+    bytes: u64,
+    hash: Sha256,
+}
+
+impl<'a> Tally<'a> {
+    fn new(path: &'a str, inner: Box<dyn Write + 'a>) -> Self {
+        Self {
+            path,
+            inner,
+            bytes: 0,
+            hash: Sha256::new(),
+        }
+    }
+
+    fn entry(self) -> Entry {
+        let sha256 = self
+            .hash
+            .finalize()
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        Entry {
+            bytes: self.bytes,
+            sha256,
+        }
+    }
+}
+
+impl Write for Tally<'_> {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        let count = self
+            .inner
+            .write(buffer)
+            .map_err(|error| at(self.path, &error))?;
+        self.hash.update(&buffer[..count]);
+        self.bytes += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.flush().map_err(|error| at(self.path, &error))
+    }
+}
+
+fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
+    if path.is_file() {
+        return Err(ExportError::NotAFolder {
+            path: path.to_owned(),
+        });
+    }
+    let mut entries = match fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(at(path.display(), &error).into()),
+    };
+    if entries.next().is_none() {
+        return Ok(());
+    }
+    match existing {
+        Existing::Keep => Err(ExportError::NotEmpty {
+            path: path.to_owned(),
+        }),
+        Existing::Replace if path.join(MANIFEST).is_file() => Ok(()),
+        Existing::Replace => Err(ExportError::NotOurs {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+/// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.
+fn place(path: &Path) -> io::Result<PathBuf> {
+    match path.canonicalize() {
+        Ok(path) => Ok(path),
+        Err(_) => std::path::absolute(path.components().collect::<PathBuf>()),
+    }
+}
+
+fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.to_owned().into_os_string();
+    name.push(suffix);
+    name.into()
+}
+
+fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    fs::rename(from, to).map_err(|error| at(to.display(), &error))
+}
+
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_dir_all(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(at(path.display(), &error)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,390 @@
+//! Laws that every target keeps.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod sample;
+
+use std::fs;
+use std::io;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
+use plume_exporters::scene::{Chunk, Chunks, Scene};
+use plume_exporters::{ExportError, TARGETS, target};
+use serde_json::json;
+
+#[test]
+fn every_target_file_has_its_row() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .filter(|path| {
+            fs::read_to_string(path)
+                .unwrap()
+                .contains("\nimpl Target for ")
+        })
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    files.sort();
+    let mut rows: Vec<&str> = TARGETS.iter().map(|row| row.name).collect();
+    rows.sort_unstable();
+    assert_eq!(files, rows);
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    for row in TARGETS {
+        let (first, again) = (export(row.name, &folder), export(row.name, &folder));
+        assert!(first.bytes == again.bytes, "{}", row.name);
+        assert!(!first.bytes.is_empty());
+    }
+}
+
+#[test]
+fn nothing_in_a_text_is_absolute() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap();
+    for row in TARGETS {
+        for (path, bytes) in export(row.name, &folder).bytes {
+            let text = String::from_utf8_lossy(&bytes);
+            assert!(!text.contains(place) && !text.contains("file://"), "{path}");
+        }
+    }
+}
+
+#[test]
+fn settings_are_documented_and_unknown_ones_refused() {
+    for row in TARGETS {
+        let schema = serde_json::to_value((row.settings)()).unwrap();
+        for (name, property) in schema["properties"].as_object().unwrap() {
+            assert!(property["description"].is_string(), "{}.{name}", row.name);
+        }
+        let error = (row.build)(json!({ "colour": 1 })).err().unwrap();
+        assert!(
+            error.is_usage() && error.to_string().contains("`colour`"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_manifest_lists_every_file_of_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    for row in TARGETS {
+        let out = folder.path().join(row.name);
+        let mut package = Folder::create(&out, Existing::Keep).unwrap();
+        (row.build)(json!({}))
+            .unwrap()
+            .export(&chamber.scene(), &mut package)
+            .unwrap();
+        let files = package.finish().unwrap();
+        let manifest = fs::read(out.join(MANIFEST)).unwrap();
+        let listed: Files = serde_json::from_slice(&manifest).unwrap();
+        assert_eq!(listed.0.len() + 1, files.0.len());
+        for (path, entry) in listed.0 {
+            assert_eq!(fs::metadata(out.join(path)).unwrap().len(), entry.bytes);
+        }
+    }
+}
+
+#[test]
+fn a_failed_export_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    fs::remove_file(folder.path().join("1_normal.png")).unwrap();
+    for row in TARGETS {
+        let out = folder.path().join(row.name);
+        let mut package = Folder::create(&out, Existing::Keep).unwrap();
+        let target = (row.build)(json!({})).unwrap();
+        let error = target.export(&chamber.scene(), &mut package).unwrap_err();
+        assert!(error.to_string().contains("1_normal.png"), "{error}");
+        assert!(!error.is_usage());
+        drop(package);
+        assert!(!out.exists() && !out.with_extension("partial").exists());
+    }
+}
+
+/// Counts how often chunks are loaded.
+struct Counted<'a> {
+    inner: &'a sample::Chamber,
+    loads: AtomicUsize,
+}
+
+impl Chunks for Counted<'_> {
+    fn len(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn load(&self, index: usize) -> io::Result<Chunk> {
+        self.loads.fetch_add(1, Ordering::Relaxed);
+        self.inner.load(index)
+    }
+}
+
+/// Loading is not free: once, or twice where a format wants all sizes first.
+#[test]
+fn no_chunk_is_loaded_more_than_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    for row in TARGETS {
+        let counted = Counted {
+            inner: &chamber,
+            loads: AtomicUsize::new(0),
+        };
+        let scene = Scene {
+            chunks: &counted,
+            ..chamber.scene()
+        };
+        let target = (row.build)(json!({})).unwrap();
+        target.export(&scene, &mut Memory::default()).unwrap();
+        assert!(
+            counted.loads.into_inner() <= 2 * chamber.len(),
+            "{}",
+            row.name
+        );
+    }
+}
+
+/// A disk that is full after some bytes.
+struct FullDisk {
+    left: usize,
+    files: Files,
+}
+
+impl Package for FullDisk {
+    fn open(&mut self, _: &str) -> io::Result<Box<dyn io::Write + '_>> {
+        Ok(Box::new(FullFile(&mut self.left)))
+    }
+
+    fn files(&mut self) -> &mut Files {
+        &mut self.files
+    }
+}
+
+struct FullFile<'a>(&'a mut usize);
+
+impl io::Write for FullFile<'_> {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        if *self.0 < buffer.len() {
+            return Err(io::ErrorKind::StorageFull.into());
+        }
+        *self.0 -= buffer.len();
+        Ok(buffer.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_with_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let texts: Vec<String> = TARGETS
+        .iter()
+        .map(|row| {
+            let mut disk = FullDisk {
+                left: 100_000,
+                files: Files::default(),
+            };
+            let target = (row.build)(json!({})).unwrap();
+            told(&target.export(&chamber.scene(), &mut disk).unwrap_err())
+        })
+        .collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    system: models/chamber/meshes/chunk_0_0_0.obj: no storage space (hint: free some space, or make smaller textures)
+    system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
+    ");
+}
+
+/// Replaces the second chunk by whatever `spoil` makes of it.
+struct Spoiled<'a> {
+    inner: &'a sample::Chamber,
+    spoil: fn(Chunk) -> io::Result<Chunk>,
+}
+
+impl Chunks for Spoiled<'_> {
+    fn len(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn load(&self, index: usize) -> io::Result<Chunk> {
+        let chunk = self.inner.load(index)?;
+        if index == 1 {
+            (self.spoil)(chunk)
+        } else {
+            Ok(chunk)
+        }
+    }
+}
+
+#[test]
+fn a_scene_that_breaks_its_promise_is_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let spoilers: [fn(Chunk) -> io::Result<Chunk>; 5] = [
+        |_| {
+            Err(io::Error::new(
+                io::ErrorKind::InvalidData,
+                "chunks/1.bin: ends early",
+            ))
+        },
+        |chunk| {
+            Ok(Chunk {
+                name: "Chunk 1".to_owned(),
+                ..chunk
+            })
+        },
+        |mut chunk| {
+            chunk.visual.normals.pop();
+            Ok(chunk)
+        },
+        |mut chunk| {
+            chunk.collision.indices[0] = 1_000_000;
+            Ok(chunk)
+        },
+        |mut chunk| {
+            chunk.visual.positions[0][2] = f32::NAN;
+            Ok(chunk)
+        },
+    ];
+    let mut texts = Vec::new();
+    for spoil in spoilers {
+        let spoiled = Spoiled {
+            inner: &chamber,
+            spoil,
+        };
+        let scene = Scene {
+            chunks: &spoiled,
+            ..chamber.scene()
+        };
+        let mut errors = TARGETS.iter().map(|row| {
+            let target = (row.build)(json!({})).unwrap();
+            target
+                .export(&scene, &mut Memory::default())
+                .unwrap_err()
+                .to_string()
+        });
+        let first = errors.next().unwrap();
+        assert!(
+            errors.all(|error| error == first),
+            "targets disagree about {first}"
+        );
+        texts.push(first);
+    }
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    cannot load chunk 1 of scene `chamber`: chunks/1.bin: ends early
+    scene `chamber`: name of chunk `Chunk 1` is not `[a-z][a-z0-9_]*`
+    scene `chamber`: visual mesh of chunk `chunk_1_0_0` has normals, texture coordinates or tangents for other vertices than its own
+    scene `chamber`: collision mesh of chunk `chunk_1_0_0` has a triangle whose corner is not a vertex
+    scene `chamber`: visual mesh of chunk `chunk_1_0_0` has a vertex that is not finite
+    ");
+}
+
+#[test]
+fn output_folders_are_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap().to_owned();
+    fs::create_dir(folder.path().join("home")).unwrap();
+    fs::write(folder.path().join("home/letter.txt"), "dear").unwrap();
+    let refused = [
+        Folder::create(&folder.path().join("home"), Existing::Keep).unwrap_err(),
+        Folder::create(&folder.path().join("home/"), Existing::Replace).unwrap_err(),
+        Folder::create(&folder.path().join("home/letter.txt"), Existing::Replace).unwrap_err(),
+        Folder::create(&folder.path().join("home/letter.txt/cave"), Existing::Keep).unwrap_err(),
+        target("gazebi").err().unwrap(),
+    ];
+    let texts: Vec<String> = refused
+        .iter()
+        .map(|error| told(error).replace(&place, "DIR"))
+        .collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    usage: output folder is not empty: DIR/home (hint: name a new folder, or replace the package with `--force`)
+    usage: output folder was not written by an export and is left alone: DIR/home/ (hint: name a new folder, or empty this one yourself)
+    usage: output is not a folder: DIR/home/letter.txt
+    system: DIR/home/letter.txt/cave: Not a directory (os error 20)
+    usage: unknown target `gazebi`; known targets are gazebo, gltf
+    ");
+    assert_eq!(
+        fs::read(folder.path().join("home/letter.txt")).unwrap(),
+        b"dear"
+    );
+}
+
+#[test]
+fn only_a_package_is_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("cave");
+    for text in ["old", "new"] {
+        let mut package = Folder::create(&out, Existing::Replace).unwrap();
+        let sink: &mut dyn Package = &mut package;
+        sink.text(&format!("{text}.txt"), text).unwrap();
+        package.finish().unwrap();
+    }
+    assert!(out.join("new.txt").exists() && !out.join("old.txt").exists());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_path_with_dots_and_links_is_the_place_it_leads_to() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir_all(folder.path().join("real/cave")).unwrap();
+    let out = folder.path().join("real/../real/./cave/");
+    let mut package = Folder::create(&out, Existing::Keep).unwrap();
+    let sink: &mut dyn Package = &mut package;
+    sink.text("a.txt", "a").unwrap();
+    package.finish().unwrap();
+    assert!(folder.path().join("real/cave/a.txt").exists());
+    assert_eq!(fs::read_dir(folder.path().join("real")).unwrap().count(), 1);
+}
+
+#[test]
+fn paths_cannot_leave_the_package() {
+    let mut memory = Memory::default();
+    let sink: &mut dyn Package = &mut memory;
+    sink.text("a/b.txt", "").unwrap();
+    let bad = [
+        "/etc/passwd",
+        "../up",
+        "a/../../up",
+        "a//b",
+        "c:\\d",
+        "a/b.txt",
+        ".",
+    ];
+    let texts: Vec<String> = bad
+        .iter()
+        .map(|path| sink.text(path, "").unwrap_err().to_string())
+        .collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    package path is not relative with forward slashes: `/etc/passwd`
+    package path has an empty, `.` or `..` part: `../up`
+    package path has an empty, `.` or `..` part: `a/../../up`
+    package path has an empty, `.` or `..` part: `a//b`
+    package path is not relative with forward slashes: `c:\d`
+    package path is written twice: `a/b.txt`
+    package path has an empty, `.` or `..` part: `.`
+    ");
+}
+
+fn told(error: &ExportError) -> String {
+    let kind = if error.is_usage() { "usage" } else { "system" };
+    let hint = error
+        .hint()
+        .map(|hint| format!(" (hint: {hint})"))
+        .unwrap_or_default();
+    format!("{kind}: {error}{hint}")
+}
+
+fn export(name: &str, folder: &tempfile::TempDir) -> Memory {
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let mut memory = Memory::default();
+    let target = (target(name).unwrap().build)(json!({})).unwrap();
+    target.export(&chamber.scene(), &mut memory).unwrap();
+    memory
+}

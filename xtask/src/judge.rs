@@ -1,0 +1,279 @@
+//! `cargo xtask judge [PACKAGE_DIR...]`: opens packages with readers that are not ours.
+//!
+//! Without a folder, the sample scene of the exporters is judged, and then spoiled in ways that the judges must notice:
+//! a judge that cannot say no is worth nothing. A judge whose program cannot be had is skipped loudly, and fails the
+//! run where the environment variable `CI` is set.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
+use crate::venv;
+
+mod spoil;
+
+/// The task.
+pub fn run(arguments: &[String]) -> Result<()> {
+    let mut tally = Tally::default();
+    if arguments.is_empty() {
+        let sample = export_sample()?;
+        let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
+        for package in ["gazebo", "gltf", "gltf_chunks"] {
+            judge(&judges, &sample.join(package), &mut tally);
+        }
+        spoil::run(&judges, &sample, &mut tally)?;
+        return tally.result();
+    }
+    let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();
+    if let Some(stranger) = packages.iter().find(|package| Kind::of(package).is_none()) {
+        return Err(format!(
+            "no judge knows such a package: {}",
+            stranger.display()
+        ));
+    }
+    let wanted = |judge: &&Judge| {
+        packages
+            .iter()
+            .any(|package| Kind::of(package) == Some(judge.of))
+    };
+    let judges = ready(
+        &JUDGES.iter().filter(wanted).collect::<Vec<_>>(),
+        &mut tally,
+    );
+    packages
+        .iter()
+        .for_each(|package| judge(&judges, package, &mut tally));
+    tally.result()
+}
+
+/// A reader that is not ours.
+struct Judge {
+    name: &'static str,
+    of: Kind,
+    /// Gets the program, or says what is missing.
+    prepare: fn() -> Result<()>,
+    /// What to run on a package; it ends with praise on stdout, or fails.
+    command: fn(&Path) -> Result<Command>,
+}
+
+const JUDGES: [Judge; 4] = [
+    Judge {
+        name: "pybullet",
+        of: Kind::Gazebo,
+        prepare: make_venv,
+        command: drop_pybullet,
+    },
+    Judge {
+        name: "gazebo",
+        of: Kind::Gazebo,
+        prepare: build_gazebo,
+        command: open_gazebo,
+    },
+    Judge {
+        name: "validator",
+        of: Kind::Gltf,
+        prepare: install_node,
+        command: validate_gltf,
+    },
+    Judge {
+        name: "three",
+        of: Kind::Gltf,
+        prepare: install_browser,
+        command: shoot_gltf,
+    },
+];
+
+/// What a package is for, told by what lies in it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Gazebo,
+    Gltf,
+}
+
+impl Kind {
+    fn of(package: &Path) -> Option<Self> {
+        match package {
+            _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
+            _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ => None,
+        }
+    }
+}
+
+/// Prints a line per verdict and counts what must fail the run.
+#[derive(Default)]
+struct Tally {
+    complaints: usize,
+}
+
+impl Tally {
+    fn praise(&self, who: &str, text: &str) {
+        println!(
+            "ok      {who:<10} {}",
+            text.lines().last().unwrap_or_default()
+        );
+    }
+
+    fn complain(&mut self, who: &str, text: &str) {
+        self.complaints += 1;
+        println!("FAILED  {who:<10} {text}");
+    }
+
+    fn skip(&mut self, who: &str, missing: &str) {
+        self.complaints += usize::from(std::env::var_os("CI").is_some());
+        println!("SKIPPED {who:<10} {missing}");
+    }
+
+    fn result(&self) -> Result<()> {
+        match self.complaints {
+            0 => Ok(()),
+            count => Err(format!("{count} of the judgements above must not be")),
+        }
+    }
+}
+
+/// The judges whose programs are there; the others are skipped.
+fn ready(judges: &[&'static Judge], tally: &mut Tally) -> Vec<&'static Judge> {
+    let mut ready = Vec::new();
+    for judge in judges {
+        match (judge.prepare)() {
+            Ok(()) => ready.push(*judge),
+            Err(missing) => tally.skip(judge.name, &missing),
+        }
+    }
+    ready
+}
+
+fn judge(judges: &[&'static Judge], package: &Path, tally: &mut Tally) {
+    for judge in judges
+        .iter()
+        .filter(|judge| Kind::of(package) == Some(judge.of))
+    {
+        match verdict(judge, package) {
+            Ok(praise) => tally.praise(judge.name, &praise),
+            Err(complaint) => tally.complain(judge.name, &complaint),
+        }
+    }
+}
+
+fn verdict(judge: &Judge, package: &Path) -> Result<String> {
+    tools::run(&mut (judge.command)(package)?)
+}
+
+fn export_sample() -> Result<PathBuf> {
+    let sample = target_folder().join("sample");
+    tools::run(
+        Command::new(env!("CARGO"))
+            .args([
+                "run",
+                "-q",
+                "-p",
+                "plume-exporters",
+                "--example",
+                "sample_package",
+                "--",
+            ])
+            .arg(&sample)
+            .current_dir(root()),
+    )?;
+    Ok(sample)
+}
+
+fn make_venv() -> Result<()> {
+    venv::python(REQUIREMENTS).map(drop)
+}
+
+fn drop_pybullet(package: &Path) -> Result<Command> {
+    let mut command = Command::new(venv::python(REQUIREMENTS)?);
+    command
+        .arg(root().join("tests/judges/drop_pybullet.py"))
+        .arg(package);
+    Ok(command)
+}
+
+fn build_gazebo() -> Result<()> {
+    ensure_debian(&GAZEBO_PACKAGES)?;
+    let (source, build) = (
+        root().join("tests/judges/gazebo"),
+        target_folder().join("gazebo"),
+    );
+    let mut configure = Command::new("cmake");
+    configure
+        .arg("-S")
+        .arg(source)
+        .arg("-B")
+        .arg(&build)
+        .arg("-DCMAKE_BUILD_TYPE=Release");
+    tools::run(&mut configure)?;
+    tools::run(Command::new("cmake").arg("--build").arg(build)).map(drop)
+}
+
+fn open_gazebo(package: &Path) -> Result<Command> {
+    let mut command = Command::new(target_folder().join("gazebo/judge"));
+    command.arg(package);
+    Ok(command)
+}
+
+fn install_node() -> Result<()> {
+    ensure_npm(&node_folder())
+}
+
+fn validate_gltf(package: &Path) -> Result<Command> {
+    let mut command = Command::new("node");
+    command
+        .arg(node_folder().join("validate.mjs"))
+        .args(glb_files(package)?);
+    Ok(command)
+}
+
+fn install_browser() -> Result<()> {
+    ensure_debian(&["chromium"])?;
+    install_node()
+}
+
+/// The picture lies beside the judges that are built: `target/judges/<package>.png`.
+fn shoot_gltf(package: &Path) -> Result<Command> {
+    let name = package.file_name().unwrap_or_default().to_string_lossy();
+    let picture = target_folder().join(format!("{name}.png"));
+    let mut command = Command::new("node");
+    command
+        .arg(node_folder().join("shot.mjs"))
+        .arg(package)
+        .arg("--out")
+        .arg(picture);
+    Ok(command)
+}
+
+fn glb_files(package: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for folder in [package.to_owned(), package.join("chunks")] {
+        let Ok(entries) = std::fs::read_dir(folder) else {
+            continue;
+        };
+        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        files.extend(paths.filter(|path| path.extension().is_some_and(|ending| ending == "glb")));
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn node_folder() -> PathBuf {
+    root().join("tests/judges/gltf")
+}
+
+fn target_folder() -> PathBuf {
+    root().join("target/judges")
+}
+
+const REQUIREMENTS: &str = "tests/judges/requirements.txt";
+
+/// Gazebo itself is not in Debian; the libraries it is made of are.
+const GAZEBO_PACKAGES: [&str; 7] = [
+    "cmake",
+    "g++",
+    "make",
+    "libsdformat-dev",
+    "libignition-physics-dev",
+    "libignition-physics5-dartsim-plugin5",
+    "libignition-plugin-dev",
+];

@@ -1,0 +1,177 @@
+//! Good packages, spoiled: what each judge must complain about, and in which words.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::{Judge, Tally, verdict};
+use crate::tools::Result;
+
+/// Spoils a copy of the sample in each way of the table and asks the judge.
+pub fn run(judges: &[&'static Judge], sample: &Path, tally: &mut Tally) -> Result<()> {
+    for spoil in &SPOILS {
+        let Some(judge) = judges.iter().find(|judge| judge.name == spoil.judge) else {
+            continue;
+        };
+        let package = copy(sample, spoil).map_err(|error| format!("{}: {error}", spoil.fault))?;
+        match verdict(judge, &package) {
+            Err(complaint) if complaint.contains(spoil.complaint) => {
+                tally.praise(judge.name, &format!("noticed {}", spoil.fault));
+            }
+            Err(complaint) => {
+                tally.complain(judge.name, &format!("on {}: {complaint}", spoil.fault));
+            }
+            Ok(praise) => {
+                tally.complain(
+                    judge.name,
+                    &format!("did not notice {}: {praise}", spoil.fault),
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A fault, who must notice it and a part of what is said about it.
+struct Spoil {
+    fault: &'static str,
+    judge: &'static str,
+    complaint: &'static str,
+    /// File of the sample that is rewritten.
+    file: &'static str,
+    rewrite: fn(Vec<u8>) -> Option<Vec<u8>>,
+}
+
+const SPOILS: [Spoil; 9] = [
+    Spoil {
+        fault: "a hole in the collision mesh",
+        judge: "pybullet",
+        complaint: "rays from spawn_0 leave the cave",
+        file: "gazebo/models/chamber/meshes/chunk_1_0_0_collision.obj",
+        rewrite: |bytes| Some(keep_triangles(&bytes, |number| !number.is_multiple_of(20))),
+    },
+    Spoil {
+        fault: "a spawn pose in the air",
+        judge: "pybullet",
+        complaint: "spawn_0 is 0.50 m above the floor",
+        file: "gazebo/worlds/chamber.sdf",
+        rewrite: |bytes| replace(&bytes, "<pose>0 0 -1.84 ", "<pose>0 0 -1.34 "),
+    },
+    Spoil {
+        fault: "a missing texture",
+        judge: "gazebo",
+        complaint: "cannot load image",
+        file: "gazebo/models/chamber/materials/textures/chunk_0_0_0_normal.png",
+        rewrite: |_| None,
+    },
+    Spoil {
+        fault: "an unknown SDF element",
+        judge: "gazebo",
+        complaint: "roughnes_map",
+        file: "gazebo/models/chamber/model.sdf",
+        rewrite: |bytes| replace(&bytes, "roughness_map", "roughnes_map"),
+    },
+    Spoil {
+        fault: "a collision mesh without triangles",
+        judge: "gazebo",
+        complaint: "cannot load mesh",
+        file: "gazebo/models/chamber/meshes/chunk_0_0_0_collision.obj",
+        rewrite: |bytes| Some(keep_triangles(&bytes, |_| false)),
+    },
+    Spoil {
+        fault: "a collision mesh without normals",
+        judge: "gazebo",
+        complaint: "has no normals",
+        file: "gazebo/models/chamber/meshes/chunk_0_0_0_collision.obj",
+        rewrite: |bytes| Some(without_normals(&bytes)),
+    },
+    Spoil {
+        fault: "wrong bounds of an accessor",
+        judge: "validator",
+        complaint: "ACCESSOR_MAX_MISMATCH",
+        file: "gltf/chamber.glb",
+        rewrite: |bytes| replace(&bytes, "\"max\":[", "\"max\":[9"),
+    },
+    Spoil {
+        fault: "tangents under another name",
+        judge: "three",
+        complaint: "has no tangents",
+        file: "gltf/chamber.glb",
+        rewrite: |bytes| replace(&bytes, "\"TANGENT\"", "\"_TANGEN\""),
+    },
+    Spoil {
+        fault: "a chunk that is not in the scene",
+        judge: "three",
+        complaint: "of the view is not rock",
+        file: "gltf/chamber.glb",
+        rewrite: |bytes| replace(&bytes, "\"nodes\":[0,1", "\"nodes\":[0,0"),
+    },
+];
+
+/// A copy of the package with one file rewritten, or removed if nothing is left of it.
+fn copy(sample: &Path, spoil: &Spoil) -> io::Result<PathBuf> {
+    let (kind, file) = spoil
+        .file
+        .split_once('/')
+        .expect("it starts with the target");
+    let package = sample.with_file_name("spoiled").join(kind);
+    if package.exists() {
+        fs::remove_dir_all(&package)?;
+    }
+    copy_folder(&sample.join(kind), &package)?;
+    match (spoil.rewrite)(fs::read(package.join(file))?) {
+        Some(bytes) => fs::write(package.join(file), bytes)?,
+        None => fs::remove_file(package.join(file))?,
+    }
+    Ok(package)
+}
+
+fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let copy = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &copy)?;
+        } else {
+            fs::copy(entry.path(), copy)?;
+        }
+    }
+    Ok(())
+}
+
+/// The OBJ with only those triangles that `keep` wants, by line number.
+fn keep_triangles(bytes: &[u8], keep: impl Fn(usize) -> bool) -> Vec<u8> {
+    let text = String::from_utf8_lossy(bytes);
+    let lines = text.lines().enumerate();
+    let kept = lines.filter(|(number, line)| !line.starts_with("f ") || keep(*number));
+    kept.map(|(_, line)| format!("{line}\n"))
+        .collect::<String>()
+        .into_bytes()
+}
+
+fn without_normals(bytes: &[u8]) -> Vec<u8> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut kept = String::new();
+    for line in text.lines().filter(|line| !line.starts_with("vn")) {
+        for word in line.split(' ') {
+            kept.push_str(word.split('/').next().unwrap_or_default());
+            kept.push(' ');
+        }
+        kept.push('\n');
+    }
+    kept.into_bytes()
+}
+
+/// Replaces the first `old`; in a GLB, whose length must stay, over as many bytes as `new` has.
+fn replace(bytes: &[u8], old: &str, new: &str) -> Option<Vec<u8>> {
+    let at = bytes
+        .windows(old.len())
+        .position(|window| window == old.as_bytes())?;
+    let rest = if bytes.starts_with(b"glTF") {
+        at + new.len()
+    } else {
+        at + old.len()
+    };
+    Some([&bytes[..at], new.as_bytes(), &bytes[rest..]].concat())
+}

@@ -1,0 +1,85 @@
+//! Programs that are not ours: finding, installing and running them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Errors are for a human to read, once.
+pub type Result<T> = std::result::Result<T, String>;
+
+/// The folder of the workspace.
+pub fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent()
+        .expect("xtask lies in the workspace")
+        .to_owned()
+}
+
+/// Runs to the end; gives stdout, or what went wrong with all that was said.
+pub fn run(command: &mut Command) -> Result<String> {
+    let output = output(command)?;
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
+    let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+    if output.status.success() {
+        return Ok(stdout);
+    }
+    let said = [stdout, stderr].join("\n");
+    Err(format!(
+        "`{}`: {}\n{}",
+        name(command),
+        output.status,
+        said.trim()
+    ))
+}
+
+/// Installs the missing ones of these Debian packages, if this is a Debian and we may.
+pub fn ensure_debian(packages: &[&str]) -> Result<()> {
+    let missing: Vec<&str> = packages
+        .iter()
+        .copied()
+        .filter(|package| !is_installed(package))
+        .collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    if run(Command::new("id").arg("-u"))? != "0" {
+        return Err(format!(
+            "missing; run `sudo apt-get install {}`",
+            missing.join(" ")
+        ));
+    }
+    eprintln!("installing {}", missing.join(" "));
+    run(Command::new("apt-get").args(["update", "-q"]))?;
+    let install = ["install", "-q", "-y", "--no-install-recommends"];
+    run(Command::new("apt-get")
+        .env("DEBIAN_FRONTEND", "noninteractive")
+        .args(install)
+        .args(missing))?;
+    Ok(())
+}
+
+/// Installs exactly what the lock file of a folder says, once.
+pub fn ensure_npm(folder: &Path) -> Result<()> {
+    let lock = std::fs::read(folder.join("package-lock.json")).map_err(|e| e.to_string())?;
+    let stamp = folder.join("node_modules/.installed");
+    if std::fs::read(&stamp).is_ok_and(|installed| installed == lock) {
+        return Ok(());
+    }
+    eprintln!("installing the packages of {}", folder.display());
+    run(Command::new("npm").arg("ci").current_dir(folder))?;
+    std::fs::write(stamp, lock).map_err(|error| error.to_string())
+}
+
+fn is_installed(package: &str) -> bool {
+    let query = ["-W", "-f", "${db:Status-Status}"];
+    run(Command::new("dpkg-query").args(query).arg(package)).is_ok_and(|text| text == "installed")
+}
+
+fn output(command: &mut Command) -> Result<Output> {
+    command
+        .output()
+        .map_err(|error| format!("cannot run `{}`: {error}", name(command)))
+}
+
+fn name(command: &Command) -> String {
+    command.get_program().to_string_lossy().into_owned()
+}
