@@ -1,0 +1,185 @@
+//! Checks a draft against a JSON Schema and says what is wrong in words.
+//!
+//! Covers the part of JSON Schema that settings structs use: objects with known keys, numbers in ranges, strings out of
+//! a list or of a pattern, booleans, arrays of fixed length, and `null` for what may be left out.
+
+use serde_json::Value;
+
+use super::fault::{Fault, Faults};
+use super::read::Draft;
+
+/// Checks the whole draft.
+///
+/// # Errors
+/// Every fault, in the order of the draft.
+pub fn against(schema: &Value, draft: &Draft) -> Result<(), Faults> {
+    let mut checker = Checker { draft, faults: Vec::new() };
+    checker.check(schema, &draft.value, "");
+    if checker.faults.is_empty() { Ok(()) } else { Err(Faults(checker.faults)) }
+}
+
+struct Checker<'a> {
+    draft: &'a Draft,
+    faults: Vec<Fault>,
+}
+
+impl Checker<'_> {
+    fn check(&mut self, schema: &Value, value: &Value, key: &str) {
+        let (schema, optional) = unwrap_optional(schema);
+        if value.is_null() && optional {
+            return;
+        }
+        if let Some(words) = words(schema) {
+            return self.word(&words, value, key);
+        }
+        match type_name(schema) {
+            "object" => self.object(schema, value, key),
+            "array" => self.array(schema, value, key),
+            "integer" | "number" => self.number(schema, value, key),
+            "boolean" if !value.is_boolean() => self.mistyped("true or false", value, key),
+            "string" => self.string(schema, value, key),
+            _ => {}
+        }
+    }
+
+    fn object(&mut self, schema: &Value, value: &Value, key: &str) {
+        let Some(map) = value.as_object() else {
+            return self.mistyped("a section", value, key);
+        };
+        let known = &schema["properties"];
+        for (name, value) in map {
+            let path = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+            match known.get(name) {
+                Some(schema) => self.check(schema, value, &path),
+                None => self.unknown(&path, name, known),
+            }
+        }
+        let required = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        for name in required.filter(|name| !map.contains_key(*name)) {
+            self.fault(key, format!("{key}.{name} is missing"), String::new());
+        }
+    }
+
+    fn array(&mut self, schema: &Value, value: &Value, key: &str) {
+        let Some(items) = value.as_array() else {
+            return self.mistyped("a list", value, key);
+        };
+        let length = items.len() as u64;
+        if let Some(want) = schema["minItems"].as_u64().filter(|want| length != *want) {
+            return self.fault(key, format!("{key} must have {want} values, found {length}"), String::new());
+        }
+        for item in items {
+            self.check(&schema["items"], item, key);
+        }
+    }
+
+    fn number(&mut self, schema: &Value, value: &Value, key: &str) {
+        let whole = type_name(schema) == "integer";
+        let Some(x) = value.as_f64().filter(|_| !whole || value.is_i64() || value.is_u64()) else {
+            return self.mistyped(if whole { "a whole number" } else { "a number" }, value, key);
+        };
+        let (low, high) = (schema["minimum"].as_f64(), schema["maximum"].as_f64());
+        if low.is_some_and(|low| x < low) {
+            let message = format!("{key} must be at least {}, found {value}", show(&schema["minimum"]));
+            return self.fault(key, message, hint_from(schema));
+        }
+        if high.is_some_and(|high| x > high) {
+            let message = format!("{key} must be at most {}, found {value}", show(&schema["maximum"]));
+            self.fault(key, message, hint_from(schema));
+        }
+    }
+
+    fn string(&mut self, schema: &Value, value: &Value, key: &str) {
+        let Some(text) = value.as_str() else {
+            return self.mistyped("a text in quotes", value, key);
+        };
+        let too_long = schema["maxLength"].as_u64().is_some_and(|max| text.chars().count() as u64 > max);
+        let too_short = schema["minLength"].as_u64().is_some_and(|min| (text.chars().count() as u64) < min);
+        let bad_name = schema["pattern"].is_string() && !is_name(text);
+        if too_long || too_short || bad_name {
+            self.fault(key, format!("{key} cannot be {text:?}"), hint_from(schema));
+        }
+    }
+
+    fn word(&mut self, words: &[&str], value: &Value, key: &str) {
+        let Some(text) = value.as_str() else {
+            return self.mistyped(&format!("one of {}", words.join(", ")), value, key);
+        };
+        if words.contains(&text) {
+            return;
+        }
+        let hint = format!("{}known: {}", did_you_mean(text, words.iter().copied()), words.join(", "));
+        self.fault(key, format!("{key} has no {text:?}"), hint);
+    }
+
+    fn unknown(&mut self, path: &str, name: &str, known: &Value) {
+        let names: Vec<&str> = known.as_object().into_iter().flatten().map(|(k, _)| k.as_str()).collect();
+        let hint = format!("{}known: {}", did_you_mean(name, names.iter().copied()), names.join(", "));
+        self.fault(path, format!("{path} is not a key"), hint);
+    }
+
+    fn mistyped(&mut self, wanted: &str, found: &Value, key: &str) {
+        let subject = if key.is_empty() { "the recipe" } else { key };
+        self.fault(key, format!("{subject} must be {wanted}, found {found}"), String::new());
+    }
+
+    fn fault(&mut self, key: &str, message: String, hint: String) {
+        self.faults.push(Fault { origin: self.draft.origin(key), message, hint });
+    }
+}
+
+/// The schema below `anyOf [X, null]` or `type [x, null]`, and whether `null` was admitted.
+fn unwrap_optional(schema: &Value) -> (&Value, bool) {
+    let is_null = |s: &Value| s["type"] == "null";
+    if let Some(variants) = schema["anyOf"].as_array().filter(|v| v.iter().any(is_null)) {
+        return (variants.iter().find(|v| !is_null(v)).unwrap_or(schema), true);
+    }
+    let optional = schema["type"].as_array().is_some_and(|types| types.iter().any(|t| t == "null"));
+    (schema, optional)
+}
+
+fn type_name(schema: &Value) -> &str {
+    match &schema["type"] {
+        Value::Array(types) => types.iter().filter_map(Value::as_str).find(|t| *t != "null").unwrap_or(""),
+        other => other.as_str().unwrap_or(""),
+    }
+}
+
+/// The words of an `enum`, or of a `oneOf` of constants (documented variants).
+pub fn words(schema: &Value) -> Option<Vec<&str>> {
+    if let Some(words) = schema["enum"].as_array() {
+        return Some(words.iter().filter_map(Value::as_str).collect());
+    }
+    let variants = schema["oneOf"].as_array()?;
+    let words = variants.iter().flat_map(|v| match words(v) {
+        Some(words) => words,
+        None => v["const"].as_str().into_iter().collect(),
+    });
+    Some(words.collect())
+}
+
+fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_lowercase())
+        && text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-')
+}
+
+fn hint_from(schema: &Value) -> String {
+    let text = schema["description"].as_str().unwrap_or_default();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn show(number: &Value) -> String {
+    match number.as_f64() {
+        Some(x) if x == x.trunc() && x.abs() < 1e15 => format!("{x:.0}"),
+        _ => number.to_string(),
+    }
+}
+
+/// `"did you mean …? "` if a known word is near, else nothing.
+pub fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let nearest = known.map(|k| (strsim::levenshtein(word, k), k)).min();
+    match nearest {
+        Some((distance, k)) if distance <= 1 + word.len() / 3 => format!("did you mean `{k}`? "),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,168 @@
+//! The recipe: what a cave is made from.
+//!
+//! A recipe is TOML with a default for every key. It is checked against the JSON Schema of the settings structs that
+//! stand beside the code they set, so one doc comment and one range serve the reader, the editor and `plume new`.
+
+mod check;
+mod fault;
+mod print;
+mod read;
+mod schema;
+mod world;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
+
+pub use self::check::did_you_mean;
+pub use self::fault::{Fault, Faults, Origin};
+pub use self::schema::editor_schema;
+pub use self::world::WorldSettings;
+use crate::field::PassageSettings;
+use crate::graph::{self, Generator};
+use crate::material::{self, Look, Material};
+use crate::mesh::MeshSettings;
+use crate::texture::TextureSettings;
+
+/// Name of the `graph.generator` that reads a file instead of growing a graph.
+pub const FILE_GENERATOR: &str = "file";
+
+/// A whole recipe: every key has a value, every value is in range.
+#[derive(Debug)]
+pub struct Recipe {
+    /// Name of the cave, and of what is made of it.
+    pub name: String,
+    /// The seed everything random follows from.
+    pub seed: u64,
+    /// Where the graph comes from.
+    pub graph: GraphSource,
+    /// How wide and high the passages are.
+    pub passage: PassageSettings,
+    /// Shape of the rock.
+    pub rock: Arc<dyn Material>,
+    /// Colour and wetness of the rock.
+    pub look: Look,
+    /// Triangles.
+    pub mesh: MeshSettings,
+    /// Images.
+    pub texture: TextureSettings,
+    /// Light, friction, gravity.
+    pub world: WorldSettings,
+    resolved: Value,
+}
+
+/// Where a graph comes from.
+#[derive(Debug)]
+pub enum GraphSource {
+    /// Grown from the seed.
+    Grown(Box<dyn Generator>),
+    /// Read from a graph file.
+    File {
+        /// The file: graph JSON or a `data.json` of the original PLUME.
+        path: PathBuf,
+        /// Factor on every length of it.
+        scale: f64,
+    },
+}
+
+impl Recipe {
+    /// Reads TOML. `file` names it in faults; `overrides` are `key=value` pairs that win over it.
+    ///
+    /// # Errors
+    /// Every fault found, each with its line, key and hint.
+    pub fn from_toml(text: &str, file: &Path, overrides: &[String]) -> Result<Self, Faults> {
+        let mut draft = read::toml(text, file)?;
+        read::overrides(&mut draft, overrides)?;
+        Self::from_draft(draft)
+    }
+
+    /// Reads the JSON form that graph files carry.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_toml`].
+    pub fn from_json(value: Value, file: &Path, overrides: &[String]) -> Result<Self, Faults> {
+        let mut draft = read::Draft::new(value, file);
+        read::overrides(&mut draft, overrides)?;
+        Self::from_draft(draft)
+    }
+
+    /// The default recipe with `overrides`.
+    ///
+    /// # Errors
+    /// Faults of the overrides.
+    pub fn from_overrides(overrides: &[String]) -> Result<Self, Faults> {
+        Self::from_json(json!({}), Path::new("default recipe"), overrides)
+    }
+
+    fn from_draft(draft: read::Draft) -> Result<Self, Faults> {
+        let schema = schema::of(&draft.value);
+        check::against(&schema, &draft)?;
+        let resolved = schema::filled(&schema, &draft.value);
+        let graph = graph_source(&resolved["graph"], &draft)?;
+        let rock = rock(&resolved["rock"], &draft)?;
+        Ok(Self {
+            name: typed(&resolved, "name", &draft)?,
+            seed: typed(&resolved, "seed", &draft)?,
+            graph,
+            passage: typed(&resolved, "passage", &draft)?,
+            rock,
+            look: typed(&resolved, "look", &draft)?,
+            mesh: typed(&resolved, "mesh", &draft)?,
+            texture: typed(&resolved, "texture", &draft)?,
+            world: typed(&resolved, "world", &draft)?,
+            resolved,
+        })
+    }
+
+    /// The recipe as commented TOML that reads back as itself.
+    pub fn to_toml(&self) -> String {
+        print::commented(&schema::of(&self.resolved), &self.resolved)
+    }
+
+    /// The recipe as JSON, every key with its value.
+    pub fn to_json(&self) -> &Value {
+        &self.resolved
+    }
+}
+
+/// Settings given as `key=value` pairs alone, checked against their schema, every key with its value.
+///
+/// # Errors
+/// Every fault found.
+pub fn options(schema: &Value, pairs: &[String]) -> Result<Value, Faults> {
+    let schema = schema::plain(schema.clone());
+    let mut draft = read::Draft::new(json!({}), Path::new("options"));
+    read::overrides(&mut draft, pairs)?;
+    check::against(&schema, &draft)?;
+    Ok(schema::filled(&schema, &draft.value))
+}
+
+fn graph_source(section: &Value, draft: &read::Draft) -> Result<GraphSource, Faults> {
+    let (name, settings) = split_choice(section, "generator");
+    if name == FILE_GENERATOR {
+        let path = settings["path"].as_str().unwrap_or_default();
+        return Ok(GraphSource::File { path: draft.beside(path), scale: settings["scale"].as_f64().unwrap_or(1.0) });
+    }
+    let row = graph::generator(name).expect("the schema admits only rows of the table");
+    let grown = (row.read)(Value::Object(settings));
+    grown.map(GraphSource::Grown).map_err(|e| draft.fault("graph", e.to_string()))
+}
+
+fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {
+    let (name, settings) = split_choice(section, "kind");
+    let row = material::material(name).expect("the schema admits only rows of the table");
+    (row.read)(Value::Object(settings)).map_err(|e| draft.fault("rock", e.to_string()))
+}
+
+/// Splits `{kind: "a", …settings}` into the chosen row's name and its settings.
+fn split_choice<'a>(section: &'a Value, key: &str) -> (&'a str, Map<String, Value>) {
+    let mut settings = section.as_object().cloned().unwrap_or_default();
+    settings.remove(key);
+    (section[key].as_str().unwrap_or_default(), settings)
+}
+
+fn typed<T: DeserializeOwned>(all: &Value, key: &str, draft: &read::Draft) -> Result<T, Faults> {
+    serde_json::from_value(all[key].clone()).map_err(|e| draft.fault(key, e.to_string()))
+}

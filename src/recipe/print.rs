@@ -1,0 +1,91 @@
+//! A recipe as TOML in which every key explains itself.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::check::words;
+
+const WIDTH: usize = 96;
+
+/// The recipe `value` with the descriptions, ranges and defaults of its `schema` as comments.
+pub fn commented(schema: &Value, value: &Value) -> String {
+    let mut out = String::new();
+    let properties = schema["properties"].as_object();
+    let (sections, keys): (Vec<_>, Vec<_>) =
+        properties.into_iter().flatten().partition(|(key, _)| value[key.as_str()].is_object());
+    for (key, schema) in keys {
+        entry(&mut out, key, schema, &value[key.as_str()]);
+    }
+    for (section, schema) in sections {
+        let _ = writeln!(out, "\n[{section}]");
+        for (key, schema) in schema["properties"].as_object().into_iter().flatten() {
+            entry(&mut out, key, schema, &value[section.as_str()][key.as_str()]);
+        }
+    }
+    out
+}
+
+fn entry(out: &mut String, key: &str, schema: &Value, value: &Value) {
+    for line in wrapped(&about(schema)) {
+        let _ = writeln!(out, "# {line}");
+    }
+    match literal(value) {
+        Some(text) => writeln!(out, "{key} = {text}"),
+        None => writeln!(out, "# {key} ="),
+    }
+    .expect("writing to a string cannot fail");
+}
+
+fn about(schema: &Value) -> String {
+    let mut text = schema["description"].as_str().unwrap_or_default().to_owned();
+    if let Some(words) = words(schema) {
+        let _ = write!(text, " One of: {}.", words.join(", "));
+    }
+    match (literal(&schema["minimum"]), literal(&schema["maximum"])) {
+        (Some(low), Some(high)) => write!(text, " Range {low} to {high}."),
+        (Some(low), None) => write!(text, " At least {low}."),
+        (None, Some(high)) => write!(text, " At most {high}."),
+        (None, None) => Ok(()),
+    }
+    .expect("writing to a string cannot fail");
+    if let Some(default) = literal(&schema["default"]) {
+        let _ = write!(text, " Default {default}.");
+    }
+    text
+}
+
+fn literal(value: &Value) -> Option<String> {
+    match value {
+        Value::Null | Value::Object(_) => None,
+        Value::Number(n) if n.is_f64() => n.as_f64().map(float),
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().filter_map(literal).collect();
+            Some(format!("[{}]", items.join(", ")))
+        }
+        other => Some(other.to_string()),
+    }
+}
+
+/// A decimal that TOML takes for a float, not an integer.
+fn float(x: f64) -> String {
+    let text = x.to_string();
+    if text.contains('.') { text } else { format!("{text}.0") }
+}
+
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let line = lines.last_mut().expect("there is always a line");
+        if !line.is_empty() && line.len() + 1 + word.len() > WIDTH {
+            lines.push(word.to_owned());
+            continue;
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    lines.retain(|line| !line.is_empty());
+    lines
+}

@@ -1,0 +1,145 @@
+//! The JSON Schema of a recipe, put together from the tables of generators and rocks.
+
+use schemars::{JsonSchema, generate::SchemaSettings};
+use serde_json::{Map, Value, json};
+
+use super::{FILE_GENERATOR, WorldSettings};
+use crate::field::PassageSettings;
+use crate::graph::{self, GENERATORS};
+use crate::material::{self, Look, MATERIALS};
+use crate::mesh::MeshSettings;
+use crate::texture::TextureSettings;
+
+/// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
+pub fn of(recipe: &Value) -> Value {
+    let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS[0].name);
+    let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS[0].name);
+    let settings = match graph::generator(generator) {
+        _ if generator == FILE_GENERATOR => file_schema(),
+        row => plain((row.unwrap_or(&GENERATORS[0]).schema)().to_value()),
+    };
+    let graph = choice("generator", generator, &generator_names(), "How the passages grow.", settings);
+    let rock_row = material::material(kind).unwrap_or(&MATERIALS[0]);
+    let rock = choice("kind", kind, &rock_names(), "Which rock.", plain((rock_row.schema)().to_value()));
+    whole(graph, rock)
+}
+
+/// One schema for every choice, for editors.
+pub fn editor_schema() -> Value {
+    let generators = generator_names();
+    let rocks = rock_names();
+    let graph_of = |name: &&str| of(&json!({"graph": {"generator": name}}))["properties"]["graph"].clone();
+    let rock_of = |name: &&str| of(&json!({"rock": {"kind": name}}))["properties"]["rock"].clone();
+    let graph = json!({"oneOf": only(generators.iter().map(graph_of), "generator", &generators)});
+    let rock = json!({"oneOf": only(rocks.iter().map(rock_of), "kind", &rocks)});
+    let mut schema = whole(graph, rock);
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("Plume recipe");
+    schema
+}
+
+/// Pins the choice of each variant to its own name; the first may be left out, being the default.
+fn only(variants: impl Iterator<Item = Value>, key: &str, names: &[&str]) -> Vec<Value> {
+    let pin = |(i, mut variant): (usize, Value)| {
+        variant["properties"][key]["enum"] = json!([names[i]]);
+        if i > 0 {
+            variant["required"] = json!([key]);
+        }
+        variant
+    };
+    variants.enumerate().map(pin).collect()
+}
+
+fn generator_names() -> Vec<&'static str> {
+    GENERATORS.iter().map(|row| row.name).chain([FILE_GENERATOR]).collect()
+}
+
+fn rock_names() -> Vec<&'static str> {
+    MATERIALS.iter().map(|row| row.name).collect()
+}
+
+fn whole(graph: Value, rock: Value) -> Value {
+    let name = json!({
+        "type": "string", "default": "cave", "pattern": "^[a-z][a-z0-9_-]*$", "maxLength": 60,
+        "description": "Name of the cave and of every model made of it: lower-case letters, digits, - and _."
+    });
+    let seed = json!({
+        "type": "integer", "default": 7, "minimum": 0, "maximum": i64::MAX,
+        "description": "Everything random follows from this number: same recipe, seed and version, same bytes."
+    });
+    json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": {
+            "name": name,
+            "seed": seed,
+            "graph": graph,
+            "passage": schema_of::<PassageSettings>(),
+            "rock": rock,
+            "look": schema_of::<Look>(),
+            "mesh": schema_of::<MeshSettings>(),
+            "texture": schema_of::<TextureSettings>(),
+            "world": schema_of::<WorldSettings>(),
+        }
+    })
+}
+
+/// Settings of `generator = "file"`.
+fn file_schema() -> Value {
+    json!({
+        "type": "object",
+        "additionalProperties": false,
+        "description": "Reads the graph from a file.",
+        "required": ["path"],
+        "properties": {
+            "path": {"type": "string", "default": "graph.json", "minLength": 1, "description":
+                "Graph JSON, or data.json of the original PLUME; relative to the recipe."},
+            "scale": {"type": "number", "default": 1.0, "minimum": 0.001, "maximum": 1000.0, "description":
+                "Factor on every length of the file. Passages of the original PLUME are about 1 m: 2 to 3 suits robots."},
+        }
+    })
+}
+
+/// Schema of a settings struct, without references.
+pub fn schema_of<T: JsonSchema>() -> Value {
+    let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
+    plain(settings.into_generator().into_root_schema_for::<T>().to_value())
+}
+
+/// Replaces numbers that passed through `f32` (0.20000000298) by the decimal that was meant (0.2).
+pub fn plain(value: Value) -> Value {
+    match value {
+        Value::Number(n) if n.is_f64() => {
+            let x = n.as_f64().unwrap_or_default();
+            let narrow = x as f32;
+            let meant = if f64::from(narrow) == x { narrow.to_string().parse().unwrap_or(x) } else { x };
+            json!(meant)
+        }
+        Value::Array(items) => items.into_iter().map(plain).collect(),
+        Value::Object(map) => map.into_iter().map(|(k, v)| (k, plain(v))).collect(),
+        other => other,
+    }
+}
+
+/// Puts the key that chooses a row in front of the row's own settings.
+fn choice(key: &str, chosen: &str, names: &[&str], about: &str, settings: Value) -> Value {
+    let selector = json!({"type": "string", "enum": names, "default": chosen, "description": about});
+    let mut properties = Map::new();
+    properties.insert(key.to_owned(), selector);
+    if let Some(own) = settings["properties"].as_object() {
+        properties.extend(own.clone());
+    }
+    let mut schema = settings;
+    schema["properties"] = Value::Object(properties);
+    schema["additionalProperties"] = json!(false);
+    schema
+}
+
+/// `value` with the default of every key it leaves out, in the order of the schema.
+pub fn filled(schema: &Value, value: &Value) -> Value {
+    let Some(properties) = schema["properties"].as_object() else {
+        return if value.is_null() { schema["default"].clone() } else { value.clone() };
+    };
+    let fill = |(key, schema): (&String, &Value)| (key.clone(), filled(schema, &value[key]));
+    Value::Object(properties.iter().map(fill).collect())
+}

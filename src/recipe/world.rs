@@ -1,0 +1,30 @@
+//! Light, friction and gravity: what a simulator needs beside the rock.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The world around the rock.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct WorldSettings {
+    /// Hang lamps along the passages. Without them a robot brings its own light.
+    pub lights: bool,
+    /// Distance between lamps along the passages, m.
+    #[schemars(range(min = 2.0, max = 100.0))]
+    pub light_spacing_m: f64,
+    /// Coulomb friction of the floor against rubber; dry rock is about 0.8, wet limestone 0.5.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub friction: f64,
+    /// Downward acceleration, m/s². Earth 9.81, Mars 3.71, Moon 1.62.
+    #[schemars(range(min = 0.0, max = 30.0))]
+    pub gravity: f64,
+    /// Number of start poses to look for, spread over the cave.
+    #[schemars(range(min = 1, max = 64))]
+    pub spawns: usize,
+}
+
+impl Default for WorldSettings {
+    fn default() -> Self {
+        Self { lights: true, light_spacing_m: 9.0, friction: 0.8, gravity: 9.81, spawns: 8 }
+    }
+}
