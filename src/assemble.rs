@@ -1,0 +1,115 @@
+//! From a cave folder to a scene: the only file that names both caves and exporters.
+
+use std::io;
+
+use nalgebra::{Isometry3, Point3};
+use plume_exporters::scene::{self, Chunks, Light, Scene};
+
+use crate::field::Field;
+use crate::graph::Graph;
+use crate::recipe::{Recipe, WorldSettings};
+use crate::store::ply::PlyMesh;
+use crate::store::{self, CaveFolder, Unit};
+use crate::texture::ImageFormat;
+use crate::truth::{self, Lamp};
+
+/// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
+const LAMP_CD_PER_M2: f64 = 0.35;
+/// A lamp reaches this many spacings.
+const LAMP_REACH: f64 = 2.0;
+/// Warm white, linear RGB.
+const LAMP_COLOR: [f64; 3] = [1.0, 0.86, 0.68];
+
+/// The chunks of a finished cave folder, loaded one at a time.
+pub struct FolderChunks<'a> {
+    folder: &'a CaveFolder,
+    names: Vec<String>,
+    format: ImageFormat,
+}
+
+impl<'a> FolderChunks<'a> {
+    /// The chunks that `walls` names.
+    pub fn new(folder: &'a CaveFolder, walls: &[Unit], format: ImageFormat) -> Self {
+        Self { folder, names: walls.iter().map(|unit| unit.name.clone()).collect(), format }
+    }
+
+    fn image(&self, name: &str, image: &str) -> scene::Image {
+        let path = self.folder.root().join(store::image_path(name, image, self.format));
+        let format = match self.format {
+            ImageFormat::Png => scene::ImageFormat::Png,
+            ImageFormat::Jpg => scene::ImageFormat::Jpeg,
+        };
+        scene::Image { path, format }
+    }
+}
+
+impl Chunks for FolderChunks<'_> {
+    fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    fn load(&self, index: usize) -> Result<scene::Chunk, io::Error> {
+        let name = &self.names[index];
+        let read = |path: String| store::read_ply(self.folder, &path).map_err(io::Error::other);
+        Ok(scene::Chunk {
+            name: name.clone(),
+            visual: scene_mesh(read(store::textured_path(name))?),
+            collision: scene_mesh(read(format!("collision/{name}.ply"))?),
+            material: scene::Material {
+                base_color: self.image(name, store::IMAGES[0]),
+                normal: self.image(name, store::IMAGES[1]),
+                orm: self.image(name, store::IMAGES[2]),
+                roughness: self.image(name, store::IMAGES[3]),
+            },
+        })
+    }
+}
+
+fn scene_mesh(ply: PlyMesh) -> scene::Mesh {
+    scene::Mesh {
+        positions: ply.positions,
+        normals: ply.normals,
+        uvs: ply.uvs,
+        tangents: ply.tangents,
+        indices: ply.triangles.into_iter().flatten().collect(),
+    }
+}
+
+/// The scene of a finished cave.
+pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
+    let world = &recipe.world;
+    Scene {
+        name: recipe.name.replace('-', "_"),
+        description: format!("Underground world made by Plume: {} stations, seed {}", graph.nodes.len(), recipe.seed),
+        generator: format!("plume {}", crate::VERSION),
+        recipe: recipe.to_toml(),
+        chunks,
+        spawns: spawns(field, graph, world.spawns),
+        lights: if world.lights { lights(field, graph, world) } else { Vec::new() },
+        friction: world.friction,
+        gravity: world.gravity,
+        collision_error_m: recipe.mesh.collision_error_m.into(),
+    }
+}
+
+/// Start poses; where there is no headroom at all, the first station, since a scene must have one.
+fn spawns(field: &dyn Field, graph: &Graph, count: usize) -> Vec<Isometry3<f64>> {
+    let spawns: Vec<_> = truth::spawns(field, graph, count).into_iter().map(|spawn| spawn.pose).collect();
+    if !spawns.is_empty() {
+        return spawns;
+    }
+    let first = graph.nodes.first().map_or(Point3::origin(), |node| node.position);
+    vec![Isometry3::translation(first.x, first.y, first.z)]
+}
+
+fn lights(field: &dyn Field, graph: &Graph, world: &WorldSettings) -> Vec<Light> {
+    let spacing_m = world.light_spacing_m;
+    let light = |(i, lamp): (usize, Lamp)| Light {
+        name: format!("lamp_{i}"),
+        position: lamp.position,
+        color: LAMP_COLOR,
+        intensity_cd: LAMP_CD_PER_M2 * spacing_m * spacing_m,
+        range_m: LAMP_REACH * spacing_m,
+    };
+    truth::lamps(field, graph, spacing_m).into_iter().enumerate().map(light).collect()
+}

@@ -1,0 +1,294 @@
+//! The stages, from recipe to finished cave folder, chunk by chunk.
+//!
+//! Every stage is a function of what came before it, is made of units that stand alone, and skips units that are
+//! already finished. Chunks are worked on by all threads; memory is a few chunks per thread, however many there are.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::field::CaveField;
+use crate::graph::{self, GenerateError, Graph};
+use crate::mesh::{self, ChunkIndex, Grid, GridError};
+use crate::recipe::{GraphSource, Recipe};
+use crate::store::{self, CaveFolder, ChunkError, FileRecord, Stage, StoreError, Unit, sha256};
+
+/// Why a cave was not finished.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The disk.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The generator could not make such a graph.
+    #[error("graph: {0}")]
+    Generate(#[from] GenerateError),
+    /// A graph file is faulty.
+    #[error("{}: {source}", path.display())]
+    GraphFile {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: graph::json::ReadError,
+    },
+    /// No grid of chunks fits.
+    #[error("mesh: {0}")]
+    Grid(#[from] GridError),
+    /// The folder holds another cave.
+    #[error("{}: holds another cave (its {stage} differs)", path.display())]
+    OtherCave {
+        /// Which folder.
+        path: PathBuf,
+        /// The first stage that differs.
+        stage: &'static str,
+    },
+    /// A chunk could not be textured.
+    #[error("texture: {0}")]
+    Texture(ChunkError),
+    /// The user stopped it.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<ChunkError> for PipelineError {
+    fn from(error: ChunkError) -> Self {
+        match error {
+            ChunkError::Store(error) => Self::Store(error),
+            other => Self::Texture(other),
+        }
+    }
+}
+
+/// Watches the work and may stop it.
+pub trait Observer: Sync {
+    /// A stage of `total` units begins.
+    fn begin(&self, stage: Stage, total: usize);
+    /// A unit is done.
+    fn advance(&self, stage: Stage);
+    /// The stage is done.
+    fn end(&self, stage: Stage);
+    /// Set to stop after the units in work.
+    fn stop(&self) -> &AtomicBool;
+}
+
+/// One cave in the making.
+pub struct Pipeline<'a> {
+    recipe: &'a Recipe,
+    folder: &'a CaveFolder,
+    observer: &'a dyn Observer,
+    graph: Graph,
+    graph_fingerprint: String,
+    mesh_fingerprint: String,
+    texture_fingerprint: String,
+}
+
+impl<'a> Pipeline<'a> {
+    /// Makes or reads the graph and writes recipe and graph into the folder. `given` replaces the recipe's own graph.
+    ///
+    /// # Errors
+    /// When there can be no such graph, or the folder holds another cave and `force` is not set.
+    pub fn start(
+        recipe: &'a Recipe,
+        given: Option<Graph>,
+        folder: &'a CaveFolder,
+        force: bool,
+        observer: &'a dyn Observer,
+    ) -> Result<Self, PipelineError> {
+        observer.begin(Stage::Graph, 1);
+        let graph = match given {
+            Some(graph) => graph,
+            None => graph_of(recipe)?,
+        };
+        let text = graph::json::write(&graph, crate::VERSION, recipe.to_json());
+        let graph_fingerprint = sha256(format!("{}\n{}", crate::VERSION, text).as_bytes());
+        let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
+        let shape = [crate::VERSION, &stations(&graph), &section(&["seed", "passage", "rock", "mesh"])].concat();
+        let mesh_fingerprint = sha256(shape.as_bytes());
+        let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture"])].concat();
+        let texture_fingerprint = sha256(colour.as_bytes());
+        let pipeline =
+            Self { recipe, folder, observer, graph, graph_fingerprint, mesh_fingerprint, texture_fingerprint };
+        if !force {
+            pipeline.refuse_other_cave()?;
+        }
+        pipeline.write_graph(&text)?;
+        observer.advance(Stage::Graph);
+        observer.end(Stage::Graph);
+        Ok(pipeline)
+    }
+
+    /// The graph.
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The field of this cave.
+    pub fn field(&self) -> CaveField {
+        let recipe = self.recipe;
+        CaveField::new(&self.graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
+    }
+
+    /// Makes every chunk's triangles.
+    ///
+    /// # Errors
+    /// When the grid is out of reach, the disk refuses, or the observer stops.
+    pub fn mesh(&self) -> Result<(), PipelineError> {
+        let field = self.field();
+        let grid = Grid::new(field.bounds(), &self.recipe.mesh)?;
+        let indices: Vec<ChunkIndex> = grid.indices().collect();
+        self.each(Stage::Mesh, &indices, |index| {
+            let name = chunk_name(*index);
+            if self.folder.finished(Stage::Mesh, &name, &self.mesh_fingerprint)?.is_some() {
+                return Ok(());
+            }
+            let meshes = mesh::chunk(&field, &grid, *index, &self.recipe.mesh);
+            let (files, facts) = match &meshes {
+                Some(meshes) => (self.write_meshes(&name, meshes)?, mesh_facts(meshes)),
+                None => (Vec::new(), json!({"triangles": 0})),
+            };
+            self.commit(Stage::Mesh, name, &self.mesh_fingerprint, files, facts)
+        })
+    }
+
+    /// Makes every chunk's images.
+    ///
+    /// # Errors
+    /// When the meshes are not there, the disk refuses, or the observer stops.
+    pub fn texture(&self) -> Result<(), PipelineError> {
+        let field = self.field();
+        let walls: Vec<Unit> = self.walls();
+        self.each(Stage::Texture, &walls, |wall| {
+            if self.folder.finished(Stage::Texture, &wall.name, &self.texture_fingerprint)?.is_some() {
+                return Ok(());
+            }
+            let mesh = store::read_mesh(self.folder, &wall.name)?;
+            let (files, textured) =
+                store::write_textured(self.folder, &wall.name, &mesh, &field, &self.recipe.texture)?;
+            let facts = json!({"texels_per_m": textured.texels_per_m, "utilisation": textured.utilisation});
+            self.commit(Stage::Texture, wall.name.clone(), &self.texture_fingerprint, files, facts)
+        })
+    }
+
+    /// Writes the manifest and clears away what belongs to no unit of this cave.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn settle(&self) -> Result<(), PipelineError> {
+        let keep = |unit: &Unit| unit.fingerprint == self.fingerprint(unit.stage);
+        Ok(self.folder.settle(keep)?)
+    }
+
+    /// Finished mesh units that hold a wall, in order of their names.
+    pub fn walls(&self) -> Vec<Unit> {
+        let mut walls = self.folder.units(Stage::Mesh);
+        walls.retain(|unit| unit.fingerprint == self.mesh_fingerprint && !unit.files.is_empty());
+        walls
+    }
+
+    fn fingerprint(&self, stage: Stage) -> &str {
+        match stage {
+            Stage::Graph => &self.graph_fingerprint,
+            Stage::Mesh => &self.mesh_fingerprint,
+            Stage::Texture => &self.texture_fingerprint,
+        }
+    }
+
+    fn refuse_other_cave(&self) -> Result<(), PipelineError> {
+        for (stage, name) in [(Stage::Graph, "recipe or graph"), (Stage::Mesh, "shape"), (Stage::Texture, "look")] {
+            let is_other = |unit: &Unit| unit.fingerprint != self.fingerprint(stage);
+            if self.folder.units(stage).iter().any(is_other) {
+                return Err(PipelineError::OtherCave { path: self.folder.root().to_path_buf(), stage: name });
+            }
+        }
+        Ok(())
+    }
+
+    fn write_graph(&self, text: &str) -> Result<(), PipelineError> {
+        if self.folder.finished(Stage::Graph, "cave", &self.graph_fingerprint)?.is_some() {
+            return Ok(());
+        }
+        let recipe = self.folder.write(store::RECIPE, |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
+        let graph = self.folder.write(store::GRAPH, |out| out.write_all(text.as_bytes()))?;
+        let facts = json!({
+            "nodes": self.graph.nodes.len(),
+            "passages": self.graph.edges.len(),
+            "loops": self.graph.loops(),
+            "length_m": self.graph.length_m(),
+        });
+        self.commit(Stage::Graph, "cave".into(), &self.graph_fingerprint, vec![recipe, graph], facts)
+    }
+
+    fn write_meshes(&self, name: &str, meshes: &mesh::ChunkMeshes) -> Result<Vec<FileRecord>, PipelineError> {
+        let visual = store::write_mesh(self.folder, &format!("chunks/{name}.ply"), &meshes.visual)?;
+        let collision = store::write_mesh(self.folder, &format!("collision/{name}.ply"), &meshes.collision)?;
+        Ok(vec![visual, collision])
+    }
+
+    fn commit(
+        &self,
+        stage: Stage,
+        name: String,
+        fingerprint: &str,
+        files: Vec<FileRecord>,
+        facts: Value,
+    ) -> Result<(), PipelineError> {
+        let unit = Unit { stage, name, fingerprint: fingerprint.to_owned(), files, facts };
+        Ok(self.folder.commit(unit)?)
+    }
+
+    /// Runs `work` on every item on all threads, telling the observer, until one fails or the user stops.
+    fn each<T: Sync>(
+        &self,
+        stage: Stage,
+        items: &[T],
+        work: impl Fn(&T) -> Result<(), PipelineError> + Sync,
+    ) -> Result<(), PipelineError> {
+        self.observer.begin(stage, items.len());
+        items.par_iter().try_for_each(|item| {
+            if self.observer.stop().load(Ordering::Relaxed) {
+                return Err(PipelineError::Interrupted);
+            }
+            work(item)?;
+            self.observer.advance(stage);
+            Ok(())
+        })?;
+        self.observer.end(stage);
+        Ok(())
+    }
+}
+
+/// Name of a chunk: its index in the grid.
+fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
+    format!("chunk_{x}_{y}_{z}")
+}
+
+fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {
+    json!({
+        "triangles": meshes.visual.triangles.len(),
+        "collision_triangles": meshes.collision.triangles.len(),
+        "area_m2": meshes.visual.area_m2(),
+    })
+}
+
+/// The graph without its recipe: what the shape of the rock depends on.
+fn stations(graph: &Graph) -> String {
+    graph::json::write(graph, "", &Value::Null)
+}
+
+fn graph_of(recipe: &Recipe) -> Result<Graph, PipelineError> {
+    match &recipe.graph {
+        GraphSource::Grown(generator) => Ok(generator.generate(recipe.seed)?),
+        GraphSource::File { path, scale } => Ok(read_graph(path)?.graph.scaled(*scale)),
+    }
+}
+
+/// Reads a graph file.
+///
+/// # Errors
+/// When it cannot be read or is no graph.
+pub fn read_graph(path: &Path) -> Result<graph::json::Document, PipelineError> {
+    let text = std::fs::read_to_string(path).map_err(|e| StoreError::io(path, e))?;
+    graph::json::read(&text).map_err(|source| PipelineError::GraphFile { path: path.to_path_buf(), source })
+}

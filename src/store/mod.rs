@@ -1,0 +1,263 @@
+//! The cave folder on disk.
+//!
+//! ```text
+//! my-cave/
+//! ├─ cave.toml        the whole recipe
+//! ├─ graph.json       the graph, recipe inside: alone it makes the cave again
+//! ├─ chunks/          the wall, one PLY a chunk
+//! ├─ collision/       the same with fewer triangles
+//! ├─ textures/        the unwrapped wall (PLY) and its images, per chunk
+//! └─ manifest.json    what is finished: SHA-256 of every file
+//! ```
+//!
+//! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written under temporary names and renamed;
+//! then one line in a journal says that the unit is done. A process killed at any moment leaves whole units and at most
+//! some `*.partial` files, and the next run goes on from there to the same bytes. Power loss is not covered: nothing
+//! waits for the disk.
+
+mod chunk;
+mod file;
+pub mod ply;
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+pub use self::chunk::{ChunkError, IMAGES, image_path, read_mesh, read_ply, textured_path, write_mesh, write_textured};
+pub use self::file::{FileRecord, Sink, sha256};
+
+const MANIFEST: &str = "manifest.json";
+const JOURNAL: &str = "journal.jsonl";
+/// The recipe inside a cave folder.
+pub const RECIPE: &str = "cave.toml";
+/// The graph inside a cave folder.
+pub const GRAPH: &str = "graph.json";
+
+/// A stage of the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
+    /// Stations and passages.
+    Graph,
+    /// Triangles.
+    Mesh,
+    /// Images.
+    Texture,
+}
+
+/// A finished piece of work: one stage of one chunk (or of the whole cave).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unit {
+    /// Which stage.
+    pub stage: Stage,
+    /// Chunk name, or `cave`.
+    pub name: String,
+    /// Hash of everything the unit follows from.
+    pub fingerprint: String,
+    /// What was written.
+    pub files: Vec<FileRecord>,
+    /// Numbers worth keeping: triangles, areas, texels.
+    pub facts: Value,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Manifest {
+    plume: String,
+    units: Vec<Unit>,
+}
+
+/// Something went wrong between us and the disk.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The operating system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// Which file or folder.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+    },
+    /// A file of the folder is not what we wrote.
+    #[error("{}: {message}", path.display())]
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// The folder is in use for something else.
+    #[error("{}: the folder exists and holds no cave", path.display())]
+    Occupied {
+        /// Which folder.
+        path: PathBuf,
+    },
+}
+
+impl StoreError {
+    /// An I/O error at `path`.
+    pub fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_path_buf(), source }
+    }
+}
+
+/// An open cave folder.
+pub struct CaveFolder {
+    root: PathBuf,
+    work: Mutex<Work>,
+}
+
+struct Work {
+    units: BTreeMap<(Stage, String), Unit>,
+    journal: Option<File>,
+}
+
+impl CaveFolder {
+    /// Whether `root` looks like a cave folder.
+    pub fn is_at(root: &Path) -> bool {
+        root.join(MANIFEST).is_file() || root.join(JOURNAL).is_file()
+    }
+
+    /// Opens the cave folder at `root`, or makes one where there is nothing yet.
+    ///
+    /// # Errors
+    /// When `root` holds something else, cannot be written, or its manifest is damaged.
+    pub fn open_or_create(root: &Path) -> Result<Self, StoreError> {
+        if !Self::is_at(root) && !file::is_vacant(root)? {
+            return Err(StoreError::Occupied { path: root.to_path_buf() });
+        }
+        fs::create_dir_all(root).map_err(|e| StoreError::io(root, e))?;
+        Self::open(root)
+    }
+
+    /// Opens the cave folder at `root`.
+    ///
+    /// # Errors
+    /// When it cannot be read or its manifest is damaged.
+    pub fn open(root: &Path) -> Result<Self, StoreError> {
+        let mut units = read_manifest(&root.join(MANIFEST))?;
+        for unit in read_journal(&root.join(JOURNAL))? {
+            units.insert((unit.stage, unit.name.clone()), unit);
+        }
+        Ok(Self { root: root.to_path_buf(), work: Mutex::new(Work { units, journal: None }) })
+    }
+
+    /// The folder itself.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// The unit, if it is finished, follows from `fingerprint`, and all its files are intact.
+    ///
+    /// # Errors
+    /// When a file exists but cannot be read.
+    pub fn finished(&self, stage: Stage, name: &str, fingerprint: &str) -> Result<Option<Unit>, StoreError> {
+        let unit = self.work().units.get(&(stage, name.to_owned())).cloned();
+        let Some(unit) = unit.filter(|unit| unit.fingerprint == fingerprint) else {
+            return Ok(None);
+        };
+        for record in &unit.files {
+            if !record.is_intact(&self.root)? {
+                return Ok(None);
+            }
+        }
+        Ok(Some(unit))
+    }
+
+    /// The units of a stage, in order of their names.
+    pub fn units(&self, stage: Stage) -> Vec<Unit> {
+        self.work().units.values().filter(|unit| unit.stage == stage).cloned().collect()
+    }
+
+    /// Writes a file of the folder; it appears whole or not at all.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn write(
+        &self,
+        path: &str,
+        content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<FileRecord, StoreError> {
+        file::write(&self.root, path, content)
+    }
+
+    /// Starts a file of the folder; it appears when finished.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn create(&self, path: &str) -> Result<Sink, StoreError> {
+        Sink::create(&self.root, path)
+    }
+
+    /// Notes that a unit is done; its files have been written.
+    ///
+    /// # Errors
+    /// When the journal cannot be written.
+    pub fn commit(&self, unit: Unit) -> Result<(), StoreError> {
+        let path = self.root.join(JOURNAL);
+        let mut line = serde_json::to_vec(&unit).expect("a unit is plain data");
+        line.push(b'\n');
+        let mut work = self.work();
+        if work.journal.is_none() {
+            let opened = OpenOptions::new().create(true).append(true).open(&path);
+            work.journal = Some(opened.map_err(|e| StoreError::io(&path, e))?);
+        }
+        let journal = work.journal.as_mut().expect("opened above");
+        journal.write_all(&line).map_err(|e| StoreError::io(&path, e))?;
+        work.units.insert((unit.stage, unit.name.clone()), unit);
+        Ok(())
+    }
+
+    /// Folds the journal into the manifest, keeping the units that `keep` approves and deleting the files of the others.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn settle(&self, keep: impl Fn(&Unit) -> bool) -> Result<(), StoreError> {
+        let mut work = self.work();
+        let (kept, stale): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            std::mem::take(&mut work.units).into_iter().partition(|(_, unit)| keep(unit));
+        let wanted: Vec<&str> = kept.values().flat_map(|unit| unit.files.iter().map(|f| f.path.as_str())).collect();
+        for record in stale.values().flat_map(|unit| &unit.files) {
+            if !wanted.contains(&record.path.as_str()) {
+                let _ = fs::remove_file(self.root.join(&record.path));
+            }
+        }
+        let manifest = Manifest { plume: crate::VERSION.into(), units: kept.values().cloned().collect() };
+        self.write(MANIFEST, |out| {
+            serde_json::to_writer_pretty(&mut *out, &manifest)?;
+            out.write_all(b"\n")
+        })?;
+        work.units = kept;
+        work.journal = None;
+        let _ = fs::remove_file(self.root.join(JOURNAL));
+        Ok(())
+    }
+
+    fn work(&self) -> MutexGuard<'_, Work> {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn read_manifest(path: &Path) -> Result<BTreeMap<(Stage, String), Unit>, StoreError> {
+    let Some(text) = file::read_if_there(path)? else {
+        return Ok(BTreeMap::new());
+    };
+    let manifest: Manifest = serde_json::from_slice(&text)
+        .map_err(|e| StoreError::Damaged { path: path.to_path_buf(), message: e.to_string() })?;
+    if manifest.plume != crate::VERSION {
+        return Ok(BTreeMap::new());
+    }
+    Ok(manifest.units.into_iter().map(|unit| ((unit.stage, unit.name.clone()), unit)).collect())
+}
+
+/// The journal's units up to the first line that a kill tore.
+fn read_journal(path: &Path) -> Result<Vec<Unit>, StoreError> {
+    let text = file::read_if_there(path)?.unwrap_or_default();
+    let lines = text.split(|byte| *byte == b'\n');
+    Ok(lines.map_while(|line| serde_json::from_slice(line).ok()).collect())
+}
