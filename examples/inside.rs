@@ -26,10 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [rock, view, rest @ ..] = arguments.as_slice() else {
         return Err("usage: inside ROCK VIEW|bench [OUT.png] [WIDTH]".into());
     };
-    let row = MATERIALS
-        .iter()
-        .find(|row| row.name == rock)
-        .ok_or("no such rock")?;
+    let row = MATERIALS.iter().find(|row| row.name == rock).ok_or("no such rock")?;
     let material = (row.read)(serde_json::json!({}))?;
     let settings = PassageSettings::default();
     let field = CaveField::new(&graph(&settings), &settings, material, Look::default(), 7);
@@ -61,11 +58,7 @@ fn graph(settings: &PassageSettings) -> Graph {
     let node = |(id, [x, y, z, width]): (u64, [f64; 4])| Node {
         id,
         parent: None,
-        position: Point3::new(
-            x,
-            y,
-            z + width / 2.0 * f64::from(settings.height_ratio * settings.floor_drop),
-        ),
+        position: Point3::new(x, y, z + width / 2.0 * f64::from(settings.height_ratio * settings.floor_drop)),
         radius: width / f64::from(settings.width_per_radius),
         active: false,
         level: 0,
@@ -73,16 +66,7 @@ fn graph(settings: &PassageSettings) -> Graph {
     };
     Graph {
         nodes: (0..).zip(STATIONS).map(node).collect(),
-        edges: vec![
-            [0, 1],
-            [1, 2],
-            [2, 3],
-            [3, 4],
-            [3, 6],
-            [4, 5],
-            [5, 8],
-            [6, 7],
-        ],
+        edges: vec![[0, 1], [1, 2], [2, 3], [3, 4], [3, 6], [4, 5], [5, 8], [6, 7]],
     }
 }
 
@@ -105,35 +89,14 @@ impl Camera {
     fn of(view: &str, field: &CaveField) -> Option<Self> {
         type View = ([f32; 2], [f32; 3], f32, &'static [[f32; 4]]);
         let (eye, target, degrees, lamps): View = match view {
-            "passage" => (
-                [-4.5, -0.7],
-                [4.0, 1.0, 0.75],
-                70.0,
-                &[[4.6, 0.4, 1.6, 20.0]],
-            ),
-            "junction" => (
-                [3.4, 1.0],
-                [10.0, -1.5, 0.9],
-                78.0,
-                &[[10.8, -5.2, 1.1, 22.0], [13.8, 1.6, 1.5, 12.0]],
-            ),
-            "room" => (
-                [18.8, 3.3],
-                [25.0, 4.6, 1.0],
-                84.0,
-                &[[25.6, 5.2, 2.0, 40.0]],
-            ),
-            "floor" => (
-                [-3.4, -0.5],
-                [-0.2, 0.5, -0.1],
-                66.0,
-                &[[0.9, 1.3, 0.9, 9.0]],
-            ),
+            "passage" => ([-4.5, -0.7], [4.0, 1.0, 0.75], 70.0, &[[4.6, 0.4, 1.6, 20.0]]),
+            "junction" => ([3.4, 1.0], [10.0, -1.5, 0.9], 78.0, &[[10.8, -5.2, 1.1, 22.0], [13.8, 1.6, 1.5, 12.0]]),
+            "room" => ([18.8, 3.3], [25.0, 4.6, 1.0], 84.0, &[[25.6, 5.2, 2.0, 40.0]]),
+            "floor" => ([-3.4, -0.5], [-0.2, 0.5, -0.1], 66.0, &[[0.9, 1.3, 0.9, 9.0]]),
             "wall" => ([-1.6, -0.3], [0.2, 2.4, 0.9], 62.0, &[[1.2, 0.4, 1.6, 6.0]]),
             _ => return None,
         };
-        let over_floor =
-            |x: f32, y: f32, height: f32| V::new(x, y, field.floor_z([x, y, 0.8]) + height);
+        let over_floor = |x: f32, y: f32, height: f32| V::new(x, y, field.floor_z([x, y, 0.8]) + height);
         let eye = over_floor(eye[0], eye[1], 1.15);
         let forward = (over_floor(target[0], target[1], target[2]) - eye).normalize();
         let right = forward.cross(&V::z()).normalize();
@@ -148,22 +111,13 @@ impl Camera {
             beam: None,
         });
         let lamps = std::iter::once(headlamp).chain(further).collect();
-        Some(Self {
-            eye,
-            forward,
-            right,
-            tangent: (degrees.to_radians() / 2.0).tan(),
-            lamps,
-        })
+        Some(Self { eye, forward, right, tangent: (degrees.to_radians() / 2.0).tan(), lamps })
     }
 
     fn picture(&self, field: &CaveField, [width, height]: [u32; 2], exposure: f32) -> Vec<V> {
         let up = self.right.cross(&self.forward);
         let ray = |i: usize| {
-            let (x, y) = (
-                (i as u32 % width) as f32 + 0.5,
-                (i as u32 / width) as f32 + 0.5,
-            );
+            let (x, y) = ((i as u32 % width) as f32 + 0.5, (i as u32 / width) as f32 + 0.5);
             let x = (x / width as f32 * 2.0 - 1.0) * self.tangent;
             let y = (1.0 - y / height as f32 * 2.0) * self.tangent * height as f32 / width as f32;
             (self.forward + self.right * x + up * y).normalize()
@@ -183,11 +137,7 @@ impl Camera {
     fn seen(&self, field: &CaveField, rays: &[V]) -> Vec<V> {
         let eyes = vec![self.eye; rays.len()];
         let reach = march(field, &eyes, rays, &vec![60.0; rays.len()]);
-        let points: Vec<V> = rays
-            .iter()
-            .zip(&reach)
-            .map(|(ray, t)| self.eye + ray * *t)
-            .collect();
+        let points: Vec<V> = rays.iter().zip(&reach).map(|(ray, t)| self.eye + ray * *t).collect();
         let points_m: Vec<[f32; 3]> = points.iter().map(|p| (*p).into()).collect();
         let bounds = Bounds::around(&points_m);
         let mut normals = vec![[0.0; 3]; points.len()];
@@ -196,11 +146,7 @@ impl Camera {
         field.texels(bounds, TEXEL_M, &points_m, &normals, &mut texels);
         let mut light = vec![V::zeros(); points.len()];
         for lamp in &self.lamps {
-            let from: Vec<V> = points
-                .iter()
-                .zip(&normals)
-                .map(|(p, n)| p + V::from(*n) * 0.03)
-                .collect();
+            let from: Vec<V> = points.iter().zip(&normals).map(|(p, n)| p + V::from(*n) * 0.03).collect();
             let to: Vec<V> = from.iter().map(|p| lamp.at - p).collect();
             let far: Vec<f32> = to.iter().map(|to| to.norm()).collect();
             let toward: Vec<V> = to.iter().map(|to| to.normalize()).collect();
@@ -210,11 +156,7 @@ impl Camera {
                 light[i] += lamp.shine(&texels[i], -rays[i], toward[i], far[i], lit);
             }
         }
-        light
-            .iter()
-            .zip(&reach)
-            .map(|(light, t)| light / (1.0 + 0.008 * t))
-            .collect()
+        light.iter().zip(&reach).map(|(light, t)| light / (1.0 + 0.008 * t)).collect()
     }
 }
 
@@ -230,11 +172,9 @@ impl Lamp {
         let facing = normal.dot(&to_lamp).max(0.0) * lit;
         let color = V::from(texel.color);
         let gloss = gloss(normal, to_eye, to_lamp, texel.roughness).min(1.6);
-        let around =
-            self.color * (0.02 * texel.occlusion * texel.occlusion / (far * far * 0.3 + 6.0));
+        let around = self.color * (0.02 * texel.occlusion * texel.occlusion / (far * far * 0.3 + 6.0));
         let bounced = around * (0.6 + 0.4 * normal.z);
-        color.component_mul(&(arriving * facing + bounced)) / std::f32::consts::PI
-            + arriving * (facing * gloss)
+        color.component_mul(&(arriving * facing + bounced)) / std::f32::consts::PI + arriving * (facing * gloss)
     }
 }
 
@@ -242,12 +182,8 @@ impl Lamp {
 fn gloss(normal: V, to_eye: V, to_lamp: V, roughness: f32) -> f32 {
     let half = (to_eye + to_lamp).normalize();
     let cosine = |a: V, b: V| a.dot(&b).max(0.02);
-    let (nl, nv, nh, vh) = (
-        cosine(normal, to_lamp),
-        cosine(normal, to_eye),
-        cosine(normal, half),
-        cosine(to_eye, half),
-    );
+    let (nl, nv, nh, vh) =
+        (cosine(normal, to_lamp), cosine(normal, to_eye), cosine(normal, half), cosine(to_eye, half));
     let a2 = (roughness * roughness) * (roughness * roughness);
     let spread = nh * nh * (a2 - 1.0) + 1.0;
     let k = roughness * roughness / 2.0;
@@ -267,10 +203,7 @@ fn march(field: &CaveField, from: &[V], along: &[V], most: &[f32]) -> Vec<f32> {
         if open.is_empty() {
             break;
         }
-        let points: Vec<[f32; 3]> = open
-            .iter()
-            .map(|&i| (from[i] + along[i] * reach[i]).into())
-            .collect();
+        let points: Vec<[f32; 3]> = open.iter().map(|&i| (from[i] + along[i] * reach[i]).into()).collect();
         values.resize(points.len(), 0.0);
         field.distances(Bounds::around(&points), &points, &mut values);
         for (&i, &value) in open.iter().zip(&values) {
@@ -296,35 +229,20 @@ fn march(field: &CaveField, from: &[V], along: &[V], most: &[f32]) -> Vec<f32> {
 
 /// Exposes so that the 95th percentile reaches `exposure`, compresses highlights (Narkowicz 2015) and encodes as sRGB.
 fn developed(light: Vec<V>, exposure: f32) -> Vec<V> {
-    let mut luminance: Vec<f32> = light
-        .iter()
-        .map(|c| c.dot(&V::new(0.2126, 0.7152, 0.0722)))
-        .collect();
+    let mut luminance: Vec<f32> = light.iter().map(|c| c.dot(&V::new(0.2126, 0.7152, 0.0722))).collect();
     luminance.sort_by(f32::total_cmp);
     let gain = exposure / luminance[luminance.len() * 95 / 100].max(1e-6);
     let encode = |x: f32| {
         let x = x * gain * 0.8;
         let x = (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(0.0, 1.0);
-        if x < 0.003_130_8 {
-            x * 12.92
-        } else {
-            1.055 * libm::powf(x, 1.0 / 2.4) - 0.055
-        }
+        if x < 0.003_130_8 { x * 12.92 } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
     };
     light.into_iter().map(|c| c.map(encode)).collect()
 }
 
 fn write_png(path: &str, [width, height]: [u32; 2], pixels: &[V]) -> Result<(), Box<dyn Error>> {
-    let bytes: Vec<u8> = pixels
-        .iter()
-        .flat_map(|c| [c.x, c.y, c.z])
-        .map(|x| (x * 255.0 + 0.5) as u8)
-        .collect();
-    let mut encoder = png::Encoder::new(
-        std::io::BufWriter::new(std::fs::File::create(path)?),
-        width,
-        height,
-    );
+    let bytes: Vec<u8> = pixels.iter().flat_map(|c| [c.x, c.y, c.z]).map(|x| (x * 255.0 + 0.5) as u8).collect();
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(std::fs::File::create(path)?), width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.write_header()?.write_image_data(&bytes)?;
@@ -343,23 +261,16 @@ fn bench(field: &CaveField) -> Result<(), Box<dyn Error>> {
     let timed = |what: &str, work: &mut dyn FnMut(Bounds, &[[f32; 3]])| {
         let best = (0..3).map(|_| {
             let start = ProcessTime::now();
-            near.iter()
-                .for_each(|(bounds, points)| work(*bounds, points));
+            near.iter().for_each(|(bounds, points)| work(*bounds, points));
             start.elapsed().as_nanos() as f64 / count as f64
         });
         println!("{what}: {:.0} ns", best.fold(f64::INFINITY, f64::min));
     };
     println!("{count} points in {} bricks", bounds.count());
-    timed("lattice sample", &mut |b, p| {
-        field.distances(b, p, &mut values[..p.len()])
-    });
-    timed("normal", &mut |b, p| {
-        field.normals(b, p, &mut normals[..p.len()])
-    });
+    timed("lattice sample", &mut |b, p| field.distances(b, p, &mut values[..p.len()]));
+    timed("normal", &mut |b, p| field.normals(b, p, &mut normals[..p.len()]));
     let flat = vec![[0.0, 0.0, 1.0]; 4096];
-    timed("texel", &mut |b, p| {
-        field.texels(b, TEXEL_M, p, &flat[..p.len()], &mut texels[..p.len()])
-    });
+    timed("texel", &mut |b, p| field.texels(b, TEXEL_M, p, &flat[..p.len()], &mut texels[..p.len()]));
     Ok(())
 }
 
@@ -370,16 +281,9 @@ fn lattice_near_wall(field: &CaveField, spacing: f32) -> Vec<(Bounds, Vec<[f32; 
     let steps = |i: usize| ((all.max[i] - all.min[i]) / edge).ceil() as usize;
     let mut bricks = Vec::new();
     for brick in 0..steps(0) * steps(1) * steps(2) {
-        let place = [
-            brick % steps(0),
-            brick / steps(0) % steps(1),
-            brick / steps(0) / steps(1),
-        ];
+        let place = [brick % steps(0), brick / steps(0) % steps(1), brick / steps(0) / steps(1)];
         let min: [f32; 3] = std::array::from_fn(|i| all.min[i] + place[i] as f32 * edge);
-        let bounds = Bounds {
-            min,
-            max: min.map(|c| c + edge),
-        };
+        let bounds = Bounds { min, max: min.map(|c| c + edge) };
         let mut points: Vec<[f32; 3]> = (0..4096)
             .map(|i| [i % 16, i / 16 % 16, i / 256])
             .map(|at| std::array::from_fn(|i| min[i] + at[i] as f32 * spacing))

@@ -86,9 +86,7 @@ impl ExportError {
     /// What to do about it, where there is something to do.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::NotEmpty { .. } => {
-                Some("name a new folder, or replace the package with `--force`")
-            }
+            Self::NotEmpty { .. } => Some("name a new folder, or replace the package with `--force`"),
             Self::NotOurs { .. } => Some("name a new folder, or empty this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
             Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {

@@ -25,15 +25,11 @@ pub fn upper_left_uv([u, v]: [f32; 2]) -> [f32; 2] {
 
 /// A scene pose in the frame of glTF: position, and rotation as x, y, z, w.
 pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
-    let gltf_from_scene_turn = Matrix3::from(
-        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>),
-    );
+    let gltf_from_scene_turn =
+        Matrix3::from([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>));
     let turn = gltf_from_scene_turn * scene_from_body.rotation.to_rotation_matrix().matrix();
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
-    (
-        gltf_from_scene(scene_from_body.translation.vector.into()),
-        rotation.coords.into(),
-    )
+    (gltf_from_scene(scene_from_body.translation.vector.into()), rotation.coords.into())
 }
 
 /// A pose as SDF and URDF write it, `x y z roll pitch yaw`: metres and radians about fixed x, y, z, to the micrometre
@@ -52,22 +48,14 @@ fn roll_pitch_yaw(m: &Matrix3<f64>) -> [f64; 3] {
     if cos_pitch < 1e-9 {
         return [0.0, pitch, libm::atan2(-m[(0, 1)], m[(1, 1)])];
     }
-    [
-        libm::atan2(m[(2, 1)], m[(2, 2)]),
-        pitch,
-        libm::atan2(m[(1, 0)], m[(0, 0)]),
-    ]
+    [libm::atan2(m[(2, 1)], m[(2, 2)]), pitch, libm::atan2(m[(1, 0)], m[(0, 0)])]
 }
 
 /// A number to six decimals, without trailing zeros and without minus zero.
 pub fn micro(number: f64) -> String {
     let text = format!("{number:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 #[cfg(test)]
@@ -79,17 +67,15 @@ mod tests {
     #[test]
     fn up_stays_up_and_hands_stay_hands() {
         assert_eq!(gltf_from_scene([0.0, 0.0, 1.0]), [0.0, 1.0, 0.0]);
-        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-            .map(|axis| Vector3::from(gltf_from_scene(axis)));
+        let [x, y, z] =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(gltf_from_scene(axis)));
         assert_eq!(x.cross(&y), z);
     }
 
     #[test]
     fn a_pose_moves_points_as_the_frame_change_does() {
-        let pose = Isometry3::from_parts(
-            Translation3::new(1.0, -2.0, 3.0),
-            UnitQuaternion::from_euler_angles(0.3, -0.4, 2.0),
-        );
+        let pose =
+            Isometry3::from_parts(Translation3::new(1.0, -2.0, 3.0), UnitQuaternion::from_euler_angles(0.3, -0.4, 2.0));
         let ([x, y, z], [i, j, k, w]) = gltf_pose_from_scene(&pose);
         let turn = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, i, j, k));
         let body = Point3::new(0.5, 0.25, -1.5);

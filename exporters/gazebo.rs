@@ -49,11 +49,7 @@ pub struct GazeboSettings {
 
 impl Default for GazeboSettings {
     fn default() -> Self {
-        Self {
-            lights: true,
-            ambient: 0.1,
-            physics_step_s: 0.001,
-        }
+        Self { lights: true, ambient: 0.1, physics_step_s: 0.001 }
     }
 }
 
@@ -115,9 +111,7 @@ impl Gazebo {
             ("README.md", "README.md".to_owned()),
         ] {
             let template = templates.get_template(template).expect("it is one of ours");
-            let text = template
-                .render(&values)
-                .expect("our templates name these values only");
+            let text = template.render(&values).expect("our templates name these values only");
             out.text(&path, &text)?;
         }
         Ok(())
@@ -157,9 +151,7 @@ fn write_chunk(model: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<Part
         roughness: &from_meshes(&part.roughness),
     };
     let library = format!("{name}.mtl");
-    out.write(&format!("{model}/meshes/{library}"), |file| {
-        Ok(obj::write_material(file, name, &maps)?)
-    })?;
+    out.write(&format!("{model}/meshes/{library}"), |file| Ok(obj::write_material(file, name, &maps)?))?;
     out.write(&format!("{model}/meshes/{name}.obj"), |file| {
         Ok(obj::write_visual(file, name, &library, &chunk.visual)?)
     })?;
@@ -205,10 +197,7 @@ fn open_command(name: &str) -> String {
 fn templates() -> Environment<'static> {
     let mut templates = Environment::new();
     let mut syntax = SyntaxConfig::builder();
-    syntax
-        .trim_blocks(true)
-        .lstrip_blocks(true)
-        .keep_trailing_newline(true);
+    syntax.trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true);
 
     templates.set_syntax(syntax.build().expect("the delimiters are the usual ones"));
     templates.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
@@ -217,28 +206,14 @@ fn templates() -> Environment<'static> {
         false => AutoEscape::Html,
     });
     for (name, text) in TEMPLATES {
-        templates
-            .add_template(name, text)
-            .expect("our templates parse");
+        templates.add_template(name, text).expect("our templates parse");
     }
     templates
 }
 
 const TEMPLATES: [(&str, &str); 4] = [
-    (
-        "model.config",
-        include_str!("../templates/gazebo/model.config.jinja"),
-    ),
-    (
-        "model.sdf",
-        include_str!("../templates/gazebo/model.sdf.jinja"),
-    ),
-    (
-        "world.sdf",
-        include_str!("../templates/gazebo/world.sdf.jinja"),
-    ),
-    (
-        "README.md",
-        include_str!("../templates/gazebo/README.md.jinja"),
-    ),
+    ("model.config", include_str!("../templates/gazebo/model.config.jinja")),
+    ("model.sdf", include_str!("../templates/gazebo/model.sdf.jinja")),
+    ("world.sdf", include_str!("../templates/gazebo/world.sdf.jinja")),
+    ("README.md", include_str!("../templates/gazebo/README.md.jinja")),
 ];

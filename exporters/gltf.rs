@@ -42,10 +42,7 @@ pub struct GltfSettings {
 
 impl Default for GltfSettings {
     fn default() -> Self {
-        Self {
-            per_chunk: false,
-            lights: true,
-        }
+        Self { per_chunk: false, lights: true }
     }
 }
 
@@ -59,31 +56,17 @@ impl Target for Gltf {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
         let (pieces, open) = match self.0.per_chunk {
-            true => (
-                write_chunks(scene, out)?,
-                "open the files of chunks/ together".to_owned(),
-            ),
-            false => (
-                self.write_single(scene, out)?,
-                format!("open {}.glb", scene.name),
-            ),
+            true => (write_chunks(scene, out)?, "open the files of chunks/ together".to_owned()),
+            false => (self.write_single(scene, out)?, format!("open {}.glb", scene.name)),
         };
         let visual_triangles = pieces.iter().map(|piece| piece.triangles).sum();
         write_index(scene, &pieces, out)?;
-        Ok(Summary {
-            visual_triangles,
-            collision_triangles: 0,
-            open,
-        })
+        Ok(Summary { visual_triangles, collision_triangles: 0, open })
     }
 }
 
 impl Gltf {
-    fn write_single(
-        &self,
-        scene: &Scene,
-        out: &mut dyn Package,
-    ) -> Result<Vec<Piece>, ExportError> {
+    fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Piece>, ExportError> {
         let path = format!("{}.glb", scene.name);
         let mut layout = Layout::new(scene);
         let mut pieces = Vec::new();
@@ -138,13 +121,7 @@ impl Piece {
     fn new(file: &str, chunk: &crate::scene::Chunk) -> Self {
         let [min, max] = layout::bounds(&chunk.visual.positions);
         let triangles = chunk.visual.triangles();
-        Self {
-            name: chunk.name.clone(),
-            file: file.to_owned(),
-            triangles,
-            min,
-            max,
-        }
+        Self { name: chunk.name.clone(), file: file.to_owned(), triangles, min, max }
     }
 }
 

@@ -62,23 +62,13 @@ pub static TARGETS: &[TargetRow] = &[gazebo::ROW, gltf::ROW];
 /// # Errors
 /// [`ExportError::UnknownTarget`], which lists the names.
 pub fn target(name: &str) -> Result<&'static TargetRow, ExportError> {
-    TARGETS
-        .iter()
-        .find(|row| row.name == name)
-        .ok_or_else(|| ExportError::UnknownTarget {
-            name: name.to_owned(),
-            known: TARGETS
-                .iter()
-                .map(|row| row.name)
-                .collect::<Vec<_>>()
-                .join(", "),
-        })
+    TARGETS.iter().find(|row| row.name == name).ok_or_else(|| ExportError::UnknownTarget {
+        name: name.to_owned(),
+        known: TARGETS.iter().map(|row| row.name).collect::<Vec<_>>().join(", "),
+    })
 }
 
 /// Reads the settings of a target.
-fn settings<T: serde::de::DeserializeOwned>(
-    target: &'static str,
-    table: Value,
-) -> Result<T, ExportError> {
+fn settings<T: serde::de::DeserializeOwned>(target: &'static str, table: Value) -> Result<T, ExportError> {
     serde_json::from_value(table).map_err(|source| ExportError::Settings { target, source })
 }

@@ -25,12 +25,7 @@ pub struct Maps<'a> {
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_visual(
-    file: &mut dyn Write,
-    name: &str,
-    library: &str,
-    mesh: &Mesh,
-) -> io::Result<()> {
+pub fn write_visual(file: &mut dyn Write, name: &str, library: &str, mesh: &Mesh) -> io::Result<()> {
     writeln!(file, "mtllib {library}\no {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
@@ -70,15 +65,8 @@ pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Res
 /// # Errors
 /// Those of `file`.
 pub fn write_material(file: &mut dyn Write, name: &str, maps: &Maps) -> io::Result<()> {
-    writeln!(
-        file,
-        "newmtl {name}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nPr 1\nPm 0\nillum 2"
-    )?;
-    writeln!(
-        file,
-        "map_Kd {}\nnorm {}\nmap_Pr {}",
-        maps.base_color, maps.normal, maps.roughness
-    )
+    writeln!(file, "newmtl {name}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nPr 1\nPm 0\nillum 2")?;
+    writeln!(file, "map_Kd {}\nnorm {}\nmap_Pr {}", maps.base_color, maps.normal, maps.roughness)
 }
 
 fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
@@ -94,29 +82,17 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     for corners in mesh.indices.chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|i| Vector3::from(mesh.positions[corners[i] as usize]));
         let normal = (b - a).cross(&(c - a));
-        corners
-            .iter()
-            .for_each(|&corner| sums[corner as usize] += normal);
+        corners.iter().for_each(|&corner| sums[corner as usize] += normal);
     }
-    sums.iter()
-        .map(|sum| sum.try_normalize(0.0).unwrap_or_else(Vector3::z).into())
-        .collect()
+    sums.iter().map(|sum| sum.try_normalize(0.0).unwrap_or_else(Vector3::z).into()).collect()
 }
 
 /// OBJ counts from one.
 fn corners(mesh: &Mesh) -> impl Iterator<Item = [u64; 3]> {
-    mesh.indices
-        .chunks_exact(3)
-        .map(|corner| [0, 1, 2].map(|i| u64::from(corner[i]) + 1))
+    mesh.indices.chunks_exact(3).map(|corner| [0, 1, 2].map(|i| u64::from(corner[i]) + 1))
 }
 
-fn write_fixed(
-    file: &mut dyn Write,
-    line: &mut Vec<u8>,
-    key: &str,
-    numbers: &[f32],
-    scale: u32,
-) -> io::Result<()> {
+fn write_fixed(file: &mut dyn Write, line: &mut Vec<u8>, key: &str, numbers: &[f32], scale: u32) -> io::Result<()> {
     line.clear();
     line.extend_from_slice(key.as_bytes());
     for &number in numbers {
@@ -177,14 +153,9 @@ mod tests {
 
     #[test]
     fn positions_come_back_bit_for_bit() {
-        let positions: Vec<[f32; 3]> = (0..999_u16)
-            .map(|i| [1, 7, 1001].map(|k| f32::from(i) * k as f32 / 4096.0))
-            .collect();
-        let mesh = Mesh {
-            positions: positions.clone(),
-            indices: vec![0, 1, 2],
-            ..Mesh::default()
-        };
+        let positions: Vec<[f32; 3]> =
+            (0..999_u16).map(|i| [1, 7, 1001].map(|k| f32::from(i) * k as f32 / 4096.0)).collect();
+        let mesh = Mesh { positions: positions.clone(), indices: vec![0, 1, 2], ..Mesh::default() };
         let mut text = Vec::new();
         write_collision(&mut text, "rock", &mesh).unwrap();
         let text = String::from_utf8(text).unwrap();

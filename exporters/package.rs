@@ -96,12 +96,7 @@ impl Files {
     }
 
     fn check(&self, path: &str) -> Result<(), ExportError> {
-        let fault = |fault| {
-            Err(ExportError::BadPath {
-                path: path.to_owned(),
-                fault,
-            })
-        };
+        let fault = |fault| Err(ExportError::BadPath { path: path.to_owned(), fault });
         if path.starts_with('/') || path.contains(['\\', ':']) {
             return fault("is not relative with forward slashes");
         }
@@ -137,6 +132,15 @@ pub struct Folder {
 }
 
 impl Folder {
+    /// Whether a package can be made at `path`: asked before the long work.
+    ///
+    /// # Errors
+    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] when something else is there; [`ExportError::Io`] when
+    /// it cannot be looked at.
+    pub fn check(path: &Path, existing: Existing) -> Result<(), ExportError> {
+        check_vacant(path, existing)
+    }
+
     /// Starts a package that will be at `path`.
     ///
     /// # Errors
@@ -148,12 +152,7 @@ impl Folder {
         let partial = with_suffix(&path, ".partial");
         remove(&partial)?;
         fs::create_dir_all(&partial).map_err(|error| at(partial.display(), &error))?;
-        Ok(Self {
-            path,
-            partial,
-            files: Files::default(),
-            finished: false,
-        })
+        Ok(Self { path, partial, files: Files::default(), finished: false })
     }
 
     /// Writes the manifest and moves the package to its place.
@@ -227,34 +226,18 @@ struct Tally<'a> {
 
 impl<'a> Tally<'a> {
     fn new(path: &'a str, inner: Box<dyn Write + 'a>) -> Self {
-        Self {
-            path,
-            inner,
-            bytes: 0,
-            hash: Sha256::new(),
-        }
+        Self { path, inner, bytes: 0, hash: Sha256::new() }
     }
 
     fn entry(self) -> Entry {
-        let sha256 = self
-            .hash
-            .finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
-        Entry {
-            bytes: self.bytes,
-            sha256,
-        }
+        let sha256 = self.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        Entry { bytes: self.bytes, sha256 }
     }
 }
 
 impl Write for Tally<'_> {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        let count = self
-            .inner
-            .write(buffer)
-            .map_err(|error| at(self.path, &error))?;
+        let count = self.inner.write(buffer).map_err(|error| at(self.path, &error))?;
         self.hash.update(&buffer[..count]);
         self.bytes += count as u64;
         Ok(count)
@@ -267,9 +250,7 @@ impl Write for Tally<'_> {
 
 fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
     if path.is_file() {
-        return Err(ExportError::NotAFolder {
-            path: path.to_owned(),
-        });
+        return Err(ExportError::NotAFolder { path: path.to_owned() });
     }
     let mut entries = match fs::read_dir(path) {
         Ok(entries) => entries,
@@ -280,13 +261,9 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
         return Ok(());
     }
     match existing {
-        Existing::Keep => Err(ExportError::NotEmpty {
-            path: path.to_owned(),
-        }),
+        Existing::Keep => Err(ExportError::NotEmpty { path: path.to_owned() }),
         Existing::Replace if path.join(MANIFEST).is_file() => Ok(()),
-        Existing::Replace => Err(ExportError::NotOurs {
-            path: path.to_owned(),
-        }),
+        Existing::Replace => Err(ExportError::NotOurs { path: path.to_owned() }),
     }
 }
 

@@ -45,18 +45,10 @@ impl Scene<'_> {
         if self.chunks.is_empty() || self.spawns.is_empty() {
             return Err(self.fault("it has no chunk or no spawn pose".to_owned()));
         }
-        let mut lights: Vec<&str> = self
-            .lights
-            .iter()
-            .map(|light| light.name.as_str())
-            .collect();
+        let mut lights: Vec<&str> = self.lights.iter().map(|light| light.name.as_str()).collect();
         lights.sort_unstable();
-        if lights.windows(2).any(|pair| pair[0] == pair[1])
-            || !lights.into_iter().all(names::is_safe)
-        {
-            return Err(
-                self.fault("the name of a light is taken or not `[a-z][a-z0-9_]*`".to_owned())
-            );
+        if lights.windows(2).any(|pair| pair[0] == pair[1]) || !lights.into_iter().all(names::is_safe) {
+            return Err(self.fault("the name of a light is taken or not `[a-z][a-z0-9_]*`".to_owned()));
         }
         Ok(())
     }
@@ -66,35 +58,19 @@ impl Scene<'_> {
     /// # Errors
     /// [`ExportError::Load`] when it cannot be read, [`ExportError::BadScene`] when its arrays do not agree.
     pub fn chunk(&self, index: usize) -> Result<Chunk, ExportError> {
-        let chunk = self
-            .chunks
-            .load(index)
-            .map_err(|source| ExportError::Load {
-                scene: self.name.clone(),
-                index,
-                source,
-            })?;
-        let fault =
-            |part, fault: &str| self.fault(format!("{part} of chunk `{}` {fault}", chunk.name));
+        let chunk =
+            self.chunks.load(index).map_err(|source| ExportError::Load { scene: self.name.clone(), index, source })?;
+        let fault = |part, fault: &str| self.fault(format!("{part} of chunk `{}` {fault}", chunk.name));
         if !names::is_safe(&chunk.name) {
             return Err(fault("name", "is not `[a-z][a-z0-9_]*`"));
         }
-        chunk
-            .visual
-            .check(Part::Visual)
-            .map_err(|text| fault("visual mesh", text))?;
-        chunk
-            .collision
-            .check(Part::Collision)
-            .map_err(|text| fault("collision mesh", text))?;
+        chunk.visual.check(Part::Visual).map_err(|text| fault("visual mesh", text))?;
+        chunk.collision.check(Part::Collision).map_err(|text| fault("collision mesh", text))?;
         Ok(chunk)
     }
 
     fn fault(&self, fault: String) -> ExportError {
-        ExportError::BadScene {
-            scene: self.name.clone(),
-            fault,
-        }
+        ExportError::BadScene { scene: self.name.clone(), fault }
     }
 }
 
@@ -163,16 +139,9 @@ impl Mesh {
             return Err("has a triangle whose corner is not a vertex");
         }
         if [self.normals.len(), self.uvs.len(), self.tangents.len()] != [attributes; 3] {
-            return Err(
-                "has normals, texture coordinates or tangents for other vertices than its own",
-            );
+            return Err("has normals, texture coordinates or tangents for other vertices than its own");
         }
-        if !self
-            .positions
-            .iter()
-            .flatten()
-            .all(|coordinate| coordinate.is_finite())
-        {
+        if !self.positions.iter().flatten().all(|coordinate| coordinate.is_finite()) {
             return Err("has a vertex that is not finite");
         }
         Ok(())

@@ -6,10 +6,25 @@
 //! Arrows point one way: `cli → pipeline → assemble, store → truth, texture → mesh → field → material → noise`, and
 //! `field → graph`. See `ARCHITECTURE.md`.
 
-pub mod field;
-pub mod graph;
-pub mod material;
-pub mod mesh;
-pub mod noise;
-pub mod seed;
+pub mod cli;
+pub mod pipeline;
+
+pub mod assemble;
+pub mod preset;
+pub mod recipe;
+pub mod store;
+
 pub mod texture;
+pub mod truth;
+
+pub mod mesh;
+
+pub mod field;
+pub mod material;
+pub mod noise;
+
+pub mod graph;
+pub mod seed;
+
+/// The version that every file Plume writes carries.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

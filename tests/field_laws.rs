@@ -32,22 +32,9 @@ fn graph() -> Graph {
         node(8, [-18.0, 2.0, 0.0], 3.0),
     ];
     for drift in &mut nodes[7..] {
-        drift.section = Some(Section {
-            width_m: 3.5,
-            height_m: 3.0,
-        });
+        drift.section = Some(Section { width_m: 3.5, height_m: 3.0 });
     }
-    let edges = vec![
-        [0, 1],
-        [0, 4],
-        [0, 7],
-        [1, 2],
-        [2, 3],
-        [2, 5],
-        [2, 6],
-        [3, 4],
-        [7, 8],
-    ];
+    let edges = vec![[0, 1], [0, 4], [0, 7], [1, 2], [2, 3], [2, 5], [2, 6], [3, 4], [7, 8]];
     Graph { nodes, edges }
 }
 
@@ -87,24 +74,16 @@ fn scattered(bounds: Bounds, count: u32) -> Vec<[f32; 3]> {
         let h = (i * 3 + axis + 1).wrapping_mul(0x9e37_79b1);
         ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / 16_777_216.0
     };
-    let coordinate = |i: u32, axis: usize| {
-        bounds.min[axis] + share(i, axis as u32) * (bounds.max[axis] - bounds.min[axis])
-    };
-    (0..count)
-        .map(|i| [coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)])
-        .collect()
+    let coordinate =
+        |i: u32, axis: usize| bounds.min[axis] + share(i, axis as u32) * (bounds.max[axis] - bounds.min[axis]);
+    (0..count).map(|i| [coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)]).collect()
 }
 
 /// Scattered points within 0.2 m of the wall.
 fn near_wall(field: &CaveField, count: u32) -> Vec<[f32; 3]> {
     let points = scattered(field.bounds(), count);
     let values = distances(field, &points);
-    points
-        .into_iter()
-        .zip(values)
-        .filter(|(_, v)| v.abs() < 0.2)
-        .map(|(p, _)| p)
-        .collect()
+    points.into_iter().zip(values).filter(|(_, v)| v.abs() < 0.2).map(|(p, _)| p).collect()
 }
 
 proptest! {
@@ -157,12 +136,7 @@ fn regions_are_of_use() {
         let bounds = field.bounds();
         let regions: Vec<Region> = scattered(bounds, 2000)
             .into_iter()
-            .map(|min| {
-                field.region(Bounds {
-                    min,
-                    max: min.map(|c| c + 0.2),
-                })
-            })
+            .map(|min| field.region(Bounds { min, max: min.map(|c| c + 0.2) }))
             .collect();
         let share = |of: Region| regions.iter().filter(|r| **r == of).count() as f64 / 2000.0;
         assert!(share(Region::Rock) > 0.6, "{}", share(Region::Rock));
@@ -175,10 +149,7 @@ fn beyond_the_bounds_all_is_rock() {
     for field in caves() {
         let bounds = field.bounds();
         let outside = |p: &[f32; 3]| (0..3).any(|i| p[i] < bounds.min[i] || p[i] > bounds.max[i]);
-        let points: Vec<_> = scattered(bounds.grown(6.0), 4000)
-            .into_iter()
-            .filter(outside)
-            .collect();
+        let points: Vec<_> = scattered(bounds.grown(6.0), 4000).into_iter().filter(outside).collect();
         assert!(distances(&field, &points).iter().all(|v| *v > 0.0));
     }
 }
@@ -201,11 +172,7 @@ fn normals_point_down_the_field() {
             cosine < 0.98
         });
         let share = off.count() as f64 / points.len() as f64;
-        assert!(
-            points.len() > 100 && share < 0.06,
-            "{share} of {} normals are off",
-            points.len()
-        );
+        assert!(points.len() > 100 && share < 0.06, "{share} of {} normals are off", points.len());
     }
 }
 
@@ -229,11 +196,8 @@ fn texels_are_in_range() {
 #[test]
 fn every_station_is_in_air() {
     for field in caves() {
-        let stations: Vec<[f32; 3]> = graph()
-            .nodes
-            .iter()
-            .map(|n| n.position.coords.map(|c| c as f32).into())
-            .collect();
+        let stations: Vec<[f32; 3]> =
+            graph().nodes.iter().map(|n| n.position.coords.map(|c| c as f32).into()).collect();
         assert!(distances(&field, &stations).iter().all(|v| *v < 0.0));
     }
 }
@@ -243,10 +207,7 @@ fn every_station_is_in_air() {
 fn a_robot_gets_through() {
     let settings = PassageSettings::default();
     let width = f64::from(settings.width_min_m);
-    let graph = Graph {
-        nodes: vec![node(0, [0.0; 3], width), node(1, [30.0, 0.0, 0.0], width)],
-        edges: vec![[0, 1]],
-    };
+    let graph = Graph { nodes: vec![node(0, [0.0; 3], width), node(1, [30.0, 0.0, 0.0], width)], edges: vec![[0, 1]] };
     for row in MATERIALS {
         for seed in 0..3 {
             let rock = (row.read)(serde_json::json!({})).expect("an empty object is valid");
@@ -254,17 +215,9 @@ fn a_robot_gets_through() {
             let mut lanes: Vec<f32> = (-8..=8).map(|i| i as f32 * 0.05).collect();
             for step in 0..110 {
                 let x = 1.0 + step as f32 * 0.25;
-                let open = (-8..=8)
-                    .map(|i| i as f32 * 0.05)
-                    .filter(|y| fits(&field, x, *y));
-                lanes = open
-                    .filter(|y| lanes.iter().any(|last| (y - last).abs() < 0.16))
-                    .collect();
-                assert!(
-                    !lanes.is_empty(),
-                    "{} seed {seed}: stuck at x = {x} m",
-                    row.name
-                );
+                let open = (-8..=8).map(|i| i as f32 * 0.05).filter(|y| fits(&field, x, *y));
+                lanes = open.filter(|y| lanes.iter().any(|last| (y - last).abs() < 0.16)).collect();
+                assert!(!lanes.is_empty(), "{} seed {seed}: stuck at x = {x} m", row.name);
             }
         }
     }
@@ -274,10 +227,7 @@ fn fits(field: &CaveField, x: f32, y: f32) -> bool {
     let floor = field.floor_z([x, y, 0.0]);
     let across = [-0.35, -0.2, 0.0, 0.2, 0.35];
     let up = [0.18, 0.3, 0.45, 0.6, 0.75];
-    let points: Vec<[f32; 3]> = across
-        .iter()
-        .flat_map(|dy| up.iter().map(move |dz| [x, y + dy, floor + dz]))
-        .collect();
+    let points: Vec<[f32; 3]> = across.iter().flat_map(|dy| up.iter().map(move |dz| [x, y + dy, floor + dz])).collect();
     distances(field, &points).iter().all(|v| *v < 0.0)
 }
 
@@ -285,10 +235,7 @@ fn fits(field: &CaveField, x: f32, y: f32) -> bool {
 fn seed_changes_the_rock_and_look_does_not() {
     let rock = || (MATERIALS[0].read)(serde_json::json!({})).expect("an empty object is valid");
     let settings = PassageSettings::default();
-    let wet = Look {
-        humidity: 1.0,
-        ..Look::default()
-    };
+    let wet = Look { humidity: 1.0, ..Look::default() };
     let one = CaveField::new(&graph(), &settings, rock(), Look::default(), 1);
     let same = CaveField::new(&graph(), &settings, rock(), wet, 1);
     let other = CaveField::new(&graph(), &settings, rock(), Look::default(), 2);
@@ -296,20 +243,13 @@ fn seed_changes_the_rock_and_look_does_not() {
     assert_eq!(distances(&one, &points), distances(&same, &points));
     assert_ne!(distances(&one, &points), distances(&other, &points));
     let bounds = Bounds::around(&points);
-    assert_ne!(
-        texels(&one, bounds, &points),
-        texels(&same, bounds, &points)
-    );
+    assert_ne!(texels(&one, bounds, &points), texels(&same, bounds, &points));
 }
 
 #[test]
 fn rocks_refuse_unknown_settings() {
     for row in MATERIALS {
         let fault = (row.read)(serde_json::json!({ "colour": 3 })).expect_err("not a setting");
-        assert!(
-            fault.to_string().contains("colour"),
-            "{}: {fault}",
-            row.name
-        );
+        assert!(fault.to_string().contains("colour"), "{}: {fault}", row.name);
     }
 }

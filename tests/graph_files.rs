@@ -17,11 +17,7 @@ fn original(name: &str) -> Document {
 #[test]
 fn the_originals_files_read_as_they_are() {
     for name in ["single", "multi"] {
-        let Document {
-            graph,
-            recipe,
-            original,
-        } = original(name);
+        let Document { graph, recipe, original } = original(name);
         assert!(original && recipe.is_none());
         assert_eq!(graph.nodes.len(), 50);
         assert_eq!(graph.edges.len(), 49);
@@ -87,26 +83,16 @@ fn a_file_too_large_is_refused_while_it_is_read() {
     let mut text = r#"{"nodes": ["#.to_owned();
     for id in 0..=1_000_000 {
         let comma = if id == 0 { "" } else { "," };
-        write!(
-            text,
-            r#"{comma}{{"id":{id},"coordinates":{{"x":{id},"y":0}}}}"#
-        )
-        .unwrap();
+        write!(text, r#"{comma}{{"id":{id},"coordinates":{{"x":{id},"y":0}}}}"#).unwrap();
     }
     text.push_str("]}");
-    assert_eq!(
-        read(&text).unwrap_err(),
-        ReadError::TooMany { most: 1_000_000 }
-    );
+    assert_eq!(read(&text).unwrap_err(), ReadError::TooMany { most: 1_000_000 });
 }
 
 /// What a user is told about each bad file: one golden text for all of them.
 #[test]
 fn bad_files_are_told_what_is_wrong_with_them() {
-    let mut files: Vec<_> = fs::read_dir("tests/data/bad_graphs")
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let mut files: Vec<_> = fs::read_dir("tests/data/bad_graphs").unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     let mut told = String::new();
     for path in files {

@@ -31,9 +31,7 @@ fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for row in GENERATORS {
         let schema: Value = (row.schema)().into();
-        let levels_key = ["layers", "levels"]
-            .into_iter()
-            .find(|&key| schema["properties"].get(key).is_some());
+        let levels_key = ["layers", "levels"].into_iter().find(|&key| schema["properties"].get(key).is_some());
         for (nodes, levels) in SIZES {
             let mut settings = json!({ "nodes": nodes });
             if let Some(key) = levels_key {
@@ -74,10 +72,7 @@ fn graphs_are_whole_and_have_the_asked_number_of_nodes() {
 #[test]
 fn edges_are_sorted_unique_and_few_at_a_node() {
     hold(|name, _, graph| {
-        assert!(
-            graph.edges.windows(2).all(|pair| pair[0] < pair[1]),
-            "{name}"
-        );
+        assert!(graph.edges.windows(2).all(|pair| pair[0] < pair[1]), "{name}");
         assert!(graph.edges.iter().all(|[a, b]| a < b), "{name}");
         for (node, others) in graph.neighbors().iter().enumerate() {
             assert!((1..=5).contains(&others.len()), "{name} node {node}");
@@ -96,14 +91,9 @@ fn lengths_are_finite_whole_millimetres_and_not_zero() {
             }
             assert!(node.radius > 0.0, "{name} node {}", node.id);
         }
-        let places: BTreeSet<[u64; 3]> = (graph.nodes.iter())
-            .map(|node| node.position.coords.map(f64::to_bits).into())
-            .collect();
-        assert_eq!(
-            places.len(),
-            graph.nodes.len(),
-            "{name}: nodes in one place"
-        );
+        let places: BTreeSet<[u64; 3]> =
+            (graph.nodes.iter()).map(|node| node.position.coords.map(f64::to_bits).into()).collect();
+        assert_eq!(places.len(), graph.nodes.len(), "{name}: nodes in one place");
     });
 }
 
@@ -137,13 +127,8 @@ fn only_dead_ends_are_active_and_every_level_has_nodes() {
 
 #[test]
 fn the_same_seed_makes_the_same_graph_and_another_one_another() {
-    for Case {
-        name, generator, ..
-    } in cases()
-    {
-        let graphs: Vec<Graph> = (0..4)
-            .map(|seed| generator.generate(seed).unwrap())
-            .collect();
+    for Case { name, generator, .. } in cases() {
+        let graphs: Vec<Graph> = (0..4).map(|seed| generator.generate(seed).unwrap()).collect();
         for (seed, graph) in graphs.iter().enumerate() {
             assert_eq!(&generator.generate(seed as u64).unwrap(), graph, "{name}");
             assert!(!graphs[..seed].contains(graph), "{name} seed {seed}");
@@ -177,13 +162,10 @@ fn defaults_are_what_an_empty_recipe_reads_and_unknown_keys_are_refused() {
 /// The settings of a row, each at this part of its range.
 fn drawn(row: &GeneratorRow, nodes: u32, parts: &[f64]) -> Value {
     let schema: Value = (row.schema)().into();
-    let properties = schema["properties"]
-        .as_object()
-        .expect("settings have names");
+    let properties = schema["properties"].as_object().expect("settings have names");
     let mut settings = json!({});
     for ((key, property), part) in properties.iter().zip(parts.iter().cycle()) {
-        let (Some(low), Some(high)) = (property["minimum"].as_f64(), property["maximum"].as_f64())
-        else {
+        let (Some(low), Some(high)) = (property["minimum"].as_f64(), property["maximum"].as_f64()) else {
             continue;
         };
         let value = low + (high - low) * part;
@@ -284,10 +266,7 @@ fn caves_stay_in_bounds_and_are_not_too_steep() {
 fn passages_at_a_node_stand_apart_and_none_grows_in_the_forbidden_arc() {
     // A section is ruled out by its middle, so half a degree of it may be used.
     const SECTION_DEG: f64 = 0.6;
-    for settings in [
-        json!({"nodes": 250}),
-        json!({"nodes": 120, "forbidden_deg": 220.0}),
-    ] {
+    for settings in [json!({"nodes": 250}), json!({"nodes": 120, "forbidden_deg": 220.0})] {
         let generator = make("gaussian-perlin", settings.clone());
         let behind = settings["forbidden_deg"].as_f64().unwrap_or(150.0) / 2.0;
         for seed in 0..6 {
@@ -299,10 +278,7 @@ fn passages_at_a_node_stand_apart_and_none_grows_in_the_forbidden_arc() {
                         let grown = graph.nodes[b].parent == Some(node) && parent == Some(a);
                         let least = if grown { behind } else { 55.0 };
                         let angle = plan_angle_deg(&graph, node, a, b);
-                        assert!(
-                            angle > least - SECTION_DEG,
-                            "{settings} {seed} {node}: {angle}"
-                        );
+                        assert!(angle > least - SECTION_DEG, "{settings} {seed} {node}: {angle}");
                     }
                 }
             }
@@ -325,11 +301,7 @@ fn the_radius_of_a_node_is_the_reach_to_its_children() {
             let Some(parent) = node.parent else { continue };
             let parent = &graph.nodes[parent];
             let reach = (node.position - parent.position).xy().norm();
-            assert!(
-                (reach - parent.radius).abs() < 0.002,
-                "seed {seed} {}",
-                node.id
-            );
+            assert!((reach - parent.radius).abs() < 0.002, "seed {seed} {}", node.id);
         }
     }
 }
@@ -355,37 +327,23 @@ fn settings_shape_the_graph() {
     };
     assert_eq!(loops(0.0), 0);
     assert!(loops(2.0) > loops(1.0) && loops(1.0) > 4);
-    let flat = make("gaussian-perlin", json!({"relief_m": 0.0}))
-        .generate(1)
-        .unwrap();
+    let flat = make("gaussian-perlin", json!({"relief_m": 0.0})).generate(1).unwrap();
     let [low, high] = flat.bounds().unwrap();
     assert_eq!(low.z, high.z);
-    let chain = make(
-        "gaussian-perlin",
-        json!({"nodes": 60, "distribution": "perlin"}),
-    );
-    assert_ne!(
-        chain.generate(1),
-        make("gaussian-perlin", json!({"nodes": 60})).generate(1)
-    );
+    let chain = make("gaussian-perlin", json!({"nodes": 60, "distribution": "perlin"}));
+    assert_ne!(chain.generate(1), make("gaussian-perlin", json!({"nodes": 60})).generate(1));
 }
 
 #[test]
 fn what_has_no_room_is_refused_with_a_hint() {
-    let tight = make(
-        "gaussian-perlin",
-        json!({"bounds_x_m": 12.0, "bounds_y_m": 12.0}),
-    );
+    let tight = make("gaussian-perlin", json!({"bounds_x_m": 12.0, "bounds_y_m": 12.0}));
     let error = tight.generate(1).unwrap_err();
     assert_eq!(error.to_string(), "no room for 50 nodes");
     assert!(error.hint.contains("widen the bounds"), "{}", error.hint);
     let deep = make("gaussian-perlin", json!({"nodes": 12, "layers": 8}));
     let error = deep.generate(1).unwrap_err();
     assert_eq!(error.to_string(), "no room for 12 nodes in 8 layers");
-    for settings in [
-        json!({"reach_min_m": 9.0}),
-        json!({"children_min": 3, "children_max": 1}),
-    ] {
+    for settings in [json!({"reach_min_m": 9.0}), json!({"children_min": 3, "children_max": 1})] {
         assert!(make("gaussian-perlin", settings).generate(1).is_err());
     }
 }
@@ -395,9 +353,7 @@ fn nearest_excess(graph: &Graph) -> f64 {
     let neighbors = graph.neighbors();
     let half = |node: usize| 0.3 * graph.nodes[node].radius;
     let joined = |[a, b]: [usize; 2], [c, d]: [usize; 2]| {
-        [a, b].iter().any(|end| {
-            *end == c || *end == d || neighbors[*end].contains(&c) || neighbors[*end].contains(&d)
-        })
+        [a, b].iter().any(|end| *end == c || *end == d || neighbors[*end].contains(&c) || neighbors[*end].contains(&d))
     };
     // Two passages and the rock between them are shorter together.
     const FAR_M: f64 = 40.0;

@@ -8,10 +8,7 @@ use plume::graph::{Graph, Node};
 fn numbers<const N: usize>(file: &str) -> Vec<[f64; N]> {
     let text = fs::read_to_string(format!("tests/data/sakany/{file}")).expect(file);
     let row = |line: &str| {
-        let numbers: Vec<f64> = line
-            .split_whitespace()
-            .map(|x| x.parse().expect("a number"))
-            .collect();
+        let numbers: Vec<f64> = line.split_whitespace().map(|x| x.parse().expect("a number")).collect();
         numbers.try_into().expect("a full row")
     };
     text.lines().map(row).collect()
@@ -27,19 +24,14 @@ fn graph(places: &[[f64; 3]], edges: &[[usize; 2]]) -> Graph {
         level: 0,
         section: None,
     };
-    Graph::new(
-        places.iter().enumerate().map(node).collect(),
-        edges.to_vec(),
-    )
+    Graph::new(places.iter().enumerate().map(node).collect(), edges.to_vec())
 }
 
 /// Rows of Collon et al. 2017: Hl, CVl, t, H0, kmoy, CVk, rk, CPD.
 #[test]
 fn the_metrics_of_sakany_are_the_published_ones() {
-    let links: Vec<[usize; 2]> = numbers::<2>("Sakany_links.dat")
-        .iter()
-        .map(|link| link.map(|line| line as usize - 1))
-        .collect();
+    let links: Vec<[usize; 2]> =
+        numbers::<2>("Sakany_links.dat").iter().map(|link| link.map(|line| line as usize - 1)).collect();
     let metrics = Metrics::of(&graph(&numbers::<3>("Sakany_nodes.dat"), &links)).unwrap();
     let published = [
         0.3770371929469133,
@@ -52,11 +44,7 @@ fn the_metrics_of_sakany_are_the_published_ones() {
         0.2676740749944755,
     ];
     for ((value, published), range) in metrics.values().iter().zip(published).zip(&REAL_CAVES) {
-        assert!(
-            (value - published).abs() < 1e-6,
-            "{}: {value}, {published}",
-            range.name
-        );
+        assert!((value - published).abs() < 1e-6, "{}: {value}, {published}", range.name);
         assert!((range.min..=range.max).contains(value));
     }
     assert_eq!(metrics.realism(0.0).inside, 8);
@@ -86,18 +74,13 @@ fn a_line_is_measured_and_a_ring_is_not() {
     let line = Metrics::of(&graph(&places, &[[0, 1], [1, 2]])).unwrap();
     assert_eq!((line.tortuosity, line.length_variation), (1.4, 0.0));
     assert!(line.values().iter().all(|value| value.is_finite()));
-    assert_eq!(
-        Metrics::of(&graph(&places, &[[0, 1], [1, 2], [0, 2]])),
-        None
-    );
+    assert_eq!(Metrics::of(&graph(&places, &[[0, 1], [1, 2], [0, 2]])), None);
 }
 
 /// A ring on a stalk keeps two of its stations in the reduced graph, so it stays a ring there.
 #[test]
 fn rings_and_parallel_branches_do_not_collapse() {
-    let places: Vec<[f64; 3]> = (0..7)
-        .map(|i| [f64::from(i), f64::from(i * i), 0.0])
-        .collect();
+    let places: Vec<[f64; 3]> = (0..7).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect();
     let stalk = graph(&places[..5], &[[0, 1], [1, 2], [2, 3], [3, 4], [1, 4]]);
     let metrics = Metrics::of(&stalk).unwrap();
     // Degrees 1, 3, 2, 2.

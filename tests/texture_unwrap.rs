@@ -32,8 +32,7 @@ fn each_atlas(law: impl Fn(&str, &Mesh, &Unwrapped)) {
 
 /// Corners in texels.
 fn corners(cut: &Unwrapped, triangle: usize) -> [[f64; 2]; 3] {
-    cut.triangles[triangle]
-        .map(|v| cut.uvs[v as usize].map(|c| f64::from(c) * f64::from(cut.size_px)))
+    cut.triangles[triangle].map(|v| cut.uvs[v as usize].map(|c| f64::from(c) * f64::from(cut.size_px)))
 }
 
 fn doubled_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
@@ -52,10 +51,7 @@ fn texels_inside(corners: [[f64; 2]; 3]) -> Vec<[i64; 2]> {
         let p = [x as f64 + 0.5, y as f64 + 0.5];
         (0..3).all(|k| doubled_area([corners[k], corners[(k + 1) % 3], p]) > 1e-6)
     };
-    extent(1)
-        .flat_map(|y| extent(0).map(move |x| [x, y]))
-        .filter(|&[x, y]| inside(x, y))
-        .collect()
+    extent(1).flat_map(|y| extent(0).map(move |x| [x, y])).filter(|&[x, y]| inside(x, y)).collect()
 }
 
 /// The triangle whose interior holds the centre of each texel, row by row; at most one may.
@@ -83,9 +79,7 @@ fn no_texel_has_two_triangles_and_charts_keep_their_distance() {
                 let at = y * size + x;
                 let above = at + gutter * size;
                 for near in [at + gutter, above - gutter, above, above + gutter] {
-                    let apart = charts[at].is_none()
-                        || charts[near].is_none()
-                        || charts[at] == charts[near];
+                    let apart = charts[at].is_none() || charts[near].is_none() || charts[at] == charts[near];
                     assert!(apart, "{name}: charts near texel {x} {y}");
                 }
             }
@@ -97,18 +91,10 @@ fn no_texel_has_two_triangles_and_charts_keep_their_distance() {
 fn the_cut_mesh_is_the_mesh() {
     each_atlas(|name, mesh, cut| {
         assert_eq!(cut.source.len(), cut.uvs.len());
-        let back: Vec<_> = cut
-            .triangles
-            .iter()
-            .map(|t| t.map(|v| cut.source[v as usize]))
-            .collect();
+        let back: Vec<_> = cut.triangles.iter().map(|t| t.map(|v| cut.source[v as usize])).collect();
         assert_eq!(back, mesh.triangles, "{name}");
         let used: BTreeSet<u32> = cut.triangles.iter().flatten().copied().collect();
-        assert_eq!(
-            used.len(),
-            cut.source.len(),
-            "{name}: a vertex without a triangle"
-        );
+        assert_eq!(used.len(), cut.source.len(), "{name}: a vertex without a triangle");
     });
 }
 
@@ -129,10 +115,7 @@ fn coordinates_lie_inside_and_away_from_the_border() {
         for &[u, v] in &cut.uvs {
             let margin = 1.0 / cut.size_px as f32;
             let inside = margin..=1.0 - margin;
-            assert!(
-                inside.contains(&u) && inside.contains(&v),
-                "{name}: {u} {v}"
-            );
+            assert!(inside.contains(&u) && inside.contains(&v), "{name}: {u} {v}");
         }
     });
 }
@@ -150,10 +133,7 @@ fn every_chart_has_the_same_density_and_little_stretch() {
             let seen = normal.map(|n| (n.abs() * density2 - texels).abs());
             let nearest = seen.into_iter().fold(f64::INFINITY, f64::min);
             let side = dot(normal, normal).sqrt().sqrt() * f64::from(cut.texels_per_m);
-            assert!(
-                nearest <= 0.01 * texels + 0.05 * side,
-                "{name}: triangle {t} off by {nearest}"
-            );
+            assert!(nearest <= 0.01 * texels + 0.05 * side, "{name}: triangle {t} off by {nearest}");
             assert!(texels >= 0.0, "{name}: triangle {t} is mirrored");
             stretches.push(dot(normal, normal).sqrt() * density2 / texels.max(1e-9));
         }
@@ -172,11 +152,7 @@ fn most_of_the_atlas_is_used() {
     for (name, mesh) in meshes() {
         let cut = unwrap(&mesh, Resolution::SizePx(1024)).unwrap();
         let owned = owners(&cut).iter().flatten().count() as f32 / (1024.0 * 1024.0);
-        assert!(
-            (owned - cut.utilisation).abs() < 0.01,
-            "{name}: {owned} against {}",
-            cut.utilisation
-        );
+        assert!((owned - cut.utilisation).abs() < 0.01, "{name}: {owned} against {}", cut.utilisation);
         assert!(owned >= 0.55, "{name}: {owned}");
     }
 }
@@ -190,11 +166,7 @@ fn a_density_is_kept_exactly_until_the_largest_size() {
         assert_eq!(cut.size_px % 64, 0);
         assert!(cut.utilisation > 0.5, "{}", cut.utilisation);
     }
-    let cut = unwrap(
-        &rough_passage(60, 20, 60.0, 3),
-        Resolution::TexelsPerM(500.0),
-    )
-    .unwrap();
+    let cut = unwrap(&rough_passage(60, 20, 60.0, 3), Resolution::TexelsPerM(500.0)).unwrap();
     assert_eq!(cut.size_px, 16_384);
     assert!(cut.texels_per_m < 500.0);
 }
@@ -212,22 +184,12 @@ fn charts_that_are_all_gutter_are_an_error() {
     for k in 0..20_000 {
         let corner = [7000 * k, 0, 0];
         let first = 3 * k as u32;
-        mesh.positions
-            .extend([corner, [corner[0] + 400, 0, 0], [corner[0], 400, 0]]);
+        mesh.positions.extend([corner, [corner[0] + 400, 0, 0], [corner[0], 400, 0]]);
         mesh.triangles.push([first, first + 1, first + 2]);
     }
     mesh.normals = vec![[0.0, 0.0, 1.0]; mesh.positions.len()];
     let error = unwrap(&mesh, Resolution::SizePx(256)).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            TextureError::TooSmall {
-                charts: 20_000,
-                size_px: 256
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, TextureError::TooSmall { charts: 20_000, size_px: 256 }), "{error}");
 }
 
 proptest! {

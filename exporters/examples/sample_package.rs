@@ -12,30 +12,17 @@ use serde_json::{Value, json};
 mod sample;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder: PathBuf = std::env::args_os()
-        .nth(1)
-        .ok_or("usage: sample_package FOLDER")?
-        .into();
+    let folder: PathBuf = std::env::args_os().nth(1).ok_or("usage: sample_package FOLDER")?.into();
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
     for row in TARGETS {
         write(&folder.join(row.name), row, json!({}), &chamber)?;
     }
     let settings = json!({ "per_chunk": true });
-    write(
-        &folder.join("gltf_chunks"),
-        target("gltf")?,
-        settings,
-        &chamber,
-    )
+    write(&folder.join("gltf_chunks"), target("gltf")?, settings, &chamber)
 }
 
-fn write(
-    folder: &Path,
-    row: &TargetRow,
-    settings: Value,
-    chamber: &sample::Chamber,
-) -> Result<(), Box<dyn Error>> {
+fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {
     let mut package = Folder::create(folder, Existing::Replace)?;
     (row.build)(settings)?.export(&chamber.scene(), &mut package)?;
     package.finish()?;

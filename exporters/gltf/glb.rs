@@ -18,20 +18,11 @@ const CHUNK_HEADER_BYTES: u64 = 8;
 ///
 /// # Errors
 /// [`ExportError::TooLarge`] past 4 GiB, and those of `file`.
-pub fn write_head(
-    file: &mut dyn Write,
-    path: &str,
-    root: &Root,
-    payload_bytes: u64,
-) -> Result<(), ExportError> {
+pub fn write_head(file: &mut dyn Write, path: &str, root: &Root, payload_bytes: u64) -> Result<(), ExportError> {
     let mut json = root.to_vec().map_err(io::Error::from)?;
     json.resize(json.len() + padding(json.len() as u64) as usize, b' ');
     let bytes = HEADER_BYTES + 2 * CHUNK_HEADER_BYTES + json.len() as u64 + payload_bytes;
-    let too_large = |_| ExportError::TooLarge {
-        path: path.to_owned(),
-        format: "GLB",
-        bytes,
-    };
+    let too_large = |_| ExportError::TooLarge { path: path.to_owned(), format: "GLB", bytes };
     let length = u32::try_from(bytes).map_err(too_large)?;
 
     file.write_all(b"glTF")?;
@@ -49,24 +40,9 @@ pub fn write_head(
 /// Those of `file`, and when an image cannot be read or has changed since the plan.
 pub fn write_chunk(file: &mut dyn Write, chunk: &Chunk) -> Result<(), ExportError> {
     let mesh = &chunk.visual;
-    write_floats(
-        file,
-        mesh.positions
-            .iter()
-            .map(|&point| frame::gltf_from_scene(point)),
-    )?;
-    write_floats(
-        file,
-        mesh.normals
-            .iter()
-            .map(|&normal| frame::gltf_from_scene(normal)),
-    )?;
-    write_floats(
-        file,
-        mesh.tangents
-            .iter()
-            .map(|&tangent| frame::gltf_tangent_from_scene(tangent)),
-    )?;
+    write_floats(file, mesh.positions.iter().map(|&point| frame::gltf_from_scene(point)))?;
+    write_floats(file, mesh.normals.iter().map(|&normal| frame::gltf_from_scene(normal)))?;
+    write_floats(file, mesh.tangents.iter().map(|&tangent| frame::gltf_tangent_from_scene(tangent)))?;
     write_floats(file, mesh.uvs.iter().map(|&uv| frame::upper_left_uv(uv)))?;
     write_indices(file, &mesh.indices, index_bytes(mesh))?;
     for (_, image) in images(&chunk.material) {
@@ -75,10 +51,7 @@ pub fn write_chunk(file: &mut dyn Write, chunk: &Chunk) -> Result<(), ExportErro
     Ok(())
 }
 
-fn write_floats<const N: usize>(
-    file: &mut dyn Write,
-    vectors: impl Iterator<Item = [f32; N]>,
-) -> io::Result<()> {
+fn write_floats<const N: usize>(file: &mut dyn Write, vectors: impl Iterator<Item = [f32; N]>) -> io::Result<()> {
     for number in vectors.flatten() {
         file.write_all(&number.to_le_bytes())?;
     }
@@ -104,9 +77,7 @@ fn write_image(file: &mut dyn Write, image: &Image) -> Result<(), ExportError> {
 }
 
 fn write_words(file: &mut dyn Write, words: &[u32]) -> io::Result<()> {
-    words
-        .iter()
-        .try_for_each(|word| file.write_all(&word.to_le_bytes()))
+    words.iter().try_for_each(|word| file.write_all(&word.to_le_bytes()))
 }
 
 fn pad(file: &mut dyn Write, bytes: u64) -> io::Result<()> {

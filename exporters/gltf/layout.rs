@@ -30,10 +30,7 @@ impl Layout {
     /// A scene without nodes.
     pub fn new(scene: &Scene) -> Self {
         let mut root = Root {
-            asset: Asset {
-                generator: Some(scene.generator.clone()),
-                ..Asset::default()
-            },
+            asset: Asset { generator: Some(scene.generator.clone()), ..Asset::default() },
             scene: Some(Index::new(0)),
             extras: extras(&json!({ "recipe": scene.recipe })),
             ..Root::default()
@@ -63,17 +60,10 @@ impl Layout {
             extensions: None,
             extras: None,
             name: Some(chunk.name.clone()),
-            primitives: vec![Primitive {
-                material: Some(material),
-                ..primitive
-            }],
+            primitives: vec![Primitive { material: Some(material), ..primitive }],
             weights: None,
         });
-        self.add_node(Node {
-            mesh: Some(mesh),
-            name: Some(chunk.name.clone()),
-            ..Node::default()
-        });
+        self.add_node(Node { mesh: Some(mesh), name: Some(chunk.name.clone()), ..Node::default() });
         Ok(())
     }
 
@@ -82,23 +72,12 @@ impl Layout {
         if lights.is_empty() {
             return;
         }
-        self.root
-            .extensions_used
-            .push("KHR_lights_punctual".to_owned());
-        let table = KhrLightsPunctual {
-            lights: lights.iter().map(punctual).collect(),
-        };
-        self.root
-            .extensions
-            .get_or_insert_default()
-            .khr_lights_punctual = Some(table);
+        self.root.extensions_used.push("KHR_lights_punctual".to_owned());
+        let table = KhrLightsPunctual { lights: lights.iter().map(punctual).collect() };
+        self.root.extensions.get_or_insert_default().khr_lights_punctual = Some(table);
         for (index, light) in (0..).zip(lights) {
-            let reference = khr_lights_punctual::KhrLightsPunctual {
-                light: Index::new(index),
-            };
-            let extensions = gltf_json::extensions::scene::Node {
-                khr_lights_punctual: Some(reference),
-            };
+            let reference = khr_lights_punctual::KhrLightsPunctual { light: Index::new(index) };
+            let extensions = gltf_json::extensions::scene::Node { khr_lights_punctual: Some(reference) };
             let position = frame::gltf_from_scene::<f64>(light.position.into());
             self.add_node(Node {
                 extensions: Some(extensions),
@@ -137,11 +116,7 @@ impl Layout {
                 false => [None, None],
             };
             let count = mesh.positions.len();
-            let accessor = Accessor {
-                min,
-                max,
-                ..accessor(view, count, ComponentType::F32, shape)
-            };
+            let accessor = Accessor { min, max, ..accessor(view, count, ComponentType::F32, shape) };
             attributes.insert(Valid(semantic), self.root.push(accessor));
         }
         Primitive {
@@ -162,8 +137,7 @@ impl Layout {
             2 => ComponentType::U16,
             _ => ComponentType::U32,
         };
-        self.root
-            .push(accessor(view, mesh.indices.len(), component, Type::Scalar))
+        self.root.push(accessor(view, mesh.indices.len(), component, Type::Scalar))
     }
 
     fn material(&mut self, chunk: &Chunk) -> Result<Index<Material>, ExportError> {
@@ -171,9 +145,7 @@ impl Layout {
         for (role, image) in images(&chunk.material) {
             textures.push(self.texture(format!("{}_{role}", chunk.name), image)?);
         }
-        let [base_color, normal, orm] = textures[..] else {
-            unreachable!("there are three images")
-        };
+        let [base_color, normal, orm] = textures[..] else { unreachable!("there are three images") };
         Ok(self.root.push(Material {
             name: Some(chunk.name.clone()),
             pbr_metallic_roughness: PbrMetallicRoughness {
@@ -200,9 +172,7 @@ impl Layout {
     }
 
     fn texture(&mut self, name: String, image: &Image) -> Result<Index<Texture>, ExportError> {
-        let bytes = fs::metadata(&image.path)
-            .map_err(|error| at(image.path.display(), &error))?
-            .len();
+        let bytes = fs::metadata(&image.path).map_err(|error| at(image.path.display(), &error))?.len();
         let view = self.view(bytes);
         let source = self.root.push(gltf_json::Image {
             buffer_view: Some(view),
@@ -250,20 +220,12 @@ fn vertex_attributes() -> [(Semantic, Type); 4] {
 
 /// The images in the order of the payload, each with its role.
 pub fn images(material: &scene::Material) -> [(&'static str, &Image); 3] {
-    [
-        ("base_color", &material.base_color),
-        ("normal", &material.normal),
-        ("orm", &material.orm),
-    ]
+    [("base_color", &material.base_color), ("normal", &material.normal), ("orm", &material.orm)]
 }
 
 /// Bytes of a vertex index. The largest number of a type is not an index: it restarts primitives.
 pub fn index_bytes(mesh: &scene::Mesh) -> u64 {
-    if mesh.positions.len() <= usize::from(u16::MAX) {
-        2
-    } else {
-        4
-    }
+    if mesh.positions.len() <= usize::from(u16::MAX) { 2 } else { 4 }
 }
 
 /// Bytes from `bytes` to the next multiple of four.
@@ -301,12 +263,7 @@ fn accessor(view: Index<View>, count: usize, component: ComponentType, shape: Ty
 }
 
 fn info(index: Index<Texture>) -> Info {
-    Info {
-        index,
-        tex_coord: 0,
-        extensions: None,
-        extras: None,
-    }
+    Info { index, tex_coord: 0, extensions: None, extras: None }
 }
 
 fn punctual(light: &Light) -> khr_lights_punctual::Light {

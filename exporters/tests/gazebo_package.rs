@@ -15,9 +15,7 @@ fn export(settings: GazeboSettings) -> Memory {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let mut memory = Memory::default();
-    Gazebo(settings)
-        .export(&chamber.scene(), &mut memory)
-        .unwrap();
+    Gazebo(settings).export(&chamber.scene(), &mut memory).unwrap();
     memory
 }
 
@@ -45,11 +43,7 @@ fn every_reference_resolves_and_every_file_is_referenced() {
             named.insert(path);
         }
     }
-    for path in package
-        .bytes
-        .keys()
-        .filter(|path| path.contains("/materials/") || path.ends_with(".obj"))
-    {
+    for path in package.bytes.keys().filter(|path| path.contains("/materials/") || path.ends_with(".obj")) {
         assert!(named.contains(path), "{path}");
     }
 }
@@ -57,28 +51,13 @@ fn every_reference_resolves_and_every_file_is_referenced() {
 #[test]
 fn material_libraries_lead_to_textures() {
     let package = export(GazeboSettings::default());
-    let libraries: Vec<_> = package
-        .bytes
-        .keys()
-        .filter(|path| path.ends_with(".mtl"))
-        .collect();
+    let libraries: Vec<_> = package.bytes.keys().filter(|path| path.ends_with(".mtl")).collect();
     assert_eq!(libraries.len(), 2);
     for library in libraries {
-        let maps: Vec<_> = text(&package, library)
-            .lines()
-            .filter_map(|line| line.split_once(" ../"))
-            .collect();
-        assert_eq!(
-            maps.iter().map(|map| map.0).collect::<Vec<_>>(),
-            ["map_Kd", "norm", "map_Pr"]
-        );
+        let maps: Vec<_> = text(&package, library).lines().filter_map(|line| line.split_once(" ../")).collect();
+        assert_eq!(maps.iter().map(|map| map.0).collect::<Vec<_>>(), ["map_Kd", "norm", "map_Pr"]);
         for (_, path) in maps {
-            assert!(
-                package
-                    .bytes
-                    .contains_key(&format!("models/chamber/{path}")),
-                "{path}"
-            );
+            assert!(package.bytes.contains_key(&format!("models/chamber/{path}")), "{path}");
         }
     }
 }
@@ -87,35 +66,16 @@ fn material_libraries_lead_to_textures() {
 fn each_chunk_has_one_visual_and_one_collision() {
     let package = export(GazeboSettings::default());
     let document = Document::parse(text(&package, "models/chamber/model.sdf")).unwrap();
-    let count = |tag| {
-        document
-            .descendants()
-            .filter(|node| node.has_tag_name(tag))
-            .count()
-    };
-    assert_eq!(
-        [
-            count("visual"),
-            count("collision"),
-            count("mu"),
-            count("link")
-        ],
-        [2, 2, 2, 1]
-    );
+    let count = |tag| document.descendants().filter(|node| node.has_tag_name(tag)).count();
+    assert_eq!([count("visual"), count("collision"), count("mu"), count("link")], [2, 2, 2, 1]);
 }
 
 #[test]
 fn lights_can_be_left_out() {
     for lights in [true, false] {
-        let package = export(GazeboSettings {
-            lights,
-            ..GazeboSettings::default()
-        });
+        let package = export(GazeboSettings { lights, ..GazeboSettings::default() });
         let document = Document::parse(text(&package, "worlds/chamber.sdf")).unwrap();
-        let found = document
-            .descendants()
-            .filter(|node| node.has_tag_name("light"))
-            .count();
+        let found = document.descendants().filter(|node| node.has_tag_name("light")).count();
         assert_eq!(found, if lights { 2 } else { 0 });
     }
 }
@@ -124,13 +84,8 @@ fn lights_can_be_left_out() {
 fn texts_are_escaped() {
     let package = export(GazeboSettings::default());
     let document = Document::parse(text(&package, "models/chamber/model.config")).unwrap();
-    let description = document
-        .descendants()
-        .find(|node| node.has_tag_name("description"));
-    assert_eq!(
-        description.unwrap().text(),
-        Some("A bumpy chamber for tests & <examples>")
-    );
+    let description = document.descendants().find(|node| node.has_tag_name("description"));
+    assert_eq!(description.unwrap().text(), Some("A bumpy chamber for tests & <examples>"));
     assert!(text(&package, "README.md").contains("tests & <examples>"));
 }
 
@@ -138,11 +93,7 @@ fn texts_are_escaped() {
 #[test]
 fn texts_are_golden() {
     let package = export(GazeboSettings::default());
-    for path in [
-        "models/chamber/model.sdf",
-        "worlds/chamber.sdf",
-        "README.md",
-    ] {
+    for path in ["models/chamber/model.sdf", "worlds/chamber.sdf", "README.md"] {
         insta::assert_snapshot!(path.replace('/', "_"), text(&package, path));
     }
 }

@@ -16,9 +16,7 @@ fn export(settings: GltfSettings) -> (Memory, sample::Chamber, tempfile::TempDir
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let mut memory = Memory::default();
-    Gltf(settings)
-        .export(&chamber.scene(), &mut memory)
-        .unwrap();
+    Gltf(settings).export(&chamber.scene(), &mut memory).unwrap();
     (memory, chamber, folder)
 }
 
@@ -35,38 +33,11 @@ fn one_file_holds_every_chunk_bit_for_bit() {
         let primitive = mesh.primitives().next().unwrap();
         let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
         let expected = chunk.visual;
-        assert!(
-            reader
-                .read_positions()
-                .unwrap()
-                .eq(expected.positions.iter().map(|&p| gltf_from_scene(p)))
-        );
-        assert!(
-            reader
-                .read_normals()
-                .unwrap()
-                .eq(expected.normals.iter().map(|&n| gltf_from_scene(n)))
-        );
-        assert!(
-            reader.read_tangents().unwrap().eq(expected
-                .tangents
-                .iter()
-                .map(|&t| gltf_tangent_from_scene(t)))
-        );
-        assert!(
-            reader
-                .read_tex_coords(0)
-                .unwrap()
-                .into_f32()
-                .eq(expected.uvs.iter().map(|&uv| upper_left_uv(uv)))
-        );
-        assert!(
-            reader
-                .read_indices()
-                .unwrap()
-                .into_u32()
-                .eq(expected.indices.iter().copied())
-        );
+        assert!(reader.read_positions().unwrap().eq(expected.positions.iter().map(|&p| gltf_from_scene(p))));
+        assert!(reader.read_normals().unwrap().eq(expected.normals.iter().map(|&n| gltf_from_scene(n))));
+        assert!(reader.read_tangents().unwrap().eq(expected.tangents.iter().map(|&t| gltf_tangent_from_scene(t))));
+        assert!(reader.read_tex_coords(0).unwrap().into_f32().eq(expected.uvs.iter().map(|&uv| upper_left_uv(uv))));
+        assert!(reader.read_indices().unwrap().into_u32().eq(expected.indices.iter().copied()));
     }
 }
 
@@ -77,11 +48,7 @@ fn images_are_embedded_byte_for_byte() {
     let blob = glb.blob.as_deref().unwrap();
     let material = chamber.load(1).unwrap().material;
     let found = glb.materials().nth(1).unwrap();
-    let base_color = found
-        .pbr_metallic_roughness()
-        .base_color_texture()
-        .unwrap()
-        .texture();
+    let base_color = found.pbr_metallic_roughness().base_color_texture().unwrap().texture();
     for (texture, image) in [
         (base_color, material.base_color),
         (found.normal_texture().unwrap().texture(), material.normal),
@@ -101,19 +68,9 @@ fn images_are_embedded_byte_for_byte() {
 fn the_bitangent_runs_up_the_image() {
     let (memory, ..) = export(GltfSettings::default());
     let (document, buffers, _) = gltf::import_slice(&memory.bytes["chamber.glb"]).unwrap();
-    let primitive = document
-        .meshes()
-        .next()
-        .unwrap()
-        .primitives()
-        .next()
-        .unwrap();
+    let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
     let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
-    let points: Vec<Vector3<f32>> = reader
-        .read_positions()
-        .unwrap()
-        .map(Vector3::from)
-        .collect();
+    let points: Vec<Vector3<f32>> = reader.read_positions().unwrap().map(Vector3::from).collect();
     let normals: Vec<Vector3<f32>> = reader.read_normals().unwrap().map(Vector3::from).collect();
     let tangents: Vec<[f32; 4]> = reader.read_tangents().unwrap().collect();
     let uvs: Vec<[f32; 2]> = reader.read_tex_coords(0).unwrap().into_f32().collect();
@@ -123,8 +80,7 @@ fn the_bitangent_runs_up_the_image() {
         let [x, y, z, w] = tangents[a];
         let bitangent = normals[a].cross(&Vector3::new(x, y, z)) * w;
         let ([du1, dv1], [du2, dv2]) = (edge(&uvs, a, b), edge(&uvs, a, c));
-        let along_v = ((points[c] - points[a]) * du1 - (points[b] - points[a]) * du2)
-            / (du1 * dv2 - du2 * dv1);
+        let along_v = ((points[c] - points[a]) * du1 - (points[b] - points[a]) * du2) / (du1 * dv2 - du2 * dv1);
         assert!(bitangent.dot(&along_v) < 0.0);
     }
 }
@@ -136,29 +92,16 @@ fn edge(uvs: &[[f32; 2]], from: usize, to: usize) -> [f32; 2] {
 #[test]
 fn one_file_per_chunk_holds_the_same() {
     let (single, ..) = export(GltfSettings::default());
-    let (memory, chamber, _folder) = export(GltfSettings {
-        per_chunk: true,
-        lights: true,
-    });
+    let (memory, chamber, _folder) = export(GltfSettings { per_chunk: true, lights: true });
     let (document, _, _) = gltf::import_slice(&single.bytes["chamber.glb"]).unwrap();
-    for (index, node) in document
-        .nodes()
-        .filter(|node| node.mesh().is_some())
-        .enumerate()
-    {
+    for (index, node) in document.nodes().filter(|node| node.mesh().is_some()).enumerate() {
         let path = format!("chunks/{}.glb", chamber.load(index).unwrap().name);
         let (alone, _, images) = gltf::import_slice(&memory.bytes[&path]).unwrap();
         let bounds = |mesh: gltf::Mesh| {
             let primitive = mesh.primitives().next().unwrap();
-            (
-                primitive.bounding_box(),
-                primitive.get(&Semantic::Positions).unwrap().count(),
-            )
+            (primitive.bounding_box(), primitive.get(&Semantic::Positions).unwrap().count())
         };
-        assert_eq!(
-            bounds(alone.meshes().next().unwrap()),
-            bounds(node.mesh().unwrap())
-        );
+        assert_eq!(bounds(alone.meshes().next().unwrap()), bounds(node.mesh().unwrap()));
         assert_eq!(images.len(), 3);
     }
     assert_eq!(memory.bytes.len(), 3);
@@ -175,14 +118,6 @@ fn the_recipe_and_the_lights_travel_along() {
     assert_eq!(lights.len(), 2);
     assert_eq!(lights[0].intensity(), 8.0);
 
-    let (dark, ..) = export(GltfSettings {
-        per_chunk: false,
-        lights: false,
-    });
-    assert!(
-        gltf::Gltf::from_slice(&dark.bytes["chamber.glb"])
-            .unwrap()
-            .lights()
-            .is_none()
-    );
+    let (dark, ..) = export(GltfSettings { per_chunk: false, lights: false });
+    assert!(gltf::Gltf::from_slice(&dark.bytes["chamber.glb"]).unwrap().lights().is_none());
 }

@@ -20,11 +20,7 @@ fn every_target_file_has_its_row() {
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
-        .filter(|path| {
-            fs::read_to_string(path)
-                .unwrap()
-                .contains("\nimpl Target for ")
-        })
+        .filter(|path| fs::read_to_string(path).unwrap().contains("\nimpl Target for "))
         .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
         .collect();
     files.sort();
@@ -63,10 +59,7 @@ fn settings_are_documented_and_unknown_ones_refused() {
             assert!(property["description"].is_string(), "{}.{name}", row.name);
         }
         let error = (row.build)(json!({ "colour": 1 })).err().unwrap();
-        assert!(
-            error.is_usage() && error.to_string().contains("`colour`"),
-            "{error}"
-        );
+        assert!(error.is_usage() && error.to_string().contains("`colour`"), "{error}");
     }
 }
 
@@ -77,10 +70,7 @@ fn a_manifest_lists_every_file_of_a_folder() {
     for row in TARGETS {
         let out = folder.path().join(row.name);
         let mut package = Folder::create(&out, Existing::Keep).unwrap();
-        (row.build)(json!({}))
-            .unwrap()
-            .export(&chamber.scene(), &mut package)
-            .unwrap();
+        (row.build)(json!({})).unwrap().export(&chamber.scene(), &mut package).unwrap();
         let files = package.finish().unwrap();
         let manifest = fs::read(out.join(MANIFEST)).unwrap();
         let listed: Files = serde_json::from_slice(&manifest).unwrap();
@@ -131,21 +121,11 @@ fn no_chunk_is_loaded_more_than_twice() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     for row in TARGETS {
-        let counted = Counted {
-            inner: &chamber,
-            loads: AtomicUsize::new(0),
-        };
-        let scene = Scene {
-            chunks: &counted,
-            ..chamber.scene()
-        };
+        let counted = Counted { inner: &chamber, loads: AtomicUsize::new(0) };
+        let scene = Scene { chunks: &counted, ..chamber.scene() };
         let target = (row.build)(json!({})).unwrap();
         target.export(&scene, &mut Memory::default()).unwrap();
-        assert!(
-            counted.loads.into_inner() <= 2 * chamber.len(),
-            "{}",
-            row.name
-        );
+        assert!(counted.loads.into_inner() <= 2 * chamber.len(), "{}", row.name);
     }
 }
 
@@ -188,10 +168,7 @@ fn a_full_disk_is_told_with_the_file() {
     let texts: Vec<String> = TARGETS
         .iter()
         .map(|row| {
-            let mut disk = FullDisk {
-                left: 100_000,
-                files: Files::default(),
-            };
+            let mut disk = FullDisk { left: 100_000, files: Files::default() };
             let target = (row.build)(json!({})).unwrap();
             told(&target.export(&chamber.scene(), &mut disk).unwrap_err())
         })
@@ -215,11 +192,7 @@ impl Chunks for Spoiled<'_> {
 
     fn load(&self, index: usize) -> io::Result<Chunk> {
         let chunk = self.inner.load(index)?;
-        if index == 1 {
-            (self.spoil)(chunk)
-        } else {
-            Ok(chunk)
-        }
+        if index == 1 { (self.spoil)(chunk) } else { Ok(chunk) }
     }
 }
 
@@ -228,18 +201,8 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let spoilers: [fn(Chunk) -> io::Result<Chunk>; 5] = [
-        |_| {
-            Err(io::Error::new(
-                io::ErrorKind::InvalidData,
-                "chunks/1.bin: ends early",
-            ))
-        },
-        |chunk| {
-            Ok(Chunk {
-                name: "Chunk 1".to_owned(),
-                ..chunk
-            })
-        },
+        |_| Err(io::Error::new(io::ErrorKind::InvalidData, "chunks/1.bin: ends early")),
+        |chunk| Ok(Chunk { name: "Chunk 1".to_owned(), ..chunk }),
         |mut chunk| {
             chunk.visual.normals.pop();
             Ok(chunk)
@@ -255,26 +218,14 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
     ];
     let mut texts = Vec::new();
     for spoil in spoilers {
-        let spoiled = Spoiled {
-            inner: &chamber,
-            spoil,
-        };
-        let scene = Scene {
-            chunks: &spoiled,
-            ..chamber.scene()
-        };
+        let spoiled = Spoiled { inner: &chamber, spoil };
+        let scene = Scene { chunks: &spoiled, ..chamber.scene() };
         let mut errors = TARGETS.iter().map(|row| {
             let target = (row.build)(json!({})).unwrap();
-            target
-                .export(&scene, &mut Memory::default())
-                .unwrap_err()
-                .to_string()
+            target.export(&scene, &mut Memory::default()).unwrap_err().to_string()
         });
         let first = errors.next().unwrap();
-        assert!(
-            errors.all(|error| error == first),
-            "targets disagree about {first}"
-        );
+        assert!(errors.all(|error| error == first), "targets disagree about {first}");
         texts.push(first);
     }
     insta::assert_snapshot!(texts.join("\n"), @r"
@@ -299,10 +250,7 @@ fn output_folders_are_refused_in_words() {
         Folder::create(&folder.path().join("home/letter.txt/cave"), Existing::Keep).unwrap_err(),
         target("gazebi").err().unwrap(),
     ];
-    let texts: Vec<String> = refused
-        .iter()
-        .map(|error| told(error).replace(&place, "DIR"))
-        .collect();
+    let texts: Vec<String> = refused.iter().map(|error| told(error).replace(&place, "DIR")).collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
     usage: output folder is not empty: DIR/home (hint: name a new folder, or replace the package with `--force`)
     usage: output folder was not written by an export and is left alone: DIR/home/ (hint: name a new folder, or empty this one yourself)
@@ -310,10 +258,7 @@ fn output_folders_are_refused_in_words() {
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
     usage: unknown target `gazebi`; known targets are gazebo, gltf
     ");
-    assert_eq!(
-        fs::read(folder.path().join("home/letter.txt")).unwrap(),
-        b"dear"
-    );
+    assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }
 
 #[test]
@@ -348,19 +293,8 @@ fn paths_cannot_leave_the_package() {
     let mut memory = Memory::default();
     let sink: &mut dyn Package = &mut memory;
     sink.text("a/b.txt", "").unwrap();
-    let bad = [
-        "/etc/passwd",
-        "../up",
-        "a/../../up",
-        "a//b",
-        "c:\\d",
-        "a/b.txt",
-        ".",
-    ];
-    let texts: Vec<String> = bad
-        .iter()
-        .map(|path| sink.text(path, "").unwrap_err().to_string())
-        .collect();
+    let bad = ["/etc/passwd", "../up", "a/../../up", "a//b", "c:\\d", "a/b.txt", "."];
+    let texts: Vec<String> = bad.iter().map(|path| sink.text(path, "").unwrap_err().to_string()).collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
     package path is not relative with forward slashes: `/etc/passwd`
     package path has an empty, `.` or `..` part: `../up`
@@ -374,10 +308,7 @@ fn paths_cannot_leave_the_package() {
 
 fn told(error: &ExportError) -> String {
     let kind = if error.is_usage() { "usage" } else { "system" };
-    let hint = error
-        .hint()
-        .map(|hint| format!(" (hint: {hint})"))
-        .unwrap_or_default();
+    let hint = error.hint().map(|hint| format!(" (hint: {hint})")).unwrap_or_default();
     format!("{kind}: {error}{hint}")
 }
 

@@ -1,12 +1,12 @@
 //! The field of a cave: smooth passages bent and carved by a rock.
 
+use std::sync::Arc;
+
 use super::index::Index;
 use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
 use super::{Bounds, Field, Region, Surface, Texel};
 use crate::graph::Graph;
-use crate::material::{
-    BLOCK, Band, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, Skins, Wander,
-};
+use crate::material::{BLOCK, Band, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, Skins, Wander};
 use crate::noise::{Jet, Source, Value, dispatched};
 use crate::seed;
 use fearless_simd::Simd;
@@ -15,7 +15,7 @@ use fearless_simd::Simd;
 #[derive(Debug)]
 pub struct CaveField {
     index: Index,
-    material: Box<dyn Material>,
+    material: Arc<dyn Material>,
     look: Look,
     ground: Ground,
     source: Source,
@@ -26,37 +26,21 @@ pub struct CaveField {
 
 impl CaveField {
     /// The field of this graph; `seed` changes the rock and nothing else.
-    pub fn new(
-        graph: &Graph,
-        settings: &PassageSettings,
-        material: Box<dyn Material>,
-        look: Look,
-        seed: u64,
-    ) -> Self {
+    pub fn new(graph: &Graph, settings: &PassageSettings, material: Arc<dyn Material>, look: Look, seed: u64) -> Self {
         let wander_m = furthest_wander_m(material.wander());
         let capsules = capsules(graph, settings, material.wander());
-        let bounds =
-            capsules
-                .iter()
-                .map(Capsule::corners)
-                .fold(None, |all: Option<Bounds>, [min, max]| {
-                    let bounds = Bounds { min, max }.grown(RECESS_M + wander_m);
-                    Some(all.map_or(bounds, |all| all.joined(bounds)))
-                });
+        let bounds = capsules.iter().map(Capsule::corners).fold(None, |all: Option<Bounds>, [min, max]| {
+            let bounds = Bounds { min, max }.grown(RECESS_M + wander_m);
+            Some(all.map_or(bounds, |all| all.joined(bounds)))
+        });
         Self {
             index: Index::new(capsules, BLEND_M + wander_m),
             material,
             look,
-            ground: Ground {
-                roughness_m: settings.floor_roughness_m,
-                natural: 1.0 - settings.floor_flatness,
-            },
+            ground: Ground { roughness_m: settings.floor_roughness_m, natural: 1.0 - settings.floor_flatness },
             source: Source::new(seed::salt(seed, "rock")),
             wander_m,
-            bounds: bounds.unwrap_or(Bounds {
-                min: [0.0; 3],
-                max: [0.0; 3],
-            }),
+            bounds: bounds.unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
         }
     }
 
@@ -69,10 +53,7 @@ impl CaveField {
     pub fn floor_z(&self, point: [f32; 3]) -> f32 {
         let mut floor = point[2];
         let wander = self.material.wander();
-        let bounds = Bounds {
-            min: point,
-            max: point,
-        };
+        let bounds = Bounds { min: point, max: point };
         self.blocks(bounds, &[point], |_, capsules, sites| {
             dispatched!(simd => survey_values(simd, capsules, wander, sites));
             floor = point[2] - sites.height.value[0];
@@ -94,9 +75,7 @@ impl CaveField {
             let (centre, radius) = Bounds::around(block).ball();
             felt.clear();
             felt.extend(
-                near.iter().copied().filter(|capsule| {
-                    capsule.near(centre, radius, self.wander_m).nearest < BLEND_M
-                }),
+                near.iter().copied().filter(|capsule| capsule.near(centre, radius, self.wander_m).nearest < BLEND_M),
             );
             sites.place(block);
             visit(n * BLOCK, &felt, &mut sites);
@@ -163,21 +142,11 @@ impl Field for CaveField {
             .filter(|range| range.nearest < BLEND_M)
             .collect();
         let wall = |distance: fn(&Range) -> f32| {
-            let sum: f32 = ranges
-                .iter()
-                .map(|range| (BLEND_M - distance(range)).max(0.0))
-                .map(fourth_power)
-                .sum();
+            let sum: f32 = ranges.iter().map(|range| (BLEND_M - distance(range)).max(0.0)).map(fourth_power).sum();
             BLEND_M - sum.sqrt().sqrt()
         };
-        let floor_low = ranges
-            .iter()
-            .map(|range| range.floor_low)
-            .fold(f32::INFINITY, f32::min);
-        let floor_high = ranges
-            .iter()
-            .map(|range| range.floor_high)
-            .fold(f32::NEG_INFINITY, f32::max);
+        let floor_low = ranges.iter().map(|range| range.floor_low).fold(f32::INFINITY, f32::min);
+        let floor_high = ranges.iter().map(|range| range.floor_high).fold(f32::NEG_INFINITY, f32::max);
         if wall(|range| range.nearest) > RECESS_M + MARGIN_M {
             return Region::Rock;
         }
@@ -196,8 +165,7 @@ impl Field for CaveField {
         let wander = self.material.wander();
         self.blocks(bounds, points, |start, capsules, sites| {
             dispatched!(simd => survey_values(simd, capsules, wander, sites));
-            self.material
-                .distances(sites, &mut out[start..start + sites.count]);
+            self.material.distances(sites, &mut out[start..start + sites.count]);
         });
     }
 
@@ -215,21 +183,13 @@ impl Field for CaveField {
 }
 
 impl Surface for CaveField {
-    fn texels(
-        &self,
-        bounds: Bounds,
-        texel_m: f32,
-        points: &[[f32; 3]],
-        normals: &[[f32; 3]],
-        out: &mut [Texel],
-    ) {
+    fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         let wander = self.material.wander();
         let mut skins = Skins::default();
         self.blocks(bounds, points, |start, capsules, sites| {
             dispatched!(simd => survey_jets(simd, capsules, wander, sites));
             let normals = &normals[start..start + sites.count];
-            self.material
-                .skins(sites, &self.look, Band { texel_m }, normals, &mut skins);
+            self.material.skins(sites, &self.look, Band { texel_m }, normals, &mut skins);
             for (lane, texel) in out[start..start + sites.count].iter_mut().enumerate() {
                 *texel = texel_of(&skins, lane, normals[lane]);
             }

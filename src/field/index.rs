@@ -33,17 +33,11 @@ impl Index {
         if buckets_of(bounds).nth(self.buckets.len()).is_some() {
             return self.capsules.iter().collect();
         }
-        let mut found: Vec<u32> = buckets_of(bounds)
-            .filter_map(|bucket| self.buckets.get(&bucket))
-            .flatten()
-            .copied()
-            .collect();
+        let mut found: Vec<u32> =
+            buckets_of(bounds).filter_map(|bucket| self.buckets.get(&bucket)).flatten().copied().collect();
         found.sort_unstable();
         found.dedup();
-        found
-            .into_iter()
-            .map(|i| &self.capsules[i as usize])
-            .collect()
+        found.into_iter().map(|i| &self.capsules[i as usize]).collect()
     }
 }
 

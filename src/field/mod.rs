@@ -22,16 +22,8 @@ pub struct Bounds {
 impl Bounds {
     /// The smallest box around points, of which there is at least one.
     pub fn around(points: &[[f32; 3]]) -> Self {
-        let first = Self {
-            min: points[0],
-            max: points[0],
-        };
-        points.iter().fold(first, |all, &point| {
-            all.joined(Self {
-                min: point,
-                max: point,
-            })
-        })
+        let first = Self { min: points[0], max: points[0] };
+        points.iter().fold(first, |all, &point| all.joined(Self { min: point, max: point }))
     }
 
     /// The smallest box around both.
@@ -44,10 +36,7 @@ impl Bounds {
 
     /// The box with `margin_m` more on every side.
     pub fn grown(self, margin_m: f32) -> Self {
-        Self {
-            min: self.min.map(|c| c - margin_m),
-            max: self.max.map(|c| c + margin_m),
-        }
+        Self { min: self.min.map(|c| c - margin_m), max: self.max.map(|c| c + margin_m) }
     }
 
     /// Centre and radius of the smallest ball around it.
@@ -98,12 +87,5 @@ pub struct Texel {
 pub trait Surface: Sync {
     /// Looks at `points` (in `bounds`, on or near the wall). `normals` are the unit normals of the mesh there, into the
     /// air; `texel_m` is the distance between neighbouring points, so finer detail than twice that can be left out.
-    fn texels(
-        &self,
-        bounds: Bounds,
-        texel_m: f32,
-        points: &[[f32; 3]],
-        normals: &[[f32; 3]],
-        out: &mut [Texel],
-    );
+    fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]);
 }

@@ -77,34 +77,20 @@ impl Profile {
     fn cave(radius: f32, settings: &PassageSettings) -> Self {
         let half_width = (radius * settings.width_per_radius).max(settings.width_min_m) / 2.0;
         let half_height = half_width * settings.height_ratio;
-        Self {
-            half_width,
-            half_height,
-            drop: half_height * settings.floor_drop,
-            square: 0.0,
-        }
+        Self { half_width, half_height, drop: half_height * settings.floor_drop, square: 0.0 }
     }
 
     /// A mined drift: the whole height is clear, so the section reaches below the floor.
     fn drift(width: f32, height: f32) -> Self {
         let half_height = height / (1.0 + Self::DRIFT_DROP);
         let drop = half_height * Self::DRIFT_DROP;
-        Self {
-            half_width: width / 2.0,
-            half_height,
-            drop,
-            square: 1.0,
-        }
+        Self { half_width: width / 2.0, half_height, drop, square: 1.0 }
     }
 
     const DRIFT_DROP: f32 = 0.8;
 
     fn widened(self, factor: f32) -> Self {
-        Self {
-            half_width: self.half_width * factor,
-            half_height: self.half_height * factor.sqrt(),
-            ..self
-        }
+        Self { half_width: self.half_width * factor, half_height: self.half_height * factor.sqrt(), ..self }
     }
 }
 
@@ -127,30 +113,22 @@ pub(super) struct Capsule {
 
 /// Every capsule of a graph: passages in the order of its edges, then rooms in the order of its nodes.
 pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, wander: Wander) -> Vec<Capsule> {
-    let profiles: Vec<Profile> = graph
-        .nodes
-        .iter()
-        .map(|node| Profile::at(node, settings))
-        .collect();
+    let profiles: Vec<Profile> = graph.nodes.iter().map(|node| Profile::at(node, settings)).collect();
     let mut degree = vec![0_usize; graph.nodes.len()];
     for &[a, b] in &graph.edges {
         degree[a] += 1;
         degree[b] += 1;
     }
     let ends = |a: usize, b: usize| [&graph.nodes[a], &graph.nodes[b]];
-    let passages = graph
-        .edges
-        .iter()
-        .map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], wander));
+    let passages = graph.edges.iter().map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], wander));
     let is_room = |&node: &usize| degree[node] >= 3 && graph.nodes[node].section.is_none();
     let lone = |&node: &usize| degree[node] == 0;
     let rooms = (0..graph.nodes.len()).filter(is_room).map(|node| {
         let room = profiles[node].widened(settings.room_factor);
         Capsule::new(ends(node, node), [room; 2], wander)
     });
-    let pockets = (0..graph.nodes.len())
-        .filter(lone)
-        .map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], wander));
+    let pockets =
+        (0..graph.nodes.len()).filter(lone).map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], wander));
     passages.chain(rooms).chain(pockets).collect()
 }
 
@@ -163,11 +141,7 @@ impl Capsule {
         Self {
             start: start.into(),
             span: span.into(),
-            inverse: if length_squared > 1e-6 {
-                1.0 / length_squared
-            } else {
-                0.0
-            },
+            inverse: if length_squared > 1e-6 { 1.0 / length_squared } else { 0.0 },
             half_width: profiles.map(|profile| profile.half_width),
             drop: profiles.map(|profile| profile.drop),
             squash: (ratio[0] + ratio[1]) / 2.0,
@@ -250,12 +224,7 @@ pub(super) struct Range {
 
 /// Fills in what the passages say about the points of a block.
 #[inline(always)]
-pub(super) fn survey<S: Simd, T: Stored<S>>(
-    simd: S,
-    capsules: &[&Capsule],
-    wander: Wander,
-    sites: &mut Sites,
-) {
+pub(super) fn survey<S: Simd, T: Stored<S>>(simd: S, capsules: &[&Capsule], wander: Wander, sites: &mut Sites) {
     for at in (0..BLOCK).step_by(Lanes::<S>::LEN) {
         let point: Vec3<T> = T::point(simd, &sites.point, at);
         let push = push(point, wander, sites.source);
@@ -294,12 +263,7 @@ impl<T> Sums<T> {
         T: Real<S>,
     {
         let zero = T::splat(simd, 0.0);
-        Self {
-            weight: zero,
-            height: zero,
-            up: zero,
-            half_width: zero + Self::FAINT,
-        }
+        Self { weight: zero, height: zero, up: zero, half_width: zero + Self::FAINT }
     }
 
     #[inline(always)]
@@ -309,27 +273,16 @@ impl<T> Sums<T> {
     {
         let [x, y, z] = capsule.start;
         let push = push.scaled(capsule.sway);
-        let away = vec3(
-            point.x - x + push.x,
-            point.y - y + push.y,
-            point.z - z + push.z,
-        );
+        let away = vec3(point.x - x + push.x, point.y - y + push.y, point.z - z + push.z);
         let share = (away.along(capsule.span) * capsule.inverse).within(0.0, 1.0);
         let [dx, dy, dz] = capsule.span;
-        let off = vec3(
-            away.x - share * dx,
-            away.y - share * dy,
-            away.z - share * dz,
-        );
+        let off = vec3(away.x - share * dx, away.y - share * dy, away.z - share * dz);
         let rise = off.z * capsule.squash;
-        let half_width =
-            share * (capsule.half_width[1] - capsule.half_width[0]) + capsule.half_width[0];
+        let half_width = share * (capsule.half_width[1] - capsule.half_width[0]) + capsule.half_width[0];
         let flat = off.x.squared() + off.y.squared();
         let round = (flat + rise.squared() + 1e-4).sqrt();
         let section = if capsule.square > 0.0 {
-            let square = (flat.squared() + rise.squared().squared() + 1e-6)
-                .sqrt()
-                .sqrt();
+            let square = (flat.squared() + rise.squared().squared() + 1e-6).sqrt().sqrt();
             mix(round, square, round * 0.0 + capsule.square)
         } else {
             round

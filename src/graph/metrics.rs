@@ -25,13 +25,7 @@ pub struct Range {
 }
 
 const fn range(name: &'static str, [min, p10, p90, max]: [f64; 4]) -> Range {
-    Range {
-        name,
-        min,
-        p10,
-        p90,
-        max,
-    }
+    Range { name, min, p10, p90, max }
 }
 
 /// The ranges of Collon et al. 2017, in the order of [`Metrics::values`]; quantiles interpolated linearly.
@@ -39,20 +33,11 @@ pub static REAL_CAVES: [Range; 8] = [
     range("length entropy", [0.070054, 0.205123, 0.598302, 0.66739]),
     range("length variation", [0.903288, 0.940227, 1.85322, 2.559806]),
     range("tortuosity", [1.121287, 1.183497, 1.415125, 1.535434]),
-    range(
-        "orientation entropy",
-        [0.745735, 0.906844, 0.99586, 0.996994],
-    ),
+    range("orientation entropy", [0.745735, 0.906844, 0.99586, 0.996994]),
     range("mean degree", [1.75, 2.0, 2.330473, 2.569231]),
     range("degree variation", [0.352617, 0.459572, 0.590435, 0.602927]),
-    range(
-        "degree correlation",
-        [-0.555556, -0.440682, -0.182334, -0.150444],
-    ),
-    range(
-        "central point dominance",
-        [0.022457, 0.205422, 0.541385, 0.571717],
-    ),
+    range("degree correlation", [-0.555556, -0.440682, -0.182334, -0.150444]),
+    range("central point dominance", [0.022457, 0.205422, 0.541385, 0.571717]),
 ];
 
 /// Metrics inside their whole range that a realistic graph has: all of them.
@@ -122,11 +107,7 @@ impl Metrics {
     pub fn realism(&self, inset: f64) -> Realism {
         let mut realism = Realism { inside: 0, core: 0 };
         for (place, (value, range)) in self.values().iter().zip(&REAL_CAVES).enumerate() {
-            let hold = if place == MEAN_DEGREE {
-                0.0
-            } else {
-                inset * (range.max - range.min)
-            };
+            let hold = if place == MEAN_DEGREE { 0.0 } else { inset * (range.max - range.min) };
             let within = |low: f64, high: f64| (low + hold..=high - hold).contains(value);
             realism.inside += usize::from(within(range.min, range.max));
             realism.core += usize::from(within(range.p10, range.p90));
@@ -185,11 +166,7 @@ fn orientation_entropy(graph: &Graph) -> f64 {
 /// The azimuth of an undirected line as karstnet measures it: clockwise from north, below π.
 fn azimuth(x: f64, y: f64) -> f64 {
     let across = (x.abs() / libm::hypot(x, y)).min(1.0);
-    let angle = if x * y > 0.0 {
-        libm::asin(across)
-    } else {
-        0.5 * PI + libm::acos(across)
-    };
+    let angle = if x * y > 0.0 { libm::asin(across) } else { 0.5 * PI + libm::acos(across) };
     angle % PI
 }
 
@@ -197,9 +174,7 @@ fn azimuth(x: f64, y: f64) -> f64 {
 fn entropy(classes: &[f64]) -> f64 {
     let sum: f64 = classes.iter().sum();
     let parts = classes.iter().filter(|&&class| class > 0.0);
-    let nats: f64 = parts
-        .map(|class| -class / sum * libm::log(class / sum))
-        .sum();
+    let nats: f64 = parts.map(|class| -class / sum * libm::log(class / sum)).sum();
     nats / libm::log(classes.len() as f64)
 }
 

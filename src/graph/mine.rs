@@ -142,9 +142,7 @@ impl Mine {
         let Some(left) = (self.nodes + self.descent().len() as u32 - 1).checked_sub(needed) else {
             return Err(GenerateError {
                 message: format!("no room for {} levels in {} nodes", self.levels, self.nodes),
-                hint: format!(
-                    "a level and its way down take {per_level} nodes; ask for more nodes or fewer levels"
-                ),
+                hint: format!("a level and its way down take {per_level} nodes; ask for more nodes or fewer levels"),
             });
         };
         let share = |level| 1 + left / self.levels + u32::from(level < left % self.levels);
@@ -163,10 +161,7 @@ impl Mine {
                 let gentle = 0.25 * self.level_spacing_m / slope;
                 let side = gentle.max(RAMP_SIDE * self.drift_width_m);
                 let steps = self.steps(side);
-                let (along, down) = (
-                    side / steps as f64,
-                    0.25 * self.level_spacing_m / steps as f64,
-                );
+                let (along, down) = (side / steps as f64, 0.25 * self.level_spacing_m / steps as f64);
                 [-EAST, -NORTH, EAST, NORTH]
                     .into_iter()
                     .flat_map(|way| vec![way * along + DOWN * down; steps])
@@ -195,14 +190,7 @@ struct Survey<'a> {
 
 impl<'a> Survey<'a> {
     fn new(mine: &'a Mine, dice: Dice) -> Self {
-        Self {
-            mine,
-            dice,
-            nodes: Vec::new(),
-            edges: Vec::new(),
-            layout: Vec::new(),
-            left: 0,
-        }
+        Self { mine, dice, nodes: Vec::new(), edges: Vec::new(), layout: Vec::new(), left: 0 }
     }
 
     /// Adds a station where the layout has it.
@@ -246,9 +234,7 @@ impl<'a> Survey<'a> {
     /// The way down from the first station of a level to that of the next. Ramps and shafts are straight.
     fn descend(&mut self, from: usize) -> usize {
         let level = self.nodes[from].level + 1;
-        self.mine.descent().into_iter().fold(from, |tip, step| {
-            self.place(Some(tip), self.layout[tip] + step, level)
-        })
+        self.mine.descent().into_iter().fold(from, |tip, step| self.place(Some(tip), self.layout[tip] + step, level))
     }
 
     /// Drives a level with this many nodes.
@@ -337,19 +323,12 @@ mod tests {
     use super::*;
 
     fn perfect() -> Mine {
-        Mine {
-            irregularity: 0.0,
-            jitter_m: 0.0,
-            ..Default::default()
-        }
+        Mine { irregularity: 0.0, jitter_m: 0.0, ..Default::default() }
     }
 
     #[test]
     fn without_irregularity_every_pillar_stands() {
-        let mine = Mine {
-            nodes: 17 + 5 * (5 * 4 + 4 * 3),
-            ..perfect()
-        };
+        let mine = Mine { nodes: 17 + 5 * (5 * 4 + 4 * 3), ..perfect() };
         let graph = mine.generate(1).expect("one level fits");
         assert_eq!(graph.loops(), 5 * 4);
     }
@@ -357,11 +336,7 @@ mod tests {
     #[test]
     fn ramps_keep_their_inclination_and_shafts_are_vertical() {
         for (access, steepest) in [(Access::Ramp, 8.0), (Access::Shaft, 90.0)] {
-            let mine = Mine {
-                levels: 3,
-                access,
-                ..Default::default()
-            };
+            let mine = Mine { levels: 3, access, ..Default::default() };
             let graph = mine.generate(5).expect("three levels fit");
             let [low, high] = graph.bounds().expect("it has nodes");
             assert_eq!(high.z - low.z, 2.0 * mine.level_spacing_m);
@@ -377,21 +352,14 @@ mod tests {
 
     #[test]
     fn too_many_levels_are_refused_with_the_number_they_take() {
-        let mine = Mine {
-            nodes: 20,
-            levels: 2,
-            ..Default::default()
-        };
+        let mine = Mine { nodes: 20, levels: 2, ..Default::default() };
         let error = mine.generate(1).expect_err("the ramp alone takes more");
         assert_eq!(error.message, "no room for 2 levels in 20 nodes");
     }
 
     #[test]
     fn drifts_too_near_each_other_are_refused() {
-        let mine = Mine {
-            drift_spacing_m: 5.0,
-            ..Default::default()
-        };
+        let mine = Mine { drift_spacing_m: 5.0, ..Default::default() };
         let error = mine.generate(1).expect_err("9 m are needed");
         assert!(error.message.contains("drift_spacing_m"), "{error}");
     }

@@ -93,14 +93,8 @@ pub struct GeneratorRow {
 
 /// Every generator, the default first.
 pub static GENERATORS: &[GeneratorRow] = &[
-    row::<GaussianPerlin>(
-        "gaussian-perlin",
-        "caves: the PLUME paper's walk, kept within the statistics of real caves",
-    ),
-    row::<Mine>(
-        "mine",
-        "drifts and cross-cuts on levels joined by ramps or shafts",
-    ),
+    row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
+    row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
 ];
 
 /// The generator that recipes call `name`.

@@ -15,10 +15,7 @@ impl Branches {
     pub(super) fn of(graph: &Graph) -> Self {
         let neighbors = graph.neighbors();
         let mut walked = vec![Vec::new(); graph.nodes.len()];
-        let mut branches = Self {
-            stations: Vec::new(),
-            starts: vec![0],
-        };
+        let mut branches = Self { stations: Vec::new(), starts: vec![0] };
         for (knot, others) in neighbors.iter().enumerate() {
             if others.len() == 2 {
                 continue;
@@ -48,17 +45,13 @@ impl Branches {
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &[usize]> {
-        self.starts
-            .windows(2)
-            .map(|ends| &self.stations[ends[0]..ends[1]])
+        self.starts.windows(2).map(|ends| &self.stations[ends[0]..ends[1]])
     }
 
     /// The length of each branch in metres.
     pub(super) fn lengths(&self, graph: &Graph) -> Vec<f64> {
         let leg = |pair: &[usize]| graph.distance_m(pair[0], pair[1]);
-        self.iter()
-            .map(|branch| branch.windows(2).map(leg).sum())
-            .collect()
+        self.iter().map(|branch| branch.windows(2).map(leg).sum()).collect()
     }
 }
 
@@ -91,9 +84,7 @@ impl Reduced {
                 builder.join(branch[0], branch[last]);
             }
         }
-        Self {
-            neighbors: builder.neighbors,
-        }
+        Self { neighbors: builder.neighbors }
     }
 
     pub(super) fn degree(&self, node: usize) -> usize {

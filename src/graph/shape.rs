@@ -7,10 +7,7 @@ use super::{Graph, Node, Section};
 impl Graph {
     /// A graph of these nodes; edges may come in any order, either way round and more than once.
     pub fn new(nodes: Vec<Node>, edges: Vec<[usize; 2]>) -> Self {
-        let mut edges: Vec<[usize; 2]> = edges
-            .into_iter()
-            .map(|[a, b]| [a.min(b), a.max(b)])
-            .collect();
+        let mut edges: Vec<[usize; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
         edges.dedup();
         Self { nodes, edges }
@@ -23,18 +20,13 @@ impl Graph {
             neighbors[a].push(b);
             neighbors[b].push(a);
         }
-        neighbors
-            .iter_mut()
-            .for_each(|others| others.sort_unstable());
+        neighbors.iter_mut().for_each(|others| others.sort_unstable());
         neighbors
     }
 
     /// Passages at a node. Looks at all edges: ask [`neighbors`](Self::neighbors) for many nodes.
     pub fn degree(&self, node: usize) -> usize {
-        self.edges
-            .iter()
-            .filter(|edge| edge.contains(&node))
-            .count()
+        self.edges.iter().filter(|edge| edge.contains(&node)).count()
     }
 
     /// Straight distance between two nodes in metres.
@@ -68,19 +60,17 @@ impl Graph {
     /// Lowest and highest corner of the box round all nodes, in metres; `None` without nodes.
     pub fn bounds(&self) -> Option<[Point3<f64>; 2]> {
         let first = self.nodes.first()?.position;
-        let corners = self.nodes.iter().fold([first, first], |[low, high], node| {
-            [low.inf(&node.position), high.sup(&node.position)]
-        });
+        let corners = self
+            .nodes
+            .iter()
+            .fold([first, first], |[low, high], node| [low.inf(&node.position), high.sup(&node.position)]);
         Some(corners)
     }
 
     /// The graph enlarged about the origin of its frame: positions, radii and sections, rounded to 1 mm.
     pub fn scaled(&self, factor: f64) -> Self {
         let nodes = self.nodes.iter().map(|node| node.scaled(factor)).collect();
-        Self {
-            nodes,
-            edges: self.edges.clone(),
-        }
+        Self { nodes, edges: self.edges.clone() }
     }
 }
 

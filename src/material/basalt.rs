@@ -38,13 +38,7 @@ pub struct Basalt {
 
 impl Default for Basalt {
     fn default() -> Self {
-        Self {
-            relief: 1.0,
-            wander_m: 0.6,
-            spall: -0.02,
-            ledge_m: 0.7,
-            rubble: 0.06,
-        }
+        Self { relief: 1.0, wander_m: 0.6, spall: -0.02, ledge_m: 0.7, rubble: 0.06 }
     }
 }
 
@@ -70,9 +64,7 @@ impl Basalt {
         let bench = (n.noise(16, p.scaled(0.25)) * 0.35 + 0.22).at_least(0.0);
         let bench = bench * site.height.step(0.95, 0.35);
         // Long creases that light can rake along.
-        let crease = n
-            .noise(17, p.turned().stretched(0.16, 0.62, 0.62))
-            .soft_abs(0.05);
+        let crease = n.noise(17, p.turned().stretched(0.16, 0.62, 0.62)).soft_abs(0.05);
         let creases = (crease * -2.2 + 1.0).at_least(0.0).squared() * -0.22;
         ledges + rolls + lines + creases - bench
     }
@@ -81,11 +73,7 @@ impl Basalt {
     fn spalled<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
         let n = site.source;
         let w = n.warp(20, site.point, 0.9, 0.10);
-        let large = facets(
-            w.stretched(1.0 / 1.15, 1.0 / 1.15, 1.0 / 0.8),
-            1.1,
-            n.layer(21),
-        );
+        let large = facets(w.stretched(1.0 / 1.15, 1.0 / 1.15, 1.0 / 0.8), 1.1, n.layer(21));
         let small = facets(Self::joints(w), 1.1, n.layer(22));
         large * 0.26 + small * 0.10 + 0.24
     }
@@ -100,9 +88,7 @@ impl Basalt {
     fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
         let [x, y] = [Value::<S>(centre[0] * 0.28), Value(centre[1] * 0.28)];
         let lane = site.source.noise(30, vec3(x, y, y * 0.0));
-        bank(site) * 0.75
-            + T::constant(lane.0 * 0.45)
-            + (self.rubble - 0.3 * (1.0 - site.ground.natural))
+        bank(site) * 0.75 + T::constant(lane.0 * 0.45) + (self.rubble - 0.3 * (1.0 - site.ground.natural))
     }
 }
 
@@ -119,41 +105,14 @@ pub(super) fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
     (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
 }
 
-const SLABS: Rubble = Rubble {
-    layer: 31,
-    cell_m: 1.25,
-    height_m: [0.35, 0.65],
-    tilt: 0.22,
-    steepness: 5.0,
-};
-const BLOCKS: Rubble = Rubble {
-    layer: 32,
-    cell_m: 0.52,
-    height_m: [0.12, 0.26],
-    tilt: 0.26,
-    steepness: 4.0,
-};
-const COBBLES: Rubble = Rubble {
-    layer: 33,
-    cell_m: 0.17,
-    height_m: [0.016, 0.032],
-    tilt: 0.35,
-    steepness: 2.0,
-};
-const CHIPS: Rubble = Rubble {
-    layer: 34,
-    cell_m: 0.06,
-    height_m: [0.006, 0.010],
-    tilt: 0.35,
-    steepness: 1.8,
-};
+const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, height_m: [0.35, 0.65], tilt: 0.22, steepness: 5.0 };
+const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.52, height_m: [0.12, 0.26], tilt: 0.26, steepness: 4.0 };
+const COBBLES: Rubble = Rubble { layer: 33, cell_m: 0.17, height_m: [0.016, 0.032], tilt: 0.35, steepness: 2.0 };
+const CHIPS: Rubble = Rubble { layer: 34, cell_m: 0.06, height_m: [0.006, 0.010], tilt: 0.35, steepness: 1.8 };
 
 impl Rock for Basalt {
     fn wander(&self) -> Wander {
-        Wander {
-            length_m: [5.0, 2.1],
-            reach_m: [self.wander_m, self.wander_m / 3.0],
-        }
+        Wander { length_m: [5.0, 2.1], reach_m: [self.wander_m, self.wander_m / 3.0] }
     }
 
     #[inline(always)]
@@ -171,39 +130,20 @@ impl Rock for Basalt {
             form = form + Self::spalled(site) * spall;
         }
         let recess = (undulation + form) * self.relief;
-        Wall {
-            recess,
-            cavity: form,
-            state: spall,
-            band: spall * 0.0,
-        }
+        Wall { recess, cavity: form, state: spall, band: spall * 0.0 }
     }
 
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        wall: &Wall<T>,
-        band: Band,
-    ) -> Detail<T> {
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, band: Band) -> Detail<T> {
         let (p, n, spall) = (site.point, site.source, wall.state);
-        let mut detail = Detail {
-            recess: spall * 0.0,
-            crack: spall * 0.0,
-        };
+        let mut detail = Detail { recess: spall * 0.0, crack: spall * 0.0 };
         if spall.value().simd_lt(1.0).any_true() {
-            let drip = (n.noise(40, p.scaled(1.0 / 1.7)) + site.up.step(0.15, 0.75) * 0.4 + 0.15)
-                .within(0.0, 1.0);
-            let drops = cells_3d(
-                n.warp(41, p, 0.25, 0.03).stretched(7.5, 7.5, 3.6),
-                n.layer(42),
-            )
-            .distance;
+            let drip = (n.noise(40, p.scaled(1.0 / 1.7)) + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
+            let drops = cells_3d(n.warp(41, p, 0.25, 0.03).stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
             let cell = cells_3d(n.warp(43, p, 0.6, 0.10).scaled(1.0 / 1.5), n.layer(44));
             let crack = (cell.edge * -38.0 + 1.0).at_least(0.0);
             let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
-            let rims =
-                saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
+            let rims = saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
             let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 4), 0.52) * 0.018;
             let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * band.keep(0.05));
             let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.02;
@@ -240,19 +180,11 @@ impl Rock for Basalt {
         let stones = higher(slabs, blocks);
         let flat = vec3(p.x, p.y, p.z * 0.0);
         let roll = n.fbm(36, flat.scaled(1.0 / 2.6), 2, 0.54) * (0.09 * site.ground.natural);
-        Floor {
-            height: stones.height * stone_height(site) + roll - 0.02,
-            ..stones
-        }
+        Floor { height: stones.height * stone_height(site) + roll - 0.02, ..stones }
     }
 
     #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        floor: &Floor<T>,
-        band: Band,
-    ) -> Floor<T> {
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
         let (p, n) = (site.point, site.source);
         let at = n.warp(35, p, 0.7, 0.13);
         let gravel = COBBLES.stones(
@@ -278,20 +210,12 @@ impl Rock for Basalt {
     }
 
     #[inline(always)]
-    fn paint<S: Simd>(
-        &self,
-        form: &Form<S>,
-        site: &Site<Value<S>>,
-        look: &Look,
-        band: Band,
-    ) -> Paint<S> {
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, band: Band) -> Paint<S> {
         let tone = Tone::of(form, site, band);
         let dry = Self::wall_color(form, site, look, &tone);
         let color = dry.under(Self::floor_color(form, &tone), form.floor);
         let dust = form.upward.step(0.55, 0.95) * (tone.broad * 0.4 + 0.55).within(0.0, 1.0) * 0.30;
-        let color = color
-            .tinted([0.118, 0.104, 0.090], dust)
-            .lit(tone.shade(form));
+        let color = color.tinted([0.118, 0.104, 0.090], dust).lit(tone.shade(form));
         let film = tone.film(form, look, form.floor * 0.25);
         let glazed = (-form.state + 1.0) * (-form.floor + 1.0) * tone.patch.step(-0.1, 0.4);
         let dry = glazed * -0.30 + tone.fine * 0.08 + 0.86;
@@ -306,36 +230,20 @@ impl Rock for Basalt {
 
 impl Basalt {
     #[inline(always)]
-    fn wall_color<S: Simd>(
-        form: &Form<S>,
-        site: &Site<Value<S>>,
-        look: &Look,
-        tone: &Tone<S>,
-    ) -> Color<S> {
+    fn wall_color<S: Simd>(form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let (p, n) = (form.point, site.source);
-        let lining = ramp(
-            (tone.broad + tone.fine * 0.35).step(-0.6, 0.8),
-            [0.028, 0.027, 0.027],
-            [0.085, 0.080, 0.076],
-        );
-        let spall = ramp(
-            (tone.broad + tone.fine * 0.5).step(-0.5, 0.7),
-            [0.060, 0.054, 0.050],
-            [0.135, 0.118, 0.103],
-        );
+        let lining =
+            ramp((tone.broad + tone.fine * 0.35).step(-0.6, 0.8), [0.028, 0.027, 0.027], [0.085, 0.080, 0.076]);
+        let spall = ramp((tone.broad + tone.fine * 0.5).step(-0.5, 0.7), [0.060, 0.054, 0.050], [0.135, 0.118, 0.103]);
         // Oxidation follows the flow levels.
         let level = n.noise(66, p.stretched(0.32, 0.32, 1.1));
         let red = (level + tone.fine * 0.55 + form.cavity * 0.2).step(0.30, 0.50);
         let ochre = (tone.patch + tone.fine * 0.4 + level * -0.5).step(0.40, 0.70);
-        let bloom = (n.noise(67, p.scaled(1.25)) + tone.fine * 0.5 + tone.streak * 0.25)
-            .step(0.42, 0.72)
+        let bloom = (n.noise(67, p.scaled(1.25)) + tone.fine * 0.5 + tone.streak * 0.25).step(0.42, 0.72)
             * form.cavity.step(-0.1, 0.5);
         lining
             .under(spall, form.state * 0.8)
-            .tinted(
-                [0.150, 0.052, 0.026],
-                red * (form.state * 0.6 + 0.4) * (0.55 * look.stain),
-            )
+            .tinted([0.150, 0.052, 0.026], red * (form.state * 0.6 + 0.4) * (0.55 * look.stain))
             .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
             .tinted([0.340, 0.310, 0.260], bloom * (0.24 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
@@ -343,14 +251,7 @@ impl Basalt {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let ash = ramp(
-            (tone.fine + tone.broad).step(-0.5, 0.8),
-            [0.045, 0.040, 0.037],
-            [0.105, 0.090, 0.078],
-        );
-        ash.under(
-            ramp(form.tint, [0.040, 0.038, 0.037], [0.125, 0.108, 0.094]),
-            form.stone,
-        )
+        let ash = ramp((tone.fine + tone.broad).step(-0.5, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
+        ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.125, 0.108, 0.094]), form.stone)
     }
 }

@@ -12,22 +12,14 @@ pub type Color<S> = Vec3<Value<S>>;
 /// From one colour at 0 to another at 1.
 #[inline(always)]
 pub fn ramp<S: Simd>(t: Value<S>, low: [f32; 3], high: [f32; 3]) -> Color<S> {
-    vec3(
-        t * (high[0] - low[0]) + low[0],
-        t * (high[1] - low[1]) + low[1],
-        t * (high[2] - low[2]) + low[2],
-    )
+    vec3(t * (high[0] - low[0]) + low[0], t * (high[1] - low[1]) + low[1], t * (high[2] - low[2]) + low[2])
 }
 
 impl<S: Simd> Color<S> {
     /// Covered by another colour, 0 not to 1 fully.
     #[inline(always)]
     pub fn under(self, cover: Self, share: Value<S>) -> Self {
-        vec3(
-            mix(self.x, cover.x, share),
-            mix(self.y, cover.y, share),
-            mix(self.z, cover.z, share),
-        )
+        vec3(mix(self.x, cover.x, share), mix(self.y, cover.y, share), mix(self.z, cover.z, share))
     }
 
     /// Covered by one colour, 0 not to 1 fully.

@@ -77,36 +77,22 @@ impl Limestone {
     fn pole(&self) -> [f32; 3] {
         let (dip, azimuth) = (self.dip_deg.to_radians(), self.dip_azimuth_deg.to_radians());
         let across = libm::sinf(dip);
-        [
-            across * libm::cosf(azimuth),
-            across * libm::sinf(azimuth),
-            libm::cosf(dip),
-        ]
+        [across * libm::cosf(azimuth), across * libm::sinf(azimuth), libm::cosf(dip)]
     }
 
     #[inline(always)]
     fn bed<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Bed<T> {
         let (p, n) = (site.point, site.source);
         let rise = p.along(self.pole()) * (1.0 / self.bed_m);
-        let level =
-            rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06;
+        let level = rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06;
         let (index, rest) = level.split();
         let lot = inlined!(|index, layer| level_lot::<S, T>(index, n.layer(layer)));
         // The next bed begins at a height of its own, so that partings are not evenly spaced.
         let edge = lot(index, 14) * 0.28 - 0.14;
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
-        let hardness = mix(
-            lot(index, 12),
-            lot(index + 1, 12),
-            rest_here.step(0.42, 1.0),
-        );
+        let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.42, 1.0));
         let show = n.noise(13, p.scaled(1.0 / 3.0)).step(-0.45, 0.25) * 0.85 + 0.15;
-        Bed {
-            hardness,
-            rest: rest_here,
-            parting: lot(index, 15).squared(),
-            show,
-        }
+        Bed { hardness, rest: rest_here, parting: lot(index, 15).squared(), show }
     }
 
     #[inline(always)]
@@ -117,11 +103,7 @@ impl Limestone {
         let across = p.x * -sine + p.y * cosine;
         let along = p.x * cosine + p.y * sine;
         let bend = n.noise(16, p.scaled(0.5)) * 0.12;
-        let at = vec3(
-            across * (1.0 / 2.6) + bend,
-            along * (1.0 / 11.0),
-            p.z * 0.125,
-        );
+        let at = vec3(across * (1.0 / 2.6) + bend, along * (1.0 / 11.0), p.z * 0.125);
         (n.noise(17, at) * 5.0).bump()
     }
 
@@ -129,40 +111,17 @@ impl Limestone {
     fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
         let [x, y] = [Value::<S>(centre[0] * 0.3), Value(centre[1] * 0.3)];
         let lane = site.source.noise(30, vec3(x, y, y * 0.0));
-        bank(site) * 0.7
-            + T::constant(lane.0 * 0.40)
-            + (self.rubble - 0.3 * (1.0 - site.ground.natural))
+        bank(site) * 0.7 + T::constant(lane.0 * 0.40) + (self.rubble - 0.3 * (1.0 - site.ground.natural))
     }
 }
 
-const BLOCKS: Rubble = Rubble {
-    layer: 31,
-    cell_m: 1.2,
-    height_m: [0.35, 0.65],
-    tilt: 0.4,
-    steepness: 5.0,
-};
-const COBBLES: Rubble = Rubble {
-    layer: 32,
-    cell_m: 0.5,
-    height_m: [0.10, 0.24],
-    tilt: 0.4,
-    steepness: 4.0,
-};
-const PEBBLES: Rubble = Rubble {
-    layer: 33,
-    cell_m: 0.14,
-    height_m: [0.010, 0.026],
-    tilt: 0.3,
-    steepness: 1.5,
-};
+const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, height_m: [0.35, 0.65], tilt: 0.4, steepness: 5.0 };
+const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, height_m: [0.10, 0.24], tilt: 0.4, steepness: 4.0 };
+const PEBBLES: Rubble = Rubble { layer: 33, cell_m: 0.14, height_m: [0.010, 0.026], tilt: 0.3, steepness: 1.5 };
 
 impl Rock for Limestone {
     fn wander(&self) -> Wander {
-        Wander {
-            length_m: [6.0, 2.4],
-            reach_m: [self.wander_m, self.wander_m / 3.0],
-        }
+        Wander { length_m: [6.0, 2.4], reach_m: [self.wander_m, self.wander_m / 3.0] }
     }
 
     #[inline(always)]
@@ -173,11 +132,7 @@ impl Rock for Limestone {
         let bed = self.bed(site);
         let belly = bed.rest * (-bed.rest + 1.0) * 0.16;
         let beds = ((bed.hardness - 0.5) * 0.66 - belly) * bed.show;
-        let pocket = cells_3d(
-            n.warp(2, p, 1.5, 0.2)
-                .stretched(1.0 / 2.0, 1.0 / 1.5, 1.0 / 1.3),
-            n.layer(3),
-        );
+        let pocket = cells_3d(n.warp(2, p, 1.5, 0.2).stretched(1.0 / 2.0, 1.0 / 1.5, 1.0 / 1.3), n.layer(3));
         let pocket = (-pocket.distance.squared() + 0.30) * (ceiling * 0.28 + 0.24);
         let joint = self.joints(site) * (ceiling * 0.55 + 0.16);
         let cover = n.noise(4, p.stretched(1.0 / 3.4, 1.0 / 3.4, 1.0 / 7.0))
@@ -190,42 +145,20 @@ impl Rock for Limestone {
             let drape = curtain + n.noise(7, p.stretched(2.5, 2.5, 0.7)) * 0.04 - 0.10;
             form = mix(rock, drape + beds * 0.25, flow);
         }
-        Wall {
-            recess: (undulation + form) * self.relief,
-            cavity: rock,
-            state: flow,
-            band: bed.hardness,
-        }
+        Wall { recess: (undulation + form) * self.relief, cavity: rock, state: flow, band: bed.hardness }
     }
 
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        wall: &Wall<T>,
-        band: Band,
-    ) -> Detail<T> {
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, band: Band) -> Detail<T> {
         let (p, n, flow) = (site.point, site.source, wall.state);
-        let mut detail = Detail {
-            recess: flow * 0.0,
-            crack: flow * 0.0,
-        };
+        let mut detail = Detail { recess: flow * 0.0, crack: flow * 0.0 };
         if flow.value().simd_lt(1.0).any_true() {
             let bed = self.bed(site);
             let groove = ((bed.rest - 0.86) * 9.0).bump() * bed.show * (bed.parting * 0.12 + 0.03);
             let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.15, 0.2);
-            let scallop = cells_3d(
-                n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7),
-                n.layer(42),
-            )
-            .distance;
+            let scallop = cells_3d(n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7), n.layer(42)).distance;
             let scallops = (-scallop.squared() + 0.30) * scalloped * 0.10;
-            let net = cells_3d(
-                n.warp(43, p, 0.7, 0.08)
-                    .stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3),
-                n.layer(44),
-            )
-            .edge;
+            let net = cells_3d(n.warp(43, p, 0.7, 0.08).stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3), n.layer(44)).edge;
             let cracked = n.noise(45, p.scaled(1.0 / 2.2)).step(0.10, 0.45);
             let crack = (net * -45.0 + 1.0).at_least(0.0) * cracked;
             let grain = n.fbm(46, p.scaled(4.5), band.octaves(0.22, 4), 0.54) * 0.020;
@@ -260,19 +193,11 @@ impl Rock for Limestone {
         let stones = higher(blocks, cobbles);
         let flat = vec3(p.x, p.y, p.z * 0.0);
         let roll = n.fbm(36, flat.scaled(1.0 / 3.2), 2, 0.5) * (0.09 * site.ground.natural);
-        Floor {
-            height: stones.height * stone_height(site) + roll,
-            ..stones
-        }
+        Floor { height: stones.height * stone_height(site) + roll, ..stones }
     }
 
     #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        floor: &Floor<T>,
-        band: Band,
-    ) -> Floor<T> {
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
         let (p, n) = (site.point, site.source);
         let at = n.warp(35, p, 0.7, 0.12);
         let pebbles = PEBBLES.stones(
@@ -284,22 +209,14 @@ impl Rock for Limestone {
         let grain = n.fbm(37, p.scaled(3.4), band.octaves(0.29, 5), 0.54) * 0.026;
         let on_stone = floor.stone.value().simd_gt(0.3);
         Floor {
-            height: floor.height
-                + pebbles.height * (-floor.stone + 1.0)
-                + grain * (floor.stone * -0.6 + 1.0),
+            height: floor.height + pebbles.height * (-floor.stone + 1.0) + grain * (floor.stone * -0.6 + 1.0),
             stone: floor.stone.max(pebbles.stone * 0.8),
             tint: T::pick(on_stone, floor.tint, pebbles.tint),
         }
     }
 
     #[inline(always)]
-    fn paint<S: Simd>(
-        &self,
-        form: &Form<S>,
-        site: &Site<Value<S>>,
-        look: &Look,
-        band: Band,
-    ) -> Paint<S> {
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, band: Band) -> Paint<S> {
         let tone = Tone::of(form, site, band);
         let wall = Self::wall_color(form, site, look, &tone);
         let color = wall.under(Self::floor_color(form, &tone), form.floor);
@@ -312,11 +229,7 @@ impl Rock for Limestone {
         let dry = tone.fine * 0.10 - form.state * 0.25 + 0.80;
         let color = color.lit(film * -0.50 + 1.0);
         Paint {
-            color: vec3(
-                color.x,
-                color.y * (film * -0.02 + 1.0),
-                color.z * (film * -0.06 + 1.0),
-            ),
+            color: vec3(color.x, color.y * (film * -0.02 + 1.0), color.z * (film * -0.06 + 1.0)),
             roughness: mix(dry, pool * -0.10 + 0.20, film),
             film,
             pool,
@@ -326,31 +239,17 @@ impl Rock for Limestone {
 
 impl Limestone {
     #[inline(always)]
-    fn wall_color<S: Simd>(
-        form: &Form<S>,
-        site: &Site<Value<S>>,
-        look: &Look,
-        tone: &Tone<S>,
-    ) -> Color<S> {
+    fn wall_color<S: Simd>(form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
-        let rock = ramp(
-            (tone.broad + tone.fine * 0.4).step(-0.7, 0.7),
-            [0.210, 0.185, 0.150],
-            [0.400, 0.355, 0.285],
-        );
+        let rock = ramp((tone.broad + tone.fine * 0.4).step(-0.7, 0.7), [0.210, 0.185, 0.150], [0.400, 0.355, 0.285]);
         let marl = form.band.step(0.55, 0.85) * 0.8;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
         let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
-        let manganese =
-            (curtain + tone.fine * 0.6 + tone.patch * 0.4 + form.cavity * 0.3).step(0.36, 0.56);
+        let manganese = (curtain + tone.fine * 0.6 + tone.patch * 0.4 + form.cavity * 0.3).step(0.36, 0.56);
         let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7).step(0.36, 0.72);
         let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
-        let flowstone = ramp(
-            banding.step(-0.1, 0.7),
-            [0.620, 0.520, 0.370],
-            [0.500, 0.330, 0.160],
-        );
+        let flowstone = ramp(banding.step(-0.1, 0.7), [0.620, 0.520, 0.370], [0.500, 0.330, 0.160]);
         let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
         rock.under(rock.lit(form.band * 0.0 + 0.66), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
@@ -364,11 +263,7 @@ impl Limestone {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let mud = ramp(
-            (tone.fine * 0.6 + tone.broad).step(-0.6, 0.7),
-            [0.115, 0.080, 0.052],
-            [0.215, 0.160, 0.110],
-        );
+        let mud = ramp((tone.fine * 0.6 + tone.broad).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
         let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
         mud.under(stone.under(mud, form.stone * 0.0 + 0.45), form.stone)
     }

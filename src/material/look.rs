@@ -17,9 +17,6 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self {
-            humidity: 0.3,
-            stain: 1.0,
-        }
+        Self { humidity: 0.3, stain: 1.0 }
     }
 }

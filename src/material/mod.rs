@@ -22,7 +22,10 @@ pub use look::Look;
 pub use rock::{Detail, Floor, Form, PROTRUSION, Paint, RECESS_M, Rock, Wall};
 pub use site::{BLOCK, Band, Channel, Ground, Site, Sites, Skins, Stored};
 
-use schemars::Schema;
+use std::sync::Arc;
+
+use schemars::{JsonSchema, Schema};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 /// How a rock bends the passages it is in, before their distance is asked.
@@ -55,21 +58,32 @@ pub struct MaterialRow {
     /// JSON Schema of the settings: descriptions, ranges, defaults.
     pub schema: fn() -> Schema,
     /// Reads settings (an object holding a subset of the keys).
-    pub read: fn(Value) -> Result<Box<dyn Material>, serde_json::Error>,
+    pub read: fn(Value) -> Result<Arc<dyn Material>, serde_json::Error>,
 }
 
 /// Every rock, the default first.
 pub static MATERIALS: &[MaterialRow] = &[
-    MaterialRow {
-        name: "basalt",
-        summary: "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash and slabs",
-        schema: || schemars::schema_for!(Basalt),
-        read: |settings| Ok(Box::new(serde_json::from_value::<Basalt>(settings)?)),
-    },
-    MaterialRow {
-        name: "limestone",
-        summary: "karst: dipping beds, joints, solution pockets and scallops, flowstone; mud and cobbles",
-        schema: || schemars::schema_for!(Limestone),
-        read: |settings| Ok(Box::new(serde_json::from_value::<Limestone>(settings)?)),
-    },
+    row::<Limestone>(
+        "limestone",
+        "karst: dipping beds, joints, solution pockets and scallops, flowstone; mud and cobbles",
+    ),
+    row::<Basalt>("basalt", "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash and slabs"),
 ];
+
+/// The row of a rock whose settings are its fields.
+const fn row<M: Material + JsonSchema + DeserializeOwned + 'static>(
+    name: &'static str,
+    summary: &'static str,
+) -> MaterialRow {
+    MaterialRow {
+        name,
+        summary,
+        schema: || schemars::schema_for!(M),
+        read: |settings| Ok(Arc::new(serde_json::from_value::<M>(settings)?)),
+    }
+}
+
+/// The row called `name`.
+pub fn material(name: &str) -> Option<&'static MaterialRow> {
+    MATERIALS.iter().find(|row| row.name == name)
+}

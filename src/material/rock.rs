@@ -94,29 +94,13 @@ pub trait Rock: std::fmt::Debug + Send + Sync {
     /// The wall, with no wavelength below 0.4 m.
     fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
     /// What is finer on the wall.
-    fn wall_detail<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        wall: &Wall<T>,
-        band: Band,
-    ) -> Detail<T>;
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, band: Band) -> Detail<T>;
     /// The floor, with no wavelength below 0.4 m.
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T>;
     /// The floor with all that is finer.
-    fn floor_detail<S: Simd, T: Real<S>>(
-        &self,
-        site: &Site<T>,
-        floor: &Floor<T>,
-        band: Band,
-    ) -> Floor<T>;
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T>;
     /// The colour.
-    fn paint<S: Simd>(
-        &self,
-        form: &Form<S>,
-        site: &Site<Value<S>>,
-        look: &Look,
-        band: Band,
-    ) -> Paint<S>;
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, band: Band) -> Paint<S>;
 }
 
 /// How much of its relief a rock shows: all in passages 3.5 m wide and more, less in narrow ones.
@@ -136,9 +120,7 @@ fn wall_field<S: Simd, T: Real<S>>(site: &Site<T>, wall: &Wall<T>) -> T {
 /// The field of the floor alone.
 #[inline(always)]
 fn floor_field<S: Simd, T: Real<S>>(site: &Site<T>, floor: &Floor<T>) -> T {
-    let height = floor
-        .height
-        .within(-Site::<T>::DITCH_M, site.ground.highest_m());
+    let height = floor.height.within(-Site::<T>::DITCH_M, site.ground.highest_m());
     (height - site.height) * FLOOR_STEEPNESS
 }
 
@@ -196,21 +178,13 @@ fn carve_here<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<
     if floor_hidden.all_true() {
         let wall = rock.wall(site);
         let field = wall_field(site, &wall);
-        return Carved {
-            field,
-            wall: Some((wall, field)),
-            floor: None,
-        };
+        return Carved { field, wall: Some((wall, field)), floor: None };
     }
     let floor = rock.floor(site);
     let over_floor = floor_field(site, &floor);
     let wall_hidden = site.wall_at_most().simd_le(over_floor.value() - FILLET_M);
     if wall_hidden.all_true() {
-        return Carved {
-            field: over_floor,
-            wall: None,
-            floor: Some((floor, over_floor)),
-        };
+        return Carved { field: over_floor, wall: None, floor: Some((floor, over_floor)) };
     }
     let wall = rock.wall(site);
     let at_wall = wall_field(site, &wall);
@@ -256,36 +230,16 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
 
 /// The whole surface at the sites in one vector: its shape, the same with detail, and what decides its colour.
 #[inline(always)]
-fn surface<S: Simd, R: Rock>(
-    rock: &R,
-    site: &Site<Jet<S>>,
-    band: Band,
-) -> (Jet<S>, Jet<S>, Form<S>) {
+fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<S>, Jet<S>, Form<S>) {
     let zero = Jet::splat(site.simd(), 0.0);
     let carved = carve(rock, site);
-    let none = Wall {
-        recess: zero,
-        cavity: zero,
-        state: zero,
-        band: zero,
-    };
-    let mut fine_wall = (
-        none,
-        Detail {
-            recess: zero,
-            crack: zero,
-        },
-        zero,
-    );
+    let none = Wall { recess: zero, cavity: zero, state: zero, band: zero };
+    let mut fine_wall = (none, Detail { recess: zero, crack: zero }, zero);
     if let Some((wall, field)) = carved.wall {
         let detail = rock.wall_detail(site, &wall, band);
         fine_wall = (wall, detail, field - detail.recess);
     }
-    let bare = Floor {
-        height: zero,
-        stone: zero,
-        tint: zero,
-    };
+    let bare = Floor { height: zero, stone: zero, tint: zero };
     let mut fine_floor = (bare, zero);
     if let Some((floor, _)) = carved.floor {
         let floor = rock.floor_detail(site, &floor, band);
@@ -293,10 +247,7 @@ fn surface<S: Simd, R: Rock>(
     }
     let ((wall, detail, at_wall), (floor, over_floor)) = (fine_wall, fine_floor);
     let (field, share) = match (carved.wall.is_some(), carved.floor.is_some()) {
-        (true, true) => (
-            soft_max(at_wall, over_floor, FILLET_M),
-            (over_floor - at_wall).step(-0.06, 0.06),
-        ),
+        (true, true) => (soft_max(at_wall, over_floor, FILLET_M), (over_floor - at_wall).step(-0.06, 0.06)),
         (true, false) => (at_wall, zero),
         (false, _) => (over_floor, zero + 1.0),
     };
@@ -305,11 +256,7 @@ fn surface<S: Simd, R: Rock>(
     let hollow_floor = value(floor.height * -2.0 + 0.15);
     let share = value(share);
     let form = Form {
-        point: Vec3 {
-            x: value(site.point.x),
-            y: value(site.point.y),
-            z: value(site.point.z),
-        },
+        point: Vec3 { x: value(site.point.x), y: value(site.point.y), z: value(site.point.z) },
         upward: share,
         height: value(site.height),
         cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
@@ -387,14 +334,9 @@ mod tests {
 
     /// A block along a line from the axis of a passage through its wall and down to its floor.
     fn sites() -> Sites {
-        let ground = Ground {
-            roughness_m: 0.08,
-            natural: 0.7,
-        };
+        let ground = Ground { roughness_m: 0.08, natural: 0.7 };
         let mut sites = Sites::new(ground, Source::new(11));
-        let points: Vec<[f32; 3]> = (0..BLOCK)
-            .map(|i| [i as f32 * 0.37, i as f32 * -0.21, i as f32 * 0.03])
-            .collect();
+        let points: Vec<[f32; 3]> = (0..BLOCK).map(|i| [i as f32 * 0.37, i as f32 * -0.21, i as f32 * 0.03]).collect();
         sites.place(&points);
         for lane in 0..BLOCK {
             let along = lane as f32 / BLOCK as f32;
@@ -416,24 +358,9 @@ mod tests {
         gradients(simd, rock, &sites, &mut slopes);
         let mut out = Skins::default();
         let (look, band) = (Look::default(), Band { texel_m: 0.007 });
-        skins(
-            simd,
-            rock,
-            &sites,
-            &look,
-            band,
-            &[[0.6, 0.0, 0.8]; BLOCK],
-            &mut out,
-        );
+        skins(simd, rock, &sites, &look, band, &[[0.6, 0.0, 0.8]; BLOCK], &mut out);
         let bits = values.into_iter().map(f32::to_bits).collect();
-        (
-            bits,
-            slopes
-                .into_iter()
-                .map(|slope| slope.map(f32::to_bits))
-                .collect(),
-            out,
-        )
+        (bits, slopes.into_iter().map(|slope| slope.map(f32::to_bits)).collect(), out)
     }
 
     fn widths_agree(rock: &impl Rock) {

@@ -44,11 +44,7 @@ impl Rubble {
         let height = soft_min(top, flank, self.cell_m * 0.12).at_least(0.0);
         let height = T::pick(presence.value().simd_gt(0.0), height, height * 0.0);
         let stone = (height * (8.0 / self.cell_m)).at_most(1.0);
-        Floor {
-            height,
-            stone,
-            tint: lot(2),
-        }
+        Floor { height, stone, tint: lot(2) }
     }
 }
 
@@ -59,8 +55,7 @@ impl<S: Simd> Lots<S> {
     #[inline(always)]
     fn of(hash: Ints<S>) -> Self {
         let h = hash * 0x6c07_8965;
-        let lot =
-            inlined!(|shift: u32| ((h >> shift) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0));
+        let lot = inlined!(|shift: u32| ((h >> shift) & 1023).to_float::<Lanes<S>>() * (1.0 / 1023.0));
         Self([lot(8), lot(19)])
     }
 }

@@ -17,10 +17,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    const ZERO: Self = Self {
-        value: [0.0; BLOCK],
-        gradient: [[0.0; BLOCK]; 3],
-    };
+    const ZERO: Self = Self { value: [0.0; BLOCK], gradient: [[0.0; BLOCK]; 3] };
 
     /// Writes lanes from `at` on.
     #[inline(always)]
@@ -213,12 +210,7 @@ pub struct Skins {
 
 impl Default for Skins {
     fn default() -> Self {
-        Self {
-            gradient: [[0.0; BLOCK]; 3],
-            color: [[0.0; BLOCK]; 3],
-            roughness: [0.0; BLOCK],
-            occlusion: [0.0; BLOCK],
-        }
+        Self { gradient: [[0.0; BLOCK]; 3], color: [[0.0; BLOCK]; 3], roughness: [0.0; BLOCK], occlusion: [0.0; BLOCK] }
     }
 }
 

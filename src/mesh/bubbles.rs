@@ -15,9 +15,7 @@ pub(super) fn drop_bubbles(surface: &mut Surface) {
     for (&root, &cell) in roots.iter().zip(&surface.cells) {
         spans[root as usize].add(cell);
     }
-    surface
-        .quads
-        .retain(|quad| !spans[roots[quad.corners[0] as usize] as usize].is_small());
+    surface.quads.retain(|quad| !spans[roots[quad.corners[0] as usize] as usize].is_small());
 }
 
 #[derive(Clone, Copy)]
@@ -27,10 +25,7 @@ struct Span {
 }
 
 impl Span {
-    const EMPTY: Self = Self {
-        min: [i32::MAX; 3],
-        max: [i32::MIN; 3],
-    };
+    const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
 
     fn add(&mut self, cell: [i32; 3]) {
         for (axis, c) in cell.into_iter().enumerate() {
@@ -53,9 +48,7 @@ fn roots(surface: &Surface) -> Vec<u32> {
             parents[a.max(b) as usize] = a.min(b);
         }
     }
-    (0..parents.len() as u32)
-        .map(|vertex| find(&mut parents, vertex))
-        .collect()
+    (0..parents.len() as u32).map(|vertex| find(&mut parents, vertex)).collect()
 }
 
 /// The root of a vertex, halving the path to it.

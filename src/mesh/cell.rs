@@ -87,10 +87,7 @@ fn trace(case: u8, switched: Face) -> Loops {
         for begin in (0..4).filter(|&k| !air(k) && air(k + 1)) {
             let step = if face == switched { 3 } else { 1 };
             let ends = |k: &usize| air(*k) && !air(k + 1);
-            let end = (1..4)
-                .map(|n| begin + n * step)
-                .find(ends)
-                .expect("air that begins ends");
+            let end = (1..4).map(|n| begin + n * step).find(ends).expect("air that begins ends");
             let edge = |k: usize| edge_between(corners[k % 4], corners[(k + 1) % 4]);
             next[edge(begin)] = edge(end) as u8;
         }
@@ -99,10 +96,7 @@ fn trace(case: u8, switched: Face) -> Loops {
 }
 
 fn follow(next: &[u8; 12]) -> Loops {
-    let mut loops = Loops {
-        of_edge: [Loops::NONE; 12],
-        count: 0,
-    };
+    let mut loops = Loops { of_edge: [Loops::NONE; 12], count: 0 };
     for first in 0..12 {
         if next[first] == Loops::NONE || loops.of_edge[first] != Loops::NONE {
             continue;
@@ -131,11 +125,7 @@ fn shared_faces(case: u8, loops: &Loops) -> impl Iterator<Item = Face> {
 fn face_corners(face: Face) -> [u8; 4] {
     let (axis, side) = (face.0 / 2, face.0 % 2);
     let (a, b) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
-    let corners = if side == 1 {
-        [0, a, a | b, b]
-    } else {
-        [b, a | b, a, 0]
-    };
+    let corners = if side == 1 { [0, a, a | b, b] } else { [b, a | b, a, 0] };
     corners.map(|corner| corner | side << axis)
 }
 
@@ -170,11 +160,7 @@ mod tests {
             assert_eq!(edge_between(lower, upper), edge);
             assert_eq!(edge_between(upper, lower), edge);
         }
-        assert_eq!(
-            EDGE_CORNERS[4 + 1 + 2],
-            [5, 7],
-            "edge along y at x = 1, z = 1"
-        );
+        assert_eq!(EDGE_CORNERS[4 + 1 + 2], [5, 7], "edge along y at x = 1, z = 1");
     }
 
     #[test]
@@ -217,10 +203,6 @@ mod tests {
         assert_eq!(TABLE.loops(0, Face::NONE).count, 0);
         assert_eq!(TABLE.loops(255, Face::NONE).count, 0);
         assert_eq!(TABLE.loops(0b0000_0001, Face::NONE).count, 1);
-        assert_eq!(
-            TABLE.loops(0b0110_1001, Face::NONE).count,
-            4,
-            "four corners cut off"
-        );
+        assert_eq!(TABLE.loops(0b0110_1001, Face::NONE).count, 4, "four corners cut off");
     }
 }

@@ -27,35 +27,16 @@ pub struct ChunkMeshes {
 /// Makes a chunk; `None` where it holds no wall.
 ///
 /// `field` must be rock outside of the bounds the grid was made for, and finite.
-pub fn chunk(
-    field: &dyn Field,
-    grid: &Grid,
-    index: ChunkIndex,
-    settings: &MeshSettings,
-) -> Option<ChunkMeshes> {
+pub fn chunk(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshSettings) -> Option<ChunkMeshes> {
     let facets = facets(field, grid.voxel_m, &grid.owned(index))?;
     let most_triangles = triangle_budget(field, grid, index, settings.max_triangles);
-    let seen = Goal {
-        error_m: settings.simplify_error_m,
-        most_triangles,
-    };
-    let touched = Goal {
-        error_m: settings.collision_error_m,
-        most_triangles: None,
-    };
+    let seen = Goal { error_m: settings.simplify_error_m, most_triangles };
+    let touched = Goal { error_m: settings.collision_error_m, most_triangles: None };
     let (visual, visual_error_m) = simplify(&facets, seen);
     let (collision, collision_error_m) = simplify(&facets, touched);
     let normals = normals(field, grid.voxel_m, &visual);
-    let visual = Mesh {
-        normals,
-        ..visual.mesh
-    };
-    Some(ChunkMeshes {
-        visual,
-        collision: collision.mesh,
-        visual_error_m,
-        collision_error_m,
-    })
+    let visual = Mesh { normals, ..visual.mesh };
+    Some(ChunkMeshes { visual, collision: collision.mesh, visual_error_m, collision_error_m })
 }
 
 /// Every triangle of a chunk.
@@ -79,18 +60,10 @@ const BLOCK: i32 = 32;
 
 /// The share of a chunk in the triangles of the whole cave: as many parts as it has blocks that the wall may cross.
 /// Every chunk counts the blocks of all, so none has to know what another made.
-fn triangle_budget(
-    field: &dyn Field,
-    grid: &Grid,
-    index: ChunkIndex,
-    max_triangles: u32,
-) -> Option<usize> {
+fn triangle_budget(field: &dyn Field, grid: &Grid, index: ChunkIndex, max_triangles: u32) -> Option<usize> {
     let limit = (max_triangles > 0).then_some(u64::from(max_triangles))?;
     let own = mixed_blocks(field, grid, index);
-    let all: u64 = grid
-        .indices()
-        .map(|other| mixed_blocks(field, grid, other))
-        .sum();
+    let all: u64 = grid.indices().map(|other| mixed_blocks(field, grid, other)).sum();
     Some((limit * own / all.max(1)) as usize)
 }
 

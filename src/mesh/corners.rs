@@ -13,10 +13,7 @@ pub(super) struct Corner {
 impl Corner {
     fn from_link(link: u32) -> Option<Self> {
         let link = link as usize;
-        (link != NONE as usize).then_some(Self {
-            triangle: link / 3,
-            place: link % 3,
-        })
+        (link != NONE as usize).then_some(Self { triangle: link / 3, place: link % 3 })
     }
 
     fn link(self) -> usize {
@@ -33,10 +30,7 @@ pub(super) struct Corners {
 impl Corners {
     pub(super) fn new(mesh: &Mesh) -> Self {
         let first = vec![NONE; mesh.positions.len()];
-        let mut corners = Self {
-            first,
-            next: vec![NONE; 3 * mesh.triangles.len()],
-        };
+        let mut corners = Self { first, next: vec![NONE; 3 * mesh.triangles.len()] };
         for (triangle, vertices) in mesh.triangles.iter().enumerate().rev() {
             for (place, &vertex) in vertices.iter().enumerate() {
                 corners.insert(vertex, Corner { triangle, place });
@@ -70,11 +64,7 @@ impl Corners {
             return;
         }
         let is_before = |corner: &Corner| self.next[corner.link()] == link;
-        let before = self
-            .of(vertex)
-            .find(is_before)
-            .expect("it was inserted")
-            .link();
+        let before = self.of(vertex).find(is_before).expect("it was inserted").link();
         self.next[before] = after;
     }
 

@@ -22,10 +22,7 @@ pub(super) fn triangulate(surface: &Surface, voxel_m: f32) -> Facets {
     let positions: Vec<_> = surface.vertices.iter().map(quantum).collect();
     let leanings = leanings(&positions, &surface.quads);
     let uses = Uses::count(surface);
-    let mut facets = Facets {
-        mesh: Mesh::default(),
-        leanings: Vec::new(),
-    };
+    let mut facets = Facets { mesh: Mesh::default(), leanings: Vec::new() };
     let mut names = vec![u32::MAX; positions.len()];
     for quad in surface.quads.iter().filter(|quad| quad.owned) {
         let corners = quad.corners.map(|corner| {
@@ -38,10 +35,7 @@ pub(super) fn triangulate(surface: &Surface, voxel_m: f32) -> Facets {
             }
             names[vertex]
         });
-        facets
-            .mesh
-            .triangles
-            .extend(split(&facets.mesh.positions, corners));
+        facets.mesh.triangles.extend(split(&facets.mesh.positions, corners));
     }
     facets
 }
@@ -100,11 +94,7 @@ fn sharpness([a, b, c]: [[i32; 3]; 3]) -> f64 {
     let mut sides = [ab.norm_squared(), bc.norm_squared(), ca.norm_squared()];
     sides.sort_by(f64::total_cmp);
     let area = ab.cross(&ca).norm_squared();
-    if area == 0.0 {
-        0.0
-    } else {
-        area / (sides[1] * sides[2])
-    }
+    if area == 0.0 { 0.0 } else { area / (sides[1] * sides[2]) }
 }
 
 fn edge(from: [i32; 3], to: [i32; 3]) -> Vector3<f64> {

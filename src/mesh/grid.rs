@@ -80,12 +80,8 @@ impl GridError {
         match self {
             Self::Empty { .. } => "give the graph at least two nodes, and passages a width",
             Self::TooFar { .. } => "make the cave shorter, or let it start near the origin",
-            Self::NarrowChunk { .. } => {
-                "raise `mesh.chunk_m`, or lower `mesh.divisions` or `mesh.voxel_m`"
-            }
-            Self::WideChunk { .. } => {
-                "lower `mesh.chunk_m`, or raise `mesh.divisions` or `mesh.voxel_m`"
-            }
+            Self::NarrowChunk { .. } => "raise `mesh.chunk_m`, or lower `mesh.divisions` or `mesh.voxel_m`",
+            Self::WideChunk { .. } => "lower `mesh.chunk_m`, or raise `mesh.divisions` or `mesh.voxel_m`",
             Self::TooManyChunks { .. } => "raise `mesh.chunk_m`, or make the cave smaller",
         }
     }
@@ -103,12 +99,7 @@ impl Grid {
     /// # Errors
     /// When the bounds are empty or too far out, or the chunks too narrow, too wide or too many.
     pub fn new(bounds: Bounds, settings: &MeshSettings) -> Result<Self, GridError> {
-        let mut grid = Self {
-            voxel_m: settings.voxel_m,
-            cells: [0; 3],
-            origin: [0; 3],
-            chunks: [0; 3],
-        };
+        let mut grid = Self { voxel_m: settings.voxel_m, cells: [0; 3], origin: [0; 3], chunks: [0; 3] };
         for axis in 0..3 {
             let (first, count) = cells_over(bounds, settings.voxel_m, axis)?;
             let cells = chunk_cells(settings, axis, count)?;
@@ -118,10 +109,7 @@ impl Grid {
         }
         let chunks = grid.chunks.iter().map(|&n| i64::from(n)).product();
         if chunks > LIMIT_CHUNKS {
-            return Err(GridError::TooManyChunks {
-                chunks,
-                limit: LIMIT_CHUNKS,
-            });
+            return Err(GridError::TooManyChunks { chunks, limit: LIMIT_CHUNKS });
         }
         Ok(grid)
     }
@@ -129,9 +117,7 @@ impl Grid {
     /// Every chunk, x fastest, z slowest.
     pub fn indices(&self) -> impl Iterator<Item = ChunkIndex> + use<> {
         let [nx, ny, nz] = self.chunks;
-        (0..nz).flat_map(move |z| {
-            (0..ny).flat_map(move |y| (0..nx).map(move |x| ChunkIndex([x, y, z])))
-        })
+        (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| ChunkIndex([x, y, z]))))
     }
 
     /// The box of a chunk. Its mesh may reach over it by about a cell.
@@ -142,10 +128,7 @@ impl Grid {
     /// The cells of a chunk.
     pub(super) fn owned(&self, index: ChunkIndex) -> Window {
         let min = std::array::from_fn(|i| self.origin[i] + index.0[i] * self.cells[i]);
-        Window {
-            min,
-            max: std::array::from_fn(|i| min[i] + self.cells[i]),
-        }
+        Window { min, max: std::array::from_fn(|i| min[i] + self.cells[i]) }
     }
 }
 
@@ -154,18 +137,10 @@ fn cells_over(bounds: Bounds, voxel_m: f32, axis: usize) -> Result<(i32, i32), G
     let (min_m, max_m) = (bounds.min[axis], bounds.max[axis]);
     let reach_m = min_m.abs().max(max_m.abs());
     if !reach_m.is_finite() || min_m >= max_m {
-        return Err(GridError::Empty {
-            axis: AXES[axis],
-            min_m,
-            max_m,
-        });
+        return Err(GridError::Empty { axis: AXES[axis], min_m, max_m });
     }
     if reach_m > LIMIT_M {
-        return Err(GridError::TooFar {
-            axis: AXES[axis],
-            reach_m,
-            limit_m: LIMIT_M,
-        });
+        return Err(GridError::TooFar { axis: AXES[axis], reach_m, limit_m: LIMIT_M });
     }
     let first = (min_m / voxel_m).floor() as i32 - 1;
     let end = (max_m / voxel_m).ceil() as i32 + 1;
@@ -181,18 +156,10 @@ fn chunk_cells(settings: &MeshSettings, axis: usize, count: i32) -> Result<i32, 
     };
     let axis = AXES[axis];
     if cells < Window::HALO {
-        return Err(GridError::NarrowChunk {
-            axis,
-            cells,
-            least: Window::HALO,
-        });
+        return Err(GridError::NarrowChunk { axis, cells, least: Window::HALO });
     }
     if cells > WIDEST_CHUNK_CELLS {
-        return Err(GridError::WideChunk {
-            axis,
-            cells,
-            most: WIDEST_CHUNK_CELLS,
-        });
+        return Err(GridError::WideChunk { axis, cells, most: WIDEST_CHUNK_CELLS });
     }
     Ok(cells)
 }
@@ -220,10 +187,7 @@ mod tests {
 
     #[test]
     fn divisions_are_kept() {
-        let settings = MeshSettings {
-            divisions: Some([4, 3, 1]),
-            ..Default::default()
-        };
+        let settings = MeshSettings { divisions: Some([4, 3, 1]), ..Default::default() };
         let grid = Grid::new(bounds([0.0; 3], [100.0, 40.0, 1.0]), &settings).unwrap();
         assert_eq!(grid.chunks, [4, 3, 1]);
     }
@@ -239,35 +203,13 @@ mod tests {
         assert!(matches!(endless, GridError::Empty { axis: 'z', .. }));
         let far = refuse(bounds([-9e3; 3], [0.0; 3]), plain());
         assert!(matches!(far, GridError::TooFar { .. }));
-        let narrow = refuse(
-            cave,
-            MeshSettings {
-                chunk_m: [1.0; 3],
-                ..plain()
-            },
-        );
+        let narrow = refuse(cave, MeshSettings { chunk_m: [1.0; 3], ..plain() });
         assert!(matches!(narrow, GridError::NarrowChunk { cells: 5, .. }));
-        let divided = refuse(
-            cave,
-            MeshSettings {
-                divisions: Some([1, 1, 99]),
-                ..plain()
-            },
-        );
+        let divided = refuse(cave, MeshSettings { divisions: Some([1, 1, 99]), ..plain() });
         assert!(matches!(divided, GridError::NarrowChunk { axis: 'z', .. }));
-        let wide = refuse(
-            cave,
-            MeshSettings {
-                voxel_m: 0.05,
-                chunk_m: [512.0; 3],
-                ..plain()
-            },
-        );
+        let wide = refuse(cave, MeshSettings { voxel_m: 0.05, chunk_m: [512.0; 3], ..plain() });
         assert!(matches!(wide, GridError::WideChunk { cells: 10240, .. }));
-        let many = MeshSettings {
-            chunk_m: [2.4; 3],
-            ..plain()
-        };
+        let many = MeshSettings { chunk_m: [2.4; 3], ..plain() };
         let many = refuse(bounds([0.0; 3], [4000.0, 4000.0, 20.0]), many);
         assert!(matches!(many, GridError::TooManyChunks { .. }));
         assert!(many.hint().contains("chunk_m"));

@@ -25,19 +25,13 @@ impl Window {
     pub(super) const HALO: i32 = 12;
 
     pub(super) fn with_halo(&self) -> Self {
-        Self {
-            min: self.min.map(|cell| cell - Self::HALO),
-            max: self.max.map(|cell| cell + Self::HALO - 1),
-        }
+        Self { min: self.min.map(|cell| cell - Self::HALO), max: self.max.map(|cell| cell + Self::HALO - 1) }
     }
 
     /// The closed box of the samples, in metres.
     pub(super) fn bounds(&self, voxel_m: f32) -> Bounds {
         let metres = |cell: i32| cell as f32 * voxel_m;
-        Bounds {
-            min: self.min.map(metres),
-            max: self.max.map(metres),
-        }
+        Bounds { min: self.min.map(metres), max: self.max.map(metres) }
     }
 
     pub(super) fn contains(&self, cell: [i32; 3]) -> bool {
@@ -55,27 +49,17 @@ impl Window {
     pub(super) fn blocks(&self, edge: i32) -> impl Iterator<Item = Self> + use<> {
         let whole = *self;
         let last = std::array::from_fn(|i| (whole.max[i] - whole.min[i] - 1) / edge);
-        Self {
-            min: [0; 3],
-            max: last,
-        }
-        .samples()
-        .map(move |block| {
+        Self { min: [0; 3], max: last }.samples().map(move |block| {
             let min = std::array::from_fn(|i| whole.min[i] + block[i] * edge);
-            Self {
-                min,
-                max: min.map(|cell| cell + edge),
-            }
-            .intersect(&whole)
+            Self { min, max: min.map(|cell| cell + edge) }.intersect(&whole)
         })
     }
 
     /// Every integer point of the box, ends included, x fastest.
     fn samples(&self) -> impl Iterator<Item = [i32; 3]> + use<> {
         let Self { min, max } = *self;
-        (min[2]..=max[2]).flat_map(move |z| {
-            (min[1]..=max[1]).flat_map(move |y| (min[0]..=max[0]).map(move |x| [x, y, z]))
-        })
+        (min[2]..=max[2])
+            .flat_map(move |z| (min[1]..=max[1]).flat_map(move |y| (min[0]..=max[0]).map(move |x| [x, y, z])))
     }
 }
 
@@ -153,33 +137,16 @@ impl Lattice {
             min: window.min.map(|cell| cell.div_euclid(BRICK)),
             max: window.max.map(|cell| (cell - 1).div_euclid(BRICK) + 1),
         };
-        let mut lattice = Self {
-            bricks: Vec::new(),
-            slots: Vec::new(),
-            span,
-        };
-        let last = Window {
-            min: span.min,
-            max: span.max.map(|brick| brick - 1),
-        };
+        let mut lattice = Self { bricks: Vec::new(), slots: Vec::new(), span };
+        let last = Window { min: span.min, max: span.max.map(|brick| brick - 1) };
         for brick in last.samples() {
             let origin = brick.map(|b| b * BRICK);
-            let cells = Window {
-                min: origin,
-                max: origin.map(|c| c + BRICK),
-            }
-            .intersect(window);
+            let cells = Window { min: origin, max: origin.map(|c| c + BRICK) }.intersect(window);
             let kept = field.region(cells.bounds(voxel_m)) == Region::Mixed;
-            lattice
-                .slots
-                .push(kept.then_some(lattice.bricks.len() as u32));
+            lattice.slots.push(kept.then_some(lattice.bricks.len() as u32));
             if kept {
                 let samples = Box::new([f32::INFINITY; SAMPLES]);
-                lattice.bricks.push(Brick {
-                    origin,
-                    cells,
-                    samples,
-                });
+                lattice.bricks.push(Brick { origin, cells, samples });
             }
         }
         lattice
@@ -209,10 +176,7 @@ impl Lattice {
 fn lowest_samples(brick: &Brick) -> Window {
     let last = brick.origin.map(|cell| cell + BRICK - 1);
     let max = std::array::from_fn(|i| brick.cells.max[i].min(last[i]));
-    Window {
-        min: brick.cells.min,
-        max,
-    }
+    Window { min: brick.cells.min, max }
 }
 
 /// Asks a field in batches.
@@ -227,13 +191,7 @@ struct Sampler<'a> {
 impl<'a> Sampler<'a> {
     fn new(field: &'a dyn Field, voxel_m: f32) -> Self {
         let (indices, points, values) = (Vec::new(), Vec::new(), Vec::new());
-        Self {
-            field,
-            voxel_m,
-            indices,
-            points,
-            values,
-        }
+        Self { field, voxel_m, indices, points, values }
     }
 
     fn fill(&mut self, brick: &mut Brick, indices: impl Iterator<Item = [i32; 3]>) {

@@ -47,10 +47,7 @@ pub struct Report {
 impl Report {
     /// Measures a mesh as it is: vertices are joined by index alone (see [`weld`]).
     pub fn of(mesh: &Mesh) -> Self {
-        let mut report = Self {
-            triangles: mesh.triangles.len(),
-            ..Self::default()
-        };
+        let mut report = Self { triangles: mesh.triangles.len(), ..Self::default() };
         report.count_edges(mesh);
         report.count_fans(mesh);
         report.count_components(mesh);
@@ -72,12 +69,8 @@ impl Report {
 
     fn count_edges(&mut self, mesh: &Mesh) {
         let directed = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
-        let mut edges: Vec<(u32, u32, bool)> = mesh
-            .triangles
-            .iter()
-            .flat_map(directed)
-            .map(|(a, b)| (a.min(b), a.max(b), a < b))
-            .collect();
+        let mut edges: Vec<(u32, u32, bool)> =
+            mesh.triangles.iter().flat_map(directed).map(|(a, b)| (a.min(b), a.max(b), a < b)).collect();
         edges.sort_unstable();
         for uses in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             self.edges += 1;
@@ -99,9 +92,7 @@ impl Report {
         for corners in corners.chunk_by(|a, b| a.0 == b.0) {
             self.vertices += 1;
             let vertex = corners[0].0;
-            let triangles = corners
-                .iter()
-                .map(|&(_, index)| mesh.triangles[index as usize]);
+            let triangles = corners.iter().map(|&(_, index)| mesh.triangles[index as usize]);
             self.nonmanifold_vertices += usize::from(fans(vertex, triangles) > 1);
         }
     }
@@ -137,11 +128,7 @@ impl Report {
     }
 
     fn measure_bounds(&mut self, mesh: &Mesh) {
-        let used = mesh
-            .triangles
-            .iter()
-            .flatten()
-            .map(|&v| mesh.positions[v as usize]);
+        let used = mesh.triangles.iter().flatten().map(|&v| mesh.positions[v as usize]);
         let (mut min, mut max) = ([i32::MAX; 3], [i32::MIN; 3]);
         for position in used {
             min = std::array::from_fn(|i| min[i].min(position[i]));

@@ -48,6 +48,14 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Area of all triangles in m².
+    pub fn area_m2(&self) -> f64 {
+        let corner = |v: u32| nalgebra::Point3::from(self.positions[v as usize].map(f64::from));
+        let area = |&[a, b, c]: &[u32; 3]| (corner(b) - corner(a)).cross(&(corner(c) - corner(a))).norm() / 2.0;
+        let quanta = f64::from(QUANTA_PER_M);
+        self.triangles.iter().map(area).sum::<f64>() / (quanta * quanta)
+    }
+
     /// A vertex in metres; exact.
     pub fn position_m(&self, vertex: u32) -> [f32; 3] {
         self.positions[vertex as usize].map(|q| q as f32 / QUANTA_PER_M as f32)

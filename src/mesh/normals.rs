@@ -47,10 +47,7 @@ fn steepest_descents(field: &dyn Field, voxel_m: f32, mesh: &Mesh) -> Vec<[f32; 
 }
 
 fn hull(points: &[[f32; 3]]) -> Bounds {
-    let mut hull = Bounds {
-        min: points[0],
-        max: points[0],
-    };
+    let mut hull = Bounds { min: points[0], max: points[0] };
     for point in points {
         for (axis, &c) in point.iter().enumerate() {
             hull.min[axis] = hull.min[axis].min(c);

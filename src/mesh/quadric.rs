@@ -27,20 +27,8 @@ impl Quadric {
         }
         let (n, weight) = (area / double, double * 0.5);
         let d = -n.dot(&a);
-        let square = [
-            n.x * n.x,
-            n.x * n.y,
-            n.x * n.z,
-            n.y * n.y,
-            n.y * n.z,
-            n.z * n.z,
-        ];
-        Self {
-            square: square.map(|s| s * weight),
-            linear: n * (d * weight),
-            constant: d * d * weight,
-            weight,
-        }
+        let square = [n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z];
+        Self { square: square.map(|s| s * weight), linear: n * (d * weight), constant: d * d * weight, weight }
     }
 
     pub(super) fn add(&mut self, other: &Self) {
@@ -106,10 +94,7 @@ mod tests {
         assert!((sum.minimum().unwrap() - corner).norm() < 1e-12);
         assert!(sum.sum_at(&corner) < 1e-12);
         let away = corner + Vector3::new(0.0, 0.0, 2.0);
-        assert!(
-            (sum.sum_at(&away) - 0.5 * 4.0).abs() < 1e-12,
-            "one plane of three is 2 away"
-        );
+        assert!((sum.sum_at(&away) - 0.5 * 4.0).abs() < 1e-12, "one plane of three is 2 away");
     }
 
     #[test]

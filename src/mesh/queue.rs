@@ -26,10 +26,7 @@ struct Entry {
 
 impl Queue {
     pub(super) fn new() -> Self {
-        Self {
-            classes: vec![Vec::new(); CLASSES],
-            current: CLASSES,
-        }
+        Self { classes: vec![Vec::new(); CLASSES], current: CLASSES }
     }
 
     /// Queues an edge; the cost is not negative.
@@ -60,10 +57,7 @@ mod tests {
 
     #[test]
     fn edges_leave_by_cost() {
-        let edge = |name| Edge {
-            ends: [name; 2],
-            version: 0,
-        };
+        let edge = |name| Edge { ends: [name; 2], version: 0 };
         let mut queue = Queue::new();
         for (cost, name) in [(0.0, 1), (5.01, 2), (5.0, 0), (7.0, 3)] {
             queue.push(cost, edge(name));
@@ -71,9 +65,7 @@ mod tests {
         assert_eq!(queue.pop(), Some(edge(1)));
         assert_eq!(queue.pop(), Some(edge(0)));
         queue.push(1.0, edge(4));
-        let rest: Vec<u32> = std::iter::from_fn(|| queue.pop())
-            .map(|e| e.ends[0])
-            .collect();
+        let rest: Vec<u32> = std::iter::from_fn(|| queue.pop()).map(|e| e.ends[0]).collect();
         assert_eq!(rest, [4, 2, 3]);
         assert_eq!(queue.pop(), None);
         queue.push(f32::INFINITY, edge(5));

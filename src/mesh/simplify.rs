@@ -107,18 +107,11 @@ impl<'a> Collapser<'a> {
     fn run(&mut self, goal: Goal) -> f32 {
         let quanta = f64::from(goal.error_m) * f64::from(QUANTA_PER_M);
         let most_error = quanta * quanta;
-        let limit = if goal.most_triangles.is_some() {
-            f64::INFINITY
-        } else {
-            most_error
-        };
+        let limit = if goal.most_triangles.is_some() { f64::INFINITY } else { most_error };
         self.queue_all(limit);
         let mut greatest = 0.0f64;
         while let Some(edge) = self.queue.pop() {
-            let plan = self
-                .is_current(edge)
-                .then(|| self.plan(edge.ends))
-                .flatten();
+            let plan = self.is_current(edge).then(|| self.plan(edge.ends)).flatten();
             let Some(collapse) = plan else { continue };
             let over_budget = goal.most_triangles.is_some_and(|most| self.live > most);
             if (collapse.error >= most_error && !over_budget) || !self.is_lawful(&collapse) {
@@ -165,13 +158,7 @@ impl<'a> Collapser<'a> {
         };
         let [a, b] = ends.map(|end| self.positions[end as usize]);
         let cost = collapse.error + LENGTH_SHARE * (a - b).norm_squared();
-        self.queue.push(
-            cost as f32,
-            Edge {
-                ends,
-                version: self.version(ends),
-            },
-        );
+        self.queue.push(cost as f32, Edge { ends, version: self.version(ends) });
     }
 
     /// Versions only grow, so an equal sum means that neither vertex changed.
@@ -180,8 +167,7 @@ impl<'a> Collapser<'a> {
     }
 
     fn is_current(&self, edge: Edge) -> bool {
-        edge.ends.iter().all(|&end| self.corners.is_alive(end))
-            && self.version(edge.ends) == edge.version
+        edge.ends.iter().all(|&end| self.corners.is_alive(end)) && self.version(edge.ends) == edge.version
     }
 
     /// Where an edge would collapse to; `None` between two border vertices.
@@ -191,12 +177,7 @@ impl<'a> Collapser<'a> {
         quadric.add(&self.quadrics[b as usize]);
         let weight = quadric.weight().min(self.patch_weight);
         let error = |to: &Vector3<f64>| quadric.sum_at(to) / weight;
-        let collapse = |kept, gone, to| Collapse {
-            kept,
-            gone,
-            to,
-            error: error(&to),
-        };
+        let collapse = |kept, gone, to| Collapse { kept, gone, to, error: error(&to) };
         match [a, b].map(|v| self.mesh.border[v as usize]) {
             [true, true] => None,
             [true, false] => Some(collapse(a, b, at_a)),
@@ -207,9 +188,7 @@ impl<'a> Collapser<'a> {
                 let best = quadric.minimum().map(|p| p.map(f64::round));
                 let best = best.filter(|p| (p - middle).norm_squared() <= reach);
                 let middle = collapse(a, b, middle);
-                let best = best
-                    .map(|p| collapse(a, b, p))
-                    .filter(|c| c.error < middle.error);
+                let best = best.map(|p| collapse(a, b, p)).filter(|c| c.error < middle.error);
                 Some(best.unwrap_or(middle))
             }
         }
@@ -218,8 +197,7 @@ impl<'a> Collapser<'a> {
     fn is_lawful(&mut self, collapse: &Collapse) -> bool {
         self.keeps_topology(collapse)
             && self.keeps_shape(collapse.gone, collapse)
-            && (self.mesh.border[collapse.kept as usize]
-                || self.keeps_shape(collapse.kept, collapse))
+            && (self.mesh.border[collapse.kept as usize] || self.keeps_shape(collapse.kept, collapse))
     }
 
     /// The link condition and the rule against chords of the border.
@@ -262,8 +240,7 @@ impl<'a> Collapser<'a> {
             let [old, new] = [before, after].map(|[a, b, c]| (b - a).cross(&(c - a)));
             let turn = old.dot(&new);
             let least = LEAST_TURN_COSINE * LEAST_TURN_COSINE;
-            let turns_little =
-                turn > 0.0 && turn * turn >= least * old.norm_squared() * new.norm_squared();
+            let turns_little = turn > 0.0 && turn * turn >= least * old.norm_squared() * new.norm_squared();
             turns_little && {
                 let quality = squared_quality(after, new);
                 quality >= LEAST_QUALITY * LEAST_QUALITY || quality >= squared_quality(before, old)
@@ -303,10 +280,7 @@ impl<'a> Collapser<'a> {
         let first = self.mesh.positions.first().copied().unwrap_or_default();
         let areas = self.areas();
         let mut names = vec![NONE; self.positions.len()];
-        let mut facets = Facets {
-            mesh: Mesh::default(),
-            leanings: Vec::new(),
-        };
+        let mut facets = Facets { mesh: Mesh::default(), leanings: Vec::new() };
         for triangle in self.triangles.iter().filter(|triangle| triangle[0] != NONE) {
             let triangle = triangle.map(|corner| {
                 let vertex = corner as usize;
@@ -315,11 +289,7 @@ impl<'a> Collapser<'a> {
                     let at = self.positions[vertex];
                     let at = std::array::from_fn(|i| at[i] as i32 + first[i]);
                     let border = self.mesh.border[vertex];
-                    let lean = if border {
-                        before.leanings[vertex]
-                    } else {
-                        areas[vertex]
-                    };
+                    let lean = if border { before.leanings[vertex] } else { areas[vertex] };
                     facets.mesh.positions.push(at);
                     facets.mesh.border.push(border);
                     facets.leanings.push(lean);
@@ -362,10 +332,7 @@ struct Marks {
 
 impl Marks {
     fn new(vertices: usize) -> Self {
-        Self {
-            rounds: vec![0; vertices],
-            round: 0,
-        }
+        Self { rounds: vec![0; vertices], round: 0 }
     }
 
     fn clear(&mut self) {
@@ -387,21 +354,11 @@ mod tests {
     use super::*;
 
     fn mesh(positions: Vec<[i32; 3]>, triangles: Vec<[u32; 3]>, border: Vec<bool>) -> Mesh {
-        Mesh {
-            positions,
-            normals: Vec::new(),
-            triangles,
-            border,
-        }
+        Mesh { positions, normals: Vec::new(), triangles, border }
     }
 
     fn keeps_topology(mesh: &Mesh, kept: u32, gone: u32) -> bool {
-        let collapse = Collapse {
-            kept,
-            gone,
-            to: Vector3::zeros(),
-            error: 0.0,
-        };
+        let collapse = Collapse { kept, gone, to: Vector3::zeros(), error: 0.0 };
         Collapser::new(mesh).keeps_topology(&collapse)
     }
 
@@ -422,10 +379,7 @@ mod tests {
     #[test]
     fn a_ring_is_never_pinched() {
         let ring = ring(8);
-        assert!(
-            !keeps_topology(&ring, 0, 1),
-            "the section would become an edge"
-        );
+        assert!(!keeps_topology(&ring, 0, 1), "the section would become an edge");
         assert!(keeps_topology(&ring, 0, 3), "along the ring there is room");
     }
 
@@ -439,14 +393,7 @@ mod tests {
     #[test]
     fn no_chord_joins_two_border_vertices() {
         // A fan of six around vertex 0; the six are the border.
-        let rim = [
-            [9, 0, 0],
-            [5, 8, 0],
-            [-5, 8, 0],
-            [-9, 0, 0],
-            [-5, -8, 0],
-            [5, -8, 0],
-        ];
+        let rim = [[9, 0, 0], [5, 8, 0], [-5, 8, 0], [-9, 0, 0], [-5, -8, 0], [5, -8, 0]];
         let positions: Vec<_> = std::iter::once([0; 3]).chain(rim).collect();
         let faces: Vec<_> = (0..6).map(|k| [0, 1 + k, 1 + (k + 1) % 6]).collect();
         let border: Vec<_> = (0..7).map(|vertex| vertex > 0).collect();

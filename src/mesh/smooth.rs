@@ -59,9 +59,7 @@ impl Neighbours {
         if ends.is_empty() {
             return at;
         }
-        let sum = ends
-            .iter()
-            .fold(Vector3::zeros(), |sum, &end| sum + vertices[end as usize]);
+        let sum = ends.iter().fold(Vector3::zeros(), |sum, &end| sum + vertices[end as usize]);
         at + (sum / ends.len() as f64 - at) * factor
     }
 }

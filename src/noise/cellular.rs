@@ -118,11 +118,7 @@ fn dot<S: Simd>(a: [Lanes<S>; 3], b: [Lanes<S>; 3]) -> Lanes<S> {
 }
 
 #[inline(always)]
-fn choose<S: Simd, const N: usize>(
-    mask: Mask<S>,
-    yes: [Lanes<S>; N],
-    no: [Lanes<S>; N],
-) -> [Lanes<S>; N] {
+fn choose<S: Simd, const N: usize>(mask: Mask<S>, yes: [Lanes<S>; N], no: [Lanes<S>; N]) -> [Lanes<S>; N] {
     let mut chosen = no;
     for i in 0..N {
         chosen[i] = mask.select(yes[i], no[i]);
@@ -155,15 +151,7 @@ fn find_3d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell3<T> {
     let edge = (second - first) * 0.5 / length;
     Cell3 {
         distance: T::chain_3(distance, unit, at),
-        edge: T::chain_3(
-            edge,
-            [
-                between[0] / length,
-                between[1] / length,
-                between[2] / length,
-            ],
-            at,
-        ),
+        edge: T::chain_3(edge, [between[0] / length, between[1] / length, between[2] / length], at),
     }
 }
 
@@ -181,8 +169,7 @@ fn facets_here<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
         let t8 = t4 * t4;
         let weight = t8 * t8 * t8;
         let weight_slope = t8 * t8 * t4 * t2 * t * (24.0 * -2.0 / 1.5);
-        let tilted =
-            inlined!(|shift: u32| (ten_bits::<S>(h2, shift) * (2.0 / 1023.0) - 1.0) * tilt);
+        let tilted = inlined!(|shift: u32| (ten_bits::<S>(h2, shift) * (2.0 / 1023.0) - 1.0) * tilt);
         let plane = [tilted(0), tilted(10), tilted(20)];
         let rise = ten_bits::<S>(h2 * 0x05eb_ca6b, 21) * (2.0 / 1023.0) - 1.0;
         let height = rise + dot::<S>(plane, away);
@@ -210,21 +197,14 @@ fn find_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
     let simd = at.x.value().token();
     let [x, y] = [at.x.value(), at.y.value()];
     let [fx, fy] = [x.floor(), y.floor()];
-    let index = [
-        fx.to_int::<Ints<S>>() * PRIMES[0],
-        fy.to_int::<Ints<S>>() * PRIMES[1],
-    ];
+    let index = [fx.to_int::<Ints<S>>() * PRIMES[0], fy.to_int::<Ints<S>>() * PRIMES[1]];
     let far = Lanes::<S>::splat(simd, 9.0);
     let salt = Ints::<S>::splat(simd, salt);
     let (mut first, mut to_first, mut cell_hash) = (far, [far; 2], salt);
     let mut points = [[far; 2]; 9];
     for (n, point) in points.iter_mut().enumerate() {
         let (i, j) = (n as i32 % 3 - 1, n as i32 / 3 - 1);
-        let h = hash::<S>(
-            index[0] + i.wrapping_mul(PRIMES[0]),
-            index[1] + j.wrapping_mul(PRIMES[1]),
-            salt,
-        );
+        let h = hash::<S>(index[0] + i.wrapping_mul(PRIMES[0]), index[1] + j.wrapping_mul(PRIMES[1]), salt);
         let margin = (1.0 - JITTER_2D) / 2.0;
         let dx = x - fx - ten_bits::<S>(h, 0) * (JITTER_2D / 1023.0) - (i as f32 + margin);
         let dy = y - fy - ten_bits::<S>(h, 10) * (JITTER_2D / 1023.0) - (j as f32 + margin);
@@ -240,10 +220,7 @@ fn find_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
     let one = zero + 1.0;
     Cell2 {
         edge: T::chain_3(edge, [slope[0], slope[1], zero], at),
-        offset: [
-            T::chain_3(to_first[0], [one, zero, zero], at),
-            T::chain_3(to_first[1], [zero, one, zero], at),
-        ],
+        offset: [T::chain_3(to_first[0], [one, zero, zero], at), T::chain_3(to_first[1], [zero, one, zero], at)],
         centre: [x - to_first[0], y - to_first[1]],
         hash: cell_hash,
     }
@@ -251,10 +228,7 @@ fn find_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
 
 /// Distance to the nearest line halfway between the nearest point and another, and its slope.
 #[inline(always)]
-fn nearest_bisector<S: Simd>(
-    points: &[[Lanes<S>; 2]; 9],
-    first: [Lanes<S>; 2],
-) -> (Lanes<S>, [Lanes<S>; 2]) {
+fn nearest_bisector<S: Simd>(points: &[[Lanes<S>; 2]; 9], first: [Lanes<S>; 2]) -> (Lanes<S>, [Lanes<S>; 2]) {
     let far = Lanes::<S>::splat(first[0].token(), 9.0);
     let (mut edge, mut slope) = (far, [far; 2]);
     for point in points {

@@ -52,13 +52,7 @@ impl Source {
 
     /// Ridged multifractal (Musgrave), about 0 to 1.5, with sharp crests.
     #[inline(always)]
-    pub fn ridged<S: Simd, T: Real<S>>(
-        self,
-        layer: u32,
-        at: Vec3<T>,
-        octaves: u32,
-        gain: f32,
-    ) -> T {
+    pub fn ridged<S: Simd, T: Real<S>>(self, layer: u32, at: Vec3<T>, octaves: u32, gain: f32) -> T {
         let crest = inlined!(|at: Vec3<T>| (-self.noise(layer, at).soft_abs(0.04) + 1.0).squared());
         let mut last = crest(at);
         let (mut sum, mut amplitude, mut at) = (last, gain, next_octave(at));
@@ -73,24 +67,11 @@ impl Source {
 
     /// The point moved by noise of wavelength `length`: up to about `amplitude` sideways, 0.6 of it up and down.
     #[inline(always)]
-    pub fn warp<S: Simd, T: Real<S>>(
-        self,
-        layer: u32,
-        at: Vec3<T>,
-        length: f32,
-        amplitude: f32,
-    ) -> Vec3<T> {
+    pub fn warp<S: Simd, T: Real<S>>(self, layer: u32, at: Vec3<T>, length: f32, amplitude: f32) -> Vec3<T> {
         let q = at.scaled(1.0 / length);
-        let push = inlined!(|axis: u32, by: f32| {
-            self.noise(layer.wrapping_add(axis << 16), q)
-                .within(-1.0, 1.0)
-                * by
-        });
-        vec3(
-            at.x + push(1, amplitude),
-            at.y + push(2, amplitude),
-            at.z + push(3, amplitude * 0.6),
-        )
+        let push =
+            inlined!(|axis: u32, by: f32| { self.noise(layer.wrapping_add(axis << 16), q).within(-1.0, 1.0) * by });
+        vec3(at.x + push(1, amplitude), at.y + push(2, amplitude), at.z + push(3, amplitude * 0.6))
     }
 }
 
@@ -109,11 +90,7 @@ pub(super) fn hash<S: Simd>(x: Ints<S>, y: Ints<S>, z: Ints<S>) -> Ints<S> {
 }
 
 /// The odd constants of [`hash`].
-pub(super) const PRIMES: [i32; 3] = [
-    0x8da6_b343_u32 as i32,
-    0xd816_3841_u32 as i32,
-    0xcb1a_b31f_u32 as i32,
-];
+pub(super) const PRIMES: [i32; 3] = [0x8da6_b343_u32 as i32, 0xd816_3841_u32 as i32, 0xcb1a_b31f_u32 as i32];
 
 /// Ten bits of a hash from bit `shift` on, as 0..=1023.
 #[inline(always)]
@@ -143,16 +120,9 @@ fn noise<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> T {
         let g = [bits(0), bits(10), bits(20)];
         [g[0] * rx[i] + g[1] * ry[j] + g[2] * rz[k], g[0], g[1], g[2]]
     });
-    let lerp = inlined!(
-        |a: [Lanes<S>; 4], b: [Lanes<S>; 4], t: Lanes<S>| -> [Lanes<S>; 4] {
-            [
-                a[0] + (b[0] - a[0]) * t,
-                a[1] + (b[1] - a[1]) * t,
-                a[2] + (b[2] - a[2]) * t,
-                a[3] + (b[3] - a[3]) * t,
-            ]
-        }
-    );
+    let lerp = inlined!(|a: [Lanes<S>; 4], b: [Lanes<S>; 4], t: Lanes<S>| -> [Lanes<S>; 4] {
+        [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t, a[3] + (b[3] - a[3]) * t]
+    });
     let along_x = inlined!(|j: usize, k: usize| {
         let (a, b) = (corner(0, j, k), corner(1, j, k));
         let mut line = lerp(a, b, u);
@@ -169,9 +139,5 @@ fn noise<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> T {
     let mut all = lerp(a, b, w);
     all[3] += (b[0] - a[0]) * slope(z);
     let scale = GAIN / 511.5;
-    T::chain_3(
-        all[0] * scale,
-        [all[1] * scale, all[2] * scale, all[3] * scale],
-        at,
-    )
+    T::chain_3(all[0] * scale, [all[1] * scale, all[2] * scale, all[3] * scale], at)
 }

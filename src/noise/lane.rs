@@ -159,10 +159,7 @@ impl<S: Simd> Real<S> for Value<S> {
 impl<S: Simd> Real<S> for Jet<S> {
     #[inline(always)]
     fn constant(value: Lanes<S>) -> Self {
-        Self {
-            value,
-            gradient: [Lanes::<S>::splat(value.token(), 0.0); 3],
-        }
+        Self { value, gradient: [Lanes::<S>::splat(value.token(), 0.0); 3] }
     }
 
     #[inline(always)]
@@ -173,10 +170,7 @@ impl<S: Simd> Real<S> for Jet<S> {
     #[inline(always)]
     fn chain(self, value: Lanes<S>, slope: Lanes<S>) -> Self {
         let [x, y, z] = self.gradient;
-        Self {
-            value,
-            gradient: [x * slope, y * slope, z * slope],
-        }
+        Self { value, gradient: [x * slope, y * slope, z * slope] }
     }
 
     #[inline(always)]
@@ -184,20 +178,14 @@ impl<S: Simd> Real<S> for Jet<S> {
         let along = inlined!(|i: usize| {
             at.x.gradient[i] * slope[0] + at.y.gradient[i] * slope[1] + at.z.gradient[i] * slope[2]
         });
-        Self {
-            value,
-            gradient: [along(0), along(1), along(2)],
-        }
+        Self { value, gradient: [along(0), along(1), along(2)] }
     }
 
     #[inline(always)]
     fn pick(mask: Mask<S>, yes: Self, no: Self) -> Self {
         let along = inlined!(|i: usize| mask.select(yes.gradient[i], no.gradient[i]));
         let value = mask.select(yes.value, no.value);
-        Self {
-            value,
-            gradient: [along(0), along(1), along(2)],
-        }
+        Self { value, gradient: [along(0), along(1), along(2)] }
     }
 }
 
@@ -241,17 +229,9 @@ impl<S: Simd> Neg for Value<S> {
 impl<S: Simd> Jet<S> {
     /// Joins two gradients component by component.
     #[inline(always)]
-    fn join(
-        self,
-        other: Self,
-        value: Lanes<S>,
-        slope: impl Fn(Lanes<S>, Lanes<S>) -> Lanes<S>,
-    ) -> Self {
+    fn join(self, other: Self, value: Lanes<S>, slope: impl Fn(Lanes<S>, Lanes<S>) -> Lanes<S>) -> Self {
         let along = inlined!(|i: usize| slope(self.gradient[i], other.gradient[i]));
-        Self {
-            value,
-            gradient: [along(0), along(1), along(2)],
-        }
+        Self { value, gradient: [along(0), along(1), along(2)] }
     }
 
     #[inline(always)]
@@ -324,10 +304,7 @@ impl<S: Simd> Neg for Jet<S> {
     #[inline(always)]
     fn neg(self) -> Self {
         let [x, y, z] = self.gradient;
-        Self {
-            value: -self.value,
-            gradient: [-x, -y, -z],
-        }
+        Self { value: -self.value, gradient: [-x, -y, -z] }
     }
 }
 
@@ -335,10 +312,7 @@ impl<S: Simd> Add<f32> for Jet<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: f32) -> Self {
-        Self {
-            value: self.value + other,
-            ..self
-        }
+        Self { value: self.value + other, ..self }
     }
 }
 
@@ -346,10 +320,7 @@ impl<S: Simd> Sub<f32> for Jet<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: f32) -> Self {
-        Self {
-            value: self.value - other,
-            ..self
-        }
+        Self { value: self.value - other, ..self }
     }
 }
 
@@ -358,9 +329,6 @@ impl<S: Simd> Mul<f32> for Jet<S> {
     #[inline(always)]
     fn mul(self, other: f32) -> Self {
         let [x, y, z] = self.gradient;
-        Self {
-            value: self.value * other,
-            gradient: [x * other, y * other, z * other],
-        }
+        Self { value: self.value * other, gradient: [x * other, y * other, z * other] }
     }
 }

@@ -30,12 +30,7 @@ macro_rules! primitive {
 
 primitive!(Noise, 0.0, |at| Source::new(1).noise(2, at));
 primitive!(Fbm, 0.0, |at| Source::new(1).fbm(2, at, 4, 0.5));
-primitive!(Ridged, 0.02, |at| Source::new(1).ridged(
-    2,
-    at.scaled(0.5),
-    2,
-    0.5
-));
+primitive!(Ridged, 0.02, |at| Source::new(1).ridged(2, at.scaled(0.5), 2, 0.5));
 primitive!(Facets, 0.01, |at| facets(at, 1.1, SALT));
 primitive!(Distance3, 0.02, |at| cells_3d(at, SALT).distance);
 primitive!(Edge3, 0.04, |at| cells_3d(at, SALT).edge);
@@ -90,11 +85,7 @@ fn gradient_is_exact<P: Primitive>() {
         })
     });
     let share = wrong.count() as f64 / 400.0;
-    assert!(
-        share <= P::CREASED,
-        "{}: {share} of gradients are wrong",
-        P::NAME
-    );
+    assert!(share <= P::CREASED, "{}: {share} of gradients are wrong", P::NAME);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -104,23 +95,13 @@ fn bits_are_the_same_on_every_width<P: Primitive>() {
     for at in points(100) {
         let narrow = jet::<P, _>(sse2, at).map(f32::to_bits);
         if let Some(avx2) = level.as_avx2() {
-            assert_eq!(
-                narrow,
-                jet::<P, _>(avx2, at).map(f32::to_bits),
-                "{} AVX2 {at:?}",
-                P::NAME
-            );
+            assert_eq!(narrow, jet::<P, _>(avx2, at).map(f32::to_bits), "{} AVX2 {at:?}", P::NAME);
         }
         if let Some(avx512) = level.as_avx512() {
             let wide = jet::<P, _>(avx512, at).map(f32::to_bits);
             assert_eq!(narrow, wide, "{} AVX-512 {at:?}", P::NAME);
         }
-        assert_eq!(
-            narrow[0],
-            value::<P, _>(sse2, at).to_bits(),
-            "{} value {at:?}",
-            P::NAME
-        );
+        assert_eq!(narrow[0], value::<P, _>(sse2, at).to_bits(), "{} value {at:?}", P::NAME);
     }
 }
 
@@ -150,17 +131,11 @@ fn widths_agree_bit_for_bit() {
 
 #[test]
 fn noise_is_centred_and_bounded() {
-    let values: Vec<f32> = points(4000)
-        .map(|at| dispatched!(simd => value::<Noise, _>(simd, at)))
-        .collect();
+    let values: Vec<f32> = points(4000).map(|at| dispatched!(simd => value::<Noise, _>(simd, at))).collect();
     let mean = values.iter().sum::<f32>() / 4000.0;
     let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f32>() / 4000.0;
     assert!(mean.abs() < 0.02, "mean {mean}");
-    assert!(
-        (0.25..0.37).contains(&variance.sqrt()),
-        "standard deviation {}",
-        variance.sqrt()
-    );
+    assert!((0.25..0.37).contains(&variance.sqrt()), "standard deviation {}", variance.sqrt());
     assert!(values.iter().all(|v| v.abs() < 1.4));
 }
 

@@ -63,11 +63,7 @@ impl<T> Vec3<T> {
     where
         T: Real<S>,
     {
-        vec3(
-            self.along([0.0, 0.80, 0.60]),
-            self.along([-0.80, 0.36, -0.48]),
-            self.along([-0.60, -0.48, 0.64]),
-        )
+        vec3(self.along([0.0, 0.80, 0.60]), self.along([-0.80, 0.36, -0.48]), self.along([-0.60, -0.48, 0.64]))
     }
 }
 

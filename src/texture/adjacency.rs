@@ -28,21 +28,12 @@ struct HalfEdge {
     edge: u32,
 }
 
-fn half_edges_by_lower_vertex(
-    vertex_count: usize,
-    triangles: &[[u32; 3]],
-) -> (Vec<u32>, Vec<HalfEdge>) {
+fn half_edges_by_lower_vertex(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<HalfEdge>) {
     let edges = || {
         triangles.iter().enumerate().flat_map(|(t, corners)| {
             (0..3).map(move |k| {
                 let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                (
-                    a.min(b),
-                    HalfEdge {
-                        upper: a.max(b),
-                        edge: (3 * t + k) as u32,
-                    },
-                )
+                (a.min(b), HalfEdge { upper: a.max(b), edge: (3 * t + k) as u32 })
             })
         })
     };

@@ -35,12 +35,7 @@ pub fn bake<W: Write + Send>(
     sinks: Maps<W>,
 ) -> io::Result<()> {
     let strips = Strips::new(textured, TILE_PX);
-    let baker = Baker {
-        textured,
-        surface,
-        strips: &strips,
-        srgb: SrgbTable::new(),
-    };
+    let baker = Baker { textured, surface, strips: &strips, srgb: SrgbTable::new() };
     let mut writers = Writers::new(sinks, textured.size_px, format)?;
     let top_down: Vec<u32> = (0..strips.count()).rev().collect();
     for batch in top_down.chunks(STRIPS_AT_ONCE as usize) {
@@ -71,11 +66,7 @@ impl Baker<'_> {
             for row in 0..rows.len() {
                 tile.extend(columns.clone().filter_map(|x| {
                     let owner = owners[row * width + x];
-                    (owner != NONE).then_some(Spot {
-                        owner,
-                        x: x as u32,
-                        row: row as u32,
-                    })
+                    (owner != NONE).then_some(Spot { owner, x: x as u32, row: row as u32 })
                 }));
             }
             // Charts that meet in a tile may lie far apart in the cave.
@@ -120,22 +111,14 @@ impl Batch {
             self.frames.extend(run.iter().map(frame));
         }
         self.points.clear();
-        self.points
-            .extend(self.frames.iter().map(|frame| frame.position));
+        self.points.extend(self.frames.iter().map(|frame| frame.position));
         self.normals.clear();
-        self.normals
-            .extend(self.frames.iter().map(Frame::unit_normal));
+        self.normals.extend(self.frames.iter().map(Frame::unit_normal));
         self.texels.clear();
         self.texels.resize(spots.len(), Texel::default());
         let texel_m = 1.0 / baker.textured.texels_per_m;
         let bounds = bounds(&self.points);
-        baker.surface.texels(
-            bounds,
-            texel_m,
-            &self.points,
-            &self.normals,
-            &mut self.texels,
-        );
+        baker.surface.texels(bounds, texel_m, &self.points, &self.normals, &mut self.texels);
     }
 
     fn paint(&self, baker: &Baker, spots: &[Spot], pixels: &mut Pixels) {
@@ -145,9 +128,7 @@ impl Batch {
                 spot,
                 Pixel {
                     color: texel.color.map(|c| baker.srgb.encode(c)),
-                    normal: frame
-                        .tangent_normal(texel.normal)
-                        .map(|c| byte(0.5 * c + 0.5)),
+                    normal: frame.tangent_normal(texel.normal).map(|c| byte(0.5 * c + 0.5)),
                     orm: [byte(texel.occlusion), roughness, 0],
                 },
             );
@@ -157,9 +138,8 @@ impl Batch {
 
 /// The smallest box around `points`.
 fn bounds(points: &[[f32; 3]]) -> Bounds {
-    let extreme = |k: usize, start: f32, pick: fn(f32, f32) -> f32| {
-        points.iter().map(|point| point[k]).fold(start, pick)
-    };
+    let extreme =
+        |k: usize, start: f32, pick: fn(f32, f32) -> f32| points.iter().map(|point| point[k]).fold(start, pick);
     Bounds {
         min: [0, 1, 2].map(|k| extreme(k, f32::INFINITY, f32::min)),
         max: [0, 1, 2].map(|k| extreme(k, f32::NEG_INFINITY, f32::max)),
@@ -179,11 +159,7 @@ struct Pixel {
 }
 
 /// What a strip shows where no chart is near in the row.
-const BLANK: Pixel = Pixel {
-    color: [128; 3],
-    normal: [128, 128, 255],
-    orm: [255, 255, 0],
-};
+const BLANK: Pixel = Pixel { color: [128; 3], normal: [128, 128, 255], orm: [255, 255, 0] };
 
 /// A strip of pixels, lowest row first.
 struct Pixels {
@@ -193,10 +169,7 @@ struct Pixels {
 
 impl Pixels {
     fn new(width: usize, rows: usize) -> Self {
-        Self {
-            width,
-            pixels: vec![BLANK; width * rows],
-        }
+        Self { width, pixels: vec![BLANK; width * rows] }
     }
 
     fn set(&mut self, spot: &Spot, pixel: Pixel) {
@@ -205,17 +178,10 @@ impl Pixels {
 
     /// Gives every free texel the nearest pixel of its row.
     fn fill_background(&mut self, owners: &[u32]) {
-        let rows = self
-            .pixels
-            .chunks_mut(self.width)
-            .zip(owners.chunks(self.width));
+        let rows = self.pixels.chunks_mut(self.width).zip(owners.chunks(self.width));
         for (row, owners) in rows {
             let mut left = None;
-            for (x, _) in owners
-                .iter()
-                .enumerate()
-                .filter(|&(_, &owner)| owner != NONE)
-            {
+            for (x, _) in owners.iter().enumerate().filter(|&(_, &owner)| owner != NONE) {
                 fill_gap(row, left, Some(x));
                 left = Some(x);
             }
@@ -284,22 +250,12 @@ impl<W: Write + Send> Writers<W> {
             (&mut self.0.orm, |maps| &maps.orm),
             (&mut self.0.roughness, |maps| &maps.roughness),
         ];
-        maps.into_par_iter().try_for_each(|(writer, channel)| {
-            strips
-                .iter()
-                .try_for_each(|strip| writer.write(channel(strip)))
-        })
+        maps.into_par_iter()
+            .try_for_each(|(writer, channel)| strips.iter().try_for_each(|strip| writer.write(channel(strip))))
     }
 
     fn finish(self) -> io::Result<()> {
-        let Maps {
-            base_color,
-            normal,
-            orm,
-            roughness,
-        } = self.0;
-        [base_color, normal, orm, roughness]
-            .into_par_iter()
-            .try_for_each(MapWriter::finish)
+        let Maps { base_color, normal, orm, roughness } = self.0;
+        [base_color, normal, orm, roughness].into_par_iter().try_for_each(MapWriter::finish)
     }
 }

@@ -14,22 +14,14 @@ impl Axis {
     /// The component of `vector` along this direction.
     pub fn along(self, vector: [f32; 3]) -> f32 {
         let component = vector[usize::from(self.0 / 2)];
-        if self.0.is_multiple_of(2) {
-            component
-        } else {
-            -component
-        }
+        if self.0.is_multiple_of(2) { component } else { -component }
     }
 
     /// The picture plane: a triangle that is counter-clockwise against the axis stays so.
     pub fn project(self, q: [i32; 3]) -> [i32; 2] {
         let axis = usize::from(self.0 / 2);
         let (u, v) = (q[(axis + 1) % 3], q[(axis + 2) % 3]);
-        if self.0.is_multiple_of(2) {
-            [u, v]
-        } else {
-            [v, u]
-        }
+        if self.0.is_multiple_of(2) { [u, v] } else { [v, u] }
     }
 }
 
@@ -50,13 +42,7 @@ pub(super) struct Chart {
 impl Chart {
     /// Lays `triangles` (not empty) flat, the longer side along u.
     pub fn new(mesh: &Mesh, axis: Axis, triangles: Vec<u32>) -> Self {
-        let mut chart = Self {
-            axis,
-            turned: false,
-            triangles,
-            min: [0; 2],
-            extent: [0; 2],
-        };
+        let mut chart = Self { axis, turned: false, triangles, min: [0; 2], extent: [0; 2] };
         chart.measure(mesh);
         if chart.extent[1] > chart.extent[0] {
             chart.turned = true;
@@ -107,9 +93,7 @@ pub(super) struct Scale {
 
 impl Scale {
     pub fn new(texels_per_m: f64) -> Self {
-        Self {
-            steps_per_quantum: texels_per_m * f64::from(SUBTEXELS) / f64::from(QUANTA_PER_M),
-        }
+        Self { steps_per_quantum: texels_per_m * f64::from(SUBTEXELS) / f64::from(QUANTA_PER_M) }
     }
 
     fn steps(self, quanta: i32) -> i32 {
@@ -119,7 +103,6 @@ impl Scale {
 
 /// Area of a triangle seen along `axis`, in square quanta; positive when it faces the viewer.
 pub(super) fn seen_area(mesh: &Mesh, triangle: u32, axis: Axis) -> f64 {
-    let [a, b, c] = mesh.triangles[triangle as usize]
-        .map(|v| axis.project(mesh.positions[v as usize]).map(i64::from));
+    let [a, b, c] = mesh.triangles[triangle as usize].map(|v| axis.project(mesh.positions[v as usize]).map(i64::from));
     ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) as f64 / 2.0
 }

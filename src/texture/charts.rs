@@ -26,28 +26,19 @@ const SWEEPS: usize = 3;
 
 /// The regions of `mesh`, each connected and seen along one axis.
 pub(super) fn charts(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Vec<Chart> {
-    let faces = Faces {
-        mesh,
-        neighbours,
-        areas: area_vectors(mesh),
-    };
+    let faces = Faces { mesh, neighbours, areas: area_vectors(mesh) };
     let mut axes = faces.axes();
     let tile = TILE * faces.seen_area_of_all(&axes).sqrt();
     let regions = Regions::connected(neighbours, |a, b| axes[a] == axes[b]);
     let cells = faces.tiles(&regions, &axes, tile);
-    let mut regions = Regions::connected(neighbours, |a, b| {
-        axes[a] == axes[b] && cells[a] == cells[b]
-    });
+    let mut regions = Regions::connected(neighbours, |a, b| axes[a] == axes[b] && cells[a] == cells[b]);
     for _ in 0..SWEEPS {
         if !faces.sweep(&mut regions, &mut axes, CRUMB * tile * tile) {
             break;
         }
     }
     let groups = regions.triangles();
-    groups
-        .into_iter()
-        .map(|group| Chart::new(mesh, axes[group[0] as usize], group))
-        .collect()
+    groups.into_iter().map(|group| Chart::new(mesh, axes[group[0] as usize], group)).collect()
 }
 
 struct Faces<'a> {
@@ -75,11 +66,7 @@ impl Faces<'_> {
         let mut axes: Vec<Axis> = (0..smooth.len())
             .map(|t| {
                 let wanted = facing(smooth[t]);
-                if self.may_be_seen(t, wanted) {
-                    wanted
-                } else {
-                    facing(self.areas[t])
-                }
+                if self.may_be_seen(t, wanted) { wanted } else { facing(self.areas[t]) }
             })
             .collect();
         for _ in 0..VOTES {
@@ -128,16 +115,12 @@ impl Faces<'_> {
     }
 
     fn seen_area_of_all(&self, axes: &[Axis]) -> f64 {
-        (0..axes.len())
-            .map(|t| seen_area(self.mesh, t as u32, axes[t]))
-            .sum()
+        (0..axes.len()).map(|t| seen_area(self.mesh, t as u32, axes[t])).sum()
     }
 
     /// The tile of its region that each triangle's centre lies in.
     fn tiles(&self, regions: &Regions, axes: &[Axis], tile: f64) -> Vec<[u16; 2]> {
-        let centres: Vec<[i32; 2]> = (0..axes.len())
-            .map(|t| self.tripled_centre(t, axes[t]))
-            .collect();
+        let centres: Vec<[i32; 2]> = (0..axes.len()).map(|t| self.tripled_centre(t, axes[t])).collect();
         let mut boxes = vec![([i32::MAX; 2], [i32::MIN; 2]); regions.count as usize];
         for (p, &region) in centres.iter().zip(&regions.of) {
             let (min, max) = &mut boxes[region as usize];
@@ -154,16 +137,11 @@ impl Faces<'_> {
                 (f64::from(p[k] - min[k]) / extent * count).floor() as u16
             })
         };
-        centres
-            .iter()
-            .zip(&regions.of)
-            .map(|(p, &region)| cell(p, region))
-            .collect()
+        centres.iter().zip(&regions.of).map(|(p, &region)| cell(p, region)).collect()
     }
 
     fn tripled_centre(&self, triangle: usize, axis: Axis) -> [i32; 2] {
-        let corners =
-            self.mesh.triangles[triangle].map(|v| axis.project(self.mesh.positions[v as usize]));
+        let corners = self.mesh.triangles[triangle].map(|v| axis.project(self.mesh.positions[v as usize]));
         [0, 1].map(|k| corners[0][k] + corners[1][k] + corners[2][k])
     }
 
@@ -179,8 +157,7 @@ impl Faces<'_> {
             if areas[region] >= crumb {
                 continue;
             }
-            let Some(host) = self.host(&group, regions, axes, |r| areas[r as usize] >= crumb)
-            else {
+            let Some(host) = self.host(&group, regions, axes, |r| areas[r as usize] >= crumb) else {
                 continue;
             };
             for &t in &group {
@@ -196,13 +173,7 @@ impl Faces<'_> {
     }
 
     /// A triangle of the region that `group` should join.
-    fn host(
-        &self,
-        group: &[u32],
-        regions: &Regions,
-        axes: &[Axis],
-        is_large: impl Fn(u32) -> bool,
-    ) -> Option<u32> {
+    fn host(&self, group: &[u32], regions: &Regions, axes: &[Axis], is_large: impl Fn(u32) -> bool) -> Option<u32> {
         // Few regions touch a crumb: a list beats a map. Each with its shared edges and one of its triangles.
         let mut touching: Vec<(u32, u32, u32)> = vec![];
         for &t in group {
@@ -216,25 +187,14 @@ impl Faces<'_> {
             }
         }
         touching.sort_by_key(|&(region, edges, _)| (u32::MAX - edges, region));
-        let welcome = |host: u32| {
-            group
-                .iter()
-                .all(|&t| self.may_be_seen(t as usize, axes[host as usize]))
-        };
-        touching
-            .into_iter()
-            .map(|(_, _, host)| host)
-            .find(|&host| welcome(host))
+        let welcome = |host: u32| group.iter().all(|&t| self.may_be_seen(t as usize, axes[host as usize]));
+        touching.into_iter().map(|(_, _, host)| host).find(|&host| welcome(host))
     }
 }
 
 fn facing(vector: [f32; 3]) -> Axis {
     let better = |best: Axis, axis: Axis| {
-        if axis.along(vector) > best.along(vector) {
-            axis
-        } else {
-            best
-        }
+        if axis.along(vector) > best.along(vector) { axis } else { best }
     };
     Axis::ALL.into_iter().fold(Axis::ALL[0], better)
 }
@@ -252,10 +212,7 @@ struct Regions {
 impl Regions {
     /// Largest sets joined by edges across which `same` holds.
     fn connected(neighbours: &[[u32; 3]], same: impl Fn(usize, usize) -> bool) -> Self {
-        let mut regions = Self {
-            of: vec![NONE; neighbours.len()],
-            count: 0,
-        };
+        let mut regions = Self { of: vec![NONE; neighbours.len()], count: 0 };
         let mut queue = VecDeque::new();
         for seed in 0..neighbours.len() {
             if regions.of[seed] != NONE {

@@ -4,9 +4,7 @@ use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
 use jpeg_encoder::{ColorType, Encoder as JpgEncoder, SamplingFactor};
-use png::{
-    BitDepth, Compression, Encoder as PngEncoder, Filter, SrgbRenderingIntent, StreamWriter,
-};
+use png::{BitDepth, Compression, Encoder as PngEncoder, Filter, SrgbRenderingIntent, StreamWriter};
 
 use super::settings::ImageFormat;
 
@@ -42,17 +40,8 @@ impl Channels {
 pub struct MapWriter<W: Write>(Inner<W>);
 
 enum Inner<W: Write> {
-    Png {
-        sink: W,
-        stream: Box<StreamWriter<'static, Spill>>,
-        spill: Spill,
-    },
-    Jpg {
-        sink: W,
-        pixels: Vec<u8>,
-        channels: Channels,
-        size_px: u16,
-    },
+    Png { sink: W, stream: Box<StreamWriter<'static, Spill>>, spill: Spill },
+    Jpg { sink: W, pixels: Vec<u8>, channels: Channels, size_px: u16 },
 }
 
 impl<W: Write> MapWriter<W> {
@@ -65,21 +54,11 @@ impl<W: Write> MapWriter<W> {
             ImageFormat::Png => {
                 let spill = Spill::default();
                 let stream = Box::new(png_stream(spill.clone(), channels, size_px)?);
-                Inner::Png {
-                    sink,
-                    stream,
-                    spill,
-                }
+                Inner::Png { sink, stream, spill }
             }
             ImageFormat::Jpg => {
-                let pixels =
-                    Vec::with_capacity(size_px as usize * size_px as usize * channels.count());
-                Inner::Jpg {
-                    sink,
-                    pixels,
-                    channels,
-                    size_px: size_px as u16,
-                }
+                let pixels = Vec::with_capacity(size_px as usize * size_px as usize * channels.count());
+                Inner::Jpg { sink, pixels, channels, size_px: size_px as u16 }
             }
         };
         Ok(Self(inner))
@@ -91,11 +70,7 @@ impl<W: Write> MapWriter<W> {
     /// When the sink fails.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         match &mut self.0 {
-            Inner::Png {
-                sink,
-                stream,
-                spill,
-            } => {
+            Inner::Png { sink, stream, spill } => {
                 stream.write_all(bytes)?;
                 spill.pour(sink)
             }
@@ -112,30 +87,15 @@ impl<W: Write> MapWriter<W> {
     /// When the sink fails or pixels are missing.
     pub fn finish(self) -> io::Result<()> {
         match self.0 {
-            Inner::Png {
-                mut sink,
-                stream,
-                spill,
-            } => {
+            Inner::Png { mut sink, stream, spill } => {
                 stream.finish()?;
                 spill.pour(&mut sink)
             }
-            Inner::Jpg {
-                sink,
-                pixels,
-                channels,
-                size_px,
-            } => {
+            Inner::Jpg { sink, pixels, channels, size_px } => {
                 let mut encoder = JpgEncoder::new(sink, JPG_QUALITY);
                 encoder.set_sampling_factor(SamplingFactor::F_1_1);
-                let color = if channels.count() == 1 {
-                    ColorType::Luma
-                } else {
-                    ColorType::Rgb
-                };
-                encoder
-                    .encode(&pixels, size_px, size_px, color)
-                    .map_err(io::Error::other)
+                let color = if channels.count() == 1 { ColorType::Luma } else { ColorType::Rgb };
+                encoder.encode(&pixels, size_px, size_px, color).map_err(io::Error::other)
             }
         }
     }
@@ -147,10 +107,7 @@ struct Spill(Arc<Mutex<Vec<u8>>>);
 
 impl Spill {
     fn pour(&self, sink: &mut impl Write) -> io::Result<()> {
-        let mut bytes = self
-            .0
-            .lock()
-            .expect("no writer panics while it holds the bytes");
+        let mut bytes = self.0.lock().expect("no writer panics while it holds the bytes");
         sink.write_all(&bytes)?;
         bytes.clear();
         Ok(())
@@ -159,10 +116,7 @@ impl Spill {
 
 impl Write for Spill {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0
-            .lock()
-            .expect("no writer panics while it holds the bytes")
-            .extend_from_slice(bytes);
+        self.0.lock().expect("no writer panics while it holds the bytes").extend_from_slice(bytes);
         Ok(bytes.len())
     }
 
@@ -171,17 +125,9 @@ impl Write for Spill {
     }
 }
 
-fn png_stream(
-    spill: Spill,
-    channels: Channels,
-    size_px: u32,
-) -> io::Result<StreamWriter<'static, Spill>> {
+fn png_stream(spill: Spill, channels: Channels, size_px: u32) -> io::Result<StreamWriter<'static, Spill>> {
     let mut encoder = PngEncoder::new(spill, size_px, size_px);
-    let color = if channels.count() == 1 {
-        png::ColorType::Grayscale
-    } else {
-        png::ColorType::Rgb
-    };
+    let color = if channels.count() == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
     encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
@@ -190,7 +136,5 @@ fn png_stream(
         // Some readers (MuJoCo) take the colour space from here.
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }
-    Ok(encoder
-        .write_header()?
-        .into_stream_writer_with_size(PNG_CHUNK)?)
+    Ok(encoder.write_header()?.into_stream_writer_with_size(PNG_CHUNK)?)
 }

@@ -23,7 +23,7 @@ use std::io::{self, Write};
 
 use crate::field::Surface;
 use crate::mesh::Mesh;
-use settings::TextureSettings;
+pub use settings::{ImageFormat, TextureSettings};
 
 /// A chunk ready for a renderer. Its vertices are those of the mesh, copied along seams.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,9 +68,7 @@ pub struct Maps<T> {
 #[non_exhaustive]
 pub enum TextureError {
     /// The gutters alone fill the atlas.
-    #[error(
-        "{charts} charts do not fit into {size_px} px; raise texture.size_px or make smaller chunks"
-    )]
+    #[error("{charts} charts do not fit into {size_px} px; raise texture.size_px or make smaller chunks")]
     TooSmall {
         /// Number of charts.
         charts: usize,
@@ -98,11 +96,7 @@ pub fn texture<W: Write + Send>(
     let tangents = tangent::tangents(mesh, &mut cut);
     let textured = Textured {
         positions: cut.source.iter().map(|&v| mesh.position_m(v)).collect(),
-        normals: cut
-            .source
-            .iter()
-            .map(|&v| mesh.normals[v as usize])
-            .collect(),
+        normals: cut.source.iter().map(|&v| mesh.normals[v as usize]).collect(),
         uvs: cut.uvs,
         tangents,
         triangles: cut.triangles,

@@ -37,11 +37,7 @@ impl Strips {
                 next[strip as usize] += 1;
             }
         }
-        Self {
-            rows_per_strip,
-            starts,
-            triangles,
-        }
+        Self { rows_per_strip, starts, triangles }
     }
 
     pub fn count(&self) -> u32 {
@@ -97,18 +93,12 @@ struct Picture {
 impl Picture {
     fn new(rows: Range<i32>, size_px: u32) -> Self {
         let width = size_px as usize;
-        Self {
-            owners: vec![NONE; rows.len() * width],
-            rows,
-            width,
-        }
+        Self { owners: vec![NONE; rows.len() * width], rows, width }
     }
 
     /// Shows the triangle at texels whose centre it holds.
     fn cover(&mut self, corners: &raster::Corners, triangle: u32) {
-        raster::spans(corners, self.rows.clone(), |y, xs| {
-            self.claim(y, xs, triangle)
-        });
+        raster::spans(corners, self.rows.clone(), |y, xs| self.claim(y, xs, triangle));
     }
 
     /// Shows the triangle at texels that it touches.
@@ -160,13 +150,4 @@ impl Picture {
     }
 }
 
-const AROUND: [(isize, isize); 8] = [
-    (-1, 0),
-    (1, 0),
-    (0, -1),
-    (0, 1),
-    (-1, -1),
-    (1, -1),
-    (-1, 1),
-    (1, 1),
-];
+const AROUND: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];

@@ -15,19 +15,11 @@ pub const GUTTER_PX: u32 = 4;
 const GRID: u32 = 1024;
 
 /// The lower left texel of each chart in a square of `size_px`, or `None` when they do not fit.
-pub(super) fn pack(
-    mesh: &Mesh,
-    charts: &[Chart],
-    scale: Scale,
-    size_px: u32,
-) -> Option<Vec<[u32; 2]>> {
+pub(super) fn pack(mesh: &Mesh, charts: &[Chart], scale: Scale, size_px: u32) -> Option<Vec<[u32; 2]>> {
     let cell_px = size_px.div_ceil(GRID);
     let gutter = GUTTER_PX.div_ceil(cell_px);
     let grid_size = size_px / cell_px;
-    let stamps: Vec<Stamp> = charts
-        .iter()
-        .map(|chart| Stamp::new(mesh, chart, scale, cell_px, gutter))
-        .collect();
+    let stamps: Vec<Stamp> = charts.iter().map(|chart| Stamp::new(mesh, chart, scale, cell_px, gutter)).collect();
     if stamps.iter().map(|stamp| stamp.area).sum::<u64>() > u64::from(grid_size).pow(2) {
         return None;
     }
@@ -54,9 +46,7 @@ struct Stamp {
 impl Stamp {
     fn new(mesh: &Mesh, chart: &Chart, scale: Scale, cell_px: u32, gutter: u32) -> Self {
         let side = SUBTEXELS * cell_px as i32;
-        let [width, height] = chart
-            .size(scale)
-            .map(|steps| (steps / side) as u32 + 1 + gutter);
+        let [width, height] = chart.size(scale).map(|steps| (steps / side) as u32 + 1 + gutter);
         let mut bits = Bits::new(width, height);
         for &t in &chart.triangles {
             raster::touched(&chart.corners(mesh, t, scale), side, |row, columns| {
@@ -66,11 +56,7 @@ impl Stamp {
         }
         bits.smear_up(gutter);
         let rows: Vec<_> = (0..height).map(|y| bits.runs(y)).collect();
-        let area = rows
-            .iter()
-            .flatten()
-            .map(|run| u64::from(run.end - run.start))
-            .sum();
+        let area = rows.iter().flatten().map(|run| u64::from(run.end - run.start)).sum();
         Self { width, rows, area }
     }
 
@@ -87,10 +73,7 @@ struct Grid {
 
 impl Grid {
     fn new(size: u32) -> Self {
-        Self {
-            size,
-            taken: Bits::new(size, size),
-        }
+        Self { size, taken: Bits::new(size, size) }
     }
 
     fn find(&self, stamp: &Stamp) -> Option<[u32; 2]> {
@@ -142,11 +125,7 @@ struct Bits {
 impl Bits {
     fn new(width: u32, height: u32) -> Self {
         let words_per_row = width.div_ceil(64) as usize;
-        Self {
-            words_per_row,
-            width,
-            words: vec![0; words_per_row * height as usize],
-        }
+        Self { words_per_row, width, words: vec![0; words_per_row * height as usize] }
     }
 
     fn row(&self, y: u32) -> &[u64] {
@@ -198,16 +177,8 @@ impl Bits {
 fn masks(range: Range<u32>) -> impl DoubleEndedIterator<Item = (usize, u64)> {
     let (first, last) = (range.start as usize / 64, (range.end - 1) as usize / 64);
     (first..=last).map(move |word| {
-        let low = if word == first {
-            u64::MAX << (range.start % 64)
-        } else {
-            u64::MAX
-        };
-        let high = if word == last {
-            u64::MAX >> (63 - (range.end - 1) % 64)
-        } else {
-            u64::MAX
-        };
+        let low = if word == first { u64::MAX << (range.start % 64) } else { u64::MAX };
+        let high = if word == last { u64::MAX >> (63 - (range.end - 1) % 64) } else { u64::MAX };
         (word, low & high)
     })
 }
@@ -220,11 +191,7 @@ mod tests {
         let runs = |row: &&[[u32; 2]]| row.iter().map(|&[start, end]| start..end).collect();
         let rows: Vec<Vec<_>> = rows.iter().map(runs).collect();
         let width = rows.iter().flatten().map(|run| run.end).max().unwrap();
-        Stamp {
-            width,
-            rows,
-            area: 0,
-        }
+        Stamp { width, rows, area: 0 }
     }
 
     #[test]

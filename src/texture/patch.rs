@@ -30,8 +30,7 @@ pub(super) struct Frame {
 /// A triangle's corners on the lattice of the rasteriser; exact.
 pub(super) fn corners(textured: &Textured, triangle: u32) -> Corners {
     let side = textured.size_px as f32 * SUBTEXELS as f32;
-    textured.triangles[triangle as usize]
-        .map(|v| textured.uvs[v as usize].map(|c| (c * side + 0.5) as i32))
+    textured.triangles[triangle as usize].map(|v| textured.uvs[v as usize].map(|c| (c * side + 0.5) as i32))
 }
 
 impl Patch {
@@ -54,11 +53,7 @@ impl Patch {
     pub fn frame(&self, x: i32, y: i32) -> Frame {
         let weights = self.weights(x, y);
         let least = weights[0].min(weights[1]).min(weights[2]);
-        let nearest = if least < 0.0 {
-            clamped(weights)
-        } else {
-            weights
-        };
+        let nearest = if least < 0.0 { clamped(weights) } else { weights };
         Frame {
             position: self.position(if least < -REACH { nearest } else { weights }),
             normal: mix(nearest, self.normals),
@@ -73,9 +68,7 @@ impl Patch {
             return [1.0 / 3.0; 3];
         }
         let at = [raster::centre(x), raster::centre(y)];
-        let [a, b, c] = self
-            .corners
-            .map(|p| [i64::from(p[0]) - at[0], i64::from(p[1]) - at[1]]);
+        let [a, b, c] = self.corners.map(|p| [i64::from(p[0]) - at[0], i64::from(p[1]) - at[1]]);
         let second = (c[0] * a[1] - c[1] * a[0]) as f32 * self.inverse_area;
         let third = (a[0] * b[1] - a[1] * b[0]) as f32 * self.inverse_area;
         [1.0 - second - third, second, third]
@@ -118,11 +111,7 @@ impl Frame {
 
 fn unit_or(vector: [f32; 3], fallback: [f32; 3]) -> [f32; 3] {
     let length = dot(vector, vector).sqrt();
-    if length > 0.0 {
-        vector.map(|c| c / length)
-    } else {
-        fallback
-    }
+    if length > 0.0 { vector.map(|c| c / length) } else { fallback }
 }
 
 fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -130,9 +119,5 @@ fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

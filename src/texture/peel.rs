@@ -13,22 +13,9 @@ use crate::mesh::Mesh;
 
 /// The same triangles in charts of which none covers a texel centre twice; charts that did not keep their order and
 /// shape, the others follow their first part.
-pub(super) fn peel(
-    mesh: &Mesh,
-    neighbours: &[[u32; 3]],
-    charts: Vec<Chart>,
-    scale: Scale,
-) -> Vec<Chart> {
-    let mut peeler = Peeler {
-        mesh,
-        neighbours,
-        scale,
-        state: vec![State::Elsewhere; neighbours.len()],
-    };
-    charts
-        .into_iter()
-        .flat_map(|chart| peeler.layers(chart))
-        .collect()
+pub(super) fn peel(mesh: &Mesh, neighbours: &[[u32; 3]], charts: Vec<Chart>, scale: Scale) -> Vec<Chart> {
+    let mut peeler = Peeler { mesh, neighbours, scale, state: vec![State::Elsewhere; neighbours.len()] };
+    charts.into_iter().flat_map(|chart| peeler.layers(chart)).collect()
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -63,10 +50,7 @@ impl Peeler<'_> {
         if layers.len() == 1 {
             return vec![chart];
         }
-        layers
-            .into_iter()
-            .map(|layer| Chart::new(self.mesh, chart.axis, layer))
-            .collect()
+        layers.into_iter().map(|layer| Chart::new(self.mesh, chart.axis, layer)).collect()
     }
 
     fn grow(&mut self, chart: &Chart, seed: u32, layer: u32, sheet: &mut Sheet) -> Vec<u32> {
@@ -101,12 +85,7 @@ struct Sheet {
 impl Sheet {
     fn new(size: [i32; 2]) -> Self {
         let [width, height] = size.map(|steps| (steps / SUBTEXELS + 1) as usize);
-        Self {
-            width,
-            height,
-            taken: vec![false; width * height],
-            spans: vec![],
-        }
+        Self { width, height, taken: vec![false; width * height], spans: vec![] }
     }
 
     fn clear(&mut self) {
@@ -118,14 +97,9 @@ impl Sheet {
         self.spans.clear();
         raster::spans(corners, 0..self.height as i32, |y, xs| {
             let row = y as usize * self.width;
-            self.spans
-                .push(row + xs.start as usize..row + xs.end as usize);
+            self.spans.push(row + xs.start as usize..row + xs.end as usize);
         });
-        if self
-            .spans
-            .iter()
-            .any(|span| self.taken[span.clone()].contains(&true))
-        {
+        if self.spans.iter().any(|span| self.taken[span.clone()].contains(&true)) {
             return false;
         }
         for span in &self.spans {

@@ -54,10 +54,7 @@ impl RowEdge {
         let owns_its_points = dy < 0 || (dy == 0 && dx > 0);
         let rise = centre(y) - i64::from(from[1]);
         let value = dx * rise - dy * (centre(0) - i64::from(from[0]));
-        Self {
-            value: value - i64::from(!owns_its_points),
-            slope: dy * i64::from(SUBTEXELS),
-        }
+        Self { value: value - i64::from(!owns_its_points), slope: dy * i64::from(SUBTEXELS) }
     }
 }
 
@@ -119,10 +116,7 @@ mod tests {
     /// The definition, point by point.
     fn holds(corners: &Corners, x: i32, y: i32) -> bool {
         (0..3).all(|k| {
-            let (a, b) = (
-                corners[k].map(i64::from),
-                corners[(k + 1) % 3].map(i64::from),
-            );
+            let (a, b) = (corners[k].map(i64::from), corners[(k + 1) % 3].map(i64::from));
             let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
             let side = dx * (centre(y) - a[1]) - dy * (centre(x) - a[0]);
             side > 0 || (side == 0 && (dy < 0 || (dy == 0 && dx > 0)))

@@ -10,24 +10,21 @@ pub const MAX_SIZE_PX: u32 = 16_384;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct TextureSettings {
-    /// Side of each square map in pixels; the density follows from the chunk. Not used when `density_px_per_m` is set.
-    #[schemars(range(min = 256, max = 16384))]
-    pub size_px: u32,
     /// Texels per metre of wall, the same in every chunk; the size of the maps then follows (a multiple of 64 px, at
-    /// most 16384, where the density gives way). 0: use `size_px`.
-    #[schemars(range(min = 0.0, max = 500.0))]
+    /// most 16384, where the density gives way).
+    #[schemars(range(min = 4.0, max = 500.0))]
     pub density_px_per_m: f32,
+    /// Side of each square map in pixels, for example 1024, 4096 or 16384; the density then follows from the chunk.
+    /// Overrides `density_px_per_m`.
+    #[schemars(range(min = 256, max = 16384))]
+    pub size_px: Option<u32>,
     /// File format of the maps. JPG is smaller and lossy, and needs each whole map in memory; MuJoCo reads PNG only.
     pub format: ImageFormat,
 }
 
 impl Default for TextureSettings {
     fn default() -> Self {
-        Self {
-            size_px: 1024,
-            density_px_per_m: 0.0,
-            format: ImageFormat::Png,
-        }
+        Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png }
     }
 }
 
@@ -42,6 +39,16 @@ pub enum ImageFormat {
     Jpg,
 }
 
+impl ImageFormat {
+    /// File name extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpg => "jpg",
+        }
+    }
+}
+
 /// What fixes the scale of an atlas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resolution {
@@ -54,9 +61,6 @@ pub enum Resolution {
 impl TextureSettings {
     /// The scale these settings ask for.
     pub fn resolution(&self) -> Resolution {
-        if self.density_px_per_m > 0.0 {
-            return Resolution::TexelsPerM(self.density_px_per_m);
-        }
-        Resolution::SizePx(self.size_px)
+        self.size_px.map_or(Resolution::TexelsPerM(self.density_px_per_m), Resolution::SizePx)
     }
 }

@@ -19,9 +19,7 @@ impl SrgbTable {
             *threshold = linear((code as f64 - 0.5) / 255.0) as f32;
         }
         let code_at = |value: f32| (thresholds.partition_point(|&t| t <= value) - 1) as u8;
-        let codes = (0..=BUCKETS)
-            .map(|k| code_at(k as f32 / BUCKETS as f32))
-            .collect();
+        let codes = (0..=BUCKETS).map(|k| code_at(k as f32 / BUCKETS as f32)).collect();
         Self { codes, thresholds }
     }
 
@@ -35,11 +33,7 @@ impl SrgbTable {
 
 /// The linear value of an sRGB value, both in 0–1.
 fn linear(value: f64) -> f64 {
-    if value <= 0.040_45 {
-        value / 12.92
-    } else {
-        libm::pow((value + 0.055) / 1.055, 2.4)
-    }
+    if value <= 0.040_45 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]
@@ -62,13 +56,6 @@ mod tests {
             let defined = (table.thresholds.partition_point(|&t| t <= value) - 1) as u8;
             assert_eq!(table.encode(value), defined, "{value}");
         }
-        assert_eq!(
-            [
-                table.encode(-1.0),
-                table.encode(2.0),
-                table.encode(f32::NAN)
-            ],
-            [0, 255, 0]
-        );
+        assert_eq!([table.encode(-1.0), table.encode(2.0), table.encode(f32::NAN)], [0, 255, 0]);
     }
 }

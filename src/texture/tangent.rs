@@ -8,11 +8,7 @@ use crate::mesh::Mesh;
 /// Tangents of all vertices: unit vectors along growing u, with the sign of the bitangent
 /// `w * cross(normal, tangent)` as the fourth component. Vertices whose corners disagree are split in `cut`.
 pub fn tangents(mesh: &Mesh, cut: &mut Unwrapped) -> Vec<[f32; 4]> {
-    let mut corners = Corners {
-        mesh,
-        cut,
-        tangents: vec![[[0.0; 4]; 3]; cut.triangles.len()],
-    };
+    let mut corners = Corners { mesh, cut, tangents: vec![[[0.0; 4]; 3]; cut.triangles.len()] };
     generate_tangents(&mut corners).expect("the error type has no value");
     let per_corner = corners.tangents;
     split(cut, &per_corner)
@@ -42,10 +38,7 @@ fn split(cut: &mut Unwrapped, per_corner: &[[[f32; 4]; 3]]) -> Vec<[f32; 4]> {
             }
         }
     }
-    tangents
-        .into_iter()
-        .map(|tangent| tangent.expect("every vertex has a corner"))
-        .collect()
+    tangents.into_iter().map(|tangent| tangent.expect("every vertex has a corner")).collect()
 }
 
 struct Corners<'a> {
@@ -74,8 +67,7 @@ impl Geometry<Portable> for Corners<'_> {
     }
 
     fn position(&self, face: usize, corner: usize) -> [f32; 3] {
-        self.mesh
-            .position_m(self.cut.source[self.vertex(face, corner)])
+        self.mesh.position_m(self.cut.source[self.vertex(face, corner)])
     }
 
     fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
@@ -88,8 +80,7 @@ impl Geometry<Portable> for Corners<'_> {
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
         let computed = space.map(|space| space.tangent_encoded()).filter(is_unit);
-        self.tangents[face][corner] =
-            computed.unwrap_or_else(|| any_tangent(self.normal_at(face, corner)));
+        self.tangents[face][corner] = computed.unwrap_or_else(|| any_tangent(self.normal_at(face, corner)));
     }
 }
 
@@ -115,20 +106,7 @@ fn is_unit(tangent: &[f32; 4]) -> bool {
 /// normal.
 fn any_tangent(normal: [f32; 3]) -> [f32; 4] {
     let [x, y, z] = normal;
-    let across = if x.abs() < 0.7 {
-        [0.0, z, -y]
-    } else {
-        [-z, 0.0, x]
-    };
+    let across = if x.abs() < 0.7 { [0.0, z, -y] } else { [-z, 0.0, x] };
     let length = (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]).sqrt();
-    if length > 0.0 {
-        [
-            across[0] / length,
-            across[1] / length,
-            across[2] / length,
-            1.0,
-        ]
-    } else {
-        [1.0, 0.0, 0.0, 1.0]
-    }
+    if length > 0.0 { [across[0] / length, across[1] / length, across[2] / length, 1.0] } else { [1.0, 0.0, 0.0, 1.0] }
 }

@@ -79,13 +79,7 @@ pub fn unwrap(mesh: &Mesh, resolution: Resolution) -> Result<Unwrapped, TextureE
 }
 
 fn area_m2(mesh: &Mesh, charts: &[Chart]) -> f64 {
-    let area = |chart: &Chart| -> f64 {
-        chart
-            .triangles
-            .iter()
-            .map(|&t| seen_area(mesh, t, chart.axis))
-            .sum()
-    };
+    let area = |chart: &Chart| -> f64 { chart.triangles.iter().map(|&t| seen_area(mesh, t, chart.axis)).sum() };
     charts.iter().map(area).sum::<f64>() / (f64::from(QUANTA_PER_M) * f64::from(QUANTA_PER_M))
 }
 
@@ -112,25 +106,13 @@ impl Plan {
                 if steps * f64::from(SIZE_STEP_PX) > f64::from(MAX_SIZE_PX) {
                     return Self::of_size(MAX_SIZE_PX, area_m2);
                 }
-                Self {
-                    area_m2,
-                    texels_per_m,
-                    size_px: steps as u32 * SIZE_STEP_PX,
-                    step: 0,
-                    grows: true,
-                }
+                Self { area_m2, texels_per_m, size_px: steps as u32 * SIZE_STEP_PX, step: 0, grows: true }
             }
         }
     }
 
     fn of_size(size_px: u32, area_m2: f64) -> Self {
-        let mut plan = Self {
-            area_m2,
-            texels_per_m: 0.0,
-            size_px,
-            step: 0,
-            grows: false,
-        };
+        let mut plan = Self { area_m2, texels_per_m: 0.0, size_px, step: 0, grows: false };
         plan.texels_per_m = plan.density(0);
         plan
     }
@@ -167,10 +149,7 @@ impl Plan {
         let mut origins = attempt(best);
         while origins.is_none() {
             if best > MAX_STEPS {
-                return Err(TextureError::TooSmall {
-                    charts: charts.len(),
-                    size_px: self.size_px,
-                });
+                return Err(TextureError::TooSmall { charts: charts.len(), size_px: self.size_px });
             }
             fails = best;
             best += stride;
@@ -180,11 +159,7 @@ impl Plan {
         let mut origins = origins.expect("the loop ends with a packing");
         while best - fails > 1 {
             // Above the first guess in single steps: a packing that fails costs most.
-            let higher = if stride == 1 {
-                best - 1
-            } else {
-                fails + (best - fails) / 2
-            };
+            let higher = if stride == 1 { best - 1 } else { fails + (best - fails) / 2 };
             match attempt(higher) {
                 Some(found) => (best, origins) = (higher, found),
                 None => fails = higher,
@@ -233,11 +208,7 @@ impl Unwrapped {
                     if copy.0 != k as u32 {
                         *copy = (k as u32, cut.source.len() as u32);
                         cut.source.push(vertex);
-                        cut.uvs.push(uv(
-                            chart.place(mesh, vertex, plan.scale()),
-                            origin,
-                            plan.size_px,
-                        ));
+                        cut.uvs.push(uv(chart.place(mesh, vertex, plan.scale()), origin, plan.size_px));
                     }
                     copy.1
                 });
@@ -249,7 +220,5 @@ impl Unwrapped {
 
 fn uv(steps: [i32; 2], origin: [u32; 2], size_px: u32) -> [f32; 2] {
     let side = f64::from(size_px) * f64::from(SUBTEXELS);
-    [0, 1].map(|k| {
-        ((f64::from(origin[k]) * f64::from(SUBTEXELS) + f64::from(steps[k])) / side) as f32
-    })
+    [0, 1].map(|k| ((f64::from(origin[k]) * f64::from(SUBTEXELS) + f64::from(steps[k])) / side) as f32)
 }

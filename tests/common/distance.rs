@@ -14,10 +14,7 @@ impl Distances {
     /// From points about `spacing_m` apart on `from`, none further than `reach_m` (such are found at `reach_m`).
     pub fn between(from: &Mesh, to: &Mesh, spacing_m: f64, reach_m: f64) -> Self {
         let near = Near::new(to, reach_m);
-        let points = from
-            .triangles
-            .iter()
-            .flat_map(|&t| spread(corners(from, t), spacing_m));
+        let points = from.triangles.iter().flat_map(|&t| spread(corners(from, t), spacing_m));
         let mut distances: Vec<f64> = points.map(|point| near.distance(point)).collect();
         distances.sort_by(f64::total_cmp);
         Self(distances)
@@ -66,27 +63,19 @@ impl Near {
                 }
             }
         }
-        Self {
-            triangles,
-            cubes,
-            reach,
-        }
+        Self { triangles, cubes, reach }
     }
 
     fn distance(&self, point: Point) -> f64 {
         let cube = std::array::from_fn(|i| (point[i] / self.reach).floor() as i64);
         let near = self.cubes.get(&cube).map(Vec::as_slice).unwrap_or_default();
-        let distances = near
-            .iter()
-            .map(|&t| distance_to_triangle(point, self.triangles[t]));
+        let distances = near.iter().map(|&t| distance_to_triangle(point, self.triangles[t]));
         distances.fold(self.reach, f64::min)
     }
 }
 
 fn corners(mesh: &Mesh, triangle: [u32; 3]) -> [Point; 3] {
-    triangle.map(|corner| {
-        Point::from(mesh.positions[corner as usize].map(f64::from)) / f64::from(QUANTA_PER_M)
-    })
+    triangle.map(|corner| Point::from(mesh.positions[corner as usize].map(f64::from)) / f64::from(QUANTA_PER_M))
 }
 
 fn spread([a, b, c]: [Point; 3], spacing: f64) -> impl Iterator<Item = Point> {
@@ -103,16 +92,11 @@ fn spread([a, b, c]: [Point; 3], spacing: f64) -> impl Iterator<Item = Point> {
 /// Ericson, *Real-Time Collision Detection* (2005), 5.1.5: inside the prism over the triangle, or to an edge.
 fn distance_to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
     let normal = (b - a).cross(&(c - a));
-    let inside = [(a, b), (b, c), (c, a)]
-        .iter()
-        .all(|(from, to)| (to - from).cross(&(p - from)).dot(&normal) >= 0.0);
+    let inside = [(a, b), (b, c), (c, a)].iter().all(|(from, to)| (to - from).cross(&(p - from)).dot(&normal) >= 0.0);
     if inside {
         return (p - a).dot(&normal).abs() / normal.norm();
     }
-    [(a, b), (b, c), (c, a)]
-        .iter()
-        .map(|&(a, b)| distance_to_edge(p, a, b))
-        .fold(f64::MAX, f64::min)
+    [(a, b), (b, c), (c, a)].iter().map(|&(a, b)| distance_to_edge(p, a, b)).fold(f64::MAX, f64::min)
 }
 
 fn distance_to_edge(p: Point, a: Point, b: Point) -> f64 {

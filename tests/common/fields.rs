@@ -13,10 +13,7 @@ pub struct Analytic<F> {
 impl<F: Fn([f32; 3]) -> f32 + Sync> Field for Analytic<F> {
     fn region(&self, bounds: Bounds) -> Region {
         let centre = std::array::from_fn(|i| (bounds.min[i] + bounds.max[i]) * 0.5);
-        let half = (0..3)
-            .map(|i| (bounds.max[i] - centre[i]).powi2())
-            .sum::<f32>()
-            .sqrt();
+        let half = (0..3).map(|i| (bounds.max[i] - centre[i]).powi2()).sum::<f32>().sqrt();
         match (self.value)(centre) {
             far if far > half * self.slope => Region::Rock,
             deep if deep < -half * self.slope => Region::Air,
@@ -40,11 +37,7 @@ impl<F: Fn([f32; 3]) -> f32 + Sync> Field for Analytic<F> {
                 (self.value)(low) - (self.value)(high)
             });
             let length = slope.map(|c| c * c).iter().sum::<f32>().sqrt();
-            *out = if length > 0.0 {
-                slope.map(|c| c / length)
-            } else {
-                [0.0, 0.0, 1.0]
-            };
+            *out = if length > 0.0 { slope.map(|c| c / length) } else { [0.0, 0.0, 1.0] };
         }
     }
 }
@@ -61,10 +54,7 @@ impl Square for f32 {
 
 /// A ball of air.
 pub fn sphere(centre: [f32; 3], radius_m: f32) -> impl Field {
-    Analytic {
-        value: move |p| distance(p, centre) - radius_m,
-        slope: 1.0,
-    }
+    Analytic { value: move |p| distance(p, centre) - radius_m, slope: 1.0 }
 }
 
 /// A round passage between two points.
@@ -91,56 +81,36 @@ pub fn passages(capsules: Vec<Capsule>, rough_m: f32, seed: u32) -> impl Field {
             .sum();
         let smooth = BLEND_M - sum.sqrt().sqrt();
         // Far away there is no roughness: a sample pays for it only near the wall.
-        let rough = (rough_m > 0.0 && smooth.abs() <= rough_m)
-            .then(|| value_noise(p.map(|c| c / WAVE_M), seed));
+        let rough = (rough_m > 0.0 && smooth.abs() <= rough_m).then(|| value_noise(p.map(|c| c / WAVE_M), seed));
         smooth + rough.unwrap_or(0.0) * rough_m
     };
-    Analytic {
-        value,
-        slope: 4.0 + 3.0 * rough_m,
-    }
+    Analytic { value, slope: 4.0 + 3.0 * rough_m }
 }
 
 /// Two rails along x and `rungs` across, 8 m apart: `rungs - 1` loops. With its bounds.
 pub fn ladder(rungs: usize, rough_m: f32, seed: u32) -> (impl Field, Bounds) {
     let length = 8.0 * (rungs - 1) as f32;
-    let passage = |a, b| Capsule {
-        ends: [a, b],
-        radius_m: 1.5,
-    };
-    let mut capsules = vec![
-        passage([0.0, 0.0, 0.0], [length, 0.0, 0.0]),
-        passage([0.0, 9.0, 1.0], [length, 9.0, 1.0]),
-    ];
+    let passage = |a, b| Capsule { ends: [a, b], radius_m: 1.5 };
+    let mut capsules = vec![passage([0.0, 0.0, 0.0], [length, 0.0, 0.0]), passage([0.0, 9.0, 1.0], [length, 9.0, 1.0])];
     for rung in 0..rungs {
         let x = 8.0 * rung as f32;
         capsules.push(passage([x, 0.0, 0.0], [x, 9.0, 1.0]));
     }
-    let bounds = Bounds {
-        min: [-4.0; 3],
-        max: [length + 4.0, 13.0, 5.0],
-    };
+    let bounds = Bounds { min: [-4.0; 3], max: [length + 4.0, 13.0, 5.0] };
     (passages(capsules, rough_m, seed), bounds)
 }
 
 /// Balls of air by radius and centre, far apart. With their bounds.
 pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Bounds) {
     let end = |axis: usize, side: f32| {
-        let ends = balls
-            .iter()
-            .map(|(radius, centre)| side * centre[axis] + radius);
+        let ends = balls.iter().map(|(radius, centre)| side * centre[axis] + radius);
         side * ends.fold(f32::MIN, f32::max)
     };
     let min = std::array::from_fn(|axis| end(axis, -1.0));
-    let bounds = Bounds {
-        min,
-        max: std::array::from_fn(|axis| end(axis, 1.0)),
-    };
+    let bounds = Bounds { min, max: std::array::from_fn(|axis| end(axis, 1.0)) };
     let balls = balls.to_vec();
     let value = move |p: [f32; 3]| {
-        let depths = balls
-            .iter()
-            .map(|&(radius, centre)| distance(p, centre) - radius);
+        let depths = balls.iter().map(|&(radius, centre)| distance(p, centre) - radius);
         depths.fold(f32::MAX, f32::min)
     };
     (Analytic { value, slope: 1.0 }, bounds)
@@ -180,23 +150,10 @@ pub fn white_noise(voxel_m: f32, cells: i32, seed: u32) -> (impl Field, Bounds) 
     let value = move |p: [f32; 3]| {
         let index = p.map(|c| (c / voxel_m).round() as i32);
         let inside = index.iter().all(|&i| (0..cells).contains(&i));
-        if inside {
-            hash(index, seed) * 2.0 - 1.0 + 1e-6
-        } else {
-            1.0
-        }
+        if inside { hash(index, seed) * 2.0 - 1.0 + 1e-6 } else { 1.0 }
     };
-    let bounds = Bounds {
-        min: [0.0; 3],
-        max: [cells as f32 * voxel_m; 3],
-    };
-    (
-        Analytic {
-            value,
-            slope: f32::INFINITY,
-        },
-        bounds,
-    )
+    let bounds = Bounds { min: [0.0; 3], max: [cells as f32 * voxel_m; 3] };
+    (Analytic { value, slope: f32::INFINITY }, bounds)
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
@@ -222,9 +179,7 @@ fn value_noise(p: [f32; 3], seed: u32) -> f32 {
     (0..8)
         .map(|corner: i32| {
             let at: [i32; 3] = std::array::from_fn(|i| corner >> i & 1);
-            let weight: f32 = (0..3)
-                .map(|i| if at[i] == 1 { t[i] } else { 1.0 - t[i] })
-                .product();
+            let weight: f32 = (0..3).map(|i| if at[i] == 1 { t[i] } else { 1.0 - t[i] }).product();
             weight * (hash(std::array::from_fn(|i| cell[i] + at[i]), seed) * 2.0 - 1.0)
         })
         .sum()

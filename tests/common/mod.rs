@@ -11,9 +11,7 @@ use plume::mesh::{ChunkMeshes, Grid, Mesh, MeshSettings, chunk};
 /// Every chunk of a cave, one after the other.
 pub fn chunks(field: &dyn Field, bounds: Bounds, settings: &MeshSettings) -> Vec<ChunkMeshes> {
     let grid = Grid::new(bounds, settings).expect("the bounds suit");
-    grid.indices()
-        .filter_map(|index| chunk(field, &grid, index, settings))
-        .collect()
+    grid.indices().filter_map(|index| chunk(field, &grid, index, settings)).collect()
 }
 
 /// The visual meshes of `chunks`.
@@ -45,12 +43,7 @@ pub fn assert_whole(mesh: &Mesh) {
     let vertices = mesh.positions.len();
     assert_eq!(mesh.border.len(), vertices);
     assert!(mesh.normals.is_empty() || mesh.normals.len() == vertices);
-    assert!(
-        mesh.triangles
-            .iter()
-            .flatten()
-            .all(|&corner| (corner as usize) < vertices)
-    );
+    assert!(mesh.triangles.iter().flatten().all(|&corner| (corner as usize) < vertices));
     for normal in &mesh.normals {
         let length = normal.map(|c| c * c).iter().sum::<f32>().sqrt();
         assert!((length - 1.0).abs() < 1e-5, "{normal:?}");

@@ -13,17 +13,14 @@ pub fn tube(along: usize, around: usize, closed: bool, point: impl Fn(f64, f64) 
         for j in 0..around {
             let s = i as f64 / (along - usize::from(!closed)) as f64;
             let p = point(s, j as f64 / around as f64);
-            mesh.positions
-                .push(p.map(|c| (c * f64::from(QUANTA_PER_M)).round() as i32));
+            mesh.positions.push(p.map(|c| (c * f64::from(QUANTA_PER_M)).round() as i32));
         }
     }
     let at = |i: usize, j: usize| ((i % along) * around + j % around) as u32;
     for i in 0..along - usize::from(!closed) {
         for j in 0..around {
-            mesh.triangles
-                .push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
-            mesh.triangles
-                .push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+            mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
         }
     }
     mesh.border = vec![false; mesh.positions.len()];
@@ -33,24 +30,16 @@ pub fn tube(along: usize, around: usize, closed: bool, point: impl Fn(f64, f64) 
 
 /// A passage of roughly 3 m radius with bumps of many sizes.
 pub fn rough_passage(along: usize, around: usize, length_m: f64, seed: u64) -> Mesh {
-    let phase =
-        |k: u64| (seed.wrapping_mul(2_654_435_761).wrapping_add(k * 40_503) % 6283) as f64 / 1000.0;
+    let phase = |k: u64| (seed.wrapping_mul(2_654_435_761).wrapping_add(k * 40_503) % 6283) as f64 / 1000.0;
     tube(along, around, false, |s, t| {
         let (x, angle) = (s * length_m, t * std::f64::consts::TAU);
         let bump = |wave: f64, lobes: f64, size: f64, k: u64| {
             size * libm::sin(x * wave + phase(k)) * libm::cos(lobes * angle + phase(k + 1))
         };
-        let radius = 3.0
-            + bump(0.7, 2.0, 0.6, 0)
-            + bump(1.9, 5.0, 0.3, 2)
-            + bump(4.3, 11.0, 0.12, 4)
-            + bump(9.1, 23.0, 0.05, 6);
+        let radius =
+            3.0 + bump(0.7, 2.0, 0.6, 0) + bump(1.9, 5.0, 0.3, 2) + bump(4.3, 11.0, 0.12, 4) + bump(9.1, 23.0, 0.05, 6);
         let bend = 4.0 * libm::sin(x * 0.15 + phase(8));
-        [
-            x,
-            bend + radius * libm::cos(angle),
-            radius * libm::sin(angle),
-        ]
+        [x, bend + radius * libm::cos(angle), radius * libm::sin(angle)]
     })
 }
 
@@ -59,11 +48,7 @@ pub fn spiral(turns: f64, along: usize, around: usize) -> Mesh {
     tube(along, around, false, |s, t| {
         let (turn, angle) = (s * turns * std::f64::consts::TAU, t * std::f64::consts::TAU);
         let reach = 5.0 - 1.5 * libm::cos(angle);
-        [
-            reach * libm::cos(turn),
-            reach * libm::sin(turn),
-            4.0 * s * turns + 1.5 * libm::sin(angle),
-        ]
+        [reach * libm::cos(turn), reach * libm::sin(turn), 4.0 * s * turns + 1.5 * libm::sin(angle)]
     })
 }
 
@@ -72,11 +57,7 @@ pub fn bubble(along: usize, around: usize, radius_m: f64) -> Mesh {
     tube(along, around, false, |s, t| {
         let (polar, angle) = (0.02 + s * 3.1, -t * std::f64::consts::TAU);
         let ring = radius_m * libm::sin(polar);
-        [
-            ring * libm::cos(angle),
-            ring * libm::sin(angle),
-            -radius_m * libm::cos(polar),
-        ]
+        [ring * libm::cos(angle), ring * libm::sin(angle), -radius_m * libm::cos(polar)]
     })
 }
 
@@ -89,9 +70,7 @@ fn averaged_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
             (0..3).for_each(|k| sums[v as usize][k] += normal[k]);
         }
     }
-    sums.into_iter()
-        .map(|n| unit(n).map(|c| c as f32))
-        .collect()
+    sums.into_iter().map(|n| unit(n).map(|c| c as f32)).collect()
 }
 
 pub fn sub(a: Vector, b: Vector) -> Vector {
@@ -99,11 +78,7 @@ pub fn sub(a: Vector, b: Vector) -> Vector {
 }
 
 pub fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 pub fn dot(a: Vector, b: Vector) -> f64 {
@@ -130,26 +105,14 @@ impl Gradient {
 }
 
 impl Surface for Gradient {
-    fn texels(
-        &self,
-        bounds: Bounds,
-        texel_m: f32,
-        points: &[[f32; 3]],
-        normals: &[[f32; 3]],
-        out: &mut [Texel],
-    ) {
+    fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         assert!(texel_m > 0.0);
         for ((point, &normal), texel) in points.iter().zip(normals).zip(out) {
             let inside = |k: usize| (bounds.min[k]..=bounds.max[k]).contains(&point[k]);
             assert!((0..3).all(inside));
             let color = Self::color_at(*point);
             let normal = self.leaning(normal);
-            *texel = Texel {
-                color,
-                normal,
-                roughness: color[0],
-                occlusion: color[1],
-            };
+            *texel = Texel { color, normal, roughness: color[0], occlusion: color[1] };
         }
     }
 }

@@ -32,14 +32,10 @@ impl Chamber {
                 ("orm", |_, _, y| [255, 128 + y as u8, 0]),
                 ("roughness", |_, _, y| [128 + y as u8; 3]),
             ] {
-                write_png(&folder.join(format!("{chunk}_{role}.png")), |x, y| {
-                    pixel(chunk, x, y)
-                })?;
+                write_png(&folder.join(format!("{chunk}_{role}.png")), |x, y| pixel(chunk, x, y))?;
             }
         }
-        Ok(Self {
-            textures: folder.to_owned(),
-        })
+        Ok(Self { textures: folder.to_owned() })
     }
 
     /// A scene around the chunks.
@@ -63,10 +59,7 @@ impl Chamber {
 
     fn image(&self, chunk: usize, role: &str) -> Image {
         let path = self.textures.join(format!("{chunk}_{role}.png"));
-        Image {
-            path,
-            format: ImageFormat::Png,
-        }
+        Image { path, format: ImageFormat::Png }
     }
 }
 
@@ -77,11 +70,8 @@ impl Chunks for Chamber {
 
     fn load(&self, index: usize) -> io::Result<Chunk> {
         let visual = mesh(index);
-        let collision = Mesh {
-            positions: visual.positions.clone(),
-            indices: visual.indices.clone(),
-            ..Mesh::default()
-        };
+        let collision =
+            Mesh { positions: visual.positions.clone(), indices: visual.indices.clone(), ..Mesh::default() };
         Ok(Chunk {
             name: format!("chunk_{index}_0_0"),
             visual,
@@ -98,11 +88,7 @@ impl Chunks for Chamber {
 
 fn lamp(x: f64) -> Light {
     Light {
-        name: if x < 0.0 {
-            "lamp_west".to_owned()
-        } else {
-            "lamp_east".to_owned()
-        },
+        name: if x < 0.0 { "lamp_west".to_owned() } else { "lamp_east".to_owned() },
         position: Point3::new(x, 0.0, 1.0),
         color: [1.0, 0.9, 0.75],
         intensity_cd: 8.0,
@@ -116,11 +102,7 @@ fn point([s, t]: [f64; 2]) -> Point3<f64> {
     let (along, around) = (s * std::f64::consts::PI, t * std::f64::consts::TAU);
     let bumps = libm::sin(9.0 * along) * libm::sin(7.0 * around) + libm::cos(4.0 * around);
     let radius = RADIUS_M * libm::sin(along) * (1.0 - 0.04 * bumps);
-    Point3::new(
-        -REACH_M * libm::cos(along),
-        radius * libm::cos(around),
-        radius * libm::sin(around),
-    )
+    Point3::new(-REACH_M * libm::cos(along), radius * libm::cos(around), radius * libm::sin(around))
 }
 
 /// Slopes along `s` and `t`, by central differences.
@@ -153,40 +135,22 @@ fn mesh(chunk: usize) -> Mesh {
 }
 
 fn add_vertex(mesh: &mut Mesh, ring: usize, spoke: usize) {
-    let at = [
-        ring as f64 / CELLS[0] as f64,
-        spoke as f64 / CELLS[1] as f64,
-    ];
+    let at = [ring as f64 / CELLS[0] as f64, spoke as f64 / CELLS[1] as f64];
     // The first and last spoke, and all of a pole, are one point: bit for bit, or the wall has a slit.
     let pole = ring.is_multiple_of(CELLS[0]);
-    let same = [
-        at[0],
-        if pole {
-            0.0
-        } else {
-            (spoke % CELLS[1]) as f64 / CELLS[1] as f64
-        },
-    ];
+    let same = [at[0], if pole { 0.0 } else { (spoke % CELLS[1]) as f64 / CELLS[1] as f64 }];
     let snap = |metres: f64| (libm::round(metres * 4096.0) / 4096.0) as f32;
-    mesh.positions
-        .push([point(same).x, point(same).y, point(same).z].map(snap));
+    mesh.positions.push([point(same).x, point(same).y, point(same).z].map(snap));
 
     let inside = [at[0].clamp(0.01, 0.99), at[1]];
     let [along, around] = slopes(inside);
     let normal = along.cross(&around).normalize();
     let tangent = (along - normal * normal.dot(&along)).normalize();
-    let handedness = if normal.cross(&tangent).dot(&around) > 0.0 {
-        1.0
-    } else {
-        -1.0
-    };
+    let handedness = if normal.cross(&tangent).dot(&around) > 0.0 { 1.0 } else { -1.0 };
     let [x, y, z]: [f64; 3] = tangent.into();
-    mesh.normals
-        .push(<[f64; 3]>::from(normal).map(|part| part as f32));
-    mesh.tangents
-        .push([x, y, z, handedness].map(|part| part as f32));
-    mesh.uvs
-        .push([4.0 * at[0], 6.0 * at[1]].map(|part| part as f32));
+    mesh.normals.push(<[f64; 3]>::from(normal).map(|part| part as f32));
+    mesh.tangents.push([x, y, z, handedness].map(|part| part as f32));
+    mesh.uvs.push([4.0 * at[0], 6.0 * at[1]].map(|part| part as f32));
 }
 
 fn has_area(mesh: &Mesh, corners: [u32; 3]) -> bool {
@@ -198,8 +162,7 @@ type Pixel = fn(usize, u32, u32) -> [u8; 3];
 
 fn base_color(chunk: usize, x: u32, y: u32) -> [u8; 3] {
     let dark = (x / 16 + y / 16).is_multiple_of(2);
-    [[150, 110, 80], [100, 110, 130]][chunk]
-        .map(|channel: u8| if dark { channel / 2 } else { channel })
+    [[150, 110, 80], [100, 110, 130]][chunk].map(|channel: u8| if dark { channel / 2 } else { channel })
 }
 
 /// Rows of domes that stand out of the wall: lit from above, their upper edge in the image is bright.
@@ -214,9 +177,7 @@ fn normal_map(_: usize, x: u32, y: u32) -> [u8; 3] {
 fn write_png(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 3]) -> io::Result<()> {
     let mut encoder = png::Encoder::new(File::create(path)?, SIZE_PX, SIZE_PX);
     encoder.set_color(png::ColorType::Rgb);
-    let pixels: Vec<u8> = (0..SIZE_PX * SIZE_PX)
-        .flat_map(|i| pixel(i % SIZE_PX, i / SIZE_PX))
-        .collect();
+    let pixels: Vec<u8> = (0..SIZE_PX * SIZE_PX).flat_map(|i| pixel(i % SIZE_PX, i / SIZE_PX)).collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&pixels)?;
     Ok(writer.finish()?)

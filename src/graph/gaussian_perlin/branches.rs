@@ -26,25 +26,13 @@ impl Cave<'_> {
             (false, true) => Kind::Trunk,
             (false, false) => Kind::Spur,
         };
-        let spread = if length > STRAIGHT_FROM * mean {
-            Spread::Trunk
-        } else {
-            Spread::Spur
-        };
+        let spread = if length > STRAIGHT_FROM * mean { Spread::Trunk } else { Spread::Spur };
         let (mut tip, mut bearing, mut heading) = (bud.station, bud.bearing, bud.bearing);
         let mut grown = 0.0;
         while grown < length && self.room() > 0 {
             let radius = self.draw_reach(mean, Some(self.stations[tip].radius));
             let level = self.stations[tip].level;
-            let step = Step {
-                heading,
-                spread,
-                radius,
-                kind,
-                level,
-                floor: Floor::Surface,
-                goal: Goal::Open,
-            };
+            let step = Step { heading, spread, radius, kind, level, floor: Floor::Surface, goal: Goal::Open };
             let Some(next) = self.step(tip, &step) else {
                 break;
             };
@@ -67,23 +55,13 @@ impl Cave<'_> {
     }
 
     fn draw_length(&mut self, trunk: bool) -> (f64, bool) {
-        if trunk {
-            self.lengths.trunk(&mut self.dice)
-        } else {
-            (self.lengths.spur(&mut self.dice), false)
-        }
+        if trunk { self.lengths.trunk(&mut self.dice) } else { (self.lengths.spur(&mut self.dice), false) }
     }
 
     /// The mean radius in a branch of this length: long spurs walk like trunks.
     fn reach_in(&self, length: f64, trunk: bool) -> f64 {
-        let usual = if trunk {
-            self.lot.trunk_reach
-        } else {
-            self.lot.spur_reach
-        };
-        usual
-            .max(length / NODES_IN_BRANCH)
-            .min(self.lot.trunk_reach)
+        let usual = if trunk { self.lot.trunk_reach } else { self.lot.spur_reach };
+        usual.max(length / NODES_IN_BRANCH).min(self.lot.trunk_reach)
     }
 
     /// The bearing, turned to slide along the bounds where it would run into them.

@@ -8,8 +8,8 @@ use super::grid::Grid;
 use super::lengths::Lengths;
 use super::perlin::Perlin;
 use super::tuning::{
-    EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK,
-    SPREAD, SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
+    EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK, SPREAD,
+    SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
 };
 use crate::graph::dice::Dice;
 use crate::graph::{Graph, Node, millimetres};
@@ -90,11 +90,7 @@ impl Lot {
         let stations = f64::from(settings.nodes) / f64::from(settings.layers);
         let auto = 0.5 * SPREAD * trunk_reach * stations.sqrt() + SPREAD_RIM_M;
         let half = |side_m: f64| {
-            if side_m > 0.0 {
-                0.5 * side_m / settings.scale
-            } else {
-                auto
-            }
+            if side_m > 0.0 { 0.5 * side_m / settings.scale } else { auto }
         };
         Self {
             trunk_reach,
@@ -133,8 +129,7 @@ impl<'a> Cave<'a> {
             compass: Compass::new(settings, &mut dice),
             relief: Perlin::new(&mut dice),
             lengths: Lengths::new(settings.nodes, lot.mean_length),
-            mean_degree: 2.0
-                + settings.loop_closure * dice.between(EXCESS_DEGREE[0], EXCESS_DEGREE[1]),
+            mean_degree: 2.0 + settings.loop_closure * dice.between(EXCESS_DEGREE[0], EXCESS_DEGREE[1]),
             settings,
             lot,
             dice,
@@ -178,12 +173,8 @@ impl<'a> Cave<'a> {
     /// A radius about `mean`, not far from the one before.
     pub(super) fn draw_reach(&mut self, mean: f64, before: Option<f64>) -> f64 {
         let drawn = mean * libm::exp(REACH_JITTER * self.dice.gauss());
-        let smooth = before.map_or(drawn, |radius| {
-            drawn.max(radius / REACH_SHRINK).min(radius * REACH_GROWTH)
-        });
-        smooth
-            .max(self.settings.reach_min_m)
-            .min(self.settings.reach_max_m)
+        let smooth = before.map_or(drawn, |radius| drawn.max(radius / REACH_SHRINK).min(radius * REACH_GROWTH));
+        smooth.max(self.settings.reach_min_m).min(self.settings.reach_max_m)
     }
 
     pub(super) fn add_station(&mut self, station: Station) -> usize {
@@ -206,8 +197,7 @@ impl<'a> Cave<'a> {
                 self.remove_passage(last, other);
             }
             self.uncount(last);
-            self.grid
-                .remove_station(last, &self.stations[last].position);
+            self.grid.remove_station(last, &self.stations[last].position);
             self.stations.pop();
         }
     }

@@ -10,8 +10,7 @@ use super::Distribution;
 use super::GaussianPerlin;
 use super::perlin::Perlin;
 use super::tuning::{
-    DEGREE, FRACTURE, FRACTURE_KAPPA, LINK_SIGMA, PERLIN_FLOOR, PERLIN_SCALE_M, RULED_OUT,
-    SPUR_SIGMA,
+    DEGREE, FRACTURE, FRACTURE_KAPPA, LINK_SIGMA, PERLIN_FLOOR, PERLIN_SCALE_M, RULED_OUT, SPUR_SIGMA,
 };
 use crate::graph::dice::Dice;
 
@@ -53,9 +52,7 @@ impl Compass {
                 Distribution::Hybrid => settings.perlin_weight,
                 Distribution::Perlin => 1.0,
             },
-            directions: (0..SECTIONS)
-                .map(|s| [libm::cos(middle(s)), libm::sin(middle(s))])
-                .collect(),
+            directions: (0..SECTIONS).map(|s| [libm::cos(middle(s)), libm::sin(middle(s))]).collect(),
             gaussians: [sigma, sigma * SPUR_SIGMA, LINK_SIGMA].map(gaussian),
             fracture,
             fracture_root: fracture.map(f64::sqrt),
@@ -63,13 +60,7 @@ impl Compass {
     }
 
     /// The circle of the node at `center` with this `radius`.
-    pub(super) fn circle(
-        &self,
-        center: [f64; 2],
-        radius: f64,
-        heading: f64,
-        spread: Spread,
-    ) -> Circle {
+    pub(super) fn circle(&self, center: [f64; 2], radius: f64, heading: f64, spread: Spread) -> Circle {
         let gaussian = &self.gaussians[spread as usize];
         let fracture = match spread {
             Spread::Link => &self.fracture_root,
@@ -80,8 +71,7 @@ impl Compass {
         Circle {
             weights: std::array::from_fn(|s| {
                 let offset = (s + SECTIONS - ahead) % SECTIONS;
-                let weight =
-                    (1.0 - self.perlin_weight) * gaussian[offset] + self.perlin_weight * perlin[s];
+                let weight = (1.0 - self.perlin_weight) * gaussian[offset] + self.perlin_weight * perlin[s];
                 (weight * fracture[s] * UNIT_WEIGHT) as u64
             }),
         }
@@ -94,10 +84,7 @@ impl Compass {
         }
         let points: Table = std::array::from_fn(|s| {
             let [cos, sin] = self.directions[s];
-            let value = self.noise.at(
-                (x + radius * cos) / PERLIN_SCALE_M,
-                (y + radius * sin) / PERLIN_SCALE_M,
-            );
+            let value = self.noise.at((x + radius * cos) / PERLIN_SCALE_M, (y + radius * sin) / PERLIN_SCALE_M);
             value.max(PERLIN_FLOOR)
         });
         normalized(points)
@@ -189,10 +176,7 @@ mod tests {
 
     fn compass(distribution: Distribution) -> (Compass, Dice) {
         let mut dice = Dice::new(crate::seed::stream(1, "test", 0));
-        let settings = GaussianPerlin {
-            distribution,
-            ..Default::default()
-        };
+        let settings = GaussianPerlin { distribution, ..Default::default() };
         (Compass::new(&settings, &mut dice), dice)
     }
 

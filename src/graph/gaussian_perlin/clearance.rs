@@ -22,13 +22,7 @@ pub(super) enum Goal {
 
 impl Cave<'_> {
     /// Whether a passage from a station to `tip`, half as wide as `half_width`, is free of all others.
-    pub(super) fn is_clear(
-        &self,
-        from: usize,
-        tip: &Point3<f64>,
-        half_width: f64,
-        goal: Goal,
-    ) -> bool {
+    pub(super) fn is_clear(&self, from: usize, tip: &Point3<f64>, half_width: f64, goal: Goal) -> bool {
         let base = self.position(from);
         let width = self.stations[from].half_width().max(half_width);
         let margin = MARGIN_M + ROUNDING_M;
@@ -86,9 +80,7 @@ impl Cave<'_> {
     }
 
     fn half_width(&self, [u, v]: [usize; 2]) -> f64 {
-        self.stations[u]
-            .half_width()
-            .max(self.stations[v].half_width())
+        self.stations[u].half_width().max(self.stations[v].half_width())
     }
 
     /// How far off passages can matter to one of this half width.
@@ -106,18 +98,10 @@ pub(super) fn segment_distance(first: [&Point3<f64>; 2], second: [&Point3<f64>; 
     let (a, e) = (along.norm_squared(), other.norm_squared());
     let (b, c, f) = (along.dot(&other), along.dot(&between), other.dot(&between));
     let on_first = |s: f64| {
-        if a > SHORT {
-            (s / a).clamp(0.0, 1.0)
-        } else {
-            0.0
-        }
+        if a > SHORT { (s / a).clamp(0.0, 1.0) } else { 0.0 }
     };
     let slant = a * e - b * b;
-    let mut s = if slant > SHORT {
-        ((b * f - c * e) / slant).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let mut s = if slant > SHORT { ((b * f - c * e) / slant).clamp(0.0, 1.0) } else { 0.0 };
     let mut t = if e > SHORT { (b * s + f) / e } else { 0.0 };
     if t < 0.0 {
         (s, t) = (on_first(-c), 0.0);

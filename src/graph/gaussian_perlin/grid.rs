@@ -47,21 +47,13 @@ impl Grid {
     }
 
     /// Stations that may lie within `reach` of `at` in the plan.
-    pub(super) fn stations_near(
-        &self,
-        at: &Point3<f64>,
-        reach: f64,
-    ) -> impl Iterator<Item = usize> {
+    pub(super) fn stations_near(&self, at: &Point3<f64>, reach: f64) -> impl Iterator<Item = usize> {
         let cells = keys([at, at], reach).filter_map(|key| self.cells.get(&key));
         cells.flat_map(|cell| cell.stations.iter().copied())
     }
 
     /// Passages that may lie within `reach` of the passage between `ends` in the plan; some come twice.
-    pub(super) fn passages_near(
-        &self,
-        ends: [&Point3<f64>; 2],
-        reach: f64,
-    ) -> impl Iterator<Item = [usize; 2]> {
+    pub(super) fn passages_near(&self, ends: [&Point3<f64>; 2], reach: f64) -> impl Iterator<Item = [usize; 2]> {
         let cells = keys(ends, reach).filter_map(|key| self.cells.get(&key));
         cells.flat_map(|cell| cell.passages.iter().copied())
     }

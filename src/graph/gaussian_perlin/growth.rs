@@ -9,8 +9,8 @@ use super::branches::Bud;
 use super::cave::{Cave, Kind, Station};
 use super::hops::Hops;
 use super::tuning::{
-    DEGREE, EXTRA_CHILD, MAX_DEGREE, PATIENCE, SIDE_TRUNK, SPUR_SPLITS, THIRD_AT_ORIGIN,
-    TRUNK_DIES, TRUNK_FIRST, WAKE_TRUNK,
+    DEGREE, EXTRA_CHILD, MAX_DEGREE, PATIENCE, SIDE_TRUNK, SPUR_SPLITS, THIRD_AT_ORIGIN, TRUNK_DIES, TRUNK_FIRST,
+    WAKE_TRUNK,
 };
 use crate::graph::Graph;
 use crate::graph::dice::Dice;
@@ -78,10 +78,7 @@ impl<'a> Growth<'a> {
         let radius = cave.draw_reach(cave.lot.trunk_reach, None);
         let heading = cave.dice.between(0.0, 2.0 * PI);
         let position = Point3::new(0.0, 0.0, cave.surface(0.0, 0.0, 0));
-        let origin = cave.add_station(Station {
-            heading,
-            ..Station::new(position, radius, Kind::Trunk, 0)
-        });
+        let origin = cave.add_station(Station { heading, ..Station::new(position, radius, Kind::Trunk, 0) });
         let opposite = heading + cave.dice.between(130.0, 230.0) * DEGREE;
         let third = cave.dice.chance(THIRD_AT_ORIGIN);
         let aside = cave.dice.sign() * cave.dice.between(60.0, 120.0) * DEGREE;
@@ -94,16 +91,8 @@ impl<'a> Growth<'a> {
     }
 
     fn bud(&mut self, station: usize, bearing: f64, trunk: bool) {
-        let buds = if trunk {
-            &mut self.trunks
-        } else {
-            &mut self.spurs
-        };
-        buds.push(Bud {
-            station,
-            bearing,
-            trunk,
-        });
+        let buds = if trunk { &mut self.trunks } else { &mut self.spurs };
+        buds.push(Bud { station, bearing, trunk });
     }
 
     /// Goes down to the next layer when it is due.
@@ -153,17 +142,9 @@ impl<'a> Growth<'a> {
         if trunks + spurs == 0 {
             return self.above.swap_remove(dice.index(self.above.len()));
         }
-        let choices = if trunk_first && trunks > 0 {
-            trunks
-        } else {
-            trunks + spurs
-        };
+        let choices = if trunk_first && trunks > 0 { trunks } else { trunks + spurs };
         let drawn = dice.index(choices);
-        if drawn < trunks {
-            self.trunks.swap_remove(drawn)
-        } else {
-            self.spurs.swap_remove(drawn - trunks)
-        }
+        if drawn < trunks { self.trunks.swap_remove(drawn) } else { self.spurs.swap_remove(drawn - trunks) }
     }
 
     /// A new branch from a node inside a passage, when no branch is alive.

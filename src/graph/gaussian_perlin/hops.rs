@@ -16,8 +16,7 @@ impl Hops {
     /// Counts from a station outwards.
     pub(super) fn count(&mut self, from: usize, stations: &[Station]) {
         self.round += 1;
-        self.reached
-            .resize(stations.len().max(self.reached.len()), (0, 0));
+        self.reached.resize(stations.len().max(self.reached.len()), (0, 0));
         self.reached[from] = (self.round, 0);
         self.queue.clear();
         self.queue.push(from);

@@ -15,8 +15,7 @@ impl Cave<'_> {
         let (u, v) = (x / RELIEF_SCALE_M, y / RELIEF_SCALE_M);
         let broad = self.relief.at(u + 7.3 * f64::from(level), v);
         let fine = 0.35 * self.relief.at(2.7 * u + 31.7, 2.7 * v);
-        RELIEF_GAIN * self.settings.relief_m * (broad + fine)
-            - self.settings.layer_spacing_m * f64::from(level)
+        RELIEF_GAIN * self.settings.relief_m * (broad + fine) - self.settings.layer_spacing_m * f64::from(level)
     }
 
     /// Whether the deepest layer has its share of nodes and another one is asked for.
@@ -32,9 +31,7 @@ impl Cave<'_> {
         (0..RAMP_HEADS).find_map(|_| {
             let head = start + self.dice.index(self.stations.len() - start);
             let station = &self.stations[head];
-            let fits = station.level == self.deepest
-                && station.degree() <= 2
-                && station.kind != Kind::Ramp;
+            let fits = station.level == self.deepest && station.degree() <= 2 && station.kind != Kind::Ramp;
             fits.then(|| self.grow_ramp(head)).flatten()
         })
     }

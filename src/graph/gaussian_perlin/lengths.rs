@@ -15,12 +15,7 @@ pub(super) struct Lengths {
 impl Lengths {
     pub(super) fn new(nodes: u32, mean_m: f64) -> Self {
         let branches = (f64::from(nodes) / NODES_PER_BRANCH).round();
-        Self {
-            block: branches.clamp(6.0, 40.0) as usize,
-            mean_m,
-            planned: Vec::new(),
-            fresh: true,
-        }
+        Self { block: branches.clamp(6.0, 40.0) as usize, mean_m, planned: Vec::new(), fresh: true }
     }
 
     /// The length of a trunk in metres, and whether it is the main branch of its block.
@@ -47,9 +42,8 @@ impl Lengths {
             return;
         }
         let block = self.block as f64;
-        self.planned = (0..self.block)
-            .map(|i| libm::exp(LENGTH_SIGMA * probit((i as f64 + dice.unit()) / block)))
-            .collect();
+        self.planned =
+            (0..self.block).map(|i| libm::exp(LENGTH_SIGMA * probit((i as f64 + dice.unit()) / block))).collect();
         let scale = self.mean_m * block / self.planned.iter().sum::<f64>();
         self.planned.iter_mut().for_each(|length| *length *= scale);
         self.fresh = true;

@@ -9,8 +9,8 @@ use super::clearance::Goal;
 use super::hops::Hops;
 use super::step::{Floor, Step};
 use super::tuning::{
-    BEND_DECAY, DEAREST, DEGREE, JOIN_TRIES, KEEP_MAIN, LAST_LEG, LAYER_DISCOUNT, LINK_STEPS,
-    LOOP_BIAS, LOOP_HOPS, LOOP_SLACK, MID_TRIES, TIP_COST_M,
+    BEND_DECAY, DEAREST, DEGREE, JOIN_TRIES, KEEP_MAIN, LAST_LEG, LAYER_DISCOUNT, LINK_STEPS, LOOP_BIAS, LOOP_HOPS,
+    LOOP_SLACK, MID_TRIES, TIP_COST_M,
 };
 use crate::graph::millimetres;
 
@@ -37,10 +37,7 @@ impl Cave<'_> {
             self.find_goals(from, hops, &mut candidates);
         }
         candidates.sort_unstable();
-        candidates
-            .iter()
-            .take(JOIN_TRIES)
-            .any(|candidate| self.connect(candidate.from, candidate.to))
+        candidates.iter().take(JOIN_TRIES).any(|candidate| self.connect(candidate.from, candidate.to))
     }
 
     /// Where a connector may start.
@@ -48,9 +45,7 @@ impl Cave<'_> {
         let mut sources = if self.tips.len() <= JOIN_TRIES {
             self.tips.clone()
         } else {
-            (0..JOIN_TRIES)
-                .map(|_| self.tips[self.dice.index(self.tips.len())])
-                .collect()
+            (0..JOIN_TRIES).map(|_| self.tips[self.dice.index(self.tips.len())]).collect()
         };
         let mut mids = 0;
         for _ in 0..4 * MID_TRIES {
@@ -68,10 +63,7 @@ impl Cave<'_> {
     }
 
     fn find_goals(&mut self, from: usize, hops: &Hops, found: &mut Vec<Candidate>) {
-        let near: Vec<usize> = self
-            .grid
-            .stations_near(self.position(from), self.lot.join_distance)
-            .collect();
+        let near: Vec<usize> = self.grid.stations_near(self.position(from), self.lot.join_distance).collect();
         for to in near {
             let way_round = hops.to(to);
             if way_round < LOOP_HOPS || !self.is_joinable(from, to) {
@@ -81,11 +73,7 @@ impl Cave<'_> {
                 continue;
             }
             let cost = self.cost_m(from, to) / libm::pow(f64::from(way_round), LOOP_BIAS);
-            found.push(Candidate {
-                cost_um: (cost * 1e6) as u64,
-                from,
-                to,
-            });
+            found.push(Candidate { cost_um: (cost * 1e6) as u64, from, to });
         }
     }
 
@@ -93,11 +81,7 @@ impl Cave<'_> {
     fn cost_m(&mut self, from: usize, to: usize) -> f64 {
         let drawn = self.distance(from, to) * self.dice.between(1.0, DEAREST);
         let (a, b) = (&self.stations[from], &self.stations[to]);
-        let layers = if a.level == b.level {
-            1.0
-        } else {
-            LAYER_DISCOUNT
-        };
+        let layers = if a.level == b.level { 1.0 } else { LAYER_DISCOUNT };
         let tip = if b.degree() == 1 { TIP_COST_M } else { 0.0 };
         layers * drawn + tip
     }
@@ -158,11 +142,7 @@ impl Cave<'_> {
                 radius: self.draw_reach(self.lot.spur_reach, Some(self.stations[tip].radius)),
                 kind: if crosses { Kind::Ramp } else { Kind::Link },
                 level: self.stations[tip].level,
-                floor: if crosses {
-                    Floor::Straight(to)
-                } else {
-                    Floor::Surface
-                },
+                floor: if crosses { Floor::Straight(to) } else { Floor::Surface },
                 goal: Goal::Towards(to),
             };
             let Some(next) = self.step(tip, &step) else {

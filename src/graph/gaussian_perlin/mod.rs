@@ -196,19 +196,13 @@ impl GaussianPerlin {
     fn check(&self) -> Result<(), GenerateError> {
         if self.reach_min_m > self.reach_max_m {
             return Err(GenerateError {
-                message: format!(
-                    "`reach_min_m` is {} but `reach_max_m` is {}",
-                    self.reach_min_m, self.reach_max_m
-                ),
+                message: format!("`reach_min_m` is {} but `reach_max_m` is {}", self.reach_min_m, self.reach_max_m),
                 hint: "the least radius may not exceed the greatest".to_owned(),
             });
         }
         if self.children_min > self.children_max {
             return Err(GenerateError {
-                message: format!(
-                    "`children_min` is {} but `children_max` is {}",
-                    self.children_min, self.children_max
-                ),
+                message: format!("`children_min` is {} but `children_max` is {}", self.children_min, self.children_max),
                 hint: "the least number of children may not exceed the greatest".to_owned(),
             });
         }
@@ -216,20 +210,12 @@ impl GaussianPerlin {
     }
 
     fn too_tight(&self, placed: usize) -> GenerateError {
-        let layers = if self.layers > 1 {
-            format!(" in {} layers", self.layers)
-        } else {
-            String::new()
-        };
+        let layers = if self.layers > 1 { format!(" in {} layers", self.layers) } else { String::new() };
         GenerateError {
             message: format!("no room for {} nodes{layers}", self.nodes),
             hint: format!(
                 "{placed} nodes were placed; widen the bounds, shorten `reach_max_m`, or ask for fewer {}",
-                if self.layers > 1 {
-                    "nodes or layers"
-                } else {
-                    "nodes"
-                }
+                if self.layers > 1 { "nodes or layers" } else { "nodes" }
             ),
         }
     }
@@ -243,10 +229,7 @@ mod tests {
     #[test]
     fn enough_caves_pass_the_gate_on_the_first_try() {
         for (nodes, percent) in [(50, 15), (250, 70)] {
-            let settings = GaussianPerlin {
-                nodes,
-                ..Default::default()
-            };
+            let settings = GaussianPerlin { nodes, ..Default::default() };
             let passed = (0..100)
                 .filter_map(|seed| settings.attempt(seed, 0).ok())
                 .filter_map(|graph| Metrics::of(&graph))

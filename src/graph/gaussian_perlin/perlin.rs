@@ -28,16 +28,8 @@ impl Perlin {
         let (fx, fy) = (x - cx, y - cy);
         let (ix, iy) = (cx as i64, cy as i64);
         let (u, v) = (fade(fx), fade(fy));
-        let near = lerp(
-            u,
-            self.corner(ix, iy, fx, fy),
-            self.corner(ix + 1, iy, fx - 1.0, fy),
-        );
-        let far = lerp(
-            u,
-            self.corner(ix, iy + 1, fx, fy - 1.0),
-            self.corner(ix + 1, iy + 1, fx - 1.0, fy - 1.0),
-        );
+        let near = lerp(u, self.corner(ix, iy, fx, fy), self.corner(ix + 1, iy, fx - 1.0, fy));
+        let far = lerp(u, self.corner(ix, iy + 1, fx, fy - 1.0), self.corner(ix + 1, iy + 1, fx - 1.0, fy - 1.0));
         lerp(v, near, far)
     }
 

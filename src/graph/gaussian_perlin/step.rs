@@ -55,16 +55,10 @@ impl Cave<'_> {
     fn circle(&self, from: usize, step: &Step) -> Circle {
         let station = &self.stations[from];
         let center = [station.position.x, station.position.y];
-        let mut circle = self
-            .compass
-            .circle(center, station.radius, step.heading, step.spread);
+        let mut circle = self.compass.circle(center, station.radius, step.heading, step.spread);
         let behind = 0.5 * self.settings.forbidden_deg * DEGREE;
         for &other in &station.neighbors {
-            let arc = if station.parent == Some(other) {
-                behind
-            } else {
-                MIN_JUNCTION
-            };
+            let arc = if station.parent == Some(other) { behind } else { MIN_JUNCTION };
             circle.forbid(self.azimuth(from, other), arc);
         }
         circle

@@ -87,12 +87,8 @@ impl ReadError {
             Self::DuplicateId { .. } => "give every node an id of its own",
             Self::TooFew { .. } => "a cave takes two nodes and a passage between them",
             Self::TooMany { .. } => "split the graph into several caves",
-            Self::ParentCircle { .. } => {
-                "`parent` is the node it grew from, and null at the origin"
-            }
-            Self::Disconnected { .. } => {
-                "add the edges that are missing, or drop all parts but one"
-            }
+            Self::ParentCircle { .. } => "`parent` is the node it grew from, and null at the origin",
+            Self::Disconnected { .. } => "add the edges that are missing, or drop all parts but one",
         }
     }
 }
@@ -105,9 +101,7 @@ fn node_hint(key: &str) -> &'static str {
         key if key.starts_with("coordinates") => {
             "coordinates are `x`, `y` and `z` in metres, at most 1000 km from the origin"
         }
-        key if key.starts_with("section") => {
-            "a section has a `width_m` and a `height_m`, in metres"
-        }
+        key if key.starts_with("section") => "a section has a `width_m` and a `height_m`, in metres",
         _ => "leave the key out to have its default",
     }
 }

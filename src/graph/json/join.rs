@@ -35,10 +35,7 @@ pub(super) fn join(stations: &[Station]) -> Result<Graph, ReadError> {
     check_connected(&graph)?;
     let roots = parents.iter().filter(|parent| parent.is_none()).count();
     if merged || roots != 1 {
-        parents = tree(
-            &graph,
-            parents.iter().position(Option::is_none).unwrap_or(0),
-        );
+        parents = tree(&graph, parents.iter().position(Option::is_none).unwrap_or(0));
     }
     for (node, parent) in graph.nodes.iter_mut().zip(parents) {
         node.parent = parent;
@@ -65,10 +62,7 @@ struct Places {
 
 impl Places {
     fn of(stations: &[Station]) -> Result<Self, ReadError> {
-        let mut places = Self {
-            of_id: FxHashMap::default(),
-            nodes: Vec::new(),
-        };
+        let mut places = Self { of_id: FxHashMap::default(), nodes: Vec::new() };
         let mut of_position = FxHashMap::default();
         for (index, station) in stations.iter().enumerate() {
             let position = station.position.coords.map(f64::to_bits);
@@ -112,9 +106,8 @@ fn nodes(stations: &[Station], places: &Places) -> Vec<Node> {
 
 /// Refuses parents that lead round in a circle.
 fn check_parents(stations: &[Station]) -> Result<(), ReadError> {
-    let index_of: FxHashMap<u64, usize> = (stations.iter().enumerate())
-        .map(|(index, station)| (station.id, index))
-        .collect();
+    let index_of: FxHashMap<u64, usize> =
+        (stations.iter().enumerate()).map(|(index, station)| (station.id, index)).collect();
     let mut walk_of = vec![usize::MAX; stations.len()];
     for start in 0..stations.len() {
         let mut at = start;
@@ -127,9 +120,7 @@ fn check_parents(stations: &[Station]) -> Result<(), ReadError> {
         }
         let ended = stations[at].parent.is_none();
         if walk_of[at] == start && !ended {
-            return Err(ReadError::ParentCircle {
-                id: stations[at].id,
-            });
+            return Err(ReadError::ParentCircle { id: stations[at].id });
         }
     }
     Ok(())
@@ -141,16 +132,11 @@ fn check_connected(graph: &Graph) -> Result<(), ReadError> {
         return Ok(());
     }
     let ids = parts.iter().take(NAMED);
-    let mut members: Vec<String> = ids
-        .map(|part| graph.nodes[part[0]].id.to_string())
-        .collect();
+    let mut members: Vec<String> = ids.map(|part| graph.nodes[part[0]].id.to_string()).collect();
     if parts.len() > NAMED {
         members.push("…".to_owned());
     }
-    Err(ReadError::Disconnected {
-        parts: parts.len(),
-        members: members.join(", "),
-    })
+    Err(ReadError::Disconnected { parts: parts.len(), members: members.join(", ") })
 }
 
 /// Parents by breadth from a root, where those of the file name no single origin.
@@ -178,10 +164,7 @@ fn fill_radii(graph: &mut Graph) {
         if graph.nodes[node].radius > 0.0 {
             continue;
         }
-        let nearest = others
-            .iter()
-            .map(|&other| graph.distance_m(node, other))
-            .fold(f64::INFINITY, f64::min);
+        let nearest = others.iter().map(|&other| graph.distance_m(node, other)).fold(f64::INFINITY, f64::min);
         graph.nodes[node].radius = millimetres(nearest).max(0.001);
     }
 }

@@ -41,9 +41,5 @@ pub struct Document {
 /// When it is no JSON, no graph, or a graph of which no cave can be made; each error has a hint.
 pub fn read(text: &str) -> Result<Document, ReadError> {
     let file = parse::parse(text)?;
-    Ok(Document {
-        graph: join::join(&file.stations)?,
-        recipe: file.recipe,
-        original: file.version.is_none(),
-    })
+    Ok(Document { graph: join::join(&file.stations)?, recipe: file.recipe, original: file.version.is_none() })
 }

@@ -37,14 +37,8 @@ pub(super) struct File {
 /// Reads the text of a file.
 pub(super) fn parse(text: &str) -> Result<File, ReadError> {
     let keys: Keys = serde_json::from_str(text).map_err(|error| explained(&error, text))?;
-    let stations = keys.nodes.ok_or_else(|| ReadError::Shape {
-        what: "there is no key `nodes`".to_owned(),
-    })?;
-    Ok(File {
-        version: keys.version,
-        recipe: keys.recipe,
-        stations: stations?,
-    })
+    let stations = keys.nodes.ok_or_else(|| ReadError::Shape { what: "there is no key `nodes`".to_owned() })?;
+    Ok(File { version: keys.version, recipe: keys.recipe, stations: stations? })
 }
 
 /// The parser's error, told better where a foreign program is known to be its cause.
@@ -67,16 +61,8 @@ fn explained(error: &serde_json::Error, text: &str) -> ReadError {
         _ => None,
     };
     match literal {
-        Some(literal) => ReadError::NotANumber {
-            line,
-            column,
-            literal,
-        },
-        None => ReadError::Syntax {
-            line,
-            column,
-            message,
-        },
+        Some(literal) => ReadError::NotANumber { line, column, literal },
+        None => ReadError::Syntax { line, column, message },
     }
 }
 
@@ -181,11 +167,7 @@ impl<'de> Visitor<'de> for Nodes {
 
 /// Reads one node; `place` is its key where nodes are `keyed` by id.
 fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> {
-    let label = if keyed {
-        format!("node {place}")
-    } else {
-        place.to_owned()
-    };
+    let label = if keyed { format!("node {place}") } else { place.to_owned() };
     let Value::Object(fields) = node else {
         let what = format!("{label} must be an object, found {}", kind(&node));
         return Err(ReadError::Shape { what });
@@ -195,15 +177,10 @@ fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> 
         (id, _) => id.and_then(Value::as_u64),
     };
     let Some(id) = id else {
-        let fault = fields.get("id").map_or_else(
-            || "is missing".to_owned(),
-            |id| format!("must be a whole number, found {id}"),
-        );
-        return Err(ReadError::Node {
-            node: label,
-            key: "id",
-            fault,
-        });
+        let fault = fields
+            .get("id")
+            .map_or_else(|| "is missing".to_owned(), |id| format!("must be a whole number, found {id}"));
+        return Err(ReadError::Node { node: label, key: "id", fault });
     };
     let fields = Fields { id, fields };
     if keyed && place.parse() != Ok(id) {
@@ -241,9 +218,7 @@ impl Fields {
             return Ok(None);
         };
         match value.as_u64() {
-            Some(parent) if parent == self.id => {
-                Err(self.fault("parent", "is the node itself".to_owned()))
-            }
+            Some(parent) if parent == self.id => Err(self.fault("parent", "is the node itself".to_owned())),
             Some(parent) => Ok(Some(parent)),
             None => Err(self.unexpected("parent", "an id or null", value)),
         }
@@ -259,9 +234,7 @@ impl Fields {
         edges
             .iter()
             .map(|edge| match edge.as_u64() {
-                Some(id) if id == self.id => {
-                    Err(self.fault("edges", "lead to the node itself".to_owned()))
-                }
+                Some(id) if id == self.id => Err(self.fault("edges", "lead to the node itself".to_owned())),
                 Some(id) => Ok(id),
                 None => Err(self.unexpected("edges", "ids", edge)),
             })
@@ -297,17 +270,13 @@ impl Fields {
     }
 
     fn radius(&self) -> Result<Option<f64>, ReadError> {
-        self.get("radius")
-            .map(|value| self.length("radius", value))
-            .transpose()
+        self.get("radius").map(|value| self.length("radius", value)).transpose()
     }
 
     /// A length of at least 1 mm.
     fn length(&self, key: &'static str, value: &Value) -> Result<f64, ReadError> {
         match value.as_f64() {
-            Some(number) if number > MAX_LENGTH_M => {
-                Err(self.fault(key, format!("is too large: {value}")))
-            }
+            Some(number) if number > MAX_LENGTH_M => Err(self.fault(key, format!("is too large: {value}"))),
             Some(number) if millimetres(number) > 0.0 => Ok(millimetres(number)),
             Some(_) => Err(self.fault(key, format!("must be at least 0.001, found {value}"))),
             None => Err(self.unexpected(key, "a number", value)),
@@ -315,11 +284,8 @@ impl Fields {
     }
 
     fn active(&self) -> Result<bool, ReadError> {
-        self.get("active").map_or(Ok(false), |value| {
-            value
-                .as_bool()
-                .ok_or_else(|| self.unexpected("active", "true or false", value))
-        })
+        self.get("active")
+            .map_or(Ok(false), |value| value.as_bool().ok_or_else(|| self.unexpected("active", "true or false", value)))
     }
 
     fn level(&self) -> Result<u32, ReadError> {
@@ -347,11 +313,7 @@ impl Fields {
     }
 
     fn fault(&self, key: &'static str, fault: String) -> ReadError {
-        ReadError::Node {
-            node: format!("node {}", self.id),
-            key,
-            fault,
-        }
+        ReadError::Node { node: format!("node {}", self.id), key, fault }
     }
 }
 

@@ -43,11 +43,7 @@ pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
             id: node.id,
             parent: node.parent.map(|parent| graph.nodes[parent].id),
             edges: &edges,
-            coordinates: Coordinates {
-                x: node.position.x,
-                y: node.position.y,
-                z: node.position.z,
-            },
+            coordinates: Coordinates { x: node.position.x, y: node.position.y, z: node.position.z },
             radius: node.radius,
             active: node.active,
             level: node.level,

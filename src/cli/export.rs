@@ -1,0 +1,120 @@
+//! `plume export`: the main job in one line.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use plume_exporters::package::{Existing, Folder};
+use plume_exporters::{TARGETS, Target, TargetRow};
+use serde_json::{Map, Value, json};
+
+use super::Source;
+use super::fault::CliError;
+use super::generate::{Until, make};
+use super::input::Input;
+use super::progress::Console;
+use super::summary::Summary;
+use crate::assemble::{self, FolderChunks};
+use crate::recipe::{self, did_you_mean};
+use crate::store::CaveFolder;
+
+/// Makes a cave and hands it to simulators.
+#[derive(Args)]
+pub struct Export {
+    #[command(flatten)]
+    source: Source,
+    /// Targets, separated by commas; `plume list targets` names them
+    #[arg(long, short, value_name = "TARGET", value_delimiter = ',', required = true)]
+    target: Vec<String>,
+    /// Where the package goes; with several targets, the folder above theirs [default: NAME-TARGET]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Set an option of a target, for example --option gazebo.lights=false
+    #[arg(long, value_name = "TARGET.KEY=VALUE")]
+    option: Vec<String>,
+    /// Keep the cave folder here, to export from it again
+    #[arg(long, value_name = "CAVE_DIR")]
+    keep: Option<PathBuf>,
+}
+
+impl Export {
+    /// Makes the cave if need be, then each package.
+    ///
+    /// # Errors
+    /// Bad input, the disk, Ctrl-C.
+    pub fn run(&self, console: &Console) -> Result<(), CliError> {
+        let rows = self.target.iter().map(|name| row(name)).collect::<Result<Vec<_>, _>>()?;
+        let targets = self.build(&rows)?;
+        let input = self.source.resolve()?;
+        let outputs = self.outputs(&input.recipe.name, &rows);
+        let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
+        for output in &outputs {
+            Folder::check(output, existing)?;
+        }
+        let work = self.work_folder(&input, &outputs[0]);
+        let folder = CaveFolder::open_or_create(&work.path)?;
+        let mut summary = Summary::start();
+        let force = self.source.force || work.is_temporary;
+        let pipeline = make(&input, &folder, Until::Textures, force, console, &mut summary)?;
+        let field = pipeline.field();
+        let chunks = FolderChunks::new(&folder, &pipeline.walls(), input.recipe.texture.format);
+        let scene = assemble::scene(&input.recipe, pipeline.graph(), &field, &chunks);
+        for ((row, target), output) in rows.iter().zip(&targets).zip(&outputs) {
+            let mut package = Folder::create(output, existing)?;
+            let exported = target.export(&scene, &mut package)?;
+            let files = package.finish()?;
+            summary.package(row.name, output, &exported.open, &files);
+        }
+        work.clear();
+        summary.print(console)
+    }
+
+    /// The targets with their options.
+    fn build(&self, rows: &[&TargetRow]) -> Result<Vec<Box<dyn Target>>, CliError> {
+        let schemas: Map<String, Value> =
+            rows.iter().map(|row| (row.name.to_owned(), (row.settings)().to_value())).collect();
+        let schema = json!({"type": "object", "properties": schemas});
+        let options = recipe::options(&schema, &self.option)?;
+        rows.iter().map(|row| Ok((row.build)(options[row.name].clone())?)).collect()
+    }
+
+    fn outputs(&self, name: &str, targets: &[&TargetRow]) -> Vec<PathBuf> {
+        match (&self.output, targets) {
+            (Some(output), [_]) => vec![output.clone()],
+            (Some(output), _) => targets.iter().map(|row| output.join(row.name)).collect(),
+            (None, _) => targets.iter().map(|row| PathBuf::from(format!("{name}-{}", row.name))).collect(),
+        }
+    }
+
+    /// A named cave folder serves as it is; else the cave is made in a hidden folder beside the package, which goes when
+    /// the package is whole and stays after a kill, so that the next run goes on.
+    fn work_folder(&self, input: &Input, output: &Path) -> WorkFolder {
+        if let Some(path) = self.keep.as_ref().or(input.folder.as_ref()) {
+            return WorkFolder { path: path.clone(), is_temporary: false };
+        }
+        let name = output.file_name().unwrap_or_default().to_string_lossy();
+        WorkFolder { path: output.with_file_name(format!(".{name}.cave")), is_temporary: true }
+    }
+}
+
+struct WorkFolder {
+    path: PathBuf,
+    is_temporary: bool,
+}
+
+impl WorkFolder {
+    fn clear(&self) {
+        if self.is_temporary {
+            // What is left over costs space only.
+            let _ = fs::remove_dir_all(&self.path);
+        }
+    }
+}
+
+fn row(name: &str) -> Result<&'static TargetRow, CliError> {
+    let names = || TARGETS.iter().map(|row| row.name);
+    TARGETS.iter().find(|row| row.name == name).ok_or_else(|| CliError::Usage {
+        message: format!("there is no target {name:?}"),
+        hint: format!("{}known: {}", did_you_mean(name, names()), names().collect::<Vec<_>>().join(", ")),
+    })
+}

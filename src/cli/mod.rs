@@ -1,0 +1,130 @@
+//! The command line, as a library: `main` and the Python wheel call [`run`].
+//!
+//! The only code that prints. What was asked for goes to stdout; progress, notes and faults go to stderr.
+
+mod export;
+mod fault;
+mod generate;
+mod input;
+mod list;
+mod measure;
+mod new;
+mod progress;
+mod summary;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+pub use self::fault::CliError;
+use self::progress::Console;
+
+/// Procedural caves, mines and lava tubes for robot simulators.
+#[derive(Parser)]
+#[command(name = "plume", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Options of every command.
+#[derive(Args)]
+pub struct Common {
+    /// Print nothing but faults
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Print the result as JSON on stdout
+    #[arg(long, global = true)]
+    json: bool,
+    /// Number of threads [default: all cores]
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<usize>,
+}
+
+/// What a cave is made from.
+#[derive(Args)]
+pub struct Source {
+    /// A recipe (TOML), a graph (JSON, also the original PLUME's data.json) or a cave folder [default: the default cave]
+    #[arg(value_name = "RECIPE|GRAPH|CAVE_DIR")]
+    input: Option<PathBuf>,
+    /// Set a key of the recipe, for example --set graph.nodes=100
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Set the seed
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Replace what is in the way
+    #[arg(long)]
+    force: bool,
+}
+
+impl Source {
+    /// The `key=value` pairs, the seed last.
+    fn overrides(&self) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("seed={seed}"));
+        self.set.iter().cloned().chain(seed).collect()
+    }
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Make a cave and hand it to simulators
+    Export(export::Export),
+    /// Make a cave folder: graph, mesh and textures
+    Generate(generate::Generate),
+    /// Make or renew the graph of a cave folder
+    Graph(generate::Generate),
+    /// Make the graph and the mesh of a cave folder
+    Mesh(generate::Generate),
+    /// Make the graph, the mesh and the textures of a cave folder
+    Texture(generate::Generate),
+    /// Print a commented recipe
+    New(new::New),
+    /// Print the JSON Schema of recipes, for editors
+    Schema,
+    /// List targets, generators, materials and presets
+    List(list::List),
+    /// Check the mesh of a cave folder: closed, manifold, consistent
+    Measure(measure::Measure),
+}
+
+/// Runs a command line and gives the exit code: 0 done, 1 the disk or a failed check, 2 usage or bad input, 69 a needed
+/// part is missing, 130 interrupted.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // A closed pipe is no reason to fail.
+            let _ = usage.print();
+            return usage.exit_code() as u8;
+        }
+    };
+    let console = Console::new(cli.common.quiet, cli.common.json);
+    if let Some(threads) = cli.common.threads {
+        // Fails only if a pool exists already, as in a host program; then that pool serves.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
+    match dispatch(&cli.command, &console) {
+        Ok(()) => 0,
+        Err(error) => {
+            console.fault(&error);
+            error.exit_code()
+        }
+    }
+}
+
+fn dispatch(command: &Command, console: &Console) -> Result<(), CliError> {
+    match command {
+        Command::Export(export) => export.run(console),
+        Command::Generate(stage) | Command::Texture(stage) => stage.run(generate::Until::Textures, console),
+        Command::Graph(stage) => stage.run(generate::Until::Graph, console),
+        Command::Mesh(stage) => stage.run(generate::Until::Mesh, console),
+        Command::New(new) => new.run(console),
+        Command::Schema => console.result(&format!("{:#}\n", crate::recipe::editor_schema())),
+        Command::List(list) => list.run(console),
+        Command::Measure(measure) => measure.run(console),
+    }
+}

@@ -1,0 +1,112 @@
+//! What was made, in a few lines or as JSON.
+
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
+use plume_exporters::package::Files;
+use serde_json::{Map, Value, json};
+
+use super::fault::CliError;
+use super::progress::Console;
+use crate::graph::Graph;
+use crate::store::{CaveFolder, Stage, Unit};
+
+/// Numbers gathered while the stages run.
+pub struct Summary {
+    wall: Instant,
+    cpu: ProcessTime,
+    lines: Vec<String>,
+    json: Map<String, Value>,
+}
+
+impl Summary {
+    /// Starts the clocks.
+    pub fn start() -> Self {
+        Self { wall: Instant::now(), cpu: ProcessTime::now(), lines: Vec::new(), json: Map::new() }
+    }
+
+    /// The graph stage is done.
+    pub fn graph(&mut self, graph: &Graph) {
+        let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
+        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": length_m});
+        self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
+    }
+
+    /// The mesh stage is done.
+    pub fn mesh(&mut self, walls: &[Unit]) {
+        let sum = |key: &str| walls.iter().filter_map(|unit| unit.facts[key].as_f64()).sum::<f64>();
+        let (chunks, triangles, area_m2) = (walls.len(), sum("triangles"), sum("area_m2"));
+        let collision = sum("collision_triangles");
+        let numbers = json!({
+            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": area_m2
+        });
+        let text = format!("{chunks} chunks  {triangles:.0} triangles  {area_m2:.0} m²");
+        self.stage("mesh", &text, numbers);
+    }
+
+    /// The texture stage is done.
+    pub fn texture(&mut self, folder: &CaveFolder) {
+        let units = folder.units(Stage::Texture);
+        let bytes: u64 = units.iter().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
+        let density = units.iter().filter_map(|unit| unit.facts["texels_per_m"].as_f64());
+        let density = density.fold(f64::INFINITY, f64::min);
+        let numbers = json!({"bytes": bytes, "texels_per_m": density});
+        self.stage("texture", &format!("{:.0} MB  at least {density:.0} texels/m", megabytes(bytes)), numbers);
+    }
+
+    /// A package was written; `open` says how to open it.
+    pub fn package(&mut self, target: &str, path: &Path, open: &str, files: &Files) {
+        let (count, bytes) = (files.0.len(), files.bytes());
+        let numbers = json!({"path": path, "files": count, "bytes": bytes, "open": open});
+        let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
+        self.stage(target, &text, numbers);
+        self.lines.push(format!("  {:9} {open}", "open with"));
+    }
+
+    /// A cave folder was made.
+    pub fn place(&mut self, what: &str, path: &Path, folder: &CaveFolder) {
+        let stages = [Stage::Graph, Stage::Mesh, Stage::Texture];
+        let units = stages.into_iter().flat_map(|stage| folder.units(stage));
+        let files: usize = units.map(|unit| unit.files.len()).sum();
+        self.stage(what, &format!("{}  {files} files", path.display()), json!({"path": path, "files": files}));
+    }
+
+    /// Prints it all.
+    ///
+    /// # Errors
+    /// None; the last step of commands that can fail.
+    pub fn print(mut self, console: &Console) -> Result<(), CliError> {
+        let wall_s = self.wall.elapsed().as_secs_f64();
+        self.json.insert("wall_s".into(), json!(wall_s));
+        self.json.insert("peak_memory_bytes".into(), json!(peak_memory_bytes()));
+        if console.is_json() {
+            return console.result(&format!("{:#}\n", Value::Object(self.json)));
+        }
+        self.lines.iter().for_each(|line| console.note(line));
+        let memory = peak_memory_bytes().map(|bytes| format!("  peak {:.0} MB", megabytes(bytes)));
+        console.note(&format!("  done      {wall_s:.1} s{}", memory.unwrap_or_default()));
+        Ok(())
+    }
+
+    fn stage(&mut self, name: &str, text: &str, mut numbers: Value) {
+        let cpu_s = self.cpu.elapsed().as_secs_f64();
+        self.cpu = ProcessTime::now();
+        numbers["cpu_s"] = json!(cpu_s);
+        self.json.insert(name.to_owned(), numbers);
+        self.lines.push(format!("  {name:9} {text}  {cpu_s:.1} CPU s"));
+    }
+}
+
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e6
+}
+
+/// The most memory the process ever held, where the system tells (Linux).
+fn peak_memory_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib * 1024)
+}

@@ -1,0 +1,150 @@
+//! Laws of the cave folder: same bytes for any number of threads, after a kill, and from the graph file alone.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "common/command.rs"]
+mod command;
+
+use std::fs;
+use std::process::Child;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use command::{Desk, SMALL};
+
+#[test]
+fn one_thread_and_many_make_the_same_bytes() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "one", "--threads", "1"]);
+    desk.make(&["generate", "--output", "many", "--threads", "4"]);
+    let hashes = desk.hashes("one");
+    assert!(hashes.len() > 10, "{hashes:?}");
+    assert_eq!(hashes, desk.hashes("many"));
+}
+
+#[test]
+fn another_seed_makes_another_cave() {
+    let desk = Desk::new();
+    desk.make(&["mesh", "--output", "a", "--seed", "1"]);
+    desk.make(&["mesh", "--output", "b", "--seed", "2"]);
+    assert_ne!(desk.hashes("a"), desk.hashes("b"));
+}
+
+#[test]
+fn a_killed_run_goes_on_to_the_same_bytes() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "whole"]);
+    for units in [1, 3, 6] {
+        kill_after(&desk, units);
+        desk.make(&["generate", "--output", "killed"]);
+        assert_eq!(desk.hashes("whole"), desk.hashes("killed"), "killed after {units} units");
+        fs::remove_dir_all(desk.path("killed")).unwrap();
+    }
+}
+
+/// Starts the work and kills it as soon as the journal has `units` lines.
+fn kill_after(desk: &Desk, units: usize) {
+    let arguments: Vec<&str> = ["generate", "--output", "killed"].iter().chain(&SMALL).copied().collect();
+    let mut child = desk.command(&arguments).spawn().unwrap();
+    wait_for_units(desk, "killed", units, &mut child);
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+/// Waits until the journal of a cave folder has `units` lines, or the work is done.
+fn wait_for_units(desk: &Desk, folder: &str, units: usize, worker: &mut Child) {
+    let journal = desk.path(folder).join("journal.jsonl");
+    let started = Instant::now();
+    while fs::read_to_string(&journal).unwrap_or_default().lines().count() < units {
+        assert!(started.elapsed() < Duration::from_secs(300), "no journal");
+        if worker.try_wait().unwrap().is_some() {
+            return;
+        }
+        sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn stages_one_by_one_make_what_all_at_once_makes() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "at_once"]);
+    for stage in ["graph", "mesh", "texture"] {
+        desk.make(&[stage, "--output", "one_by_one"]);
+    }
+    assert_eq!(desk.hashes("at_once"), desk.hashes("one_by_one"));
+}
+
+#[test]
+fn the_graph_file_alone_makes_the_cave_again() {
+    let desk = Desk::new();
+    desk.make(&["mesh", "--output", "first"]);
+    fs::copy(desk.path("first/graph.json"), desk.path("alone.json")).unwrap();
+    let again = desk.run(&["mesh", "alone.json", "--output", "again"]);
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    assert_eq!(desk.hashes("first"), desk.hashes("again"));
+}
+
+#[test]
+fn a_damaged_file_is_made_again() {
+    let desk = Desk::new();
+    desk.make(&["mesh", "--output", "cave"]);
+    let before = desk.hashes("cave");
+    let chunk = before.iter().find(|(path, _)| path.starts_with("chunks")).unwrap().0.clone();
+    fs::write(desk.path("cave").join(chunk), "not a mesh").unwrap();
+    desk.make(&["mesh", "--output", "cave"]);
+    assert_eq!(before, desk.hashes("cave"));
+}
+
+#[test]
+fn only_the_images_follow_the_look() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "cave"]);
+    let before = desk.hashes("cave");
+    desk.make(&["generate", "--output", "cave", "--set", "look.humidity=0.9", "--force"]);
+    let changed = |start: &str| {
+        let part = |hashes: &[(String, String)]| -> Vec<(String, String)> {
+            hashes.iter().filter(|(path, _)| path.starts_with(start)).cloned().collect()
+        };
+        part(&before) != part(&desk.hashes("cave"))
+    };
+    assert!(changed("textures") && !changed("chunks") && !changed("collision"));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_no_half_package_and_the_next_run_goes_on() {
+    let desk = Desk::new();
+    desk.make(&["export", "--target", "gazebo", "--output", "whole"]);
+    let arguments: Vec<&str> =
+        ["export", "--target", "gazebo", "--output", "stopped"].iter().chain(&SMALL).copied().collect();
+    let mut child = desk.command(&arguments).spawn().unwrap();
+    wait_for_units(&desk, ".stopped.cave", 3, &mut child);
+    let interrupted = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(interrupted.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!desk.path("stopped").exists());
+    desk.make(&["export", "--target", "gazebo", "--output", "stopped"]);
+    assert_eq!(desk.hashes("whole"), desk.hashes("stopped"));
+    assert!(!desk.path(".stopped.cave").exists());
+}
+
+/// A file-size limit stands in for a full disk: the same path through the code, without a disk to fill.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_refuses_is_told_and_leaves_nothing_half_written() {
+    let desk = Desk::new();
+    let plume = env!("CARGO_BIN_EXE_plume");
+    let line =
+        format!("trap '' XFSZ; ulimit -f 64; exec {plume} generate --output cave --threads 1 {}", quoted(&SMALL));
+    let output = std::process::Command::new("bash").args(["-c", &line]).current_dir(desk.path("")).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("cave/") && stderr.contains("File too large"), "{stderr}");
+    let half =
+        command::files(&desk.path("cave")).into_iter().find(|path| path.extension().is_some_and(|e| e == "partial"));
+    assert_eq!(half, None);
+    desk.make(&["generate", "--output", "cave"]);
+}
+
+fn quoted(words: &[&str]) -> String {
+    words.iter().map(|word| format!("'{word}' ")).collect()
+}

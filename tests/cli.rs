@@ -1,0 +1,91 @@
+//! What the command line says when something is wrong, word for word, and that nothing of the user's is lost.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "common/command.rs"]
+mod command;
+
+use std::fs;
+
+use command::{Desk, files};
+use insta::assert_snapshot;
+
+#[test]
+fn a_faulty_recipe_is_told_line_by_line() {
+    let desk = Desk::new();
+    let recipe = "name = \"My Cave\"\nsed = 3\n\n[graph]\nnodes = 1\ngeneratr = \"mine\"\n\n[mesh]\nvoxel_m = 9.0\n\
+                  chunk_m = [16, 16]\n\n[look]\nhumidity = nan\n";
+    desk.file("cave.toml", recipe);
+    assert_snapshot!("recipe_not_finite", desk.fault(&["generate", "cave.toml"]));
+    desk.file("cave.toml", &recipe.replace("nan", "\"wet\""));
+    assert_snapshot!("recipe_faults", desk.fault(&["generate", "cave.toml"]));
+    desk.file("cave.toml", "[graph\nnodes = 3\n");
+    assert_snapshot!("recipe_syntax", desk.fault(&["generate", "cave.toml"]));
+    desk.file("cave.toml", "rock = 3\n");
+    assert_snapshot!("recipe_not_a_section", desk.fault(&["generate", "cave.toml"]));
+}
+
+#[test]
+fn faulty_words_are_told() {
+    let desk = Desk::new();
+    assert_snapshot!("no_such_target", desk.fault(&["export", "--target", "gazeboo"]));
+    assert_snapshot!("no_such_preset", desk.fault(&["new", "--preset", "mines"]));
+    assert_snapshot!("override_without_value", desk.fault(&["new", "--set", "seed"]));
+    assert_snapshot!("override_out_of_range", desk.fault(&["new", "--set", "graph.nodes=10000000"]));
+    assert_snapshot!("no_such_recipe", desk.fault(&["generate", "nowhere.toml"]));
+    assert_snapshot!("no_such_graph", desk.fault(&["generate", "nowhere.json"]));
+}
+
+#[test]
+fn a_faulty_graph_is_told() {
+    let desk = Desk::new();
+    desk.file("graph.json", "{\"nodes\": [");
+    assert_snapshot!("graph_syntax", desk.fault(&["generate", "graph.json"]));
+}
+
+#[test]
+fn folders_of_others_are_left_alone() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("mine")).unwrap();
+    desk.file("mine/diary.txt", "dear diary");
+    assert_snapshot!("folder_of_others", desk.fault(&["generate", "--output", "mine"]));
+    assert_snapshot!("package_exists", desk.fault(&["export", "--target", "gazebo", "--output", "mine"]));
+    assert_eq!(fs::read_to_string(desk.path("mine/diary.txt")).unwrap(), "dear diary");
+    assert_eq!(files(&desk.path("")).len(), 1);
+    desk.file("file", "a file");
+    assert_snapshot!("folder_is_a_file", desk.fault(&["graph", "--output", "file"]));
+}
+
+#[test]
+fn another_cave_is_not_overwritten() {
+    let desk = Desk::new();
+    desk.make(&["graph", "--output", "cave"]);
+    let before = desk.hashes("cave");
+    assert_snapshot!("another_cave", desk.fault(&["graph", "--output", "cave", "--seed", "8"]));
+    assert_eq!(before, desk.hashes("cave"));
+    desk.make(&["graph", "--output", "cave", "--seed", "8", "--force"]);
+    assert_ne!(before, desk.hashes("cave"));
+}
+
+#[test]
+fn the_printed_recipe_reads_back_as_itself() {
+    let desk = Desk::new();
+    for preset in ["cave", "lava-tube", "mine"] {
+        let printed = String::from_utf8(desk.run(&["new", "--preset", preset]).stdout).unwrap();
+        desk.file("printed.toml", &printed);
+        let made = desk.run(&["graph", "printed.toml", "--output", preset, "--json"]);
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        assert_eq!(printed, fs::read_to_string(desk.path(preset).join("cave.toml")).unwrap());
+    }
+}
+
+#[test]
+fn results_go_to_stdout_and_notes_to_stderr() {
+    let desk = Desk::new();
+    let plain = desk.run(&["graph", "--output", "plain"]);
+    assert!(plain.stdout.is_empty() && !plain.stderr.is_empty());
+    let quiet = desk.run(&["graph", "--output", "quiet", "--quiet"]);
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    let json = desk.run(&["graph", "--output", "json", "--json"]);
+    let summary: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(summary["graph"]["nodes"], 50);
+}
