@@ -7,6 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv;
 
@@ -22,28 +23,27 @@ pub fn run(arguments: &[String]) -> Result<()> {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
+        for package in export_caves()? {
+            judge(&judges, &package, &mut tally);
+        }
         return tally.result();
     }
     let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();
     if let Some(stranger) = packages.iter().find(|package| Kind::of(package).is_none()) {
-        return Err(format!(
-            "no judge knows such a package: {}",
-            stranger.display()
-        ));
+        return Err(format!("no judge knows such a package: {}", stranger.display()));
     }
-    let wanted = |judge: &&Judge| {
-        packages
-            .iter()
-            .any(|package| Kind::of(package) == Some(judge.of))
-    };
-    let judges = ready(
-        &JUDGES.iter().filter(wanted).collect::<Vec<_>>(),
-        &mut tally,
-    );
-    packages
-        .iter()
-        .for_each(|package| judge(&judges, package, &mut tally));
+    let wanted = |judge: &&Judge| packages.iter().any(|package| Kind::of(package) == Some(judge.of));
+    let judges = ready(&JUDGES.iter().filter(wanted).collect::<Vec<_>>(), &mut tally);
+    packages.iter().for_each(|package| judge(&judges, package, &mut tally));
     tally.result()
+}
+
+/// One judge on one package.
+pub fn only(name: &str, package: &Path) -> Result<()> {
+    let judge = JUDGES.iter().find(|judge| judge.name == name).ok_or("there is no such judge")?;
+    (judge.prepare)()?;
+    println!("{}", verdict(judge, package)?);
+    Ok(())
 }
 
 /// A reader that is not ours.
@@ -57,30 +57,10 @@ struct Judge {
 }
 
 const JUDGES: [Judge; 4] = [
-    Judge {
-        name: "pybullet",
-        of: Kind::Gazebo,
-        prepare: make_venv,
-        command: drop_pybullet,
-    },
-    Judge {
-        name: "gazebo",
-        of: Kind::Gazebo,
-        prepare: build_gazebo,
-        command: open_gazebo,
-    },
-    Judge {
-        name: "validator",
-        of: Kind::Gltf,
-        prepare: install_node,
-        command: validate_gltf,
-    },
-    Judge {
-        name: "three",
-        of: Kind::Gltf,
-        prepare: install_browser,
-        command: shoot_gltf,
-    },
+    Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
+    Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
+    Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
+    Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
 ];
 
 /// What a package is for, told by what lies in it.
@@ -108,10 +88,7 @@ struct Tally {
 
 impl Tally {
     fn praise(&self, who: &str, text: &str) {
-        println!(
-            "ok      {who:<10} {}",
-            text.lines().last().unwrap_or_default()
-        );
+        println!("ok      {who:<10} {}", text.lines().last().unwrap_or_default());
     }
 
     fn complain(&mut self, who: &str, text: &str) {
@@ -145,10 +122,7 @@ fn ready(judges: &[&'static Judge], tally: &mut Tally) -> Vec<&'static Judge> {
 }
 
 fn judge(judges: &[&'static Judge], package: &Path, tally: &mut Tally) {
-    for judge in judges
-        .iter()
-        .filter(|judge| Kind::of(package) == Some(judge.of))
-    {
+    for judge in judges.iter().filter(|judge| Kind::of(package) == Some(judge.of)) {
         match verdict(judge, package) {
             Ok(praise) => tally.praise(judge.name, &praise),
             Err(complaint) => tally.complain(judge.name, &complaint),
@@ -164,19 +138,23 @@ fn export_sample() -> Result<PathBuf> {
     let sample = target_folder().join("sample");
     tools::run(
         Command::new(env!("CARGO"))
-            .args([
-                "run",
-                "-q",
-                "-p",
-                "plume-exporters",
-                "--example",
-                "sample_package",
-                "--",
-            ])
+            .args(["run", "-q", "-p", "plume-exporters", "--example", "sample_package", "--"])
             .arg(&sample)
             .current_dir(root()),
     )?;
     Ok(sample)
+}
+
+/// The samples, for every target.
+fn export_caves() -> Result<Vec<PathBuf>> {
+    let plume = Plume::build()?;
+    let mut packages = Vec::new();
+    for name in ["cave", "lava-tube", "mine", "original"] {
+        let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
+        plume.output(&["export", &recipe, "--target", "gazebo,gltf", "--output", &output, "--force"])?;
+        packages.extend(["gazebo", "gltf"].map(|target| root().join(&output).join(target)));
+    }
+    Ok(packages)
 }
 
 fn make_venv() -> Result<()> {
@@ -185,25 +163,15 @@ fn make_venv() -> Result<()> {
 
 fn drop_pybullet(package: &Path) -> Result<Command> {
     let mut command = Command::new(venv::python(REQUIREMENTS)?);
-    command
-        .arg(root().join("tests/judges/drop_pybullet.py"))
-        .arg(package);
+    command.arg(root().join("tests/judges/drop_pybullet.py")).arg(package);
     Ok(command)
 }
 
 fn build_gazebo() -> Result<()> {
     ensure_debian(&GAZEBO_PACKAGES)?;
-    let (source, build) = (
-        root().join("tests/judges/gazebo"),
-        target_folder().join("gazebo"),
-    );
+    let (source, build) = (root().join("tests/judges/gazebo"), target_folder().join("gazebo"));
     let mut configure = Command::new("cmake");
-    configure
-        .arg("-S")
-        .arg(source)
-        .arg("-B")
-        .arg(&build)
-        .arg("-DCMAKE_BUILD_TYPE=Release");
+    configure.arg("-S").arg(source).arg("-B").arg(&build).arg("-DCMAKE_BUILD_TYPE=Release");
     tools::run(&mut configure)?;
     tools::run(Command::new("cmake").arg("--build").arg(build)).map(drop)
 }
@@ -220,9 +188,7 @@ fn install_node() -> Result<()> {
 
 fn validate_gltf(package: &Path) -> Result<Command> {
     let mut command = Command::new("node");
-    command
-        .arg(node_folder().join("validate.mjs"))
-        .args(glb_files(package)?);
+    command.arg(node_folder().join("validate.mjs")).args(glb_files(package)?);
     Ok(command)
 }
 
@@ -231,16 +197,11 @@ fn install_browser() -> Result<()> {
     install_node()
 }
 
-/// The picture lies beside the judges that are built: `target/judges/<package>.png`.
+/// The picture lies beside the package: `<package>.png`.
 fn shoot_gltf(package: &Path) -> Result<Command> {
-    let name = package.file_name().unwrap_or_default().to_string_lossy();
-    let picture = target_folder().join(format!("{name}.png"));
+    let picture = package.with_extension("png");
     let mut command = Command::new("node");
-    command
-        .arg(node_folder().join("shot.mjs"))
-        .arg(package)
-        .arg("--out")
-        .arg(picture);
+    command.arg(node_folder().join("shot.mjs")).arg(package).arg("--out").arg(picture);
     Ok(command)
 }
 

@@ -1,19 +1,24 @@
 //! `cargo xtask COMMAND`: what the project does to itself. Standard library only, so it builds in a second.
-#![allow(clippy::print_stdout, clippy::print_stderr)]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a task talks to whoever started it")]
 
 use std::process::ExitCode;
 
+mod bench;
+mod demo;
 mod judge;
+mod plume;
+mod test;
 mod tools;
 mod venv;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 1] = [(
-    "judge",
-    "[PACKAGE_DIR...]  open packages with foreign readers",
-    judge::run,
-)];
+const TASKS: [(&str, &str, Task); 4] = [
+    ("demo", "                  make the default cave as a Gazebo package in demo/gazebo", demo::run),
+    ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
+    ("judge", "[PACKAGE_DIR...] open packages with foreign readers", judge::run),
+    ("bench", "[ROW...]         CPU seconds by stage, and the ratio to writing the same images", bench::run),
+];
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -9,9 +9,7 @@ pub type Result<T> = std::result::Result<T, String>;
 /// The folder of the workspace.
 pub fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.parent()
-        .expect("xtask lies in the workspace")
-        .to_owned()
+    here.parent().expect("xtask lies in the workspace").to_owned()
 }
 
 /// Runs to the end; gives stdout, or what went wrong with all that was said.
@@ -23,37 +21,22 @@ pub fn run(command: &mut Command) -> Result<String> {
         return Ok(stdout);
     }
     let said = [stdout, stderr].join("\n");
-    Err(format!(
-        "`{}`: {}\n{}",
-        name(command),
-        output.status,
-        said.trim()
-    ))
+    Err(format!("`{}`: {}\n{}", name(command), output.status, said.trim()))
 }
 
 /// Installs the missing ones of these Debian packages, if this is a Debian and we may.
 pub fn ensure_debian(packages: &[&str]) -> Result<()> {
-    let missing: Vec<&str> = packages
-        .iter()
-        .copied()
-        .filter(|package| !is_installed(package))
-        .collect();
+    let missing: Vec<&str> = packages.iter().copied().filter(|package| !is_installed(package)).collect();
     if missing.is_empty() {
         return Ok(());
     }
     if run(Command::new("id").arg("-u"))? != "0" {
-        return Err(format!(
-            "missing; run `sudo apt-get install {}`",
-            missing.join(" ")
-        ));
+        return Err(format!("missing; run `sudo apt-get install {}`", missing.join(" ")));
     }
     eprintln!("installing {}", missing.join(" "));
     run(Command::new("apt-get").args(["update", "-q"]))?;
     let install = ["install", "-q", "-y", "--no-install-recommends"];
-    run(Command::new("apt-get")
-        .env("DEBIAN_FRONTEND", "noninteractive")
-        .args(install)
-        .args(missing))?;
+    run(Command::new("apt-get").env("DEBIAN_FRONTEND", "noninteractive").args(install).args(missing))?;
     Ok(())
 }
 
@@ -75,9 +58,7 @@ fn is_installed(package: &str) -> bool {
 }
 
 fn output(command: &mut Command) -> Result<Output> {
-    command
-        .output()
-        .map_err(|error| format!("cannot run `{}`: {error}", name(command)))
+    command.output().map_err(|error| format!("cannot run `{}`: {error}", name(command)))
 }
 
 fn name(command: &Command) -> String {

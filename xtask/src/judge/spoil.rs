@@ -22,10 +22,7 @@ pub fn run(judges: &[&'static Judge], sample: &Path, tally: &mut Tally) -> Resul
                 tally.complain(judge.name, &format!("on {}: {complaint}", spoil.fault));
             }
             Ok(praise) => {
-                tally.complain(
-                    judge.name,
-                    &format!("did not notice {}: {praise}", spoil.fault),
-                );
+                tally.complain(judge.name, &format!("did not notice {}: {praise}", spoil.fault));
             }
         }
     }
@@ -110,10 +107,7 @@ const SPOILS: [Spoil; 9] = [
 
 /// A copy of the package with one file rewritten, or removed if nothing is left of it.
 fn copy(sample: &Path, spoil: &Spoil) -> io::Result<PathBuf> {
-    let (kind, file) = spoil
-        .file
-        .split_once('/')
-        .expect("it starts with the target");
+    let (kind, file) = spoil.file.split_once('/').expect("it starts with the target");
     let package = sample.with_file_name("spoiled").join(kind);
     if package.exists() {
         fs::remove_dir_all(&package)?;
@@ -145,9 +139,7 @@ fn keep_triangles(bytes: &[u8], keep: impl Fn(usize) -> bool) -> Vec<u8> {
     let text = String::from_utf8_lossy(bytes);
     let lines = text.lines().enumerate();
     let kept = lines.filter(|(number, line)| !line.starts_with("f ") || keep(*number));
-    kept.map(|(_, line)| format!("{line}\n"))
-        .collect::<String>()
-        .into_bytes()
+    kept.map(|(_, line)| format!("{line}\n")).collect::<String>().into_bytes()
 }
 
 fn without_normals(bytes: &[u8]) -> Vec<u8> {
@@ -165,13 +157,7 @@ fn without_normals(bytes: &[u8]) -> Vec<u8> {
 
 /// Replaces the first `old`; in a GLB, whose length must stay, over as many bytes as `new` has.
 fn replace(bytes: &[u8], old: &str, new: &str) -> Option<Vec<u8>> {
-    let at = bytes
-        .windows(old.len())
-        .position(|window| window == old.as_bytes())?;
-    let rest = if bytes.starts_with(b"glTF") {
-        at + new.len()
-    } else {
-        at + old.len()
-    };
+    let at = bytes.windows(old.len()).position(|window| window == old.as_bytes())?;
+    let rest = if bytes.starts_with(b"glTF") { at + new.len() } else { at + old.len() };
     Some([&bytes[..at], new.as_bytes(), &bytes[rest..]].concat())
 }

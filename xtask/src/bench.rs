@@ -1,0 +1,77 @@
+//! `cargo xtask bench`: CPU seconds by stage, and how far they are from the floor.
+//!
+//! The floor is what no generator can avoid: encoding and writing the same images, measured in the same run.
+
+use std::fs;
+
+use crate::plume::Plume;
+use crate::tools::{Result, root};
+
+/// Rows of the paper's table: name, arguments, and the paper's own time (i5-12400F, RTX 3070).
+const ROWS: [(&str, &[&str], &str); 3] = [
+    (
+        "50 nodes, 1K, one chunk",
+        &["--set", "graph.nodes=50", "--set", "texture.size_px=1024", "--set", "mesh.divisions=[1,1,1]"],
+        "22 s",
+    ),
+    ("default cave with chunks", &[], "7 min 05 s"),
+    (
+        "250 nodes, 3 layers, 4K, 4x4x4",
+        &[
+            "--set",
+            "graph.nodes=250",
+            "--set",
+            "graph.layers=3",
+            "--set",
+            "texture.size_px=4096",
+            "--set",
+            "mesh.divisions=[4,4,4]",
+        ],
+        "219 min 49 s",
+    ),
+];
+
+/// Runs the rows, or those whose number is given.
+pub fn run(chosen: &[String]) -> Result<()> {
+    let plume = Plume::build()?;
+    println!("row | graph | mesh | texture | sum, CPU s | floor (PNG), CPU s | ratio | peak MB | paper, wall");
+    for (number, (name, arguments, paper)) in ROWS.iter().enumerate() {
+        if chosen.is_empty() || chosen.contains(&(number + 1).to_string()) {
+            row(&plume, name, arguments, paper)?;
+        }
+    }
+    Ok(())
+}
+
+fn row(plume: &Plume, name: &str, arguments: &[&str], paper: &str) -> Result<()> {
+    let folder = root().join("target/bench-cave");
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(|error| error.to_string())?;
+    }
+    let generate = ["generate", "--output", "target/bench-cave", "--json", "--quiet"];
+    let all: Vec<&str> = generate.iter().chain(arguments).copied().collect();
+    let summary = plume.output(&all)?;
+    let number = |section: &str, key: &str| field(&summary, section, key);
+    let stages = ["graph", "mesh", "texture"].map(|stage| number(stage, "cpu_s"));
+    let sum: f64 = stages.iter().sum();
+    let floor: f64 = plume.example("png_floor", &folder)?.trim().parse().map_err(|_| "png_floor printed no number")?;
+    let peak = number("", "peak_memory_bytes") / 1e6;
+    let [graph, mesh, texture] = stages;
+    println!(
+        "{name} | {graph:.2} | {mesh:.1} | {texture:.1} | {sum:.1} | {floor:.1} | {:.1} | {peak:.0} | {paper}",
+        sum / floor
+    );
+    fs::remove_dir_all(&folder).map_err(|error| error.to_string())
+}
+
+/// The number behind `"key":` after `"section":` in pretty JSON that we wrote ourselves.
+fn field(json: &str, section: &str, key: &str) -> f64 {
+    let start = if section.is_empty() { 0 } else { json.find(&format!("\n  \"{section}\"")).unwrap_or(0) };
+    let rest = &json[start..];
+    let Some(at) = rest.find(&format!("\"{key}\":")) else {
+        return f64::NAN;
+    };
+    let value = rest[at + key.len() + 3..].trim_start();
+    let end = value.find([',', '\n', '}']).unwrap_or(value.len());
+    value[..end].trim().parse().unwrap_or(f64::NAN)
+}
