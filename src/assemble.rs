@@ -14,7 +14,7 @@ use crate::texture::ImageFormat;
 use crate::truth::{self, Lamp};
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
-const LAMP_CD_PER_M2: f64 = 0.35;
+const LAMP_CD_PER_M2: f64 = 0.12;
 /// A lamp reaches this many spacings.
 const LAMP_REACH: f64 = 2.0;
 /// Warm white, linear RGB.

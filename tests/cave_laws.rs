@@ -4,8 +4,9 @@
 mod common;
 
 use common::{assert_lawful, chunks, triangle_set, visuals};
+use nalgebra::Point3;
 use plume::field::{CaveField, PassageSettings};
-use plume::graph::{GENERATORS, GeneratorRow, Graph};
+use plume::graph::{GENERATORS, GeneratorRow, Graph, Node};
 use plume::material::{Look, MATERIALS, MaterialRow};
 use plume::mesh::MeshSettings;
 use serde_json::json;
@@ -50,5 +51,35 @@ fn chunk_size_changes_no_triangle() {
         assert!(!triangles.is_empty());
         assert!(triangles == triangle_set(&visuals(&middle)), "8 and 16 m differ in {}", material.name);
         assert!(triangles == triangle_set(&visuals(&large)), "8 and 32 m differ in {}", material.name);
+    }
+}
+
+/// Two parallel passages `8 m` apart, `rungs` cross-passages between them.
+fn ladder(rungs: usize) -> Graph {
+    let node = |id: usize| Node {
+        id: id as u64,
+        parent: id.checked_sub(if id.is_multiple_of(2) { 2 } else { 1 }),
+        position: Point3::new((id / 2) as f64 * 9.0, (id % 2) as f64 * 8.0, 0.0),
+        radius: 5.0,
+        active: false,
+        level: 0,
+        section: None,
+    };
+    let rungs_between = (0..rungs).map(|i| [2 * i, 2 * i + 1]);
+    let rails = (0..rungs - 1).flat_map(|i| [[2 * i, 2 * i + 2], [2 * i + 1, 2 * i + 3]]);
+    Graph::new((0..2 * rungs).map(node).collect(), rungs_between.chain(rails).collect())
+}
+
+#[test]
+fn ladders_have_as_many_handles_as_their_graph_has_loops() {
+    for (material, rungs) in MATERIALS.iter().flat_map(|m| [2, 5, 10].map(|rungs| (m, rungs))) {
+        let graph = ladder(rungs);
+        assert_eq!(graph.loops(), rungs - 1);
+        let mild = (material.read)(json!({"relief": 0.3})).unwrap();
+        let field = CaveField::new(&graph, &PassageSettings::default(), mild, Look::default(), 3);
+        for voxel_m in [0.2, 0.3] {
+            let report = assert_lawful(&visuals(&chunks(&field, field.bounds(), &whole(voxel_m, 16.0))));
+            assert_eq!(report.genus, graph.loops() as i64, "{} with {rungs} rungs", material.name);
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! `cargo xtask judge [PACKAGE_DIR...]`: opens packages with readers that are not ours.
 //!
-//! Without a folder, the sample scene of the exporters is judged, and then spoiled in ways that the judges must notice:
-//! a judge that cannot say no is worth nothing. A judge whose program cannot be had is skipped loudly, and fails the
-//! run where the environment variable `CI` is set.
+//! Without a folder, a small made-up scene is judged, then spoiled in ways that the judges must notice (a judge that
+//! cannot say no is worth nothing), and then every sample cave is judged for every target. A judge whose program cannot
+//! be had is skipped loudly, and fails the run where the environment variable `CI` is set.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -145,11 +145,14 @@ fn export_sample() -> Result<PathBuf> {
     Ok(sample)
 }
 
+/// Recipes of `samples/`.
+pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
+
 /// The samples, for every target.
 fn export_caves() -> Result<Vec<PathBuf>> {
     let plume = Plume::build()?;
     let mut packages = Vec::new();
-    for name in ["cave", "lava-tube", "mine", "original"] {
+    for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
         plume.output(&["export", &recipe, "--target", "gazebo,gltf", "--output", &output, "--force"])?;
         packages.extend(["gazebo", "gltf"].map(|target| root().join(&output).join(target)));
@@ -199,10 +202,20 @@ fn install_browser() -> Result<()> {
 
 /// The picture lies beside the package: `<package>.png`.
 fn shoot_gltf(package: &Path) -> Result<Command> {
-    let picture = package.with_extension("png");
+    Ok(shot(package, &package.with_extension("png"), 0))
+}
+
+fn shot(package: &Path, picture: &Path, spawn: usize) -> Command {
     let mut command = Command::new("node");
     command.arg(node_folder().join("shot.mjs")).arg(package).arg("--out").arg(picture);
-    Ok(command)
+    command.arg("--spawn").arg(spawn.to_string());
+    command
+}
+
+/// Takes a picture of a glTF package from one of its spawn poses.
+pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
+    install_browser()?;
+    tools::run(&mut shot(package, picture, spawn))
 }
 
 fn glb_files(package: &Path) -> Result<Vec<PathBuf>> {

@@ -1,6 +1,6 @@
-// Renders a glTF package from its first spawn pose with three.js in headless Chromium, a headlamp at the eye.
+// Renders a glTF package from a spawn pose (the first if none is named) with three.js in headless Chromium, a headlamp at the eye.
 //
-//   node shot.mjs PACKAGE_DIR --out PICTURE.png
+//   node shot.mjs PACKAGE_DIR --out PICTURE.png [--spawn N]
 //
 // Fails if a mesh, a texture or a colour space is missing, or the picture is dark or flat: an inside-out or unlit cave.
 import fs from 'node:fs';
@@ -17,8 +17,8 @@ const FLAGS = ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=
   '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 const TYPES = { '.js': 'text/javascript', '.html': 'text/html', '.json': 'application/json', '.glb': 'model/gltf-binary' };
 
-const [folder, flag, out] = process.argv.slice(2);
-if (!folder || flag !== '--out' || !out) throw new Error('usage: shot.mjs PACKAGE_DIR --out PICTURE.png');
+const [folder, flag, out, , spawn = '0'] = process.argv.slice(2);
+if (!folder || flag !== '--out' || !out) throw new Error('usage: shot.mjs PACKAGE_DIR --out PICTURE.png [--spawn N]');
 
 const here = import.meta.dirname;
 const roots = { package: path.resolve(folder), three: path.join(here, 'node_modules/three'), page: here };
@@ -31,7 +31,7 @@ const browser = await puppeteer.launch({
 try {
   const page = await browser.newPage();
   await page.setViewport({ width: WIDTH, height: HEIGHT });
-  const address = `http://127.0.0.1:${server.address().port}/page/shot.html?eye=${EYE_M}`;
+  const address = `http://127.0.0.1:${server.address().port}/page/shot.html?eye=${EYE_M}&spawn=${Number(spawn)}`;
   await page.goto(address);
   await page.waitForFunction('window.report', { timeout: TIMEOUT_MS });
   const report = await page.evaluate('window.report');

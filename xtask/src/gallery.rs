@@ -1,0 +1,23 @@
+//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its glTF package.
+
+use crate::judge::{self, SAMPLES};
+use crate::plume::Plume;
+use crate::tools::{Result, root};
+
+/// Finer than the default, since the camera stands a metre from the wall.
+const DENSITY: &str = "texture.density_px_per_m=160";
+
+/// Where to stand: the spawn pose of each sample that shows the most.
+const SPAWNS: [usize; SAMPLES.len()] = [0, 0, 0, 0];
+
+/// Makes the pictures.
+pub fn run(_arguments: &[String]) -> Result<()> {
+    let plume = Plume::build()?;
+    for (name, spawn) in SAMPLES.iter().zip(SPAWNS) {
+        let (recipe, output) = (format!("samples/{name}.toml"), format!("target/gallery/{name}"));
+        plume.output(&["export", &recipe, "--target", "gltf", "--output", &output, "--force", "--set", DENSITY])?;
+        let picture = root().join(format!("samples/{name}.png"));
+        println!("{}", judge::shoot(&root().join(output), &picture, spawn)?);
+    }
+    Ok(())
+}
