@@ -6,8 +6,9 @@ mod command;
 
 use std::fs;
 
-use command::{Desk, files};
+use command::{Desk, SMALL, files};
 use insta::assert_snapshot;
+use serde_json::json;
 
 #[test]
 fn a_faulty_recipe_is_told_line_by_line() {
@@ -88,4 +89,23 @@ fn results_go_to_stdout_and_notes_to_stderr() {
     let json = desk.run(&["graph", "--output", "json", "--json"]);
     let summary: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(summary["graph"]["nodes"], 50);
+}
+
+#[test]
+fn faulty_overrides_are_told_by_their_own_words() {
+    let desk = Desk::new();
+    for (name, pair) in [
+        ("override_nowhere", "a.b.c.d=1"),
+        ("override_below_a_value", "graph.nodes.x=1"),
+        ("override_not_finite", "graph.sigma_deg=nan"),
+        ("override_too_large", "mesh.divisions=[99999999999, 1, 1]"),
+    ] {
+        assert_snapshot!(name, desk.fault(&["new", "--set", pair]));
+    }
+    assert_snapshot!("seed_negative", desk.fault(&["graph", "--seed", "-1"]));
+    desk.file("flat.toml", "graph = 3\n");
+    assert_snapshot!("override_hides_nothing", desk.fault(&["graph", "flat.toml", "--set", "graph.nodes=9"]));
+    for threads in ["0", "100000"] {
+        assert_eq!(desk.run(&["list", "--threads", threads]).status.code(), Some(2));
+    }
 }
