@@ -113,6 +113,7 @@ impl<'a> Pipeline<'a> {
         if !force {
             pipeline.refuse_other_cave()?;
         }
+        folder.begin()?;
         pipeline.write_graph(&text)?;
         observer.advance(Stage::Graph);
         observer.end(Stage::Graph);
@@ -196,7 +197,9 @@ impl<'a> Pipeline<'a> {
     }
 
     fn refuse_other_cave(&self) -> Result<(), PipelineError> {
-        for (stage, name) in [(Stage::Graph, "recipe or graph"), (Stage::Mesh, "shape"), (Stage::Texture, "look")] {
+        for (stage, name) in
+            [(Stage::Graph, "recipe, graph or version"), (Stage::Mesh, "shape"), (Stage::Texture, "look")]
+        {
             let is_other = |unit: &Unit| unit.fingerprint != self.fingerprint(stage);
             if self.folder.units(stage).iter().any(is_other) {
                 return Err(PipelineError::OtherCave { path: self.folder.root().to_path_buf(), stage: name });

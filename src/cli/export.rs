@@ -52,7 +52,7 @@ impl Export {
             Folder::check(output, existing)?;
         }
         let work = self.work_folder(&input, &outputs[0]);
-        let folder = CaveFolder::open_or_create(&work.path)?;
+        let folder = CaveFolder::open_or_new(&work.path)?;
         let mut summary = Summary::start();
         let force = self.source.force || work.is_temporary;
         let pipeline = make(&input, &folder, Until::Textures, force, console, &mut summary)?;

@@ -42,7 +42,7 @@ impl Generate {
         let input = self.source.resolve()?;
         let named = input.folder.clone();
         let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
-        let folder = CaveFolder::open_or_create(&output)?;
+        let folder = CaveFolder::open_or_new(&output)?;
         let mut summary = Summary::start();
         make(&input, &folder, until, self.source.force, console, &mut summary)?;
         summary.place("cave", &output, &folder);
