@@ -109,3 +109,17 @@ fn faulty_overrides_are_told_by_their_own_words() {
         assert_eq!(desk.run(&["list", "--threads", threads]).status.code(), Some(2));
     }
 }
+
+#[test]
+fn only_packages_are_replaced() {
+    let desk = Desk::new();
+    desk.make(&["graph", "--output", "cave"]);
+    fs::create_dir(desk.path("extension")).unwrap();
+    desk.file("extension/manifest.json", "{\"name\": \"of a browser\"}");
+    for (name, folder) in [("package_over_cave", "cave"), ("package_over_others", "extension")] {
+        let fault = desk.fault(&["export", "--target", "gltf", "--output", folder, "--force"]);
+        assert_snapshot!(name, fault);
+        assert!(desk.path(folder).join("manifest.json").exists());
+    }
+    assert_snapshot!("cave_over_others", desk.fault(&["graph", "--output", "extension", "--force"]));
+}
