@@ -162,6 +162,30 @@ fn one_run_at_a_time_works_in_a_folder() {
     desk.make(&["graph", "--output", "cave"]);
 }
 
+#[test]
+fn an_edited_recipe_or_graph_is_refused_or_followed_but_never_passed_over() {
+    let desk = Desk::new();
+    desk.make(&["graph", "--output", "cave"]);
+    let nodes = || fs::read_to_string(desk.path("cave/graph.json")).unwrap().matches("\"id\"").count();
+    let edit = |file: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(desk.path(file)).unwrap();
+        assert!(text.contains(from));
+        desk.file(file, &text.replacen(from, to, 1));
+    };
+    edit("cave/cave.toml", "\nnodes = 12", "\nnodes = 9");
+    assert_eq!(desk.run(&["mesh", "cave"]).status.code(), Some(2));
+    assert!(desk.run(&["mesh", "cave", "--force"]).status.success());
+    assert_eq!(nodes(), 9);
+    edit("cave/graph.json", "\"radius\":", "\"radius\":1");
+    let edited = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    assert_eq!(desk.run(&["graph", "cave"]).status.code(), Some(2));
+    assert!(desk.run(&["graph", "cave", "--force"]).status.success());
+    assert_eq!(edited, fs::read_to_string(desk.path("cave/graph.json")).unwrap());
+    fs::remove_file(desk.path("cave/graph.json")).unwrap();
+    assert!(desk.run(&["graph", "cave", "--force"]).status.success());
+    assert_eq!(nodes(), 9);
+}
+
 /// A file-size limit stands in for a full disk: the same path through the code, without a disk to fill.
 #[cfg(unix)]
 #[test]
