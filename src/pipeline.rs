@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::field::CaveField;
+use crate::field::{Bounds, CaveField};
 use crate::graph::{self, GenerateError, Graph};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::recipe::{GraphSource, Recipe};
@@ -136,6 +136,7 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// When the grid is out of reach, the disk refuses, or the observer stops.
     pub fn mesh(&self) -> Result<(), PipelineError> {
+        self.refuse_absurd_size()?;
         let field = self.field();
         let grid = Grid::new(field.bounds(), &self.recipe.mesh)?;
         let indices: Vec<ChunkIndex> = grid.indices().collect();
@@ -193,6 +194,14 @@ impl<'a> Pipeline<'a> {
             Stage::Graph => &self.graph_fingerprint,
             Stage::Mesh => &self.mesh_fingerprint,
             Stage::Texture => &self.texture_fingerprint,
+        }
+    }
+
+    /// Looks at the size before the field does, whose memory grows with it.
+    fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
+        match Grid::new(station_bounds(&self.graph, self.recipe.passage.width_per_radius), &self.recipe.mesh) {
+            Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. })) => Err(error.into()),
+            _ => Ok(()),
         }
     }
 
@@ -273,6 +282,20 @@ fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {
         "collision_triangles": meshes.collision.triangles.len(),
         "area_m2": meshes.visual.area_m2(),
     })
+}
+
+/// A box round the passages where they are widest, at the stations.
+fn station_bounds(graph: &Graph, width_per_radius: f32) -> Bounds {
+    let mut bounds = Bounds { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    for node in &graph.nodes {
+        let own_m = node.section.map_or(0.0, |section| section.width_m);
+        let half_m = own_m.max(node.radius * f64::from(width_per_radius)) / 2.0;
+        for axis in 0..3 {
+            bounds.min[axis] = bounds.min[axis].min((node.position[axis] - half_m) as f32);
+            bounds.max[axis] = bounds.max[axis].max((node.position[axis] + half_m) as f32);
+        }
+    }
+    bounds
 }
 
 /// The graph without its recipe: what the shape of the rock depends on.

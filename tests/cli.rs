@@ -111,6 +111,21 @@ fn faulty_overrides_are_told_by_their_own_words() {
 }
 
 #[test]
+fn a_cave_of_absurd_size_is_refused_at_once() {
+    let desk = Desk::new();
+    let at = |x: i32| json!({"x": x, "y": x, "z": x});
+    let graph = |x: i32| {
+        let node =
+            |id: i32, edges: &[i32], x: i32| json!({"id": id, "edges": edges, "radius": 2, "coordinates": at(x)});
+        json!({"nodes": [node(0, &[], -x), node(1, &[0], x)]}).to_string()
+    };
+    desk.file("vast.json", &graph(4000));
+    assert_snapshot!("cave_too_vast", desk.fault(&["mesh", "vast.json", "--output", "vast"]));
+    desk.file("far.json", &graph(900_000));
+    assert_snapshot!("cave_too_far", desk.fault(&["mesh", "far.json", "--output", "far"]));
+}
+
+#[test]
 fn only_packages_are_replaced() {
     let desk = Desk::new();
     desk.make(&["graph", "--output", "cave"]);
