@@ -316,5 +316,6 @@ fn graph_of(recipe: &Recipe) -> Result<Graph, PipelineError> {
 /// When it cannot be read or is no graph.
 pub fn read_graph(path: &Path) -> Result<graph::json::Document, PipelineError> {
     let text = std::fs::read_to_string(path).map_err(|e| StoreError::io(path, e))?;
-    graph::json::read(&text).map_err(|source| PipelineError::GraphFile { path: path.to_path_buf(), source })
+    let text = text.trim_start_matches('\u{feff}');
+    graph::json::read(text).map_err(|source| PipelineError::GraphFile { path: path.to_path_buf(), source })
 }

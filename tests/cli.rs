@@ -111,6 +111,15 @@ fn faulty_overrides_are_told_by_their_own_words() {
 }
 
 #[test]
+fn bytes_that_are_no_text_are_bad_input() {
+    let desk = Desk::new();
+    fs::write(desk.path("graph.json"), b"{\"nodes\": \"\xff\"}").unwrap();
+    assert_snapshot!("graph_no_text", desk.fault(&["graph", "graph.json"]));
+    desk.file("marked.json", "\u{feff}{\"nodes\": []}");
+    assert_snapshot!("graph_byte_order_mark", desk.fault(&["graph", "marked.json"]));
+}
+
+#[test]
 fn a_cave_of_absurd_size_is_refused_at_once() {
     let desk = Desk::new();
     let at = |x: i32| json!({"x": x, "y": x, "z": x});

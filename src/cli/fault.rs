@@ -74,8 +74,11 @@ impl CliError {
 
 /// What the user can mend is bad input; what the disk does is not.
 fn io_exit_code(error: &std::io::Error) -> u8 {
-    use ErrorKind::{AlreadyExists, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem};
-    let bad_input = [AlreadyExists, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem];
+    use ErrorKind::{
+        AlreadyExists, InvalidData, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem,
+    };
+    let bad_input =
+        [AlreadyExists, InvalidData, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem];
     if bad_input.contains(&error.kind()) { 2 } else { 1 }
 }
 
