@@ -120,6 +120,18 @@ fn bytes_that_are_no_text_are_bad_input() {
 }
 
 #[test]
+fn bad_input_leaves_nothing_behind() {
+    let desk = Desk::new();
+    for faulty in [
+        &["graph", "--output", "cave", "--set", "graph.bounds_x_m=1"][..],
+        &["export", "--target", "gltf", "--output", "package", "--set", "mesh.chunk_m=[1, 1, 1]"],
+    ] {
+        assert_eq!(desk.run(faulty).status.code(), Some(2));
+    }
+    assert_eq!(fs::read_dir(desk.path("")).unwrap().count(), 0);
+}
+
+#[test]
 fn a_cave_of_absurd_size_is_refused_at_once() {
     let desk = Desk::new();
     let at = |x: i32| json!({"x": x, "y": x, "z": x});
@@ -146,4 +158,25 @@ fn only_packages_are_replaced() {
         assert!(desk.path(folder).join("manifest.json").exists());
     }
     assert_snapshot!("cave_over_others", desk.fault(&["graph", "--output", "extension", "--force"]));
+}
+
+#[test]
+fn two_things_in_one_place_are_refused_before_the_work() {
+    let desk = Desk::new();
+    assert_snapshot!("target_twice", desk.fault(&["export", "--target", "gltf,gltf", "--output", "out"]));
+    assert_snapshot!(
+        "kept_in_package",
+        desk.fault(&["export", "--target", "gltf", "--output", "out", "--keep", "out"])
+    );
+    assert!(!desk.path("out").exists());
+}
+
+#[test]
+fn a_package_can_be_made_in_the_folder_one_is_in() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("here")).unwrap();
+    let arguments: Vec<&str> = ["export", "--target", "gltf", "--output", "."].iter().chain(&SMALL).copied().collect();
+    let output = desk.command(&arguments).current_dir(desk.path("here")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(desk.path("here/manifest.json").exists());
 }
