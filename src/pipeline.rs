@@ -184,9 +184,16 @@ impl<'a> Pipeline<'a> {
 
     /// Finished mesh units that hold a wall, in order of their names.
     pub fn walls(&self) -> Vec<Unit> {
-        let mut walls = self.folder.units(Stage::Mesh);
-        walls.retain(|unit| unit.fingerprint == self.mesh_fingerprint && !unit.files.is_empty());
+        let mut walls = self.units(Stage::Mesh);
+        walls.retain(|unit| !unit.files.is_empty());
         walls
+    }
+
+    /// Finished units of this cave; the folder may still hold those of another.
+    pub fn units(&self, stage: Stage) -> Vec<Unit> {
+        let mut units = self.folder.units(stage);
+        units.retain(|unit| unit.fingerprint == self.fingerprint(stage));
+        units
     }
 
     fn fingerprint(&self, stage: Stage) -> &str {

@@ -180,3 +180,16 @@ fn a_package_can_be_made_in_the_folder_one_is_in() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(desk.path("here/manifest.json").exists());
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_may_have_names_that_are_no_text() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::new();
+    let name = OsStr::from_bytes(b"cave\xff");
+    for format in ["--quiet", "--json"] {
+        let output = desk.command(&["graph", "--force", format, "--output"]).arg(name).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}

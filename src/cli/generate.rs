@@ -10,7 +10,7 @@ use super::input::Input;
 use super::progress::Console;
 use super::summary::Summary;
 use crate::pipeline::Pipeline;
-use crate::store::CaveFolder;
+use crate::store::{CaveFolder, Stage};
 
 /// Makes a cave folder; stopped or killed, the same command goes on where it stopped.
 #[derive(Args)]
@@ -70,7 +70,7 @@ pub fn make<'a>(
     }
     if until >= Until::Textures {
         pipeline.texture()?;
-        summary.texture(folder);
+        summary.texture(&pipeline.units(Stage::Texture));
     }
     pipeline.settle()?;
     Ok(pipeline)
