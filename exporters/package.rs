@@ -115,7 +115,7 @@ impl Files {
 pub enum Existing {
     /// Refuse unless it is empty.
     Keep,
-    /// Replace it if it holds a [`MANIFEST`].
+    /// Replace it if it holds the [`MANIFEST`] of a package.
     Replace,
 }
 
@@ -262,9 +262,14 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
     }
     match existing {
         Existing::Keep => Err(ExportError::NotEmpty { path: path.to_owned() }),
-        Existing::Replace if path.join(MANIFEST).is_file() => Ok(()),
+        Existing::Replace if is_package(path) => Ok(()),
         Existing::Replace => Err(ExportError::NotOurs { path: path.to_owned() }),
     }
+}
+
+/// Whether the folder holds a list of files such as ours; other programs have a `manifest.json` too.
+fn is_package(path: &Path) -> bool {
+    fs::read(path.join(MANIFEST)).is_ok_and(|text| serde_json::from_slice::<Files>(&text).is_ok())
 }
 
 /// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.

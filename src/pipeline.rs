@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::field::CaveField;
+use crate::field::{Bounds, CaveField};
 use crate::graph::{self, GenerateError, Graph};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::recipe::{GraphSource, Recipe};
@@ -113,6 +113,7 @@ impl<'a> Pipeline<'a> {
         if !force {
             pipeline.refuse_other_cave()?;
         }
+        folder.begin()?;
         pipeline.write_graph(&text)?;
         observer.advance(Stage::Graph);
         observer.end(Stage::Graph);
@@ -135,6 +136,7 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// When the grid is out of reach, the disk refuses, or the observer stops.
     pub fn mesh(&self) -> Result<(), PipelineError> {
+        self.refuse_absurd_size()?;
         let field = self.field();
         let grid = Grid::new(field.bounds(), &self.recipe.mesh)?;
         let indices: Vec<ChunkIndex> = grid.indices().collect();
@@ -182,9 +184,16 @@ impl<'a> Pipeline<'a> {
 
     /// Finished mesh units that hold a wall, in order of their names.
     pub fn walls(&self) -> Vec<Unit> {
-        let mut walls = self.folder.units(Stage::Mesh);
-        walls.retain(|unit| unit.fingerprint == self.mesh_fingerprint && !unit.files.is_empty());
+        let mut walls = self.units(Stage::Mesh);
+        walls.retain(|unit| !unit.files.is_empty());
         walls
+    }
+
+    /// Finished units of this cave; the folder may still hold those of another.
+    pub fn units(&self, stage: Stage) -> Vec<Unit> {
+        let mut units = self.folder.units(stage);
+        units.retain(|unit| unit.fingerprint == self.fingerprint(stage));
+        units
     }
 
     fn fingerprint(&self, stage: Stage) -> &str {
@@ -195,8 +204,18 @@ impl<'a> Pipeline<'a> {
         }
     }
 
+    /// Looks at the size before the field does, whose memory grows with it.
+    fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
+        match Grid::new(station_bounds(&self.graph, self.recipe.passage.width_per_radius), &self.recipe.mesh) {
+            Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. })) => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+
     fn refuse_other_cave(&self) -> Result<(), PipelineError> {
-        for (stage, name) in [(Stage::Graph, "recipe or graph"), (Stage::Mesh, "shape"), (Stage::Texture, "look")] {
+        for (stage, name) in
+            [(Stage::Graph, "recipe, graph or version"), (Stage::Mesh, "shape"), (Stage::Texture, "look")]
+        {
             let is_other = |unit: &Unit| unit.fingerprint != self.fingerprint(stage);
             if self.folder.units(stage).iter().any(is_other) {
                 return Err(PipelineError::OtherCave { path: self.folder.root().to_path_buf(), stage: name });
@@ -272,6 +291,20 @@ fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {
     })
 }
 
+/// A box round the passages where they are widest, at the stations.
+fn station_bounds(graph: &Graph, width_per_radius: f32) -> Bounds {
+    let mut bounds = Bounds { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    for node in &graph.nodes {
+        let own_m = node.section.map_or(0.0, |section| section.width_m);
+        let half_m = own_m.max(node.radius * f64::from(width_per_radius)) / 2.0;
+        for axis in 0..3 {
+            bounds.min[axis] = bounds.min[axis].min((node.position[axis] - half_m) as f32);
+            bounds.max[axis] = bounds.max[axis].max((node.position[axis] + half_m) as f32);
+        }
+    }
+    bounds
+}
+
 /// The graph without its recipe: what the shape of the rock depends on.
 fn stations(graph: &Graph) -> String {
     graph::json::write(graph, "", &Value::Null)
@@ -290,5 +323,6 @@ fn graph_of(recipe: &Recipe) -> Result<Graph, PipelineError> {
 /// When it cannot be read or is no graph.
 pub fn read_graph(path: &Path) -> Result<graph::json::Document, PipelineError> {
     let text = std::fs::read_to_string(path).map_err(|e| StoreError::io(path, e))?;
-    graph::json::read(&text).map_err(|source| PipelineError::GraphFile { path: path.to_path_buf(), source })
+    let text = text.trim_start_matches('\u{feff}');
+    graph::json::read(text).map_err(|source| PipelineError::GraphFile { path: path.to_path_buf(), source })
 }

@@ -127,6 +127,65 @@ fn ctrl_c_leaves_no_half_package_and_the_next_run_goes_on() {
     assert!(!desk.path(".stopped.cave").exists());
 }
 
+#[test]
+fn a_kill_before_the_first_unit_is_no_hindrance() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("cave")).unwrap();
+    desk.file("cave/journal.jsonl", "\n{\"stage\": \"gra");
+    desk.file("cave/cave.toml.partial", "name");
+    desk.make(&["graph", "--output", "cave"]);
+}
+
+#[test]
+fn a_torn_line_costs_its_own_unit_only() {
+    let desk = Desk::new();
+    desk.make(&["mesh", "--output", "cave"]);
+    let manifest = fs::read_to_string(desk.path("cave/manifest.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    let units: String = manifest["units"].as_array().unwrap().iter().map(|unit| format!("{unit}\n")).collect();
+    fs::write(desk.path("cave/journal.jsonl"), format!("{{\"stage\": \"me\n{units}")).unwrap();
+    fs::remove_file(desk.path("cave/manifest.json")).unwrap();
+    let made = plume::store::CaveFolder::open(&desk.path("cave")).unwrap();
+    let chunks = manifest["units"].as_array().unwrap().iter().filter(|unit| unit["stage"] == "mesh").count();
+    assert_eq!(made.units(plume::store::Stage::Mesh).len(), chunks);
+}
+
+#[test]
+fn one_run_at_a_time_works_in_a_folder() {
+    let desk = Desk::new();
+    let first = plume::store::CaveFolder::open_or_new(&desk.path("cave")).unwrap();
+    first.begin().unwrap();
+    let second = desk.run(&["graph", "--output", "cave"]);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&second.stderr).contains("another run"));
+    drop(first);
+    desk.make(&["graph", "--output", "cave"]);
+}
+
+#[test]
+fn an_edited_recipe_or_graph_is_refused_or_followed_but_never_passed_over() {
+    let desk = Desk::new();
+    desk.make(&["graph", "--output", "cave"]);
+    let nodes = || fs::read_to_string(desk.path("cave/graph.json")).unwrap().matches("\"id\"").count();
+    let edit = |file: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(desk.path(file)).unwrap();
+        assert!(text.contains(from));
+        desk.file(file, &text.replacen(from, to, 1));
+    };
+    edit("cave/cave.toml", "\nnodes = 12", "\nnodes = 9");
+    assert_eq!(desk.run(&["mesh", "cave"]).status.code(), Some(2));
+    assert!(desk.run(&["mesh", "cave", "--force"]).status.success());
+    assert_eq!(nodes(), 9);
+    edit("cave/graph.json", "\"radius\":", "\"radius\":1");
+    let edited = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    assert_eq!(desk.run(&["graph", "cave"]).status.code(), Some(2));
+    assert!(desk.run(&["graph", "cave", "--force"]).status.success());
+    assert_eq!(edited, fs::read_to_string(desk.path("cave/graph.json")).unwrap());
+    fs::remove_file(desk.path("cave/graph.json")).unwrap();
+    assert!(desk.run(&["graph", "cave", "--force"]).status.success());
+    assert_eq!(nodes(), 9);
+}
+
 /// A file-size limit stands in for a full disk: the same path through the code, without a disk to fill.
 #[cfg(unix)]
 #[test]

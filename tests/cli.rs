@@ -6,8 +6,9 @@ mod command;
 
 use std::fs;
 
-use command::{Desk, files};
+use command::{Desk, SMALL, files};
 use insta::assert_snapshot;
+use serde_json::json;
 
 #[test]
 fn a_faulty_recipe_is_told_line_by_line() {
@@ -88,4 +89,107 @@ fn results_go_to_stdout_and_notes_to_stderr() {
     let json = desk.run(&["graph", "--output", "json", "--json"]);
     let summary: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!(summary["graph"]["nodes"], 50);
+}
+
+#[test]
+fn faulty_overrides_are_told_by_their_own_words() {
+    let desk = Desk::new();
+    for (name, pair) in [
+        ("override_nowhere", "a.b.c.d=1"),
+        ("override_below_a_value", "graph.nodes.x=1"),
+        ("override_not_finite", "graph.sigma_deg=nan"),
+        ("override_too_large", "mesh.divisions=[99999999999, 1, 1]"),
+    ] {
+        assert_snapshot!(name, desk.fault(&["new", "--set", pair]));
+    }
+    assert_snapshot!("seed_negative", desk.fault(&["graph", "--seed", "-1"]));
+    desk.file("flat.toml", "graph = 3\n");
+    assert_snapshot!("override_hides_nothing", desk.fault(&["graph", "flat.toml", "--set", "graph.nodes=9"]));
+    for threads in ["0", "100000"] {
+        assert_eq!(desk.run(&["list", "--threads", threads]).status.code(), Some(2));
+    }
+}
+
+#[test]
+fn bytes_that_are_no_text_are_bad_input() {
+    let desk = Desk::new();
+    fs::write(desk.path("graph.json"), b"{\"nodes\": \"\xff\"}").unwrap();
+    assert_snapshot!("graph_no_text", desk.fault(&["graph", "graph.json"]));
+    desk.file("marked.json", "\u{feff}{\"nodes\": []}");
+    assert_snapshot!("graph_byte_order_mark", desk.fault(&["graph", "marked.json"]));
+}
+
+#[test]
+fn bad_input_leaves_nothing_behind() {
+    let desk = Desk::new();
+    for faulty in [
+        &["graph", "--output", "cave", "--set", "graph.bounds_x_m=1"][..],
+        &["export", "--target", "gltf", "--output", "package", "--set", "mesh.chunk_m=[1, 1, 1]"],
+    ] {
+        assert_eq!(desk.run(faulty).status.code(), Some(2));
+    }
+    assert_eq!(fs::read_dir(desk.path("")).unwrap().count(), 0);
+}
+
+#[test]
+fn a_cave_of_absurd_size_is_refused_at_once() {
+    let desk = Desk::new();
+    let at = |x: i32| json!({"x": x, "y": x, "z": x});
+    let graph = |x: i32| {
+        let node =
+            |id: i32, edges: &[i32], x: i32| json!({"id": id, "edges": edges, "radius": 2, "coordinates": at(x)});
+        json!({"nodes": [node(0, &[], -x), node(1, &[0], x)]}).to_string()
+    };
+    desk.file("vast.json", &graph(4000));
+    assert_snapshot!("cave_too_vast", desk.fault(&["mesh", "vast.json", "--output", "vast"]));
+    desk.file("far.json", &graph(900_000));
+    assert_snapshot!("cave_too_far", desk.fault(&["mesh", "far.json", "--output", "far"]));
+}
+
+#[test]
+fn only_packages_are_replaced() {
+    let desk = Desk::new();
+    desk.make(&["graph", "--output", "cave"]);
+    fs::create_dir(desk.path("extension")).unwrap();
+    desk.file("extension/manifest.json", "{\"name\": \"of a browser\"}");
+    for (name, folder) in [("package_over_cave", "cave"), ("package_over_others", "extension")] {
+        let fault = desk.fault(&["export", "--target", "gltf", "--output", folder, "--force"]);
+        assert_snapshot!(name, fault);
+        assert!(desk.path(folder).join("manifest.json").exists());
+    }
+    assert_snapshot!("cave_over_others", desk.fault(&["graph", "--output", "extension", "--force"]));
+}
+
+#[test]
+fn two_things_in_one_place_are_refused_before_the_work() {
+    let desk = Desk::new();
+    assert_snapshot!("target_twice", desk.fault(&["export", "--target", "gltf,gltf", "--output", "out"]));
+    assert_snapshot!(
+        "kept_in_package",
+        desk.fault(&["export", "--target", "gltf", "--output", "out", "--keep", "out"])
+    );
+    assert!(!desk.path("out").exists());
+}
+
+#[test]
+fn a_package_can_be_made_in_the_folder_one_is_in() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("here")).unwrap();
+    let arguments: Vec<&str> = ["export", "--target", "gltf", "--output", "."].iter().chain(&SMALL).copied().collect();
+    let output = desk.command(&arguments).current_dir(desk.path("here")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(desk.path("here/manifest.json").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn folders_may_have_names_that_are_no_text() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::new();
+    let name = OsStr::from_bytes(b"cave\xff");
+    for format in ["--quiet", "--json"] {
+        let output = desk.command(&["graph", "--force", format, "--output"]).arg(name).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
 }

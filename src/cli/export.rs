@@ -15,6 +15,7 @@ use super::input::Input;
 use super::progress::Console;
 use super::summary::Summary;
 use crate::assemble::{self, FolderChunks};
+use crate::pipeline::PipelineError;
 use crate::recipe::{self, did_you_mean};
 use crate::store::CaveFolder;
 
@@ -47,15 +48,17 @@ impl Export {
         let targets = self.build(&rows)?;
         let input = self.source.resolve()?;
         let outputs = self.outputs(&input.recipe.name, &rows);
+        self.refuse_same_place(&outputs)?;
         let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
         for output in &outputs {
             Folder::check(output, existing)?;
         }
         let work = self.work_folder(&input, &outputs[0]);
-        let folder = CaveFolder::open_or_create(&work.path)?;
+        let folder = CaveFolder::open_or_new(&work.path)?;
         let mut summary = Summary::start();
         let force = self.source.force || work.is_temporary;
-        let pipeline = make(&input, &folder, Until::Textures, force, console, &mut summary)?;
+        let made = make(&input, &folder, Until::Textures, force, console, &mut summary);
+        let pipeline = made.inspect_err(|error| work.clear_if_hopeless(error))?;
         let field = pipeline.field();
         let chunks = FolderChunks::new(&folder, &pipeline.walls(), input.recipe.texture.format);
         let scene = assemble::scene(&input.recipe, pipeline.graph(), &field, &chunks);
@@ -67,6 +70,18 @@ impl Export {
         }
         work.clear();
         summary.print(console)
+    }
+
+    /// Refuses a place that two would write to.
+    fn refuse_same_place(&self, outputs: &[PathBuf]) -> Result<(), CliError> {
+        let places: Vec<&PathBuf> = outputs.iter().chain(&self.keep).collect();
+        let twice = places.iter().enumerate().find(|(i, place)| places[..*i].contains(place));
+        twice.map_or(Ok(()), |(_, place)| {
+            Err(CliError::Usage {
+                message: format!("{}: two things cannot both be written here", place.display()),
+                hint: "name each target once, and a folder of its own for --keep".into(),
+            })
+        })
     }
 
     /// The targets with their options.
@@ -92,6 +107,8 @@ impl Export {
         if let Some(path) = self.keep.as_ref().or(input.folder.as_ref()) {
             return WorkFolder { path: path.clone(), is_temporary: false };
         }
+        // A folder that is there, perhaps as `.`, gets a neighbour and not something inside it.
+        let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
         let name = output.file_name().unwrap_or_default().to_string_lossy();
         WorkFolder { path: output.with_file_name(format!(".{name}.cave")), is_temporary: true }
     }
@@ -107,6 +124,13 @@ impl WorkFolder {
         if self.is_temporary {
             // What is left over costs space only.
             let _ = fs::remove_dir_all(&self.path);
+        }
+    }
+
+    /// What no second run could finish is not kept for it.
+    fn clear_if_hopeless(&self, error: &CliError) {
+        if let CliError::Pipeline(PipelineError::Grid(_)) = error {
+            self.clear();
         }
     }
 }

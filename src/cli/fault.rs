@@ -74,8 +74,11 @@ impl CliError {
 
 /// What the user can mend is bad input; what the disk does is not.
 fn io_exit_code(error: &std::io::Error) -> u8 {
-    use ErrorKind::{AlreadyExists, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem};
-    let bad_input = [AlreadyExists, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem];
+    use ErrorKind::{
+        AlreadyExists, InvalidData, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem,
+    };
+    let bad_input =
+        [AlreadyExists, InvalidData, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem];
     if bad_input.contains(&error.kind()) { 2 } else { 1 }
 }
 
@@ -86,6 +89,7 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::Grid(error) => error.hint().to_owned(),
         PipelineError::OtherCave { .. } => "give another folder, or --force to make it anew".into(),
         PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),
+        PipelineError::Store(StoreError::InUse { .. }) => "wait for it to end, or give another folder".into(),
         PipelineError::Store(StoreError::Damaged { .. }) => "delete the folder and make it again".into(),
         PipelineError::Store(StoreError::Io { source, .. }) if source.kind() == ErrorKind::StorageFull => {
             "free some space and run the same command again: it goes on where it stopped".into()

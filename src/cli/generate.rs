@@ -10,7 +10,7 @@ use super::input::Input;
 use super::progress::Console;
 use super::summary::Summary;
 use crate::pipeline::Pipeline;
-use crate::store::CaveFolder;
+use crate::store::{CaveFolder, Stage};
 
 /// Makes a cave folder; stopped or killed, the same command goes on where it stopped.
 #[derive(Args)]
@@ -42,7 +42,7 @@ impl Generate {
         let input = self.source.resolve()?;
         let named = input.folder.clone();
         let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
-        let folder = CaveFolder::open_or_create(&output)?;
+        let folder = CaveFolder::open_or_new(&output)?;
         let mut summary = Summary::start();
         make(&input, &folder, until, self.source.force, console, &mut summary)?;
         summary.place("cave", &output, &folder);
@@ -70,7 +70,7 @@ pub fn make<'a>(
     }
     if until >= Until::Textures {
         pipeline.texture()?;
-        summary.texture(folder);
+        summary.texture(&pipeline.units(Stage::Texture));
     }
     pipeline.settle()?;
     Ok(pipeline)

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::Source;
 use super::fault::CliError;
@@ -35,7 +35,7 @@ impl Source {
         if path.is_dir() {
             return self.cave_folder(path);
         }
-        if path.extension().is_some_and(|extension| extension == "json") {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
             return graph_file(path, &overrides);
         }
         let recipe = Recipe::from_toml(&read(path)?, path, &overrides)?;
@@ -50,18 +50,31 @@ impl Source {
         }
         let path = folder.join(store::RECIPE);
         let recipe = Recipe::from_toml(&read(&path)?, &path, &self.overrides())?;
-        // The folder's graph counts, not the file or the generator it once came from.
-        let graph = pipeline::read_graph(&folder.join(store::GRAPH))?.graph;
-        let keeps_graph = !self.overrides().iter().any(|pair| pair.starts_with("graph.") || pair.starts_with("seed"));
-        Ok(Input { recipe, graph: keeps_graph.then_some(graph), folder: Some(folder.to_path_buf()) })
+        let graph = kept_graph(&folder.join(store::GRAPH), recipe.to_json())?;
+        Ok(Input { recipe, graph, folder: Some(folder.to_path_buf()) })
     }
+}
+
+/// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
+/// another or it is gone.
+fn kept_graph(path: &Path, recipe: &Value) -> Result<Option<Graph>, CliError> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let document = pipeline::read_graph(path)?;
+    let is_of = |made: &Value| ["graph", "seed"].iter().all(|key| made[key] == recipe[key]);
+    Ok(document.recipe.as_ref().is_some_and(is_of).then_some(document.graph))
 }
 
 /// A graph of ours brings its recipe. One of the original PLUME gets the default recipe round it.
 fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CliError> {
     let document = pipeline::read_graph(path)?;
     let Some(recipe) = document.recipe else {
-        let file = json!({"graph": {"generator": "file", "path": path.display().to_string()}});
+        let name = path.to_str().ok_or_else(|| CliError::Usage {
+            message: format!("{}: a recipe cannot hold this path", path.display()),
+            hint: "rename the file so that its path is UTF-8".into(),
+        })?;
+        let file = json!({"graph": {"generator": "file", "path": name}});
         let recipe = Recipe::from_json(file, path, overrides)?;
         return Ok(Input { recipe, graph: None, folder: None });
     };

@@ -40,8 +40,8 @@ pub struct Common {
     #[arg(long, global = true)]
     json: bool,
     /// Number of threads [default: all cores]
-    #[arg(long, global = true, value_name = "N")]
-    threads: Option<usize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
 }
 
 /// What a cave is made from.
@@ -54,8 +54,8 @@ pub struct Source {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Set the seed
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<String>,
     /// Replace what is in the way
     #[arg(long)]
     force: bool,
@@ -64,7 +64,7 @@ pub struct Source {
 impl Source {
     /// The `key=value` pairs, the seed last.
     fn overrides(&self) -> Vec<String> {
-        let seed = self.seed.map(|seed| format!("seed={seed}"));
+        let seed = self.seed.as_ref().map(|seed| format!("seed={seed}"));
         self.set.iter().cloned().chain(seed).collect()
     }
 }
@@ -105,7 +105,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let console = Console::new(cli.common.quiet, cli.common.json);
     if let Some(threads) = cli.common.threads {
         // Fails only if a pool exists already, as in a host program; then that pool serves.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
     match dispatch(&cli.command, &console) {
         Ok(()) => 0,

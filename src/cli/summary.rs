@@ -47,8 +47,7 @@ impl Summary {
     }
 
     /// The texture stage is done.
-    pub fn texture(&mut self, folder: &CaveFolder) {
-        let units = folder.units(Stage::Texture);
+    pub fn texture(&mut self, units: &[Unit]) {
         let bytes: u64 = units.iter().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
         let density = units.iter().filter_map(|unit| unit.facts["texels_per_m"].as_f64());
         let density = density.fold(f64::INFINITY, f64::min);
@@ -59,7 +58,7 @@ impl Summary {
     /// A package was written; `open` says how to open it.
     pub fn package(&mut self, target: &str, path: &Path, open: &str, files: &Files) {
         let (count, bytes) = (files.0.len(), files.bytes());
-        let numbers = json!({"path": path, "files": count, "bytes": bytes, "open": open});
+        let numbers = json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
         self.stage(target, &text, numbers);
         self.lines.push(format!("  {:9} {open}", "open with"));
@@ -70,7 +69,11 @@ impl Summary {
         let stages = [Stage::Graph, Stage::Mesh, Stage::Texture];
         let units = stages.into_iter().flat_map(|stage| folder.units(stage));
         let files: usize = units.map(|unit| unit.files.len()).sum();
-        self.stage(what, &format!("{}  {files} files", path.display()), json!({"path": path, "files": files}));
+        self.stage(
+            what,
+            &format!("{}  {files} files", path.display()),
+            json!({"path": path.to_string_lossy(), "files": files}),
+        );
     }
 
     /// Prints it all.

@@ -78,6 +78,9 @@ impl Checker<'_> {
         let Some(x) = value.as_f64().filter(|_| !whole || value.is_i64() || value.is_u64()) else {
             return self.mistyped(if whole { "a whole number" } else { "a number" }, value, key);
         };
+        if schema["format"] == "uint32" && value.as_u64().is_some_and(|x| x > u32::MAX.into()) {
+            return self.fault(key, format!("{key} must be at most {}, found {value}", u32::MAX), hint_from(schema));
+        }
         let (low, high) = (schema["minimum"].as_f64(), schema["maximum"].as_f64());
         if low.is_some_and(|low| x < low) {
             let message = format!("{key} must be at least {}, found {value}", show(&schema["minimum"]));

@@ -135,8 +135,12 @@ pub fn overrides(draft: &mut Draft, pairs: &[String]) -> Result<(), Faults> {
         };
         let key = key.trim();
         let value = override_value(text.trim(), pair)?;
-        draft.origins.insert(key.to_owned(), Origin::Override(pair.clone()));
-        put(&mut draft.value, key, value);
+        note_origin(draft, key, pair);
+        put(&mut draft.value, key, value).map_err(|at| Fault {
+            origin: Origin::Override(pair.clone()),
+            message: format!("{at} is a value and holds no keys"),
+            hint: format!("set {at} itself, or mend it where it is written"),
+        })?;
     }
     Ok(())
 }
@@ -145,25 +149,45 @@ fn override_value(text: &str, pair: &str) -> Result<Value, Faults> {
     let line = format!("x = {text}");
     let line = if Document::parse(line.as_str()).is_ok() { line } else { format!("x = {text:?}") };
     let mut draft = toml(&line, Path::new("")).map_err(|faults| {
-        let of_pair = |fault: Fault| Fault { origin: Origin::Override(pair.to_owned()), ..fault };
+        let key = pair.split('=').next().unwrap_or_default().trim();
+        let of_pair = |fault: Fault| Fault {
+            origin: Origin::Override(pair.to_owned()),
+            message: fault.message.replacen('x', key, 1),
+            ..fault
+        };
         Faults(faults.0.into_iter().map(of_pair).collect())
     })?;
     Ok(draft.value["x"].take())
 }
 
-fn put(value: &mut Value, key: &str, new: Value) {
-    let mut at = value;
-    let mut parts = key.split('.').peekable();
-    while let Some(part) = parts.next() {
-        if !at.is_object() {
-            *at = Value::Object(Map::new());
-        }
-        at = &mut at[part];
-        if parts.peek().is_none() {
-            *at = new;
-            return;
+/// The pair is the origin of its key and of every section that exists through it alone.
+fn note_origin(draft: &mut Draft, key: &str, pair: &str) {
+    let origin = || Origin::Override(pair.to_owned());
+    draft.origins.retain(|other, _| !other.starts_with(&format!("{key}.")));
+    draft.origins.insert(key.to_owned(), origin());
+    for (dot, _) in key.match_indices('.') {
+        if draft.value.pointer(&format!("/{}", key[..dot].replace('.', "/"))).is_none() {
+            draft.origins.entry(key[..dot].to_owned()).or_insert_with(origin);
         }
     }
+}
+
+/// Sets a key, making the sections above it; `Err` is the key of a value that stands in the way.
+fn put(value: &mut Value, key: &str, new: Value) -> Result<(), String> {
+    let mut at = value;
+    let mut end = 0;
+    for part in key.split('.') {
+        if at.is_null() {
+            *at = Value::Object(Map::new());
+        }
+        if !at.is_object() {
+            return Err(if end == 0 { "the recipe".to_owned() } else { key[..end - 1].to_owned() });
+        }
+        end += part.len() + 1;
+        at = &mut at[part];
+    }
+    *at = new;
+    Ok(())
 }
 
 fn join(path: &str, key: &str) -> String {

@@ -13,14 +13,14 @@
 //! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written under temporary names and renamed;
 //! then one line in a journal says that the unit is done. A process killed at any moment leaves whole units and at most
 //! some `*.partial` files, and the next run goes on from there to the same bytes. Power loss is not covered: nothing
-//! waits for the disk.
+//! waits for the disk. The journal is the first file there, and locked, where the file system can: one run at a time.
 
 mod chunk;
 mod file;
 pub mod ply;
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -97,6 +97,12 @@ pub enum StoreError {
         /// Which folder.
         path: PathBuf,
     },
+    /// Another process is at work in the folder.
+    #[error("{}: another run is at work in this folder", path.display())]
+    InUse {
+        /// Which folder.
+        path: PathBuf,
+    },
 }
 
 impl StoreError {
@@ -118,21 +124,39 @@ struct Work {
 }
 
 impl CaveFolder {
-    /// Whether `root` looks like a cave folder.
+    /// Whether `root` is a cave folder, finished or not. Others have a `manifest.json` too, packages among them.
     pub fn is_at(root: &Path) -> bool {
-        root.join(MANIFEST).is_file() || root.join(JOURNAL).is_file()
+        root.join(JOURNAL).is_file() || (root.join(MANIFEST).is_file() && root.join(RECIPE).is_file())
     }
 
-    /// Opens the cave folder at `root`, or makes one where there is nothing yet.
+    /// Opens the cave folder at `root`, which may be yet to make; nothing is written before [`begin`](Self::begin).
     ///
     /// # Errors
-    /// When `root` holds something else, cannot be written, or its manifest is damaged.
-    pub fn open_or_create(root: &Path) -> Result<Self, StoreError> {
+    /// When `root` holds something else, cannot be read, or its manifest is damaged.
+    pub fn open_or_new(root: &Path) -> Result<Self, StoreError> {
         if !Self::is_at(root) && !file::is_vacant(root)? {
             return Err(StoreError::Occupied { path: root.to_path_buf() });
         }
-        fs::create_dir_all(root).map_err(|e| StoreError::io(root, e))?;
         Self::open(root)
+    }
+
+    /// Makes the folder if need be and keeps other runs out of it, until it is settled.
+    ///
+    /// # Errors
+    /// When the disk refuses, or another run is at work there.
+    pub fn begin(&self) -> Result<(), StoreError> {
+        fs::create_dir_all(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
+        let path = self.root.join(JOURNAL);
+        let opened = OpenOptions::new().create(true).append(true).open(&path);
+        let mut journal = opened.map_err(|e| StoreError::io(&path, e))?;
+        // File systems without locks are served all the same.
+        if let Err(TryLockError::WouldBlock) = journal.try_lock() {
+            return Err(StoreError::InUse { path: self.root.clone() });
+        }
+        // A kill may have torn the last line: what follows starts on a line of its own.
+        journal.write_all(b"\n").map_err(|e| StoreError::io(&path, e))?;
+        self.work().journal = Some(journal);
+        Ok(())
     }
 
     /// Opens the cave folder at `root`.
@@ -194,7 +218,7 @@ impl CaveFolder {
         Sink::create(&self.root, path)
     }
 
-    /// Notes that a unit is done; its files have been written.
+    /// Notes that a unit is done; its files have been written. For folders that have [begun](Self::begin).
     ///
     /// # Errors
     /// When the journal cannot be written.
@@ -203,11 +227,7 @@ impl CaveFolder {
         let mut line = serde_json::to_vec(&unit).expect("a unit is plain data");
         line.push(b'\n');
         let mut work = self.work();
-        if work.journal.is_none() {
-            let opened = OpenOptions::new().create(true).append(true).open(&path);
-            work.journal = Some(opened.map_err(|e| StoreError::io(&path, e))?);
-        }
-        let journal = work.journal.as_mut().expect("opened above");
+        let journal = work.journal.as_mut().expect("a folder begins before its units");
         journal.write_all(&line).map_err(|e| StoreError::io(&path, e))?;
         work.units.insert((unit.stage, unit.name.clone()), unit);
         Ok(())
@@ -249,15 +269,12 @@ fn read_manifest(path: &Path) -> Result<BTreeMap<(Stage, String), Unit>, StoreEr
     };
     let manifest: Manifest = serde_json::from_slice(&text)
         .map_err(|e| StoreError::Damaged { path: path.to_path_buf(), message: e.to_string() })?;
-    if manifest.plume != crate::VERSION {
-        return Ok(BTreeMap::new());
-    }
     Ok(manifest.units.into_iter().map(|unit| ((unit.stage, unit.name.clone()), unit)).collect())
 }
 
-/// The journal's units up to the first line that a kill tore.
+/// The journal's units, without lines that a kill tore.
 fn read_journal(path: &Path) -> Result<Vec<Unit>, StoreError> {
     let text = file::read_if_there(path)?.unwrap_or_default();
     let lines = text.split(|byte| *byte == b'\n');
-    Ok(lines.map_while(|line| serde_json::from_slice(line).ok()).collect())
+    Ok(lines.filter_map(|line| serde_json::from_slice(line).ok()).collect())
 }
