@@ -193,3 +193,21 @@ fn folders_may_have_names_that_are_no_text() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 }
+
+#[test]
+fn every_key_is_documented_with_its_range() {
+    let desk = Desk::new();
+    let schema: serde_json::Value = serde_json::from_slice(&desk.run(&["schema"]).stdout).unwrap();
+    for (section, schema) in schema["properties"].as_object().unwrap() {
+        let variants = schema["oneOf"].as_array().cloned().unwrap_or_else(|| vec![schema.clone()]);
+        for (key, schema) in variants.iter().filter_map(|v| v["properties"].as_object()).flatten() {
+            assert!(schema["description"].is_string(), "{section}.{key} says nothing");
+            for number in [schema, &schema["items"]] {
+                let kinds = number["type"].to_string();
+                let is_number = kinds.contains("integer") || kinds.contains("number");
+                let has_range = number["minimum"].is_number() && number["maximum"].is_number();
+                assert!(!is_number || has_range, "{section}.{key} has no range: {schema}");
+            }
+        }
+    }
+}

@@ -12,13 +12,14 @@ pub struct MeshSettings {
     #[schemars(inner(range(min = 1.0, max = 512.0)))]
     pub chunk_m: [f32; 3],
     /// Number of chunks along x, y and z, as in the original PLUME. Overrides `chunk_m`.
-    #[schemars(inner(inner(range(min = 1, max = 1024))))]
+    #[schemars(inner(range(min = 1, max = 1024)))]
     pub divisions: Option<[u32; 3]>,
     /// How far simplification may move what cameras see, in metres: about the distance that one point of the wall in a
     /// thousand exceeds; the worst lies within three times. 0 keeps every triangle.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub simplify_error_m: f32,
     /// Aim at no more visual triangles than this in the whole cave, whatever the error. 0 sets no limit.
+    #[schemars(range(min = 0, max = 4_000_000_000_u32))]
     pub max_triangles: u32,
     /// The same as `simplify_error_m`, for what wheels touch.
     #[schemars(range(min = 0.0, max = 1.0))]
