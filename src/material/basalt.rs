@@ -73,9 +73,9 @@ impl Basalt {
     fn spalled<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
         let n = site.source;
         let w = n.warp(20, site.point, 0.9, 0.10);
-        let large = facets(w.stretched(1.0 / 1.15, 1.0 / 1.15, 1.0 / 0.8), 1.1, n.layer(21));
+        let large = facets(w.stretched(1.0 / 1.3, 1.0 / 1.3, 1.0 / 0.95), 1.1, n.layer(21));
         let small = facets(Self::joints(w), 1.1, n.layer(22));
-        large * 0.26 + small * 0.10 + 0.24
+        large * 0.25 + small * 0.055 + 0.24
     }
 
     /// The space of the smaller fracture blocks.
@@ -120,7 +120,7 @@ impl Rock for Basalt {
         let (p, n) = (site.point, site.source);
         let ceiling = site.up.step(0.15, 0.75);
         let patches = n.noise(1, p.scaled(1.0 / 5.5)) + n.noise(2, p.scaled(1.0 / 1.9)) * 0.35;
-        let spall = (patches + ceiling * 0.35 + self.spall).step(0.0, 0.18);
+        let spall = (patches + ceiling * 0.35 + self.spall).step(-0.05, 0.25);
         let undulation = n.fbm(3, p.scaled(1.0 / 3.0), 3, 0.574) * 0.36;
         let mut form = undulation * 0.0;
         if spall.value().simd_lt(1.0).any_true() {
