@@ -138,13 +138,14 @@ impl Rock for Basalt {
         let (p, n, spall) = (site.point, site.source, wall.state);
         let mut detail = Detail { recess: spall * 0.0, crack: spall * 0.0 };
         if spall.value().simd_lt(1.0).any_true() {
-            let drip = (n.noise(40, p.scaled(1.0 / 1.7)) + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
-            let drops = cells_3d(n.warp(41, p, 0.25, 0.03).stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
+            let patch = n.noise(40, p.scaled(1.0 / 1.7));
+            let drip = (patch + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
+            let drops = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
             let cell = cells_3d(n.warp(43, p, 0.6, 0.10).scaled(1.0 / 1.5), n.layer(44));
-            let crack = (cell.edge * -38.0 + 1.0).at_least(0.0);
+            let crack = band.line(cell.edge * 1.5, 0.035) * patch.step(0.30, -0.30);
             let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
             let rims = saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
-            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 4), 0.52) * 0.018;
+            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 3), 0.52) * 0.018;
             let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * band.keep(0.05));
             let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.02;
             detail.recess = fine * (-spall + 1.0);
@@ -154,9 +155,10 @@ impl Rock for Basalt {
             let w = n.warp(20, p, 0.9, 0.10);
             let edges = cells_3d(Self::joints(w), n.layer(22)).edge;
             let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * band.keep(0.17));
-            let grain = n.fbm(50, p.scaled(6.0), band.octaves(0.17, 4), 0.55) * 0.022;
-            detail.recess = detail.recess + (chips + grain) * spall;
-            detail.crack = detail.crack + (edges * -14.0 + 1.0).at_least(0.0) * spall;
+            let rough = n.fbm(50, p.scaled(6.0), band.octaves(0.17, 3), 0.55);
+            let split = rough.step(-0.30, 0.40);
+            detail.recess = detail.recess + (chips + rough * 0.022) * spall;
+            detail.crack = detail.crack + band.line(edges * 0.44, 0.028) * split * spall;
         }
         detail
     }

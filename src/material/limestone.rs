@@ -154,13 +154,15 @@ impl Rock for Limestone {
         let mut detail = Detail { recess: flow * 0.0, crack: flow * 0.0 };
         if flow.value().simd_lt(1.0).any_true() {
             let bed = self.bed(site);
-            let groove = ((bed.rest - 0.86) * 9.0).bump() * bed.show * (bed.parting * 0.12 + 0.03);
-            let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.15, 0.2);
+            let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
+            let groove = band.line((bed.rest - 0.86) * self.bed_m, 0.09) * open * (bed.parting * 0.05 + 0.012);
+            let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.25, 0.15);
             let scallop = cells_3d(n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7), n.layer(42)).distance;
             let scallops = (-scallop.squared() + 0.30) * scalloped * 0.10;
             let net = cells_3d(n.warp(43, p, 0.7, 0.08).stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3), n.layer(44)).edge;
-            let cracked = n.noise(45, p.scaled(1.0 / 2.2)).step(0.10, 0.45);
-            let crack = (net * -45.0 + 1.0).at_least(0.0) * cracked;
+            // In pieces: the mask is about as long as an edge of the net.
+            let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.12, 0.60);
+            let crack = band.line(net * 0.7, 0.022) * cracked;
             let grain = n.fbm(46, p.scaled(4.5), band.octaves(0.22, 4), 0.54) * 0.020;
             let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
             detail.recess = (scallops + groove + grain + ribs + crack * 0.015) * (-flow + 1.0);
