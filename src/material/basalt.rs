@@ -6,7 +6,7 @@
 
 use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
-use super::rubble::{Rubble, higher};
+use super::rubble::{Rubble, Sediment, higher, strewn};
 use super::site::{Band, Ground, Site};
 use super::{Look, Wander};
 use crate::noise::{Lanes, Real, Value, Vec3, cells_3d, facets, mix, vec3};
@@ -105,10 +105,8 @@ pub(super) fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
     (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
 }
 
-const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, height_m: [0.35, 0.65], tilt: 0.22, steepness: 5.0 };
-const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.52, height_m: [0.12, 0.26], tilt: 0.26, steepness: 4.0 };
-const COBBLES: Rubble = Rubble { layer: 33, cell_m: 0.17, height_m: [0.016, 0.032], tilt: 0.35, steepness: 2.0 };
-const CHIPS: Rubble = Rubble { layer: 34, cell_m: 0.06, height_m: [0.006, 0.010], tilt: 0.35, steepness: 1.8 };
+const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.2 };
+const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.15 };
 
 impl Rock for Basalt {
     fn wander(&self) -> Wander {
@@ -165,50 +163,36 @@ impl Rock for Basalt {
 
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.13);
+        let ash = Sediment::of(site, 2.6);
+        let edges = [ash.ragged, ash.drift];
         let slabs = SLABS.stones(
             site,
-            at,
+            ash.at,
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.65,
+            |c| self.density(site, c) * 0.75 + 0.04,
         );
         let blocks = BLOCKS.stones(
             site,
-            at.shifted(3.3, 1.7, 0.0),
+            ash.at.shifted(3.3, 1.7, 0.0),
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) + 0.12,
+            |c| self.density(site, c) + 0.04,
         );
         let stones = higher(slabs, blocks);
-        let flat = vec3(p.x, p.y, p.z * 0.0);
-        let roll = n.fbm(36, flat.scaled(1.0 / 2.6), 2, 0.54) * (0.09 * site.ground.natural);
+        let roll = ash.roll * (0.09 * site.ground.natural);
         Floor { height: stones.height * stone_height(site) + roll - 0.02, ..stones }
     }
 
     #[inline(always)]
     fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.13);
-        let gravel = COBBLES.stones(
+        strewn(
             site,
-            at.shifted(1.3, 5.7, 0.0),
+            floor,
+            band,
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.10,
-        );
-        let chips = CHIPS.stones(
-            site,
-            at.shifted(9.3, 2.7, 0.0),
-            #[inline(always)]
-            |c| self.density(site, c) + 0.16,
-        );
-        let gravel = higher(gravel, chips);
-        let grain = n.fbm(37, p.scaled(7.0), band.octaves(0.14, 4), 0.55) * 0.014;
-        let on_stone = floor.stone.value().simd_gt(0.3);
-        Floor {
-            height: floor.height + gravel.height * (-floor.stone + 1.0) + grain,
-            stone: floor.stone.max(gravel.stone * 0.8),
-            tint: T::pick(on_stone, floor.tint, gravel.tint),
-        }
+            |c| self.density(site, c) * 0.8 + 0.30,
+        )
     }
 
     #[inline(always)]
@@ -254,6 +238,6 @@ impl Basalt {
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let ash = ramp((tone.fine + tone.broad).step(-0.5, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
-        ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.125, 0.108, 0.094]), form.stone)
+        ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.120, 0.105, 0.092]), form.stone * 0.8)
     }
 }

@@ -6,7 +6,7 @@
 use super::basalt::{bank, stone_height};
 use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
-use super::rubble::{Rubble, higher};
+use super::rubble::{Rubble, Sediment, higher, strewn};
 use super::site::{Band, Site};
 use super::{Look, Wander};
 use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
@@ -115,9 +115,8 @@ impl Limestone {
     }
 }
 
-const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, height_m: [0.35, 0.65], tilt: 0.4, steepness: 5.0 };
-const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, height_m: [0.10, 0.24], tilt: 0.4, steepness: 4.0 };
-const PEBBLES: Rubble = Rubble { layer: 33, cell_m: 0.14, height_m: [0.010, 0.026], tilt: 0.3, steepness: 1.5 };
+const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.8, flank: 5.0, rounding: 0.3 };
+const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.6, flank: 2.4, rounding: 0.3 };
 
 impl Rock for Limestone {
     fn wander(&self) -> Wander {
@@ -178,43 +177,36 @@ impl Rock for Limestone {
 
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.12);
+        let mud = Sediment::of(site, 3.2);
+        let edges = [mud.ragged, mud.drift];
         let blocks = BLOCKS.stones(
             site,
-            at,
+            mud.at,
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.65,
+            |c| self.density(site, c) * 0.75 + 0.06,
         );
         let cobbles = COBBLES.stones(
             site,
-            at.shifted(3.3, 1.7, 0.0),
+            mud.at.shifted(3.3, 1.7, 0.0),
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.10,
+            |c| self.density(site, c) + 0.06,
         );
         let stones = higher(blocks, cobbles);
-        let flat = vec3(p.x, p.y, p.z * 0.0);
-        let roll = n.fbm(36, flat.scaled(1.0 / 3.2), 2, 0.5) * (0.09 * site.ground.natural);
+        let roll = mud.roll * (0.09 * site.ground.natural);
         Floor { height: stones.height * stone_height(site) + roll, ..stones }
     }
 
     #[inline(always)]
     fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.12);
-        let pebbles = PEBBLES.stones(
+        strewn(
             site,
-            at.shifted(1.3, 5.7, 0.0),
+            floor,
+            band,
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.20,
-        );
-        let grain = n.fbm(37, p.scaled(3.4), band.octaves(0.29, 5), 0.54) * 0.026;
-        let on_stone = floor.stone.value().simd_gt(0.3);
-        Floor {
-            height: floor.height + pebbles.height * (-floor.stone + 1.0) + grain * (floor.stone * -0.6 + 1.0),
-            stone: floor.stone.max(pebbles.stone * 0.8),
-            tint: T::pick(on_stone, floor.tint, pebbles.tint),
-        }
+            |c| self.density(site, c) * 0.8 + 0.30,
+        )
     }
 
     #[inline(always)]
