@@ -229,7 +229,7 @@ impl Basalt {
             * form.cavity.step(-0.1, 0.5);
         lining
             .under(spall, form.state * 0.8)
-            .tinted([0.150, 0.052, 0.026], red * (form.state * 0.6 + 0.4) * (0.55 * look.stain))
+            .tinted([0.150, 0.052, 0.026], red * (form.state * 0.6 + 0.4) * (0.38 * look.stain))
             .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
             .tinted([0.340, 0.310, 0.260], bloom * (0.24 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
