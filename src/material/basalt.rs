@@ -237,7 +237,7 @@ impl Basalt {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let ash = ramp((tone.fine + tone.broad).step(-0.5, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
+        let ash = ramp((tone.fine + tone.broad * 0.4).step(-0.6, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
         ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.120, 0.105, 0.092]), form.stone * 0.8)
     }
 }

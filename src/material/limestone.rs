@@ -262,7 +262,8 @@ impl Limestone {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let mud = ramp((tone.fine * 0.6 + tone.broad).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
+        let mud =
+            ramp((tone.fine * 0.8 + tone.broad * 0.4).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
         let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
         mud.under(stone.under(mud, form.stone * 0.0 + 0.45), form.stone)
     }

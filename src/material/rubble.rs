@@ -92,7 +92,7 @@ pub fn strewn<S: Simd, T: Real<S>>(
     let bare = -floor.stone + 1.0;
     let on_stone = floor.stone.value().simd_gt(0.3);
     Floor {
-        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (floor.stone * 0.012 + 0.012),
+        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (floor.stone * 0.008 + 0.017),
         stone: floor.stone.max(gravel.stone * 0.7),
         tint: T::pick(on_stone, floor.tint, gravel.tint),
     }
