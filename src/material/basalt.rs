@@ -6,7 +6,7 @@
 
 use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
-use super::rubble::{Rubble, higher};
+use super::rubble::{Rubble, Sediment, higher, strewn};
 use super::site::{Band, Ground, Site};
 use super::{Look, Wander};
 use crate::noise::{Lanes, Real, Value, Vec3, cells_3d, facets, mix, vec3};
@@ -73,9 +73,9 @@ impl Basalt {
     fn spalled<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
         let n = site.source;
         let w = n.warp(20, site.point, 0.9, 0.10);
-        let large = facets(w.stretched(1.0 / 1.15, 1.0 / 1.15, 1.0 / 0.8), 1.1, n.layer(21));
+        let large = facets(w.stretched(1.0 / 1.3, 1.0 / 1.3, 1.0 / 0.95), 1.1, n.layer(21));
         let small = facets(Self::joints(w), 1.1, n.layer(22));
-        large * 0.26 + small * 0.10 + 0.24
+        large * 0.25 + small * 0.055 + 0.24
     }
 
     /// The space of the smaller fracture blocks.
@@ -105,10 +105,8 @@ pub(super) fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
     (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
 }
 
-const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, height_m: [0.35, 0.65], tilt: 0.22, steepness: 5.0 };
-const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.52, height_m: [0.12, 0.26], tilt: 0.26, steepness: 4.0 };
-const COBBLES: Rubble = Rubble { layer: 33, cell_m: 0.17, height_m: [0.016, 0.032], tilt: 0.35, steepness: 2.0 };
-const CHIPS: Rubble = Rubble { layer: 34, cell_m: 0.06, height_m: [0.006, 0.010], tilt: 0.35, steepness: 1.8 };
+const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.2 };
+const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.15 };
 
 impl Rock for Basalt {
     fn wander(&self) -> Wander {
@@ -120,7 +118,7 @@ impl Rock for Basalt {
         let (p, n) = (site.point, site.source);
         let ceiling = site.up.step(0.15, 0.75);
         let patches = n.noise(1, p.scaled(1.0 / 5.5)) + n.noise(2, p.scaled(1.0 / 1.9)) * 0.35;
-        let spall = (patches + ceiling * 0.35 + self.spall).step(0.0, 0.18);
+        let spall = (patches + ceiling * 0.35 + self.spall).step(-0.05, 0.25);
         let undulation = n.fbm(3, p.scaled(1.0 / 3.0), 3, 0.574) * 0.36;
         let mut form = undulation * 0.0;
         if spall.value().simd_lt(1.0).any_true() {
@@ -138,13 +136,14 @@ impl Rock for Basalt {
         let (p, n, spall) = (site.point, site.source, wall.state);
         let mut detail = Detail { recess: spall * 0.0, crack: spall * 0.0 };
         if spall.value().simd_lt(1.0).any_true() {
-            let drip = (n.noise(40, p.scaled(1.0 / 1.7)) + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
-            let drops = cells_3d(n.warp(41, p, 0.25, 0.03).stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
+            let patch = n.noise(40, p.scaled(1.0 / 1.7));
+            let drip = (patch + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
+            let drops = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
             let cell = cells_3d(n.warp(43, p, 0.6, 0.10).scaled(1.0 / 1.5), n.layer(44));
-            let crack = (cell.edge * -38.0 + 1.0).at_least(0.0);
+            let crack = band.line(cell.edge * 1.5, 0.035) * patch.step(0.30, -0.30);
             let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
             let rims = saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
-            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 4), 0.52) * 0.018;
+            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 3), 0.52) * 0.018;
             let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * band.keep(0.05));
             let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.02;
             detail.recess = fine * (-spall + 1.0);
@@ -154,59 +153,46 @@ impl Rock for Basalt {
             let w = n.warp(20, p, 0.9, 0.10);
             let edges = cells_3d(Self::joints(w), n.layer(22)).edge;
             let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * band.keep(0.17));
-            let grain = n.fbm(50, p.scaled(6.0), band.octaves(0.17, 4), 0.55) * 0.022;
-            detail.recess = detail.recess + (chips + grain) * spall;
-            detail.crack = detail.crack + (edges * -14.0 + 1.0).at_least(0.0) * spall;
+            let rough = n.fbm(50, p.scaled(6.0), band.octaves(0.17, 3), 0.55);
+            let split = rough.step(-0.30, 0.40);
+            detail.recess = detail.recess + (chips + rough * 0.022) * spall;
+            detail.crack = detail.crack + band.line(edges * 0.44, 0.028) * split * spall;
         }
         detail
     }
 
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.13);
+        let ash = Sediment::of(site, 2.6);
+        let edges = [ash.ragged, ash.drift];
         let slabs = SLABS.stones(
             site,
-            at,
+            ash.at,
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.65,
+            |c| self.density(site, c) * 0.75 + 0.04,
         );
         let blocks = BLOCKS.stones(
             site,
-            at.shifted(3.3, 1.7, 0.0),
+            ash.at.shifted(3.3, 1.7, 0.0),
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) + 0.12,
+            |c| self.density(site, c) + 0.04,
         );
         let stones = higher(slabs, blocks);
-        let flat = vec3(p.x, p.y, p.z * 0.0);
-        let roll = n.fbm(36, flat.scaled(1.0 / 2.6), 2, 0.54) * (0.09 * site.ground.natural);
+        let roll = ash.roll * (0.09 * site.ground.natural);
         Floor { height: stones.height * stone_height(site) + roll - 0.02, ..stones }
     }
 
     #[inline(always)]
     fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.13);
-        let gravel = COBBLES.stones(
+        strewn(
             site,
-            at.shifted(1.3, 5.7, 0.0),
+            floor,
+            band,
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.10,
-        );
-        let chips = CHIPS.stones(
-            site,
-            at.shifted(9.3, 2.7, 0.0),
-            #[inline(always)]
-            |c| self.density(site, c) + 0.16,
-        );
-        let gravel = higher(gravel, chips);
-        let grain = n.fbm(37, p.scaled(7.0), band.octaves(0.14, 4), 0.55) * 0.014;
-        let on_stone = floor.stone.value().simd_gt(0.3);
-        Floor {
-            height: floor.height + gravel.height * (-floor.stone + 1.0) + grain,
-            stone: floor.stone.max(gravel.stone * 0.8),
-            tint: T::pick(on_stone, floor.tint, gravel.tint),
-        }
+            |c| self.density(site, c) * 0.8 + 0.30,
+        )
     }
 
     #[inline(always)]
@@ -243,7 +229,7 @@ impl Basalt {
             * form.cavity.step(-0.1, 0.5);
         lining
             .under(spall, form.state * 0.8)
-            .tinted([0.150, 0.052, 0.026], red * (form.state * 0.6 + 0.4) * (0.55 * look.stain))
+            .tinted([0.150, 0.052, 0.026], red * (form.state * 0.6 + 0.4) * (0.38 * look.stain))
             .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
             .tinted([0.340, 0.310, 0.260], bloom * (0.24 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
@@ -251,7 +237,7 @@ impl Basalt {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let ash = ramp((tone.fine + tone.broad).step(-0.5, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
-        ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.125, 0.108, 0.094]), form.stone)
+        let ash = ramp((tone.fine + tone.broad * 0.4).step(-0.6, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
+        ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.120, 0.105, 0.092]), form.stone * 0.8)
     }
 }

@@ -6,7 +6,7 @@
 use super::basalt::{bank, stone_height};
 use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
-use super::rubble::{Rubble, higher};
+use super::rubble::{Rubble, Sediment, higher, strewn};
 use super::site::{Band, Site};
 use super::{Look, Wander};
 use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
@@ -91,10 +91,11 @@ impl Limestone {
         let edge = lot(index, 14) * 0.28 - 0.14;
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
         let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.42, 1.0));
-        let show = n.noise(13, p.scaled(1.0 / 3.0)).step(-0.45, 0.25) * 0.85 + 0.15;
+        let show = n.noise(13, p.stretched(0.25, 0.25, 0.5)).step(-0.55, 0.15) * 0.65 + 0.35;
         Bed { hardness, rest: rest_here, parting: lot(index, 15).squared(), show }
     }
 
+    /// 0 on a joint, about ±1 away from it.
     #[inline(always)]
     fn joints<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> T {
         let (p, n) = (site.point, site.source);
@@ -104,7 +105,7 @@ impl Limestone {
         let along = p.x * cosine + p.y * sine;
         let bend = n.noise(16, p.scaled(0.5)) * 0.12;
         let at = vec3(across * (1.0 / 2.6) + bend, along * (1.0 / 11.0), p.z * 0.125);
-        (n.noise(17, at) * 5.0).bump()
+        n.noise(17, at)
     }
 
     #[inline(always)]
@@ -115,9 +116,8 @@ impl Limestone {
     }
 }
 
-const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, height_m: [0.35, 0.65], tilt: 0.4, steepness: 5.0 };
-const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, height_m: [0.10, 0.24], tilt: 0.4, steepness: 4.0 };
-const PEBBLES: Rubble = Rubble { layer: 33, cell_m: 0.14, height_m: [0.010, 0.026], tilt: 0.3, steepness: 1.5 };
+const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.8, flank: 5.0, rounding: 0.3 };
+const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.6, flank: 2.4, rounding: 0.3 };
 
 impl Rock for Limestone {
     fn wander(&self) -> Wander {
@@ -134,10 +134,11 @@ impl Rock for Limestone {
         let beds = ((bed.hardness - 0.5) * 0.66 - belly) * bed.show;
         let pocket = cells_3d(n.warp(2, p, 1.5, 0.2).stretched(1.0 / 2.0, 1.0 / 1.5, 1.0 / 1.3), n.layer(3));
         let pocket = (-pocket.distance.squared() + 0.30) * (ceiling * 0.28 + 0.24);
-        let joint = self.joints(site) * (ceiling * 0.55 + 0.16);
-        let cover = n.noise(4, p.stretched(1.0 / 3.4, 1.0 / 3.4, 1.0 / 7.0))
-            + n.noise(5, p.stretched(1.0 / 1.1, 1.0 / 1.1, 0.25)) * 0.4;
-        let flow = (cover + self.flowstone).step(0.0, 0.24) * site.height.step(0.0, 0.5);
+        let fissure = self.joints(site);
+        let joint = (fissure * 5.0).bump() * (ceiling * 0.55 + 0.16);
+        // Water comes out of joints and runs down: where no joint is near, no flowstone is.
+        let cover = (fissure * 3.0).bump() * 0.9 - 0.40 - ceiling * 0.5 + n.noise(5, p.stretched(1.0, 1.0, 0.2)) * 0.4;
+        let flow = (cover + self.flowstone).step(0.0, 0.40) * site.height.step(0.0, 0.5);
         let rock = beds + pocket + joint;
         let mut form = rock;
         if flow.value().simd_gt(0.0).any_true() {
@@ -154,13 +155,15 @@ impl Rock for Limestone {
         let mut detail = Detail { recess: flow * 0.0, crack: flow * 0.0 };
         if flow.value().simd_lt(1.0).any_true() {
             let bed = self.bed(site);
-            let groove = ((bed.rest - 0.86) * 9.0).bump() * bed.show * (bed.parting * 0.12 + 0.03);
-            let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.15, 0.2);
+            let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
+            let groove = band.line((bed.rest - 0.86) * self.bed_m, 0.09) * open * (bed.parting * 0.05 + 0.012);
+            let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.25, 0.15);
             let scallop = cells_3d(n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7), n.layer(42)).distance;
-            let scallops = (-scallop.squared() + 0.30) * scalloped * 0.10;
+            let scallops = (-scallop.squared() + 0.30) * scalloped * 0.11;
             let net = cells_3d(n.warp(43, p, 0.7, 0.08).stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3), n.layer(44)).edge;
-            let cracked = n.noise(45, p.scaled(1.0 / 2.2)).step(0.10, 0.45);
-            let crack = (net * -45.0 + 1.0).at_least(0.0) * cracked;
+            // In pieces: the mask is about as long as an edge of the net.
+            let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.12, 0.60);
+            let crack = band.line(net * 0.7, 0.022) * cracked;
             let grain = n.fbm(46, p.scaled(4.5), band.octaves(0.22, 4), 0.54) * 0.020;
             let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
             detail.recess = (scallops + groove + grain + ribs + crack * 0.015) * (-flow + 1.0);
@@ -169,50 +172,44 @@ impl Rock for Limestone {
         if flow.value().simd_gt(0.0).any_true() {
             let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)) * (0.005 * band.keep(0.04));
             let grain = n.fbm(49, p.stretched(9.0, 9.0, 5.0), band.octaves(0.11, 2), 0.5) * 0.005;
-            detail.recess = detail.recess + (gours + grain) * flow;
+            let flutes = n.noise(51, p.stretched(7.0, 7.0, 0.7)).soft_abs(0.05) * (-0.03 * band.keep(0.10));
+            detail.recess = detail.recess + (gours * 0.5 + flutes + grain) * flow;
         }
         detail
     }
 
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.12);
+        let mud = Sediment::of(site, 3.2);
+        let edges = [mud.ragged, mud.drift];
         let blocks = BLOCKS.stones(
             site,
-            at,
+            mud.at,
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.65,
+            |c| self.density(site, c) * 0.75 + 0.06,
         );
         let cobbles = COBBLES.stones(
             site,
-            at.shifted(3.3, 1.7, 0.0),
+            mud.at.shifted(3.3, 1.7, 0.0),
+            edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.10,
+            |c| self.density(site, c) + 0.06,
         );
         let stones = higher(blocks, cobbles);
-        let flat = vec3(p.x, p.y, p.z * 0.0);
-        let roll = n.fbm(36, flat.scaled(1.0 / 3.2), 2, 0.5) * (0.09 * site.ground.natural);
+        let roll = mud.roll * (0.09 * site.ground.natural);
         Floor { height: stones.height * stone_height(site) + roll, ..stones }
     }
 
     #[inline(always)]
     fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
-        let (p, n) = (site.point, site.source);
-        let at = n.warp(35, p, 0.7, 0.12);
-        let pebbles = PEBBLES.stones(
+        strewn(
             site,
-            at.shifted(1.3, 5.7, 0.0),
+            floor,
+            band,
             #[inline(always)]
-            |c| self.density(site, c) * 0.9 + 0.20,
-        );
-        let grain = n.fbm(37, p.scaled(3.4), band.octaves(0.29, 5), 0.54) * 0.026;
-        let on_stone = floor.stone.value().simd_gt(0.3);
-        Floor {
-            height: floor.height + pebbles.height * (-floor.stone + 1.0) + grain * (floor.stone * -0.6 + 1.0),
-            stone: floor.stone.max(pebbles.stone * 0.8),
-            tint: T::pick(on_stone, floor.tint, pebbles.tint),
-        }
+            |c| self.density(site, c) * 0.8 + 0.30,
+        )
     }
 
     #[inline(always)]
@@ -242,19 +239,21 @@ impl Limestone {
     fn wall_color<S: Simd>(form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
-        let rock = ramp((tone.broad + tone.fine * 0.4).step(-0.7, 0.7), [0.210, 0.185, 0.150], [0.400, 0.355, 0.285]);
-        let marl = form.band.step(0.55, 0.85) * 0.8;
+        // Each bed has its own grey; the broad patches only break it up.
+        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
+        let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
+        let marl = form.band.step(0.60, 0.80) * 0.7;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
         let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
-        let manganese = (curtain + tone.fine * 0.6 + tone.patch * 0.4 + form.cavity * 0.3).step(0.36, 0.56);
-        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7).step(0.36, 0.72);
+        let manganese = (curtain + tone.fine * 0.5 + tone.patch * 0.3 + form.cavity * 0.5).step(0.36, 0.80);
+        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7 - form.cavity * 0.5).step(0.40, 0.90);
         let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
-        let flowstone = ramp(banding.step(-0.1, 0.7), [0.620, 0.520, 0.370], [0.500, 0.330, 0.160]);
+        let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
         let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
         rock.under(rock.lit(form.band * 0.0 + 0.66), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
-            .tinted([0.075, 0.066, 0.058], manganese * (0.70 * look.stain))
-            .tinted([0.600, 0.550, 0.450], calcite * (0.38 * look.stain))
+            .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
+            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
             .under(flowstone, form.state * 0.9)
             .lit(form.crack * -0.55 + 1.0)
             .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * 0.6)
@@ -263,7 +262,8 @@ impl Limestone {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let mud = ramp((tone.fine * 0.6 + tone.broad).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
+        let mud =
+            ramp((tone.fine * 0.8 + tone.broad * 0.4).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
         let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
         mud.under(stone.under(mud, form.stone * 0.0 + 0.45), form.stone)
     }

@@ -3,7 +3,7 @@
 use super::color::Color;
 use super::site::{BLOCK, Band, Site, Sites, Skins};
 use super::{Look, Material, Wander};
-use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, soft_max, soft_min};
+use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, mix, soft_max, soft_min};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -13,6 +13,8 @@ pub const RECESS_M: f32 = 0.75;
 pub const PROTRUSION: f32 = 0.25;
 /// Width of the fillet between wall and floor, in metres.
 const FILLET_M: f32 = 0.24;
+/// How far from the corner between wall and floor it is darker, in metres.
+const CORNER_M: f32 = 1.0;
 /// Steepness of the field over the floor; below 1 because flanks of stones are steep.
 const FLOOR_STEEPNESS: f32 = 0.75;
 
@@ -294,9 +296,18 @@ fn skins<S: Simd, R: Rock>(
             Skins::put::<S>(to, at, lanes.within(0.0, 1.0).0);
         }
         Skins::put::<S>(&mut out.roughness, at, paint.roughness.within(0.05, 1.0).0);
-        let open = -form.cavity.step(-0.1, 1.1) * 0.5 + 1.0;
-        Skins::put::<S>(&mut out.occlusion, at, open.0);
+        Skins::put::<S>(&mut out.occlusion, at, openness(&form, &sites.site(simd, at)).0);
     }
+}
+
+/// How much of the passage lights a point: less in hollows, where wall and floor meet, and in narrow passages.
+#[inline(always)]
+fn openness<S: Simd>(form: &Form<S>, site: &Site<Value<S>>) -> Value<S> {
+    let hollow = form.cavity.step(-0.1, 1.1) * 0.5;
+    // Distance to the other of the two, roughly.
+    let corner = mix(site.height, -site.wall, form.floor).step(CORNER_M, -0.2) * 0.35;
+    let tight = site.half_width.step(1.6, 0.5) * 0.15;
+    (-hollow + 1.0) * (-corner + 1.0) * (-tight + 1.0)
 }
 
 impl<R: Rock> Material for R {

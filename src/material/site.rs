@@ -235,6 +235,16 @@ impl Band {
         (wavelength_m / self.texel_m - 2.0).clamp(0.0, 1.0)
     }
 
+    /// A line where `distance_m` is 0, fading out at `half_width_m`: never narrower than two texels between its half
+    /// heights, and fainter by as much as it had to be widened.
+    #[inline(always)]
+    pub fn line<S: Simd, T: Real<S>>(self, distance_m: T, half_width_m: f32) -> T {
+        /// Share of its support that a bump is wide at half height.
+        const HALF_HEIGHT: f32 = 0.454;
+        let drawn_m = half_width_m.max(self.texel_m / HALF_HEIGHT);
+        (distance_m * (1.0 / drawn_m)).bump() * (half_width_m / drawn_m)
+    }
+
     /// How many octaves from `wavelength_m` downwards can be kept, at most `most` and at least one.
     pub fn octaves(self, wavelength_m: f32, most: u32) -> u32 {
         let mut finest = wavelength_m / 2.0;
@@ -244,5 +254,31 @@ impl Band {
             octaves += 1;
         }
         octaves
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::dispatched;
+
+    /// Height of a line at its middle, how far out it reaches, and its integral across.
+    fn drawn<S: Simd>(simd: S, texel_m: f32, half_width_m: f32) -> [f32; 3] {
+        let at = |x: f32| {
+            let distance = Value::<S>(Lanes::<S>::splat(simd, x));
+            Band { texel_m }.line(distance, half_width_m).0[0]
+        };
+        let across: Vec<f32> = (0..4000).map(|i| i as f32 * 1e-4).collect();
+        let reach = across.iter().copied().filter(|x| at(*x) > 0.0).fold(0.0, f32::max);
+        [at(0.0), reach, across.iter().map(|x| at(*x) * 2e-4).sum()]
+    }
+
+    #[test]
+    fn a_line_is_widened_and_keeps_its_weight() {
+        let line = |texel_m| dispatched!(simd => drawn(simd, texel_m, 0.02));
+        let ([height, reach, weight], [faint, wide, same]) = (line(0.001), line(0.025));
+        assert!((height - 1.0).abs() < 1e-3 && (reach - 0.02).abs() < 1e-3);
+        assert!(faint < 0.5 && wide > 2.0 * 0.025);
+        assert!((same / weight - 1.0).abs() < 0.02, "{same} against {weight}");
     }
 }
