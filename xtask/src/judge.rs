@@ -175,7 +175,11 @@ fn build_gazebo() -> Result<()> {
     let (source, build) = (root().join("tests/judges/gazebo"), target_folder().join("gazebo"));
     let mut configure = Command::new("cmake");
     configure.arg("-S").arg(source).arg("-B").arg(&build).arg("-DCMAKE_BUILD_TYPE=Release");
-    tools::run(&mut configure)?;
+    if tools::run(&mut configure).is_err() && build.exists() {
+        // A checkout that was moved or copied takes a cache along that names its old place.
+        std::fs::remove_dir_all(&build).map_err(|error| error.to_string())?;
+        tools::run(&mut configure)?;
+    }
     tools::run(Command::new("cmake").arg("--build").arg(build)).map(drop)
 }
 
@@ -242,7 +246,7 @@ fn target_folder() -> PathBuf {
 const REQUIREMENTS: &str = "tests/judges/requirements.txt";
 
 /// Gazebo itself is not in Debian; the libraries it is made of are.
-const GAZEBO_PACKAGES: [&str; 7] = [
+const GAZEBO_PACKAGES: [&str; 8] = [
     "cmake",
     "g++",
     "make",
@@ -250,4 +254,5 @@ const GAZEBO_PACKAGES: [&str; 7] = [
     "libignition-physics-dev",
     "libignition-physics5-dartsim-plugin5",
     "libignition-plugin-dev",
+    "libignition-fuel-tools-dev",
 ];
