@@ -65,6 +65,9 @@ impl Scene<'_> {
             return Err(fault("name", "is not `[a-z][a-z0-9_]*`"));
         }
         chunk.visual.check(Part::Visual).map_err(|text| fault("visual mesh", text))?;
+        for lod in &chunk.lods {
+            lod.mesh.check(Part::Visual).map_err(|text| fault("coarser visual mesh", text))?;
+        }
         chunk.collision.check(Part::Collision).map_err(|text| fault("collision mesh", text))?;
         Ok(chunk)
     }
@@ -96,12 +99,24 @@ pub trait Chunks: Sync {
 pub struct Chunk {
     /// Safe name, unique in the scene, e.g. `chunk_0_2_1`.
     pub name: String,
-    /// What cameras see.
+    /// What cameras see, in full detail.
     pub visual: Mesh,
+    /// The same with fewer and fewer triangles and the same material, for cameras further away; may be empty. Vertices
+    /// on the border of a chunk are those of `visual` at every level, so that no level tears from any other.
+    pub lods: Vec<Lod>,
     /// What wheels touch: fewer triangles, positions and triangles only.
     pub collision: Mesh,
     /// Material of the visual mesh.
     pub material: Material,
+}
+
+/// A coarser level of detail of a visual mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lod {
+    /// The triangles, every attribute present.
+    pub mesh: Mesh,
+    /// How far it lies from the full detail at most, in metres.
+    pub error_m: f32,
 }
 
 /// Triangles; counter-clockwise from outside the solid. Attribute arrays are as long as `positions` in a visual mesh

@@ -54,6 +54,7 @@ impl Chunks for FolderChunks<'_> {
         Ok(scene::Chunk {
             name: name.clone(),
             visual: scene_mesh(read(store::textured_path(name))?),
+            lods: Vec::new(),
             collision: scene_mesh(read(format!("collision/{name}.ply"))?),
             material: scene::Material {
                 base_color: self.image(name, store::IMAGES[0]),

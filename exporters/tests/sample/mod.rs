@@ -75,6 +75,7 @@ impl Chunks for Chamber {
         Ok(Chunk {
             name: format!("chunk_{index}_0_0"),
             visual,
+            lods: Vec::new(),
             collision,
             material: Material {
                 base_color: self.image(index, "base_color"),
