@@ -77,15 +77,41 @@ pub enum ExportError {
         /// Bytes the file would have.
         bytes: u64,
     },
+    /// A library that the target is written by is not there, or not the right one.
+    #[error("{message}")]
+    MissingPart {
+        /// What is missing, and for what.
+        message: String,
+        /// How to get it.
+        hint: String,
+    },
+    /// A library that writes for us refused.
+    #[error("{library} could not write {path}: {message}")]
+    Library {
+        /// Its name.
+        library: &'static str,
+        /// What it was to write.
+        path: String,
+        /// What it said.
+        message: String,
+    },
     /// A file cannot be read or written. The text names the file, the kind says why, e.g. a full disk.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
 
 impl ExportError {
+    pub(crate) fn no_usd(target: &str) -> Self {
+        Self::MissingPart {
+            message: format!("target `{target}` is written by the Python package usd-core, which this program has not"),
+            hint: "use the `plume` command of the Python package plume-caves".to_owned(),
+        }
+    }
+
     /// What to do about it, where there is something to do.
-    pub fn hint(&self) -> Option<&'static str> {
+    pub fn hint(&self) -> Option<&str> {
         match self {
+            Self::MissingPart { hint, .. } => Some(hint),
             Self::NotEmpty { .. } => Some("name a new folder, or replace the package with `--force`"),
             Self::NotOurs { .. } => Some("name a new folder, or empty this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),

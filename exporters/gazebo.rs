@@ -11,9 +11,8 @@
 
 use std::f64::consts::PI;
 
-use minijinja::syntax::SyntaxConfig;
+use minijinja::context;
 use minijinja::value::Serde;
-use minijinja::{AutoEscape, Environment, context};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +20,7 @@ use crate::error::ExportError;
 use crate::frame::{micro, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, Light, Scene};
-use crate::{Summary, Target, TargetRow, obj, settings};
+use crate::{Build, Summary, Target, TargetRow, obj, settings, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -29,7 +28,7 @@ pub const ROW: TargetRow = TargetRow {
     summary: "SDF 1.9 world and model with PBR textures and triangle collisions",
     opened_by: "Gazebo Sim Harmonic and later",
     settings: || schemars::schema_for!(GazeboSettings),
-    build: |table| Ok(Box::new(Gazebo(settings("gazebo", table)?))),
+    build: Build::Plain(|table| Ok(Box::new(Gazebo(settings("gazebo", table)?)))),
 };
 
 /// Settings of target `gazebo`.
@@ -97,22 +96,19 @@ impl Gazebo {
             gravity => micro(scene.gravity),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => scene.spawns.iter().map(sdf_pose).collect::<Vec<_>>(),
-            camera => sdf_pose(&camera(scene)),
+            camera => sdf_pose(&scene.viewpoint()),
             lights => Serde(lights.iter().map(LightText::new).collect::<Vec<_>>()),
             ambient => micro(self.0.ambient),
             step_s => micro(self.0.physics_step_s),
             open => open_command(&scene.name),
         };
-        let templates = templates();
-        for (template, path) in [
-            ("model.config", format!("{model}/model.config")),
-            ("model.sdf", format!("{model}/model.sdf")),
-            ("world.sdf", format!("worlds/{}.sdf", scene.name)),
-            ("README.md", "README.md".to_owned()),
+        for (path, template) in [
+            (format!("{model}/model.config"), include_str!("../templates/gazebo/model.config.jinja")),
+            (format!("{model}/model.sdf"), include_str!("../templates/gazebo/model.sdf.jinja")),
+            (format!("worlds/{}.sdf", scene.name), include_str!("../templates/gazebo/world.sdf.jinja")),
+            ("README.md".to_owned(), include_str!("../templates/gazebo/README.md.jinja")),
         ] {
-            let template = templates.get_template(template).expect("it is one of ours");
-            let text = template.render(&values).expect("our templates name these values only");
-            out.text(&path, &text)?;
+            out.text(&path, &template::fill(&path, template, &values))?;
         }
         Ok(())
     }
@@ -185,35 +181,6 @@ impl LightText {
     }
 }
 
-/// Where the user looks from first: at the eyes of a person, 1.6 m, or under a low roof less, at the first spawn pose.
-fn camera(scene: &Scene) -> nalgebra::Isometry3<f64> {
-    scene.spawns[0] * nalgebra::Translation3::new(0.0, 0.0, 1.0)
-}
-
 fn open_command(name: &str) -> String {
     format!("GZ_SIM_RESOURCE_PATH=$PWD/models gz sim worlds/{name}.sdf")
 }
-
-fn templates() -> Environment<'static> {
-    let mut templates = Environment::new();
-    let mut syntax = SyntaxConfig::builder();
-    syntax.trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true);
-
-    templates.set_syntax(syntax.build().expect("the delimiters are the usual ones"));
-    templates.set_undefined_behavior(minijinja::UndefinedBehavior::Strict);
-    templates.set_auto_escape_callback(|name| match name.ends_with(".md") {
-        true => AutoEscape::None,
-        false => AutoEscape::Html,
-    });
-    for (name, text) in TEMPLATES {
-        templates.add_template(name, text).expect("our templates parse");
-    }
-    templates
-}
-
-const TEMPLATES: [(&str, &str); 4] = [
-    ("model.config", include_str!("../templates/gazebo/model.config.jinja")),
-    ("model.sdf", include_str!("../templates/gazebo/model.sdf.jinja")),
-    ("world.sdf", include_str!("../templates/gazebo/world.sdf.jinja")),
-    ("README.md", include_str!("../templates/gazebo/README.md.jinja")),
-];

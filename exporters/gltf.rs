@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::error::ExportError;
 use crate::package::Package;
 use crate::scene::Scene;
-use crate::{Summary, Target, TargetRow, frame, settings};
+use crate::{Build, Summary, Target, TargetRow, frame, settings};
 
 mod glb;
 mod layout;
@@ -27,7 +27,7 @@ pub const ROW: TargetRow = TargetRow {
     summary: "binary glTF 2.0 with embedded PBR textures, and scene.json with spawn poses",
     opened_by: "Blender, three.js, Unity, Unreal, Godot, any glTF viewer",
     settings: || schemars::schema_for!(GltfSettings),
-    build: |table| Ok(Box::new(Gltf(settings("gltf", table)?))),
+    build: Build::Plain(|table| Ok(Box::new(Gltf(settings("gltf", table)?)))),
 };
 
 /// Settings of target `gltf`.

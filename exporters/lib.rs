@@ -1,8 +1,10 @@
 //! Writes a resolved [`scene::Scene`] as packages for simulators.
 //!
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
-//! writes what each simulator expects. Targets never name each other; what they share are formats ([`obj`]), the frame
+//! writes what each simulator expects. Targets never name each other; what they share are formats ([`obj`], [`stage`]), the frame
 //! changes ([`frame`]) and the sink ([`package`]). A new target is one file and one row of [`TARGETS`].
+
+use std::sync::Arc;
 
 use schemars::Schema;
 use serde_json::Value;
@@ -11,10 +13,15 @@ pub mod error;
 pub mod frame;
 pub mod gazebo;
 pub mod gltf;
+pub mod isaac;
 pub mod names;
 pub mod obj;
 pub mod package;
 pub mod scene;
+pub mod stage;
+mod template;
+pub mod usd;
+pub mod usdz;
 
 pub use error::ExportError;
 use package::Package;
@@ -50,12 +57,46 @@ pub struct TargetRow {
     pub opened_by: &'static str,
     /// JSON schema of the settings: meaning, unit, default and range of each.
     pub settings: fn() -> Schema,
-    /// The target with these settings, a JSON object in which any may be left out.
-    pub build: fn(Value) -> Result<Box<dyn Target>, ExportError>,
+    /// Makes the target.
+    pub build: Build,
+}
+
+/// How a target is made of its settings: a JSON object in which any may be left out.
+pub enum Build {
+    /// By this crate alone.
+    Plain(fn(Value) -> Result<Box<dyn Target>, ExportError>),
+    /// With the USD library that a host program lends.
+    WithUsd(fn(Value, Arc<dyn stage::Library>) -> Result<Box<dyn Target>, ExportError>),
+}
+
+impl TargetRow {
+    /// The target with these settings; `library` is the USD library of the host program, if it has one.
+    ///
+    /// # Errors
+    /// [`ExportError::Settings`]; [`ExportError::MissingPart`] without a USD library that fits, where one is needed.
+    pub fn build(
+        &self,
+        settings: Value,
+        library: Option<&Arc<dyn stage::Library>>,
+    ) -> Result<Box<dyn Target>, ExportError> {
+        match self.build {
+            Build::Plain(build) => build(settings),
+            Build::WithUsd(build) => {
+                let library = library.ok_or_else(|| ExportError::no_usd(self.name))?;
+                library.check()?;
+                build(settings, Arc::clone(library))
+            }
+        }
+    }
+
+    /// Whether the host program must lend a USD library.
+    pub fn needs_usd(&self) -> bool {
+        matches!(self.build, Build::WithUsd(_))
+    }
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] = &[gazebo::ROW, gltf::ROW];
+pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, usd::ROW, usdz::ROW, gltf::ROW];
 
 /// The row called `name`.
 ///

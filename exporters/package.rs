@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+use tempfile::TempDir;
 
 use crate::error::{ExportError, at};
 
@@ -25,6 +26,13 @@ pub trait Package {
     /// # Errors
     /// When it cannot be created.
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>>;
+
+    /// A folder on a disk, for libraries that only write files; what should stay is [copied](#method.copy). It is
+    /// removed when dropped.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    fn scratch(&mut self) -> io::Result<TempDir>;
 
     /// The list of what has been written so far.
     fn files(&mut self) -> &mut Files;
@@ -184,6 +192,10 @@ impl Package for Folder {
         Ok(Box::new(File::create(path)?))
     }
 
+    fn scratch(&mut self) -> io::Result<TempDir> {
+        tempfile::tempdir_in(&self.partial).map_err(|error| at(self.partial.display(), &error))
+    }
+
     fn files(&mut self) -> &mut Files {
         &mut self.files
     }
@@ -209,6 +221,10 @@ pub struct Memory {
 impl Package for Memory {
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>> {
         Ok(Box::new(self.bytes.entry(path.to_owned()).or_default()))
+    }
+
+    fn scratch(&mut self) -> io::Result<TempDir> {
+        tempfile::tempdir()
     }
 
     fn files(&mut self) -> &mut Files {

@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Translation3};
 
 use crate::error::ExportError;
 use crate::names;
@@ -70,6 +70,11 @@ impl Scene<'_> {
         }
         chunk.collision.check(Part::Collision).map_err(|text| fault("collision mesh", text))?;
         Ok(chunk)
+    }
+
+    /// Where the user looks from first: 1 m above the first spawn pose. +X looks ahead, +Z is up.
+    pub fn viewpoint(&self) -> Isometry3<f64> {
+        self.spawns[0] * Translation3::new(0.0, 0.0, 1.0)
     }
 
     fn fault(&self, fault: String) -> ExportError {

@@ -1,6 +1,7 @@
 //! From a cave folder to a scene: the only file that names both caves and exporters.
 
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Point3};
 use plume_exporters::scene::{self, Chunks, Light, Scene};
@@ -25,12 +26,14 @@ pub struct FolderChunks<'a> {
     folder: &'a CaveFolder,
     names: Vec<String>,
     format: ImageFormat,
+    stop: &'a AtomicBool,
 }
 
 impl<'a> FolderChunks<'a> {
-    /// The chunks that `walls` names.
-    pub fn new(folder: &'a CaveFolder, walls: &[Unit], format: ImageFormat) -> Self {
-        Self { folder, names: walls.iter().map(|unit| unit.name.clone()).collect(), format }
+    /// The chunks that `walls` names. Once `stop` is set no more are loaded: an export ends with
+    /// [`io::ErrorKind::Interrupted`].
+    pub fn new(folder: &'a CaveFolder, walls: &[Unit], format: ImageFormat, stop: &'a AtomicBool) -> Self {
+        Self { folder, names: walls.iter().map(|unit| unit.name.clone()).collect(), format, stop }
     }
 
     fn image(&self, name: &str, image: &str) -> scene::Image {
@@ -49,6 +52,9 @@ impl Chunks for FolderChunks<'_> {
     }
 
     fn load(&self, index: usize) -> Result<scene::Chunk, io::Error> {
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(io::Error::new(io::ErrorKind::Interrupted, "interrupted"));
+        }
         let name = &self.names[index];
         let read = |path: String| store::read_ply(self.folder, &path).map_err(io::Error::other);
         Ok(scene::Chunk {

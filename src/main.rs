@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    ExitCode::from(plume::cli::run(std::env::args_os()))
+    ExitCode::from(plume::cli::run(std::env::args_os(), &plume::cli::Host::Binary))
 }

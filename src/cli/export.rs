@@ -8,14 +8,14 @@ use plume_exporters::package::{Existing, Folder};
 use plume_exporters::{TARGETS, Target, TargetRow};
 use serde_json::{Map, Value, json};
 
-use super::Source;
+use super::{Host, Source};
 use super::fault::CliError;
 use super::generate::{Until, make};
 use super::input::Input;
 use super::progress::Console;
 use super::summary::Summary;
 use crate::assemble::{self, FolderChunks};
-use crate::pipeline::PipelineError;
+use crate::pipeline::{Observer, PipelineError};
 use crate::recipe::{self, did_you_mean};
 use crate::store::CaveFolder;
 
@@ -42,10 +42,10 @@ impl Export {
     /// Makes the cave if need be, then each package.
     ///
     /// # Errors
-    /// Bad input, the disk, Ctrl-C.
-    pub fn run(&self, console: &Console) -> Result<(), CliError> {
+    /// Bad input, the disk, Ctrl-C, a missing USD library.
+    pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
         let rows = self.target.iter().map(|name| row(name)).collect::<Result<Vec<_>, _>>()?;
-        let targets = self.build(&rows)?;
+        let targets = self.build(&rows, host)?;
         let input = self.source.resolve()?;
         let outputs = self.outputs(&input.recipe.name, &rows);
         self.refuse_same_place(&outputs)?;
@@ -60,7 +60,7 @@ impl Export {
         let made = make(&input, &folder, Until::Textures, force, console, &mut summary);
         let pipeline = made.inspect_err(|error| work.clear_if_hopeless(error))?;
         let field = pipeline.field();
-        let chunks = FolderChunks::new(&folder, &pipeline.walls(), input.recipe.texture.format);
+        let chunks = FolderChunks::new(&folder, &pipeline.walls(), input.recipe.texture.format, console.stop());
         let scene = assemble::scene(&input.recipe, pipeline.graph(), &field, &chunks);
         for ((row, target), output) in rows.iter().zip(&targets).zip(&outputs) {
             let mut package = Folder::create(output, existing)?;
@@ -70,6 +70,12 @@ impl Export {
         }
         work.clear();
         summary.print(console)
+    }
+
+    /// The first target that needs a USD library.
+    pub fn usd_target(&self) -> Option<&'static str> {
+        let wanted = self.target.iter().filter_map(|name| row(name).ok());
+        wanted.filter(|row| row.needs_usd()).map(|row| row.name).next()
     }
 
     /// Refuses a place that two would write to.
@@ -85,12 +91,12 @@ impl Export {
     }
 
     /// The targets with their options.
-    fn build(&self, rows: &[&TargetRow]) -> Result<Vec<Box<dyn Target>>, CliError> {
+    fn build(&self, rows: &[&TargetRow], host: &Host) -> Result<Vec<Box<dyn Target>>, CliError> {
         let schemas: Map<String, Value> =
             rows.iter().map(|row| (row.name.to_owned(), (row.settings)().to_value())).collect();
         let schema = json!({"type": "object", "properties": schemas});
         let options = recipe::options(&schema, &self.option)?;
-        rows.iter().map(|row| Ok((row.build)(options[row.name].clone())?)).collect()
+        rows.iter().map(|row| Ok(row.build(options[row.name].clone(), host.library())?)).collect()
     }
 
     fn outputs(&self, name: &str, targets: &[&TargetRow]) -> Vec<PathBuf> {

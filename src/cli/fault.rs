@@ -21,7 +21,7 @@ pub enum CliError {
     Pipeline(#[from] PipelineError),
     /// The package.
     #[error(transparent)]
-    Export(#[from] ExportError),
+    Export(ExportError),
     /// An input file.
     #[error("{}: {source}", path.display())]
     Input {
@@ -43,6 +43,17 @@ pub enum CliError {
     Failed(String),
 }
 
+impl From<ExportError> for CliError {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Load { source, .. } if source.kind() == ErrorKind::Interrupted => {
+                Self::Pipeline(PipelineError::Interrupted)
+            }
+            other => Self::Export(other),
+        }
+    }
+}
+
 impl From<StoreError> for CliError {
     fn from(error: StoreError) -> Self {
         Self::Pipeline(error.into())
@@ -50,9 +61,11 @@ impl From<StoreError> for CliError {
 }
 
 impl CliError {
-    /// 1 the disk or a failed check, 2 usage or bad input, 130 interrupted.
+    /// 1 the disk or a failed check, 2 usage or bad input, 69 a needed part is missing, 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
+            Self::Export(ExportError::MissingPart { .. }) => 69,
+            Self::Export(ExportError::Library { .. }) => 1,
             Self::Pipeline(PipelineError::Interrupted) => 130,
             Self::Pipeline(PipelineError::Store(StoreError::Io { source, .. })) => io_exit_code(source),
             Self::Export(ExportError::Io(source) | ExportError::Load { source, .. }) => io_exit_code(source),

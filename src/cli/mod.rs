@@ -1,10 +1,11 @@
-//! The command line, as a library: `main` and the Python wheel call [`run`].
+//! The command line, as a library: `main` and the Python package call [`run`].
 //!
 //! The only code that prints. What was asked for goes to stdout; progress, notes and faults go to stderr.
 
 mod export;
 mod fault;
 mod generate;
+mod handover;
 mod input;
 mod list;
 mod measure;
@@ -14,8 +15,10 @@ mod summary;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, Parser, Subcommand};
+use plume_exporters::stage::Library;
 
 pub use self::fault::CliError;
 use self::progress::Console;
@@ -91,10 +94,38 @@ enum Command {
     Measure(measure::Measure),
 }
 
+impl Command {
+    /// Targets that need the USD library of a host program.
+    fn usd_target(&self) -> Option<&'static str> {
+        match self {
+            Self::Export(export) => export.usd_target(),
+            _ => None,
+        }
+    }
+}
+
+/// The program that runs the command line.
+pub enum Host {
+    /// The `plume` binary, which holds no Python: for USD it hands over to the other.
+    Binary,
+    /// The `plume` command of the Python package, with its USD library.
+    Python(Arc<dyn Library>),
+}
+
+impl Host {
+    fn library(&self) -> Option<&Arc<dyn Library>> {
+        match self {
+            Self::Binary => None,
+            Self::Python(library) => Some(library),
+        }
+    }
+}
+
 /// Runs a command line and gives the exit code: 0 done, 1 the disk or a failed check, 2 usage or bad input, 69 a needed
 /// part is missing, 130 interrupted.
-pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(usage) => {
             // A closed pipe is no reason to fail.
@@ -107,8 +138,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         // Fails only if a pool exists already, as in a host program; then that pool serves.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
-    match dispatch(&cli.command, &console) {
-        Ok(()) => 0,
+    let result = match (host, cli.command.usd_target()) {
+        (Host::Binary, Some(target)) => handover::to_python(target, &arguments),
+        _ => dispatch(&cli.command, &console, host).map(|()| 0),
+    };
+    match result {
+        Ok(code) => code,
         Err(error) => {
             console.fault(&error);
             error.exit_code()
@@ -116,9 +151,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-fn dispatch(command: &Command, console: &Console) -> Result<(), CliError> {
+fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), CliError> {
     match command {
-        Command::Export(export) => export.run(console),
+        Command::Export(export) => export.run(console, host),
         Command::Generate(stage) | Command::Texture(stage) => stage.run(generate::Until::Textures, console),
         Command::Graph(stage) => stage.run(generate::Until::Graph, console),
         Command::Mesh(stage) => stage.run(generate::Until::Mesh, console),

@@ -1,0 +1,229 @@
+"""Authors the layers of a USD stage with usd-core. The other half of `stage.rs`, which calls these functions.
+
+What is written where is decided there and arrives as plain JSON in `spec`; large arrays arrive beside it as NumPy arrays
+and leave `arrays` as soon as USD has its copy, so that memory stays at one chunk.
+"""
+
+from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, Vt
+
+LAMP_RADIUS_M = 0.05
+
+
+def write_chunk(spec, arrays):
+    """A layer with one chunk: the visual mesh at every level of detail, its material, the collision mesh."""
+    stage = new_stage(spec["path"])
+    chunk = UsdGeom.Xform.Define(stage, "/Chunk")
+    stage.SetDefaultPrim(chunk.GetPrim())
+    Usd.ModelAPI(chunk).SetKind(Kind.Tokens.component)
+    label(chunk, ["cave"])
+    rock = define_rock(stage, spec["textures"])
+    visual = define_mesh(stage, "/Chunk/Visual")
+    UsdShade.MaterialBindingAPI.Apply(visual.GetPrim()).Bind(rock)
+    levels = chunk.GetPrim().GetVariantSets().AddVariantSet("LOD")
+    for level in spec["levels"]:
+        levels.AddVariant(level["name"])
+        levels.SetVariantSelection(level["name"])
+        with levels.GetVariantEditContext():
+            fill_visual(visual, level, arrays)
+    levels.SetVariantSelection(spec["levels"][0]["name"])
+    if "collision" in spec:
+        define_collision(stage, spec["collision"], arrays)
+    save(stage)
+
+
+def write_root(spec, arrays):
+    """The root layer: physics, lights, start poses, and a payload per chunk, none of which is opened."""
+    stage = new_stage(spec["path"])
+    if "layer_data" in spec:
+        stage.GetRootLayer().customLayerData = typed(spec["layer_data"])
+    stage.GetRootLayer().documentation = spec["description"]
+    world = UsdGeom.Xform.Define(stage, "/World")
+    stage.SetDefaultPrim(world.GetPrim())
+    describe(world.GetPrim(), spec)
+    chunks = UsdGeom.Xform.Define(stage, "/World/Chunks")
+    Usd.ModelAPI(chunks).SetKind(Kind.Tokens.group)
+    for chunk in spec["chunks"]:
+        define_payload(stage, chunk)
+    if "physics" in spec:
+        define_physics(stage, chunks, spec["physics"])
+    if spec["lights"]:
+        UsdGeom.Scope.Define(stage, "/World/Lights")
+    for light in spec["lights"]:
+        define_light(stage, light)
+    UsdGeom.Scope.Define(stage, "/World/Spawns")
+    for number, pose in enumerate(spec["spawns"]):
+        place(UsdGeom.Xform.Define(stage, f"/World/Spawns/spawn_{number}"), pose)
+    define_camera(stage, spec["camera"])
+    save(stage)
+
+
+def write_usdz(spec, arrays):
+    """One archive of the stage `root` and all that it refers to."""
+    if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(spec["root"]), spec["path"]):
+        raise OSError("USD could not make the archive")
+
+
+def new_stage(path):
+    """An empty stage in `path`: metres, kilograms, Z up. Payloads stay closed, because adding one must not compose it."""
+    stage = Usd.Stage.CreateNew(path, Usd.Stage.LoadNone)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
+    return stage
+
+
+def save(stage):
+    stage.GetRootLayer().Save()
+
+
+def define_mesh(stage, path):
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateOrientationAttr(UsdGeom.Tokens.rightHanded)
+    mesh.CreateDoubleSidedAttr(False)
+    return mesh
+
+
+def fill_triangles(mesh, spec, arrays):
+    key = spec["name"]
+    indices = Vt.IntArray.FromBuffer(arrays.pop(f"{key}.indices"))
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.points")))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(indices) // 3, 3))
+    mesh.CreateFaceVertexIndicesAttr(indices)
+    mesh.CreateExtentAttr(box(spec["extent"]))
+
+
+def fill_visual(mesh, spec, arrays):
+    fill_triangles(mesh, spec, arrays)
+    key = spec["name"]
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.normals")))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex)
+    st.Set(Vt.Vec2fArray.FromBuffer(arrays.pop(f"{key}.st")))
+    for part in spec["parts"]:
+        faces = Vt.IntArray.FromBuffer(arrays.pop(f"{key}.{part}"))
+        subset = UsdGeom.Subset.CreateGeomSubset(mesh, part, UsdGeom.Tokens.face, faces, "semantics")
+        label(subset, [part])
+    UsdGeom.Subset.SetFamilyType(mesh, "semantics", UsdGeom.Tokens.partition)
+
+
+def define_collision(stage, spec, arrays):
+    """What wheels touch: never drawn, static because it has no rigid body, and concave because it keeps its triangles."""
+    mesh = define_mesh(stage, "/Chunk/Collision")
+    fill_triangles(mesh, spec, arrays)
+    mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
+    UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
+    UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
+
+
+def define_rock(stage, textures):
+    UsdGeom.Scope.Define(stage, "/Chunk/Looks")
+    rock = UsdShade.Material.Define(stage, "/Chunk/Looks/Rock")
+    surface = shader(stage, "Surface", "UsdPreviewSurface")
+    reader = shader(stage, "Reader", "UsdPrimvarReader_float2")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
+    st = reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+    types = Sdf.ValueTypeNames
+    color = texture(stage, "BaseColor", textures["base_color"], "sRGB", st)
+    connect(surface, "diffuseColor", types.Color3f, color, "rgb", types.Float3)
+    bumps = texture(stage, "Normal", textures["normal"], "raw", st)
+    bumps.CreateInput("scale", types.Float4).Set(Gf.Vec4f(2, 2, 2, 1))
+    bumps.CreateInput("bias", types.Float4).Set(Gf.Vec4f(-1, -1, -1, 0))
+    connect(surface, "normal", types.Normal3f, bumps, "rgb", types.Float3)
+    orm = texture(stage, "OcclusionRoughness", textures["orm"], "raw", st)
+    connect(surface, "occlusion", types.Float, orm, "r", types.Float)
+    connect(surface, "roughness", types.Float, orm, "g", types.Float)
+    surface.CreateInput("metallic", types.Float).Set(0.0)
+    rock.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
+    return rock
+
+
+def shader(stage, name, identifier):
+    made = UsdShade.Shader.Define(stage, f"/Chunk/Looks/Rock/{name}")
+    made.CreateIdAttr(identifier)
+    return made
+
+
+def texture(stage, name, file, color_space, st):
+    made = shader(stage, name, "UsdUVTexture")
+    types = Sdf.ValueTypeNames
+    made.CreateInput("file", types.Asset).Set(Sdf.AssetPath(file))
+    made.CreateInput("sourceColorSpace", types.Token).Set(color_space)
+    made.CreateInput("st", types.Float2).ConnectToSource(st)
+    # The atlas ends at its edge.
+    for side in ["wrapS", "wrapT"]:
+        made.CreateInput(side, types.Token).Set("clamp")
+    return made
+
+
+def connect(surface, name, input_type, source, channel, output_type):
+    surface.CreateInput(name, input_type).ConnectToSource(source.CreateOutput(channel, output_type))
+
+
+def describe(world, spec):
+    model = Usd.ModelAPI(world)
+    model.SetKind(Kind.Tokens.assembly)
+    model.SetAssetName(spec["name"])
+    model.SetAssetIdentifier(Sdf.AssetPath(f"./{spec['name']}.usda"))
+    model.SetAssetVersion(spec["generator"])
+    world.SetCustomDataByKey("plume", {"generator": spec["generator"], "recipe": spec["recipe"]})
+    label(world, ["cave"])
+
+
+def define_payload(stage, spec):
+    prim = UsdGeom.Xform.Define(stage, f"/World/Chunks/{spec['name']}").GetPrim()
+    Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
+    prim.GetPayloads().AddPayload(spec["layer"])
+    # So that a chunk has a size while it is not loaded.
+    UsdGeom.ModelAPI.Apply(prim).SetExtentsHint(box(spec["extent"]))
+
+
+def define_physics(stage, chunks, spec):
+    scene = UsdPhysics.Scene.Define(stage, "/World/PhysicsScene")
+    scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
+    scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
+    UsdGeom.Scope.Define(stage, "/World/Materials")
+    ground = UsdShade.Material.Define(stage, "/World/Materials/Ground")
+    material = UsdPhysics.MaterialAPI.Apply(ground.GetPrim())
+    material.CreateStaticFrictionAttr(spec["friction"])
+    material.CreateDynamicFrictionAttr(spec["friction"])
+    material.CreateRestitutionAttr(0.0)
+    binding = UsdShade.MaterialBindingAPI.Apply(chunks.GetPrim())
+    binding.Bind(ground, UsdShade.Tokens.fallbackStrength, "physics")
+
+
+def define_light(stage, spec):
+    """A small bright sphere: luminous intensity over the area that is seen of it gives its luminance, in nits."""
+    light = UsdLux.SphereLight.Define(stage, f"/World/Lights/{spec['name']}")
+    light.CreateRadiusAttr(LAMP_RADIUS_M)
+    light.CreateIntensityAttr(spec["intensity_cd"] / (3.141592653589793 * LAMP_RADIUS_M**2))
+    light.CreateColorAttr(Gf.Vec3f(*spec["color"]))
+    light.CreateExtentAttr(box([[-LAMP_RADIUS_M] * 3, [LAMP_RADIUS_M] * 3]))
+    UsdGeom.Xformable(light).AddTranslateOp().Set(Gf.Vec3d(*spec["position"]))
+
+
+def define_camera(stage, pose):
+    camera = UsdGeom.Camera.Define(stage, "/World/View")
+    camera.CreateClippingRangeAttr(Gf.Vec2f(0.05, 1000))
+    camera.CreateFocalLengthAttr(18.0)
+    place(camera, pose)
+
+
+def place(prim, pose):
+    prim.AddTranslateOp().Set(Gf.Vec3d(*pose["position"]))
+    prim.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(*pose["orientation_wxyz"]))
+
+
+def label(prim, labels):
+    UsdSemantics.LabelsAPI.Apply(prim.GetPrim(), "class").CreateLabelsAttr(labels)
+
+
+def box(corners):
+    return Vt.Vec3fArray([Gf.Vec3f(*corner) for corner in corners])
+
+
+def typed(value):
+    """JSON with lists of three numbers as points, as `customLayerData` wants them."""
+    if isinstance(value, dict):
+        return {key: typed(item) for key, item in value.items()}
+    return Gf.Vec3d(*value) if isinstance(value, list) else value

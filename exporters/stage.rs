@@ -1,0 +1,299 @@
+//! A USD stage: a root layer in text, and a binary layer per chunk that it loads as a payload.
+//!
+//! ```text
+//! <name>.usda                /World: chunks, physics, lights, start poses, a camera
+//! chunks/<chunk>.usdc        /Chunk: visual mesh at every level of detail, material, collision mesh
+//! chunks/textures/           images of the chunks
+//! ```
+//! Z up, metres, kilograms, right-handed; paths are relative, so the folder works wherever it lies. After the schemas
+//! UsdGeom, UsdShade, UsdLux, UsdPhysics and UsdSemantics (<https://openusd.org/release/api/index.html>). The cave is
+//! static: collision meshes have no rigid body and keep their triangles (`approximation = "none"`), so they may be
+//! concave. They are apart from the visual meshes, which have none.
+//!
+//! The layers are written by usd-core, which lives in Python: a host program lends it as [`Library`]. What is said of
+//! each prim is decided here or in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings
+//! and the version of usd-core.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::path::Path;
+
+use minijinja::context;
+use nalgebra::{Isometry3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::error::ExportError;
+use crate::package::Package;
+use crate::scene::{Chunk, Light, Mesh, Scene};
+use crate::{Summary, frame, template};
+
+/// The Python module that authors layers; [`Library::call`] runs its functions.
+pub const SCRIPT: &str = include_str!("stage.py");
+
+/// The USD library of a host program: a Python with usd-core.
+pub trait Library: Send + Sync {
+    /// Whether it can be used; asked before the long work.
+    ///
+    /// # Errors
+    /// [`ExportError::MissingPart`] when usd-core is absent or of another version.
+    fn check(&self) -> Result<(), ExportError>;
+
+    /// Calls `function(spec, arrays)` of [`SCRIPT`]. The arrays are handed over, not copied.
+    ///
+    /// # Errors
+    /// [`ExportError::Library`] with what Python raised.
+    fn call(&self, function: &'static str, spec: &Value, arrays: Vec<(String, Array)>) -> Result<(), ExportError>;
+}
+
+/// An array that USD takes as it lies in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Array {
+    /// Shape (n, 3).
+    Float3(Vec<[f32; 3]>),
+    /// Shape (n, 2).
+    Float2(Vec<[f32; 2]>),
+    /// Shape (n,): vertex or face indices below 2³¹.
+    Index(Vec<u32>),
+}
+
+/// Settings of the targets that are a stage and nothing more.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct StageSettings {
+    /// Whether the stage carries the lights of the scene.
+    pub lights: bool,
+    /// Whether the stage carries collision meshes, friction and gravity.
+    pub physics: bool,
+}
+
+impl Default for StageSettings {
+    fn default() -> Self {
+        Self { lights: true, physics: true }
+    }
+}
+
+impl StageSettings {
+    /// What the stage then carries.
+    pub fn contents(&self) -> Contents {
+        let light_scale = if self.lights { 1.0 } else { 0.0 };
+        Contents { physics: self.physics, light_scale, omniverse_view: false }
+    }
+}
+
+/// What a stage carries beside rock and start poses.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// Collision meshes, gravity and friction.
+    pub physics: bool,
+    /// Factor on the luminous intensity of the lights; 0 leaves them out.
+    pub light_scale: f64,
+    /// Whether an Omniverse viewport that opens the stage stands where the camera does, instead of outside.
+    pub omniverse_view: bool,
+}
+
+/// Writes the README of the package from a template.
+///
+/// # Errors
+/// As [`Package::open`].
+pub fn write_readme(template: &str, scene: &Scene, summary: &Summary, out: &mut dyn Package) -> Result<(), ExportError> {
+    let values = context! {
+        name => &scene.name,
+        description => &scene.description,
+        generator => &scene.generator,
+        open => &summary.open,
+        chunks => scene.chunks.len(),
+        spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
+        friction => frame::micro(scene.friction),
+        gravity => frame::micro(scene.gravity),
+        collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+        has_physics => summary.collision_triangles > 0,
+    };
+    out.text("README.md", &template::fill("README.md", template, &values))
+}
+
+/// Position, and rotation as w, x, y, z.
+fn spawn_text(pose: &Isometry3<f64>) -> [String; 2] {
+    let text = |numbers: &[f64]| numbers.iter().copied().map(frame::micro).collect::<Vec<_>>().join(", ");
+    let turn = pose.rotation.quaternion();
+    [text(pose.translation.vector.as_slice()), text(&[turn.w, turn.i, turn.j, turn.k])]
+}
+
+/// Name of the root layer.
+pub fn root_name(scene: &Scene) -> String {
+    format!("{}.usda", scene.name)
+}
+
+/// Writes the layers and images of a stage into `out`; the summary says `open` of it.
+///
+/// # Errors
+/// As [`crate::Target::export`], and when the library refuses.
+pub fn write(
+    scene: &Scene,
+    contents: &Contents,
+    library: &dyn Library,
+    out: &mut dyn Package,
+    open: String,
+) -> Result<Summary, ExportError> {
+    scene.check()?;
+    let scratch = out.scratch()?;
+    let (mut payloads, mut triangles) = (Vec::new(), [0, 0]);
+    for index in 0..scene.chunks.len() {
+        let chunk = scene.chunk(index)?;
+        triangles[0] += chunk.visual.triangles();
+        triangles[1] += if contents.physics { chunk.collision.triangles() } else { 0 };
+        payloads.push(json!({
+            "name": chunk.name,
+            "layer": format!("./chunks/{}.usdc", chunk.name),
+            "extent": extent(&chunk.visual),
+        }));
+        write_chunk(chunk, contents, library, scratch.path(), out)?;
+    }
+    let file = root_name(scene);
+    let path = scratch.path().join(&file);
+    library.call("write_root", &root_spec(scene, contents, payloads, &path), Vec::new())?;
+    out.copy(&file, &path)?;
+    Ok(Summary { visual_triangles: triangles[0], collision_triangles: triangles[1], open })
+}
+
+fn write_chunk(
+    chunk: Chunk,
+    contents: &Contents,
+    library: &dyn Library,
+    scratch: &Path,
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
+    let layer = format!("{}.usdc", chunk.name);
+    let path = scratch.join(&layer);
+    let mut textures = serde_json::Map::new();
+    for (role, image) in [
+        ("base_color", &chunk.material.base_color),
+        ("normal", &chunk.material.normal),
+        ("orm", &chunk.material.orm),
+    ] {
+        let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
+        out.copy(&format!("chunks/{file}"), &image.path)?;
+        textures.insert(role.to_owned(), format!("./{file}").into());
+    }
+    let mut spec = json!({ "path": path, "textures": textures });
+    let mut arrays = Vec::new();
+    let levels = std::iter::once(chunk.visual).chain(chunk.lods.into_iter().map(|lod| lod.mesh));
+    let levels = levels.enumerate().map(|(level, mesh)| visual(format!("LOD{level}"), mesh, &mut arrays));
+    spec["levels"] = levels.collect();
+    if contents.physics {
+        spec["collision"] = json!({ "name": "collision", "extent": extent(&chunk.collision) });
+        push_triangles("collision", chunk.collision, &mut arrays);
+    }
+    library.call("write_chunk", &spec, arrays)?;
+    out.copy(&format!("chunks/{layer}"), &path)?;
+    Ok(std::fs::remove_file(&path)?)
+}
+
+/// A level of detail: what is said of it; its arrays go to `arrays`.
+fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
+    let spec_extent = extent(&mesh);
+    let parts = parts(&mesh);
+    let key = |array: &str| format!("{name}.{array}");
+    arrays.push((key("normals"), Array::Float3(std::mem::take(&mut mesh.normals))));
+    arrays.push((key("st"), Array::Float2(std::mem::take(&mut mesh.uvs))));
+    push_triangles(&name, mesh, arrays);
+    let parts = parts.into_iter().filter(|(_, faces)| !faces.is_empty());
+    let names: Vec<&str> = parts.map(|(part, faces)| (part, arrays.push((key(part), Array::Index(faces)))).0).collect();
+    json!({ "name": name, "extent": spec_extent, "parts": names })
+}
+
+fn push_triangles(name: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {
+    arrays.push((format!("{name}.points"), Array::Float3(mesh.positions)));
+    arrays.push((format!("{name}.indices"), Array::Index(mesh.indices)));
+}
+
+/// Faces by what they are to a robot: those that face up or down within 45° are floor and ceiling, the others wall.
+fn parts(mesh: &Mesh) -> [(&'static str, Vec<u32>); 3] {
+    let mut parts = [("floor", Vec::new()), ("wall", Vec::new()), ("ceiling", Vec::new())];
+    for (face, corners) in mesh.indices.chunks_exact(3).enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(mesh.positions[corners[k] as usize].map(f64::from)));
+        let up = (b - a).cross(&(c - a));
+        let steep = up.norm() * FRAC_1_SQRT_2;
+        let part = if up.z > steep {
+            0
+        } else if up.z < -steep {
+            2
+        } else {
+            1
+        };
+        parts[part].1.push(face as u32);
+    }
+    parts
+}
+
+fn extent(mesh: &Mesh) -> [[f32; 3]; 2] {
+    let mut extent = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    for position in &mesh.positions {
+        for axis in 0..3 {
+            extent[0][axis] = extent[0][axis].min(position[axis]);
+            extent[1][axis] = extent[1][axis].max(position[axis]);
+        }
+    }
+    extent
+}
+
+fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Path) -> Value {
+    let view = scene.viewpoint();
+    let mut spec = json!({
+        "path": path,
+        "name": scene.name,
+        "description": scene.description,
+        "generator": scene.generator,
+        "recipe": scene.recipe,
+        "chunks": payloads,
+        "spawns": scene.spawns.iter().map(pose).collect::<Vec<_>>(),
+        "camera": pose(&frame::usd_camera_from_body(&view)),
+        "lights": [],
+    });
+    if contents.light_scale > 0.0 {
+        spec["lights"] = scene.lights.iter().map(|lamp| light(lamp, contents.light_scale)).collect();
+    }
+    if contents.physics {
+        spec["physics"] = json!({ "gravity_m_s2": scene.gravity, "friction": scene.friction });
+    }
+    if contents.omniverse_view {
+        spec["layer_data"] = omniverse_view(&view);
+    }
+    spec
+}
+
+fn pose(pose: &Isometry3<f64>) -> Value {
+    let turn = pose.rotation.quaternion();
+    json!({ "position": pose.translation.vector.as_slice(), "orientation_wxyz": [turn.w, turn.i, turn.j, turn.k] })
+}
+
+fn light(light: &Light, scale: f64) -> Value {
+    json!({
+        "name": light.name,
+        "position": light.position.coords.as_slice(),
+        "color": light.color,
+        "intensity_cd": light.intensity_cd * scale,
+    })
+}
+
+/// What Omniverse applications keep in a root layer about their viewport.
+fn omniverse_view(view: &Isometry3<f64>) -> Value {
+    let target = view * nalgebra::Point3::new(2.0, 0.0, 0.0);
+    json!({ "cameraSettings": {
+        "Perspective": { "position": view.translation.vector.as_slice(), "target": target.coords.as_slice() },
+        "boundCamera": "/OmniverseKit_Persp",
+    }})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_are_told_apart_by_their_slope() {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.9], [0.0, 1.0, 1.1]];
+        let indices = vec![0, 1, 2, 0, 2, 1, 0, 1, 3, 0, 1, 4, 0, 4, 1];
+        let faces = parts(&Mesh { positions, indices, ..Mesh::default() });
+        assert_eq!(faces, [("floor", vec![0, 2]), ("wall", vec![3, 4]), ("ceiling", vec![1])]);
+    }
+}

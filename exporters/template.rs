@@ -1,0 +1,20 @@
+//! Fills the texts of `templates/`.
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
+
+/// The file `path` of a package, filled from `template`. Markup is escaped everywhere but in Markdown.
+///
+/// Our templates and the values they name belong together: that they fit is what tests are for.
+pub(crate) fn fill(path: &str, template: &str, values: &Value) -> String {
+    let mut environment = Environment::new();
+    let mut syntax = SyntaxConfig::builder();
+    syntax.trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true);
+    environment.set_syntax(syntax.build().expect("the delimiters are the usual ones"));
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_auto_escape_callback(|path| match path.ends_with(".md") {
+        true => AutoEscape::None,
+        false => AutoEscape::Html,
+    });
+    environment.render_named_str(path, template, values).expect("our templates parse and name these values only")
+}

@@ -1,0 +1,37 @@
+//! Target `usd`: the plain stage, for usdview, Houdini, Blender, Omniverse and simulators that read UsdPhysics.
+
+use std::sync::Arc;
+
+use crate::error::ExportError;
+use crate::package::Package;
+use crate::scene::Scene;
+use crate::stage::{self, Library, StageSettings};
+use crate::{Build, Summary, Target, TargetRow, settings};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "usd",
+    summary: "USD stage with a payload per chunk, levels of detail, UsdPreviewSurface and UsdPhysics",
+    opened_by: "usdview, Omniverse, Houdini, Blender, Newton",
+    settings: || schemars::schema_for!(StageSettings),
+    build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: settings("usd", table)?, library }))),
+};
+
+const README: &str = include_str!("../templates/usd/README.md.jinja");
+
+/// The target.
+pub struct Usd {
+    /// Its settings.
+    pub settings: StageSettings,
+    /// What writes the layers.
+    pub library: Arc<dyn Library>,
+}
+
+impl Target for Usd {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        let open = format!("usdview {}", stage::root_name(scene));
+        let summary = stage::write(scene, &self.settings.contents(), &*self.library, out, open)?;
+        stage::write_readme(README, scene, &summary, out)?;
+        Ok(summary)
+    }
+}

@@ -1,0 +1,50 @@
+//! Target `usdz`: the stage of target `usd` and its images as one archive, for viewers and for sending.
+//!
+//! Loads as a whole: an archive has payloads all the same, but is read in one piece.
+
+use std::sync::Arc;
+
+use serde_json::json;
+
+use crate::error::ExportError;
+use crate::package::{Existing, Folder, Package};
+use crate::scene::Scene;
+use crate::stage::{self, Library, StageSettings};
+use crate::{Build, Summary, Target, TargetRow, settings};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "usdz",
+    summary: "the USD stage and its textures as one archive",
+    opened_by: "Isaac Sim, usdview, Blender, any USD viewer",
+    settings: || schemars::schema_for!(StageSettings),
+    build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: settings("usdz", table)?, library }))),
+};
+
+const README: &str = include_str!("../templates/usd/README.md.jinja");
+
+/// The target.
+pub struct Usdz {
+    /// Its settings.
+    pub settings: StageSettings,
+    /// What writes the layers and the archive.
+    pub library: Arc<dyn Library>,
+}
+
+impl Target for Usdz {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        let archive = format!("{}.usdz", scene.name);
+        let scratch = out.scratch()?;
+        let stage = scratch.path().join("stage");
+        let mut loose = Folder::create(&stage, Existing::Keep)?;
+        let open = format!("usdview {archive}");
+        let summary = stage::write(scene, &self.settings.contents(), &*self.library, &mut loose, open)?;
+        loose.finish()?;
+        let path = scratch.path().join(&archive);
+        let spec = json!({ "root": stage.join(stage::root_name(scene)), "path": path });
+        self.library.call("write_usdz", &spec, Vec::new())?;
+        out.copy(&archive, &path)?;
+        stage::write_readme(README, scene, &summary, out)?;
+        Ok(summary)
+    }
+}

@@ -1,0 +1,98 @@
+//! usd-core as the library that writes stages.
+
+use std::ffi::CString;
+
+use numpy::{PyArray1, PyArrayMethods};
+use plume_exporters::ExportError;
+use plume_exporters::stage::{Array, Library, SCRIPT};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+use serde_json::Value;
+
+/// What pip is to install.
+const REQUIREMENT: &str = "usd-core>=25.11,<27";
+/// Versions that write what is tested: from the first, before the second.
+const VERSIONS: [(u32, u32); 2] = [(25, 11), (27, 0)];
+
+/// The Python package usd-core, loaded when first needed: that takes a second.
+pub struct UsdCore {
+    script: PyOnceLock<Py<PyModule>>,
+}
+
+impl Default for UsdCore {
+    fn default() -> Self {
+        Self { script: PyOnceLock::new() }
+    }
+}
+
+impl Library for UsdCore {
+    fn check(&self) -> Result<(), ExportError> {
+        Python::attach(|py| {
+            let version = version(py).map_err(|error| missing(&format!("cannot be loaded: {error}")))?;
+            if version < VERSIONS[0] || version >= VERSIONS[1] {
+                return Err(missing(&format!("is version {}.{:02} here", version.0, version.1)));
+            }
+            self.script(py).map(drop).map_err(|error| missing(&format!("cannot be used: {error}")))
+        })
+    }
+
+    fn call(&self, function: &'static str, spec: &Value, arrays: Vec<(String, Array)>) -> Result<(), ExportError> {
+        Python::attach(|py| self.call_script(py, function, spec, arrays)).map_err(|error| ExportError::Library {
+            library: "usd-core",
+            path: spec["path"].as_str().unwrap_or_default().to_owned(),
+            message: error.to_string(),
+        })
+    }
+}
+
+impl UsdCore {
+    fn script<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyModule>> {
+        let load = || {
+            let code = CString::new(SCRIPT)?;
+            Ok(PyModule::from_code(py, &code, c"plume/stage.py", c"plume._stage")?.unbind())
+        };
+        self.script.get_or_try_init(py, load).map(|script| script.bind(py))
+    }
+
+    fn call_script(
+        &self,
+        py: Python<'_>,
+        function: &str,
+        spec: &Value,
+        arrays: Vec<(String, Array)>,
+    ) -> PyResult<()> {
+        let spec = py.import("json")?.call_method1("loads", (spec.to_string(),))?;
+        let handed = PyDict::new(py);
+        for (name, array) in arrays {
+            handed.set_item(name, numpy_array(py, array)?)?;
+        }
+        self.script(py)?.call_method1(function, (spec, handed)).map(drop)
+    }
+}
+
+fn version(py: Python<'_>) -> PyResult<(u32, u32)> {
+    let version: (u32, u32, u32) = py.import("pxr.Usd")?.call_method0("GetVersion")?.extract()?;
+    Ok((version.1, version.2))
+}
+
+fn missing(what: &str) -> ExportError {
+    ExportError::MissingPart {
+        message: format!("USD is written by the Python package usd-core, which {what}"),
+        hint: format!("pip install '{REQUIREMENT}'"),
+    }
+}
+
+/// The array as NumPy sees it; the memory is the same.
+fn numpy_array(py: Python<'_>, array: Array) -> PyResult<Bound<'_, PyAny>> {
+    Ok(match array {
+        Array::Float3(rows) => shaped(py, rows.into_flattened(), 3)?,
+        Array::Float2(rows) => shaped(py, rows.into_flattened(), 2)?,
+        Array::Index(indices) => PyArray1::from_vec(py, indices).call_method1("view", ("int32",))?,
+    })
+}
+
+fn shaped(py: Python<'_>, flat: Vec<f32>, columns: usize) -> PyResult<Bound<'_, PyAny>> {
+    let rows = flat.len() / columns;
+    Ok(PyArray1::from_vec(py, flat).reshape([rows, columns])?.into_any())
+}
