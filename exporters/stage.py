@@ -6,7 +6,7 @@ and leave `arrays` as soon as USD has its copy, so that memory stays at one chun
 
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, Vt
 
-LAMP_RADIUS_M = 0.05
+LAMP_RADIUS_M = 0.05  # chosen: a bare bulb
 
 
 def write_chunk(spec, arrays):
@@ -150,9 +150,8 @@ def texture(stage, name, file, color_space, st):
     made.CreateInput("file", types.Asset).Set(Sdf.AssetPath(file))
     made.CreateInput("sourceColorSpace", types.Token).Set(color_space)
     made.CreateInput("st", types.Float2).ConnectToSource(st)
-    # The atlas ends at its edge.
     for side in ["wrapS", "wrapT"]:
-        made.CreateInput(side, types.Token).Set("clamp")
+        made.CreateInput(side, types.Token).Set("repeat")
     return made
 
 

@@ -96,7 +96,12 @@ pub struct Contents {
 ///
 /// # Errors
 /// As [`Package::open`].
-pub fn write_readme(template: &str, scene: &Scene, summary: &Summary, out: &mut dyn Package) -> Result<(), ExportError> {
+pub fn write_readme(
+    template: &str,
+    scene: &Scene,
+    summary: &Summary,
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
     let values = context! {
         name => &scene.name,
         description => &scene.description,
@@ -166,11 +171,9 @@ fn write_chunk(
     let layer = format!("{}.usdc", chunk.name);
     let path = scratch.join(&layer);
     let mut textures = serde_json::Map::new();
-    for (role, image) in [
-        ("base_color", &chunk.material.base_color),
-        ("normal", &chunk.material.normal),
-        ("orm", &chunk.material.orm),
-    ] {
+    for (role, image) in
+        [("base_color", &chunk.material.base_color), ("normal", &chunk.material.normal), ("orm", &chunk.material.orm)]
+    {
         let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
         out.copy(&format!("chunks/{file}"), &image.path)?;
         textures.insert(role.to_owned(), format!("./{file}").into());

@@ -55,13 +55,7 @@ impl UsdCore {
         self.script.get_or_try_init(py, load).map(|script| script.bind(py))
     }
 
-    fn call_script(
-        &self,
-        py: Python<'_>,
-        function: &str,
-        spec: &Value,
-        arrays: Vec<(String, Array)>,
-    ) -> PyResult<()> {
+    fn call_script(&self, py: Python<'_>, function: &str, spec: &Value, arrays: Vec<(String, Array)>) -> PyResult<()> {
         let spec = py.import("json")?.call_method1("loads", (spec.to_string(),))?;
         let handed = PyDict::new(py);
         for (name, array) in arrays {

@@ -8,12 +8,12 @@ use plume_exporters::package::{Existing, Folder};
 use plume_exporters::{TARGETS, Target, TargetRow};
 use serde_json::{Map, Value, json};
 
-use super::{Host, Source};
 use super::fault::CliError;
 use super::generate::{Until, make};
 use super::input::Input;
 use super::progress::Console;
 use super::summary::Summary;
+use super::{Host, Source};
 use crate::assemble::{self, FolderChunks};
 use crate::pipeline::{Observer, PipelineError};
 use crate::recipe::{self, did_you_mean};

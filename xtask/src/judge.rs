@@ -9,7 +9,7 @@ use std::process::Command;
 
 use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
-use crate::venv;
+use crate::venv::Environment;
 
 mod spoil;
 
@@ -161,11 +161,11 @@ fn export_caves() -> Result<Vec<PathBuf>> {
 }
 
 fn make_venv() -> Result<()> {
-    venv::python(REQUIREMENTS).map(drop)
+    Environment::of_project()?.with(REQUIREMENTS).map(drop)
 }
 
 fn drop_pybullet(package: &Path) -> Result<Command> {
-    let mut command = Command::new(venv::python(REQUIREMENTS)?);
+    let mut command = Command::new(Environment::of_project()?.with(REQUIREMENTS)?.python());
     command.arg(root().join("tests/judges/drop_pybullet.py")).arg(package);
     Ok(command)
 }
