@@ -84,20 +84,20 @@ def define_mesh(stage, path):
     return mesh
 
 
-def fill_triangles(mesh, spec, arrays):
+def fill_triangles(mesh, spec, arrays, shading):
     key = spec["name"]
     indices = Vt.IntArray.FromBuffer(arrays.pop(f"{key}.indices"))
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.points")))
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(indices) // 3, 3))
     mesh.CreateFaceVertexIndicesAttr(indices)
     mesh.CreateExtentAttr(box(spec["extent"]))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.normals")))
+    mesh.SetNormalsInterpolation(shading)
 
 
 def fill_visual(mesh, spec, arrays):
-    fill_triangles(mesh, spec, arrays)
+    fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.vertex)
     key = spec["name"]
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.normals")))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
     st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex)
     st.Set(Vt.Vec2fArray.FromBuffer(arrays.pop(f"{key}.st")))
     for part in spec["parts"]:
@@ -110,7 +110,7 @@ def fill_visual(mesh, spec, arrays):
 def define_collision(stage, spec, arrays):
     """What wheels touch: never drawn, static because it has no rigid body, and concave because it keeps its triangles."""
     mesh = define_mesh(stage, "/Chunk/Collision")
-    fill_triangles(mesh, spec, arrays)
+    fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.uniform)
     mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
