@@ -4,6 +4,11 @@ What is written where is decided there and arrives as plain JSON in `spec`; larg
 and leave `arrays` as soon as USD has its copy, so that memory stays at one chunk.
 """
 
+import math
+import os
+import time
+from pathlib import Path
+
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, Vt
 
 LAMP_RADIUS_M = 0.05  # chosen: a bare bulb
@@ -59,6 +64,10 @@ def write_root(spec, arrays):
 
 def write_usdz(spec, arrays):
     """One archive of the stage `root` and all that it refers to."""
+    # USD notes the local time of every file: a fixed one, so that the same stage gives the same bytes.
+    noon = time.mktime((1980, 1, 1, 12, 0, 0, 0, 0, 0))
+    for file in Path(spec["root"]).parent.rglob("*"):
+        os.utime(file, (noon, noon))
     if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(spec["root"]), spec["path"]):
         raise OSError("USD could not make the archive")
 
@@ -195,7 +204,7 @@ def define_light(stage, spec):
     """A small bright sphere: luminous intensity over the area that is seen of it gives its luminance, in nits."""
     light = UsdLux.SphereLight.Define(stage, f"/World/Lights/{spec['name']}")
     light.CreateRadiusAttr(LAMP_RADIUS_M)
-    light.CreateIntensityAttr(spec["intensity_cd"] / (3.141592653589793 * LAMP_RADIUS_M**2))
+    light.CreateIntensityAttr(spec["intensity_cd"] / (math.pi * LAMP_RADIUS_M**2))
     light.CreateColorAttr(Gf.Vec3f(*spec["color"]))
     light.CreateExtentAttr(box([[-LAMP_RADIUS_M] * 3, [LAMP_RADIUS_M] * 3]))
     UsdGeom.Xformable(light).AddTranslateOp().Set(Gf.Vec3d(*spec["position"]))
