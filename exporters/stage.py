@@ -187,7 +187,8 @@ def define_payload(stage, spec):
 
 
 def define_physics(stage, chunks, spec):
-    scene = UsdPhysics.Scene.Define(stage, "/World/PhysicsScene")
+    # Beside the world: who references the cave into a stage of their own has a scene already.
+    scene = UsdPhysics.Scene.Define(stage, "/PhysicsScene")
     scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
     scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
     UsdGeom.Scope.Define(stage, "/World/Materials")

@@ -1,7 +1,7 @@
 //! A USD stage: a root layer in text, and a binary layer per chunk that it loads as a payload.
 //!
 //! ```text
-//! <name>.usda                /World: chunks, physics, lights, start poses, a camera
+//! <name>.usda                /World: chunks, friction, lights, start poses, a camera; /PhysicsScene: gravity
 //! chunks/<chunk>.usdc        /Chunk: visual mesh at every level of detail, material, collision mesh
 //! chunks/textures/           images of the chunks
 //! ```

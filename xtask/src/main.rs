@@ -19,7 +19,7 @@ const TASKS: [(&str, &str, Task); 5] = [
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("judge", "[PACKAGE_DIR...] open packages with foreign readers", judge::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
-    ("bench", "[ROW...]         CPU seconds by stage, and the ratio to writing the same images", bench::run),
+    ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
 ];
 
 fn main() -> ExitCode {
