@@ -24,6 +24,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
+        if judges.iter().any(|judge| judge.name == "physx") {
+            tally.enter("physx", usd::spoil());
+        }
         for package in export_caves()? {
             judge(&judges, &package, &mut tally);
         }
@@ -110,6 +113,13 @@ impl Tally {
         println!("FAILED  {who:<10} {text}");
     }
 
+    fn enter(&mut self, who: &str, verdict: Result<String>) {
+        match verdict {
+            Ok(praise) => self.praise(who, &praise),
+            Err(complaint) => self.complain(who, &complaint),
+        }
+    }
+
     fn skip(&mut self, who: &str, missing: &str) {
         self.complaints += usize::from(std::env::var_os("CI").is_some());
         println!("SKIPPED {who:<10} {missing}");
@@ -137,10 +147,7 @@ fn ready(judges: &[&'static Judge], tally: &mut Tally) -> Vec<&'static Judge> {
 
 fn judge(judges: &[&'static Judge], package: &Path, tally: &mut Tally) {
     for judge in judges.iter().filter(|judge| Kind::of(package) == Some(judge.of)) {
-        match verdict(judge, package) {
-            Ok(praise) => tally.praise(judge.name, &praise),
-            Err(complaint) => tally.complain(judge.name, &complaint),
-        }
+        tally.enter(judge.name, verdict(judge, package));
     }
 }
 

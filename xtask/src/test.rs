@@ -8,6 +8,7 @@ use crate::tools::{Result, root};
 
 /// A cave small enough for every run, yet made of several chunks.
 const CAVE: &str = "target/test-cave";
+const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
 
 /// Runs the tests of the workspace, drops a ball into a cave with a physics engine that is not ours, then runs the tests
 /// of the Python package.
@@ -16,9 +17,18 @@ pub fn run(arguments: &[String]) -> Result<()> {
     let test = ["test", "--workspace", "--exclude", "plume-python", "--quiet"];
     show(cargo().args(test).args(arguments))?;
     drop_balls()?;
-    Plume::package()?;
+    let plume = Plume::package()?;
     let python = judge::usd::environment()?.python();
-    show(Command::new(python).args(["-m", "pytest", "--quiet"]).current_dir(root()))
+    show(Command::new(python).args(["-m", "pytest", "--quiet"]).current_dir(root()))?;
+    read_with_another_usd(&plume)
+}
+
+/// The validators of the newest USD are among the tests; this is the oldest.
+fn read_with_another_usd(plume: &Plume) -> Result<()> {
+    let package = format!("{CAVE}/isaac");
+    let export = ["export", "--target", "isaac", "--force", "--output", &package];
+    plume.output(&[&export[..], &SMALL[..]].concat())?;
+    judge::only("usd-old", package.as_ref())
 }
 
 fn show(command: &mut Command) -> Result<()> {
@@ -31,11 +41,10 @@ fn show(command: &mut Command) -> Result<()> {
 
 fn drop_balls() -> Result<()> {
     let plume = Plume::build()?;
-    let settings = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
     for (name, generator) in [("cave", "gaussian-perlin"), ("mine", "mine")] {
         let (output, generator) = (format!("{CAVE}/{name}"), format!("graph.generator={generator}"));
         let export = ["export", "--target", "gazebo", "--force", "--output", &output, "--set", &generator];
-        plume.output(&[&export[..], &settings[..]].concat())?;
+        plume.output(&[&export[..], &SMALL[..]].concat())?;
         judge::only("pybullet", output.as_ref())?;
     }
     Ok(())

@@ -36,6 +36,16 @@ def chunks(stage):
     return stage.GetPrimAtPath("/World/Chunks").GetAllChildren()
 
 
+def levels_of(chunk):
+    """Selects each level of detail of a chunk in turn, in the session layer and not in the package."""
+    levels = chunk.GetVariantSet("LOD")
+    stage = chunk.GetStage()
+    for level in levels.GetVariantNames():
+        with Usd.EditContext(stage, stage.GetSessionLayer()):
+            levels.SetVariantSelection(level)
+        yield level
+
+
 def triangles(mesh):
     """Corners in metres, shape (triangle, corner, xyz)."""
     points = np.asarray(mesh.GetPointsAttr().Get(), dtype=np.float64)

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::tools::{Result, root};
+use crate::tools::{Result, root, run};
 use crate::venv::Environment;
 
 /// The variable by which a person agrees to the licence of PhysX for Omniverse.
@@ -54,6 +54,13 @@ pub(super) fn touch(package: &Path) -> Result<Command> {
     let mut command = script("physx.py", package)?;
     command.arg(physx_environment()?.python());
     Ok(command)
+}
+
+/// Spoils a package in ways that PhysX must notice.
+pub(super) fn spoil() -> Result<String> {
+    let mut pytest = Command::new(environment()?.python());
+    pytest.args(["-m", "pytest", "--quiet", "tests/judges/usd/test_physx.py"]).current_dir(root());
+    run(pytest.env("PLUME_PHYSX_PYTHON", physx_environment()?.python()))
 }
 
 fn script(name: &str, package: &Path) -> Result<Command> {
