@@ -136,7 +136,25 @@ def point_gravity_up(package):
     edit(root(package), lambda stage: UsdPhysics.Scene.Get(stage, "/PhysicsScene").GetGravityDirectionAttr().Set(Gf.Vec3f(0, 0, 1)))
 
 
+def misjudge_size(package):
+    def change(stage):
+        prim = stage.GetPrimAtPath("/World/Chunks").GetAllChildren()[0]
+        UsdGeom.ModelAPI(prim).SetExtentsHint(Vt.Vec3fArray([(0, 0, 0), (1, 1, 1)]))
+
+    edit(root(package), change)
+
+
+def repeat_level(stage):
+    levels = stage.GetPrimAtPath("/Chunk").GetVariantSet("LOD")
+    finest = Sdf.Path("/Chunk").AppendVariantSelection("LOD", "LOD0")
+    levels.AddVariant("LOD1")
+    layer = stage.GetRootLayer()
+    Sdf.CopySpec(layer, finest, layer, Sdf.Path("/Chunk").AppendVariantSelection("LOD", "LOD1"))
+
+
 SPOILS = {
+    "a wrong size": (misjudge_size, "has another size when it is open"),
+    "a level no coarser": (in_chunk(repeat_level), "levels_get_coarser"),
     "no metres": (clear_metadata("metersPerUnit"), "metersPerUnit"),
     "no default prim": (clear_metadata("defaultPrim"), "defaultPrim"),
     "Y up": (lambda package: edit(root(package), lambda stage: UsdGeom.SetStageUpAxis(stage, "Y")), "units_are_metres"),

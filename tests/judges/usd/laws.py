@@ -224,16 +224,29 @@ def payloads_stay_closed_and_open_alone(package, root):
     for chunk in packages.chunks(stage):
         if UsdGeom.ModelAPI(chunk).GetExtentsHint() is None:
             yield f"{chunk.GetPath()} has no size while it is closed"
+            return
     for chunk in packages.chunks(stage)[:2]:
         stage.Load(chunk.GetPath())
-        if len(packages.meshes(stage, "Visual")) != 1:
+        opened = packages.meshes(stage, "Visual")
+        if len(opened) != 1:
             yield f"{chunk.GetPath()} does not open alone"
+        elif opened[0].GetExtentAttr().Get() != UsdGeom.ModelAPI(chunk).GetExtentsHint():
+            yield f"{chunk.GetPath()} has another size when it is open"
         stage.Unload(chunk.GetPath())
         if packages.meshes(stage, "Visual"):
             yield f"{chunk.GetPath()} does not close"
 
 
+def levels_get_coarser(package, root):
+    stage = packages.open_stage(root)
+    for chunk in packages.chunks(stage):
+        faces = [len(UsdGeom.Mesh(chunk.GetChild("Visual")).GetFaceVertexCountsAttr().Get()) for _ in packages.levels_of(chunk)]
+        if not faces or any(finer <= coarser for finer, coarser in zip(faces, faces[1:])):
+            yield f"{chunk.GetPath()} has levels of {faces} faces"
+
+
 FILE_LAWS = [
+    levels_get_coarser,
     paths_are_relative_and_lead_somewhere,
     images_are_written_as_relative_paths,
     every_file_is_used,
