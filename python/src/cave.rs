@@ -157,7 +157,7 @@ impl Cave {
     ) -> PyResult<Package> {
         let cave = self.open(py)?;
         let options = match options {
-            Some(options) => json::pairs(target, &json::from_python(options)?),
+            Some(options) => json::pairs(target, &json::from_python(options.as_mapping())?),
             None => Vec::new(),
         };
         let existing = if force { Existing::Replace } else { Existing::Keep };

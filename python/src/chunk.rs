@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicBool, AtomicIsize, Ordering};
 
-use plume::cave::CaveError;
 use plume_exporters::ExportError;
 use plume_exporters::scene::{self, Chunks as _};
 use pyo3::exceptions::PyIndexError;
@@ -10,13 +9,14 @@ use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice};
 
 use crate::cave::Cave;
-use crate::error;
 use crate::mesh::{self, Lod, Mesh, VisualMesh};
 use crate::texture::Textures;
+use crate::work;
 
 /// A piece of the wall of a cave in full detail, with its coarser levels, collision mesh and textures.
 ///
-/// Its arrays are its own: they stay when the cave is closed, and changing them changes nothing else.
+/// Its arrays are what was read, handed over without a copy. They are its own: they stay when the cave is closed, and
+/// changing them changes nothing else.
 ///
 /// >>> chunk = cave.chunks[0]
 /// >>> chunk.positions.shape[1], chunk.indices.shape[1], str(chunk.uvs.dtype)
@@ -120,10 +120,10 @@ impl Chunks {
     fn load<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, Chunk>> {
         let cave = self.cave.get().open(py)?;
         let index = index as usize;
-        let load = || cave.chunks(&AtomicBool::new(false)).load(index);
-        let chunk = py.detach(load).map_err(|source| {
-            let scene = cave.recipe().name.clone();
-            error::raised(py, &CaveError::Export(ExportError::Load { scene, index, source }))
+        let chunk = work::briefly(py, || {
+            let loaded = cave.chunks(&AtomicBool::new(false)).load(index);
+            let scene = || cave.recipe().name.clone();
+            Ok(loaded.map_err(|source| ExportError::Load { scene: scene(), index, source })?)
         })?;
         self.arrays(py, chunk)
     }

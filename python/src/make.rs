@@ -11,7 +11,7 @@ use tempfile::TempDir;
 
 use crate::cave::Cave;
 use crate::recipe::{Recipe, seed_pairs};
-use crate::{error, work};
+use crate::work;
 
 /// Makes a cave: graph, triangles and images.
 ///
@@ -81,17 +81,17 @@ pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, Cave>> {
 fn input(py: Python<'_>, recipe: Option<&Bound<'_, PyAny>>, seed: Option<i128>) -> PyResult<Input> {
     let seed_pairs = seed_pairs(seed);
     let Some(recipe) = recipe else {
-        return Input::read(None, &seed_pairs).map_err(|error| error::raised(py, &error));
+        return work::briefly(py, || Input::read(None, &seed_pairs));
     };
     if let Ok(recipe) = recipe.cast::<Recipe>() {
         return Ok(Input::of(recipe.get().resolve(py, &seed_pairs)?));
     }
-    if recipe.cast::<PyMapping>().is_ok() {
-        let recipe = Recipe::of_settings(py, Some(recipe), seed)?;
+    if let Ok(settings) = recipe.cast::<PyMapping>() {
+        let recipe = Recipe::of_settings(py, Some(settings), seed)?;
         return Ok(Input::of(recipe.resolve(py, &[])?));
     }
     let path: PathBuf = recipe.extract()?;
-    work::run(py, None, |_| Input::read(Some(&path), &seed_pairs))
+    work::briefly(py, || Input::read(Some(&path), &seed_pairs))
 }
 
 fn temporary() -> PyResult<(PathBuf, Option<TempDir>)> {

@@ -7,9 +7,11 @@ use std::sync::Arc;
 use plume::cave;
 use plume::preset::PRESETS;
 use plume::recipe;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyMapping;
 
-use crate::{error, json};
+use crate::{error, json, work};
 
 /// What a cave is made from: every key has a value, every value is in range.
 ///
@@ -72,7 +74,7 @@ impl Recipe {
     /// The default recipe, with these keys in place of its own.
     #[new]
     #[pyo3(signature = (settings=None, *, seed=None))]
-    pub fn of_settings(py: Python<'_>, settings: Option<&Bound<'_, PyAny>>, seed: Option<i128>) -> PyResult<Self> {
+    pub fn of_settings(py: Python<'_>, settings: Option<&Bound<'_, PyMapping>>, seed: Option<i128>) -> PyResult<Self> {
         let written = Written { text: String::new(), file: "recipe".into() };
         Self::new(py, Arc::new(written), overrides(settings, seed)?)
     }
@@ -85,7 +87,7 @@ impl Recipe {
     #[staticmethod]
     #[pyo3(signature = (path, *, seed=None))]
     fn load(py: Python<'_>, path: PathBuf, seed: Option<i128>) -> PyResult<Self> {
-        let text = cave::read(&path).map_err(|error| error::raised(py, &error))?;
+        let text = work::briefly(py, || cave::read(&path))?;
         Self::new(py, Arc::new(Written { text, file: path }), seed_pairs(seed))
     }
 
@@ -139,7 +141,7 @@ impl Recipe {
     /// >>> plume.Recipe().replace({"graph.nodes": 100, "rock.kind": "basalt"}, seed=5)["graph.nodes"]
     /// 100
     #[pyo3(signature = (settings=None, *, seed=None))]
-    fn replace(&self, py: Python<'_>, settings: Option<&Bound<'_, PyAny>>, seed: Option<i128>) -> PyResult<Self> {
+    fn replace(&self, py: Python<'_>, settings: Option<&Bound<'_, PyMapping>>, seed: Option<i128>) -> PyResult<Self> {
         let overrides = [self.overrides.clone(), overrides(settings, seed)?].concat();
         Self::new(py, Arc::clone(&self.written), overrides)
     }
@@ -183,6 +185,18 @@ impl Recipe {
         hasher.finish()
     }
 
+    /// Pickling keeps what was written, so that paths stay relative to it.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let Written { text, file } = &*slf.get().written;
+        let written = (text, file, &slf.get().overrides);
+        (slf.get_type().getattr("_written")?, written).into_bound_py_any(slf.py())
+    }
+
+    #[staticmethod]
+    fn _written(py: Python<'_>, text: String, file: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        Self::new(py, Arc::new(Written { text, file }), overrides)
+    }
+
     fn __repr__(&self) -> String {
         let json = self.resolved.to_json();
         let (graph, rock) = (&json["graph"]["generator"], &json["rock"]["kind"]);
@@ -195,7 +209,7 @@ fn missing(key: &impl Display) -> PyErr {
 }
 
 /// Settings and seed as the command line takes them.
-fn overrides(settings: Option<&Bound<'_, PyAny>>, seed: Option<i128>) -> PyResult<Vec<String>> {
+fn overrides(settings: Option<&Bound<'_, PyMapping>>, seed: Option<i128>) -> PyResult<Vec<String>> {
     let mut pairs = match settings {
         Some(settings) => json::pairs("", &json::from_python(settings)?),
         None => Vec::new(),

@@ -9,11 +9,11 @@ use plume_exporters::scene::{Image, Material};
 use pyo3::prelude::*;
 
 use crate::cave::Cave;
-use crate::{array, error};
+use crate::{array, work};
 
 /// The images of a chunk, each (height, width, channels) uint8 with the top row first.
 ///
-/// Each access reads and decodes the file anew, while the cave is open.
+/// Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
 ///
 /// >>> textures = cave.chunks[0].textures
 /// >>> textures.base_color.shape, textures.roughness.shape
@@ -32,7 +32,7 @@ impl Textures {
 
     fn array<'py>(&self, py: Python<'py>, image: &Image) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.cave.get().open(py)?;
-        let decoded = py.detach(|| decoded(&image.path)).map_err(|error| error::raised(py, &error))?;
+        let decoded = work::briefly(py, || decoded(&image.path))?;
         let [height, width] = [decoded.height() as usize, decoded.width() as usize];
         let channels = usize::from(decoded.color().channel_count());
         array::block(py, decoded.into_bytes(), [height, width, channels])

@@ -7,6 +7,7 @@
 
 use std::any::Any;
 use std::num::NonZeroUsize;
+use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
@@ -31,18 +32,18 @@ pub fn run<T: Send>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> Result<T, CaveError> + Send,
 ) -> PyResult<T> {
-    let watch = Watch::default();
+    let (watch, ended) = (Watch::default(), AtomicBool::new(false));
     let (result, raised) = thread::scope(|scope| {
-        let caller = thread::current();
+        let wake = Wake { caller: thread::current(), ended: &ended };
         let worker = thread::Builder::new().spawn_scoped(scope, || {
-            let _wake = Wake(caller);
+            let _wake = wake;
             work(&watch)
         })?;
         let mut raised = Ok(());
         let mut told = None;
-        while !worker.is_finished() {
+        while !ended.load(Ordering::Acquire) {
             py.detach(|| thread::park_timeout(PAUSE));
-            let attended = py.check_signals().and_then(|()| watch.tell(py, progress, &mut told));
+            let attended = py.check_signals().and_then(|()| watch.tell(progress, &mut told));
             if attended.is_err() {
                 watch.stop.store(true, Ordering::Relaxed);
                 raised = raised.and(attended);
@@ -51,10 +52,15 @@ pub fn run<T: Send>(
         PyResult::Ok((worker.join(), raised))
     })?;
     raised?;
-    match result {
-        Ok(result) => result.map_err(|error| error::raised(py, &error)),
-        Err(panic) => Err(error::internal(py, panic_text(&*panic))),
-    }
+    outcome(py, result)
+}
+
+/// Runs work that takes no longer than reading a file, without the interpreter lock.
+///
+/// # Errors
+/// Those of the work, as Python's.
+pub fn briefly<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, CaveError> + Send) -> PyResult<T> {
+    outcome(py, py.detach(|| panic::catch_unwind(AssertUnwindSafe(work))))
 }
 
 /// Runs `work` on this many threads, or on as many as there are cores.
@@ -71,11 +77,15 @@ pub fn on_threads<T: Send>(
 }
 
 /// Wakes the caller when the work ends, however it ends.
-struct Wake(thread::Thread);
+struct Wake<'a> {
+    caller: thread::Thread,
+    ended: &'a AtomicBool,
+}
 
-impl Drop for Wake {
+impl Drop for Wake<'_> {
     fn drop(&mut self) {
-        self.0.unpark();
+        self.ended.store(true, Ordering::Release);
+        self.caller.unpark();
     }
 }
 
@@ -98,13 +108,12 @@ impl Watch {
         change(&mut self.progress.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    fn tell(&self, py: Python<'_>, to: Option<&Bound<'_, PyAny>>, told: &mut Option<Progress>) -> PyResult<()> {
+    fn tell(&self, to: Option<&Bound<'_, PyAny>>, told: &mut Option<Progress>) -> PyResult<()> {
         let now = *self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let Some((to, now)) = to.zip(now).filter(|(_, now)| *told != Some(*now)) else {
             return Ok(());
         };
         *told = Some(now);
-        py.check_signals()?;
         to.call1((name(now.stage), now.done, now.total)).map(drop)
     }
 }
@@ -134,6 +143,13 @@ fn name(stage: Stage) -> &'static str {
         Stage::Graph => "graph",
         Stage::Mesh => "mesh",
         Stage::Texture => "texture",
+    }
+}
+
+fn outcome<T>(py: Python<'_>, result: thread::Result<Result<T, CaveError>>) -> PyResult<T> {
+    match result {
+        Ok(result) => result.map_err(|error| error::raised(py, &error)),
+        Err(panic) => Err(error::internal(py, panic_text(&*panic))),
     }
 }
 

@@ -6,13 +6,14 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import plume
 import pytest
 
 # Some seconds of work on one thread, in several dozen chunks.
-RECIPE = {"graph.nodes": 40, "mesh.voxel_m": 0.12, "mesh.chunk_m": [8, 8, 8], "texture.size_px": 256}
+RECIPE = {"graph.nodes": 25, "mesh.voxel_m": 0.12, "mesh.chunk_m": [6, 6, 6], "texture.size_px": 256}
 SEED = 7
 TIMEOUT_S = 60
 
@@ -57,15 +58,17 @@ def interrupt(process: subprocess.Popen[str]) -> tuple[str, str]:
     return process.communicate(timeout=TIMEOUT_S)
 
 
-def wait_for_units(folder: Path, stage: str) -> None:
-    """Waits until the journal of the cave tells of a unit of this stage."""
+def wait_for(happened: Callable[[], bool]) -> None:
     deadline = time.monotonic() + TIMEOUT_S
-    while time.monotonic() < deadline:
-        journal = folder / "journal.jsonl"
-        if journal.exists() and f'"stage":"{stage}"' in journal.read_text():
-            return
-        time.sleep(0.01)
-    pytest.fail(f"no unit of stage {stage} was finished")
+    while not happened():
+        assert time.monotonic() < deadline, "it did not happen"
+        time.sleep(0.005)
+
+
+def wait_for_unit(folder: Path, stage: str) -> None:
+    """Waits until the journal of the cave tells of a unit of this stage."""
+    journal = folder / "journal.jsonl"
+    wait_for(lambda: journal.exists() and f'"stage":"{stage}"' in journal.read_text())
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +80,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> plume.Cave:
 def test_ctrl_c_stops_a_cave_that_then_goes_on(stage: str, whole: plume.Cave, tmp_path: Path) -> None:
     folder = tmp_path / "cave"
     process = start(GENERATE, folder)
-    wait_for_units(folder, stage)
+    wait_for_unit(folder, stage)
     said, faults = interrupt(process)
     assert said.split() == ["interrupted", "True"], faults
     assert not list(folder.rglob("*.partial")) and not (folder / "manifest.json").exists()
@@ -97,7 +100,7 @@ def test_ctrl_c_stops_a_cave_that_then_goes_on(stage: str, whole: plume.Cave, tm
 def test_ctrl_c_leaves_a_whole_package_or_none(target: str, whole: plume.Cave, tmp_path: Path) -> None:
     process = start(EXPORT, whole.folder, tmp_path / "package", target)
     assert process.stdout is not None and process.stdout.readline() == "ready\n"
-    time.sleep(1)
+    wait_for(lambda: (tmp_path / "package.partial").exists())
     said, faults = interrupt(process)
     assert said.split() == ["interrupted", "True"], faults
     assert [path.name for path in tmp_path.iterdir() if path.name != "package"] == []

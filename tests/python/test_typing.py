@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 SAMPLE = """
@@ -33,21 +35,27 @@ except OSError as missing:
 """
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """One cache for all: NumPy's types take seconds to read."""
+    return f"--cache-dir={tmp_path_factory.mktemp('mypy')}"
+
+
 def mypy(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, cwd=ROOT, check=False)
 
 
-def test_a_user_is_typed(tmp_path: Path) -> None:
+def test_a_user_is_typed(cache: str, tmp_path: Path) -> None:
     sample = tmp_path / "sample.py"
     sample.write_text(SAMPLE)
-    checked = mypy("mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), str(sample))
+    checked = mypy("mypy", "--strict", cache, str(sample))
     assert checked.returncode == 0, checked.stdout
 
 
-def test_a_wrong_use_is_seen(tmp_path: Path) -> None:
+def test_a_wrong_use_is_seen(cache: str, tmp_path: Path) -> None:
     sample = tmp_path / "sample.py"
     sample.write_text(SAMPLE + 'plume.generate(recipe, sed=3)\nrecipe.seed = 4\nplume.targets().append("x")\n')
-    checked = mypy("mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), str(sample))
+    checked = mypy("mypy", "--strict", cache, str(sample))
     assert "Found 3 errors" in checked.stdout, checked.stdout
 
 
@@ -56,7 +64,7 @@ def test_the_stub_is_the_module() -> None:
     assert checked.returncode == 0, checked.stdout
 
 
-def test_our_python_is_typed(tmp_path: Path) -> None:
+def test_our_python_is_typed(cache: str) -> None:
     sources = ["python/plume", "examples/python"]
-    checked = mypy("mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), *sources)
+    checked = mypy("mypy", "--strict", cache, *sources)
     assert checked.returncode == 0, checked.stdout
