@@ -1,5 +1,6 @@
 """The types of `plume` hold: for a user under mypy --strict, and against the module itself."""
 
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -64,7 +65,14 @@ def test_the_stub_is_the_module() -> None:
     assert checked.returncode == 0, checked.stdout
 
 
+def test_the_stub_says_what_the_module_says() -> None:
+    program = runpy.run_path(str(ROOT / "python" / "document_stub.py"))
+    stub = program["STUB"].read_text()
+    assert program["documented"](stub) == stub, "run python/document_stub.py"
+    assert '"""What a cave is made from' in stub
+
+
 def test_our_python_is_typed(cache: str) -> None:
-    sources = ["python/plume", "examples/python"]
+    sources = ["python/plume", "python/document_stub.py", "examples/python"]
     checked = mypy("mypy", "--strict", cache, *sources)
     assert checked.returncode == 0, checked.stdout
