@@ -84,6 +84,18 @@ def test_arrays_are_what_the_files_hold(cave: plume.Cave) -> None:
         assert np.array_equal(chunk.collision.indices, triangles)
 
 
+def test_triangles_face_the_air(cave: plume.Cave) -> None:
+    volume_m3 = 0.0
+    for chunk in cave.chunks:
+        corners = chunk.positions[chunk.indices].astype(np.float64)
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        towards = np.einsum("ij,ij->i", faces, chunk.normals[chunk.indices].mean(axis=1))
+        assert (towards > 0).mean() > 0.99
+        volume_m3 += np.einsum("ij,ij->i", corners[:, 0], faces).sum() / 6
+    # The wall is closed, and turned inside out: the air is inside.
+    assert volume_m3 < -100
+
+
 def test_arrays_are_handed_over_without_a_copy(cave: plume.Cave) -> None:
     chunk = cave.chunks[0]
     assert chunk.positions is chunk.positions
@@ -130,7 +142,7 @@ def test_spawns_are_poses_in_the_air_over_the_floor(cave: plume.Cave) -> None:
 
 
 def test_spawns_and_lights_are_those_of_the_stage(cave: plume.Cave, tmp_path: Path) -> None:
-    from pxr import Usd, UsdGeom, UsdLux
+    from pxr import Usd, UsdGeom, UsdLux  # type: ignore[import-untyped]
 
     cave.export("usd", tmp_path / "usd")
     stage = Usd.Stage.Open(str(tmp_path / "usd" / "cave.usda"))
