@@ -41,6 +41,20 @@ except KeyboardInterrupt:
 print(len(cave.chunks) > 0)
 """
 
+STOPPED_EXPORT = """
+import signal, sys, plume
+def stop(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, stop)
+cave = plume.open(sys.argv[1])
+try:
+    signal.setitimer(signal.ITIMER_REAL, 0.01)
+    cave.export("isaac", sys.argv[2])
+    print("done")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
 
 def hashes(folder: Path) -> dict[str, str]:
     files = sorted(path for path in folder.rglob("*") if path.is_file())
@@ -109,3 +123,10 @@ def test_ctrl_c_leaves_a_whole_package_or_none(target: str, whole: plume.Cave, t
         found = hashes(tmp_path / "package")
         del found["manifest.json"]
         assert {path: entry["sha256"] for path, entry in listed.items()} == found
+
+
+def test_a_signal_stops_an_export(whole: plume.Cave, tmp_path: Path) -> None:
+    # The signal comes while USD is loaded, which takes a good part of a second.
+    said, faults = start(STOPPED_EXPORT, whole.folder, tmp_path / "package").communicate(timeout=TIMEOUT_S)
+    assert said == "interrupted\n", faults
+    assert list(tmp_path.iterdir()) == []
