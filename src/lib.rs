@@ -3,10 +3,12 @@
 //! One [`recipe`] and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in
 //! chunks, a [`texture`] set per chunk, and from them a package for a simulator.
 //!
-//! Arrows point one way: `cli → pipeline → assemble, store → truth, texture → mesh → field → material → noise`, and
+//! Arrows point one way: `cli → cave → pipeline, assemble → store → truth, texture → mesh → field → material → noise`, and
 //! `field → graph`. See `ARCHITECTURE.md`.
 
 pub mod cli;
+
+pub mod cave;
 pub mod pipeline;
 
 pub mod assemble;

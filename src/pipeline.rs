@@ -97,27 +97,39 @@ impl<'a> Pipeline<'a> {
         observer: &'a dyn Observer,
     ) -> Result<Self, PipelineError> {
         observer.begin(Stage::Graph, 1);
+        let pipeline = Self::plan(recipe, given, folder, observer)?;
+        if !force {
+            pipeline.refuse_other_cave()?;
+        }
+        folder.begin()?;
+        pipeline.write_graph()?;
+        observer.advance(Stage::Graph);
+        observer.end(Stage::Graph);
+        Ok(pipeline)
+    }
+
+    /// Makes or reads the graph, and writes nothing. `given` replaces the recipe's own graph.
+    ///
+    /// # Errors
+    /// When there can be no such graph.
+    pub fn plan(
+        recipe: &'a Recipe,
+        given: Option<Graph>,
+        folder: &'a CaveFolder,
+        observer: &'a dyn Observer,
+    ) -> Result<Self, PipelineError> {
         let graph = match given {
             Some(graph) => graph,
             None => graph_of(recipe)?,
         };
-        let text = graph::json::write(&graph, crate::VERSION, recipe.to_json());
+        let text = graph_text(recipe, &graph);
         let graph_fingerprint = sha256(format!("{}\n{}", crate::VERSION, text).as_bytes());
         let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
         let shape = [crate::VERSION, &stations(&graph), &section(&["seed", "passage", "rock", "mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
         let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
-        let pipeline =
-            Self { recipe, folder, observer, graph, graph_fingerprint, mesh_fingerprint, texture_fingerprint };
-        if !force {
-            pipeline.refuse_other_cave()?;
-        }
-        folder.begin()?;
-        pipeline.write_graph(&text)?;
-        observer.advance(Stage::Graph);
-        observer.end(Stage::Graph);
-        Ok(pipeline)
+        Ok(Self { recipe, folder, observer, graph, graph_fingerprint, mesh_fingerprint, texture_fingerprint })
     }
 
     /// The graph.
@@ -127,8 +139,7 @@ impl<'a> Pipeline<'a> {
 
     /// The field of this cave.
     pub fn field(&self) -> CaveField {
-        let recipe = self.recipe;
-        CaveField::new(&self.graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
+        field(self.recipe, &self.graph)
     }
 
     /// Makes every chunk's triangles.
@@ -196,6 +207,13 @@ impl<'a> Pipeline<'a> {
         units
     }
 
+    /// Whether every wall has its images. Walls are textured after the last of them is meshed.
+    pub fn is_finished(&self) -> bool {
+        let textured = self.units(Stage::Texture);
+        let walls = self.walls();
+        !walls.is_empty() && walls.iter().all(|wall| textured.iter().any(|unit| unit.name == wall.name))
+    }
+
     fn fingerprint(&self, stage: Stage) -> &str {
         match stage {
             Stage::Graph => &self.graph_fingerprint,
@@ -224,12 +242,13 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
-    fn write_graph(&self, text: &str) -> Result<(), PipelineError> {
+    fn write_graph(&self) -> Result<(), PipelineError> {
         if self.folder.finished(Stage::Graph, "cave", &self.graph_fingerprint)?.is_some() {
             return Ok(());
         }
         let recipe = self.folder.write(store::RECIPE, |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
-        let graph = self.folder.write(store::GRAPH, |out| out.write_all(text.as_bytes()))?;
+        let graph =
+            self.folder.write(store::GRAPH, |out| out.write_all(graph_text(self.recipe, &self.graph).as_bytes()))?;
         let facts = json!({
             "nodes": self.graph.nodes.len(),
             "passages": self.graph.edges.len(),
@@ -276,6 +295,16 @@ impl<'a> Pipeline<'a> {
         self.observer.end(stage);
         Ok(())
     }
+}
+
+/// The field of the cave that this recipe and graph describe.
+pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
+    CaveField::new(graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
+}
+
+/// The text of the cave's graph file.
+pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
+    graph::json::write(graph, crate::VERSION, recipe.to_json())
 }
 
 /// Name of a chunk: its index in the grid.

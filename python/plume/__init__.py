@@ -1,5 +1,63 @@
-"""Procedural caves, mines and lava tubes for robot simulators."""
+"""Procedural caves, mines and lava tubes for robot simulators.
 
-from plume._plume import __version__
+A recipe and a seed give a cave; a cave gives arrays and packages:
 
-__all__ = ["__version__"]
+    import plume
+
+    with plume.generate(plume.Recipe({"graph": {"nodes": 30}}, seed=7)) as cave:
+        cave.export("isaac", "my-cave-isaac")
+        for chunk in cave.chunks:
+            print(chunk.name, chunk.positions.shape, chunk.bounds)
+
+Metres, radians, right-handed, Z up. Arrays are NumPy's. In the examples of this module `cave` is a cave of 12 stations
+and `folder` a folder for trials.
+"""
+
+from plume._plume import (
+    Cave,
+    Chunk,
+    Chunks,
+    Graph,
+    Light,
+    Lod,
+    Mesh,
+    Package,
+    Recipe,
+    Textures,
+    VisualMesh,
+    __version__,
+    generate,
+    generators,
+    materials,
+    open,
+    presets,
+    targets,
+)
+from plume.errors import Fault, InputError, MissingPartError, PlumeError, RecipeError, StorageError
+
+__all__ = [
+    "Cave",
+    "Chunk",
+    "Chunks",
+    "Fault",
+    "Graph",
+    "InputError",
+    "Light",
+    "Lod",
+    "Mesh",
+    "MissingPartError",
+    "Package",
+    "PlumeError",
+    "Recipe",
+    "RecipeError",
+    "StorageError",
+    "Textures",
+    "VisualMesh",
+    "__version__",
+    "generate",
+    "generators",
+    "materials",
+    "open",
+    "presets",
+    "targets",
+]

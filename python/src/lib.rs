@@ -1,8 +1,23 @@
 //! The extension module `plume._plume`: Plume for Python, and Python's USD library for Plume.
 //!
-//! No logic: the command line is that of the crate `plume`, and so is every cave.
+//! No logic: the command line is that of the crate `plume`, and so are recipes and caves. Here they get Python's names,
+//! NumPy's arrays and Python's errors. Long work runs on threads without the interpreter lock ([`work`]).
 
+mod array;
+mod cave;
+mod chunk;
+mod error;
+mod graph;
+mod json;
+mod light;
+mod make;
+mod mesh;
+mod package;
+mod recipe;
+mod tables;
+mod texture;
 mod usd;
+mod work;
 
 use std::ffi::OsString;
 use std::sync::Arc;
@@ -15,6 +30,27 @@ use crate::usd::UsdCore;
 #[pymodule]
 mod _plume {
     use super::{Arc, Bound, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, UsdCore, pyfunction};
+
+    #[pymodule_export]
+    use super::cave::Cave;
+    #[pymodule_export]
+    use super::chunk::{Chunk, ChunkIterator, Chunks};
+    #[pymodule_export]
+    use super::graph::Graph;
+    #[pymodule_export]
+    use super::light::Light;
+    #[pymodule_export]
+    use super::make::{generate, open};
+    #[pymodule_export]
+    use super::mesh::{Lod, Mesh, VisualMesh};
+    #[pymodule_export]
+    use super::package::Package;
+    #[pymodule_export]
+    use super::recipe::Recipe;
+    #[pymodule_export]
+    use super::tables::{generators, materials, presets, targets};
+    #[pymodule_export]
+    use super::texture::Textures;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -2,13 +2,15 @@
 
 use std::ffi::CString;
 
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::PyArray1;
 use plume_exporters::ExportError;
 use plume_exporters::stage::{Array, Library, SCRIPT};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use serde_json::Value;
+
+use crate::array;
 
 /// What pip is to install.
 const REQUIREMENT: &str = "usd-core>=25.11,<27";
@@ -80,13 +82,8 @@ fn missing(what: &str) -> ExportError {
 /// The array as NumPy sees it; the memory is the same.
 fn numpy_array(py: Python<'_>, array: Array) -> PyResult<Bound<'_, PyAny>> {
     Ok(match array {
-        Array::Float3(rows) => shaped(py, rows.into_flattened(), 3)?,
-        Array::Float2(rows) => shaped(py, rows.into_flattened(), 2)?,
+        Array::Float3(rows) => array::rows(py, rows)?.into_any(),
+        Array::Float2(rows) => array::rows(py, rows)?.into_any(),
         Array::Index(indices) => PyArray1::from_vec(py, indices).call_method1("view", ("int32",))?,
     })
-}
-
-fn shaped(py: Python<'_>, flat: Vec<f32>, columns: usize) -> PyResult<Bound<'_, PyAny>> {
-    let rows = flat.len() / columns;
-    Ok(PyArray1::from_vec(py, flat).reshape([rows, columns])?.into_any())
 }

@@ -4,19 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use plume_exporters::TargetRow;
 use plume_exporters::package::{Existing, Folder};
-use plume_exporters::{TARGETS, Target, TargetRow};
-use serde_json::{Map, Value, json};
 
 use super::fault::CliError;
-use super::generate::{Until, make};
-use super::input::Input;
 use super::progress::Console;
 use super::summary::Summary;
 use super::{Host, Source};
-use crate::assemble::{self, FolderChunks};
+use crate::cave::{self, Cave, Input};
 use crate::pipeline::{Observer, PipelineError};
-use crate::recipe::{self, did_you_mean};
 use crate::store::CaveFolder;
 
 /// Makes a cave and hands it to simulators.
@@ -44,8 +40,8 @@ impl Export {
     /// # Errors
     /// Bad input, the disk, Ctrl-C, a missing USD library.
     pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
-        let rows = self.target.iter().map(|name| row(name)).collect::<Result<Vec<_>, _>>()?;
-        let targets = self.build(&rows, host)?;
+        let rows = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
+        let targets = cave::build(&rows, &self.option, host.library())?;
         let input = self.source.resolve()?;
         let outputs = self.outputs(&input.recipe.name, &rows);
         self.refuse_same_place(&outputs)?;
@@ -57,15 +53,13 @@ impl Export {
         let folder = CaveFolder::open_or_new(&work.path)?;
         let mut summary = Summary::start();
         let force = self.source.force || work.is_temporary;
-        let made = make(&input, &folder, Until::Textures, force, console, &mut summary);
-        let pipeline = made.inspect_err(|error| work.clear_if_hopeless(error))?;
-        let field = pipeline.field();
-        let chunks = FolderChunks::new(&folder, &pipeline.walls(), input.recipe.texture.format, console.stop());
-        let scene = assemble::scene(&input.recipe, pipeline.graph(), &field, &chunks);
+        let made =
+            Cave::make(input, folder, force, console, &mut |stage, pipeline| summary.stage_done(stage, pipeline));
+        let cave = made.inspect_err(|error| work.clear_if_hopeless(error))?;
+        let chunks = cave.chunks(console.stop());
+        let scene = cave.scene(&chunks);
         for ((row, target), output) in rows.iter().zip(&targets).zip(&outputs) {
-            let mut package = Folder::create(output, existing)?;
-            let exported = target.export(&scene, &mut package)?;
-            let files = package.finish()?;
+            let (exported, files) = cave::export(&scene, &**target, output, existing)?;
             summary.package(row.name, output, &exported.open, &files);
         }
         work.clear();
@@ -74,7 +68,7 @@ impl Export {
 
     /// The first target that needs a USD library.
     pub fn usd_target(&self) -> Option<&'static str> {
-        let wanted = self.target.iter().filter_map(|name| row(name).ok());
+        let wanted = self.target.iter().filter_map(|name| cave::target(name).ok());
         wanted.filter(|row| row.needs_usd()).map(|row| row.name).next()
     }
 
@@ -88,15 +82,6 @@ impl Export {
                 hint: "name each target once, and a folder of its own for --keep".into(),
             })
         })
-    }
-
-    /// The targets with their options.
-    fn build(&self, rows: &[&TargetRow], host: &Host) -> Result<Vec<Box<dyn Target>>, CliError> {
-        let schemas: Map<String, Value> =
-            rows.iter().map(|row| (row.name.to_owned(), (row.settings)().to_value())).collect();
-        let schema = json!({"type": "object", "properties": schemas});
-        let options = recipe::options(&schema, &self.option)?;
-        rows.iter().map(|row| Ok(row.build(options[row.name].clone(), host.library())?)).collect()
     }
 
     fn outputs(&self, name: &str, targets: &[&TargetRow]) -> Vec<PathBuf> {
@@ -139,12 +124,4 @@ impl WorkFolder {
             self.clear();
         }
     }
-}
-
-fn row(name: &str) -> Result<&'static TargetRow, CliError> {
-    let names = || TARGETS.iter().map(|row| row.name);
-    TARGETS.iter().find(|row| row.name == name).ok_or_else(|| CliError::Usage {
-        message: format!("there is no target {name:?}"),
-        hint: format!("{}known: {}", did_you_mean(name, names()), names().collect::<Vec<_>>().join(", ")),
-    })
 }

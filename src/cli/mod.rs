@@ -6,7 +6,6 @@ mod export;
 mod fault;
 mod generate;
 mod handover;
-mod input;
 mod list;
 mod measure;
 mod new;
@@ -22,6 +21,8 @@ use plume_exporters::stage::Library;
 
 pub use self::fault::CliError;
 use self::progress::Console;
+use crate::cave::Input;
+use crate::store::Stage;
 
 /// Procedural caves, mines and lava tubes for robot simulators.
 #[derive(Parser)]
@@ -69,6 +70,11 @@ impl Source {
     fn overrides(&self) -> Vec<String> {
         let seed = self.seed.as_ref().map(|seed| format!("seed={seed}"));
         self.set.iter().cloned().chain(seed).collect()
+    }
+
+    /// Reads what was named.
+    fn resolve(&self) -> Result<Input, CliError> {
+        Input::read(self.input.as_deref(), &self.overrides())
     }
 }
 
@@ -146,7 +152,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
         Ok(code) => code,
         Err(error) => {
             console.fault(&error);
-            error.exit_code()
+            fault::exit_code(&error)
         }
     }
 }
@@ -154,9 +160,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
 fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), CliError> {
     match command {
         Command::Export(export) => export.run(console, host),
-        Command::Generate(stage) | Command::Texture(stage) => stage.run(generate::Until::Textures, console),
-        Command::Graph(stage) => stage.run(generate::Until::Graph, console),
-        Command::Mesh(stage) => stage.run(generate::Until::Mesh, console),
+        Command::Generate(stage) | Command::Texture(stage) => stage.run(Stage::Texture, console),
+        Command::Graph(stage) => stage.run(Stage::Graph, console),
+        Command::Mesh(stage) => stage.run(Stage::Mesh, console),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", crate::recipe::editor_schema())),
         Command::List(list) => list.run(console),

@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 use super::fault::CliError;
 use super::progress::Console;
 use crate::graph::Graph;
+use crate::pipeline::Pipeline;
 use crate::store::{CaveFolder, Stage, Unit};
 
 /// Numbers gathered while the stages run.
@@ -27,15 +28,22 @@ impl Summary {
         Self { wall: Instant::now(), cpu: ProcessTime::now(), lines: Vec::new(), json: Map::new() }
     }
 
-    /// The graph stage is done.
-    pub fn graph(&mut self, graph: &Graph) {
+    /// A stage is done.
+    pub fn stage_done(&mut self, stage: Stage, pipeline: &Pipeline) {
+        match stage {
+            Stage::Graph => self.graph(pipeline.graph()),
+            Stage::Mesh => self.mesh(&pipeline.walls()),
+            Stage::Texture => self.texture(&pipeline.units(Stage::Texture)),
+        }
+    }
+
+    fn graph(&mut self, graph: &Graph) {
         let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
         let numbers = json!({"nodes": nodes, "loops": loops, "length_m": length_m});
         self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
     }
 
-    /// The mesh stage is done.
-    pub fn mesh(&mut self, walls: &[Unit]) {
+    fn mesh(&mut self, walls: &[Unit]) {
         let sum = |key: &str| walls.iter().filter_map(|unit| unit.facts[key].as_f64()).sum::<f64>();
         let (chunks, triangles, area_m2) = (walls.len(), sum("triangles"), sum("area_m2"));
         let collision = sum("collision_triangles");
@@ -46,8 +54,7 @@ impl Summary {
         self.stage("mesh", &text, numbers);
     }
 
-    /// The texture stage is done.
-    pub fn texture(&mut self, units: &[Unit]) {
+    fn texture(&mut self, units: &[Unit]) {
         let bytes: u64 = units.iter().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
         let density = units.iter().filter_map(|unit| unit.facts["texels_per_m"].as_f64());
         let density = density.fold(f64::INFINITY, f64::min);

@@ -1,0 +1,479 @@
+# Types of the extension module. Their docstrings are written in Rust; `python python/document_stub.py` puts them here.
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, final, overload
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import disjoint_base
+
+__all__ = [
+    "Cave",
+    "Chunk",
+    "ChunkIterator",
+    "Chunks",
+    "Graph",
+    "Light",
+    "Lod",
+    "Mesh",
+    "Package",
+    "Recipe",
+    "Textures",
+    "VisualMesh",
+    "__version__",
+    "generate",
+    "generators",
+    "main",
+    "materials",
+    "open",
+    "presets",
+    "targets",
+]
+
+__version__: str
+
+def main(arguments: Sequence[str | PathLike[str]]) -> int:
+    """Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C over: for the process of the command."""
+
+def generate(
+    recipe: Recipe | Mapping[str, Any] | str | PathLike[str] | None = None,
+    seed: int | None = None,
+    *,
+    folder: str | PathLike[str] | None = None,
+    force: bool = False,
+    threads: int | None = None,
+    progress: Callable[[str, int, int], object] | None = None,
+) -> Cave:
+    """Makes a cave: graph, triangles and images.
+
+    The same recipe, seed and version of Plume give the same bytes, on any machine and for any number of threads. Other
+    Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt when the chunks in work are done, if this is the main
+    thread; the same call with the same `folder` then goes on where it stopped.
+
+    Args:
+        recipe: A Recipe, a mapping as Recipe takes it, or a path: of a recipe (TOML), a graph (JSON, also that of the
+            original PLUME) or a cave folder. None is the default cave.
+        seed: Wins over the seed of the recipe.
+        folder: The cave folder to make. Left out, it is the cave folder that `recipe` names, else a temporary one, which
+            goes when the Cave is closed or collected.
+        force: Replace another cave in the folder.
+        threads: How many threads work; left out, one per core.
+        progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "mesh" or "texture"
+            and the numbers count chunks. What it raises stops the work.
+
+    Raises:
+        RecipeError: The recipe has faults.
+        InputError: There can be no such cave.
+        StorageError: The folder holds something else, or the disk refuses.
+
+    >>> seen = []
+    >>> tiny = {"graph": {"nodes": 3}, "mesh": {"voxel_m": 0.5}, "texture": {"size_px": 256}}
+    >>> with plume.generate(tiny, seed=7, progress=lambda *now: seen.append(now)) as cave:
+    ...     len(cave.graph.positions), cave.chunks[0].positions.dtype, seen[-1][0]
+    (3, dtype('float32'), 'texture')
+    """
+
+def open(folder: str | PathLike[str]) -> Cave:
+    """Opens a finished cave folder. Nothing in it is changed.
+
+    Raises:
+        InputError: There is no cave, or it is not finished; `generate(folder)` finishes it.
+        StorageError: It cannot be read.
+
+    >>> plume.open(cave.folder).recipe == cave.recipe
+    True
+    """
+
+def targets() -> dict[str, str]:
+    """Targets of `Cave.export`, by name, with what each writes.
+
+    >>> sorted(plume.targets())
+    ['gazebo', 'gltf', 'isaac', 'usd', 'usdz']
+    """
+
+def generators() -> dict[str, str]:
+    """Words for `graph.generator`, with how the passages then grow."""
+
+def materials() -> dict[str, str]:
+    """Words for `rock.kind`, with what each rock is like."""
+
+def presets() -> dict[str, str]:
+    """Names for `Recipe.preset`, with what each makes."""
+
+@final
+class Recipe:
+    """What a cave is made from: every key has a value, every value is in range.
+
+    `plume new` prints the default recipe, in which every key explains itself. A recipe does not change; `replace` makes
+    another one. Two are equal if all their keys are.
+
+    Args:
+        settings: A mapping of keys to values. Keys are nested, `{"graph": {"nodes": 20}}`, or dotted, `{"graph.nodes":
+            20}`. What is left out, or None, has its default.
+        seed: Wins over the seed of `settings`; 0 to 2**63 - 1.
+
+    Raises:
+        RecipeError: With every fault of the settings.
+
+    >>> recipe = plume.Recipe({"graph": {"nodes": 20}}, seed=3)
+    >>> recipe["graph"]["nodes"], recipe["rock.kind"], recipe.seed
+    (20, 'limestone', 3)
+    """
+
+    def __new__(cls, settings: Mapping[str, Any] | None = None, *, seed: int | None = None) -> Recipe: ...
+    @staticmethod
+    def load(path: str | PathLike[str], *, seed: int | None = None) -> Recipe:
+        """Reads a recipe file (TOML). Paths in it are relative to it.
+
+        Raises:
+            RecipeError: With line and key of every fault.
+            StorageError: If it cannot be read.
+        """
+
+    @staticmethod
+    def parse(text: str, *, seed: int | None = None) -> Recipe:
+        r"""Reads the text of a recipe (TOML).
+
+        Raises:
+            RecipeError: With line and key of every fault.
+
+        >>> plume.Recipe.parse('name = "demo"').name
+        'demo'
+        >>> try:
+        ...     plume.Recipe.parse("[graph]\nnodes = 1")
+        ... except plume.RecipeError as error:
+        ...     print(error.faults[0].line, error.faults[0].message)
+        2 graph.nodes must be at least 2, found 1
+        """
+
+    @staticmethod
+    def preset(name: str, *, seed: int | None = None) -> Recipe:
+        """A recipe that comes with Plume; `plume.presets()` names them.
+
+        Raises:
+            InputError: If there is no such preset.
+
+        >>> plume.Recipe.preset("mine")["graph.generator"]
+        'mine'
+        """
+
+    def replace(self, settings: Mapping[str, Any] | None = None, *, seed: int | None = None) -> Recipe:
+        """Another recipe, with these keys in place of its own.
+
+        Args:
+            settings: A mapping as the constructor takes it. What is left out, or None, stays.
+            seed: Another seed.
+
+        Raises:
+            RecipeError: With every fault.
+
+        >>> plume.Recipe().replace({"graph.nodes": 100, "rock.kind": "basalt"}, seed=5)["graph.nodes"]
+        100
+        """
+
+    @property
+    def name(self) -> str:
+        """Name of the cave, and of what is made of it."""
+
+    @property
+    def seed(self) -> int:
+        """The seed that everything random follows from."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Every key with its value, as a new dict of dicts; None is what has no value."""
+
+    def to_toml(self) -> str:
+        """The recipe as TOML in which every key explains itself; `parse` gives an equal recipe."""
+
+    def __getitem__(self, key: str, /) -> Any: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Cave:
+    """A finished cave: what `generate` and `open` give.
+
+    Metres, right-handed, Z up. As a context manager it closes itself. A temporary folder is removed when the cave is
+    closed or collected; other folders stay.
+    """
+
+    @property
+    def recipe(self) -> Recipe:
+        """The recipe it was made from, every key written down."""
+
+    @property
+    def folder(self) -> Path:
+        """The cave folder."""
+
+    @property
+    def graph(self) -> Graph:
+        """Where the passages go."""
+
+    @property
+    def chunks(self) -> Chunks:
+        """The chunks, loaded from the folder one at a time."""
+
+    @property
+    def spawns(self) -> NDArray[np.float64]:
+        """Where a robot may start: poses as a (k, 4, 4) float64 array, m; each maps the robot's frame to the cave's.
+
+        +X looks along the passage, +Z is up, the origin is on level ground. The first is the most level one. There is at
+        least one. Computed when first asked for; the array is a copy.
+
+        >>> cave.spawns[0][3]
+        array([0., 0., 0., 1.])
+        """
+
+    @property
+    def lights(self) -> list[Light]:
+        """The lamps along the passages; none if the recipe says `world.lights = false`."""
+
+    def export(
+        self, target: str, path: str | PathLike[str], *, force: bool = False, **options: Any
+    ) -> Package:
+        """Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
+
+        Ctrl-C raises KeyboardInterrupt when the chunk in work is done, if this is the main thread. The package appears
+        whole or not at all.
+
+        Args:
+            target: Its name; `plume.targets()` lists them.
+            path: The folder to make.
+            force: Replace a package that is there.
+            options: Options of the target, such as `lights=False`.
+
+        Raises:
+            InputError: There is no such target.
+            RecipeError: An option has a fault.
+            MissingPartError: A library that the target needs is not there.
+            StorageError: Something else is at `path`, or the disk refuses.
+
+        >>> package = cave.export("gltf", folder / "package")
+        >>> package.target, package.visual_triangles > 0
+        ('gltf', True)
+        """
+
+    def close(self) -> None:
+        """Lets go of the cave, and removes its folder if that was temporary. A closed cave can be closed again."""
+
+    def __enter__(self) -> Cave: ...
+    def __exit__(self, *exception: object) -> None: ...
+
+@final
+class Graph:
+    """Where the passages go: stations, and the passages between them.
+
+    The arrays are copies, made when `Cave.graph` is asked for.
+    """
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """The stations, points on the centrelines of the passages: (n, 3) float64, m.
+
+        >>> cave.graph.positions.shape, str(cave.graph.positions.dtype)
+        ((12, 3), 'float64')
+        """
+
+    @property
+    def radii(self) -> NDArray[np.float64]:
+        """Reach of each station to the next: (n,) float64, m. Passages are wide by a factor of it."""
+
+    @property
+    def edges(self) -> NDArray[np.uint32]:
+        """The passages as pairs of rows of `positions`: (m, 2) uint32, the smaller one first, sorted, each once."""
+
+    def to_json(self) -> str:
+        """The text of the graph file, recipe inside: `graph.json` of the cave folder, from which alone `generate` makes the
+        cave again.
+        """
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the graph file holds, as a new dict.
+
+        >>> sorted(cave.graph.to_dict())
+        ['nodes', 'plume', 'recipe']
+        """
+
+@disjoint_base
+class Mesh:
+    """Triangles, counter-clockwise seen from the air. Metres, right-handed, Z up, frame of the cave."""
+
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        """The vertices: (v, 3) float32, m."""
+
+    @property
+    def indices(self) -> NDArray[np.uint32]:
+        """The triangles as rows of `positions`: (t, 3) uint32."""
+
+    @property
+    def bounds(self) -> NDArray[np.float32]:
+        """The least and the greatest corner of the box round the vertices: (2, 3) float32, m."""
+
+@disjoint_base
+class VisualMesh(Mesh):
+    """Triangles with all that a camera sees; the attributes are per vertex."""
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Unit normals, into the air: (v, 3) float32."""
+
+    @property
+    def uvs(self) -> NDArray[np.float32]:
+        """Texture coordinates, 0 to 1, origin at the lower left of the image: (v, 2) float32."""
+
+    @property
+    def tangents(self) -> NDArray[np.float32]:
+        """Tangents (MikkTSpace): unit x, y, z along +u, and the handedness ±1 of the bitangent: (v, 4) float32."""
+
+@final
+class Lod(VisualMesh):
+    """A coarser level of detail of a chunk, with the same textures. Vertices on the border of the chunk are those of the
+    full detail, so that no level tears from any other.
+    """
+
+    @property
+    def error_m(self) -> float:
+        """How far it lies from the full detail at most, m."""
+
+@final
+class Chunk(VisualMesh):
+    """A piece of the wall of a cave in full detail, with its coarser levels, collision mesh and textures.
+
+    Its arrays are what was read, handed over without a copy. They are its own: they stay when the cave is closed, and
+    changing them changes nothing else.
+
+    >>> chunk = cave.chunks[0]
+    >>> chunk.positions.shape[1], chunk.indices.shape[1], str(chunk.uvs.dtype)
+    (3, 3, 'float32')
+    >>> bool((chunk.indices < len(chunk.positions)).all())
+    True
+    """
+
+    @property
+    def name(self) -> str:
+        """Its name, unique in the cave, for example `chunk_0_2_1`."""
+
+    @property
+    def lods(self) -> list[Lod]:
+        """Coarser levels of detail, the finest first; may be empty."""
+
+    @property
+    def collision(self) -> Mesh:
+        """What wheels touch: fewer triangles, no more than `mesh.collision_error_m` of the recipe away."""
+
+    @property
+    def textures(self) -> Textures:
+        """The images of the wall."""
+
+@final
+class Chunks:
+    """The chunks of a cave, in a fixed order, as a sequence. Each access reads one from the folder anew, so that memory
+    holds only what you keep.
+
+    >>> [chunk.name for chunk in cave.chunks] == cave.chunks.names
+    True
+    """
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the chunks; reads nothing."""
+
+    def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: int, /) -> Chunk: ...
+    @overload
+    def __getitem__(self, index: slice, /) -> list[Chunk]: ...
+    def __iter__(self) -> Iterator[Chunk]: ...
+
+@final
+class ChunkIterator:
+    """Loads the chunks of a cave one after the other."""
+
+    def __iter__(self) -> ChunkIterator: ...
+    def __next__(self) -> Chunk: ...
+
+@final
+class Textures:
+    """The images of a chunk, each (height, width, channels) uint8 with the top row first.
+
+    Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
+
+    >>> textures = cave.chunks[0].textures
+    >>> textures.base_color.shape, textures.roughness.shape
+    ((256, 256, 3), (256, 256, 1))
+    """
+
+    @property
+    def base_color(self) -> NDArray[np.uint8]:
+        """Base colour: red, green, blue in sRGB."""
+
+    @property
+    def normal(self) -> NDArray[np.uint8]:
+        """Normals in tangent space, +Y up (OpenGL): x, y, z from -1 at 0 to 1 at 255."""
+
+    @property
+    def orm(self) -> NDArray[np.uint8]:
+        """Occlusion, roughness and metalness (0); linear."""
+
+    @property
+    def roughness(self) -> NDArray[np.uint8]:
+        """Roughness alone, one channel; linear."""
+
+@final
+class Light:
+    """A lamp: a point light."""
+
+    @property
+    def name(self) -> str:
+        """Its name, unique in the cave."""
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """Where it hangs: x, y, z in m."""
+
+    @property
+    def color(self) -> tuple[float, float, float]:
+        """Its colour: linear red, green, blue, 0 to 1."""
+
+    @property
+    def intensity_cd(self) -> float:
+        """Luminous intensity, cd."""
+
+    @property
+    def range_m(self) -> float:
+        """Distance beyond which it can be left out, m."""
+
+@final
+class Package:
+    """A package that was written."""
+
+    @property
+    def target(self) -> str:
+        """The target it is for."""
+
+    @property
+    def path(self) -> Path:
+        """Its folder."""
+
+    @property
+    def files(self) -> int:
+        """Number of its files, the manifest among them."""
+
+    @property
+    def bytes(self) -> int:
+        """Size of its files together."""
+
+    @property
+    def visual_triangles(self) -> int:
+        """Triangles that cameras see, in full detail."""
+
+    @property
+    def collision_triangles(self) -> int:
+        """Triangles that wheels touch; 0 if the target carries none."""
+
+    @property
+    def open_with(self) -> str:
+        """A command for a shell in the folder, or a sentence, that opens the package."""

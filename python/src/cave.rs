@@ -1,0 +1,195 @@
+//! Finished caves.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::Isometry3;
+use numpy::PyArray3;
+use plume::cave;
+use plume::pipeline::Observer;
+use plume_exporters::package::Existing;
+use plume_exporters::scene;
+use plume_exporters::stage::Library;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::chunk::Chunks;
+use crate::graph::Graph;
+use crate::light::Light;
+use crate::package::Package;
+use crate::recipe::Recipe;
+use crate::usd::UsdCore;
+use crate::{array, error, json, work};
+
+/// A finished cave: what `generate` and `open` give.
+///
+/// Metres, right-handed, Z up. As a context manager it closes itself. A temporary folder is removed when the cave is
+/// closed or collected; other folders stay.
+#[pyclass(module = "plume", frozen, weakref)]
+pub struct Cave {
+    cave: Arc<cave::Cave>,
+    truth: OnceLock<Truth>,
+    closed: AtomicBool,
+    /// Removes the temporary folder, when called, when the cave is collected, or when the interpreter ends.
+    finalizer: PyOnceLock<Py<PyAny>>,
+}
+
+/// Start poses and lamps: they take longer than a look.
+#[derive(Clone)]
+struct Truth {
+    spawns: Vec<Isometry3<f64>>,
+    lights: Vec<scene::Light>,
+}
+
+impl Cave {
+    /// The cave; `temporary` is its folder if that is to go with it.
+    pub fn new(py: Python<'_>, cave: cave::Cave, temporary: Option<PathBuf>) -> PyResult<Bound<'_, Self>> {
+        let (truth, finalizer) = (OnceLock::new(), PyOnceLock::new());
+        let cave = Bound::new(py, Self { cave: Arc::new(cave), truth, closed: AtomicBool::new(false), finalizer })?;
+        if let Some(folder) = temporary {
+            let remove = py.import("shutil")?.getattr("rmtree")?;
+            let finalizer = py.import("weakref")?.call_method1("finalize", (&cave, remove, folder, true))?;
+            let _ = cave.get().finalizer.set(py, finalizer.unbind());
+        }
+        Ok(cave)
+    }
+
+    /// The cave, until it is closed.
+    pub fn open(&self, py: Python<'_>) -> PyResult<&Arc<cave::Cave>> {
+        if self.closed.load(Ordering::Relaxed) {
+            return Err(error::refused(py, "the cave is closed", "use it inside its `with`, or before `close()`"));
+        }
+        Ok(&self.cave)
+    }
+
+    fn truth(&self, py: Python<'_>) -> PyResult<&Truth> {
+        let cave = self.open(py)?;
+        if let Some(truth) = self.truth.get() {
+            return Ok(truth);
+        }
+        let truth = work::run(py, None, |watch| {
+            let scene_chunks = cave.chunks(watch.stop());
+            let scene = cave.scene(&scene_chunks);
+            Ok(Truth { spawns: scene.spawns, lights: scene.lights })
+        })?;
+        Ok(self.truth.get_or_init(|| truth))
+    }
+}
+
+#[pymethods]
+impl Cave {
+    /// The recipe it was made from, every key written down.
+    #[getter]
+    fn recipe(&self, py: Python<'_>) -> PyResult<Recipe> {
+        Recipe::of_cave(py, self.open(py)?)
+    }
+
+    /// The cave folder.
+    #[getter]
+    fn folder(&self, py: Python<'_>) -> PyResult<PathBuf> {
+        Ok(self.open(py)?.root().to_owned())
+    }
+
+    /// Where the passages go.
+    #[getter]
+    fn graph(&self, py: Python<'_>) -> PyResult<Graph> {
+        Graph::new(py, Arc::clone(self.open(py)?))
+    }
+
+    /// The chunks, loaded from the folder one at a time.
+    #[getter]
+    fn chunks(slf: &Bound<'_, Self>) -> PyResult<Chunks> {
+        slf.get().open(slf.py())?;
+        Ok(Chunks::of(slf.clone().unbind()))
+    }
+
+    /// Where a robot may start: poses as a (k, 4, 4) float64 array, m; each maps the robot's frame to the cave's.
+    ///
+    /// +X looks along the passage, +Z is up, the origin is on level ground. The first is the most level one. There is at
+    /// least one. Computed when first asked for; the array is a copy.
+    ///
+    /// >>> cave.spawns[0][3]
+    /// array([0., 0., 0., 1.])
+    #[getter]
+    fn spawns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let spawns = &self.truth(py)?.spawns;
+        // nalgebra keeps columns together, NumPy rows.
+        let flat = spawns.iter().flat_map(|pose| pose.to_homogeneous().transpose().as_slice().to_vec()).collect();
+        array::block(py, flat, [spawns.len(), 4, 4])
+    }
+
+    /// The lamps along the passages; none if the recipe says `world.lights = false`.
+    #[getter]
+    fn lights(&self, py: Python<'_>) -> PyResult<Vec<Light>> {
+        Ok(self.truth(py)?.lights.iter().map(Light::of).collect())
+    }
+
+    /// Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
+    ///
+    /// Ctrl-C raises KeyboardInterrupt when the chunk in work is done, if this is the main thread. The package appears
+    /// whole or not at all.
+    ///
+    /// Args:
+    ///     target: Its name; `plume.targets()` lists them.
+    ///     path: The folder to make.
+    ///     force: Replace a package that is there.
+    ///     options: Options of the target, such as `lights=False`.
+    ///
+    /// Raises:
+    ///     InputError: There is no such target.
+    ///     RecipeError: An option has a fault.
+    ///     MissingPartError: A library that the target needs is not there.
+    ///     StorageError: Something else is at `path`, or the disk refuses.
+    ///
+    /// >>> package = cave.export("gltf", folder / "package")
+    /// >>> package.target, package.visual_triangles > 0
+    /// ('gltf', True)
+    #[pyo3(signature = (target, path, *, force=false, **options))]
+    fn export(
+        &self,
+        py: Python<'_>,
+        target: &str,
+        path: PathBuf,
+        force: bool,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Package> {
+        let cave = self.open(py)?;
+        let options = match options {
+            Some(options) => json::pairs(target, &json::from_python(options.as_mapping())?),
+            None => Vec::new(),
+        };
+        let existing = if force { Existing::Replace } else { Existing::Keep };
+        let library: Arc<dyn Library> = Arc::new(UsdCore::default());
+        work::run(py, None, |watch| {
+            let row = cave::target(target)?;
+            let target = cave::build(&[row], &options, Some(&library))?.remove(0);
+            let chunks = cave.chunks(watch.stop());
+            let (summary, files) = cave::export(&cave.scene(&chunks), &*target, &path, existing)?;
+            Ok(Package::new(row.name, path, &summary, &files))
+        })
+    }
+
+    /// Lets go of the cave, and removes its folder if that was temporary. A closed cave can be closed again.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.closed.store(true, Ordering::Relaxed);
+        self.finalizer.get(py).map_or(Ok(()), |finalizer| finalizer.call0(py).map(drop))
+    }
+
+    fn __enter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    #[pyo3(signature = (*exception))]
+    fn __exit__(&self, py: Python<'_>, exception: &Bound<'_, PyTuple>) -> PyResult<()> {
+        let _ = exception;
+        self.close(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let state = if self.closed.load(Ordering::Relaxed) { ", closed" } else { "" };
+        let (name, chunks) = (&self.cave.recipe().name, self.cave.chunk_names().count());
+        format!("<plume.Cave {name:?}: {} stations, {chunks} chunks{state}>", self.cave.graph().nodes.len())
+    }
+}

@@ -1,0 +1,77 @@
+//! From the errors of Plume to the exceptions of `plume.errors`, text and hint unchanged.
+
+use plume::cave::CaveError;
+use plume::pipeline::PipelineError;
+use plume::recipe::{Fault, Faults, Origin};
+use plume_exporters::ExportError;
+use pyo3::call::PyCallArgs;
+use pyo3::prelude::*;
+
+/// The exception for an error.
+pub fn raised(py: Python<'_>, error: &CaveError) -> PyErr {
+    match error {
+        CaveError::Recipe(faults) => recipe_error(py, faults),
+        other => exception(py, class(other), (other.to_string(), other.hint())),
+    }
+}
+
+/// An exception about what was asked for.
+pub fn refused(py: Python<'_>, message: &str, hint: &str) -> PyErr {
+    exception(py, "InputError", (message, hint))
+}
+
+/// An exception about a fault of ours.
+pub fn internal(py: Python<'_>, message: &str) -> PyErr {
+    let hint = "this is a fault of plume: please report it with the recipe";
+    exception(py, "PlumeError", (format!("internal fault: {message}"), hint))
+}
+
+fn class(error: &CaveError) -> &'static str {
+    match error {
+        CaveError::Export(ExportError::MissingPart { .. }) => "MissingPartError",
+        CaveError::Input { .. }
+        | CaveError::Pipeline(PipelineError::Store(_) | PipelineError::OtherCave { .. })
+        | CaveError::Export(
+            ExportError::NotEmpty { .. }
+            | ExportError::NotOurs { .. }
+            | ExportError::NotAFolder { .. }
+            | ExportError::Load { .. }
+            | ExportError::Io(_),
+        ) => "StorageError",
+        CaveError::Usage { .. }
+        | CaveError::Pipeline(PipelineError::Generate(_) | PipelineError::GraphFile { .. } | PipelineError::Grid(_))
+        | CaveError::Export(
+            ExportError::UnknownTarget { .. } | ExportError::Settings { .. } | ExportError::TooLarge { .. },
+        ) => "InputError",
+        _ => "PlumeError",
+    }
+}
+
+fn recipe_error(py: Python<'_>, faults: &Faults) -> PyErr {
+    let told = faults.0.iter().map(|fault| told(py, fault)).collect::<PyResult<Vec<_>>>();
+    match told {
+        Ok(told) => exception(py, "RecipeError", (faults.to_string(), told)),
+        Err(error) => error,
+    }
+}
+
+fn told<'py>(py: Python<'py>, fault: &Fault) -> PyResult<Bound<'py, PyAny>> {
+    let line = match &fault.origin {
+        Origin::Line(_, line) => Some(*line),
+        _ => None,
+    };
+    let origin = match &fault.origin {
+        Origin::Line(file, _) | Origin::File(file) => file.display().to_string(),
+        Origin::Override(pair) => pair.clone(),
+    };
+    errors(py)?.getattr("Fault")?.call1((origin, line, &fault.message, &fault.hint))
+}
+
+fn exception<'py>(py: Python<'py>, class: &str, arguments: impl PyCallArgs<'py>) -> PyErr {
+    let made = errors(py).and_then(|errors| errors.getattr(class)?.call1(arguments));
+    made.map_or_else(|error| error, PyErr::from_value)
+}
+
+fn errors(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
+    py.import("plume.errors")
+}

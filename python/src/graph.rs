@@ -1,0 +1,79 @@
+//! Graphs.
+
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyArray2};
+use plume::{cave, pipeline};
+use pyo3::prelude::*;
+
+use crate::array;
+
+/// Where the passages go: stations, and the passages between them.
+///
+/// The arrays are copies, made when `Cave.graph` is asked for.
+#[pyclass(module = "plume", frozen)]
+pub struct Graph {
+    cave: Arc<cave::Cave>,
+    positions: Py<PyArray2<f64>>,
+    radii: Py<PyArray1<f64>>,
+    edges: Py<PyArray2<u32>>,
+}
+
+impl Graph {
+    /// The graph of a cave.
+    pub fn new(py: Python<'_>, cave: Arc<cave::Cave>) -> PyResult<Self> {
+        let graph = cave.graph();
+        let positions = graph.nodes.iter().map(|node| node.position.coords.into()).collect::<Vec<[f64; 3]>>();
+        let radii = graph.nodes.iter().map(|node| node.radius).collect();
+        let edges = graph.edges.iter().map(|edge| edge.map(|node| node as u32)).collect();
+        Ok(Self {
+            positions: array::rows(py, positions)?.unbind(),
+            radii: PyArray1::from_vec(py, radii).unbind(),
+            edges: array::rows(py, edges)?.unbind(),
+            cave,
+        })
+    }
+}
+
+#[pymethods]
+impl Graph {
+    /// The stations, points on the centrelines of the passages: (n, 3) float64, m.
+    ///
+    /// >>> cave.graph.positions.shape, str(cave.graph.positions.dtype)
+    /// ((12, 3), 'float64')
+    #[getter]
+    fn positions(&self, py: Python<'_>) -> Py<PyArray2<f64>> {
+        self.positions.clone_ref(py)
+    }
+
+    /// Reach of each station to the next: (n,) float64, m. Passages are wide by a factor of it.
+    #[getter]
+    fn radii(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.radii.clone_ref(py)
+    }
+
+    /// The passages as pairs of rows of `positions`: (m, 2) uint32, the smaller one first, sorted, each once.
+    #[getter]
+    fn edges(&self, py: Python<'_>) -> Py<PyArray2<u32>> {
+        self.edges.clone_ref(py)
+    }
+
+    /// The text of the graph file, recipe inside: `graph.json` of the cave folder, from which alone `generate` makes the
+    /// cave again.
+    fn to_json(&self) -> String {
+        pipeline::graph_text(self.cave.recipe(), self.cave.graph())
+    }
+
+    /// What the graph file holds, as a new dict.
+    ///
+    /// >>> sorted(cave.graph.to_dict())
+    /// ['nodes', 'plume', 'recipe']
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (self.to_json(),))
+    }
+
+    fn __repr__(&self) -> String {
+        let graph = self.cave.graph();
+        format!("<plume.Graph: {} stations, {} passages>", graph.nodes.len(), graph.edges.len())
+    }
+}

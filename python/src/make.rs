@@ -1,0 +1,100 @@
+//! `plume.generate` and `plume.open`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use plume::cave::{self, Input};
+use plume::store::CaveFolder;
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use tempfile::TempDir;
+
+use crate::cave::Cave;
+use crate::recipe::{Recipe, seed_pairs};
+use crate::work;
+
+/// Makes a cave: graph, triangles and images.
+///
+/// The same recipe, seed and version of Plume give the same bytes, on any machine and for any number of threads. Other
+/// Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt when the chunks in work are done, if this is the main
+/// thread; the same call with the same `folder` then goes on where it stopped.
+///
+/// Args:
+///     recipe: A Recipe, a mapping as Recipe takes it, or a path: of a recipe (TOML), a graph (JSON, also that of the
+///         original PLUME) or a cave folder. None is the default cave.
+///     seed: Wins over the seed of the recipe.
+///     folder: The cave folder to make. Left out, it is the cave folder that `recipe` names, else a temporary one, which
+///         goes when the Cave is closed or collected.
+///     force: Replace another cave in the folder.
+///     threads: How many threads work; left out, one per core.
+///     progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "mesh" or "texture"
+///         and the numbers count chunks. What it raises stops the work.
+///
+/// Raises:
+///     RecipeError: The recipe has faults.
+///     InputError: There can be no such cave.
+///     StorageError: The folder holds something else, or the disk refuses.
+///
+/// >>> seen = []
+/// >>> tiny = {"graph": {"nodes": 3}, "mesh": {"voxel_m": 0.5}, "texture": {"size_px": 256}}
+/// >>> with plume.generate(tiny, seed=7, progress=lambda *now: seen.append(now)) as cave:
+/// ...     len(cave.graph.positions), cave.chunks[0].positions.dtype, seen[-1][0]
+/// (3, dtype('float32'), 'texture')
+#[pyfunction]
+#[pyo3(signature = (recipe=None, seed=None, *, folder=None, force=false, threads=None, progress=None))]
+pub fn generate<'py>(
+    py: Python<'py>,
+    recipe: Option<&Bound<'py, PyAny>>,
+    seed: Option<i128>,
+    folder: Option<PathBuf>,
+    force: bool,
+    threads: Option<NonZeroUsize>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, Cave>> {
+    let input = input(py, recipe, seed)?;
+    let (path, temporary) = match folder.or_else(|| input.folder.clone()) {
+        Some(path) => (path, None),
+        None => temporary()?,
+    };
+    let cave = work::run(py, progress, |watch| {
+        let folder = CaveFolder::open_or_new(&path)?;
+        work::on_threads(threads, || cave::Cave::make(input, folder, force, watch, &mut |_, _| ()))
+    })?;
+    Cave::new(py, cave, temporary.map(TempDir::keep))
+}
+
+/// Opens a finished cave folder. Nothing in it is changed.
+///
+/// Raises:
+///     InputError: There is no cave, or it is not finished; `generate(folder)` finishes it.
+///     StorageError: It cannot be read.
+///
+/// >>> plume.open(cave.folder).recipe == cave.recipe
+/// True
+#[pyfunction]
+#[pyo3(signature = (folder))]
+pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, Cave>> {
+    let cave = work::run(py, None, |watch| cave::Cave::open(&folder, watch))?;
+    Cave::new(py, cave, None)
+}
+
+fn input(py: Python<'_>, recipe: Option<&Bound<'_, PyAny>>, seed: Option<i128>) -> PyResult<Input> {
+    let seed_pairs = seed_pairs(seed);
+    let Some(recipe) = recipe else {
+        return work::briefly(py, || Input::read(None, &seed_pairs));
+    };
+    if let Ok(recipe) = recipe.cast::<Recipe>() {
+        return Ok(Input::of(recipe.get().resolve(py, &seed_pairs)?));
+    }
+    if let Ok(settings) = recipe.cast::<PyMapping>() {
+        let recipe = Recipe::of_settings(py, Some(settings), seed)?;
+        return Ok(Input::of(recipe.resolve(py, &[])?));
+    }
+    let path: PathBuf = recipe.extract()?;
+    work::briefly(py, || Input::read(Some(&path), &seed_pairs))
+}
+
+fn temporary() -> PyResult<(PathBuf, Option<TempDir>)> {
+    let folder = tempfile::Builder::new().prefix("plume-").tempdir()?;
+    Ok((folder.path().to_owned(), Some(folder)))
+}

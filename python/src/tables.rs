@@ -1,0 +1,44 @@
+//! What there is to choose from, as `plume list` tells it.
+
+use plume::graph::GENERATORS;
+use plume::material::MATERIALS;
+use plume::preset::PRESETS;
+use plume_exporters::TARGETS;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Targets of `Cave.export`, by name, with what each writes.
+///
+/// >>> sorted(plume.targets())
+/// ['gazebo', 'gltf', 'isaac', 'usd', 'usdz']
+#[pyfunction]
+pub fn targets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    table(py, TARGETS.iter().map(|row| (row.name, row.summary)))
+}
+
+/// Words for `graph.generator`, with how the passages then grow.
+#[pyfunction]
+pub fn generators(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    table(py, GENERATORS.iter().map(|row| (row.name, row.summary)))
+}
+
+/// Words for `rock.kind`, with what each rock is like.
+#[pyfunction]
+pub fn materials(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    table(py, MATERIALS.iter().map(|row| (row.name, row.summary)))
+}
+
+/// Names for `Recipe.preset`, with what each makes.
+#[pyfunction]
+pub fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    table(py, PRESETS.iter().map(|row| (row.name, row.summary)))
+}
+
+fn table<'py>(
+    py: Python<'py>,
+    rows: impl Iterator<Item = (&'static str, &'static str)>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let table = PyDict::new(py);
+    rows.into_iter().try_for_each(|(name, summary)| table.set_item(name, summary))?;
+    Ok(table)
+}

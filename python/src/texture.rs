@@ -1,0 +1,75 @@
+//! Images of a chunk as arrays.
+
+use std::path::Path;
+
+use image::{DynamicImage, ImageReader};
+use numpy::PyArray3;
+use plume::cave::CaveError;
+use plume_exporters::scene::{Image, Material};
+use pyo3::prelude::*;
+
+use crate::cave::Cave;
+use crate::{array, work};
+
+/// The images of a chunk, each (height, width, channels) uint8 with the top row first.
+///
+/// Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
+///
+/// >>> textures = cave.chunks[0].textures
+/// >>> textures.base_color.shape, textures.roughness.shape
+/// ((256, 256, 3), (256, 256, 1))
+#[pyclass(module = "plume", frozen)]
+pub struct Textures {
+    cave: Py<Cave>,
+    material: Material,
+}
+
+impl Textures {
+    /// The images of a material of this cave.
+    pub fn new(cave: Py<Cave>, material: Material) -> Self {
+        Self { cave, material }
+    }
+
+    fn array<'py>(&self, py: Python<'py>, image: &Image) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        self.cave.get().open(py)?;
+        let decoded = work::briefly(py, || decoded(&image.path))?;
+        let [height, width] = [decoded.height() as usize, decoded.width() as usize];
+        let channels = usize::from(decoded.color().channel_count());
+        array::block(py, decoded.into_bytes(), [height, width, channels])
+    }
+}
+
+#[pymethods]
+impl Textures {
+    /// Base colour: red, green, blue in sRGB.
+    #[getter]
+    fn base_color<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        self.array(py, &self.material.base_color)
+    }
+
+    /// Normals in tangent space, +Y up (OpenGL): x, y, z from -1 at 0 to 1 at 255.
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        self.array(py, &self.material.normal)
+    }
+
+    /// Occlusion, roughness and metalness (0); linear.
+    #[getter]
+    fn orm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        self.array(py, &self.material.orm)
+    }
+
+    /// Roughness alone, one channel; linear.
+    #[getter]
+    fn roughness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        self.array(py, &self.material.roughness)
+    }
+}
+
+/// The image in the file. Ours may be larger than what a decoder takes from strangers.
+fn decoded(path: &Path) -> Result<DynamicImage, CaveError> {
+    let refused = |source: std::io::Error| CaveError::Input { path: path.to_owned(), source };
+    let mut reader = ImageReader::open(path).map_err(refused)?;
+    reader.no_limits();
+    reader.decode().map_err(|error| refused(std::io::Error::other(error)))
+}

@@ -1,0 +1,90 @@
+//! What went wrong, as the user is told it: what, where, a hint.
+
+use std::io::ErrorKind;
+use std::path::PathBuf;
+
+use plume_exporters::ExportError;
+
+use crate::pipeline::PipelineError;
+use crate::recipe::Faults;
+use crate::store::StoreError;
+
+/// Why a cave was not made, opened or handed over.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CaveError {
+    /// The recipe.
+    #[error(transparent)]
+    Recipe(#[from] Faults),
+    /// The work.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
+    /// The package.
+    #[error(transparent)]
+    Export(ExportError),
+    /// An input file.
+    #[error("{}: {source}", path.display())]
+    Input {
+        /// Which file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// What was asked for.
+    #[error("{message}")]
+    Usage {
+        /// What is wrong.
+        message: String,
+        /// What to do.
+        hint: String,
+    },
+    /// A check that did not pass.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl From<ExportError> for CaveError {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Load { source, .. } if source.kind() == ErrorKind::Interrupted => {
+                Self::Pipeline(PipelineError::Interrupted)
+            }
+            other => Self::Export(other),
+        }
+    }
+}
+
+impl From<StoreError> for CaveError {
+    fn from(error: StoreError) -> Self {
+        Self::Pipeline(error.into())
+    }
+}
+
+impl CaveError {
+    /// What to do about it; may be empty.
+    pub fn hint(&self) -> String {
+        match self {
+            Self::Usage { hint, .. } => hint.clone(),
+            Self::Pipeline(error) => pipeline_hint(error),
+            Self::Export(error) => error.hint().unwrap_or_default().to_owned(),
+            _ => String::new(),
+        }
+    }
+}
+
+fn pipeline_hint(error: &PipelineError) -> String {
+    match error {
+        PipelineError::Generate(error) => error.hint.clone(),
+        PipelineError::GraphFile { source, .. } => source.hint().to_owned(),
+        PipelineError::Grid(error) => error.hint().to_owned(),
+        PipelineError::OtherCave { .. } => "give another folder, or --force to make it anew".into(),
+        PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),
+        PipelineError::Store(StoreError::InUse { .. }) => "wait for it to end, or give another folder".into(),
+        PipelineError::Store(StoreError::Damaged { .. }) => "delete the folder and make it again".into(),
+        PipelineError::Store(StoreError::Io { source, .. }) if source.kind() == ErrorKind::StorageFull => {
+            "free some space and run the same command again: it goes on where it stopped".into()
+        }
+        PipelineError::Interrupted => "run the same command again: it goes on where it stopped".into(),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,95 @@
+//! What a cave is made from: nothing, a recipe, a graph or a cave folder.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::CaveError;
+use crate::graph::Graph;
+use crate::pipeline;
+use crate::recipe::Recipe;
+use crate::store::{self, CaveFolder};
+
+/// What a cave is made from, resolved.
+#[derive(Debug)]
+pub struct Input {
+    /// The whole recipe.
+    pub recipe: Recipe,
+    /// A graph that replaces the recipe's own.
+    pub graph: Option<Graph>,
+    /// The cave folder, if that is what was named.
+    pub folder: Option<PathBuf>,
+}
+
+impl Input {
+    /// Reads what is named, a recipe (TOML), a graph (JSON) or a cave folder, or takes the default recipe; `overrides`
+    /// are `key=value` pairs that win over it.
+    ///
+    /// # Errors
+    /// When it cannot be read or is faulty.
+    pub fn read(path: Option<&Path>, overrides: &[String]) -> Result<Self, CaveError> {
+        let Some(path) = path else {
+            return Ok(Self::of(Recipe::from_overrides(overrides)?));
+        };
+        if path.is_dir() {
+            return cave_folder(path, overrides);
+        }
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+            return graph_file(path, overrides);
+        }
+        Ok(Self::of(Recipe::from_toml(&read(path)?, path, overrides)?))
+    }
+
+    /// A recipe and nothing else.
+    pub fn of(recipe: Recipe) -> Self {
+        Self { recipe, graph: None, folder: None }
+    }
+}
+
+fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> {
+    if !CaveFolder::is_at(folder) {
+        let message = format!("{}: holds no cave", folder.display());
+        let hint = "name a recipe, a graph, or a folder that `plume generate -o` made".into();
+        return Err(CaveError::Usage { message, hint });
+    }
+    let path = folder.join(store::RECIPE);
+    let recipe = Recipe::from_toml(&read(&path)?, &path, overrides)?;
+    let graph = kept_graph(&folder.join(store::GRAPH), recipe.to_json())?;
+    Ok(Input { recipe, graph, folder: Some(folder.to_path_buf()) })
+}
+
+/// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
+/// another or it is gone.
+fn kept_graph(path: &Path, recipe: &Value) -> Result<Option<Graph>, CaveError> {
+    if !path.exists() {
+        return Ok(None);
+    }
+    let document = pipeline::read_graph(path)?;
+    let is_of = |made: &Value| ["graph", "seed"].iter().all(|key| made[key] == recipe[key]);
+    Ok(document.recipe.as_ref().is_some_and(is_of).then_some(document.graph))
+}
+
+/// A graph of ours brings its recipe. One of the original PLUME gets the default recipe round it.
+fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
+    let document = pipeline::read_graph(path)?;
+    let Some(recipe) = document.recipe else {
+        let name = path.to_str().ok_or_else(|| CaveError::Usage {
+            message: format!("{}: a recipe cannot hold this path", path.display()),
+            hint: "rename the file so that its path is UTF-8".into(),
+        })?;
+        let file = json!({"graph": {"generator": "file", "path": name}});
+        let recipe = Recipe::from_json(file, path, overrides)?;
+        return Ok(Input::of(recipe));
+    };
+    let recipe = Recipe::from_json(recipe, path, overrides)?;
+    Ok(Input { recipe, graph: Some(document.graph), folder: None })
+}
+
+/// Reads a text that the user named.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn read(path: &Path) -> Result<String, CaveError> {
+    fs::read_to_string(path).map_err(|source| CaveError::Input { path: path.to_path_buf(), source })
+}

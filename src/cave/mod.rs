@@ -1,0 +1,128 @@
+//! A cave from its input to its packages: what the command line and the Python package have in common.
+//!
+//! [`make`] runs the stages. [`Cave`] is a folder in which all of them are done, and [`target`] hands it over. Says
+//! nothing to anybody: an [`Observer`] watches, a [`CaveError`] tells what went wrong and what to do.
+
+mod error;
+mod input;
+mod target;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use plume_exporters::scene::Scene;
+
+pub use self::error::CaveError;
+pub use self::input::{Input, read};
+pub use self::target::{build, export, target};
+use crate::assemble::{self, FolderChunks};
+use crate::graph::Graph;
+use crate::pipeline::{self, Observer, Pipeline, PipelineError};
+use crate::recipe::Recipe;
+use crate::store::{CaveFolder, Stage, Unit};
+
+/// A finished cave in its folder.
+pub struct Cave {
+    recipe: Recipe,
+    graph: Graph,
+    folder: CaveFolder,
+    walls: Vec<Unit>,
+}
+
+impl Cave {
+    /// Makes what is not there yet; `force` replaces another cave in the folder.
+    ///
+    /// # Errors
+    /// As [`make`].
+    pub fn make(
+        input: Input,
+        folder: CaveFolder,
+        force: bool,
+        observer: &dyn Observer,
+        done: &mut dyn FnMut(Stage, &Pipeline),
+    ) -> Result<Self, CaveError> {
+        let pipeline = make(&input, &folder, Stage::Texture, force, observer, done)?;
+        let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
+        Ok(Self { recipe: input.recipe, graph, folder, walls })
+    }
+
+    /// Opens a finished cave folder, and writes nothing.
+    ///
+    /// # Errors
+    /// When there is none at `root`, it cannot be read, or a stage is not done.
+    pub fn open(root: &Path, observer: &dyn Observer) -> Result<Self, CaveError> {
+        if !root.is_dir() {
+            return Err(unfit(root, "there is no cave folder"));
+        }
+        let Input { recipe, graph, .. } = Input::read(Some(root), &[])?;
+        let folder = CaveFolder::open(root)?;
+        let pipeline = Pipeline::plan(&recipe, graph, &folder, observer)?;
+        if !pipeline.is_finished() {
+            return Err(unfit(root, "the cave is not finished"));
+        }
+        let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
+        Ok(Self { recipe, graph, folder, walls })
+    }
+
+    /// What it was made from.
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// Where its passages go.
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The cave folder.
+    pub fn root(&self) -> &Path {
+        self.folder.root()
+    }
+
+    /// Its chunks, loaded one at a time until `stop` is set.
+    pub fn chunks<'a>(&'a self, stop: &'a AtomicBool) -> FolderChunks<'a> {
+        FolderChunks::new(&self.folder, &self.walls, self.recipe.texture.format, stop)
+    }
+
+    /// The names of its chunks, in their order.
+    pub fn chunk_names(&self) -> impl Iterator<Item = &str> {
+        self.walls.iter().map(|wall| wall.name.as_str())
+    }
+
+    /// The scene, with start poses and lamps.
+    pub fn scene<'a>(&self, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
+        let field = pipeline::field(&self.recipe, &self.graph);
+        assemble::scene(&self.recipe, &self.graph, &field, chunks)
+    }
+}
+
+/// Makes the stages up to `last` in `folder`, tells `done` after each, and settles the folder.
+///
+/// # Errors
+/// A graph that cannot be, another cave in the folder, the disk, the observer's stop.
+pub fn make<'a>(
+    input: &'a Input,
+    folder: &'a CaveFolder,
+    last: Stage,
+    force: bool,
+    observer: &'a dyn Observer,
+    done: &mut dyn FnMut(Stage, &Pipeline),
+) -> Result<Pipeline<'a>, PipelineError> {
+    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, force, observer)?;
+    done(Stage::Graph, &pipeline);
+    if last >= Stage::Mesh {
+        pipeline.mesh()?;
+        done(Stage::Mesh, &pipeline);
+    }
+    if last >= Stage::Texture {
+        pipeline.texture()?;
+        done(Stage::Texture, &pipeline);
+    }
+    pipeline.settle()?;
+    Ok(pipeline)
+}
+
+fn unfit(root: &Path, what: &str) -> CaveError {
+    let message = format!("{}: {what}", root.display());
+    CaveError::Usage { message, hint: "name a folder that `plume generate -o` has finished".into() }
+}

@@ -1,0 +1,56 @@
+//! Targets by name, with their options.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use plume_exporters::package::{Existing, Files, Folder};
+use plume_exporters::scene::Scene;
+use plume_exporters::stage::Library;
+use plume_exporters::{ExportError, Summary, TARGETS, Target, TargetRow};
+use serde_json::{Map, Value, json};
+
+use super::CaveError;
+use crate::recipe::{self, did_you_mean};
+
+/// The row of the target called `name`.
+///
+/// # Errors
+/// [`CaveError::Usage`], which names the nearest.
+pub fn target(name: &str) -> Result<&'static TargetRow, CaveError> {
+    let names = || TARGETS.iter().map(|row| row.name);
+    TARGETS.iter().find(|row| row.name == name).ok_or_else(|| CaveError::Usage {
+        message: format!("there is no target {name:?}"),
+        hint: format!("{}known: {}", did_you_mean(name, names()), names().collect::<Vec<_>>().join(", ")),
+    })
+}
+
+/// The targets with their options, `TARGET.KEY=VALUE`; `library` is the USD library of the host program.
+///
+/// # Errors
+/// Faults of the options; a missing USD library, where one is needed.
+pub fn build(
+    rows: &[&TargetRow],
+    options: &[String],
+    library: Option<&Arc<dyn Library>>,
+) -> Result<Vec<Box<dyn Target>>, CaveError> {
+    let schemas: Map<String, Value> =
+        rows.iter().map(|row| (row.name.to_owned(), (row.settings)().to_value())).collect();
+    let schema = json!({"type": "object", "properties": schemas});
+    let settings = recipe::options(&schema, options)?;
+    rows.iter().map(|row| Ok(row.build(settings[row.name].clone(), library)?)).collect()
+}
+
+/// Writes a package; it appears whole or not at all.
+///
+/// # Errors
+/// When something else is at `path`, the scene cannot be read, or the disk refuses.
+pub fn export(
+    scene: &Scene,
+    target: &dyn Target,
+    path: &Path,
+    existing: Existing,
+) -> Result<(Summary, Files), ExportError> {
+    let mut package = Folder::create(path, existing)?;
+    let summary = target.export(scene, &mut package)?;
+    Ok((summary, package.finish()?))
+}

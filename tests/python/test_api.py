@@ -1,0 +1,459 @@
+"""The module `plume`: its arrays against foreign readers, its bytes against the command line, its errors, its examples.
+
+Meshes are read by usd-core and by a reader of the PLY header written here, images by Pillow.
+"""
+
+import doctest
+import gc
+import hashlib
+import inspect
+import json
+import multiprocessing
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plume
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).parents[2]
+SMALL = {"graph": {"nodes": 12}, "mesh": {"voxel_m": 0.25, "chunk_m": [12, 12, 12]}, "texture": {"size_px": 256}}
+SMALL_WORDS = ["graph.nodes=12", "mesh.voxel_m=0.25", "mesh.chunk_m=[12, 12, 12]", "texture.size_px=256"]
+SEED = 7
+
+
+@pytest.fixture(scope="module")
+def cave(tmp_path_factory: pytest.TempPathFactory) -> Iterator[plume.Cave]:
+    with plume.generate(SMALL, SEED, folder=tmp_path_factory.mktemp("cave") / "cave") as cave:
+        yield cave
+
+
+def hashes(folder: Path) -> dict[str, str]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def ply(path: Path) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Vertices and triangles of a binary PLY."""
+    head, _, body = path.read_bytes().partition(b"end_header\n")
+    lines = [line.split() for line in head.decode().splitlines()]
+    counts = {line[1]: int(line[2]) for line in lines if line[0] == "element"}
+    kinds = {"float": "<f4", "uchar": "u1"}
+    vertex = np.dtype([(line[2], kinds[line[1]]) for line in lines if line[0] == "property" and line[1] != "list"])
+    face = np.dtype([("count", "u1"), ("corners", "<u4", 3)])
+    vertices = np.frombuffer(body, vertex, counts["vertex"])
+    return vertices, np.frombuffer(body, face, counts["face"], vertices.nbytes)["corners"]
+
+
+def columns(vertices: np.ndarray[Any, Any], names: str) -> np.ndarray[Any, Any]:
+    return np.stack([vertices[name] for name in names.split()], axis=1)
+
+
+def test_arrays_have_their_shape_and_type(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        count = len(chunk.positions)
+        for array, width in [(chunk.positions, 3), (chunk.normals, 3), (chunk.uvs, 2), (chunk.tangents, 4)]:
+            assert array.shape == (count, width) and array.dtype == np.float32 and np.isfinite(array).all()
+        for mesh in [chunk, chunk.collision, *chunk.lods]:
+            assert mesh.indices.shape[1] == 3 and mesh.indices.dtype == np.uint32 and len(mesh.indices) > 0
+            assert mesh.indices.max() < len(mesh.positions)
+            box = np.stack([mesh.positions.min(axis=0), mesh.positions.max(axis=0)])
+            assert np.array_equal(mesh.bounds, box) and mesh.bounds.dtype == np.float32
+        assert np.allclose(np.linalg.norm(chunk.normals, axis=1), 1, atol=1e-3)
+        assert all(lod.error_m > 0 and lod.uvs.shape == (len(lod.positions), 2) for lod in chunk.lods)
+
+
+def test_arrays_are_what_the_files_hold(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        vertices, triangles = ply(cave.folder / "textures" / f"{chunk.name}.ply")
+        assert np.array_equal(chunk.positions, columns(vertices, "x y z"))
+        assert np.array_equal(chunk.normals, columns(vertices, "nx ny nz"))
+        assert np.array_equal(chunk.uvs, columns(vertices, "s t"))
+        assert np.array_equal(chunk.tangents, columns(vertices, "tx ty tz tw"))
+        assert np.array_equal(chunk.indices, triangles)
+        vertices, triangles = ply(cave.folder / "collision" / f"{chunk.name}.ply")
+        assert np.array_equal(chunk.collision.positions, columns(vertices, "x y z"))
+        assert np.array_equal(chunk.collision.indices, triangles)
+
+
+def test_triangles_face_the_air(cave: plume.Cave) -> None:
+    volume_m3 = 0.0
+    for chunk in cave.chunks:
+        corners = chunk.positions[chunk.indices].astype(np.float64)
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        towards = np.einsum("ij,ij->i", faces, chunk.normals[chunk.indices].mean(axis=1))
+        assert (towards > 0).mean() > 0.99
+        volume_m3 += np.einsum("ij,ij->i", corners[:, 0], faces).sum() / 6
+    # The wall is closed, and turned inside out: the air is inside.
+    assert volume_m3 < -100
+
+
+def test_arrays_are_handed_over_without_a_copy(cave: plume.Cave) -> None:
+    chunk = cave.chunks[0]
+    assert chunk.positions is chunk.positions
+    assert chunk.positions.base is not None and chunk.positions.flags.c_contiguous and chunk.positions.flags.writeable
+
+
+@pytest.mark.parametrize("form", ["png", "jpg"])
+def test_textures_are_what_another_reader_sees(form: str, cave: plume.Cave) -> None:
+    with plume.generate(cave.recipe.replace({"texture.format": form})) as cave:
+        chunk = cave.chunks[0]
+        for name, shape in [("base_color", (256, 256, 3)), ("normal", (256, 256, 3)), ("orm", (256, 256, 3)),
+                            ("roughness", (256, 256, 1))]:
+            ours = getattr(chunk.textures, name)
+            theirs = np.asarray(Image.open(cave.folder / "textures" / f"{chunk.name}_{name}.{form}")).reshape(shape)
+            # Decoders of JPEG may round differently by a few levels; PNG leaves no choice.
+            difference = np.abs(ours.astype(int) - theirs.astype(int)).max()
+            assert ours.shape == shape and ours.dtype == np.uint8 and difference <= (0 if form == "png" else 8)
+
+
+def test_the_graph_is_that_of_the_folder(cave: plume.Cave) -> None:
+    graph = cave.graph
+    assert graph.to_json() == (cave.folder / "graph.json").read_text()
+    nodes = graph.to_dict()["nodes"]
+    assert np.array_equal(graph.positions, [[node["coordinates"][axis] for axis in "xyz"] for node in nodes])
+    assert np.array_equal(graph.radii, [node["radius"] for node in nodes])
+    ids = [node["id"] for node in nodes]
+    edges = {(i, ids.index(end)) for i, node in enumerate(nodes) for end in node["edges"] if i < ids.index(end)}
+    assert graph.edges.dtype == np.uint32 and set(map(tuple, graph.edges.tolist())) == edges
+
+
+def test_spawns_are_poses_in_the_air_over_the_floor(cave: plume.Cave) -> None:
+    spawns = cave.spawns
+    assert spawns.shape == (8, 4, 4) and spawns.dtype == np.float64
+    turns = spawns[:, :3, :3]
+    assert np.allclose(turns @ turns.transpose(0, 2, 1), np.eye(3)) and np.allclose(np.linalg.det(turns), 1)
+    assert np.allclose(turns[:, :, 2], [0, 0, 1])
+    stations = cave.graph.positions
+    for pose in spawns:
+        over = np.linalg.norm(stations[:, :2] - pose[:2, 3], axis=1).argmin()
+        assert np.allclose(stations[over, :2], pose[:2, 3]) and pose[2, 3] < stations[over, 2] + 1
+        ends = cave.graph.edges[(cave.graph.edges == over).any(axis=1)]
+        ways = [stations[b if a == over else a, :2] - stations[over, :2] for a, b in ends]
+        assert any(np.dot(way / np.linalg.norm(way), pose[:2, 0]) > 0.999 for way in ways)
+
+
+def test_spawns_and_lights_are_those_of_the_stage(cave: plume.Cave, tmp_path: Path) -> None:
+    from pxr import Usd, UsdGeom, UsdLux  # type: ignore[import-untyped]
+
+    cave.export("usd", tmp_path / "usd")
+    stage = Usd.Stage.Open(str(tmp_path / "usd" / "cave.usda"))
+    place = UsdGeom.XformCache()
+    prims = {prim.GetName(): np.array(place.GetLocalToWorldTransform(prim)).T for prim in stage.Traverse()}
+    lamps = [prim for prim in stage.Traverse() if prim.IsA(UsdLux.SphereLight)]
+    assert len(cave.lights) == len(lamps) > 0
+    for light in cave.lights:
+        assert np.allclose(prims[light.name][:3, 3], light.position, atol=1e-5)
+    found = [m for m in prims.values() if np.allclose(m, cave.spawns[0], atol=1e-5)]
+    assert found, "no prim of the stage stands at the first start pose"
+
+
+def test_the_sequence_of_chunks_is_one(cave: plume.Cave) -> None:
+    chunks = cave.chunks
+    names = chunks.names
+    assert len(chunks) == len(names) > 2 and [chunk.name for chunk in chunks] == names
+    assert chunks[-1].name == names[-1] and [chunk.name for chunk in chunks[::-2]] == names[::-2]
+    for outside in [len(chunks), -len(chunks) - 1]:
+        with pytest.raises(IndexError):
+            chunks[outside]
+    walk = iter(chunks)
+    assert next(walk).name == names[0] and [chunk.name for chunk in walk] == names[1:]
+
+
+def test_recipes() -> None:
+    recipe = plume.Recipe({"graph": {"nodes": np.int64(20)}, "rock.kind": "basalt", "texture.size_px": None}, seed=3)
+    assert (recipe["graph"]["nodes"], recipe["rock.kind"], recipe.seed, recipe.name) == (20, "basalt", 3, "cave")
+    assert recipe == plume.Recipe.parse(recipe.to_toml()) == plume.Recipe(recipe.to_dict())
+    assert recipe != recipe.replace(seed=4) and recipe == recipe.replace(seed=4).replace(seed=3)
+    assert len({recipe, plume.Recipe(recipe.to_dict()), plume.Recipe()}) == 2
+    assert plume.Recipe().replace({"graph.generator": "mine"})["graph"]["generator"] == "mine"
+    assert pickle.loads(pickle.dumps(recipe.replace(seed=9))) == recipe.replace(seed=9)
+    assert "basalt" in repr(recipe) and recipe != "basalt"
+    with pytest.raises(KeyError, match="graph.node"):
+        recipe["graph.node"]
+    with pytest.raises(AttributeError):
+        recipe.seed = 4  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("name", ["cave", "lava-tube", "mine"])
+def test_presets_are_those_of_the_command(name: str, tmp_path: Path) -> None:
+    printed = command(tmp_path, "new", "--preset", name)
+    assert plume.Recipe.preset(name).to_toml() == printed and name in plume.presets()
+    (tmp_path / "cave.toml").write_text(printed)
+    assert plume.Recipe.load(tmp_path / "cave.toml") == plume.Recipe.preset(name)
+
+
+def test_paths_in_a_recipe_are_beside_it(cave: plume.Cave, tmp_path: Path) -> None:
+    (tmp_path / "graph.json").write_text(cave.graph.to_json())
+    (tmp_path / "cave.toml").write_text('[graph]\ngenerator = "file"\npath = "graph.json"\n')
+    recipe = plume.Recipe.load(tmp_path / "cave.toml").replace(SMALL | {"graph": None})
+    absolute = plume.Recipe(SMALL | {"graph": {"generator": "file", "path": tmp_path / "graph.json"}})
+    for recipe in [recipe, pickle.loads(pickle.dumps(recipe)), absolute]:
+        with plume.generate(recipe) as again:
+            assert np.array_equal(again.graph.positions, cave.graph.positions)
+
+
+def test_tables_are_those_of_the_command(tmp_path: Path) -> None:
+    listed = json.loads(command(tmp_path, "list", "--json"))
+    for name in ["targets", "generators", "materials", "presets"]:
+        assert getattr(plume, name)() == {row["name"]: row["summary"] for row in listed[name]}
+
+
+def command(folder: Path, *words: str) -> str:
+    done = subprocess.run([sys.executable, "-m", "plume", *words], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_cave_has_the_bytes_of_the_command(cave: plume.Cave, tmp_path: Path) -> None:
+    sets = [word for pair in SMALL_WORDS for word in ("--set", pair)]
+    command(tmp_path, "generate", "--output", "cave", "--seed", str(SEED), *sets)
+    assert hashes(cave.folder) == hashes(tmp_path / "cave")
+
+
+@pytest.mark.parametrize("target", list(plume.targets()))
+def test_a_package_has_the_bytes_of_the_command(target: str, cave: plume.Cave, tmp_path: Path) -> None:
+    package = cave.export(target, tmp_path / "ours")
+    command(tmp_path, "export", str(cave.folder), "--target", target, "--output", "theirs")
+    assert hashes(tmp_path / "ours") == hashes(tmp_path / "theirs")
+    assert package.target == target and package.path == tmp_path / "ours"
+    assert package.files == len(hashes(package.path))
+    assert package.bytes <= sum(path.stat().st_size for path in package.path.rglob("*"))
+    assert package.visual_triangles == sum(len(chunk.indices) for chunk in cave.chunks)
+
+
+def test_options_reach_the_target(cave: plume.Cave, tmp_path: Path) -> None:
+    cave.export("isaac", tmp_path / "lit")
+    cave.export("isaac", tmp_path / "dark", lights=False)
+    words = ["--target", "isaac", "--option", "isaac.lights=false", "--output", "theirs"]
+    command(tmp_path, "export", str(cave.folder), *words)
+    assert hashes(tmp_path / "dark") == hashes(tmp_path / "theirs") != hashes(tmp_path / "lit")
+
+
+def test_the_same_again_has_the_same_bytes(cave: plume.Cave, tmp_path: Path) -> None:
+    again = plume.generate(plume.Recipe(SMALL), SEED, folder=tmp_path / "again", threads=1)
+    assert hashes(again.folder) == hashes(cave.folder)
+    from_graph = plume.generate(cave.folder / "graph.json", folder=tmp_path / "graph")
+    assert hashes(from_graph.folder) == hashes(cave.folder)
+
+
+def test_a_folder_opens_as_it_was_made(cave: plume.Cave) -> None:
+    before = {path: path.stat().st_mtime_ns for path in cave.folder.rglob("*")}
+    again = plume.open(str(cave.folder))
+    assert again.recipe == cave.recipe and again.chunks.names == cave.chunks.names
+    assert np.array_equal(again.spawns, cave.spawns)
+    assert before == {path: path.stat().st_mtime_ns for path in cave.folder.rglob("*")}
+
+
+def test_an_unfinished_folder_does_not_open(tmp_path: Path) -> None:
+    sets = [word for pair in SMALL_WORDS for word in ("--set", pair)]
+    command(tmp_path, "mesh", "--output", "cave", *sets)
+    with pytest.raises(plume.InputError, match="the cave is not finished"):
+        plume.open(tmp_path / "cave")
+    assert len(plume.generate(tmp_path / "cave").chunks) == len(plume.open(tmp_path / "cave").chunks)
+
+
+@pytest.mark.parametrize("end", ["close", "with", "collect"])
+def test_a_temporary_folder_goes_with_its_cave(end: str) -> None:
+    cave = plume.generate(SMALL, SEED)
+    folder = cave.folder
+    chunk = cave.chunks[0]
+    assert folder.is_dir()
+    if end == "close":
+        cave.close()
+        cave.close()
+    elif end == "with":
+        with cave:
+            pass
+    else:
+        textures = chunk.textures
+        del cave, chunk
+        gc.collect()
+        assert textures.orm.shape == (256, 256, 3), "a texture keeps its cave"
+        del textures
+        gc.collect()
+    assert not folder.exists()
+
+
+def test_a_temporary_folder_goes_with_the_interpreter() -> None:
+    program = f"import plume; cave = plume.generate({SMALL!r}); print(cave.folder)"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=True)
+    assert done.stderr == "" and not Path(done.stdout.strip()).exists()
+
+
+def test_a_closed_cave_says_so() -> None:
+    cave = plume.generate(SMALL, SEED)
+    chunks, chunk = cave.chunks, cave.chunks[0]
+    cave.close()
+    for use in [lambda: cave.graph, lambda: cave.spawns, lambda: chunks[0], lambda: len(chunks), lambda: cave.folder,
+                lambda: chunk.textures.orm, lambda: cave.export("gltf", "x")]:
+        with pytest.raises(plume.InputError, match="the cave is closed"):
+            use()
+    assert np.isfinite(chunk.positions).all() and "closed" in repr(cave)
+
+
+def test_other_threads_run_meanwhile() -> None:
+    ticks = 0
+    done = threading.Event()
+
+    def tick() -> None:
+        nonlocal ticks
+        while not done.wait(0.001):
+            ticks += 1
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    with plume.generate(SMALL | {"mesh": {"voxel_m": 0.15}}, SEED):
+        made = ticks
+    done.set()
+    ticker.join()
+    assert made > 20, "the interpreter lock was held"
+
+
+def triangles(seed: int) -> int:
+    with plume.generate(SMALL, seed) as cave:
+        return sum(len(chunk.indices) for chunk in cave.chunks)
+
+
+def test_caves_are_made_side_by_side() -> None:
+    alone = [triangles(seed) for seed in range(3)]
+    with ThreadPoolExecutor(3) as threads:
+        assert list(threads.map(triangles, range(3))) == alone
+    # No thread of ours outlives its work, so that even a fork is safe; data loaders fork.
+    with multiprocessing.get_context("fork").Pool(2) as processes:
+        assert processes.map(triangles, range(3)) == alone
+
+
+def test_progress_is_told_and_may_stop_the_work(tmp_path: Path) -> None:
+    told: list[tuple[str, int, int]] = []
+    with plume.generate(SMALL | {"mesh": {"voxel_m": 0.15}}, SEED, progress=lambda *now: told.append(now)):
+        pass
+    assert told and all(0 <= done <= total for _, done, total in told)
+    order = ["graph", "mesh", "texture"]
+    assert [order.index(stage) for stage, _, _ in told] == sorted(order.index(stage) for stage, _, _ in told)
+
+    def refuse(stage: str, done: int, total: int) -> None:
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        plume.generate(SMALL | {"mesh": {"voxel_m": 0.15}}, SEED, folder=tmp_path / "cave", progress=refuse)
+    assert not list(tmp_path.rglob("*.partial"))
+
+
+def test_a_failed_cave_leaves_no_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    with pytest.raises(plume.InputError):
+        plume.generate({"graph.bounds_x_m": 1.0})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
+    path = tmp_path / "cave.toml"
+    path.write_text("name = \"cave\"\n\n[graph]\nnods = 20\nnodes = 1\n")
+    with pytest.raises(plume.RecipeError) as raised:
+        plume.Recipe.load(path)
+    first, second = raised.value.faults
+    assert (first.origin, first.line, first.message) == (str(path), 4, "graph.nods is not a key")
+    assert first.hint.startswith("did you mean `nodes`?")
+    assert (second.line, second.message) == (5, "graph.nodes must be at least 2, found 1")
+    assert isinstance(raised.value, ValueError) and "hint: did you mean" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("use", "kind", "text"),
+    [
+        (lambda cave, folder: cave.export("isac", folder / "x"), plume.InputError, "did you mean `isaac`"),
+        (lambda cave, folder: cave.export("isaac", folder / "x", light=1), plume.RecipeError, "did you mean `lights`"),
+        (lambda cave, folder: cave.export("isaac", folder / "x", lights=3), plume.RecipeError, "true or false"),
+        (lambda cave, folder: cave.export("gltf", cave.folder), plume.StorageError, "not empty"),
+        (lambda cave, folder: cave.export("gltf", cave.folder, force=True), plume.StorageError, "left alone"),
+        (lambda cave, folder: cave.export("gltf", folder / "file" / "x"), plume.StorageError, "file"),
+        (lambda cave, folder: plume.generate(SMALL, folder=folder), plume.StorageError, "holds no cave"),
+        (lambda cave, folder: plume.generate(SMALL, folder=folder / "file" / "x"), plume.StorageError, "file"),
+        (lambda cave, folder: plume.generate(SMALL, 8, folder=cave.folder), plume.StorageError, "another cave"),
+        (lambda cave, folder: plume.generate(folder / "nowhere.toml"), plume.StorageError, "nowhere.toml"),
+        (lambda cave, folder: plume.generate(folder / "file"), plume.RecipeError, "file:1"),
+        (lambda cave, folder: plume.generate({"graph.bounds_x_m": 1.0}), plume.InputError, "hint: "),
+        (lambda cave, folder: plume.generate({"mesh.chunk_m": [1, 1, 1]}), plume.InputError, "hint: "),
+        (lambda cave, folder: plume.open(folder), plume.InputError, "holds no cave"),
+        (lambda cave, folder: plume.open(folder / "nowhere"), plume.InputError, "no cave"),
+        (lambda cave, folder: plume.Recipe.load(folder / "file"), plume.RecipeError, "file:1"),
+        (lambda cave, folder: plume.Recipe(seed=-1), plume.RecipeError, "seed must be at least 0"),
+        (lambda cave, folder: plume.Recipe({"graph": 3}), plume.RecipeError, "graph must be a section"),
+        (lambda cave, folder: plume.Recipe({"name": "a\nb"}), plume.RecipeError, "name"),
+        (lambda cave, folder: plume.Recipe({"world.gravity": float("nan")}), ValueError, "JSON"),
+        (lambda cave, folder: plume.Recipe({"world.gravity": object()}), TypeError, "object"),
+        (lambda cave, folder: plume.Recipe.preset("mines"), plume.InputError, "did you mean `mine`"),
+        (lambda cave, folder: plume.Recipe("cave.toml"), TypeError, "Mapping"),
+        (lambda cave, folder: plume.generate(3), TypeError, "int"),
+    ],
+)
+def test_errors(use: Any, kind: type[Exception], text: str, cave: plume.Cave, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("dear diary\n")
+    before = hashes(cave.folder)
+    with pytest.raises(kind, match=text):
+        use(cave, tmp_path)
+    assert hashes(cave.folder) == before and sorted(os.listdir(tmp_path)) == ["file"]
+
+
+def test_a_missing_library_is_told_before_the_work(tmp_path: Path) -> None:
+    program = (
+        "import sys, plume; sys.modules['pxr'] = None\n"
+        f"with plume.generate({SMALL!r}) as cave:\n"
+        "    try: cave.export('isaac', 'package')\n"
+        "    except ImportError as error: print(type(error).__name__, error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=tmp_path)
+    assert done.stdout.startswith("MissingPartError") and "hint: pip install" in done.stdout
+
+
+def test_a_damaged_chunk_is_told(tmp_path: Path) -> None:
+    cave = plume.generate(SMALL, SEED, folder=tmp_path / "cave")
+    name = cave.chunks.names[0]
+    (cave.folder / "textures" / f"{name}.ply").write_bytes(b"ply\n")
+    (cave.folder / "textures" / f"{name}_orm.png").write_bytes(b"no image")
+    with pytest.raises(plume.StorageError, match=name):
+        cave.chunks[0]
+    textures = plume.generate(cave.folder).chunks[0].textures
+    (cave.folder / "textures" / f"{name}_orm.png").write_bytes(b"no image")
+    with pytest.raises(plume.StorageError, match=f"{name}_orm.png"):
+        _ = textures.orm
+
+
+def public() -> list[tuple[str, Any]]:
+    """Every public object with its members, by name."""
+    found: list[tuple[str, Any]] = [("plume", plume)]
+    for name in plume.__all__:
+        thing = getattr(plume, name)
+        found.append((name, thing))
+        if inspect.isclass(thing):
+            members = [(member, value) for member, value in vars(thing).items() if not member.startswith("_")]
+            found += [(f"{name}.{member}", value) for member, value in members]
+    return found
+
+
+def test_everything_public_is_documented() -> None:
+    is_data = {"__version__", "Fault.origin", "Fault.line", "Fault.message", "Fault.hint"}
+    bare = [name for name, thing in public() if name not in is_data and not inspect.getdoc(thing)]
+    assert bare == []
+
+
+@pytest.mark.parametrize(("name", "thing"), [(name, thing) for name, thing in public() if ">>>" in (thing.__doc__ or "")])
+def test_examples_run(name: str, thing: Any, cave: plume.Cave, tmp_path: Path) -> None:
+    names = {"plume": plume, "np": np, "cave": cave, "folder": tmp_path}
+    example = doctest.DocTestParser().get_doctest(inspect.getdoc(thing) or "", names, name, None, None)
+    assert doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example).failed == 0
+
+
+def test_the_example_program_runs() -> None:
+    done = subprocess.run([sys.executable, ROOT / "examples/python/dataset.py"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert len(done.stdout.splitlines()) == 4
