@@ -8,15 +8,18 @@
 //! closed, every edge between two triangles, every vertex one fan, consistent winding, no triangle without area. Not
 //! promised: that no two triangles intersect.
 
+mod apart;
 mod bubbles;
 mod cell;
 mod chunk;
+mod collapse;
 mod corners;
 mod extract;
 mod facet;
 mod grid;
 mod lattice;
 pub mod measure;
+mod nearest;
 mod normals;
 mod quadric;
 mod queue;
@@ -24,7 +27,9 @@ mod settings;
 mod simplify;
 mod smooth;
 
+pub(crate) use apart::Gauge;
 pub use chunk::{ChunkMeshes, chunk};
+pub(crate) use collapse::{Collapse, Collapser, Goal, Rule, Shape};
 pub use grid::{ChunkIndex, Grid, GridError};
 pub use settings::MeshSettings;
 

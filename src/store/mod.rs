@@ -6,7 +6,7 @@
 //! ├─ graph.json       the graph, recipe inside: alone it makes the cave again
 //! ├─ chunks/          the wall, one PLY a chunk
 //! ├─ collision/       the same with fewer triangles
-//! ├─ textures/        the unwrapped wall (PLY) and its images, per chunk
+//! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk
 //! └─ manifest.json    what is finished: SHA-256 of every file
 //! ```
 //!
@@ -28,7 +28,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use self::chunk::{ChunkError, IMAGES, image_path, read_mesh, read_ply, textured_path, write_mesh, write_textured};
+pub use self::chunk::{
+    ChunkError, IMAGES, LodFacts, Written, image_path, lod_path, read_mesh, read_ply, textured_path, write_mesh,
+    write_textured,
+};
 pub use self::file::{FileRecord, Sink, sha256};
 
 const MANIFEST: &str = "manifest.json";
