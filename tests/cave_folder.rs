@@ -18,6 +18,7 @@ fn one_thread_and_many_make_the_same_bytes() {
     desk.make(&["generate", "--output", "many", "--threads", "4"]);
     let hashes = desk.hashes("one");
     assert!(hashes.len() > 10, "{hashes:?}");
+    assert!(hashes.iter().any(|(path, _)| path.ends_with("_lod2.ply")), "{hashes:?}");
     assert_eq!(hashes, desk.hashes("many"));
 }
 
@@ -107,6 +108,23 @@ fn only_the_images_follow_the_look() {
         part(&before) != part(&desk.hashes("cave"))
     };
     assert!(changed("textures") && !changed("chunks") && !changed("collision"));
+}
+
+#[test]
+fn only_the_textures_follow_the_levels_of_detail() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "cave"]);
+    let before = desk.hashes("cave");
+    desk.make(&["generate", "--output", "cave", "--set", "lod.levels=1", "--force"]);
+    let after = desk.hashes("cave");
+    let is_coarser = |path: &str| path.contains("_lod") && !path.ends_with("_lod1.ply");
+    let told = |hashes: &[(String, String)]| -> Vec<(String, String)> {
+        let tells = ["cave.toml", "graph.json", "manifest.json"];
+        hashes.iter().filter(|(path, _)| !tells.contains(&path.as_str()) && !is_coarser(path)).cloned().collect()
+    };
+    assert_eq!(told(&before), told(&after));
+    assert!(before.iter().any(|(path, _)| is_coarser(path)));
+    assert!(!after.iter().any(|(path, _)| is_coarser(path)));
 }
 
 #[cfg(unix)]

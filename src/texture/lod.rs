@@ -22,7 +22,7 @@ pub struct LodSettings {
 
 impl Default for LodSettings {
     fn default() -> Self {
-        Self { levels: 3, reduction: 4.0 }
+        Self { levels: 3, reduction: 2.0 }
     }
 }
 
@@ -46,6 +46,9 @@ const MOST_SHARE: f64 = 0.8;
 /// Border vertices stay and no new edge joins two of them, so any level of one chunk fits any level of its neighbours
 /// without a crack.
 pub fn levels(mesh: &Mesh, textured: &Textured, settings: &LodSettings) -> Vec<Level> {
+    if mesh.triangles.is_empty() || settings.levels == 0 {
+        return Vec::new();
+    }
     let mut collapser = Collapser::new(mesh, Seams::new(textured, &mesh.border));
     let gauge = Gauge::new(mesh);
     let mut levels = Vec::new();
