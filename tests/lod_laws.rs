@@ -87,22 +87,32 @@ fn any_mix_of_levels_is_closed_and_keeps_its_handles() {
 }
 
 #[test]
-fn every_level_has_fewer_triangles_and_every_border_vertex() {
+fn every_level_has_fewer_triangles_and_the_whole_border() {
     let mut deepest = 0;
     for (name, chunks) in caves(&deep()) {
         for chunk in &chunks {
-            let border = |mesh: &Mesh| -> BTreeSet<u32> {
-                mesh.triangles.iter().flatten().copied().filter(|&v| mesh.border[v as usize]).collect()
-            };
             for level in 1..=chunk.levels.len() {
                 let [before, after] = [level - 1, level].map(|level| chunk.level(level));
                 assert!(5 * after.triangles.len() <= 4 * before.triangles.len(), "{name}");
                 assert_eq!(border(&before), border(&after), "{name}");
+                assert!(border_chords(&after).is_subset(&border_chords(&before)), "{name}: two chunks could add one");
             }
             deepest = deepest.max(chunk.levels.len());
         }
     }
     assert!(deepest >= 3, "{deepest}");
+}
+
+/// Border vertices that a triangle uses.
+fn border(mesh: &Mesh) -> BTreeSet<u32> {
+    mesh.triangles.iter().flatten().copied().filter(|&vertex| mesh.border[vertex as usize]).collect()
+}
+
+/// Edges between two border vertices.
+fn border_chords(mesh: &Mesh) -> BTreeSet<[u32; 2]> {
+    let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let chords = edges.filter(|edge| edge.iter().all(|&vertex| mesh.border[vertex as usize]));
+    chords.map(|[a, b]| [a.min(b), a.max(b)]).collect()
 }
 
 #[test]
@@ -131,7 +141,7 @@ fn uv_area(textured: &Textured, triangle: [u32; 3]) -> f64 {
 
 #[test]
 fn the_error_of_a_level_holds_both_ways_and_is_hardly_more_than_that() {
-    const SPACING_M: f64 = 0.05;
+    const SPACING_M: f64 = 0.1;
     let measured = |chunk: &Detailed, level: usize| {
         let (full, coarse) = (chunk.level(0), chunk.level(level));
         let reach_m = 1.5 * f64::from(chunk.levels[level - 1].error_m);
@@ -139,12 +149,13 @@ fn the_error_of_a_level_holds_both_ways_and_is_hardly_more_than_that() {
             .map(|(from, to)| Distances::between(from, to, SPACING_M, reach_m).greatest());
         there.max(back)
     };
-    for (name, chunks) in caves(&LodSettings { levels: 2, ..LodSettings::default() }) {
+    // Each generator in each rock once: all points of both surfaces are many.
+    for (name, chunks) in caves(&LodSettings { levels: 2, ..LodSettings::default() }).into_iter().step_by(2) {
         chunks.par_iter().for_each(|chunk| {
             for level in 1..=chunk.levels.len() {
                 let (error_m, found_m) = (f64::from(chunk.levels[level - 1].error_m), measured(chunk, level));
                 assert!(found_m <= error_m, "{name}: {found_m} found, {error_m} claimed");
-                assert!(error_m <= 1.05 * (found_m + SPACING_M) + 0.001, "{name}: {found_m}, not {error_m}");
+                assert!(error_m <= 1.05 * (found_m + 0.6 * SPACING_M) + 0.001, "{name}: {found_m}, not {error_m}");
             }
         });
     }

@@ -9,8 +9,9 @@
 use nalgebra::Vector3;
 
 use super::Mesh;
-use super::collapse::{Collapse, Collapser, Goal, Rule, Shape};
+use super::collapse::{Collapser, Goal, Rule};
 use super::facet::Facets;
+use super::shape::{Collapse, Shape};
 
 /// The simplified triangles, and the greatest error of a collapse in metres.
 pub(super) fn simplify(facets: &Facets, goal: Goal) -> (Facets, f32) {

@@ -5,7 +5,10 @@
 //! axis, what a coarser triangle shows is the wall behind it.
 //!
 //! Inside a chart the picture covers what it covered. Where a seam is straightened, triangles reach beyond the rim of
-//! their chart: by no more than the drift that counts as an error of the collapse.
+//! their chart. How far the rim moves counts as an error of the collapse, so what is seen wrong is about as wide as the
+//! level lies off. It is no bound. Measured on the default cave at 80 texels per metre, in shares of the texels that a
+//! level shows: with half of the triangles 0.04 % lie beyond the two texels of rim around their chart, with a quarter
+//! 2.9 %, with a seventh 6.4 %; of these 0, 0.2 and 0.5 % lie on another chart, the others on a row of the rim's colour.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -198,4 +201,51 @@ fn roles(textured: &Textured, border: &[bool], rims: &[Option<[u32; 2]>]) -> Vec
 fn distance_to_edge(p: Vector2<f64>, [a, b]: [Vector2<f64>; 2]) -> f64 {
     let along = (p - a).dot(&(b - a)) / (b - a).norm_squared();
     (p - a - (b - a) * along.clamp(0.0, 1.0)).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rows of four cells of 1 m, a chart each, that meet along a seam of vertices 5 to 9; the middle one stands
+    /// `aside_m` off the line.
+    fn sheet(aside_m: f32) -> Textured {
+        let source: Vec<u32> = (0..10).chain(5..15).collect();
+        let uv = |(copy, &vertex): (usize, &u32)| {
+            let aside_m = if vertex == 7 { aside_m } else { 0.0 };
+            let between_charts_m = (copy / 10) as f32;
+            [(vertex % 5) as f32, (vertex / 5) as f32 + aside_m + between_charts_m].map(|place_m| place_m / 8.0)
+        };
+        let corners = [0..4, 10..14].into_iter().flatten();
+        Textured {
+            uvs: source.iter().enumerate().map(uv).collect(),
+            triangles: corners.flat_map(|a| [[a, a + 1, a + 6], [a, a + 6, a + 5]]).collect(),
+            source,
+            texels_per_m: 1.0,
+            size_px: 8,
+            ..Textured::default()
+        }
+    }
+
+    fn seams(aside_m: f32) -> Seams {
+        let border: Vec<bool> = (0..15).map(|vertex| [5, 9].contains(&vertex)).collect();
+        Seams::new(&sheet(aside_m), &border)
+    }
+
+    #[test]
+    fn a_seam_goes_along_its_line_and_ends_at_the_border() {
+        let roles = seams(0.0).roles;
+        assert_eq!(roles[5..10], [Role::Fixed, Role::Along, Role::Along, Role::Along, Role::Fixed]);
+    }
+
+    #[test]
+    fn the_drift_of_a_seam_counts_what_went_before() {
+        let metre = f64::from(QUANTA_PER_M);
+        let mut seams = seams(0.25);
+        let [lower, upper] = [7, 12];
+        assert_eq!([lower, upper].map(|copy| seams.drift(copy)), [0.25 * metre; 2]);
+        seams.alive[lower as usize] = false;
+        assert_eq!(seams.drift(6), 0.25 * metre, "from 5 to 8, past 7");
+        assert!(seams.drift(11) < 0.25 * metre, "the other side still ends at 7");
+    }
 }
