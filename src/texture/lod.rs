@@ -1,4 +1,9 @@
 //! Levels of detail of a textured chunk: fewer and fewer triangles over one set of maps.
+//!
+//! Promised: every level is a manifold of the same handles with the whole border of its chunk, and any level of one chunk
+//! fits any level of its neighbours without a crack, since no border vertex moves and no new edge joins two of them. Every
+//! triangle lies in one chart and faces the viewer there. The error of a level holds at every point, both ways. Not
+//! promised: that no two triangles intersect, or that tangents are those that MikkTSpace would give the coarser triangles.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,9 +47,6 @@ pub struct Level {
 const MOST_SHARE: f64 = 0.8;
 
 /// The coarser levels of a chunk, `textured` being made of `mesh`; the finest first.
-///
-/// Border vertices stay and no new edge joins two of them, so any level of one chunk fits any level of its neighbours
-/// without a crack.
 pub fn levels(mesh: &Mesh, textured: &Textured, settings: &LodSettings) -> Vec<Level> {
     if mesh.triangles.is_empty() || settings.levels == 0 {
         return Vec::new();
