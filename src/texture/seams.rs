@@ -8,7 +8,7 @@
 //! their chart. How far the rim moves counts as an error of the collapse, so what is seen wrong is about as wide as the
 //! level lies off. It is no bound. Measured on the default cave at 80 texels per metre, in shares of the texels that a
 //! level shows: with half of the triangles 0.04 % lie beyond the two texels of rim around their chart, with a quarter
-//! 2.9 %, with a seventh 6.4 %; of these 0, 0.2 and 0.5 % lie on another chart, the others on a row of the rim's colour.
+//! 2.9 %, with a sixth 6.4 %; of these 0, 0.2 and 0.5 % lie on another chart, the others on a row of the rim's colour.
 
 use nalgebra::{Vector2, Vector3};
 
