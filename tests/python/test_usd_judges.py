@@ -152,7 +152,50 @@ def repeat_level(stage):
     Sdf.CopySpec(layer, finest, layer, Sdf.Path("/Chunk").AppendVariantSelection("LOD", "LOD1"))
 
 
+def lose_arrays(mesh):
+    for name in ["points", "normals", "faceVertexCounts", "faceVertexIndices", "primvars:st"]:
+        mesh.GetPrim().GetAttribute(name).Block()
+
+
+def double_point(mesh):
+    """One of the faces round a point gets a copy of it for itself."""
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get())
+    at = np.flatnonzero(corners == np.bincount(corners).argmax())[0]
+    for name in ["points", "normals", "primvars:st"]:
+        attribute = mesh.GetPrim().GetAttribute(name)
+        values = np.array(attribute.Get())
+        attribute.Set(type(attribute.Get()).FromNumpy(np.concatenate([values, values[corners[at]][None]])))
+    corners[at] = len(values)
+    mesh.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(corners))
+
+
+def take_roughness_from_red(stage):
+    surface = UsdShade.Shader.Get(stage, "/Chunk/Looks/Rock/Surface").GetInput("roughness")
+    source = surface.GetConnectedSources()[0][0].source
+    surface.ConnectToSource(source, "r")
+
+
+def stop_colliding(prim):
+    UsdPhysics.CollisionAPI(prim).CreateCollisionEnabledAttr(False)
+
+
+def move_view(change):
+    return lambda package: edit(root(package), lambda stage: change(UsdGeom.Xformable(stage.GetPrimAtPath("/World/View"))))
+
+
 SPOILS = {
+    "a level without arrays": (in_level(lose_arrays), "has levels of [0"),
+    "a level missing from the middle": (
+        in_chunk(lambda stage: stage.GetPrimAtPath("/Chunk").GetVariantSet("LOD").AddVariant("LOD9")),
+        "levels_get_coarser",
+    ),
+    "a point twice": (in_level(double_point), "twins_stand_only_at_pinches"),
+    "flat texture coordinates": (array("primvars:st", np.zeros_like), "st_covers_the_image"),
+    "a base colour as data": (shader_input("BaseColor", "sourceColorSpace", "raw"), "rock_has_maps"),
+    "roughness from the wrong channel": (in_chunk(take_roughness_from_red), "rock_has_maps"),
+    "a collider that is off": (on_collision(stop_colliding), "does not collide"),
+    "a view from far away": (move_view(lambda view: view.AddTranslateOp(opSuffix="away").Set(Gf.Vec3d(0, 0, 50))), "is not over"),
+    "a view on its side": (move_view(lambda view: view.AddRotateZOp(opSuffix="roll").Set(90.0)), "is tilted"),
     "a wrong size": (misjudge_size, "has another size when it is open"),
     "a level no coarser": (in_chunk(repeat_level), "levels_get_coarser"),
     "no metres": (clear_metadata("metersPerUnit"), "metersPerUnit"),

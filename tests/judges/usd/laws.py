@@ -6,6 +6,7 @@ from pathlib import PurePosixPath
 import numpy as np
 from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils
 
+import drawing_laws
 import package as packages
 
 PARTS = {"floor", "wall", "ceiling"}
@@ -59,7 +60,7 @@ def visual_meshes_have_every_array(stage):
 def extents_are_those_of_the_points(stage):
     for mesh in packages.meshes(stage, "Visual") + packages.meshes(stage, "Collision"):
         extent = np.asarray(mesh.GetExtentAttr().Get())
-        points = np.asarray(mesh.GetPointsAttr().Get())
+        points = np.asarray(mesh.GetPointsAttr().Get() or [])
         if len(points) and not np.array_equal(extent, [points.min(0), points.max(0)]):
             yield f"{mesh.GetPath()}"
 
@@ -67,7 +68,7 @@ def extents_are_those_of_the_points(stage):
 def normals_are_on_the_side_the_triangles_face(stage):
     for mesh in packages.meshes(stage, "Visual"):
         indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get() or []).reshape(-1, 3)
-        points, normals = np.asarray(mesh.GetPointsAttr().Get()), np.asarray(mesh.GetNormalsAttr().Get() or [])
+        points, normals = np.asarray(mesh.GetPointsAttr().Get() or []), np.asarray(mesh.GetNormalsAttr().Get() or [])
         if len(normals) != len(points) or indices.max(initial=-1) >= len(points):
             yield f"{mesh.GetPath()} has no normals to compare"
             continue
@@ -84,7 +85,7 @@ def colliders_are_static_triangles_apart(stage):
             yield f"{mesh.GetPath()} is visual and collides"
     for mesh in packages.meshes(stage, "Collision"):
         prim = mesh.GetPrim()
-        if not prim.HasAPI(UsdPhysics.CollisionAPI):
+        if not prim.HasAPI(UsdPhysics.CollisionAPI) or not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
             yield f"{mesh.GetPath()} does not collide"
         approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
         if approximation != UsdPhysics.Tokens.none:
@@ -124,7 +125,7 @@ def the_cave_has_labels(stage):
         labels = {}
         for subset in UsdGeom.Subset.GetAllGeomSubsets(mesh):
             label = UsdSemantics.LabelsAPI(subset, "class").GetLabelsAttr().Get() or [None]
-            labels[label[0]] = np.asarray(subset.GetIndicesAttr().Get())
+            labels[label[0]] = np.asarray(subset.GetIndicesAttr().Get() or [], dtype=np.int64)
         if not labels or not set(labels) <= PARTS:
             yield f"{mesh.GetPath()} has faces labelled {sorted(map(str, labels))}"
             continue
@@ -168,6 +169,7 @@ LAWS = [
     robots_can_start,
     lights_shine,
     the_stage_tells_where_it_is_from,
+    *drawing_laws.LAWS,
 ]
 
 
@@ -240,9 +242,13 @@ def payloads_stay_closed_and_open_alone(package, root):
 def levels_get_coarser(package, root):
     stage = packages.open_stage(root)
     for chunk in packages.chunks(stage):
-        faces = [len(UsdGeom.Mesh(chunk.GetChild("Visual")).GetFaceVertexCountsAttr().Get()) for _ in packages.levels_of(chunk)]
-        if not faces or any(finer <= coarser for finer, coarser in zip(faces, faces[1:])):
+        faces = [count_faces(chunk.GetChild("Visual")) for _ in packages.levels_of(chunk)]
+        if not faces or 0 in faces or any(finer <= coarser for finer, coarser in zip(faces, faces[1:])):
             yield f"{chunk.GetPath()} has levels of {faces} faces"
+
+
+def count_faces(prim):
+    return len(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get() or []) if prim else 0
 
 
 FILE_LAWS = [

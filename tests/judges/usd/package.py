@@ -48,8 +48,8 @@ def levels_of(chunk):
 
 def triangles(mesh):
     """Corners in metres, shape (triangle, corner, xyz)."""
-    points = np.asarray(mesh.GetPointsAttr().Get(), dtype=np.float64)
-    return points[np.asarray(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)]
+    points = np.asarray(mesh.GetPointsAttr().Get() or [], dtype=np.float64).reshape(-1, 3)
+    return points[np.asarray(mesh.GetFaceVertexIndicesAttr().Get() or [], dtype=np.int64).reshape(-1, 3)]
 
 
 def spawns(stage):
