@@ -177,6 +177,7 @@ def test_recipes() -> None:
     assert plume.Recipe().replace({"graph.generator": "mine"})["graph"]["generator"] == "mine"
     assert pickle.loads(pickle.dumps(recipe.replace(seed=9))) == recipe.replace(seed=9)
     assert "basalt" in repr(recipe) and recipe != "basalt"
+    assert "graph" in recipe and "graph.nodes" in recipe and "graph.node" not in recipe
     with pytest.raises(KeyError, match="graph.node"):
         recipe["graph.node"]
     with pytest.raises(AttributeError):
@@ -371,6 +372,7 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
     ("use", "kind", "text"),
     [
         (lambda cave, folder: cave.export("isac", folder / "x"), plume.InputError, "did you mean `isaac`"),
+        (lambda cave, folder: plume.Recipe().replace({"texture.size": 3}), plume.RecipeError, "did you mean `size_px`"),
         (lambda cave, folder: cave.export("isaac", folder / "x", light=1), plume.RecipeError, "did you mean `lights`"),
         (lambda cave, folder: cave.export("isaac", folder / "x", lights=3), plume.RecipeError, "true or false"),
         (lambda cave, folder: cave.export("gltf", cave.folder), plume.StorageError, "not empty"),
