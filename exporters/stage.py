@@ -4,9 +4,15 @@ What is written where is decided there and arrives as plain JSON in `spec`; larg
 and leave `arrays` as soon as USD has its copy, so that memory stays at one chunk.
 """
 
+import os
+import time
+from pathlib import Path
+
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, Vt
 
 LAMP_RADIUS_M = 0.05
+# Archives keep the local time of each file; the first moment that they can tell reads the same in every time zone.
+ARCHIVE_TIME_S = time.mktime((1980, 1, 1, 0, 0, 0, 0, 0, -1))
 
 
 def write_chunk(spec, arrays):
@@ -58,7 +64,9 @@ def write_root(spec, arrays):
 
 
 def write_usdz(spec, arrays):
-    """One archive of the stage `root` and all that it refers to."""
+    """One archive of the stage `root` and all that it refers to; its bytes hold no clock."""
+    for path in Path(spec["root"]).parent.rglob("*"):
+        os.utime(path, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
     if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(spec["root"]), spec["path"]):
         raise OSError("USD could not make the archive")
 
