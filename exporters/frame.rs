@@ -92,10 +92,8 @@ mod tests {
 
     #[test]
     fn a_usd_camera_looks_where_the_body_does() {
-        let body = Isometry3::from_parts(
-            Translation3::new(1.0, 2.0, 3.0),
-            UnitQuaternion::from_euler_angles(0.1, -0.2, 0.7),
-        );
+        let body =
+            Isometry3::from_parts(Translation3::new(1.0, 2.0, 3.0), UnitQuaternion::from_euler_angles(0.1, -0.2, 0.7));
         let camera = usd_camera_from_body(&body);
         assert!((camera * -Vector3::z() - body * Vector3::x()).norm() < 1e-12);
         assert!((camera * Vector3::y() - body * Vector3::z()).norm() < 1e-12);

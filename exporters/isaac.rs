@@ -56,7 +56,7 @@ impl Target for Isaac {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         let light_scale = if self.settings.lights { self.settings.light_scale } else { 0.0 };
         let contents = Contents { physics: true, light_scale, omniverse_view: true };
-        let open = format!("in Isaac Sim: File > Open {}", stage::root_name(scene));
+        let open = format!("File > Open {} in Isaac Sim", stage::root_name(scene));
         let summary = stage::write(scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &summary, out)?;
         Ok(summary)

@@ -64,21 +64,20 @@ pub struct TargetRow {
 /// How a target is made of its settings: a JSON object in which any may be left out.
 pub enum Build {
     /// By this crate alone.
-    Plain(fn(Value) -> Result<Box<dyn Target>, ExportError>),
+    Plain(fn(Value) -> Built),
     /// With the USD library that a host program lends.
-    WithUsd(fn(Value, Arc<dyn stage::Library>) -> Result<Box<dyn Target>, ExportError>),
+    WithUsd(fn(Value, Arc<dyn stage::Library>) -> Built),
 }
+
+/// A target, or what is wrong with its settings.
+pub type Built = Result<Box<dyn Target>, ExportError>;
 
 impl TargetRow {
     /// The target with these settings; `library` is the USD library of the host program, if it has one.
     ///
     /// # Errors
     /// [`ExportError::Settings`]; [`ExportError::MissingPart`] without a USD library that fits, where one is needed.
-    pub fn build(
-        &self,
-        settings: Value,
-        library: Option<&Arc<dyn stage::Library>>,
-    ) -> Result<Box<dyn Target>, ExportError> {
+    pub fn build(&self, settings: Value, library: Option<&Arc<dyn stage::Library>>) -> Built {
         match self.build {
             Build::Plain(build) => build(settings),
             Build::WithUsd(build) => {

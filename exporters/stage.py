@@ -4,15 +4,14 @@ What is written where is decided there and arrives as plain JSON in `spec`; larg
 and leave `arrays` as soon as USD has its copy, so that memory stays at one chunk.
 """
 
+import math
 import os
 import time
 from pathlib import Path
 
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils, Vt
 
-LAMP_RADIUS_M = 0.05
-# Archives keep the local time of each file; the first moment that they can tell reads the same in every time zone.
-ARCHIVE_TIME_S = time.mktime((1980, 1, 1, 0, 0, 0, 0, 0, -1))
+LAMP_RADIUS_M = 0.05  # chosen: a bare bulb
 
 
 def write_chunk(spec, arrays):
@@ -64,9 +63,11 @@ def write_root(spec, arrays):
 
 
 def write_usdz(spec, arrays):
-    """One archive of the stage `root` and all that it refers to; its bytes hold no clock."""
-    for path in Path(spec["root"]).parent.rglob("*"):
-        os.utime(path, (ARCHIVE_TIME_S, ARCHIVE_TIME_S))
+    """One archive of the stage `root` and all that it refers to."""
+    # USD notes the local time of every file: a fixed one, so that the same stage gives the same bytes.
+    noon = time.mktime((1980, 1, 1, 12, 0, 0, 0, 0, -1))
+    for file in Path(spec["root"]).parent.rglob("*"):
+        os.utime(file, (noon, noon))
     if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(spec["root"]), spec["path"]):
         raise OSError("USD could not make the archive")
 
@@ -92,20 +93,20 @@ def define_mesh(stage, path):
     return mesh
 
 
-def fill_triangles(mesh, spec, arrays):
+def fill_triangles(mesh, spec, arrays, shading):
     key = spec["name"]
     indices = Vt.IntArray.FromBuffer(arrays.pop(f"{key}.indices"))
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.points")))
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(indices) // 3, 3))
     mesh.CreateFaceVertexIndicesAttr(indices)
     mesh.CreateExtentAttr(box(spec["extent"]))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.normals")))
+    mesh.SetNormalsInterpolation(shading)
 
 
 def fill_visual(mesh, spec, arrays):
-    fill_triangles(mesh, spec, arrays)
+    fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.vertex)
     key = spec["name"]
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.normals")))
-    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
     st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex)
     st.Set(Vt.Vec2fArray.FromBuffer(arrays.pop(f"{key}.st")))
     for part in spec["parts"]:
@@ -118,7 +119,7 @@ def fill_visual(mesh, spec, arrays):
 def define_collision(stage, spec, arrays):
     """What wheels touch: never drawn, static because it has no rigid body, and concave because it keeps its triangles."""
     mesh = define_mesh(stage, "/Chunk/Collision")
-    fill_triangles(mesh, spec, arrays)
+    fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.uniform)
     mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
@@ -158,9 +159,8 @@ def texture(stage, name, file, color_space, st):
     made.CreateInput("file", types.Asset).Set(Sdf.AssetPath(file))
     made.CreateInput("sourceColorSpace", types.Token).Set(color_space)
     made.CreateInput("st", types.Float2).ConnectToSource(st)
-    # The atlas ends at its edge.
     for side in ["wrapS", "wrapT"]:
-        made.CreateInput(side, types.Token).Set("clamp")
+        made.CreateInput(side, types.Token).Set("repeat")
     return made
 
 
@@ -187,7 +187,8 @@ def define_payload(stage, spec):
 
 
 def define_physics(stage, chunks, spec):
-    scene = UsdPhysics.Scene.Define(stage, "/World/PhysicsScene")
+    # Beside the world: who references the cave into a stage of their own has a scene already.
+    scene = UsdPhysics.Scene.Define(stage, "/PhysicsScene")
     scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
     scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
     UsdGeom.Scope.Define(stage, "/World/Materials")
@@ -204,7 +205,7 @@ def define_light(stage, spec):
     """A small bright sphere: luminous intensity over the area that is seen of it gives its luminance, in nits."""
     light = UsdLux.SphereLight.Define(stage, f"/World/Lights/{spec['name']}")
     light.CreateRadiusAttr(LAMP_RADIUS_M)
-    light.CreateIntensityAttr(spec["intensity_cd"] / (3.141592653589793 * LAMP_RADIUS_M**2))
+    light.CreateIntensityAttr(spec["intensity_cd"] / (math.pi * LAMP_RADIUS_M**2))
     light.CreateColorAttr(Gf.Vec3f(*spec["color"]))
     light.CreateExtentAttr(box([[-LAMP_RADIUS_M] * 3, [LAMP_RADIUS_M] * 3]))
     UsdGeom.Xformable(light).AddTranslateOp().Set(Gf.Vec3d(*spec["position"]))

@@ -1,7 +1,7 @@
 //! A USD stage: a root layer in text, and a binary layer per chunk that it loads as a payload.
 //!
 //! ```text
-//! <name>.usda                /World: chunks, physics, lights, start poses, a camera
+//! <name>.usda                /World: chunks, friction, lights, start poses, a camera; /PhysicsScene: gravity
 //! chunks/<chunk>.usdc        /Chunk: visual mesh at every level of detail, material, collision mesh
 //! chunks/textures/           images of the chunks
 //! ```
@@ -14,7 +14,7 @@
 //! each prim is decided here or in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings
 //! and the version of usd-core.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f32::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 
 use minijinja::context;
@@ -96,7 +96,12 @@ pub struct Contents {
 ///
 /// # Errors
 /// As [`Package::open`].
-pub fn write_readme(template: &str, scene: &Scene, summary: &Summary, out: &mut dyn Package) -> Result<(), ExportError> {
+pub fn write_readme(
+    template: &str,
+    scene: &Scene,
+    summary: &Summary,
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
     let values = context! {
         name => &scene.name,
         description => &scene.description,
@@ -166,11 +171,9 @@ fn write_chunk(
     let layer = format!("{}.usdc", chunk.name);
     let path = scratch.join(&layer);
     let mut textures = serde_json::Map::new();
-    for (role, image) in [
-        ("base_color", &chunk.material.base_color),
-        ("normal", &chunk.material.normal),
-        ("orm", &chunk.material.orm),
-    ] {
+    for (role, image) in
+        [("base_color", &chunk.material.base_color), ("normal", &chunk.material.normal), ("orm", &chunk.material.orm)]
+    {
         let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
         out.copy(&format!("chunks/{file}"), &image.path)?;
         textures.insert(role.to_owned(), format!("./{file}").into());
@@ -182,6 +185,7 @@ fn write_chunk(
     spec["levels"] = levels.collect();
     if contents.physics {
         spec["collision"] = json!({ "name": "collision", "extent": extent(&chunk.collision) });
+        arrays.push(("collision.normals".to_owned(), Array::Float3(face_normals(&chunk.collision))));
         push_triangles("collision", chunk.collision, &mut arrays);
     }
     library.call("write_chunk", &spec, arrays)?;
@@ -209,21 +213,26 @@ fn push_triangles(name: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {
 
 /// Faces by what they are to a robot: those that face up or down within 45° are floor and ceiling, the others wall.
 fn parts(mesh: &Mesh) -> [(&'static str, Vec<u32>); 3] {
-    let mut parts = [("floor", Vec::new()), ("wall", Vec::new()), ("ceiling", Vec::new())];
-    for (face, corners) in mesh.indices.chunks_exact(3).enumerate() {
-        let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(mesh.positions[corners[k] as usize].map(f64::from)));
-        let up = (b - a).cross(&(c - a));
-        let steep = up.norm() * FRAC_1_SQRT_2;
-        let part = if up.z > steep {
-            0
-        } else if up.z < -steep {
-            2
-        } else {
-            1
+    let [mut floor, mut wall, mut ceiling] = [const { Vec::new() }; 3];
+    for (face, normal) in face_normals(mesh).into_iter().enumerate() {
+        let part = match normal[2] {
+            up if up > FRAC_1_SQRT_2 => &mut floor,
+            up if up < -FRAC_1_SQRT_2 => &mut ceiling,
+            _ => &mut wall,
         };
-        parts[part].1.push(face as u32);
+        part.push(face as u32);
     }
-    parts
+    [("floor", floor), ("wall", wall), ("ceiling", ceiling)]
+}
+
+/// Unit normals of the triangles.
+fn face_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
+    let normal = |corners: &[u32]| {
+        let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(mesh.positions[corners[k] as usize].map(f64::from)));
+        let across = (b - a).cross(&(c - a));
+        <[f64; 3]>::from(across / across.norm()).map(|part| part as f32)
+    };
+    mesh.indices.chunks_exact(3).map(normal).collect()
 }
 
 fn extent(mesh: &Mesh) -> [[f32; 3]; 2] {

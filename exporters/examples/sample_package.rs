@@ -1,5 +1,5 @@
-//! Writes the sample scene for every target: `sample_package FOLDER` makes `FOLDER/<target>`, and `FOLDER/gltf_chunks`
-//! with a file per chunk.
+//! Writes the sample scene for every target that needs no USD library: `sample_package FOLDER` makes `FOLDER/<target>`,
+//! and `FOLDER/gltf_chunks` with a file per chunk.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder: PathBuf = std::env::args_os().nth(1).ok_or("usage: sample_package FOLDER")?.into();
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
-    for row in TARGETS {
+    for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
         write(&folder.join(row.name), row, json!({}), &chamber)?;
     }
     let settings = json!({ "per_chunk": true });
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {
     let mut package = Folder::create(folder, Existing::Replace)?;
-    (row.build)(settings)?.export(&chamber.scene(), &mut package)?;
+    row.build(settings, None)?.export(&chamber.scene(), &mut package)?;
     package.finish()?;
     Ok(())
 }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "sample/ledger.rs"]
+mod ledger;
 mod sample;
 
 use std::fs;
@@ -12,6 +14,8 @@ use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Packag
 use plume_exporters::scene::{Chunk, Chunks, Scene};
 use plume_exporters::{ExportError, TARGETS, target};
 use serde_json::json;
+
+use ledger::ledger;
 
 #[test]
 fn every_target_file_has_its_row() {
@@ -58,7 +62,7 @@ fn settings_are_documented_and_unknown_ones_refused() {
         for (name, property) in schema["properties"].as_object().unwrap() {
             assert!(property["description"].is_string(), "{}.{name}", row.name);
         }
-        let error = (row.build)(json!({ "colour": 1 })).err().unwrap();
+        let error = row.build(json!({ "colour": 1 }), ledger().as_ref()).err().unwrap();
         assert!(error.is_usage() && error.to_string().contains("`colour`"), "{error}");
     }
 }
@@ -70,7 +74,7 @@ fn a_manifest_lists_every_file_of_a_folder() {
     for row in TARGETS {
         let out = folder.path().join(row.name);
         let mut package = Folder::create(&out, Existing::Keep).unwrap();
-        (row.build)(json!({})).unwrap().export(&chamber.scene(), &mut package).unwrap();
+        row.build(json!({}), ledger().as_ref()).unwrap().export(&chamber.scene(), &mut package).unwrap();
         let files = package.finish().unwrap();
         let manifest = fs::read(out.join(MANIFEST)).unwrap();
         let listed: Files = serde_json::from_slice(&manifest).unwrap();
@@ -89,13 +93,24 @@ fn a_failed_export_leaves_nothing_behind() {
     for row in TARGETS {
         let out = folder.path().join(row.name);
         let mut package = Folder::create(&out, Existing::Keep).unwrap();
-        let target = (row.build)(json!({})).unwrap();
+        let target = row.build(json!({}), ledger().as_ref()).unwrap();
         let error = target.export(&chamber.scene(), &mut package).unwrap_err();
         assert!(error.to_string().contains("1_normal.png"), "{error}");
         assert!(!error.is_usage());
         drop(package);
         assert!(!out.exists() && !out.with_extension("partial").exists());
     }
+}
+
+#[test]
+fn without_a_usd_library_the_missing_part_is_told() {
+    let texts: Vec<String> =
+        TARGETS.iter().filter_map(|row| row.build(json!({}), None).err()).map(|error| told(&error)).collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    system: target `isaac` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
+    system: target `usd` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
+    system: target `usdz` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
+    ");
 }
 
 /// Counts how often chunks are loaded.
@@ -123,7 +138,7 @@ fn no_chunk_is_loaded_more_than_twice() {
     for row in TARGETS {
         let counted = Counted { inner: &chamber, loads: AtomicUsize::new(0) };
         let scene = Scene { chunks: &counted, ..chamber.scene() };
-        let target = (row.build)(json!({})).unwrap();
+        let target = row.build(json!({}), ledger().as_ref()).unwrap();
         target.export(&scene, &mut Memory::default()).unwrap();
         assert!(counted.loads.into_inner() <= 2 * chamber.len(), "{}", row.name);
     }
@@ -138,6 +153,10 @@ struct FullDisk {
 impl Package for FullDisk {
     fn open(&mut self, _: &str) -> io::Result<Box<dyn io::Write + '_>> {
         Ok(Box::new(FullFile(&mut self.left)))
+    }
+
+    fn scratch(&mut self) -> io::Result<tempfile::TempDir> {
+        tempfile::tempdir()
     }
 
     fn files(&mut self) -> &mut Files {
@@ -168,13 +187,16 @@ fn a_full_disk_is_told_with_the_file() {
     let texts: Vec<String> = TARGETS
         .iter()
         .map(|row| {
-            let mut disk = FullDisk { left: 100_000, files: Files::default() };
-            let target = (row.build)(json!({})).unwrap();
+            let mut disk = FullDisk { left: 40, files: Files::default() };
+            let target = row.build(json!({}), ledger().as_ref()).unwrap();
             told(&target.export(&chamber.scene(), &mut disk).unwrap_err())
         })
         .collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
-    system: models/chamber/meshes/chunk_0_0_0.obj: no storage space (hint: free some space, or make smaller textures)
+    system: models/chamber/materials/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: README.md: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
     ");
 }
@@ -221,7 +243,7 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
         let spoiled = Spoiled { inner: &chamber, spoil };
         let scene = Scene { chunks: &spoiled, ..chamber.scene() };
         let mut errors = TARGETS.iter().map(|row| {
-            let target = (row.build)(json!({})).unwrap();
+            let target = row.build(json!({}), ledger().as_ref()).unwrap();
             target.export(&scene, &mut Memory::default()).unwrap_err().to_string()
         });
         let first = errors.next().unwrap();
@@ -256,7 +278,7 @@ fn output_folders_are_refused_in_words() {
     usage: output folder was not written by an export and is left alone: DIR/home/ (hint: name a new folder, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, gltf
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, usd, usdz, gltf
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }
@@ -315,7 +337,7 @@ fn told(error: &ExportError) -> String {
 fn export(name: &str, folder: &tempfile::TempDir) -> Memory {
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let mut memory = Memory::default();
-    let target = (target(name).unwrap().build)(json!({})).unwrap();
+    let target = target(name).unwrap().build(json!({}), ledger().as_ref()).unwrap();
     target.export(&chamber.scene(), &mut memory).unwrap();
     memory
 }

@@ -3,9 +3,11 @@
 //! The floor is what no generator can avoid: encoding and writing the same images, measured in the same run.
 
 use std::fs;
+use std::process::Command;
 
 use crate::plume::Plume;
-use crate::tools::{Result, root};
+use crate::tools::{Result, root, run as run_program};
+use crate::venv::Environment;
 
 /// Rows of the paper's table: name, arguments, and the paper's own time (i5-12400F, RTX 3070).
 const ROWS: [(&str, &[&str], &str); 3] = [
@@ -31,8 +33,11 @@ const ROWS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Runs the rows, or those whose number is given.
+/// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD.
 pub fn run(chosen: &[String]) -> Result<()> {
+    if chosen.iter().any(|name| name == "usd") {
+        return usd();
+    }
     let plume = Plume::build()?;
     println!("row | graph | mesh | texture | sum, CPU s | floor (PNG), CPU s | ratio | peak MB | paper, wall");
     for (number, (name, arguments, paper)) in ROWS.iter().enumerate() {
@@ -40,6 +45,13 @@ pub fn run(chosen: &[String]) -> Result<()> {
             row(&plume, name, arguments, paper)?;
         }
     }
+    Ok(())
+}
+
+fn usd() -> Result<()> {
+    Plume::package()?;
+    let python = Environment::of_project()?.python();
+    println!("{}", run_program(Command::new(python).arg(root().join("python/benches/write_chunk.py")))?);
     Ok(())
 }
 

@@ -1,13 +1,16 @@
-//! `cargo xtask demo`: from a fresh clone to a cave that Gazebo opens.
+//! `cargo xtask demo`: from a fresh clone to a cave that Gazebo and Isaac Sim open.
 
 use crate::plume::Plume;
 use crate::tools::Result;
 
-const PACKAGE: &str = "demo/gazebo";
+const FOLDER: &str = "demo";
 
-/// Builds `plume` and exports the default cave.
+/// Builds the Python package and exports the default cave with its `plume` command.
 pub fn run(_arguments: &[String]) -> Result<()> {
-    Plume::build()?.show(&["export", "--target", "gazebo", "--output", PACKAGE, "--force"])?;
-    println!("{PACKAGE} is ready:\n  cd {PACKAGE} && GZ_SIM_RESOURCE_PATH=$PWD/models gz sim worlds/cave.sdf");
+    Plume::package()?.show(&["export", "--target", "gazebo,isaac", "--output", FOLDER, "--force"])?;
+    println!(
+        "two packages are ready:\n  cd {FOLDER}/gazebo && GZ_SIM_RESOURCE_PATH=$PWD/models gz sim worlds/cave.sdf\n  \
+         in Isaac Sim, File > Open {FOLDER}/isaac/cave.usda"
+    );
     Ok(())
 }

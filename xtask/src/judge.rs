@@ -9,9 +9,10 @@ use std::process::Command;
 
 use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
-use crate::venv;
+use crate::venv::Environment;
 
 mod spoil;
+pub mod usd;
 
 /// The task.
 pub fn run(arguments: &[String]) -> Result<()> {
@@ -23,6 +24,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
+        if judges.iter().any(|judge| judge.name == "physx") {
+            tally.enter("physx", usd::spoil());
+        }
         for package in export_caves()? {
             judge(&judges, &package, &mut tally);
         }
@@ -56,11 +60,14 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 4] = [
+const JUDGES: [Judge; 7] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
     Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
+    Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
+    Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
+    Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
 /// What a package is for, told by what lies in it.
@@ -68,6 +75,7 @@ const JUDGES: [Judge; 4] = [
 enum Kind {
     Gazebo,
     Gltf,
+    Usd,
 }
 
 impl Kind {
@@ -75,9 +83,18 @@ impl Kind {
         match package {
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ => None,
         }
     }
+}
+
+fn holds(folder: &Path, endings: &[&str]) -> bool {
+    files_of(folder).any(|path| path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)))
+}
+
+fn files_of(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()))
 }
 
 /// Prints a line per verdict and counts what must fail the run.
@@ -94,6 +111,13 @@ impl Tally {
     fn complain(&mut self, who: &str, text: &str) {
         self.complaints += 1;
         println!("FAILED  {who:<10} {text}");
+    }
+
+    fn enter(&mut self, who: &str, verdict: Result<String>) {
+        match verdict {
+            Ok(praise) => self.praise(who, &praise),
+            Err(complaint) => self.complain(who, &complaint),
+        }
     }
 
     fn skip(&mut self, who: &str, missing: &str) {
@@ -123,10 +147,7 @@ fn ready(judges: &[&'static Judge], tally: &mut Tally) -> Vec<&'static Judge> {
 
 fn judge(judges: &[&'static Judge], package: &Path, tally: &mut Tally) {
     for judge in judges.iter().filter(|judge| Kind::of(package) == Some(judge.of)) {
-        match verdict(judge, package) {
-            Ok(praise) => tally.praise(judge.name, &praise),
-            Err(complaint) => tally.complain(judge.name, &complaint),
-        }
+        tally.enter(judge.name, verdict(judge, package));
     }
 }
 
@@ -150,22 +171,23 @@ pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
 
 /// The samples, for every target.
 fn export_caves() -> Result<Vec<PathBuf>> {
-    let plume = Plume::build()?;
+    let plume = Plume::package()?;
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        plume.output(&["export", &recipe, "--target", "gazebo,gltf", "--output", &output, "--force"])?;
-        packages.extend(["gazebo", "gltf"].map(|target| root().join(&output).join(target)));
+        let targets = "gazebo,gltf,isaac,usd,usdz";
+        plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--force"])?;
+        packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
     Ok(packages)
 }
 
 fn make_venv() -> Result<()> {
-    venv::python(REQUIREMENTS).map(drop)
+    Environment::of_project()?.with(REQUIREMENTS).map(drop)
 }
 
 fn drop_pybullet(package: &Path) -> Result<Command> {
-    let mut command = Command::new(venv::python(REQUIREMENTS)?);
+    let mut command = Command::new(Environment::of_project()?.with(REQUIREMENTS)?.python());
     command.arg(root().join("tests/judges/drop_pybullet.py")).arg(package);
     Ok(command)
 }
@@ -225,11 +247,7 @@ pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
 fn glb_files(package: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for folder in [package.to_owned(), package.join("chunks")] {
-        let Ok(entries) = std::fs::read_dir(folder) else {
-            continue;
-        };
-        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-        files.extend(paths.filter(|path| path.extension().is_some_and(|ending| ending == "glb")));
+        files.extend(files_of(&folder).filter(|path| path.extension().is_some_and(|ending| ending == "glb")));
     }
     files.sort();
     Ok(files)

@@ -15,11 +15,11 @@ mod venv;
 type Task = fn(&[String]) -> tools::Result<()>;
 
 const TASKS: [(&str, &str, Task); 5] = [
-    ("demo", "                  make the default cave as a Gazebo package in demo/gazebo", demo::run),
+    ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("judge", "[PACKAGE_DIR...] open packages with foreign readers", judge::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
-    ("bench", "[ROW...]         CPU seconds by stage, and the ratio to writing the same images", bench::run),
+    ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
 ];
 
 fn main() -> ExitCode {

@@ -1,9 +1,10 @@
-//! The `plume` binary of this tree.
+//! The `plume` of this tree: the binary, or the command of the Python package.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::tools::{Result, root, run};
+use crate::venv::Environment;
 
 /// A built `plume`.
 pub struct Plume {
@@ -16,6 +17,17 @@ impl Plume {
         eprintln!("building plume");
         run(cargo().args(["build", "--release", "--quiet", "--package", "plume"]))?;
         Ok(Self { program: root().join("target/release/plume") })
+    }
+
+    /// Builds the Python package into `.venv`, optimised, with everything that its `plume` command needs.
+    pub fn package() -> Result<Self> {
+        let environment = Environment::of_project()?.with("python/requirements.txt")?;
+        eprintln!("building the Python package");
+        let mut maturin = Command::new(environment.program("maturin"));
+        let maturin = maturin.args(["develop", "--release", "--locked", "--quiet"]).current_dir(root());
+        // Maturin looks for the environment of the user first.
+        run(maturin.env_remove("CONDA_PREFIX").env("VIRTUAL_ENV", root().join(".venv")))?;
+        Ok(Self { program: environment.program("plume") })
     }
 
     /// Runs it in the workspace, its progress visible.

@@ -1,23 +1,50 @@
 //! `cargo xtask test`: all tests that need cargo and python3 alone.
 
+use std::process::Command;
+
 use crate::judge;
 use crate::plume::{Plume, cargo};
-use crate::tools::Result;
+use crate::tools::{Result, root};
 
 /// A cave small enough for every run, yet made of several chunks.
 const CAVE: &str = "target/test-cave";
+const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
 
-/// Runs the tests of the workspace, then drops a ball into a cave with a physics engine that is not ours.
+/// Runs the tests of the workspace, drops a ball into a cave with a physics engine that is not ours, then runs the tests
+/// of the Python package.
 pub fn run(arguments: &[String]) -> Result<()> {
-    let status = cargo().args(["test", "--workspace", "--quiet"]).args(arguments).status();
-    if !status.is_ok_and(|status| status.success()) {
-        return Err("the tests above failed".into());
+    // The extension module is no program that cargo could test: Python does.
+    let test = ["test", "--workspace", "--exclude", "plume-python", "--quiet"];
+    show(cargo().args(test).args(arguments))?;
+    drop_balls()?;
+    let plume = Plume::package()?;
+    let python = judge::usd::environment()?.python();
+    show(Command::new(python).args(["-m", "pytest", "--quiet"]).current_dir(root()))?;
+    read_with_another_usd(&plume)
+}
+
+/// The validators of the newest USD are among the tests; this is the oldest.
+fn read_with_another_usd(plume: &Plume) -> Result<()> {
+    let package = format!("{CAVE}/isaac");
+    let export = ["export", "--target", "isaac", "--force", "--output", &package];
+    plume.output(&[&export[..], &SMALL[..]].concat())?;
+    judge::only("usd-old", package.as_ref())
+}
+
+fn show(command: &mut Command) -> Result<()> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) => Err("the tests above failed".to_owned()),
+        Err(error) => Err(format!("cannot run `{}`: {error}", command.get_program().to_string_lossy())),
     }
-    let settings = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
+}
+
+fn drop_balls() -> Result<()> {
+    let plume = Plume::build()?;
     for (name, generator) in [("cave", "gaussian-perlin"), ("mine", "mine")] {
         let (output, generator) = (format!("{CAVE}/{name}"), format!("graph.generator={generator}"));
         let export = ["export", "--target", "gazebo", "--force", "--output", &output, "--set", &generator];
-        Plume::build()?.output(&[&export[..], &settings[..]].concat())?;
+        plume.output(&[&export[..], &SMALL[..]].concat())?;
         judge::only("pybullet", output.as_ref())?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! The Python environment of the project, `.venv`.
+//! Python environments: `.venv` for the package and its tests, and others for readers that want one of their own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,27 +6,83 @@ use std::process::Command;
 
 use crate::tools::{Result, root, run};
 
-/// A Python that has what the file `requirements` of the workspace lists; made and filled when needed.
-pub fn python(requirements: &str) -> Result<PathBuf> {
-    let venv = root().join(".venv");
-    let python = venv.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    if !python.exists() {
-        eprintln!("making {}", venv.display());
-        run(Command::new("python3").args(["-m", "venv"]).arg(&venv))?;
+/// Versions of Python that usd-core has wheels for: from the first, before the second.
+const VERSIONS: [u32; 2] = [11, 15];
+
+/// A virtual environment.
+pub struct Environment(PathBuf);
+
+impl Environment {
+    /// `.venv`, made when needed: the one of the README.
+    pub fn of_project() -> Result<Self> {
+        Self(root().join(".venv")).made()
     }
-    install(&python, &venv, &root().join(requirements))?;
-    Ok(python)
+
+    /// One below `target`, made when needed.
+    pub fn apart(name: &str) -> Result<Self> {
+        Self(root().join("target/venvs").join(name)).made()
+    }
+
+    /// Its interpreter.
+    pub fn python(&self) -> PathBuf {
+        self.program("python")
+    }
+
+    /// A program of it.
+    pub fn program(&self, name: &str) -> PathBuf {
+        match cfg!(windows) {
+            true => self.0.join("Scripts").join(name).with_extension("exe"),
+            false => self.0.join("bin").join(name),
+        }
+    }
+
+    /// Installs what the file `requirements` of the workspace lists. A copy of the list stays in the environment, so
+    /// that nothing is asked of the network twice.
+    pub fn with(self, requirements: &str) -> Result<Self> {
+        let path = root().join(requirements);
+        let wanted = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let stamp = self.0.join(format!("installed-{}", requirements.replace(['/', '\\'], "-")));
+        if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+            return Ok(self);
+        }
+        eprintln!("installing {requirements}");
+        let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"];
+        run(Command::new(self.python()).args(pip).arg(path))?;
+        fs::write(stamp, wanted).map_err(|error| error.to_string())?;
+        Ok(self)
+    }
+
+    fn made(self) -> Result<Self> {
+        if run(Command::new(self.python()).args(["-c", ""])).is_ok() {
+            return Ok(self);
+        }
+        eprintln!("making {}", self.0.display());
+        // What is there is broken, or of a Python that has gone.
+        let _ = fs::remove_dir_all(&self.0);
+        let base = base()?;
+        let made = run(Command::new(&base).args(["-m", "venv"]).arg(&self.0));
+        made.or_else(|reason| self.without_ensurepip(&base).map_err(|_| reason))?;
+        Ok(self)
+    }
+
+    /// Debian splits ensurepip off; but a pip outside can install one into an environment that has none.
+    fn without_ensurepip(&self, base: &Path) -> Result<String> {
+        let _ = fs::remove_dir_all(&self.0);
+        run(Command::new(base).args(["-m", "venv", "--without-pip"]).arg(&self.0))?;
+        run(Command::new(base).args(["-m", "pip", "--python"]).arg(self.python()).args(["install", "--quiet", "pip"]))
+    }
 }
 
-/// A copy of the list stays in the environment, so that nothing is asked of the network twice.
-fn install(python: &Path, venv: &Path, requirements: &Path) -> Result<()> {
-    let wanted = fs::read_to_string(requirements).map_err(|error| format!("{}: {error}", requirements.display()))?;
-    let slug = requirements.to_string_lossy().replace(['/', '\\', ':'], "-");
-    let stamp = venv.join(format!("installed{slug}"));
-    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
-        return Ok(());
-    }
-    eprintln!("installing {}", requirements.display());
-    run(Command::new(python).args(["-m", "pip", "install", "-q", "-r"]).arg(requirements))?;
-    fs::write(stamp, wanted).map_err(|error| error.to_string())
+/// A Python that usd-core has wheels for.
+fn base() -> Result<PathBuf> {
+    let [first, end] = VERSIONS;
+    let fits = format!("import sys; sys.exit(not (3, {first}) <= sys.version_info[:2] < (3, {end}))");
+    let named = std::env::var_os("PLUME_PYTHON").map(PathBuf::from);
+    let usual = ["python3".into(), "python".into()].into_iter();
+    let versions = (first..end).map(|minor| PathBuf::from(format!("python3.{minor}")));
+    let mut candidates = named.into_iter().chain(usual).chain(versions);
+    candidates.find(|python| run(Command::new(python).args(["-c", &fits])).is_ok()).ok_or_else(|| {
+        let last = end - 1;
+        format!("no Python 3.{first} to 3.{last} was found; install one, or name it in the variable PLUME_PYTHON")
+    })
 }

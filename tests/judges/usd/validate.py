@@ -1,0 +1,74 @@
+"""Opens a USD package with the validators of USD and of NVIDIA, and holds it to what neither looks at.
+
+    validate.py PACKAGE_DIR
+
+The root layer and every chunk alone, at every level of detail, must pass without a message. The last line of a success
+gives the numbers of prims and triangles.
+"""
+
+import logging
+
+from pxr import Usd, UsdValidation
+
+import laws
+import package as packages
+from package import Complaint, run
+
+# What these two call a waste is how every renderer wants a mesh with texture seams: a vertex per corner of the atlas.
+# Welding the points would move the seams into per-corner arrays of three times the size.
+ACCEPTED = {"WeldChecker", "IndexedPrimvarChecker"}
+
+
+def judge(package):
+    root = packages.root_layer(package)
+    stage = packages.open_stage(root)
+    messages = []
+    for level in levels(stage):
+        select(stage, level)
+        messages += [f"{root.name}, {level}: {message}" for message in usd_messages(stage)]
+        messages += [f"{root.name}, {level}: {message}" for message in laws.broken(stage)]
+    select(stage, "LOD0")
+    for layer in sorted(package.glob("chunks/*.usdc")):
+        messages += [f"{layer.name}: {message}" for message in usd_messages(packages.open_stage(layer))]
+    messages += [f"{root.name}: {message}" for message in nvidia_messages(root)]
+    messages += laws.broken_files(package, root)
+    if messages:
+        raise Complaint("\n".join(sorted(set(messages))))
+    visuals = packages.meshes(stage, "Visual")
+    faces = sum(len(mesh.GetFaceVertexCountsAttr().Get()) for mesh in visuals)
+    version = ".".join(str(part) for part in Usd.GetVersion()[1:])
+    prims = len(list(stage.TraverseAll()))
+    return f"USD {version}: {prims} prims, {len(visuals)} visual meshes, {faces} triangles, no message of any validator"
+
+
+def levels(stage):
+    sets = [chunk.GetVariantSet("LOD").GetVariantNames() for chunk in packages.chunks(stage)]
+    return sorted(set().union(*sets)) or ["LOD0"]
+
+
+def select(stage, level):
+    """Chooses a level for every chunk, or the coarsest that it has; in the session layer, not in the package."""
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for chunk in packages.chunks(stage):
+            variants = chunk.GetVariantSet("LOD")
+            names = variants.GetVariantNames()
+            variants.SetVariantSelection(level if level in names else max(names, default=""))
+
+
+def usd_messages(stage):
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    errors = UsdValidation.ValidationContext(validators).Validate(stage)
+    return [f"{error.GetName()}: {error.GetMessage()}" for error in errors]
+
+
+def nvidia_messages(root):
+    logging.disable()
+    from usd_validation_nvidia import ValidationEngine
+
+    issues = ValidationEngine(init_rules=True).validate(str(root)).issues()
+    refused = [issue for issue in issues if issue.rule is None or issue.rule.__name__ not in ACCEPTED]
+    return [f"{issue.rule.__name__ if issue.rule else 'no rule'}: {issue.message} {issue.at or ''}" for issue in refused]
+
+
+if __name__ == "__main__":
+    run(judge)

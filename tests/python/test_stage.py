@@ -1,0 +1,82 @@
+"""The stage holds the cave bit for bit: against the PLY files of the cave folder, read by `plyfile`."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from plyfile import PlyData
+from pxr import Usd, UsdGeom
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """A package and the cave folder it was made of."""
+    folder = tmp_path_factory.mktemp("kept")
+    arguments = ["export", "--target", "isaac", "--output", str(folder / "isaac"), "--keep", str(folder / "cave")]
+    small = ["--set", "graph.nodes=12", "--set", "texture.size_px=256"]
+    subprocess.run([sys.executable, "-m", "plume", *arguments, *small], check=True)
+    return folder
+
+
+def columns(ply, names):
+    return np.stack([ply["vertex"][name] for name in names.split()], axis=1)
+
+
+def indices(ply):
+    return np.concatenate(ply["face"]["vertex_indices"])
+
+
+def same_bits(attribute, expected, dtype):
+    found = np.asarray(attribute.Get())
+    assert found.dtype == dtype and found.shape == expected.shape
+    assert found.tobytes() == expected.astype(dtype).tobytes()
+
+
+def layers(kept):
+    found = sorted((kept / "isaac/chunks").glob("*.usdc"))
+    assert len(found) > 1
+    return found
+
+
+def test_visual_arrays_are_those_of_the_cave(kept):
+    for layer in layers(kept):
+        stage = Usd.Stage.Open(str(layer))
+        levels = stage.GetPrimAtPath("/Chunk").GetVariantSet("LOD")
+        for level in levels.GetVariantNames():
+            levels.SetVariantSelection(level)
+            suffix = "" if level == "LOD0" else f"_{level.lower()}"
+            ply = PlyData.read(str(kept / f"cave/textures/{layer.stem}{suffix}.ply"))
+            mesh = UsdGeom.Mesh.Get(stage, "/Chunk/Visual")
+            same_bits(mesh.GetPointsAttr(), columns(ply, "x y z"), np.float32)
+            same_bits(mesh.GetNormalsAttr(), columns(ply, "nx ny nz"), np.float32)
+            same_bits(mesh.GetPrim().GetAttribute("primvars:st"), columns(ply, "s t"), np.float32)
+            same_bits(mesh.GetFaceVertexIndicesAttr(), indices(ply), np.int32)
+            assert set(mesh.GetFaceVertexCountsAttr().Get()) == {3}
+
+
+def test_collision_arrays_are_those_of_the_cave(kept):
+    for layer in layers(kept):
+        stage = Usd.Stage.Open(str(layer))
+        ply = PlyData.read(str(kept / f"cave/collision/{layer.stem}.ply"))
+        mesh = UsdGeom.Mesh.Get(stage, "/Chunk/Collision")
+        same_bits(mesh.GetPointsAttr(), columns(ply, "x y z"), np.float32)
+        same_bits(mesh.GetFaceVertexIndicesAttr(), indices(ply), np.int32)
+
+
+def test_images_are_those_of_the_cave(kept):
+    images = sorted((kept / "isaac/chunks/textures").iterdir())
+    assert len(images) == 3 * len(layers(kept))
+    for image in images:
+        assert image.read_bytes() == (kept / "cave/textures" / image.name).read_bytes()
+
+
+def test_every_option_is_in_the_stage(tmp_path):
+    options = ["--option", "usd.physics=false", "--option", "usd.lights=false", "--quiet"]
+    small = ["--set", "graph.nodes=12", "--set", "texture.size_px=256"]
+    command = [sys.executable, "-m", "plume", "export", "--target", "usd", "--output", str(tmp_path / "usd")]
+    subprocess.run([*command, *options, *small], check=True)
+    stage = Usd.Stage.Open(str(tmp_path / "usd/cave.usda"))
+    names = {prim.GetName() for prim in stage.TraverseAll()}
+    assert not names & {"Collision", "PhysicsScene", "Ground", "Lights"}
+    assert "Visual" in names

@@ -1,0 +1,204 @@
+"""The judges of USD packages: they praise a good one, and complain about each way of spoiling it."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
+
+JUDGE = Path(__file__).parents[1] / "judges/usd/validate.py"
+
+
+def judge(package):
+    """Exit code and all that was said."""
+    result = subprocess.run([sys.executable, JUDGE, package], capture_output=True, text=True)
+    return result.returncode, result.stdout + result.stderr
+
+
+@pytest.mark.parametrize("target", ["isaac", "usd", "usdz"])
+def test_a_good_package_is_praised(target, packages):
+    code, said = judge(packages / target)
+    assert code == 0, said
+
+
+def root(package):
+    return Sdf.Layer.FindOrOpen(str(package / "cave.usda"))
+
+
+def chunk(package):
+    return Sdf.Layer.FindOrOpen(str(sorted((package / "chunks").glob("*.usdc"))[0]))
+
+
+def edit(layer, change):
+    stage = Usd.Stage.Open(layer, Usd.Stage.LoadNone)
+    change(stage)
+    assert layer.dirty, "the change changed nothing"
+    layer.Save()
+
+
+def clear_metadata(key):
+    return lambda package: edit(root(package), lambda stage: stage.ClearMetadata(key))
+
+
+def in_chunk(change):
+    return lambda package: edit(chunk(package), change)
+
+
+def in_level(change):
+    """A change of the visual mesh inside its finest level of detail."""
+
+    def spoil(stage):
+        levels = stage.GetPrimAtPath("/Chunk").GetVariantSet("LOD")
+        levels.SetVariantSelection("LOD0")
+        with levels.GetVariantEditContext():
+            change(UsdGeom.Mesh.Get(stage, "/Chunk/Visual"))
+
+    return in_chunk(spoil)
+
+
+def array(name, change):
+    """Changes a copy of an array of the visual mesh."""
+
+    def spoil(mesh):
+        attribute = mesh.GetPrim().GetAttribute(name)
+        kind = type(attribute.Get())
+        attribute.Set(kind.FromNumpy(np.ascontiguousarray(change(np.array(attribute.Get())))))
+
+    return in_level(spoil)
+
+
+def flip_face(indices):
+    indices[:2] = indices[1::-1]
+    return indices
+
+
+def flip_all(indices):
+    return indices.reshape(-1, 3)[:, ::-1].ravel()
+
+
+def out_of_range(indices):
+    indices[5] = 10_000_000
+    return indices
+
+
+def clear(attribute):
+    return in_level(lambda mesh: mesh.GetPrim().GetAttribute(attribute).Block())
+
+
+def shader_input(shader, name, value):
+    def spoil(stage):
+        UsdShade.Shader.Get(stage, f"/Chunk/Looks/Rock/{shader}").GetInput(name).Set(value)
+
+    return in_chunk(spoil)
+
+
+def on_collision(change):
+    return in_chunk(lambda stage: change(stage.GetPrimAtPath("/Chunk/Collision")))
+
+
+def make_rigid(stage):
+    UsdPhysics.RigidBodyAPI.Apply(stage.GetPrimAtPath("/Chunk"))
+    UsdPhysics.RigidBodyAPI.Apply(stage.GetPrimAtPath("/Chunk/Collision"))
+
+
+def unbind_friction(package):
+    change = lambda stage: UsdShade.MaterialBindingAPI(stage.GetPrimAtPath("/World/Chunks")).UnbindDirectBinding("physics")
+    edit(root(package), change)
+
+
+def absolute_payload(package):
+    layer = sorted((package / "chunks").glob("*.usdc"))[0]
+
+    def change(stage):
+        prim = stage.GetPrimAtPath(f"/World/Chunks/{layer.stem}")
+        prim.GetPayloads().SetPayloads([Sdf.Payload(str(layer.resolve()))])
+
+    edit(root(package), change)
+
+
+def remove(pattern):
+    return lambda package: sorted(package.glob(pattern))[0].unlink()
+
+
+def forget_recipe(package):
+    edit(root(package), lambda stage: stage.GetPrimAtPath("/World").ClearCustomDataByKey("plume"))
+
+
+def tear_chunk(package):
+    file = sorted((package / "chunks").glob("*.usdc"))[0]
+    file.write_bytes(file.read_bytes()[:1000])
+
+
+def point_gravity_up(package):
+    edit(root(package), lambda stage: UsdPhysics.Scene.Get(stage, "/PhysicsScene").GetGravityDirectionAttr().Set(Gf.Vec3f(0, 0, 1)))
+
+
+def misjudge_size(package):
+    def change(stage):
+        prim = stage.GetPrimAtPath("/World/Chunks").GetAllChildren()[0]
+        UsdGeom.ModelAPI(prim).SetExtentsHint(Vt.Vec3fArray([(0, 0, 0), (1, 1, 1)]))
+
+    edit(root(package), change)
+
+
+def repeat_level(stage):
+    levels = stage.GetPrimAtPath("/Chunk").GetVariantSet("LOD")
+    finest = Sdf.Path("/Chunk").AppendVariantSelection("LOD", "LOD0")
+    levels.AddVariant("LOD1")
+    layer = stage.GetRootLayer()
+    Sdf.CopySpec(layer, finest, layer, Sdf.Path("/Chunk").AppendVariantSelection("LOD", "LOD1"))
+
+
+SPOILS = {
+    "a wrong size": (misjudge_size, "has another size when it is open"),
+    "a level no coarser": (in_chunk(repeat_level), "levels_get_coarser"),
+    "no metres": (clear_metadata("metersPerUnit"), "metersPerUnit"),
+    "no default prim": (clear_metadata("defaultPrim"), "defaultPrim"),
+    "Y up": (lambda package: edit(root(package), lambda stage: UsdGeom.SetStageUpAxis(stage, "Y")), "units_are_metres"),
+    "a missing texture": (remove("chunks/textures/*_normal.png"), "images_are_written_as_relative_paths"),
+    "a texture elsewhere": (shader_input("BaseColor", "file", Sdf.AssetPath("/elsewhere/base.png")), "elsewhere/base.png"),
+    "a coloured normal map": (shader_input("Normal", "sourceColorSpace", "sRGB"), "NormalMapTexture"),
+    "an unscaled normal map": (shader_input("Normal", "scale", Gf.Vec4f(1, 1, 1, 1)), "NormalMapTexture"),
+    "an index out of range": (array("faceVertexIndices", out_of_range), "ValidateTopologyChecker"),
+    "a wrong extent": (array("extent", lambda extent: extent * 2), "ExtentsChecker"),
+    "a flipped face": (array("faceVertexIndices", flip_face), "ManifoldChecker"),
+    "a mesh inside out": (array("faceVertexIndices", flip_all), "normals_are_on_the_side"),
+    "no normals": (clear("normals"), "NormalsExistChecker"),
+    "no st": (clear("primvars:st"), "visual_meshes_have_every_array"),
+    "half of the st": (array("primvars:st", lambda st: st[::2]), "visual_meshes_have_every_array"),
+    "a subdivided mesh": (
+        in_chunk(lambda stage: UsdGeom.Mesh.Get(stage, "/Chunk/Visual").GetSubdivisionSchemeAttr().Set("catmullClark")),
+        "is subdivided",
+    ),
+    "nested rigid bodies": (in_chunk(make_rigid), "is a rigid body"),
+    "a dynamic collision mesh": (on_collision(UsdPhysics.RigidBodyAPI.Apply), "is a rigid body"),
+    "a convex hull": (
+        on_collision(lambda prim: UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Set("convexHull")),
+        "is approximated by convexHull",
+    ),
+    "a drawn collision mesh": (on_collision(lambda prim: UsdGeom.Imageable(prim).GetPurposeAttr().Set("default")), "is drawn"),
+    "no friction": (unbind_friction, "has no physics material"),
+    "gravity upwards": (point_gravity_up, "gravity does not point down"),
+    "an absolute payload": (absolute_payload, "is absolute or climbs out"),
+    "a missing chunk": (remove("chunks/*.usdc"), "does not exist"),
+    "a file too many": (lambda package: (package / "chunks/old.png").write_text("old"), "is used by nothing"),
+    "a label that is none": (
+        in_level(lambda mesh: UsdGeom.Subset(mesh.GetPrim().GetChild("floor")).GetIndicesAttr().Set(Vt.IntArray([0, 1, 10**7]))),
+        "InvalidSubsetFamily",
+    ),
+    "a torn chunk": (tear_chunk, "corrupt"),
+    "no recipe": (forget_recipe, "customData has no recipe"),
+}
+
+
+@pytest.mark.parametrize("fault", SPOILS)
+def test_a_spoiled_package_is_noticed(fault, packages, tmp_path):
+    spoil, complaint = SPOILS[fault]
+    package = tmp_path / "package"
+    shutil.copytree(packages / "isaac", package)
+    spoil(package)
+    code, said = judge(package)
+    assert code == 1 and complaint in said, said

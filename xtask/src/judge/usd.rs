@@ -1,0 +1,70 @@
+//! Readers of USD stages.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::tools::{Result, root, run};
+use crate::venv::Environment;
+
+/// The variable by which a person agrees to the licence of PhysX for Omniverse.
+const TERMS: &str = "PLUME_OMNIVERSE_TERMS";
+
+/// Where the newest reader lives, beside the package.
+pub fn environment() -> Result<Environment> {
+    Environment::of_project()?.with(super::REQUIREMENTS)?.with("tests/judges/usd/requirements.txt")
+}
+
+/// The oldest USD that the package is written with.
+pub fn old_environment() -> Result<Environment> {
+    Environment::apart("usd-old")?.with("tests/judges/usd/requirements-old.txt")
+}
+
+/// The engine of Isaac Sim; its licence is not an open one, so nobody gets it unasked.
+fn physx_environment() -> Result<Environment> {
+    if std::env::var(TERMS).as_deref() != Ok("accepted") {
+        return Err(format!("read what ARCHITECTURE.md says of ovphysx and its terms, then set {TERMS}=accepted"));
+    }
+    Environment::apart("physx")?.with("tests/judges/usd/requirements-physx.txt")
+}
+
+pub(super) fn make() -> Result<()> {
+    environment().map(drop)
+}
+
+pub(super) fn make_old() -> Result<()> {
+    old_environment().map(drop)
+}
+
+pub(super) fn make_physx() -> Result<()> {
+    make()?;
+    physx_environment().map(drop)
+}
+
+pub(super) fn validate(package: &Path) -> Result<Command> {
+    script("validate.py", package)
+}
+
+pub(super) fn compare(package: &Path) -> Result<Command> {
+    let mut command = script("same.py", package)?;
+    command.arg(old_environment()?.python());
+    Ok(command)
+}
+
+pub(super) fn touch(package: &Path) -> Result<Command> {
+    let mut command = script("physx.py", package)?;
+    command.arg(physx_environment()?.python());
+    Ok(command)
+}
+
+/// Spoils a package in ways that PhysX must notice.
+pub(super) fn spoil() -> Result<String> {
+    let mut pytest = Command::new(environment()?.python());
+    pytest.args(["-m", "pytest", "--quiet", "tests/judges/usd/test_physx.py"]).current_dir(root());
+    run(pytest.env("PLUME_PHYSX_PYTHON", physx_environment()?.python()))
+}
+
+fn script(name: &str, package: &Path) -> Result<Command> {
+    let mut command = Command::new(environment()?.python());
+    command.arg(root().join("tests/judges/usd").join(name)).arg(package);
+    Ok(command)
+}
