@@ -30,6 +30,7 @@ def write_chunk(spec, arrays):
         levels.SetVariantSelection(level["name"])
         with levels.GetVariantEditContext():
             fill_visual(visual, level, arrays)
+            visual.GetPrim().SetCustomDataByKey("plume:error_m", level["error_m"])
     levels.SetVariantSelection(spec["levels"][0]["name"])
     if "collision" in spec:
         define_collision(stage, spec["collision"], arrays)

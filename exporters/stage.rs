@@ -180,9 +180,15 @@ fn write_chunk(
     }
     let mut spec = json!({ "path": path, "textures": textures });
     let mut arrays = Vec::new();
-    let levels = std::iter::once(chunk.visual).chain(chunk.lods.into_iter().map(|lod| lod.mesh));
-    let levels = levels.enumerate().map(|(level, mesh)| visual(format!("LOD{level}"), mesh, &mut arrays));
-    spec["levels"] = levels.collect();
+    let levels = std::iter::once((chunk.visual, 0.0)).chain(chunk.lods.into_iter().map(|lod| (lod.mesh, lod.error_m)));
+    spec["levels"] = levels
+        .enumerate()
+        .map(|(level, (mesh, error_m))| {
+            let mut level = visual(format!("LOD{level}"), mesh, &mut arrays);
+            level["error_m"] = error_m.into();
+            level
+        })
+        .collect();
     if contents.physics {
         spec["collision"] = json!({ "name": "collision", "extent": extent(&chunk.collision) });
         arrays.push(("collision.normals".to_owned(), Array::Float3(face_normals(&chunk.collision))));

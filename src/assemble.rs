@@ -1,5 +1,6 @@
 //! From a cave folder to a scene: the only file that names both caves and exporters.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,7 +11,7 @@ use crate::field::Field;
 use crate::graph::Graph;
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
-use crate::store::{self, CaveFolder, Unit};
+use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
 use crate::texture::ImageFormat;
 use crate::truth::{self, Lamp};
 
@@ -25,6 +26,8 @@ const LAMP_COLOR: [f64; 3] = [1.0, 0.86, 0.68];
 pub struct FolderChunks<'a> {
     folder: &'a CaveFolder,
     names: Vec<String>,
+    /// The coarser levels of each.
+    lods: Vec<Vec<LodFacts>>,
     format: ImageFormat,
     stop: &'a AtomicBool,
 }
@@ -33,7 +36,28 @@ impl<'a> FolderChunks<'a> {
     /// The chunks that `walls` names. Once `stop` is set no more are loaded: an export ends with
     /// [`io::ErrorKind::Interrupted`].
     pub fn new(folder: &'a CaveFolder, walls: &[Unit], format: ImageFormat, stop: &'a AtomicBool) -> Self {
-        Self { folder, names: walls.iter().map(|unit| unit.name.clone()).collect(), format, stop }
+        let textured: BTreeMap<String, Unit> =
+            folder.units(Stage::Texture).into_iter().map(|unit| (unit.name.clone(), unit)).collect();
+        let lods = |wall: &Unit| textured.get(&wall.name).map(LodFacts::read).unwrap_or_default();
+        Self {
+            folder,
+            names: walls.iter().map(|wall| wall.name.clone()).collect(),
+            lods: walls.iter().map(lods).collect(),
+            format,
+            stop,
+        }
+    }
+
+    fn read(&self, path: &str) -> Result<scene::Mesh, io::Error> {
+        Ok(scene_mesh(store::read_ply(self.folder, path).map_err(io::Error::other)?))
+    }
+
+    fn lods(&self, index: usize) -> Result<Vec<scene::Lod>, io::Error> {
+        let lod = |(before, facts): (usize, &LodFacts)| {
+            let mesh = self.read(&store::lod_path(&self.names[index], before + 1))?;
+            Ok(scene::Lod { mesh, error_m: facts.error_m })
+        };
+        self.lods[index].iter().enumerate().map(lod).collect()
     }
 
     fn image(&self, name: &str, image: &str) -> scene::Image {
@@ -56,12 +80,11 @@ impl Chunks for FolderChunks<'_> {
             return Err(io::Error::new(io::ErrorKind::Interrupted, "interrupted"));
         }
         let name = &self.names[index];
-        let read = |path: String| store::read_ply(self.folder, &path).map_err(io::Error::other);
         Ok(scene::Chunk {
             name: name.clone(),
-            visual: scene_mesh(read(store::textured_path(name))?),
-            lods: Vec::new(),
-            collision: scene_mesh(read(format!("collision/{name}.ply"))?),
+            visual: self.read(&store::textured_path(name))?,
+            lods: self.lods(index)?,
+            collision: self.read(&format!("collision/{name}.ply"))?,
             material: scene::Material {
                 base_color: self.image(name, store::IMAGES[0]),
                 normal: self.image(name, store::IMAGES[1]),

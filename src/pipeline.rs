@@ -127,7 +127,7 @@ impl<'a> Pipeline<'a> {
         let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
         let shape = [crate::VERSION, &stations(&graph), &section(&["seed", "passage", "rock", "mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
-        let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture"])].concat();
+        let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
         Ok(Self { recipe, folder, observer, graph, graph_fingerprint, mesh_fingerprint, texture_fingerprint })
     }
@@ -165,7 +165,7 @@ impl<'a> Pipeline<'a> {
         })
     }
 
-    /// Makes every chunk's images.
+    /// Makes every chunk's images and coarser levels.
     ///
     /// # Errors
     /// When the meshes are not there, the disk refuses, or the observer stops.
@@ -177,10 +177,10 @@ impl<'a> Pipeline<'a> {
                 return Ok(());
             }
             let mesh = store::read_mesh(self.folder, &wall.name)?;
-            let (files, textured) =
-                store::write_textured(self.folder, &wall.name, &mesh, &field, &self.recipe.texture)?;
-            let facts = json!({"texels_per_m": textured.texels_per_m, "utilisation": textured.utilisation});
-            self.commit(Stage::Texture, wall.name.clone(), &self.texture_fingerprint, files, facts)
+            let Recipe { texture, lod, .. } = self.recipe;
+            let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
+            let facts = texture_facts(&written);
+            self.commit(Stage::Texture, wall.name.clone(), &self.texture_fingerprint, written.files, facts)
         })
     }
 
@@ -317,6 +317,14 @@ fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {
         "triangles": meshes.visual.triangles.len(),
         "collision_triangles": meshes.collision.triangles.len(),
         "area_m2": meshes.visual.area_m2(),
+    })
+}
+
+fn texture_facts(written: &store::Written) -> Value {
+    json!({
+        "texels_per_m": written.textured.texels_per_m,
+        "utilisation": written.textured.utilisation,
+        "lods": written.levels.iter().map(store::LodFacts::of).collect::<Vec<_>>(),
     })
 }
 

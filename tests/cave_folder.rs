@@ -4,12 +4,18 @@
 #[path = "common/command.rs"]
 mod command;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::process::Child;
+use std::sync::atomic::AtomicBool;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use command::{Desk, SMALL};
+use plume::assemble::FolderChunks;
+use plume::store::{CaveFolder, Stage, Unit};
+use plume::texture::ImageFormat;
+use plume_exporters::scene::{Chunks, Mesh};
 
 #[test]
 fn one_thread_and_many_make_the_same_bytes() {
@@ -18,6 +24,7 @@ fn one_thread_and_many_make_the_same_bytes() {
     desk.make(&["generate", "--output", "many", "--threads", "4"]);
     let hashes = desk.hashes("one");
     assert!(hashes.len() > 10, "{hashes:?}");
+    assert!(hashes.iter().any(|(path, _)| path.ends_with("_lod2.ply")), "{hashes:?}");
     assert_eq!(hashes, desk.hashes("many"));
 }
 
@@ -109,6 +116,49 @@ fn only_the_images_follow_the_look() {
     assert!(changed("textures") && !changed("chunks") && !changed("collision"));
 }
 
+#[test]
+fn only_the_textures_follow_the_levels_of_detail() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "cave"]);
+    let before = desk.hashes("cave");
+    desk.make(&["generate", "--output", "cave", "--set", "lod.levels=1", "--force"]);
+    let after = desk.hashes("cave");
+    let is_coarser = |path: &str| path.contains("_lod") && !path.ends_with("_lod1.ply");
+    let told = |hashes: &[(String, String)]| -> Vec<(String, String)> {
+        let tells = ["cave.toml", "graph.json", "manifest.json"];
+        hashes.iter().filter(|(path, _)| !tells.contains(&path.as_str()) && !is_coarser(path)).cloned().collect()
+    };
+    assert_eq!(told(&before), told(&after));
+    assert!(before.iter().any(|(path, _)| is_coarser(path)));
+    assert!(!after.iter().any(|(path, _)| is_coarser(path)));
+}
+
+#[test]
+fn a_scene_has_the_levels_of_its_folder_over_the_same_vertices() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "cave"]);
+    let folder = CaveFolder::open(&desk.path("cave")).unwrap();
+    let walls: Vec<Unit> = folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty()).collect();
+    let stop = AtomicBool::new(false);
+    let chunks = FolderChunks::new(&folder, &walls, ImageFormat::Png, &stop);
+    let mut levels = 0;
+    for chunk in (0..chunks.len()).map(|index| chunks.load(index).unwrap()) {
+        let full = vertices(&chunk.visual);
+        for lod in &chunk.lods {
+            assert!(vertices(&lod.mesh).is_subset(&full), "{}", chunk.name);
+            assert!(lod.mesh.triangles() < chunk.visual.triangles() && lod.error_m > 0.0, "{}", chunk.name);
+        }
+        levels += chunk.lods.len();
+    }
+    assert!(levels > chunks.len(), "{levels}");
+}
+
+/// The bits of all that a vertex carries.
+fn vertices(mesh: &Mesh) -> BTreeSet<Vec<u32>> {
+    let bits = |v: usize| [&mesh.positions[v][..], &mesh.normals[v], &mesh.uvs[v], &mesh.tangents[v]].concat();
+    (0..mesh.positions.len()).map(|v| bits(v).into_iter().map(f32::to_bits).collect()).collect()
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_no_half_package_and_the_next_run_goes_on() {
@@ -145,15 +195,15 @@ fn a_torn_line_costs_its_own_unit_only() {
     let units: String = manifest["units"].as_array().unwrap().iter().map(|unit| format!("{unit}\n")).collect();
     fs::write(desk.path("cave/journal.jsonl"), format!("{{\"stage\": \"me\n{units}")).unwrap();
     fs::remove_file(desk.path("cave/manifest.json")).unwrap();
-    let made = plume::store::CaveFolder::open(&desk.path("cave")).unwrap();
+    let made = CaveFolder::open(&desk.path("cave")).unwrap();
     let chunks = manifest["units"].as_array().unwrap().iter().filter(|unit| unit["stage"] == "mesh").count();
-    assert_eq!(made.units(plume::store::Stage::Mesh).len(), chunks);
+    assert_eq!(made.units(Stage::Mesh).len(), chunks);
 }
 
 #[test]
 fn one_run_at_a_time_works_in_a_folder() {
     let desk = Desk::new();
-    let first = plume::store::CaveFolder::open_or_new(&desk.path("cave")).unwrap();
+    let first = CaveFolder::open_or_new(&desk.path("cave")).unwrap();
     first.begin().unwrap();
     let second = desk.run(&["graph", "--output", "cave"]);
     assert_eq!(second.status.code(), Some(2));

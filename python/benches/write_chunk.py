@@ -18,7 +18,7 @@ from pxr import Sdf, Vt
 
 SIDE = 1000
 TRIES = 5
-LEVEL = {"name": "LOD0", "extent": [[0, 0, 0], [50, 50, 1]], "parts": ["floor", "wall", "ceiling"]}
+LEVEL = {"name": "LOD0", "error_m": 0.0, "extent": [[0, 0, 0], [50, 50, 1]], "parts": ["floor", "wall", "ceiling"]}
 TEXTURES = {"base_color": "./base_color.png", "normal": "./normal.png", "orm": "./orm.png"}
 USD_TYPES = {"points": "point3f[]", "normals": "normal3f[]", "st": "texCoord2f[]"}
 

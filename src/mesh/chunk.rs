@@ -2,13 +2,14 @@ use crate::field::{Field, Region};
 
 use super::Mesh;
 use super::bubbles::drop_bubbles;
+use super::collapse::Goal;
 use super::extract::extract;
 use super::facet::{Facets, triangulate};
 use super::grid::{ChunkIndex, Grid};
 use super::lattice::{Lattice, Window};
 use super::normals::normals;
 use super::settings::MeshSettings;
-use super::simplify::{Goal, simplify};
+use super::simplify::simplify;
 use super::smooth::smooth;
 
 /// The wall in one chunk, for cameras and for wheels.

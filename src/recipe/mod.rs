@@ -24,7 +24,7 @@ use crate::field::PassageSettings;
 use crate::graph::{self, Generator};
 use crate::material::{self, Look, Material};
 use crate::mesh::MeshSettings;
-use crate::texture::TextureSettings;
+use crate::texture::{LodSettings, TextureSettings};
 
 /// Name of the `graph.generator` that reads a file instead of growing a graph.
 pub const FILE_GENERATOR: &str = "file";
@@ -48,6 +48,8 @@ pub struct Recipe {
     pub mesh: MeshSettings,
     /// Images.
     pub texture: TextureSettings,
+    /// Coarser triangles for the same images.
+    pub lod: LodSettings,
     /// Light, friction, gravity.
     pub world: WorldSettings,
     resolved: Value,
@@ -111,6 +113,7 @@ impl Recipe {
             look: typed(&resolved, "look", &draft)?,
             mesh: typed(&resolved, "mesh", &draft)?,
             texture: typed(&resolved, "texture", &draft)?,
+            lod: typed(&resolved, "lod", &draft)?,
             world: typed(&resolved, "world", &draft)?,
             resolved,
         })

@@ -8,7 +8,7 @@ use crate::field::PassageSettings;
 use crate::graph::{self, GENERATORS};
 use crate::material::{self, Look, MATERIALS};
 use crate::mesh::MeshSettings;
-use crate::texture::TextureSettings;
+use crate::texture::{LodSettings, TextureSettings};
 
 /// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
 pub fn of(recipe: &Value) -> Value {
@@ -79,6 +79,7 @@ fn whole(graph: Value, rock: Value) -> Value {
             "look": schema_of::<Look>(),
             "mesh": schema_of::<MeshSettings>(),
             "texture": schema_of::<TextureSettings>(),
+            "lod": schema_of::<LodSettings>(),
             "world": schema_of::<WorldSettings>(),
         }
     })

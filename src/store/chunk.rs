@@ -3,11 +3,13 @@
 use std::fs::File;
 use std::io::BufReader;
 
+use serde::{Deserialize, Serialize};
+
 use super::ply::PlyMesh;
-use super::{CaveFolder, FileRecord, StoreError};
+use super::{CaveFolder, FileRecord, StoreError, Unit};
 use crate::field::Surface;
 use crate::mesh::{Mesh, QUANTA_PER_M};
-use crate::texture::{self, ImageFormat, Maps, TextureError, TextureSettings, Textured};
+use crate::texture::{self, ImageFormat, Level, LodSettings, Maps, TextureError, TextureSettings, Textured};
 
 /// The images of a chunk, in the order they are written.
 pub const IMAGES: [&str; 4] = ["base_color", "normal", "orm", "roughness"];
@@ -15,6 +17,11 @@ pub const IMAGES: [&str; 4] = ["base_color", "normal", "orm", "roughness"];
 /// Path of the unwrapped mesh of a chunk.
 pub fn textured_path(name: &str) -> String {
     format!("textures/{name}.ply")
+}
+
+/// Path of a coarser level of a chunk; 1 is the finest of them.
+pub fn lod_path(name: &str, level: usize) -> String {
+    format!("textures/{name}_lod{level}.ply")
 }
 
 /// Path of an image of a chunk.
@@ -63,17 +70,29 @@ pub fn read_ply(folder: &CaveFolder, path: &str) -> Result<PlyMesh, StoreError> 
     PlyMesh::read(&mut BufReader::new(file)).map_err(damaged)
 }
 
-/// Unwraps a chunk, bakes `surface` over it, and writes the unwrapped mesh and its images as they come.
+/// A textured chunk that was written.
+pub struct Written {
+    /// The unwrapped mesh, its coarser levels and its images.
+    pub files: Vec<FileRecord>,
+    /// What the unwrapped mesh holds.
+    pub textured: Textured,
+    /// The coarser levels.
+    pub levels: Vec<Level>,
+}
+
+/// Unwraps a chunk, bakes `surface` over it, and writes its images as they come, the unwrapped mesh and its coarser
+/// levels.
 ///
 /// # Errors
-/// When the disk refuses or the charts do not fit.
+/// When the charts do not fit or the disk refuses.
 pub fn write_textured(
     folder: &CaveFolder,
     name: &str,
     mesh: &Mesh,
     surface: &dyn Surface,
     settings: &TextureSettings,
-) -> Result<(Vec<FileRecord>, Textured), ChunkError> {
+    lod: &LodSettings,
+) -> Result<Written, ChunkError> {
     let sink = |image: &str| folder.create(&image_path(name, image, settings.format));
     let [mut base_color, mut normal, mut orm, mut roughness] =
         [sink(IMAGES[0])?, sink(IMAGES[1])?, sink(IMAGES[2])?, sink(IMAGES[3])?];
@@ -82,19 +101,59 @@ pub fn write_textured(
         TextureError::Write(source) => StoreError::io(&folder.root().join("textures").join(name), source).into(),
         source => ChunkError::Texture { chunk: name.to_owned(), source },
     })?;
-    let ply = PlyMesh {
-        positions: textured.positions.clone(),
-        normals: textured.normals.clone(),
-        uvs: textured.uvs.clone(),
-        tangents: textured.tangents.clone(),
-        border: Vec::new(),
-        triangles: textured.triangles.clone(),
+    let write = |path: String, triangles: &[[u32; 3]]| {
+        let ply = textured_ply(&textured, triangles);
+        folder.write(&path, |out| ply.write(out))
     };
-    let mut files = vec![folder.write(&textured_path(name), |out| ply.write(out))?];
+    let mut files = vec![write(textured_path(name), &textured.triangles)?];
     for sink in [base_color, normal, orm, roughness] {
         files.push(sink.finish()?);
     }
-    Ok((files, textured))
+    let levels = texture::levels(mesh, &textured, lod);
+    for (before, level) in levels.iter().enumerate() {
+        files.push(write(lod_path(name, before + 1), &level.triangles)?);
+    }
+    Ok(Written { files, textured, levels })
+}
+
+/// Some triangles of a textured chunk with the vertices that they use, in their old order.
+fn textured_ply(textured: &Textured, triangles: &[[u32; 3]]) -> PlyMesh {
+    let mut names = vec![None; textured.positions.len()];
+    triangles.iter().flatten().for_each(|&vertex| names[vertex as usize] = Some(0));
+    let used: Vec<usize> = (0..names.len()).filter(|&vertex| names[vertex].is_some()).collect();
+    for (name, &vertex) in used.iter().enumerate() {
+        names[vertex] = Some(name as u32);
+    }
+    let name = |vertex: u32| names[vertex as usize].expect("a triangle uses it");
+    PlyMesh {
+        positions: used.iter().map(|&vertex| textured.positions[vertex]).collect(),
+        normals: used.iter().map(|&vertex| textured.normals[vertex]).collect(),
+        uvs: used.iter().map(|&vertex| textured.uvs[vertex]).collect(),
+        tangents: used.iter().map(|&vertex| textured.tangents[vertex]).collect(),
+        border: Vec::new(),
+        triangles: triangles.iter().map(|triangle| triangle.map(name)).collect(),
+    }
+}
+
+/// What the unit of a textured chunk says of a coarser level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LodFacts {
+    /// Number of its triangles.
+    pub triangles: usize,
+    /// How far it lies from full detail at most, both ways, in metres.
+    pub error_m: f32,
+}
+
+impl LodFacts {
+    /// What is to be said of a level.
+    pub fn of(level: &Level) -> Self {
+        Self { triangles: level.triangles.len(), error_m: level.error_m }
+    }
+
+    /// What the unit of a textured chunk says, the finest level first.
+    pub fn read(unit: &Unit) -> Vec<Self> {
+        serde_json::from_value(unit.facts["lods"].clone()).unwrap_or_default()
+    }
 }
 
 /// Why a chunk was not textured.

@@ -6,7 +6,7 @@
 //! ├─ graph.json       the graph, recipe inside: alone it makes the cave again
 //! ├─ chunks/          the wall, one PLY a chunk
 //! ├─ collision/       the same with fewer triangles
-//! ├─ textures/        the unwrapped wall (PLY) and its images, per chunk
+//! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk
 //! └─ manifest.json    what is finished: SHA-256 of every file
 //! ```
 //!
@@ -19,7 +19,7 @@ mod chunk;
 mod file;
 pub mod ply;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use self::chunk::{ChunkError, IMAGES, image_path, read_mesh, read_ply, textured_path, write_mesh, write_textured};
+pub use self::chunk::{
+    ChunkError, IMAGES, LodFacts, Written, image_path, lod_path, read_mesh, read_ply, textured_path, write_mesh,
+    write_textured,
+};
 pub use self::file::{FileRecord, Sink, sha256};
 
 const MANIFEST: &str = "manifest.json";
@@ -131,7 +134,16 @@ pub struct CaveFolder {
 
 struct Work {
     units: BTreeMap<(Stage, String), Unit>,
+    /// Files of units that another has taken the place of; it may have the same.
+    replaced: Vec<FileRecord>,
     journal: Option<File>,
+}
+
+impl Work {
+    fn insert(&mut self, unit: Unit) {
+        let before = self.units.insert((unit.stage, unit.name.clone()), unit);
+        self.replaced.extend(before.into_iter().flat_map(|unit| unit.files));
+    }
 }
 
 impl CaveFolder {
@@ -175,11 +187,9 @@ impl CaveFolder {
     /// # Errors
     /// When it cannot be read or its manifest is damaged.
     pub fn open(root: &Path) -> Result<Self, StoreError> {
-        let mut units = read_manifest(&root.join(MANIFEST))?;
-        for unit in read_journal(&root.join(JOURNAL))? {
-            units.insert((unit.stage, unit.name.clone()), unit);
-        }
-        Ok(Self { root: root.to_path_buf(), work: Mutex::new(Work { units, journal: None }) })
+        let mut work = Work { units: read_manifest(&root.join(MANIFEST))?, replaced: Vec::new(), journal: None };
+        read_journal(&root.join(JOURNAL))?.into_iter().for_each(|unit| work.insert(unit));
+        Ok(Self { root: root.to_path_buf(), work: Mutex::new(work) })
     }
 
     /// The folder itself.
@@ -240,11 +250,12 @@ impl CaveFolder {
         let mut work = self.work();
         let journal = work.journal.as_mut().expect("a folder begins before its units");
         journal.write_all(&line).map_err(|e| StoreError::io(&path, e))?;
-        work.units.insert((unit.stage, unit.name.clone()), unit);
+        work.insert(unit);
         Ok(())
     }
 
-    /// Folds the journal into the manifest, keeping the units that `keep` approves and deleting the files of the others.
+    /// Folds the journal into the manifest, keeping the units that `keep` approves and deleting the files of the others and
+    /// of those that were replaced.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -252,9 +263,10 @@ impl CaveFolder {
         let mut work = self.work();
         let (kept, stale): (BTreeMap<_, _>, BTreeMap<_, _>) =
             std::mem::take(&mut work.units).into_iter().partition(|(_, unit)| keep(unit));
-        let wanted: Vec<&str> = kept.values().flat_map(|unit| unit.files.iter().map(|f| f.path.as_str())).collect();
-        for record in stale.values().flat_map(|unit| &unit.files) {
-            if !wanted.contains(&record.path.as_str()) {
+        let wanted: BTreeSet<&str> =
+            kept.values().flat_map(|unit| unit.files.iter().map(|f| f.path.as_str())).collect();
+        for record in stale.values().flat_map(|unit| &unit.files).chain(&work.replaced) {
+            if !wanted.contains(record.path.as_str()) {
                 let _ = fs::remove_file(self.root.join(&record.path));
             }
         }
@@ -264,6 +276,7 @@ impl CaveFolder {
             out.write_all(b"\n")
         })?;
         work.units = kept;
+        work.replaced.clear();
         work.journal = None;
         let _ = fs::remove_file(self.root.join(JOURNAL));
         Ok(())

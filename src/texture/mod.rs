@@ -9,11 +9,13 @@ pub mod bake;
 mod chart;
 mod charts;
 pub mod encode;
+mod lod;
 mod owners;
 mod pack;
 mod patch;
 mod peel;
 mod raster;
+mod seams;
 pub mod settings;
 mod srgb;
 pub mod tangent;
@@ -23,6 +25,7 @@ use std::io::{self, Write};
 
 use crate::field::Surface;
 use crate::mesh::Mesh;
+pub use lod::{Level, LodSettings, levels};
 pub use settings::{ImageFormat, TextureSettings};
 
 /// A chunk ready for a renderer. Its vertices are those of the mesh, copied along seams.

@@ -6,7 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Light, Material, Mesh, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Light, Lod, Material, Mesh, Scene};
 
 /// Half the length of the chamber along x, metres.
 const REACH_M: f64 = 6.0;
@@ -14,6 +14,8 @@ const REACH_M: f64 = 6.0;
 const RADIUS_M: f64 = 2.0;
 /// Cells from pole to pole, and around.
 const CELLS: [usize; 2] = [64, 96];
+/// Cells along the chamber that the coarser level makes into one; between the chunks lies a ring of either level.
+const COARSE: usize = 2;
 /// Pixels along an image.
 const SIZE_PX: u32 = 64;
 
@@ -69,13 +71,13 @@ impl Chunks for Chamber {
     }
 
     fn load(&self, index: usize) -> io::Result<Chunk> {
-        let visual = mesh(index);
+        let visual = mesh(index, 1);
         let collision =
             Mesh { positions: visual.positions.clone(), indices: visual.indices.clone(), ..Mesh::default() };
         Ok(Chunk {
             name: format!("chunk_{index}_0_0"),
             visual,
-            lods: Vec::new(),
+            lods: vec![Lod { mesh: mesh(index, COARSE), error_m: coarse_error_m(index) }],
             collision,
             material: Material {
                 base_color: self.image(index, "base_color"),
@@ -115,16 +117,17 @@ fn slopes([s, t]: [f64; 2]) -> [Vector3<f64>; 2] {
     ]
 }
 
-fn mesh(chunk: usize) -> Mesh {
+/// Of every ring of cells, or of every `stride`th with all its spokes.
+fn mesh(chunk: usize, stride: usize) -> Mesh {
     let rings = chunk * CELLS[0] / 2..=(chunk + 1) * CELLS[0] / 2;
     let mut mesh = Mesh::default();
-    for ring in rings {
+    for ring in rings.step_by(stride) {
         for spoke in 0..=CELLS[1] {
             add_vertex(&mut mesh, ring, spoke);
         }
     }
     let row = CELLS[1] as u32 + 1;
-    for cell in (0..CELLS[0] as u32 / 2).flat_map(|i| (0..row - 1).map(move |j| i * row + j)) {
+    for cell in (0..(CELLS[0] / 2 / stride) as u32).flat_map(|i| (0..row - 1).map(move |j| i * row + j)) {
         let [a, b, c, d] = [cell, cell + row, cell + row + 1, cell + 1];
         for corners in [[a, b, c], [a, c, d]] {
             if has_area(&mesh, corners) {
@@ -133,6 +136,21 @@ fn mesh(chunk: usize) -> Mesh {
         }
     }
     mesh
+}
+
+/// How far the coarser level lies from the full one. Both are flat between the points where their edges cross, which lie
+/// on the rings that the coarser one leaves out: at the spokes, and half-way on a diagonal.
+fn coarse_error_m(chunk: usize) -> f32 {
+    let full = mesh(chunk, 1);
+    let row = CELLS[1] + 1;
+    let at = |vertex: usize| Point3::from(full.positions[vertex].map(f64::from));
+    let middle = |a: usize, b: usize| nalgebra::center(&at(a), &at(b));
+    let left_out = (1..CELLS[0] / 2).step_by(COARSE).flat_map(|ring| ring * row..(ring + 1) * row - 1);
+    let distances = left_out.flat_map(|v| {
+        let spoke = nalgebra::distance(&at(v), &middle(v - row, v + row));
+        [spoke, nalgebra::distance(&middle(v, v + 1), &middle(v - row, v + row + 1))]
+    });
+    (distances.fold(0.0, f64::max) as f32).next_up()
 }
 
 fn add_vertex(mesh: &mut Mesh, ring: usize, spoke: usize) {

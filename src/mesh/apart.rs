@@ -1,0 +1,116 @@
+//! How far two surfaces lie from each other: a bound that holds at every point, not at samples.
+//!
+//! The distance to a triangle is convex, so over a piece of a surface it is greatest at a corner; and no distance grows
+//! faster than its point moves. Both bound the distance of a piece from the other surface. The piece with the greatest
+//! bound is cut, until that bound is hardly more than a distance that was found (after Guthe, Borodin and Klein, *Fast and
+//! accurate Hausdorff distance calculation between meshes*, 2005).
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use nalgebra::Vector3;
+
+use super::nearest::{Nearest, Triangle, squared_distance};
+use super::{Mesh, QUANTA_PER_M};
+
+/// A bound is good when it is no more than this share, and a quantum, above what was found. Tuned.
+const SLACK: f64 = 0.05;
+
+/// A surface that others are compared to.
+pub(crate) struct Gauge<'a> {
+    positions: &'a [[i32; 3]],
+    surface: Vec<Triangle>,
+    tree: Nearest,
+}
+
+impl<'a> Gauge<'a> {
+    /// Of a surface of at least one triangle.
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        let surface = placed(&mesh.positions, &mesh.triangles);
+        Self { positions: &mesh.positions, tree: Nearest::new(&surface), surface }
+    }
+
+    /// A distance in metres that no point of either surface exceeds from the other; at most 5 % and a quantum above the
+    /// least such distance. `triangles` are at least one, over the same vertices.
+    pub(crate) fn apart_m(&self, triangles: &[[u32; 3]]) -> f32 {
+        let other = placed(self.positions, triangles);
+        let there = one_way(&self.surface, &Nearest::new(&other), 0.0);
+        let both = one_way(&other, &self.tree, there);
+        // The next float above what rounding may have taken.
+        ((both / f64::from(QUANTA_PER_M)) as f32).next_up()
+    }
+}
+
+/// Triangles in quanta from the first vertex.
+fn placed(positions: &[[i32; 3]], triangles: &[[u32; 3]]) -> Vec<Triangle> {
+    let first = positions[0];
+    let at = |v: u32| Vector3::from_fn(|i, _| f64::from(positions[v as usize][i] - first[i]));
+    triangles.iter().map(|triangle| triangle.map(at)).collect()
+}
+
+/// A bound of the distance of every point of `from` to the other surface; `least` if that is greater.
+fn one_way(from: &[Triangle], to: &Nearest, least: f64) -> f64 {
+    let mut found = least;
+    let mut pieces = BinaryHeap::new();
+    for triangle in from {
+        pieces.push(Piece::new(*triangle, to, &mut found));
+    }
+    while let Some(piece) = pieces.pop() {
+        if piece.bound <= found * (1.0 + SLACK) + 1.0 {
+            return piece.bound.max(least);
+        }
+        for half in piece.halves() {
+            pieces.push(Piece::new(half, to, &mut found));
+        }
+    }
+    least
+}
+
+/// A part of a surface, ordered by its bound.
+struct Piece {
+    corners: Triangle,
+    /// No point of it lies further from the other surface.
+    bound: f64,
+}
+
+impl Piece {
+    fn new(corners: Triangle, to: &Nearest, found: &mut f64) -> Self {
+        let [a, b, c] = corners;
+        let centre = (a + b + c) / 3.0;
+        let (triangle, squared) = to.nearest(centre);
+        let distance = squared.sqrt();
+        *found = found.max(distance);
+        let to_one = corners.map(|corner| squared_distance(corner, triangle)).into_iter().fold(0.0, f64::max).sqrt();
+        let reach = corners.map(|corner| (corner - centre).norm_squared()).into_iter().fold(0.0, f64::max).sqrt();
+        Self { corners, bound: to_one.min(distance + reach) }
+    }
+
+    /// Cut across the longest side.
+    fn halves(&self) -> [Triangle; 2] {
+        let sides = [0, 1, 2].map(|k| (self.corners[(k + 1) % 3] - self.corners[k]).norm_squared());
+        let longest = (0..3).fold(0, |best, k| if sides[k] > sides[best] { k } else { best });
+        let [a, b, c] = [0, 1, 2].map(|k| self.corners[(longest + k) % 3]);
+        let middle = (a + b) * 0.5;
+        [[a, middle, c], [middle, b, c]]
+    }
+}
+
+impl Ord for Piece {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound)
+    }
+}
+
+impl PartialOrd for Piece {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Piece {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Piece {}

@@ -1,0 +1,187 @@
+//! A surface while its edges collapse.
+
+use nalgebra::Vector3;
+
+use super::Mesh;
+use super::corners::{Corner, Corners};
+use super::quadric::Quadric;
+
+/// What a collapse would do: `gone` merges into `kept`, which moves to `to`.
+pub(crate) struct Collapse {
+    pub(crate) kept: u32,
+    /// Never on the border.
+    pub(crate) gone: u32,
+    pub(crate) to: Vector3<f64>,
+    /// Square of the error, in quanta.
+    pub(crate) error: f64,
+}
+
+/// Cosine of the furthest that a triangle may turn in one collapse. Tuned: 72°.
+const LEAST_TURN_COSINE: f64 = 0.3;
+/// Least quality (1: equilateral, 0: no area) unless the collapse betters it. Tuned.
+const LEAST_QUALITY: f64 = 0.12;
+/// Vertices of the mesh before whose planes share one error. Tuned: with less the greatest distance hardly falls, with
+/// more a bump can vanish in a large flat patch.
+const PATCH: f64 = 4.0;
+const NONE: u32 = u32::MAX;
+
+/// A surface that is being collapsed. Positions are whole quanta from the first, so that areas are exact and round alike
+/// anywhere.
+pub(crate) struct Shape<'a> {
+    border: &'a [bool],
+    positions: Vec<Vector3<f64>>,
+    quadrics: Vec<Quadric>,
+    /// Weight of [`PATCH`] vertices.
+    patch_weight: f64,
+    /// Dead ones hold [`NONE`] thrice.
+    pub(super) triangles: Vec<[u32; 3]>,
+    live: usize,
+    pub(super) corners: Corners,
+}
+
+impl<'a> Shape<'a> {
+    pub(super) fn new(mesh: &'a Mesh) -> Self {
+        let first = mesh.positions.first().copied().unwrap_or_default();
+        let local = |p: &[i32; 3]| Vector3::from_fn(|i, _| f64::from(p[i] - first[i]));
+        let mut shape = Self {
+            border: &mesh.border,
+            positions: mesh.positions.iter().map(local).collect(),
+            quadrics: vec![Quadric::default(); mesh.positions.len()],
+            patch_weight: 0.0,
+            triangles: mesh.triangles.clone(),
+            live: mesh.triangles.len(),
+            corners: Corners::new(mesh),
+        };
+        for triangle in &mesh.triangles {
+            let quadric = Quadric::of_triangle(shape.corners_of(*triangle));
+            for &corner in triangle {
+                shape.quadrics[corner as usize].add(&quadric);
+            }
+        }
+        let weight: f64 = shape.quadrics.iter().map(Quadric::weight).sum();
+        shape.patch_weight = PATCH * weight / mesh.positions.len() as f64;
+        shape
+    }
+
+    /// Number of vertices, those that are gone included.
+    pub(super) fn vertices(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of triangles that are left.
+    pub(crate) fn live(&self) -> usize {
+        self.live
+    }
+
+    /// Whether a triangle is left.
+    pub(crate) fn is_left(&self, triangle: usize) -> bool {
+        self.triangles[triangle][0] != NONE
+    }
+
+    /// Whether a vertex is left.
+    pub(crate) fn is_alive(&self, vertex: u32) -> bool {
+        self.corners.is_alive(vertex)
+    }
+
+    /// Whether a vertex is shared with another chunk.
+    pub(crate) fn is_border(&self, vertex: u32) -> bool {
+        self.border[vertex as usize]
+    }
+
+    /// Where a vertex is.
+    pub(crate) fn position(&self, vertex: u32) -> Vector3<f64> {
+        self.positions[vertex as usize]
+    }
+
+    /// Number and vertices of each triangle at a vertex, and which of its corners the vertex is.
+    pub(crate) fn around(&self, vertex: u32) -> impl Iterator<Item = (usize, [u32; 3], usize)> {
+        let corners = self.corners.of(vertex);
+        corners.map(|corner| (corner.triangle, self.triangles[corner.triangle], corner.place))
+    }
+
+    /// How a mean square distance to the planes that two vertices stand for follows from a place for both.
+    pub(super) fn joined(&self, ends: [u32; 2]) -> Joined {
+        let mut quadric = self.quadrics[ends[0] as usize];
+        quadric.add(&self.quadrics[ends[1] as usize]);
+        Joined { quadric, weight: quadric.weight().min(self.patch_weight) }
+    }
+
+    /// Square of the error of merging two vertices in the place of the first, in quanta.
+    pub(crate) fn error_of_keeping(&self, [kept, gone]: [u32; 2]) -> f64 {
+        self.joined([kept, gone]).error(&self.position(kept))
+    }
+
+    /// The corners of a triangle.
+    pub(super) fn corners_of(&self, triangle: [u32; 3]) -> [Vector3<f64>; 3] {
+        triangle.map(|corner| self.positions[corner as usize])
+    }
+
+    /// The triangles that are left, in their old order.
+    pub(super) fn left(&self) -> impl Iterator<Item = &[u32; 3]> {
+        self.triangles.iter().filter(|triangle| triangle[0] != NONE)
+    }
+
+    /// Whether the triangles around `vertex` that stay neither turn over nor turn into needles.
+    pub(super) fn keeps_form(&self, vertex: u32, collapse: &Collapse) -> bool {
+        let other = collapse.kept ^ collapse.gone ^ vertex;
+        self.corners.of(vertex).all(|corner| {
+            let triangle = self.triangles[corner.triangle];
+            if triangle.contains(&other) {
+                return true;
+            }
+            let before = self.corners_of(triangle);
+            let mut after = before;
+            after[corner.place] = collapse.to;
+            let [old, new] = [before, after].map(|[a, b, c]| (b - a).cross(&(c - a)));
+            let turn = old.dot(&new);
+            let least = LEAST_TURN_COSINE * LEAST_TURN_COSINE;
+            let turns_little = turn > 0.0 && turn * turn >= least * old.norm_squared() * new.norm_squared();
+            turns_little && {
+                let quality = squared_quality(after, new);
+                quality >= LEAST_QUALITY * LEAST_QUALITY || quality >= squared_quality(before, old)
+            }
+        })
+    }
+
+    pub(super) fn apply(&mut self, &Collapse { kept, gone, to, .. }: &Collapse) {
+        let mut next = self.corners.detach(gone);
+        while let Some(corner) = next {
+            next = self.corners.after(corner);
+            let triangle = self.triangles[corner.triangle];
+            if triangle.contains(&kept) {
+                for (place, &vertex) in triangle.iter().enumerate() {
+                    if vertex != gone {
+                        self.corners.remove(vertex, Corner { place, ..corner });
+                    }
+                }
+                self.triangles[corner.triangle] = [NONE; 3];
+                self.live -= 1;
+            } else {
+                self.triangles[corner.triangle][corner.place] = kept;
+                self.corners.insert(kept, corner);
+            }
+        }
+        self.positions[kept as usize] = to;
+        let quadric = self.quadrics[gone as usize];
+        self.quadrics[kept as usize].add(&quadric);
+    }
+}
+
+/// The planes that two vertices stand for.
+pub(super) struct Joined {
+    pub(super) quadric: Quadric,
+    weight: f64,
+}
+
+impl Joined {
+    /// Square of the error of a place, in quanta.
+    pub(super) fn error(&self, to: &Vector3<f64>) -> f64 {
+        self.quadric.sum_at(to) / self.weight
+    }
+}
+
+/// Twelve times the squared area over the squared sum of squared sides: 1 for an equilateral triangle.
+fn squared_quality([a, b, c]: [Vector3<f64>; 3], double_area: Vector3<f64>) -> f64 {
+    let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    12.0 * double_area.norm_squared() / (sides * sides)
+}

@@ -1,0 +1,78 @@
+//! Levels of detail of a textured chunk: fewer and fewer triangles over one set of maps.
+//!
+//! Promised: every level is a manifold of the same handles with the whole border of its chunk, and any level of one chunk
+//! fits any level of its neighbours without a crack, since no border vertex moves and no new edge joins two of them. Every
+//! triangle lies in one chart and faces the viewer there. The error of a level holds at every point, both ways. Not
+//! promised: that no two triangles intersect, or that tangents are those that MikkTSpace would give the coarser triangles.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Textured;
+use super::seams::Seams;
+use crate::mesh::{Collapser, Gauge, Goal, Mesh};
+
+/// Coarser meshes of each chunk for cameras further away, with the same images.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct LodSettings {
+    /// How many levels below full detail to make, at most.
+    #[schemars(range(min = 0, max = 6))]
+    pub levels: u32,
+    /// Each level aims at the triangles of the level before divided by this. A level that comes out at more than
+    /// four fifths of the one before ends the row.
+    #[schemars(range(min = 1.5, max = 16.0))]
+    pub reduction: f32,
+}
+
+impl Default for LodSettings {
+    fn default() -> Self {
+        Self { levels: 3, reduction: 2.0 }
+    }
+}
+
+/// A coarser level of a textured chunk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Triangles over the vertices of full detail.
+    pub triangles: Vec<[u32; 3]>,
+    /// Chart of each triangle.
+    pub charts: Vec<u32>,
+    /// No point of the level lies further from full detail than this, and none of full detail further from the level;
+    /// in metres.
+    pub error_m: f32,
+}
+
+/// A level with a larger share of the triangles of the one before is not worth its bytes. Tuned.
+const MOST_SHARE: f64 = 0.8;
+
+/// The coarser levels of a chunk, `textured` being made of `mesh`; the finest first.
+pub fn levels(mesh: &Mesh, textured: &Textured, settings: &LodSettings) -> Vec<Level> {
+    if mesh.triangles.is_empty() || settings.levels == 0 {
+        return Vec::new();
+    }
+    let mut collapser = Collapser::new(mesh, Seams::new(textured, &mesh.border));
+    let gauge = Gauge::new(mesh);
+    let mut levels = Vec::new();
+    for _ in 0..settings.levels {
+        let before = collapser.shape.live() as f64;
+        let most_triangles = Some((before / f64::from(settings.reduction)) as usize);
+        collapser.run(Goal { error_m: 0.0, most_triangles });
+        if collapser.shape.live() as f64 > MOST_SHARE * before {
+            break;
+        }
+        levels.push(level(&gauge, textured, &collapser));
+    }
+    levels
+}
+
+fn level(gauge: &Gauge, textured: &Textured, collapser: &Collapser<Seams>) -> Level {
+    let left = || (0..textured.triangles.len()).filter(|&triangle| collapser.shape.is_left(triangle));
+    let triangles: Vec<[u32; 3]> = left().map(|triangle| collapser.rule.triangles[triangle]).collect();
+    let coarse: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|copy| textured.source[copy as usize])).collect();
+    Level {
+        charts: left().map(|triangle| textured.charts[triangle]).collect(),
+        error_m: gauge.apart_m(&coarse),
+        triangles,
+    }
+}
