@@ -66,7 +66,7 @@ def write_root(spec, arrays):
 def write_usdz(spec, arrays):
     """One archive of the stage `root` and all that it refers to."""
     # USD notes the local time of every file: a fixed one, so that the same stage gives the same bytes.
-    noon = time.mktime((1980, 1, 1, 12, 0, 0, 0, 0, 0))
+    noon = time.mktime((1980, 1, 1, 12, 0, 0, 0, 0, -1))
     for file in Path(spec["root"]).parent.rglob("*"):
         os.utime(file, (noon, noon))
     if not UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(spec["root"]), spec["path"]):

@@ -19,7 +19,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("store", &["field", "mesh", "texture"]),
     ("assemble", &["field", "graph", "recipe", "store", "texture", "truth"]),
     ("pipeline", &["field", "graph", "mesh", "recipe", "store"]),
-    ("cave", &["assemble", "graph", "pipeline", "recipe", "store"]),
+    ("cave", &["assemble", "graph", "pipeline", "preset", "recipe", "store"]),
     ("cli", &["cave", "graph", "material", "mesh", "pipeline", "preset", "recipe", "store"]),
 ];
 

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use plume::cave;
-use plume::preset::PRESETS;
 use plume::recipe;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
+use serde_json::Value;
 
 use crate::{error, json, work};
 
@@ -54,6 +54,11 @@ impl Recipe {
     pub fn of_cave(py: Python<'_>, cave: &cave::Cave) -> PyResult<Self> {
         let file = cave.root().join(plume::store::RECIPE);
         Self::new(py, Arc::new(Written { text: cave.recipe().to_toml(), file }), Vec::new())
+    }
+
+    /// A section or, by its dotted name, a value.
+    fn value(&self, key: &str) -> Option<&Value> {
+        self.resolved.to_json().pointer(&format!("/{}", key.replace('.', "/")))
     }
 
     fn new(py: Python<'_>, written: Arc<Written>, overrides: Vec<String>) -> PyResult<Self> {
@@ -119,12 +124,7 @@ impl Recipe {
     #[staticmethod]
     #[pyo3(signature = (name, *, seed=None))]
     fn preset(py: Python<'_>, name: &str, seed: Option<i128>) -> PyResult<Self> {
-        let names = || PRESETS.iter().map(|row| row.name);
-        let row = PRESETS.iter().find(|row| row.name == name).ok_or_else(|| {
-            let hint =
-                format!("{}known: {}", recipe::did_you_mean(name, names()), names().collect::<Vec<_>>().join(", "));
-            error::refused(py, &format!("there is no preset {name:?}"), &hint)
-        })?;
+        let row = work::briefly(py, || cave::preset(name))?;
         let written = Written { text: row.text.to_owned(), file: row.name.into() };
         Self::new(py, Arc::new(written), seed_pairs(seed))
     }
@@ -170,8 +170,12 @@ impl Recipe {
 
     /// A section (a new dict) or, by its dotted name, a value.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
-        let value = self.resolved.to_json().pointer(&format!("/{}", key.replace('.', "/")));
-        value.map_or_else(|| Err(missing(&key)), |value| json::to_python(py, value))
+        self.value(key).map_or_else(|| Err(missing(&key)), |value| json::to_python(py, value))
+    }
+
+    /// Whether there is such a section or, by its dotted name, such a key.
+    fn __contains__(&self, key: &str) -> bool {
+        self.value(key).is_some()
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {

@@ -114,7 +114,7 @@ impl Watch {
             return Ok(());
         };
         *told = Some(now);
-        to.call1((name(now.stage), now.done, now.total)).map(drop)
+        to.call1((now.stage.name(), now.done, now.total)).map(drop)
     }
 }
 
@@ -135,14 +135,6 @@ impl Observer for Watch {
 
     fn stop(&self) -> &AtomicBool {
         &self.stop
-    }
-}
-
-fn name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Graph => "graph",
-        Stage::Mesh => "mesh",
-        Stage::Texture => "texture",
     }
 }
 

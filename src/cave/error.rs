@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use plume_exporters::ExportError;
 
 use crate::pipeline::PipelineError;
-use crate::recipe::Faults;
+use crate::recipe::{Faults, did_you_mean};
 use crate::store::StoreError;
 
 /// Why a cave was not made, opened or handed over.
@@ -61,6 +61,13 @@ impl From<StoreError> for CaveError {
 }
 
 impl CaveError {
+    /// A name that is in no table: `what` it was to be, and the names there are.
+    pub fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Self {
+        let names = known.clone().collect::<Vec<_>>().join(", ");
+        let hint = format!("{}known: {names}", did_you_mean(name, known));
+        Self::Usage { message: format!("there is no {what} {name:?}"), hint }
+    }
+
     /// What to do about it; may be empty.
     pub fn hint(&self) -> String {
         match self {

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::CaveError;
 use crate::graph::Graph;
 use crate::pipeline;
+use crate::preset::{PRESETS, Preset};
 use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder};
 
@@ -84,6 +85,15 @@ fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
     };
     let recipe = Recipe::from_json(recipe, path, overrides)?;
     Ok(Input { recipe, graph: Some(document.graph), folder: None })
+}
+
+/// The preset called `name`.
+///
+/// # Errors
+/// [`CaveError::Usage`], which names the nearest.
+pub fn preset(name: &str) -> Result<&'static Preset, CaveError> {
+    let row = PRESETS.iter().find(|row| row.name == name);
+    row.ok_or_else(|| CaveError::unknown("preset", name, PRESETS.iter().map(|row| row.name)))
 }
 
 /// Reads a text that the user named.

@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 use plume_exporters::scene::Scene;
 
 pub use self::error::CaveError;
-pub use self::input::{Input, read};
+pub use self::input::{Input, preset, read};
 pub use self::target::{build, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;

@@ -10,18 +10,15 @@ use plume_exporters::{ExportError, Summary, TARGETS, Target, TargetRow};
 use serde_json::{Map, Value, json};
 
 use super::CaveError;
-use crate::recipe::{self, did_you_mean};
+use crate::recipe;
 
 /// The row of the target called `name`.
 ///
 /// # Errors
 /// [`CaveError::Usage`], which names the nearest.
 pub fn target(name: &str) -> Result<&'static TargetRow, CaveError> {
-    let names = || TARGETS.iter().map(|row| row.name);
-    TARGETS.iter().find(|row| row.name == name).ok_or_else(|| CaveError::Usage {
-        message: format!("there is no target {name:?}"),
-        hint: format!("{}known: {}", did_you_mean(name, names()), names().collect::<Vec<_>>().join(", ")),
-    })
+    let row = TARGETS.iter().find(|row| row.name == name);
+    row.ok_or_else(|| CaveError::unknown("target", name, TARGETS.iter().map(|row| row.name)))
 }
 
 /// The targets with their options, `TARGET.KEY=VALUE`; `library` is the USD library of the host program.

@@ -4,8 +4,8 @@ use clap::Args;
 
 use super::fault::CliError;
 use super::progress::Console;
-use crate::preset;
-use crate::recipe::{Recipe, did_you_mean};
+use crate::cave;
+use crate::recipe::Recipe;
 
 /// Prints a recipe in which every key explains itself.
 #[derive(Args)]
@@ -24,11 +24,7 @@ impl New {
     /// # Errors
     /// When there is no such preset, or a faulty override.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
-        let names = || preset::PRESETS.iter().map(|row| row.name);
-        let row = preset::PRESETS.iter().find(|row| row.name == self.preset).ok_or_else(|| CliError::Usage {
-            message: format!("there is no preset {:?}", self.preset),
-            hint: format!("{}known: {}", did_you_mean(&self.preset, names()), names().collect::<Vec<_>>().join(", ")),
-        })?;
+        let row = cave::preset(&self.preset)?;
         let recipe = Recipe::from_toml(row.text, row.name.as_ref(), &self.set)?;
         console.result(&recipe.to_toml())
     }

@@ -79,7 +79,7 @@ impl Observer for Console {
         };
         let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {eta}");
         bar.set_style(style.expect("the template is a constant"));
-        bar.set_prefix(stage_name(stage));
+        bar.set_prefix(stage.name());
         bar.enable_steady_tick(Duration::from_millis(200));
         if let Ok(mut slot) = self.bar.lock() {
             *slot = Some((bar, Instant::now()));
@@ -98,14 +98,5 @@ impl Observer for Console {
 
     fn stop(&self) -> &AtomicBool {
         &STOP
-    }
-}
-
-/// Name of a stage, as in the command that makes it.
-pub fn stage_name(stage: Stage) -> &'static str {
-    match stage {
-        Stage::Graph => "graph",
-        Stage::Mesh => "mesh",
-        Stage::Texture => "texture",
     }
 }

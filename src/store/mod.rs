@@ -53,6 +53,17 @@ pub enum Stage {
     Texture,
 }
 
+impl Stage {
+    /// Its name, as in the command that makes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Graph => "graph",
+            Self::Mesh => "mesh",
+            Self::Texture => "texture",
+        }
+    }
+}
+
 /// A finished piece of work: one stage of one chunk (or of the whole cave).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unit {

@@ -14,6 +14,7 @@ import pickle
 import subprocess
 import sys
 import threading
+import zipfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -177,6 +178,7 @@ def test_recipes() -> None:
     assert plume.Recipe().replace({"graph.generator": "mine"})["graph"]["generator"] == "mine"
     assert pickle.loads(pickle.dumps(recipe.replace(seed=9))) == recipe.replace(seed=9)
     assert "basalt" in repr(recipe) and recipe != "basalt"
+    assert "graph" in recipe and "graph.nodes" in recipe and "graph.node" not in recipe
     with pytest.raises(KeyError, match="graph.node"):
         recipe["graph.node"]
     with pytest.raises(AttributeError):
@@ -208,7 +210,10 @@ def test_tables_are_those_of_the_command(tmp_path: Path) -> None:
 
 
 def command(folder: Path, *words: str) -> str:
-    done = subprocess.run([sys.executable, "-m", "plume", *words], cwd=folder, capture_output=True, text=True)
+    # Elsewhere it is another hour, and summer, which must not matter.
+    environment = os.environ | {"TZ": "Australia/Sydney"}
+    words = (sys.executable, "-m", "plume", *words)
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -228,6 +233,12 @@ def test_a_package_has_the_bytes_of_the_command(target: str, cave: plume.Cave, t
     assert package.files == len(hashes(package.path))
     assert package.bytes <= sum(path.stat().st_size for path in package.path.rglob("*"))
     assert package.visual_triangles == sum(len(chunk.indices) for chunk in cave.chunks)
+
+
+def test_an_archive_holds_no_clock(cave: plume.Cave, tmp_path: Path) -> None:
+    cave.export("usdz", tmp_path / "package")
+    with zipfile.ZipFile(tmp_path / "package" / "cave.usdz") as archive:
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 12, 0, 0)}
 
 
 def test_options_reach_the_target(cave: plume.Cave, tmp_path: Path) -> None:
@@ -371,6 +382,7 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
     ("use", "kind", "text"),
     [
         (lambda cave, folder: cave.export("isac", folder / "x"), plume.InputError, "did you mean `isaac`"),
+        (lambda cave, folder: plume.Recipe().replace({"texture.sizepx": 3}), plume.RecipeError, "did you mean `size_px`"),
         (lambda cave, folder: cave.export("isaac", folder / "x", light=1), plume.RecipeError, "did you mean `lights`"),
         (lambda cave, folder: cave.export("isaac", folder / "x", lights=3), plume.RecipeError, "true or false"),
         (lambda cave, folder: cave.export("gltf", cave.folder), plume.StorageError, "not empty"),
