@@ -1,8 +1,8 @@
 //! Target `isaac`: a USD stage for Isaac Sim 4.5 and later and for Isaac Lab, whose physics engine is PhysX.
 //!
-//! PhysX keeps static triangle meshes as they are; measured on a tube of 20,000 triangles, `convexDecomposition` raised
-//! the floor by 0.8 m, `convexHull` threw robots out, and `sdf` took 86 s to load and touched the same. Not seen in
-//! Isaac Sim itself: it has no package where the tests run. Its engine is (ovphysx), and opens every package there.
+//! PhysX collides static triangle meshes as they are, concave or not. Its other approximations are of no use to a cave:
+//! a hull of a passage fills it, pieces of one raise the floor, and a distance grid costs minutes of preparation. Not
+//! seen in Isaac Sim itself, which has no package where the tests run.
 
 use std::sync::Arc;
 

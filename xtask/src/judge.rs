@@ -60,13 +60,14 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 7] = [
+const JUDGES: [Judge; 8] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
     Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
+    Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
@@ -137,6 +138,10 @@ impl Tally {
 fn ready(judges: &[&'static Judge], tally: &mut Tally) -> Vec<&'static Judge> {
     let mut ready = Vec::new();
     for judge in judges {
+        if judge.name == "physx" && !usd::has_agreed() {
+            println!("LEFT    {:<10} its licence has not been accepted: see the end of ARCHITECTURE.md", judge.name);
+            continue;
+        }
         match (judge.prepare)() {
             Ok(()) => ready.push(*judge),
             Err(missing) => tally.skip(judge.name, &missing),

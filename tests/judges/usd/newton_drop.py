@@ -3,8 +3,7 @@
     newton_drop.py PACKAGE_DIR
 
 The balls must come to rest on the triangles of the package. The stage is opened below a layer of its own that adds them.
-The first run compiles for a minute, later ones take seconds; so it is run by hand, in an environment with
-`requirements-newton.txt`. It does not look at rays, friction or the height of start poses.
+The first run compiles for a minute, later ones take seconds. It does not look at rays, friction or the height of start poses.
 """
 
 import tempfile

@@ -28,11 +28,11 @@ def judge(package):
     for level in levels(stage):
         select(stage, level)
         messages += [f"{root.name}, {level}: {message}" for message in usd_messages(stage)]
+        messages += [f"{root.name}, {level}: {message}" for message in nvidia_messages(stage)]
         messages += [f"{root.name}, {level}: {message}" for message in laws.broken(stage)]
     select(stage, "LOD0")
     for layer in sorted(package.glob("chunks/*.usdc")):
         messages += [f"{layer.name}: {message}" for message in usd_messages(packages.open_stage(layer))]
-    messages += [f"{root.name}: {message}" for message in nvidia_messages(root)]
     messages += laws.broken_files(package, root)
     if messages:
         raise Complaint("\n".join(sorted(set(messages))))
@@ -63,11 +63,11 @@ def usd_messages(stage):
     return [f"{error.GetName()}: {error.GetMessage()}" for error in errors]
 
 
-def nvidia_messages(root):
+def nvidia_messages(stage):
     logging.disable()
     from usd_validation_nvidia import ValidationEngine
 
-    issues = ValidationEngine(init_rules=True).validate(str(root)).issues()
+    issues = ValidationEngine(init_rules=True).validate(stage).issues()
     refused = [issue for issue in issues if not accepted(issue)]
     return [f"{issue.rule.__name__ if issue.rule else 'no rule'}: {issue.message} {issue.at or ''}" for issue in refused]
 

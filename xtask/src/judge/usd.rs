@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::tools::{Result, root, run};
 use crate::venv::Environment;
 
-/// The variable by which a person agrees to the licence of PhysX for Omniverse.
+/// The variable by which a person agrees to the licence of ovphysx.
 const TERMS: &str = "PLUME_OMNIVERSE_TERMS";
 
 /// Where the newest reader lives, beside the package.
@@ -19,11 +19,17 @@ pub fn old_environment() -> Result<Environment> {
     Environment::apart("usd-old")?.with("tests/judges/usd/requirements-old.txt")
 }
 
-/// The engine of Isaac Sim; its licence is not an open one, so nobody gets it unasked.
+/// Another physics engine, under an open licence.
+fn newton_environment() -> Result<Environment> {
+    Environment::apart("newton")?.with("tests/judges/usd/requirements-newton.txt")
+}
+
+/// Whether a person has agreed to the licence of the engine of Isaac Sim: nobody gets it unasked.
+pub(super) fn has_agreed() -> bool {
+    std::env::var(TERMS).as_deref() == Ok("accepted")
+}
+
 fn physx_environment() -> Result<Environment> {
-    if std::env::var(TERMS).as_deref() != Ok("accepted") {
-        return Err(format!("read what ARCHITECTURE.md says of ovphysx and its terms, then set {TERMS}=accepted"));
-    }
     Environment::apart("physx")?.with("tests/judges/usd/requirements-physx.txt")
 }
 
@@ -33,6 +39,10 @@ pub(super) fn make() -> Result<()> {
 
 pub(super) fn make_old() -> Result<()> {
     old_environment().map(drop)
+}
+
+pub(super) fn make_newton() -> Result<()> {
+    newton_environment().map(drop)
 }
 
 pub(super) fn make_physx() -> Result<()> {
@@ -47,6 +57,12 @@ pub(super) fn validate(package: &Path) -> Result<Command> {
 pub(super) fn compare(package: &Path) -> Result<Command> {
     let mut command = script("same.py", package)?;
     command.arg(old_environment()?.python());
+    Ok(command)
+}
+
+pub(super) fn drop_balls(package: &Path) -> Result<Command> {
+    let mut command = Command::new(newton_environment()?.python());
+    command.arg(root().join("tests/judges/usd/newton_drop.py")).arg(package);
     Ok(command)
 }
 
