@@ -69,7 +69,16 @@ def test_arrays_have_their_shape_and_type(cave: plume.Cave) -> None:
             box = np.stack([mesh.positions.min(axis=0), mesh.positions.max(axis=0)])
             assert np.array_equal(mesh.bounds, box) and mesh.bounds.dtype == np.float32
         assert np.allclose(np.linalg.norm(chunk.normals, axis=1), 1, atol=1e-3)
-        assert all(lod.error_m > 0 and lod.uvs.shape == (len(lod.positions), 2) for lod in chunk.lods)
+
+
+def test_levels_of_detail_get_coarser(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        sizes = [len(mesh.indices) for mesh in [chunk, *chunk.lods]]
+        errors_m = [0.0, *(lod.error_m for lod in chunk.lods)]
+        assert sizes == sorted(set(sizes), reverse=True) and errors_m == sorted(set(errors_m))
+        for lod in chunk.lods:
+            assert [len(array) for array in [lod.normals, lod.uvs, lod.tangents]] == [len(lod.positions)] * 3
+    assert any(chunk.lods for chunk in cave.chunks)
 
 
 def test_arrays_are_what_the_files_hold(cave: plume.Cave) -> None:
