@@ -1,6 +1,6 @@
 """Three caves of one recipe, and what a learner would want to know of each: its size and where a robot may start.
 
-    python examples/python/dataset.py
+python examples/python/dataset.py
 """
 
 import numpy as np

@@ -36,7 +36,9 @@ def main():
         raw_disk = best(lambda: write_raw(arrays, file, wait=True), file)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     total = sum(array.nbytes for array in arrays.values())
-    print(f"{len(arrays['LOD0.points'])} vertices, {total / 1e6:.0f} MB of arrays, {size / 1e6:.0f} MB file, peak {peak:.0f} MB")
+    print(
+        f"{len(arrays['LOD0.points'])} vertices, {total / 1e6:.0f} MB of arrays, {size / 1e6:.0f} MB file, peak {peak:.0f} MB"
+    )
     print(f"author and save {whole:.3f} s, usd-core writing the arrays alone {alone:.3f} s, ratio {whole / alone:.2f}")
     print(f"the bytes without USD: {raw:.3f} s into the cache, {raw_disk:.3f} s on to the disk")
 
@@ -76,7 +78,9 @@ def write_arrays(arrays, file):
     for name, array in arrays.items():
         name = name.removeprefix("LOD0.")
         usd_type = Sdf.ValueTypeNames.Find(USD_TYPES.get(name, "int[]"))
-        vt = {(2, 3): Vt.Vec3fArray, (2, 2): Vt.Vec2fArray, (1, array.shape[0]): Vt.IntArray}[array.ndim, array.shape[-1]]
+        vt = {(2, 3): Vt.Vec3fArray, (2, 2): Vt.Vec2fArray, (1, array.shape[0]): Vt.IntArray}[
+            array.ndim, array.shape[-1]
+        ]
         Sdf.AttributeSpec(prim, name, usd_type).default = vt.FromBuffer(array)
     counts = Sdf.AttributeSpec(prim, "counts", Sdf.ValueTypeNames.IntArray)
     counts.default = Vt.IntArray(len(arrays["LOD0.indices"]) // 3, 3)

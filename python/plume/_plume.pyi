@@ -231,9 +231,7 @@ class Cave:
     def lights(self) -> list[Light]:
         """The lamps along the passages; none if the recipe says `world.lights = false`."""
 
-    def export(
-        self, target: str, path: str | PathLike[str], *, force: bool = False, **options: Any
-    ) -> Package:
+    def export(self, target: str, path: str | PathLike[str], *, force: bool = False, **options: Any) -> Package:
         """Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
 
         Ctrl-C raises KeyboardInterrupt when the chunk in work is done, if this is the main thread. The package appears

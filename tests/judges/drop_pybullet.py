@@ -76,9 +76,7 @@ def load_collisions(model, package):
     for uri in uris:
         file = resolve(uri, package)
         require(file.is_file(), f"{uri} is missing")
-        shape = p.createCollisionShape(
-            p.GEOM_MESH, fileName=str(file), flags=p.GEOM_FORCE_CONCAVE_TRIMESH
-        )
+        shape = p.createCollisionShape(p.GEOM_MESH, fileName=str(file), flags=p.GEOM_FORCE_CONCAVE_TRIMESH)
         require(shape >= 0, f"Bullet cannot read {uri}")
         body = p.createMultiBody(0, shape)
         p.changeDynamics(body, -1, lateralFriction=friction(model))

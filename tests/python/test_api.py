@@ -116,8 +116,12 @@ def test_arrays_are_handed_over_without_a_copy(cave: plume.Cave) -> None:
 def test_textures_are_what_another_reader_sees(form: str, cave: plume.Cave) -> None:
     with plume.generate(cave.recipe.replace({"texture.format": form})) as cave:
         chunk = cave.chunks[0]
-        for name, shape in [("base_color", (256, 256, 3)), ("normal", (256, 256, 3)), ("orm", (256, 256, 3)),
-                            ("roughness", (256, 256, 1))]:
+        for name, shape in [
+            ("base_color", (256, 256, 3)),
+            ("normal", (256, 256, 3)),
+            ("orm", (256, 256, 3)),
+            ("roughness", (256, 256, 1)),
+        ]:
             ours = getattr(chunk.textures, name)
             theirs = np.asarray(Image.open(cave.folder / "textures" / f"{chunk.name}_{name}.{form}")).reshape(shape)
             # Decoders of JPEG may round differently by a few levels; PNG leaves no choice.
@@ -205,9 +209,9 @@ def test_presets_are_those_of_the_command(name: str, tmp_path: Path) -> None:
 def test_paths_in_a_recipe_are_beside_it(cave: plume.Cave, tmp_path: Path) -> None:
     (tmp_path / "graph.json").write_text(cave.graph.to_json())
     (tmp_path / "cave.toml").write_text('[graph]\ngenerator = "file"\npath = "graph.json"\n')
-    recipe = plume.Recipe.load(tmp_path / "cave.toml").replace(SMALL | {"graph": None})
+    relative = plume.Recipe.load(tmp_path / "cave.toml").replace(SMALL | {"graph": None})
     absolute = plume.Recipe(SMALL | {"graph": {"generator": "file", "path": tmp_path / "graph.json"}})
-    for recipe in [recipe, pickle.loads(pickle.dumps(recipe)), absolute]:
+    for recipe in [relative, pickle.loads(pickle.dumps(relative)), absolute]:
         with plume.generate(recipe) as again:
             assert np.array_equal(again.graph.positions, cave.graph.positions)
 
@@ -313,8 +317,15 @@ def test_a_closed_cave_says_so() -> None:
     cave = plume.generate(SMALL, SEED)
     chunks, chunk = cave.chunks, cave.chunks[0]
     cave.close()
-    for use in [lambda: cave.graph, lambda: cave.spawns, lambda: chunks[0], lambda: len(chunks), lambda: cave.folder,
-                lambda: chunk.textures.orm, lambda: cave.export("gltf", "x")]:
+    for use in [
+        lambda: cave.graph,
+        lambda: cave.spawns,
+        lambda: chunks[0],
+        lambda: len(chunks),
+        lambda: cave.folder,
+        lambda: chunk.textures.orm,
+        lambda: cave.export("gltf", "x"),
+    ]:
         with pytest.raises(plume.InputError, match="the cave is closed"):
             use()
     assert np.isfinite(chunk.positions).all() and "closed" in repr(cave)
@@ -377,7 +388,7 @@ def test_a_failed_cave_leaves_no_temporary_folder(tmp_path: Path, monkeypatch: p
 
 def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
     path = tmp_path / "cave.toml"
-    path.write_text("name = \"cave\"\n\n[graph]\nnods = 20\nnodes = 1\n")
+    path.write_text('name = "cave"\n\n[graph]\nnods = 20\nnodes = 1\n')
     with pytest.raises(plume.RecipeError) as raised:
         plume.Recipe.load(path)
     first, second = raised.value.faults
@@ -391,7 +402,11 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
     ("use", "kind", "text"),
     [
         (lambda cave, folder: cave.export("isac", folder / "x"), plume.InputError, "did you mean `isaac`"),
-        (lambda cave, folder: plume.Recipe().replace({"texture.sizepx": 3}), plume.RecipeError, "did you mean `size_px`"),
+        (
+            lambda cave, folder: plume.Recipe().replace({"texture.sizepx": 3}),
+            plume.RecipeError,
+            "did you mean `size_px`",
+        ),
         (lambda cave, folder: cave.export("isaac", folder / "x", light=1), plume.RecipeError, "did you mean `lights`"),
         (lambda cave, folder: cave.export("isaac", folder / "x", lights=3), plume.RecipeError, "true or false"),
         (lambda cave, folder: cave.export("gltf", cave.folder), plume.StorageError, "not empty"),
@@ -467,7 +482,9 @@ def test_everything_public_is_documented() -> None:
     assert bare == []
 
 
-@pytest.mark.parametrize(("name", "thing"), [(name, thing) for name, thing in public() if ">>>" in (thing.__doc__ or "")])
+@pytest.mark.parametrize(
+    ("name", "thing"), [(name, thing) for name, thing in public() if ">>>" in (thing.__doc__ or "")]
+)
 def test_examples_run(name: str, thing: Any, cave: plume.Cave, tmp_path: Path) -> None:
     names = {"plume": plume, "np": np, "cave": cave, "folder": tmp_path}
     example = doctest.DocTestParser().get_doctest(inspect.getdoc(thing) or "", names, name, None, None)

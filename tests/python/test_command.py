@@ -84,9 +84,18 @@ def test_the_binary_hands_over(binary, tmp_path):
     ("text", "told"),
     [
         ("raise ModuleNotFoundError(\"No module named 'pxr'\")", "which cannot be loaded: ModuleNotFoundError"),
-        ("class Usd:\n    GetVersion = lambda: (0, 25, 5)\nimport sys\nsys.modules['pxr.Usd'] = Usd", "which is version 25.05 here"),
-        ("class Usd:\n    GetVersion = lambda: (0, 27, 2)\nimport sys\nsys.modules['pxr.Usd'] = Usd", "which is version 27.02 here"),
-        ("class Usd:\n    GetVersion = lambda: (0, 26, 11)\nimport sys\nsys.modules['pxr.Usd'] = Usd", "which cannot be used: ImportError"),
+        (
+            "class Usd:\n    GetVersion = lambda: (0, 25, 5)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
+            "which is version 25.05 here",
+        ),
+        (
+            "class Usd:\n    GetVersion = lambda: (0, 27, 2)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
+            "which is version 27.02 here",
+        ),
+        (
+            "class Usd:\n    GetVersion = lambda: (0, 26, 11)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
+            "which cannot be used: ImportError",
+        ),
     ],
 )
 def test_a_usd_core_that_is_missing_or_does_not_fit_is_told_with_69(text, told, tmp_path):
@@ -143,7 +152,7 @@ def test_ctrl_c_stops_with_130_and_the_next_run_goes_on(sign, tmp_path):
 
 def test_a_killed_export_leaves_no_package_and_the_next_one_makes_it(tmp_path):
     command = [sys.executable, "-m", "plume", "export", "--target", "isaac", "--output", str(tmp_path / "cave"), *SMALL]
-    whole = subprocess.run([*command[:-len(SMALL) - 1], str(tmp_path / "whole"), *SMALL], capture_output=True)
+    whole = subprocess.run([*command[: -len(SMALL) - 1], str(tmp_path / "whole"), *SMALL], capture_output=True)
     assert whole.returncode == 0, whole.stderr
     for sign in [".cave.cave/journal.jsonl", ".cave.cave/textures", "cave.partial"]:
         process = subprocess.Popen(command, stderr=subprocess.DEVNULL)

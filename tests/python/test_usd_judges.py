@@ -105,7 +105,9 @@ def make_rigid(stage):
 
 
 def unbind_friction(package):
-    change = lambda stage: UsdShade.MaterialBindingAPI(stage.GetPrimAtPath("/World/Chunks")).UnbindDirectBinding("physics")
+    def change(stage):
+        UsdShade.MaterialBindingAPI(stage.GetPrimAtPath("/World/Chunks")).UnbindDirectBinding("physics")
+
     edit(root(package), change)
 
 
@@ -133,7 +135,10 @@ def tear_chunk(package):
 
 
 def point_gravity_up(package):
-    edit(root(package), lambda stage: UsdPhysics.Scene.Get(stage, "/PhysicsScene").GetGravityDirectionAttr().Set(Gf.Vec3f(0, 0, 1)))
+    edit(
+        root(package),
+        lambda stage: UsdPhysics.Scene.Get(stage, "/PhysicsScene").GetGravityDirectionAttr().Set(Gf.Vec3f(0, 0, 1)),
+    )
 
 
 def misjudge_size(package):
@@ -180,7 +185,9 @@ def stop_colliding(prim):
 
 
 def move_view(change):
-    return lambda package: edit(root(package), lambda stage: change(UsdGeom.Xformable(stage.GetPrimAtPath("/World/View"))))
+    return lambda package: edit(
+        root(package), lambda stage: change(UsdGeom.Xformable(stage.GetPrimAtPath("/World/View")))
+    )
 
 
 SPOILS = {
@@ -194,7 +201,10 @@ SPOILS = {
     "a base colour as data": (shader_input("BaseColor", "sourceColorSpace", "raw"), "rock_has_maps"),
     "roughness from the wrong channel": (in_chunk(take_roughness_from_red), "rock_has_maps"),
     "a collider that is off": (on_collision(stop_colliding), "does not collide"),
-    "a view from far away": (move_view(lambda view: view.AddTranslateOp(opSuffix="away").Set(Gf.Vec3d(0, 0, 50))), "is not over"),
+    "a view from far away": (
+        move_view(lambda view: view.AddTranslateOp(opSuffix="away").Set(Gf.Vec3d(0, 0, 50))),
+        "is not over",
+    ),
     "a view on its side": (move_view(lambda view: view.AddRotateZOp(opSuffix="roll").Set(90.0)), "is tilted"),
     "a wrong size": (misjudge_size, "has another size when it is open"),
     "a level no coarser": (in_chunk(repeat_level), "levels_get_coarser"),
@@ -202,7 +212,10 @@ SPOILS = {
     "no default prim": (clear_metadata("defaultPrim"), "defaultPrim"),
     "Y up": (lambda package: edit(root(package), lambda stage: UsdGeom.SetStageUpAxis(stage, "Y")), "units_are_metres"),
     "a missing texture": (remove("chunks/textures/*_normal.png"), "images_are_written_as_relative_paths"),
-    "a texture elsewhere": (shader_input("BaseColor", "file", Sdf.AssetPath("/elsewhere/base.png")), "elsewhere/base.png"),
+    "a texture elsewhere": (
+        shader_input("BaseColor", "file", Sdf.AssetPath("/elsewhere/base.png")),
+        "elsewhere/base.png",
+    ),
     "a coloured normal map": (shader_input("Normal", "sourceColorSpace", "sRGB"), "NormalMapTexture"),
     "an unscaled normal map": (shader_input("Normal", "scale", Gf.Vec4f(1, 1, 1, 1)), "NormalMapTexture"),
     "an index out of range": (array("faceVertexIndices", out_of_range), "ValidateTopologyChecker"),
@@ -222,14 +235,21 @@ SPOILS = {
         on_collision(lambda prim: UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Set("convexHull")),
         "is approximated by convexHull",
     ),
-    "a drawn collision mesh": (on_collision(lambda prim: UsdGeom.Imageable(prim).GetPurposeAttr().Set("default")), "is drawn"),
+    "a drawn collision mesh": (
+        on_collision(lambda prim: UsdGeom.Imageable(prim).GetPurposeAttr().Set("default")),
+        "is drawn",
+    ),
     "no friction": (unbind_friction, "has no physics material"),
     "gravity upwards": (point_gravity_up, "gravity does not point down"),
     "an absolute payload": (absolute_payload, "is absolute or climbs out"),
     "a missing chunk": (remove("chunks/*.usdc"), "does not exist"),
     "a file too many": (lambda package: (package / "chunks/old.png").write_text("old"), "is used by nothing"),
     "a label that is none": (
-        in_level(lambda mesh: UsdGeom.Subset(mesh.GetPrim().GetChild("floor")).GetIndicesAttr().Set(Vt.IntArray([0, 1, 10**7]))),
+        in_level(
+            lambda mesh: (
+                UsdGeom.Subset(mesh.GetPrim().GetChild("floor")).GetIndicesAttr().Set(Vt.IntArray([0, 1, 10**7]))
+            )
+        ),
         "InvalidSubsetFamily",
     ),
     "a torn chunk": (tear_chunk, "corrupt"),

@@ -10,8 +10,8 @@ use crate::tools::{Result, root};
 const CAVE: &str = "target/test-cave";
 const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
 
-/// Runs the tests of the workspace, drops a ball into a cave with a physics engine that is not ours, then runs the tests
-/// of the Python package.
+/// Runs the tests of the workspace, drops a ball into a cave with a physics engine that is not ours, then checks the Python
+/// sources and runs the tests of the Python package.
 pub fn run(arguments: &[String]) -> Result<()> {
     // The extension module is no program that cargo could test: Python does.
     let test = ["test", "--workspace", "--exclude", "plume-python", "--quiet"];
@@ -19,7 +19,10 @@ pub fn run(arguments: &[String]) -> Result<()> {
     drop_balls()?;
     let plume = Plume::package()?;
     let python = judge::usd::environment()?.python();
-    show(Command::new(python).args(["-m", "pytest", "--quiet"]).current_dir(root()))?;
+    for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &["pytest", "--quiet"]]
+    {
+        show(Command::new(&python).arg("-m").args(check).current_dir(root()))?;
+    }
     read_with_another_usd(&plume)
 }
 

@@ -1,9 +1,8 @@
 """What a stage of ours must be to look right, and no validator asks: maps, texture coordinates, camera."""
 
 import numpy as np
-from pxr import UsdGeom, UsdShade
-
 import package as packages
+from pxr import UsdGeom, UsdShade
 
 # Input of the surface, channel, end of the file name, colour space.
 MAPS = {

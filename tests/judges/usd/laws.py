@@ -1,13 +1,13 @@
 """What a stage of ours must be, and no validator asks."""
 
 import json
+from itertools import pairwise
 from pathlib import PurePosixPath
 
-import numpy as np
-from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils
-
 import drawing_laws
+import numpy as np
 import package as packages
+from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils
 
 PARTS = {"floor", "wall", "ceiling"}
 
@@ -30,7 +30,11 @@ def broken_files(package, root):
 
 
 def units_are_metres_and_kilograms_z_up(stage):
-    found = (UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage), UsdGeom.GetStageUpAxis(stage))
+    found = (
+        UsdGeom.GetStageMetersPerUnit(stage),
+        UsdPhysics.GetStageKilogramsPerUnit(stage),
+        UsdGeom.GetStageUpAxis(stage),
+    )
     if found != (1.0, 1.0, "Z"):
         yield f"{found}"
     if stage.GetDefaultPrim().GetPath() != "/World":
@@ -86,7 +90,10 @@ def colliders_are_static_triangles_apart(stage):
             yield f"{mesh.GetPath()} is visual and collides"
     for mesh in packages.meshes(stage, "Collision"):
         prim = mesh.GetPrim()
-        if not prim.HasAPI(UsdPhysics.CollisionAPI) or not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
+        if (
+            not prim.HasAPI(UsdPhysics.CollisionAPI)
+            or not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get()
+        ):
             yield f"{mesh.GetPath()} does not collide"
         approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
         if approximation != UsdPhysics.Tokens.none:
@@ -108,7 +115,10 @@ def physics_is_whole(stage):
     if len(scenes) != 1:
         yield f"{len(scenes)} physics scenes"
     for scene in scenes:
-        if scene.GetGravityDirectionAttr().Get() != Gf.Vec3f(0, 0, -1) or not scene.GetGravityMagnitudeAttr().Get() >= 0:
+        if (
+            scene.GetGravityDirectionAttr().Get() != Gf.Vec3f(0, 0, -1)
+            or not scene.GetGravityMagnitudeAttr().Get() >= 0
+        ):
             yield "gravity does not point down"
     for mesh in colliders:
         material, _ = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial("physics")
@@ -216,8 +226,7 @@ def every_file_is_used(package, root):
 def the_manifest_lists_the_files(package, root):
     listed = set(json.loads((package / "manifest.json").read_text()))
     there = {file.relative_to(package).as_posix() for file in package.rglob("*") if file.is_file()}
-    for name in sorted(listed ^ (there - {"manifest.json"})):
-        yield name
+    yield from sorted(listed ^ (there - {"manifest.json"}))
 
 
 def payloads_stay_closed_and_open_alone(package, root):
@@ -244,7 +253,7 @@ def levels_get_coarser(package, root):
     stage = packages.open_stage(root)
     for chunk in packages.chunks(stage):
         faces = [count_faces(chunk.GetChild("Visual")) for _ in packages.levels_of(chunk)]
-        if not faces or 0 in faces or any(finer <= coarser for finer, coarser in zip(faces, faces[1:])):
+        if not faces or 0 in faces or any(finer <= coarser for finer, coarser in pairwise(faces)):
             yield f"{chunk.GetPath()} has levels of {faces} faces"
 
 

@@ -11,11 +11,10 @@ from pathlib import Path
 
 import newton
 import numpy as np
-from pxr import Usd
-
 import package as packages
 from package import run
 from physx import check_balls, dropped, match
+from pxr import Usd
 
 STEP_S = 1 / 240
 DURATION_S = 3.0

@@ -13,10 +13,9 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
-
 import package as packages
 from package import require, run
+from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 PROBE = Path(__file__).with_name("physx_probe.py")
 RAYS = 100
@@ -140,7 +139,10 @@ def check_rays(rock, origins, directions, distances, downward):
         expected = distance(rock, origin, direction)
         kind = f"the ray down from spawn_{number}" if number < downward else f"ray {number - downward}"
         require(np.isfinite(seen), f"{kind} leaves the cave")
-        require(abs(seen - expected) < TOLERANCE_M, f"{kind} hits after {seen:.4f} m, the triangles are {expected:.4f} m away")
+        require(
+            abs(seen - expected) < TOLERANCE_M,
+            f"{kind} hits after {seen:.4f} m, the triangles are {expected:.4f} m away",
+        )
         if number < downward:
             require(abs(seen - EYE_M) < 0.15, f"spawn_{number} is {seen - EYE_M:.2f} m above the floor")
 

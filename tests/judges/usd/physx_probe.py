@@ -28,7 +28,8 @@ def main(layer, question, answer):
     physx.wait_task(physx.attach_ovstage(stage, read_ordinal=1))
     physx.step_sync(STEP_S)
     with np.load(question) as asked:
-        distances = [cast(physx, *ray, asked["length_m"]) for ray in zip(asked["origins"], asked["directions"])]
+        rays = zip(asked["origins"], asked["directions"], strict=True)
+        distances = [cast(physx, *ray, asked["length_m"]) for ray in rays]
         starts = positions(physx)
         for _ in range(int(asked["duration_s"] / STEP_S)):
             physx.step_sync(STEP_S)

@@ -7,13 +7,11 @@ Every prim with its type and schemas and every array of it, at every level of de
 
 import hashlib
 import subprocess
-import sys
 
 import numpy as np
-from pxr import Usd
-
 import package as packages
 from package import require, run
+from pxr import Usd
 
 
 def judge(package, python=None):

@@ -46,7 +46,6 @@ def on_root(change):
     return spoil
 
 
-
 def make_hull(prim):
     UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Set("convexHull")
 

@@ -8,11 +8,10 @@ gives the numbers of prims and triangles.
 
 import logging
 
-from pxr import Usd, UsdValidation
-
 import laws
 import package as packages
 from package import Complaint, run
+from pxr import Usd, UsdValidation
 
 # THE EXCEPTION. Both rules only warn, and only of points whose place, normal and texture coordinates are all equal. Where a
 # chart of the texture touches itself in a point there are two of these. Welding them silences the two rules and makes
@@ -69,7 +68,9 @@ def nvidia_messages(stage):
 
     issues = ValidationEngine(init_rules=True).validate(stage).issues()
     refused = [issue for issue in issues if not accepted(issue)]
-    return [f"{issue.rule.__name__ if issue.rule else 'no rule'}: {issue.message} {issue.at or ''}" for issue in refused]
+    return [
+        f"{issue.rule.__name__ if issue.rule else 'no rule'}: {issue.message} {issue.at or ''}" for issue in refused
+    ]
 
 
 def accepted(issue):
