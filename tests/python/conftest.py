@@ -1,9 +1,20 @@
-"""A small cave as USD packages, made once."""
+"""A small cave, made once."""
 
 import subprocess
 import sys
+from collections.abc import Iterator
 
+import plume
 import pytest
+
+SMALL = {"graph": {"nodes": 12}, "mesh": {"voxel_m": 0.25, "chunk_m": [12, 12, 12]}, "texture": {"size_px": 256}}
+SEED = 7
+
+
+@pytest.fixture(scope="session")
+def cave(tmp_path_factory: pytest.TempPathFactory) -> Iterator[plume.Cave]:
+    with plume.generate(SMALL, SEED, folder=tmp_path_factory.mktemp("cave") / "cave") as cave:
+        yield cave
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,144 @@
+"""The arrays of the module `plume`, against readers that are not ours: usd-core, plyfile, Pillow."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import plume
+import pytest
+from PIL import Image
+from plyfile import PlyData  # type: ignore[import-untyped]
+
+
+def read(path: Path) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Vertices and triangles of a PLY."""
+    mesh = PlyData.read(str(path))
+    return mesh["vertex"].data, np.stack(mesh["face"]["vertex_indices"])
+
+
+def columns(vertices: np.ndarray[Any, Any], names: str) -> np.ndarray[Any, Any]:
+    return np.stack([vertices[name] for name in names.split()], axis=1)
+
+
+def test_arrays_have_their_shape_and_type(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        count = len(chunk.positions)
+        for array, width in [(chunk.positions, 3), (chunk.normals, 3), (chunk.uvs, 2), (chunk.tangents, 4)]:
+            assert array.shape == (count, width) and array.dtype == np.float32 and np.isfinite(array).all()
+        for mesh in [chunk, chunk.collision, *chunk.lods]:
+            assert mesh.indices.shape[1] == 3 and mesh.indices.dtype == np.uint32 and len(mesh.indices) > 0
+            assert mesh.indices.max() < len(mesh.positions)
+            box = np.stack([mesh.positions.min(axis=0), mesh.positions.max(axis=0)])
+            assert np.array_equal(mesh.bounds, box) and mesh.bounds.dtype == np.float32
+        assert np.allclose(np.linalg.norm(chunk.normals, axis=1), 1, atol=1e-3)
+
+
+def test_levels_of_detail_get_coarser(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        sizes = [len(mesh.indices) for mesh in [chunk, *chunk.lods]]
+        errors_m = [0.0, *(lod.error_m for lod in chunk.lods)]
+        assert sizes == sorted(set(sizes), reverse=True) and errors_m == sorted(set(errors_m))
+        for lod in chunk.lods:
+            assert [len(array) for array in [lod.normals, lod.uvs, lod.tangents]] == [len(lod.positions)] * 3
+    assert any(chunk.lods for chunk in cave.chunks)
+
+
+def test_arrays_are_what_the_files_hold(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        vertices, triangles = read(cave.folder / "textures" / f"{chunk.name}.ply")
+        assert np.array_equal(chunk.positions, columns(vertices, "x y z"))
+        assert np.array_equal(chunk.normals, columns(vertices, "nx ny nz"))
+        assert np.array_equal(chunk.uvs, columns(vertices, "s t"))
+        assert np.array_equal(chunk.tangents, columns(vertices, "tx ty tz tw"))
+        assert np.array_equal(chunk.indices, triangles)
+        vertices, triangles = read(cave.folder / "collision" / f"{chunk.name}.ply")
+        assert np.array_equal(chunk.collision.positions, columns(vertices, "x y z"))
+        assert np.array_equal(chunk.collision.indices, triangles)
+
+
+def test_triangles_face_the_air(cave: plume.Cave) -> None:
+    volume_m3 = 0.0
+    for chunk in cave.chunks:
+        corners = chunk.positions[chunk.indices].astype(np.float64)
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        towards = np.einsum("ij,ij->i", faces, chunk.normals[chunk.indices].mean(axis=1))
+        assert (towards > 0).mean() > 0.99
+        volume_m3 += np.einsum("ij,ij->i", corners[:, 0], faces).sum() / 6
+    # The wall is closed, and turned inside out: the air is inside.
+    assert volume_m3 < -100
+
+
+def test_arrays_are_handed_over_without_a_copy(cave: plume.Cave) -> None:
+    chunk = cave.chunks[0]
+    assert chunk.positions is chunk.positions
+    assert chunk.positions.base is not None and chunk.positions.flags.c_contiguous and chunk.positions.flags.writeable
+
+
+@pytest.mark.parametrize("form", ["png", "jpg"])
+def test_textures_are_what_another_reader_sees(form: str, cave: plume.Cave) -> None:
+    with plume.generate(cave.recipe.replace({"texture.format": form})) as cave:
+        chunk = cave.chunks[0]
+        for name, shape in [
+            ("base_color", (256, 256, 3)),
+            ("normal", (256, 256, 3)),
+            ("orm", (256, 256, 3)),
+            ("roughness", (256, 256, 1)),
+        ]:
+            ours = getattr(chunk.textures, name)
+            theirs = np.asarray(Image.open(cave.folder / "textures" / f"{chunk.name}_{name}.{form}")).reshape(shape)
+            # Decoders of JPEG may round differently by a few levels; PNG leaves no choice.
+            difference = np.abs(ours.astype(int) - theirs.astype(int)).max()
+            assert ours.shape == shape and ours.dtype == np.uint8 and difference <= (0 if form == "png" else 8)
+
+
+def test_the_graph_is_that_of_the_folder(cave: plume.Cave) -> None:
+    graph = cave.graph
+    assert graph.to_json() == (cave.folder / "graph.json").read_text()
+    nodes = graph.to_dict()["nodes"]
+    assert np.array_equal(graph.positions, [[node["coordinates"][axis] for axis in "xyz"] for node in nodes])
+    assert np.array_equal(graph.radii, [node["radius"] for node in nodes])
+    ids = [node["id"] for node in nodes]
+    edges = {(i, ids.index(end)) for i, node in enumerate(nodes) for end in node["edges"] if i < ids.index(end)}
+    assert graph.edges.dtype == np.uint32 and set(map(tuple, graph.edges.tolist())) == edges
+
+
+def test_spawns_are_poses_in_the_air_over_the_floor(cave: plume.Cave) -> None:
+    spawns = cave.spawns
+    assert spawns.shape == (8, 4, 4) and spawns.dtype == np.float64
+    turns = spawns[:, :3, :3]
+    assert np.allclose(turns @ turns.transpose(0, 2, 1), np.eye(3)) and np.allclose(np.linalg.det(turns), 1)
+    assert np.allclose(turns[:, :, 2], [0, 0, 1])
+    stations = cave.graph.positions
+    for pose in spawns:
+        over = np.linalg.norm(stations[:, :2] - pose[:2, 3], axis=1).argmin()
+        assert np.allclose(stations[over, :2], pose[:2, 3]) and pose[2, 3] < stations[over, 2] + 1
+        ends = cave.graph.edges[(cave.graph.edges == over).any(axis=1)]
+        ways = [stations[b if a == over else a, :2] - stations[over, :2] for a, b in ends]
+        assert any(np.dot(way / np.linalg.norm(way), pose[:2, 0]) > 0.999 for way in ways)
+
+
+def test_spawns_and_lights_are_those_of_the_stage(cave: plume.Cave, tmp_path: Path) -> None:
+    from pxr import Usd, UsdGeom, UsdLux  # type: ignore[import-untyped]
+
+    cave.export("usd", tmp_path / "usd")
+    stage = Usd.Stage.Open(str(tmp_path / "usd" / "cave.usda"))
+    place = UsdGeom.XformCache()
+    prims = {prim.GetName(): np.array(place.GetLocalToWorldTransform(prim)).T for prim in stage.Traverse()}
+    lamps = [prim for prim in stage.Traverse() if prim.IsA(UsdLux.SphereLight)]
+    assert len(cave.lights) == len(lamps) > 0
+    for light in cave.lights:
+        assert np.allclose(prims[light.name][:3, 3], light.position, atol=1e-5)
+    found = [m for m in prims.values() if np.allclose(m, cave.spawns[0], atol=1e-5)]
+    assert found, "no prim of the stage stands at the first start pose"
+
+
+def test_the_sequence_of_chunks_is_one(cave: plume.Cave) -> None:
+    chunks = cave.chunks
+    names = chunks.names
+    assert len(chunks) == len(names) > 2 and [chunk.name for chunk in chunks] == names
+    assert chunks[-1].name == names[-1] and [chunk.name for chunk in chunks[::-2]] == names[::-2]
+    for outside in [len(chunks), -len(chunks) - 1]:
+        with pytest.raises(IndexError):
+            chunks[outside]
+    walk = iter(chunks)
+    assert next(walk).name == names[0] and [chunk.name for chunk in walk] == names[1:]
