@@ -17,6 +17,7 @@ pub mod isaac;
 pub mod names;
 pub mod obj;
 pub mod package;
+mod pinch;
 pub mod scene;
 pub mod stage;
 mod template;

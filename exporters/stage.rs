@@ -26,7 +26,7 @@ use serde_json::{Value, json};
 use crate::error::ExportError;
 use crate::package::Package;
 use crate::scene::{Chunk, Light, Mesh, Scene};
-use crate::{Summary, frame, template};
+use crate::{Summary, frame, pinch, template};
 
 /// The Python module that authors layers; [`Library::call`] runs its functions.
 pub const SCRIPT: &str = include_str!("stage.py");
@@ -162,7 +162,7 @@ pub fn write(
 }
 
 fn write_chunk(
-    chunk: Chunk,
+    mut chunk: Chunk,
     contents: &Contents,
     library: &dyn Library,
     scratch: &Path,
@@ -190,6 +190,7 @@ fn write_chunk(
         })
         .collect();
     if contents.physics {
+        pinch::split(&mut chunk.collision);
         spec["collision"] = json!({ "name": "collision", "extent": extent(&chunk.collision) });
         arrays.push(("collision.normals".to_owned(), Array::Float3(face_normals(&chunk.collision))));
         push_triangles("collision", chunk.collision, &mut arrays);
