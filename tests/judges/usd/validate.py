@@ -2,8 +2,8 @@
 
     validate.py PACKAGE_DIR
 
-The root layer and every chunk alone, at every level of detail, must pass without a message but those of two rules. The last line of a success
-gives the numbers of prims and triangles.
+The root layer and every chunk alone, at every level of detail, must pass without a message but those of two rules. The
+last line of a success gives the numbers of prims and triangles.
 """
 
 import logging
