@@ -146,6 +146,11 @@ impl Mesh {
         self.indices.len() as u64 / 3
     }
 
+    /// The least and the greatest corner of the box round the vertices.
+    pub fn bounds(&self) -> [[f32; 3]; 2] {
+        bounds(self.positions.iter().copied())
+    }
+
     fn check(&self, part: Part) -> Result<(), &'static str> {
         let count = self.positions.len();
         let attributes = match part {
@@ -166,6 +171,18 @@ impl Mesh {
         }
         Ok(())
     }
+}
+
+/// The least and the greatest corner of the box round some points.
+pub(crate) fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
+    let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    for point in points {
+        for axis in 0..3 {
+            bounds[0][axis] = bounds[0][axis].min(point[axis]);
+            bounds[1][axis] = bounds[1][axis].max(point[axis]);
+        }
+    }
+    bounds
 }
 
 /// Which mesh of a chunk: the visual one has every attribute, the collision one positions only.

@@ -147,12 +147,7 @@ pub fn write(
         let chunk = scene.chunk(index)?;
         triangles[0] += chunk.visual.triangles();
         triangles[1] += if contents.physics { chunk.collision.triangles() } else { 0 };
-        payloads.push(json!({
-            "name": chunk.name,
-            "layer": format!("./chunks/{}.usdc", chunk.name),
-            "extent": extent(&chunk.visual),
-        }));
-        write_chunk(chunk, contents, library, scratch.path(), out)?;
+        payloads.push(write_chunk(chunk, contents, library, scratch.path(), out)?);
     }
     let file = root_name(scene);
     let path = scratch.path().join(&file);
@@ -161,13 +156,14 @@ pub fn write(
     Ok(Summary { visual_triangles: triangles[0], collision_triangles: triangles[1], open })
 }
 
+/// Writes the layer and images of a chunk; gives what the root layer says of it.
 fn write_chunk(
     mut chunk: Chunk,
     contents: &Contents,
     library: &dyn Library,
     scratch: &Path,
     out: &mut dyn Package,
-) -> Result<(), ExportError> {
+) -> Result<Value, ExportError> {
     let layer = format!("{}.usdc", chunk.name);
     let path = scratch.join(&layer);
     let mut textures = serde_json::Map::new();
@@ -191,18 +187,20 @@ fn write_chunk(
         .collect();
     if contents.physics {
         pinch::split(&mut chunk.collision);
-        spec["collision"] = json!({ "name": "collision", "extent": extent(&chunk.collision) });
+        spec["collision"] = json!({ "name": "collision", "extent": chunk.collision.bounds() });
         arrays.push(("collision.normals".to_owned(), Array::Float3(face_normals(&chunk.collision))));
         push_triangles("collision", chunk.collision, &mut arrays);
     }
     library.call("write_chunk", &spec, arrays)?;
     out.copy(&format!("chunks/{layer}"), &path)?;
-    Ok(std::fs::remove_file(&path)?)
+    std::fs::remove_file(&path)?;
+    let extent = &spec["levels"][0]["extent"];
+    Ok(json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }))
 }
 
 /// A level of detail: what is said of it; its arrays go to `arrays`.
 fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
-    let spec_extent = extent(&mesh);
+    let extent = mesh.bounds();
     let parts = parts(&mesh);
     let key = |array: &str| format!("{name}.{array}");
     arrays.push((key("normals"), Array::Float3(std::mem::take(&mut mesh.normals))));
@@ -210,7 +208,7 @@ fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Va
     push_triangles(&name, mesh, arrays);
     let parts = parts.into_iter().filter(|(_, faces)| !faces.is_empty());
     let names: Vec<&str> = parts.map(|(part, faces)| (part, arrays.push((key(part), Array::Index(faces)))).0).collect();
-    json!({ "name": name, "extent": spec_extent, "parts": names })
+    json!({ "name": name, "extent": extent, "parts": names })
 }
 
 fn push_triangles(name: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {
@@ -240,17 +238,6 @@ fn face_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
         <[f64; 3]>::from(across / across.norm()).map(|part| part as f32)
     };
     mesh.indices.chunks_exact(3).map(normal).collect()
-}
-
-fn extent(mesh: &Mesh) -> [[f32; 3]; 2] {
-    let mut extent = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-    for position in &mesh.positions {
-        for axis in 0..3 {
-            extent[0][axis] = extent[0][axis].min(position[axis]);
-            extent[1][axis] = extent[1][axis].max(position[axis]);
-        }
-    }
-    extent
 }
 
 fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Path) -> Value {

@@ -235,14 +235,7 @@ pub fn padding(bytes: u64) -> u64 {
 
 /// Lowest and highest corner of scene points, in the frame of glTF.
 pub fn bounds(points: &[[f32; 3]]) -> [[f32; 3]; 2] {
-    let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-    for &point in points {
-        for (axis, coordinate) in frame::gltf_from_scene(point).into_iter().enumerate() {
-            bounds[0][axis] = bounds[0][axis].min(coordinate);
-            bounds[1][axis] = bounds[1][axis].max(coordinate);
-        }
-    }
-    bounds
+    scene::bounds(points.iter().copied().map(frame::gltf_from_scene))
 }
 
 fn accessor(view: Index<View>, count: usize, component: ComponentType, shape: Type) -> Accessor {

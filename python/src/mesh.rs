@@ -31,7 +31,7 @@ pub struct Lod {
 
 /// Positions and triangles of a mesh.
 pub fn plain(py: Python<'_>, mesh: scene::Mesh) -> PyResult<PyClassInitializer<Mesh>> {
-    let bounds = bounds(&mesh.positions);
+    let bounds = mesh.bounds();
     let positions = array::rows(py, mesh.positions)?.unbind();
     let indices = array::table(py, mesh.indices, 3)?.unbind();
     Ok(Mesh { positions, indices, bounds }.into())
@@ -99,15 +99,4 @@ impl Lod {
     fn error_m(&self) -> f32 {
         self.error_m
     }
-}
-
-fn bounds(positions: &[[f32; 3]]) -> [[f32; 3]; 2] {
-    let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
-    for position in positions {
-        for axis in 0..3 {
-            bounds[0][axis] = bounds[0][axis].min(position[axis]);
-            bounds[1][axis] = bounds[1][axis].max(position[axis]);
-        }
-    }
-    bounds
 }
