@@ -92,7 +92,7 @@ impl Gazebo {
             description => &scene.description,
             generator => &scene.generator,
             parts => Serde(parts),
-            friction => micro(scene.friction),
+            friction => micro(scene.friction.floor),
             gravity => micro(scene.gravity),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => scene.spawns.iter().map(sdf_pose).collect::<Vec<_>>(),

@@ -35,6 +35,11 @@ pub trait Target {
     /// # Errors
     /// When the scene is not what [`scene`] promises, a chunk cannot be loaded or a file cannot be written.
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError>;
+
+    /// Whether [`export`](Self::export) asks the scene for convex pieces, which a host program makes only then.
+    fn wants_pieces(&self) -> bool {
+        false
+    }
 }
 
 /// What an export wrote and how it is opened.
@@ -42,7 +47,7 @@ pub trait Target {
 pub struct Summary {
     /// Triangles that cameras see.
     pub visual_triangles: u64,
-    /// Triangles that wheels touch; 0 if the target carries none.
+    /// Triangles that wheels touch, be they of collision meshes or of convex pieces; 0 if the target carries none.
     pub collision_triangles: u64,
     /// A command for a shell in the package folder, or a sentence, that opens the package.
     pub open: String,

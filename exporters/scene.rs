@@ -25,12 +25,14 @@ pub struct Scene<'a> {
     pub spawns: Vec<Isometry3<f64>>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Coulomb friction of the ground.
-    pub friction: f64,
+    /// Coulomb friction against rubber.
+    pub friction: ByZone,
     /// Downward acceleration in m/s².
     pub gravity: f64,
     /// How far the collision mesh lies from the visual mesh at most, in metres.
     pub collision_error_m: f64,
+    /// How far convex pieces reach into the open at most, in metres beyond the visual mesh.
+    pub piece_tolerance_m: ByZone,
 }
 
 impl Scene<'_> {
@@ -72,6 +74,23 @@ impl Scene<'_> {
         Ok(chunk)
     }
 
+    /// Loads the convex pieces of a chunk and checks them. Only for targets that [want](crate::Target::wants_pieces) them.
+    ///
+    /// # Errors
+    /// As [`Scene::chunk`].
+    pub fn pieces(&self, index: usize) -> Result<Vec<Piece>, ExportError> {
+        let pieces = self.chunks.pieces(index).map_err(|source| ExportError::Load {
+            scene: self.name.clone(),
+            index,
+            source,
+        })?;
+        for (number, piece) in pieces.iter().enumerate() {
+            let checked = piece.mesh.check(Part::Collision);
+            checked.map_err(|text| self.fault(format!("piece {number} of chunk {index} {text}")))?;
+        }
+        Ok(pieces)
+    }
+
     /// Where the user looks from first: 1 m above the first spawn pose. +X looks ahead, +Z is up.
     pub fn viewpoint(&self) -> Isometry3<f64> {
         self.spawns[0] * Translation3::new(0.0, 0.0, 1.0)
@@ -97,6 +116,12 @@ pub trait Chunks: Sync {
     /// # Errors
     /// When it cannot be read.
     fn load(&self, index: usize) -> Result<Chunk, std::io::Error>;
+
+    /// Loads the convex pieces of a chunk.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    fn pieces(&self, index: usize) -> Result<Vec<Piece>, std::io::Error>;
 }
 
 /// A piece of the world.
@@ -122,6 +147,64 @@ pub struct Lod {
     pub mesh: Mesh,
     /// How far it lies from the full detail at most, in metres.
     pub error_m: f32,
+}
+
+/// A convex piece of the rock behind the wall, for simulators that collide convex shapes only. Together the pieces of a
+/// chunk cover its wall; they may overlap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// Its surface: closed, convex, at least four vertices that are not in one plane, every vertex a corner; positions and
+    /// triangles only.
+    pub mesh: Mesh,
+    /// Which part of the wall it stands for.
+    pub zone: Zone,
+}
+
+/// A part of the wall, by what a robot does with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Zone {
+    /// What wheels stand on.
+    Floor,
+    /// What they bump into.
+    Wall,
+    /// What is overhead.
+    Ceiling,
+}
+
+impl Zone {
+    /// Every zone.
+    pub const ALL: [Self; 3] = [Self::Floor, Self::Wall, Self::Ceiling];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Floor => "floor",
+            Self::Wall => "wall",
+            Self::Ceiling => "ceiling",
+        }
+    }
+}
+
+/// A number for each zone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ByZone {
+    /// Of the floor.
+    pub floor: f64,
+    /// Of the walls.
+    pub wall: f64,
+    /// Of the ceiling.
+    pub ceiling: f64,
+}
+
+impl ByZone {
+    /// The number of a zone.
+    pub fn of(self, zone: Zone) -> f64 {
+        match zone {
+            Zone::Floor => self.floor,
+            Zone::Wall => self.wall,
+            Zone::Ceiling => self.ceiling,
+        }
+    }
 }
 
 /// Triangles; counter-clockwise from outside the solid. Attribute arrays are as long as `positions` in a visual mesh

@@ -109,7 +109,7 @@ pub fn write_readme(
         open => &summary.open,
         chunks => scene.chunks.len(),
         spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
-        friction => frame::micro(scene.friction),
+        friction => frame::micro(scene.friction.floor),
         gravity => frame::micro(scene.gravity),
         collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
         has_physics => summary.collision_triangles > 0,
@@ -257,7 +257,7 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
         spec["lights"] = scene.lights.iter().map(|lamp| light(lamp, contents.light_scale)).collect();
     }
     if contents.physics {
-        spec["physics"] = json!({ "gravity_m_s2": scene.gravity, "friction": scene.friction });
+        spec["physics"] = json!({ "gravity_m_s2": scene.gravity, "friction": scene.friction.floor });
     }
     if contents.omniverse_view {
         spec["layer_data"] = omniverse_view(&view);

@@ -5,10 +5,11 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Point3};
-use plume_exporters::scene::{self, Chunks, Light, Scene};
+use plume_exporters::scene::{self, ByZone, Chunks, Light, Scene};
 
 use crate::field::Field;
 use crate::graph::Graph;
+use crate::mesh;
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
@@ -75,6 +76,11 @@ impl Chunks for FolderChunks<'_> {
         self.names.len()
     }
 
+    fn pieces(&self, index: usize) -> Result<Vec<scene::Piece>, io::Error> {
+        let pieces = store::read_pieces(self.folder, &self.names[index]).map_err(io::Error::other)?;
+        Ok(pieces.into_iter().map(scene_piece).collect())
+    }
+
     fn load(&self, index: usize) -> Result<scene::Chunk, io::Error> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(io::Error::new(io::ErrorKind::Interrupted, "interrupted"));
@@ -105,6 +111,20 @@ fn scene_mesh(ply: PlyMesh) -> scene::Mesh {
     }
 }
 
+fn scene_piece(piece: mesh::Piece) -> scene::Piece {
+    let mesh = scene::Mesh {
+        positions: piece.positions.iter().map(|at| at.map(|q| q as f32 / mesh::QUANTA_PER_M as f32)).collect(),
+        indices: piece.triangles.into_iter().flatten().collect(),
+        ..scene::Mesh::default()
+    };
+    let zone = match piece.zone {
+        mesh::Zone::Floor => scene::Zone::Floor,
+        mesh::Zone::Wall => scene::Zone::Wall,
+        mesh::Zone::Ceiling => scene::Zone::Ceiling,
+    };
+    scene::Piece { mesh, zone }
+}
+
 /// The scene of a finished cave.
 pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
     let world = &recipe.world;
@@ -116,9 +136,14 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
         chunks,
         spawns: spawns(field, graph, world.spawns),
         lights: if world.lights { lights(field, graph, world) } else { Vec::new() },
-        friction: world.friction,
+        friction: ByZone { floor: world.friction, wall: world.wall_friction, ceiling: world.wall_friction },
         gravity: world.gravity,
         collision_error_m: recipe.mesh.collision_error_m.into(),
+        piece_tolerance_m: ByZone {
+            floor: recipe.pieces.floor_tolerance_m.into(),
+            wall: recipe.pieces.wall_tolerance_m.into(),
+            ceiling: recipe.pieces.ceiling_tolerance_m.into(),
+        },
     }
 }
 

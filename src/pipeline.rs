@@ -82,6 +82,7 @@ pub struct Pipeline<'a> {
     graph_fingerprint: String,
     mesh_fingerprint: String,
     texture_fingerprint: String,
+    pieces_fingerprint: String,
 }
 
 impl<'a> Pipeline<'a> {
@@ -129,7 +130,17 @@ impl<'a> Pipeline<'a> {
         let mesh_fingerprint = sha256(shape.as_bytes());
         let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
-        Ok(Self { recipe, folder, observer, graph, graph_fingerprint, mesh_fingerprint, texture_fingerprint })
+        let pieces_fingerprint = sha256([mesh_fingerprint.as_str(), &section(&["pieces"])].concat().as_bytes());
+        Ok(Self {
+            recipe,
+            folder,
+            observer,
+            graph,
+            graph_fingerprint,
+            mesh_fingerprint,
+            texture_fingerprint,
+            pieces_fingerprint,
+        })
     }
 
     /// The graph.
@@ -184,6 +195,27 @@ impl<'a> Pipeline<'a> {
         })
     }
 
+    /// Makes every chunk's convex pieces.
+    ///
+    /// # Errors
+    /// When the meshes are not there, the disk refuses, or the observer stops.
+    pub fn pieces(&self) -> Result<(), PipelineError> {
+        let walls: Vec<Unit> = self.walls();
+        self.each(Stage::Pieces, &walls, |wall| {
+            if self.folder.finished(Stage::Pieces, &wall.name, &self.pieces_fingerprint)?.is_some() {
+                return Ok(());
+            }
+            let mesh = store::read_mesh(self.folder, &wall.name)?;
+            let around = walls.iter().filter(|other| touch(&wall.name, &other.name));
+            let around: Vec<_> =
+                around.map(|other| store::read_mesh(self.folder, &other.name)).collect::<Result<_, _>>()?;
+            let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
+            let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
+            let facts = json!({"pieces": pieces.len()});
+            self.commit(Stage::Pieces, wall.name.clone(), &self.pieces_fingerprint, vec![file], facts)
+        })
+    }
+
     /// Writes the manifest and clears away what belongs to no unit of this cave.
     ///
     /// # Errors
@@ -214,11 +246,18 @@ impl<'a> Pipeline<'a> {
         !walls.is_empty() && walls.iter().all(|wall| textured.iter().any(|unit| unit.name == wall.name))
     }
 
+    /// Whether every wall has its convex pieces.
+    pub fn has_pieces(&self) -> bool {
+        let made = self.units(Stage::Pieces);
+        self.walls().iter().all(|wall| made.iter().any(|unit| unit.name == wall.name))
+    }
+
     fn fingerprint(&self, stage: Stage) -> &str {
         match stage {
             Stage::Graph => &self.graph_fingerprint,
             Stage::Mesh => &self.mesh_fingerprint,
             Stage::Texture => &self.texture_fingerprint,
+            Stage::Pieces => &self.pieces_fingerprint,
         }
     }
 
@@ -310,6 +349,12 @@ pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
 /// Name of a chunk: its index in the grid.
 fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
     format!("chunk_{x}_{y}_{z}")
+}
+
+/// Whether two chunks lie side by side, or corner to corner.
+fn touch(one: &str, other: &str) -> bool {
+    let index = |name: &str| name.split('_').filter_map(|part| part.parse().ok()).collect::<Vec<i64>>();
+    one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
 }
 
 fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {

@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("recipe", &["field", "graph", "material", "mesh", "texture"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture"]),
-    ("assemble", &["field", "graph", "recipe", "store", "texture", "truth"]),
+    ("assemble", &["field", "graph", "mesh", "recipe", "store", "texture", "truth"]),
     ("pipeline", &["field", "graph", "mesh", "recipe", "store"]),
     ("cave", &["assemble", "graph", "pipeline", "preset", "recipe", "store"]),
     ("cli", &["cave", "graph", "material", "mesh", "pipeline", "preset", "recipe", "store"]),

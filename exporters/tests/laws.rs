@@ -11,7 +11,7 @@ use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
-use plume_exporters::scene::{Chunk, Chunks, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, target};
 use serde_json::json;
 
@@ -128,6 +128,10 @@ impl Chunks for Counted<'_> {
         self.loads.fetch_add(1, Ordering::Relaxed);
         self.inner.load(index)
     }
+
+    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
+        self.inner.pieces(index)
+    }
 }
 
 /// Loading is not free: once, or twice where a format wants all sizes first.
@@ -215,6 +219,10 @@ impl Chunks for Spoiled<'_> {
     fn load(&self, index: usize) -> io::Result<Chunk> {
         let chunk = self.inner.load(index)?;
         if index == 1 { (self.spoil)(chunk) } else { Ok(chunk) }
+    }
+
+    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
+        self.inner.pieces(index)
     }
 }
 

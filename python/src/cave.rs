@@ -165,6 +165,9 @@ impl Cave {
         work::run(py, None, |watch| {
             let row = cave::target(target)?;
             let target = cave::build(&[row], &options, Some(&library))?.remove(0);
+            if target.wants_pieces() {
+                cave.make_pieces(watch, &mut |_, _| ())?;
+            }
             let chunks = cave.chunks(watch.stop());
             let (summary, files) = cave::export(&cave.scene(&chunks), &*target, &path, existing)?;
             Ok(Package::new(row.name, path, &summary, &files))

@@ -64,6 +64,25 @@ impl Cave {
         Ok(Self { recipe, graph, folder, walls })
     }
 
+    /// Makes the convex pieces of its chunks, where they are not there yet, and tells `done`.
+    ///
+    /// # Errors
+    /// The disk, another run in the folder, the observer's stop.
+    pub fn make_pieces(
+        &self,
+        observer: &dyn Observer,
+        done: &mut dyn FnMut(Stage, &Pipeline),
+    ) -> Result<(), CaveError> {
+        let pipeline = Pipeline::plan(&self.recipe, Some(self.graph.clone()), &self.folder, observer)?;
+        if pipeline.has_pieces() {
+            return Ok(());
+        }
+        self.folder.begin()?;
+        pipeline.pieces()?;
+        done(Stage::Pieces, &pipeline);
+        Ok(pipeline.settle()?)
+    }
+
     /// What it was made from.
     pub fn recipe(&self) -> &Recipe {
         &self.recipe

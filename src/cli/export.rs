@@ -56,6 +56,9 @@ impl Export {
         let made =
             Cave::make(input, folder, force, console, &mut |stage, pipeline| summary.stage_done(stage, pipeline));
         let cave = made.inspect_err(|error| work.clear_if_hopeless(error))?;
+        if targets.iter().any(|target| target.wants_pieces()) {
+            cave.make_pieces(console, &mut |stage, pipeline| summary.stage_done(stage, pipeline))?;
+        }
         let chunks = cave.chunks(console.stop());
         let scene = cave.scene(&chunks);
         for ((row, target), output) in rows.iter().zip(&targets).zip(&outputs) {

@@ -34,6 +34,7 @@ impl Summary {
             Stage::Graph => self.graph(pipeline.graph()),
             Stage::Mesh => self.mesh(&pipeline.walls()),
             Stage::Texture => self.texture(&pipeline.units(Stage::Texture)),
+            Stage::Pieces => self.pieces(&pipeline.units(Stage::Pieces)),
         }
     }
 
@@ -60,6 +61,11 @@ impl Summary {
         let density = density.fold(f64::INFINITY, f64::min);
         let numbers = json!({"bytes": bytes, "texels_per_m": density});
         self.stage("texture", &format!("{:.0} MB  at least {density:.0} texels/m", megabytes(bytes)), numbers);
+    }
+
+    fn pieces(&mut self, units: &[Unit]) {
+        let pieces: u64 = units.iter().filter_map(|unit| unit.facts["pieces"].as_u64()).sum();
+        self.stage("pieces", &format!("{pieces} convex pieces"), json!({"pieces": pieces}));
     }
 
     /// A package was written; `open` says how to open it.

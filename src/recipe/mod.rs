@@ -23,7 +23,7 @@ pub use self::world::WorldSettings;
 use crate::field::PassageSettings;
 use crate::graph::{self, Generator};
 use crate::material::{self, Look, Material};
-use crate::mesh::MeshSettings;
+use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
 
 /// Name of the `graph.generator` that reads a file instead of growing a graph.
@@ -50,6 +50,8 @@ pub struct Recipe {
     pub texture: TextureSettings,
     /// Coarser triangles for the same images.
     pub lod: LodSettings,
+    /// Convex pieces for collision.
+    pub pieces: PieceSettings,
     /// Light, friction, gravity.
     pub world: WorldSettings,
     resolved: Value,
@@ -114,6 +116,7 @@ impl Recipe {
             mesh: typed(&resolved, "mesh", &draft)?,
             texture: typed(&resolved, "texture", &draft)?,
             lod: typed(&resolved, "lod", &draft)?,
+            pieces: typed(&resolved, "pieces", &draft)?,
             world: typed(&resolved, "world", &draft)?,
             resolved,
         })

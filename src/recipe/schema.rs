@@ -7,7 +7,7 @@ use super::{FILE_GENERATOR, WorldSettings};
 use crate::field::PassageSettings;
 use crate::graph::{self, GENERATORS};
 use crate::material::{self, Look, MATERIALS};
-use crate::mesh::MeshSettings;
+use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
 
 /// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
@@ -80,6 +80,7 @@ fn whole(graph: Value, rock: Value) -> Value {
             "mesh": schema_of::<MeshSettings>(),
             "texture": schema_of::<TextureSettings>(),
             "lod": schema_of::<LodSettings>(),
+            "pieces": schema_of::<PieceSettings>(),
             "world": schema_of::<WorldSettings>(),
         }
     })

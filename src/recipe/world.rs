@@ -15,6 +15,9 @@ pub struct WorldSettings {
     /// Coulomb friction of the floor against rubber; dry rock is about 0.8, wet limestone 0.5.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub friction: f64,
+    /// The same of walls and ceilings.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub wall_friction: f64,
     /// Downward acceleration, m/s². Earth 9.81, Mars 3.71, Moon 1.62.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub gravity: f64,
@@ -25,6 +28,6 @@ pub struct WorldSettings {
 
 impl Default for WorldSettings {
     fn default() -> Self {
-        Self { lights: true, light_spacing_m: 9.0, friction: 0.8, gravity: 9.81, spawns: 8 }
+        Self { lights: true, light_spacing_m: 9.0, friction: 0.8, wall_friction: 0.8, gravity: 9.81, spawns: 8 }
     }
 }

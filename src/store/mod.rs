@@ -7,6 +7,7 @@
 //! ├─ chunks/          the wall, one PLY a chunk
 //! ├─ collision/       the same with fewer triangles
 //! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk
+//! ├─ pieces/          the rock behind the wall in convex pieces, when a target has asked for them
 //! └─ manifest.json    what is finished: SHA-256 of every file
 //! ```
 //!
@@ -17,6 +18,7 @@
 
 mod chunk;
 mod file;
+mod piece;
 pub mod ply;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,6 +35,7 @@ pub use self::chunk::{
     write_textured,
 };
 pub use self::file::{FileRecord, Sink, sha256};
+pub use self::piece::{read_pieces, write_pieces};
 
 const MANIFEST: &str = "manifest.json";
 const JOURNAL: &str = "journal.jsonl";
@@ -51,6 +54,8 @@ pub enum Stage {
     Mesh,
     /// Images.
     Texture,
+    /// Convex pieces, made when a target asks for them.
+    Pieces,
 }
 
 impl Stage {
@@ -60,6 +65,7 @@ impl Stage {
             Self::Graph => "graph",
             Self::Mesh => "mesh",
             Self::Texture => "texture",
+            Self::Pieces => "pieces",
         }
     }
 }

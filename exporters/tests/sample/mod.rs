@@ -6,7 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Light, Lod, Material, Mesh, Scene};
+use plume_exporters::scene::{
+    ByZone, Chunk, Chunks, Image, ImageFormat, Light, Lod, Material, Mesh, Piece, Scene, Zone,
+};
 
 /// Half the length of the chamber along x, metres.
 const REACH_M: f64 = 6.0;
@@ -53,9 +55,10 @@ impl Chamber {
                 UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5),
             )],
             lights: [-3.0, 3.0].map(lamp).into(),
-            friction: 0.8,
+            friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
             gravity: 9.80665,
             collision_error_m: 0.0,
+            piece_tolerance_m: ByZone { floor: 0.0, wall: 0.0, ceiling: 0.0 },
         }
     }
 
@@ -87,6 +90,30 @@ impl Chunks for Chamber {
             },
         })
     }
+
+    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
+        let wall = mesh(index, COARSE);
+        let corners = |triangle: &[u32]| [0, 1, 2].map(|k| wall.positions[triangle[k] as usize]);
+        Ok(wall.indices.chunks(3).map(|triangle| piece(corners(triangle))).collect())
+    }
+}
+
+/// How far pieces reach behind the wall, metres.
+const THICKNESS_M: f64 = 0.3;
+
+/// A wedge behind a triangle.
+fn piece(corners: [[f32; 3]; 3]) -> Piece {
+    let [a, b, c] = corners.map(|corner| Point3::from(corner.map(f64::from)));
+    let normal = (b - a).cross(&(c - a)).normalize();
+    let behind = [a, b, c].map(|corner| <[f64; 3]>::from(corner - normal * THICKNESS_M).map(|part| part as f32));
+    let zone = match normal.z {
+        z if z > 0.7 => Zone::Floor,
+        z if z < -0.7 => Zone::Ceiling,
+        _ => Zone::Wall,
+    };
+    let sides = [[0, 3, 4], [0, 4, 1], [1, 4, 5], [1, 5, 2], [2, 5, 3], [2, 3, 0]];
+    let indices = [[0, 1, 2], [5, 4, 3]].into_iter().chain(sides).flatten().collect();
+    Piece { mesh: Mesh { positions: [corners, behind].concat(), indices, ..Mesh::default() }, zone }
 }
 
 fn lamp(x: f64) -> Light {
