@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 
 use nalgebra::Vector3;
 
-use super::nearest::{Nearest, Triangle, squared_distance};
+use super::nearest::{Found, Nearest, Triangle, squared_distance};
 use super::{Mesh, QUANTA_PER_M};
 
 /// A bound is good when it is no more than this share, and a quantum, above what was found. Tuned.
@@ -77,7 +77,7 @@ impl Piece {
     fn new(corners: Triangle, to: &Nearest, found: &mut f64) -> Self {
         let [a, b, c] = corners;
         let centre = (a + b + c) / 3.0;
-        let (triangle, squared) = to.nearest(centre);
+        let Found { triangle, squared, .. } = to.nearest(centre);
         let distance = squared.sqrt();
         *found = found.max(distance);
         let to_one = corners.map(|corner| squared_distance(corner, triangle)).into_iter().fold(0.0, f64::max).sqrt();

@@ -10,9 +10,20 @@ const LEAF: usize = 4;
 
 /// A surface as a tree of boxes, each split where half of its triangles lie on either side.
 pub(super) struct Nearest {
-    triangles: Vec<Triangle>,
+    /// Each with its index in the surface.
+    triangles: Vec<(Triangle, u32)>,
     /// A box is followed by its first half.
     boxes: Vec<Box3>,
+}
+
+/// What is nearest to a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    pub(super) triangle: Triangle,
+    /// Of the triangle in the surface.
+    pub(super) index: u32,
+    /// The distance, squared.
+    pub(super) squared: f64,
 }
 
 #[derive(Clone, Copy)]
@@ -26,21 +37,22 @@ struct Box3 {
 impl Nearest {
     /// The tree of a surface of at least one triangle.
     pub(super) fn new(surface: &[Triangle]) -> Self {
-        let mut tree = Self { triangles: surface.to_vec(), boxes: Vec::new() };
+        let triangles = surface.iter().copied().zip(0..).collect();
+        let mut tree = Self { triangles, boxes: Vec::new() };
         tree.build(0, surface.len());
         tree
     }
 
     fn build(&mut self, start: usize, end: usize) {
         let part = &mut self.triangles[start..end];
-        let whole = Box3::around(part.iter().flatten());
+        let whole = Box3::around(part.iter().flat_map(|(triangle, _)| triangle));
         let at = self.boxes.len();
         self.boxes.push(whole);
         if end - start <= LEAF {
             return;
         }
         let axis = (whole.high - whole.low).imax();
-        let along = |t: &Triangle| t[0][axis] + t[1][axis] + t[2][axis];
+        let along = |(t, _): &(Triangle, u32)| t[0][axis] + t[1][axis] + t[2][axis];
         let half = (end - start) / 2;
         part.sort_by(|a, b| along(a).total_cmp(&along(b)));
         self.build(start, start + half);
@@ -48,21 +60,22 @@ impl Nearest {
         self.build(start + half, end);
     }
 
-    /// The nearest triangle and its squared distance.
-    pub(super) fn nearest(&self, point: Point) -> (Triangle, f64) {
-        let mut best = (self.triangles[0], f64::INFINITY);
+    /// The triangle nearest to a point.
+    pub(super) fn nearest(&self, point: Point) -> Found {
+        let mut best = (0, f64::INFINITY);
         self.search(point, 0, 0..self.triangles.len(), &mut best);
-        best
+        let (triangle, index) = self.triangles[best.0];
+        Found { triangle, index, squared: best.1 }
     }
 
     /// Searches below a box; the nearer half first.
-    fn search(&self, point: Point, at: usize, range: std::ops::Range<usize>, best: &mut (Triangle, f64)) {
+    fn search(&self, point: Point, at: usize, range: std::ops::Range<usize>, best: &mut (usize, f64)) {
         let second = self.boxes[at].second;
         if second == 0 {
-            for triangle in &self.triangles[range] {
-                let squared = squared_distance(point, *triangle);
+            for place in range {
+                let squared = squared_distance(point, self.triangles[place].0);
                 if squared < best.1 {
-                    *best = (*triangle, squared);
+                    *best = (place, squared);
                 }
             }
             return;
@@ -92,35 +105,52 @@ impl Box3 {
     }
 }
 
-/// Squared distance of a point to a triangle (Ericson, *Real-Time Collision Detection*, 2005, 5.1.5).
-pub(super) fn squared_distance(p: Point, [a, b, c]: Triangle) -> f64 {
+/// Squared distance of a point to a triangle.
+pub(super) fn squared_distance(point: Point, triangle: Triangle) -> f64 {
+    (point - closest(point, triangle).0).norm_squared()
+}
+
+/// A part of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// The corner with this place.
+    Corner(usize),
+    /// The edge from the corner with this place to the next.
+    Edge(usize),
+    /// What lies between the edges.
+    Inside,
+}
+
+/// The point of a triangle that is closest to `p`, and the part of the triangle it lies in (Ericson, *Real-Time Collision
+/// Detection*, 2005, 5.1.5).
+pub(super) fn closest(p: Point, [a, b, c]: Triangle) -> (Point, Part) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
     if d1 <= 0.0 && d2 <= 0.0 {
-        return ap.norm_squared();
+        return (a, Part::Corner(0));
     }
     let bp = p - b;
     let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
     if d3 >= 0.0 && d4 <= d3 {
-        return bp.norm_squared();
+        return (b, Part::Corner(1));
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return (ap - ab * (d1 / (d1 - d3))).norm_squared();
+        return (a + ab * (d1 / (d1 - d3)), Part::Edge(0));
     }
     let cp = p - c;
     let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
     if d6 >= 0.0 && d5 <= d6 {
-        return cp.norm_squared();
+        return (c, Part::Corner(2));
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return (ap - ac * (d2 / (d2 - d6))).norm_squared();
+        return (a + ac * (d2 / (d2 - d6)), Part::Edge(2));
     }
     let va = d3 * d6 - d5 * d4;
     if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return (bp - (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6))).norm_squared();
+        return (b + (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6)), Part::Edge(1));
     }
     let scale = 1.0 / (va + vb + vc);
-    (ap - ab * (vb * scale) - ac * (vc * scale)).norm_squared()
+    (a + ab * (vb * scale) + ac * (vc * scale), Part::Inside)
 }

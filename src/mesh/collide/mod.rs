@@ -1,17 +1,23 @@
 //! Convex pieces of the rock behind the wall of a chunk.
 
+mod body;
+mod cells;
+mod hull;
+mod merge;
+mod rock;
 mod settings;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+use self::rock::Rock;
 pub use self::settings::PieceSettings;
-use super::{Mesh, QUANTA_PER_M};
+use super::Mesh;
 
 /// A convex piece of rock.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Piece {
-    /// Corners in units of 1/[`QUANTA_PER_M`] m, cave frame.
+    /// Corners in units of 1/[`QUANTA_PER_M`](super::QUANTA_PER_M) m, cave frame.
     pub positions: Vec<[i32; 3]>,
     /// Its surface; counter-clockwise triangles face outwards.
     pub triangles: Vec<[u32; 3]>,
@@ -44,22 +50,13 @@ impl Zone {
     }
 }
 
-/// The pieces of a chunk; `around` are the chunks around it.
+/// Pieces have no more corners than this, and hence no more than 60 triangles: PhysX on a GPU takes 64 of either.
+pub const MOST_CORNERS: usize = 32;
+
+/// The pieces of a chunk; `around` are the chunks around it, as far as pieces reach into the rock.
 pub fn pieces(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Vec<Piece> {
-    let _ = around;
-    let thickness = f64::from(settings.thickness_m) * f64::from(QUANTA_PER_M);
-    let wedge = |corners: &[u32; 3]| {
-        let front = corners.map(|corner| wall.positions[corner as usize]);
-        let [a, b, c] = front.map(|at| Vector3::from(at.map(f64::from)));
-        let normal = (b - a).cross(&(c - a));
-        let behind =
-            [a, b, c].map(|at| <[f64; 3]>::from(at - normal.normalize() * thickness).map(|q| q.round() as i32));
-        let sides = [[0, 3, 4], [0, 4, 1], [1, 4, 5], [1, 5, 2], [2, 5, 3], [2, 3, 0]];
-        Piece {
-            positions: [front, behind].concat(),
-            triangles: [[0, 1, 2], [5, 4, 3]].into_iter().chain(sides).collect(),
-            zone: Zone::of(&normal),
-        }
-    };
-    wall.triangles.iter().map(wedge).collect()
+    if wall.triangles.is_empty() {
+        return Vec::new();
+    }
+    merge::merged(wall, &Rock::new(wall, around, settings), settings)
 }

@@ -1,0 +1,94 @@
+//! The triangle nearest to a point close to a surface: what comes near to each cube of space is listed beforehand.
+
+use rustc_hash::FxHashMap;
+
+use super::super::nearest::{Found, Nearest, Point, Triangle, squared_distance};
+
+/// Side of a cube, in units of the reach. Tuned.
+const SIDE: f64 = 2.0;
+
+/// A surface by the cubes of space it comes near to.
+pub(super) struct Cells {
+    /// Points no further from the surface than this are found by the lists.
+    reach: f64,
+    /// The triangles that some point of a cube is near to.
+    lists: FxHashMap<[i32; 3], Vec<u32>>,
+    surface: Vec<Triangle>,
+    balls: Vec<Ball>,
+    /// For points further away.
+    tree: Nearest,
+}
+
+/// Holds a triangle.
+struct Ball {
+    centre: Point,
+    radius: f64,
+}
+
+impl Cells {
+    /// Of a surface of at least one triangle.
+    pub(super) fn new(surface: Vec<Triangle>, reach: f64) -> Self {
+        let balls = surface.iter().map(Ball::around).collect();
+        let mut cells = Self { reach, lists: FxHashMap::default(), balls, tree: Nearest::new(&surface), surface };
+        for index in 0..cells.surface.len() {
+            cells.list(index);
+        }
+        cells
+    }
+
+    fn list(&mut self, index: usize) {
+        let side = SIDE * self.reach;
+        let triangle = self.surface[index];
+        let [a, b, c] = triangle;
+        let low = self.cube(a.inf(&b).inf(&c).add_scalar(-self.reach));
+        let high = self.cube(a.sup(&b).sup(&c).add_scalar(self.reach));
+        let far = self.reach + side * 0.75f64.sqrt();
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    let centre = Point::new(x.into(), y.into(), z.into()).add_scalar(0.5) * side;
+                    if squared_distance(centre, triangle) <= far * far {
+                        self.lists.entry([x, y, z]).or_default().push(index as u32);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The triangle nearest to a point.
+    pub(super) fn nearest(&self, point: Point) -> Found {
+        let list = self.lists.get(&self.cube(point)).map(Vec::as_slice).unwrap_or_default();
+        let (mut best, mut squared) = (0, f64::INFINITY);
+        for &index in list {
+            if self.balls[index as usize].is_beyond(point, squared) {
+                continue;
+            }
+            let other = squared_distance(point, self.surface[index as usize]);
+            if other < squared {
+                (best, squared) = (index, other);
+            }
+        }
+        if squared > self.reach * self.reach {
+            return self.tree.nearest(point);
+        }
+        Found { triangle: self.surface[best as usize], index: best, squared }
+    }
+
+    fn cube(&self, point: Point) -> [i32; 3] {
+        (point / (SIDE * self.reach)).map(|c| c.floor() as i32).into()
+    }
+}
+
+impl Ball {
+    fn around(triangle: &Triangle) -> Self {
+        let centre = triangle.iter().sum::<Point>() / 3.0;
+        let radius = triangle.iter().map(|corner| (corner - centre).norm_squared()).fold(0.0, f64::max).sqrt();
+        Self { centre, radius }
+    }
+
+    /// Whether all of it is further from a point than this distance, squared.
+    fn is_beyond(&self, point: Point, squared: f64) -> bool {
+        let far = squared.sqrt() + self.radius;
+        (point - self.centre).norm_squared() > far * far
+    }
+}

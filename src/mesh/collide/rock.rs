@@ -1,0 +1,236 @@
+//! Which side of the wall a point is on, how far from it, and whether a triangle stays in the rock but for a tolerance.
+//!
+//! The side is told by the normal of the nearest part of the wall: of a triangle, of an edge (sum of both sides), or of a
+//! corner (weighted by angle), which is right wherever the wall is closed (Bærentzen and Aanæs, *Signed distance
+//! computation using the angle weighted pseudonormal*, 2005).
+
+use nalgebra::Vector3;
+use rustc_hash::FxHashMap;
+
+use super::super::nearest::{Found, Part, Point, Triangle, closest, squared_distance};
+use super::super::{Mesh, QUANTA_PER_M};
+use super::cells::Cells;
+use super::{PieceSettings, Zone};
+
+/// Parts of a triangle are not cut any further below this length, in quanta: rounding of a corner is of that order. Such a
+/// part is judged by its centre.
+const FINEST: f64 = 2.0;
+
+/// The rock around a chunk, in quanta from an origin.
+pub(super) struct Rock {
+    origin: [i32; 3],
+    /// Of the walls of the chunk and of those around it, as far as pieces may reach.
+    triangles: Vec<[u32; 3]>,
+    zones: Vec<Zone>,
+    nearest: Cells,
+    corner_normals: Vec<Point>,
+    edge_normals: FxHashMap<[u32; 2], Point>,
+    /// How far pieces reach into it.
+    pub(super) thickness: f64,
+    /// No wall that is left out lies nearer to a point of a piece.
+    horizon: f64,
+    /// Into the open, by zone.
+    tolerances: [f64; 3],
+    least_tolerance: f64,
+}
+
+impl Rock {
+    /// Around the wall of a chunk, whose triangles come first.
+    pub(super) fn new(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Self {
+        let quanta = f64::from(QUANTA_PER_M);
+        let origin = wall.positions[0];
+        let thickness = f64::from(settings.thickness_m) * quanta;
+        let (low, high) = bounds(wall, (thickness + HORIZON * thickness).ceil() as i32);
+        let mut welded = Welded::default();
+        wall.triangles.iter().for_each(|&triangle| welded.add(wall, triangle));
+        for other in around {
+            for &triangle in &other.triangles {
+                let corners = triangle.map(|corner| other.positions[corner as usize]);
+                let within = |i: usize| {
+                    corners.iter().any(|corner| corner[i] >= low[i])
+                        && corners.iter().any(|corner| corner[i] <= high[i])
+                };
+                if (0..3).all(within) {
+                    welded.add(other, triangle);
+                }
+            }
+        }
+        let positions: Vec<Point> = welded.positions.iter().map(|p| at(origin, *p)).collect();
+        let triangles = welded.triangles;
+        let surface: Vec<Triangle> = triangles.iter().map(|t| t.map(|corner| positions[corner as usize])).collect();
+        let zones = surface.iter().map(|triangle| Zone::of(&normal(triangle))).collect();
+        let tolerances = Zone::ALL.map(|zone| f64::from(settings.tolerance_m(zone)) * quanta);
+        let (corner_normals, edge_normals) = pseudonormals(positions.len(), &triangles, &surface);
+        Self {
+            origin,
+            nearest: Cells::new(surface, REACH_M * quanta),
+            triangles,
+            zones,
+            corner_normals,
+            edge_normals,
+            thickness,
+            horizon: HORIZON * thickness,
+            tolerances,
+            least_tolerance: tolerances.into_iter().fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// A position in quanta from the origin.
+    pub(super) fn at(&self, position: [i32; 3]) -> Point {
+        at(self.origin, position)
+    }
+
+    /// The zone of a triangle of the wall.
+    pub(super) fn zone(&self, triangle: usize) -> Zone {
+        self.zones[triangle]
+    }
+
+    /// Distance to the wall in quanta, above 0 in the open, and the zone of the wall there.
+    pub(super) fn distance(&self, point: Point) -> (f64, Zone) {
+        let found = self.nearest.nearest(point);
+        (self.signed(point, &found), self.zones[found.index as usize])
+    }
+
+    fn signed(&self, point: Point, found: &Found) -> f64 {
+        let (foot, part) = closest(point, found.triangle);
+        let corners = self.triangles[found.index as usize];
+        let normal = match part {
+            Part::Inside => normal(&found.triangle),
+            Part::Corner(place) => self.corner_normals[corners[place] as usize],
+            Part::Edge(place) => {
+                let [a, b] = [corners[place], corners[(place + 1) % 3]];
+                self.edge_normals[&[a.min(b), a.max(b)]]
+            }
+        };
+        let distance = found.squared.sqrt();
+        if normal.dot(&(point - foot)) > 0.0 { distance } else { -distance }
+    }
+
+    /// How far a point is in the open, as a share of the tolerance there, below 0 in the rock; nothing beyond the
+    /// tolerance.
+    pub(super) fn share(&self, point: Point) -> Option<f64> {
+        let (distance, zone) = self.distance(point);
+        let share = distance / self.tolerances[zone as usize];
+        (share <= 1.0).then_some(share)
+    }
+
+    /// Whether every point of a triangle is in the rock, or no further from some triangle of the wall than the tolerance
+    /// of its zone.
+    pub(super) fn holds(&self, corners: Triangle) -> bool {
+        let mut parts = vec![corners];
+        while let Some(part) = parts.pop() {
+            match self.judge(part) {
+                Verdict::Held => {}
+                Verdict::Out => return false,
+                Verdict::Open => parts.extend(halves(part)),
+            }
+        }
+        true
+    }
+
+    fn judge(&self, corners: Triangle) -> Verdict {
+        let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let found = self.nearest.nearest(centre);
+        let tolerance = self.tolerances[self.zones[found.index as usize] as usize];
+        let distance = self.signed(centre, &found);
+        if distance > tolerance {
+            return Verdict::Out;
+        }
+        let reach = corners.map(|corner| (corner - centre).norm_squared()).into_iter().fold(0.0, f64::max).sqrt();
+        // What is in the rock comes into the open where some zone begins.
+        let slack =
+            if distance > 0.0 { tolerance - distance } else { self.least_tolerance + self.horizon.min(-distance) };
+        if reach <= slack || reach < FINEST {
+            return Verdict::Held;
+        }
+        // The distance to one triangle is convex: greatest at a corner.
+        let limit = tolerance * tolerance;
+        if corners.iter().all(|&corner| squared_distance(corner, found.triangle) <= limit) {
+            return Verdict::Held;
+        }
+        Verdict::Open
+    }
+}
+
+/// Of a part of a triangle.
+enum Verdict {
+    /// It stays within the tolerance.
+    Held,
+    /// It does not.
+    Out,
+    /// Its halves will tell.
+    Open,
+}
+
+/// Most points that are asked for lie no further from the wall, in metres. Tuned.
+const REACH_M: f64 = 0.1;
+/// Walls are taken into account up to this many thicknesses from the box in which the pieces of a chunk lie. Tuned.
+const HORIZON: f64 = 1.5;
+
+fn bounds(wall: &Mesh, reach: i32) -> ([i32; 3], [i32; 3]) {
+    let extreme = |pick: fn(i32, i32) -> i32, start: i32, step: i32| {
+        let most = |i: usize| wall.positions.iter().map(|p| p[i]).fold(start, pick);
+        std::array::from_fn(|i| most(i).saturating_add(step))
+    };
+    (extreme(i32::min, i32::MAX, -reach), extreme(i32::max, i32::MIN, reach))
+}
+
+fn at(origin: [i32; 3], position: [i32; 3]) -> Point {
+    Vector3::from_fn(|i, _| f64::from(position[i]) - f64::from(origin[i]))
+}
+
+fn normal([a, b, c]: &Triangle) -> Point {
+    (b - a).cross(&(c - a))
+}
+
+/// Cut across the longest side.
+fn halves([a, b, c]: Triangle) -> [Triangle; 2] {
+    let sides = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
+    let [a, b, c] = match sides {
+        [ab, bc, ca] if ab >= bc && ab >= ca => [a, b, c],
+        [_, bc, ca] if bc >= ca => [b, c, a],
+        _ => [c, a, b],
+    };
+    let middle = (a + b) * 0.5;
+    [[a, middle, c], [middle, b, c]]
+}
+
+/// Triangles of several chunks over common vertices.
+#[derive(Default)]
+struct Welded {
+    names: FxHashMap<[i32; 3], u32>,
+    positions: Vec<[i32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Welded {
+    fn add(&mut self, mesh: &Mesh, triangle: [u32; 3]) {
+        let corners = triangle.map(|corner| {
+            let position = mesh.positions[corner as usize];
+            *self.names.entry(position).or_insert_with(|| {
+                self.positions.push(position);
+                self.positions.len() as u32 - 1
+            })
+        });
+        self.triangles.push(corners);
+    }
+}
+
+type EdgeNormals = FxHashMap<[u32; 2], Point>;
+
+fn pseudonormals(vertices: usize, triangles: &[[u32; 3]], surface: &[Triangle]) -> (Vec<Point>, EdgeNormals) {
+    let mut of_corners = vec![Vector3::zeros(); vertices];
+    let mut of_edges = EdgeNormals::default();
+    for (names, triangle) in triangles.iter().zip(surface) {
+        let Some(normal) = normal(triangle).try_normalize(0.0) else { continue };
+        for place in 0..3 {
+            let [at, next, last] = [0, 1, 2].map(|step| triangle[(place + step) % 3]);
+            let (to_next, to_last) = (next - at, last - at);
+            let angle = libm::atan2(to_next.cross(&to_last).norm(), to_next.dot(&to_last));
+            of_corners[names[place] as usize] += normal * angle;
+            let [a, b] = [names[place], names[(place + 1) % 3]];
+            *of_edges.entry([a.min(b), a.max(b)]).or_insert_with(Vector3::zeros) += normal;
+        }
+    }
+    (of_corners, of_edges)
+}
