@@ -115,7 +115,7 @@ impl Cave {
     }
 }
 
-/// Makes the stages up to `last` in `folder`, tells `done` after each, and settles the folder.
+/// Makes the stage `last` and those it follows from in `folder`, tells `done` after each, and settles the folder.
 ///
 /// # Errors
 /// A graph that cannot be, another cave in the folder, the disk, the observer's stop.
@@ -129,13 +129,15 @@ pub fn make<'a>(
 ) -> Result<Pipeline<'a>, PipelineError> {
     let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, force, observer)?;
     done(Stage::Graph, &pipeline);
-    if last >= Stage::Mesh {
-        pipeline.mesh()?;
-        done(Stage::Mesh, &pipeline);
-    }
-    if last >= Stage::Texture {
-        pipeline.texture()?;
-        done(Stage::Texture, &pipeline);
+    let stages: &[Stage] = match last {
+        Stage::Graph => &[],
+        Stage::Mesh => &[Stage::Mesh],
+        Stage::Texture => &[Stage::Mesh, Stage::Texture],
+        Stage::Pieces => &[Stage::Mesh, Stage::Pieces],
+    };
+    for &stage in stages {
+        pipeline.make(stage)?;
+        done(stage, &pipeline);
     }
     pipeline.settle()?;
     Ok(pipeline)

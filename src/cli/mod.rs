@@ -90,6 +90,8 @@ enum Command {
     Mesh(generate::Generate),
     /// Make the graph, the mesh and the textures of a cave folder
     Texture(generate::Generate),
+    /// Make the graph, the mesh and the convex pieces of a cave folder
+    Pieces(generate::Generate),
     /// Print a commented recipe
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
@@ -163,6 +165,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Generate(stage) | Command::Texture(stage) => stage.run(Stage::Texture, console),
         Command::Graph(stage) => stage.run(Stage::Graph, console),
         Command::Mesh(stage) => stage.run(Stage::Mesh, console),
+        Command::Pieces(stage) => stage.run(Stage::Pieces, console),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", crate::recipe::editor_schema())),
         Command::List(list) => list.run(console),

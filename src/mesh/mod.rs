@@ -32,7 +32,7 @@ mod smooth;
 pub(crate) use apart::Gauge;
 pub use chunk::{ChunkMeshes, chunk};
 pub(crate) use collapse::{Collapser, Goal, Rule};
-pub use collide::{Piece, PieceSettings, Zone, pieces};
+pub use collide::{MOST_CORNERS, Piece, PieceMeasures, PieceReport, PieceSettings, Zone, measure_pieces, pieces};
 pub use grid::{ChunkIndex, Grid, GridError};
 pub use settings::MeshSettings;
 pub(crate) use shape::{Collapse, Shape};

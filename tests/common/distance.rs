@@ -36,15 +36,16 @@ impl Distances {
     }
 }
 
-/// The triangles of a mesh by the cubes of space they touch.
-struct Near {
+/// The triangles of a mesh by the cubes of space they touch, for distances up to a reach.
+pub struct Near {
     triangles: Vec<[Point; 3]>,
     cubes: HashMap<[i64; 3], Vec<usize>>,
     reach: f64,
 }
 
 impl Near {
-    fn new(mesh: &Mesh, reach: f64) -> Self {
+    /// Of a mesh, with a reach in metres.
+    pub fn new(mesh: &Mesh, reach: f64) -> Self {
         let triangles: Vec<_> = mesh.triangles.iter().map(|&t| corners(mesh, t)).collect();
         let mut cubes: HashMap<_, Vec<usize>> = HashMap::new();
         for (index, triangle) in triangles.iter().enumerate() {
@@ -66,7 +67,8 @@ impl Near {
         Self { triangles, cubes, reach }
     }
 
-    fn distance(&self, point: Point) -> f64 {
+    /// The distance of a point in metres; the reach, if it is further.
+    pub fn distance(&self, point: Point) -> f64 {
         let cube = std::array::from_fn(|i| (point[i] / self.reach).floor() as i64);
         let near = self.cubes.get(&cube).map(Vec::as_slice).unwrap_or_default();
         let distances = near.iter().map(|&t| distance_to_triangle(point, self.triangles[t]));
@@ -74,11 +76,13 @@ impl Near {
     }
 }
 
-fn corners(mesh: &Mesh, triangle: [u32; 3]) -> [Point; 3] {
+/// The corners of a triangle in metres.
+pub fn corners(mesh: &Mesh, triangle: [u32; 3]) -> [Point; 3] {
     triangle.map(|corner| Point::from(mesh.positions[corner as usize].map(f64::from)) / f64::from(QUANTA_PER_M))
 }
 
-fn spread([a, b, c]: [Point; 3], spacing: f64) -> impl Iterator<Item = Point> {
+/// Points of a triangle, its corners among them, no further apart than `spacing` along its sides.
+pub fn spread([a, b, c]: [Point; 3], spacing: f64) -> impl Iterator<Item = Point> {
     let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
     let n = (longest / spacing).ceil().max(1.0) as usize;
     (0..=n).flat_map(move |i| {

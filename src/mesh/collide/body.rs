@@ -86,9 +86,10 @@ pub(super) struct Body {
 impl Body {
     /// Behind one triangle of the wall.
     pub(super) fn behind(front: Front, rock: &Rock) -> Self {
-        let ways = (0..BACKS.len()).filter_map(|back| Self::closed(front.clone(), back, rock));
+        let way = |back| Self::closed(front.clone(), back, rock);
         let fits = |body: &Self| body.front_share(&[], rock).and(body.back_share(rock)).is_some();
-        ways.clone().find(fits).or_else(|| ways.last()).expect("a triangle has an area, and a back of its own")
+        let thinnest = || way(BACKS.len() - 1).expect("a triangle has an area, and a back of its own");
+        (0..BACKS.len()).filter_map(way).find(fits).unwrap_or_else(thinnest)
     }
 
     /// Around two, and the share of the tolerance that it takes up, if samples of it stay within.

@@ -4,12 +4,14 @@ mod body;
 mod cells;
 mod hull;
 mod merge;
+mod report;
 mod rock;
 mod settings;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+pub use self::report::{PieceMeasures, PieceReport, measure_pieces};
 use self::rock::Rock;
 pub use self::settings::PieceSettings;
 use super::Mesh;
@@ -41,10 +43,13 @@ impl Zone {
     /// Every zone.
     pub const ALL: [Self; 3] = [Self::Floor, Self::Wall, Self::Ceiling];
 
+    /// Floors are no steeper than 45°: the cosine of that, with the vertical. Ceilings mirror them.
+    pub const STEEPEST_FLOOR: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
     fn of(normal: &Vector3<f64>) -> Self {
         match normal.z / normal.norm() {
-            up if up > 0.7 => Self::Floor,
-            up if up < -0.7 => Self::Ceiling,
+            up if up > Self::STEEPEST_FLOOR => Self::Floor,
+            up if up < -Self::STEEPEST_FLOOR => Self::Ceiling,
             _ => Self::Wall,
         }
     }

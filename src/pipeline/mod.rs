@@ -3,63 +3,21 @@
 //! Every stage is a function of what came before it, is made of units that stand alone, and skips units that are
 //! already finished. Chunks are worked on by all threads; memory is a few chunks per thread, however many there are.
 
-use std::path::{Path, PathBuf};
+mod error;
+mod pieces;
+
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+pub use self::error::PipelineError;
 use crate::field::{Bounds, CaveField};
-use crate::graph::{self, GenerateError, Graph};
+use crate::graph::{self, Graph};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::recipe::{GraphSource, Recipe};
-use crate::store::{self, CaveFolder, ChunkError, FileRecord, Stage, StoreError, Unit, sha256};
-
-/// Why a cave was not finished.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PipelineError {
-    /// The disk.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    /// The generator could not make such a graph.
-    #[error("graph: {0}")]
-    Generate(#[from] GenerateError),
-    /// A graph file is faulty.
-    #[error("{}: {source}", path.display())]
-    GraphFile {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: graph::json::ReadError,
-    },
-    /// No grid of chunks fits.
-    #[error("mesh: {0}")]
-    Grid(#[from] GridError),
-    /// The folder holds another cave.
-    #[error("{}: holds another cave (its {stage} differs)", path.display())]
-    OtherCave {
-        /// Which folder.
-        path: PathBuf,
-        /// The first stage that differs.
-        stage: &'static str,
-    },
-    /// A chunk could not be textured.
-    #[error("texture: {0}")]
-    Texture(ChunkError),
-    /// The user stopped it.
-    #[error("interrupted")]
-    Interrupted,
-}
-
-impl From<ChunkError> for PipelineError {
-    fn from(error: ChunkError) -> Self {
-        match error {
-            ChunkError::Store(error) => Self::Store(error),
-            other => Self::Texture(other),
-        }
-    }
-}
+use crate::store::{self, CaveFolder, FileRecord, Stage, StoreError, Unit, sha256};
 
 /// Watches the work and may stop it.
 pub trait Observer: Sync {
@@ -153,6 +111,19 @@ impl<'a> Pipeline<'a> {
         field(self.recipe, &self.graph)
     }
 
+    /// Makes what a stage adds to the stages that it follows from.
+    ///
+    /// # Errors
+    /// As the function of the stage.
+    pub fn make(&self, stage: Stage) -> Result<(), PipelineError> {
+        match stage {
+            Stage::Graph => Ok(()),
+            Stage::Mesh => self.mesh(),
+            Stage::Texture => self.texture(),
+            Stage::Pieces => self.pieces(),
+        }
+    }
+
     /// Makes every chunk's triangles.
     ///
     /// # Errors
@@ -195,27 +166,6 @@ impl<'a> Pipeline<'a> {
         })
     }
 
-    /// Makes every chunk's convex pieces.
-    ///
-    /// # Errors
-    /// When the meshes are not there, the disk refuses, or the observer stops.
-    pub fn pieces(&self) -> Result<(), PipelineError> {
-        let walls: Vec<Unit> = self.walls();
-        self.each(Stage::Pieces, &walls, |wall| {
-            if self.folder.finished(Stage::Pieces, &wall.name, &self.pieces_fingerprint)?.is_some() {
-                return Ok(());
-            }
-            let mesh = store::read_mesh(self.folder, &wall.name)?;
-            let around = walls.iter().filter(|other| touch(&wall.name, &other.name));
-            let around: Vec<_> =
-                around.map(|other| store::read_mesh(self.folder, &other.name)).collect::<Result<_, _>>()?;
-            let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
-            let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
-            let facts = json!({"pieces": pieces.len()});
-            self.commit(Stage::Pieces, wall.name.clone(), &self.pieces_fingerprint, vec![file], facts)
-        })
-    }
-
     /// Writes the manifest and clears away what belongs to no unit of this cave.
     ///
     /// # Errors
@@ -244,12 +194,6 @@ impl<'a> Pipeline<'a> {
         let textured = self.units(Stage::Texture);
         let walls = self.walls();
         !walls.is_empty() && walls.iter().all(|wall| textured.iter().any(|unit| unit.name == wall.name))
-    }
-
-    /// Whether every wall has its convex pieces.
-    pub fn has_pieces(&self) -> bool {
-        let made = self.units(Stage::Pieces);
-        self.walls().iter().all(|wall| made.iter().any(|unit| unit.name == wall.name))
     }
 
     fn fingerprint(&self, stage: Stage) -> &str {
@@ -349,12 +293,6 @@ pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
 /// Name of a chunk: its index in the grid.
 fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
     format!("chunk_{x}_{y}_{z}")
-}
-
-/// Whether two chunks lie side by side, or corner to corner.
-fn touch(one: &str, other: &str) -> bool {
-    let index = |name: &str| name.split('_').filter_map(|part| part.parse().ok()).collect::<Vec<i64>>();
-    one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
 }
 
 fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {

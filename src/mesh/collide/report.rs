@@ -1,0 +1,165 @@
+//! What convex pieces are like: how many, how thick, and how far they reach into the open, found by sampling.
+
+use nalgebra::Vector3;
+use serde::Serialize;
+
+use super::super::nearest::{Point, Triangle};
+use super::super::{Mesh, QUANTA_PER_M};
+use super::rock::Rock;
+use super::{Piece, PieceSettings, Zone};
+use crate::field::{Bounds, Field};
+
+/// A sample for every so much of the tolerance, at most.
+const SPACING: f64 = 0.5;
+/// Deeper in the rock than this, in metres, no point is in the field's open: mesh and field are not so far apart.
+const DEEP_M: f64 = 0.2;
+
+/// How far a piece reaches, and its form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PieceMeasures {
+    /// Which part of the wall it stands for.
+    pub zone: Zone,
+    /// Number of its corners.
+    pub corners: usize,
+    /// The least distance between two parallel planes that hold it between them, one of them along a face, in metres.
+    pub width_m: f64,
+    /// How far beyond the wall it reaches into the open, in metres; 0 if it does not.
+    pub intrusion_m: f64,
+    /// The same beyond the zero of the field.
+    pub field_intrusion_m: f64,
+}
+
+/// Measures the pieces of a chunk; `around` are the chunks around it.
+pub fn measure_pieces(
+    pieces: &[Piece],
+    wall: &Mesh,
+    around: &[Mesh],
+    field: &dyn Field,
+    settings: &PieceSettings,
+) -> Vec<PieceMeasures> {
+    if pieces.is_empty() {
+        return Vec::new();
+    }
+    let rock = Rock::new(wall, around, settings);
+    pieces.iter().map(|piece| measured(piece, &rock, field, settings)).collect()
+}
+
+fn measured(piece: &Piece, rock: &Rock, field: &dyn Field, settings: &PieceSettings) -> PieceMeasures {
+    let quanta = f64::from(QUANTA_PER_M);
+    let spacing = SPACING * f64::from(settings.tolerance_m(piece.zone)) * quanta;
+    let mut intrusion_m: f64 = 0.0;
+    let mut near_wall = Vec::new();
+    for face in faces(piece) {
+        let shift = rock.at([0; 3]);
+        for point in spread(face, spacing) {
+            let distance_m = rock.distance(point + shift).0 / quanta;
+            intrusion_m = intrusion_m.max(distance_m);
+            if distance_m > -DEEP_M {
+                near_wall.push((point / quanta).map(|c| c as f32).into());
+            }
+        }
+    }
+    PieceMeasures {
+        zone: piece.zone,
+        corners: piece.positions.len(),
+        width_m: width(piece) / quanta,
+        intrusion_m,
+        field_intrusion_m: deepest(&near_wall, field),
+    }
+}
+
+/// How far the deepest of some points is in the air of a field.
+fn deepest(points: &[[f32; 3]], field: &dyn Field) -> f64 {
+    if points.is_empty() {
+        return 0.0;
+    }
+    let mut distances = vec![0.0; points.len()];
+    field.distances(Bounds::around(points), points, &mut distances);
+    distances.into_iter().fold(0.0, |most, distance| f64::max(most, -f64::from(distance)))
+}
+
+fn faces(piece: &Piece) -> impl Iterator<Item = Triangle> {
+    let corner = |corner: u32| Vector3::from(piece.positions[corner as usize].map(f64::from));
+    piece.triangles.iter().map(move |face| face.map(corner))
+}
+
+/// Points of a triangle, no further apart than `spacing` along its sides, its corners among them.
+fn spread([a, b, c]: Triangle, spacing: f64) -> impl Iterator<Item = Point> {
+    let longest = [b - a, c - b, a - c].map(|side| side.norm()).into_iter().fold(0.0, f64::max);
+    let steps = (longest / spacing).ceil().max(1.0) as u32;
+    let (along, across) = ((b - a) / f64::from(steps), (c - a) / f64::from(steps));
+    let row = move |i: u32| (0..=steps - i).map(move |j| a + along * f64::from(i) + across * f64::from(j));
+    (0..=steps).flat_map(row)
+}
+
+fn width(piece: &Piece) -> f64 {
+    let across = |[a, b, c]: Triangle| {
+        let normal = (b - a).cross(&(c - a)).normalize();
+        let depth = |corner: &[i32; 3]| normal.dot(&(a - Vector3::from(corner.map(f64::from))));
+        piece.positions.iter().map(depth).fold(0.0, f64::max)
+    };
+    faces(piece).map(across).fold(f64::INFINITY, f64::min)
+}
+
+/// What is true of the pieces of a cave.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PieceReport {
+    /// Number of pieces.
+    pub pieces: usize,
+    /// Those of floors.
+    pub floor_pieces: usize,
+    /// Those of ceilings.
+    pub ceiling_pieces: usize,
+    /// Most corners of a piece.
+    pub piece_most_corners: usize,
+    /// The least width of a piece, in metres.
+    pub piece_least_width_m: f64,
+    /// How far the worst piece reaches beyond the wall into the open, in metres.
+    pub intrusion_max_m: f64,
+    /// What one piece in a hundred exceeds.
+    pub intrusion_p99_m: f64,
+    /// What one piece in two exceeds.
+    pub intrusion_median_m: f64,
+    /// The worst piece of a floor.
+    pub floor_intrusion_max_m: f64,
+    /// The same four beyond the zero of the field.
+    pub field_intrusion_max_m: f64,
+    /// What one piece in a hundred exceeds.
+    pub field_intrusion_p99_m: f64,
+    /// What one piece in two exceeds.
+    pub field_intrusion_median_m: f64,
+    /// The worst piece of a floor.
+    pub field_floor_intrusion_max_m: f64,
+}
+
+impl PieceReport {
+    /// Of the measures of all pieces.
+    pub fn of(measures: &[PieceMeasures]) -> Self {
+        let of_zone = |zone| measures.iter().filter(move |piece| piece.zone == zone);
+        let [mesh, field] =
+            [|piece: &PieceMeasures| piece.intrusion_m, |piece: &PieceMeasures| piece.field_intrusion_m];
+        Self {
+            pieces: measures.len(),
+            floor_pieces: of_zone(Zone::Floor).count(),
+            ceiling_pieces: of_zone(Zone::Ceiling).count(),
+            piece_most_corners: measures.iter().map(|piece| piece.corners).max().unwrap_or(0),
+            piece_least_width_m: measures.iter().map(|piece| piece.width_m).min_by(f64::total_cmp).unwrap_or(0.0),
+            intrusion_max_m: quantile(measures.iter().map(mesh), 1.0),
+            intrusion_p99_m: quantile(measures.iter().map(mesh), 0.99),
+            intrusion_median_m: quantile(measures.iter().map(mesh), 0.5),
+            floor_intrusion_max_m: quantile(of_zone(Zone::Floor).map(mesh), 1.0),
+            field_intrusion_max_m: quantile(measures.iter().map(field), 1.0),
+            field_intrusion_p99_m: quantile(measures.iter().map(field), 0.99),
+            field_intrusion_median_m: quantile(measures.iter().map(field), 0.5),
+            field_floor_intrusion_max_m: quantile(of_zone(Zone::Floor).map(field), 1.0),
+        }
+    }
+}
+
+/// The number that a share of all does not exceed.
+fn quantile(numbers: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut numbers: Vec<f64> = numbers.collect();
+    numbers.sort_by(f64::total_cmp);
+    let last = numbers.len().saturating_sub(1);
+    numbers.get((last as f64 * share) as usize).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,51 @@
+use std::path::PathBuf;
+
+use crate::graph::{self, GenerateError};
+use crate::mesh::GridError;
+use crate::store::{ChunkError, StoreError};
+
+/// Why a cave was not finished.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// The disk.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The generator could not make such a graph.
+    #[error("graph: {0}")]
+    Generate(#[from] GenerateError),
+    /// A graph file is faulty.
+    #[error("{}: {source}", path.display())]
+    GraphFile {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: graph::json::ReadError,
+    },
+    /// No grid of chunks fits.
+    #[error("mesh: {0}")]
+    Grid(#[from] GridError),
+    /// The folder holds another cave.
+    #[error("{}: holds another cave (its {stage} differs)", path.display())]
+    OtherCave {
+        /// Which folder.
+        path: PathBuf,
+        /// The first stage that differs.
+        stage: &'static str,
+    },
+    /// A chunk could not be textured.
+    #[error("texture: {0}")]
+    Texture(ChunkError),
+    /// The user stopped it.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<ChunkError> for PipelineError {
+    fn from(error: ChunkError) -> Self {
+        match error {
+            ChunkError::Store(error) => Self::Store(error),
+            other => Self::Texture(other),
+        }
+    }
+}

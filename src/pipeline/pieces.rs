@@ -1,0 +1,64 @@
+//! Convex pieces of every chunk, made when a target asks for them.
+
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::{Pipeline, PipelineError};
+use crate::mesh::{self, Mesh, PieceMeasures};
+use crate::store::{self, Stage, StoreError, Unit};
+
+impl Pipeline<'_> {
+    /// Makes every chunk's convex pieces.
+    ///
+    /// # Errors
+    /// When the meshes are not there, the disk refuses, or the observer stops.
+    pub fn pieces(&self) -> Result<(), PipelineError> {
+        let walls: Vec<Unit> = self.walls();
+        self.each(Stage::Pieces, &walls, |wall| {
+            if self.folder.finished(Stage::Pieces, &wall.name, &self.pieces_fingerprint)?.is_some() {
+                return Ok(());
+            }
+            let (mesh, around) = self.with_neighbours(&wall.name)?;
+            let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
+            let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
+            let facts = json!({"pieces": pieces.len()});
+            self.commit(Stage::Pieces, wall.name.clone(), &self.pieces_fingerprint, vec![file], facts)
+        })
+    }
+
+    /// Measures the convex pieces that are there.
+    ///
+    /// # Errors
+    /// When a mesh or a piece cannot be read.
+    pub fn measure_pieces(&self) -> Result<Vec<PieceMeasures>, PipelineError> {
+        let field = self.field();
+        let of_chunk = |unit: &Unit| {
+            let (mesh, around) = self.with_neighbours(&unit.name)?;
+            let pieces = store::read_pieces(self.folder, &unit.name)?;
+            Ok(mesh::measure_pieces(&pieces, &mesh, &around, &field, &self.recipe.pieces))
+        };
+        let chunks: Result<Vec<_>, PipelineError> = self.units(Stage::Pieces).par_iter().map(of_chunk).collect();
+        Ok(chunks?.concat())
+    }
+
+    /// The wall of a chunk, and those of the chunks around it.
+    fn with_neighbours(&self, name: &str) -> Result<(Mesh, Vec<Mesh>), StoreError> {
+        let mesh = store::read_mesh(self.folder, name)?;
+        let walls = self.walls();
+        let around = walls.iter().filter(|other| touch(name, &other.name));
+        let around: Result<Vec<_>, _> = around.map(|other| store::read_mesh(self.folder, &other.name)).collect();
+        Ok((mesh, around?))
+    }
+
+    /// Whether every wall has its convex pieces.
+    pub fn has_pieces(&self) -> bool {
+        let made = self.units(Stage::Pieces);
+        self.walls().iter().all(|wall| made.iter().any(|unit| unit.name == wall.name))
+    }
+}
+
+/// Whether two chunks lie side by side, or corner to corner.
+fn touch(one: &str, other: &str) -> bool {
+    let index = |name: &str| name.split('_').filter_map(|part| part.parse().ok()).collect::<Vec<i64>>();
+    one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
+}

@@ -1,0 +1,236 @@
+//! The laws of convex pieces, on real caves: every generator in every rock.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::chunks;
+use common::distance::{Near, corners, spread};
+use nalgebra::Vector3;
+use plume::field::{Bounds, CaveField, Field, PassageSettings};
+use plume::graph::{GENERATORS, GeneratorRow};
+use plume::material::{Look, MATERIALS, MaterialRow};
+use plume::mesh::measure::weld;
+use plume::mesh::{MOST_CORNERS, Mesh, MeshSettings, Piece, PieceSettings, QUANTA_PER_M, Zone, pieces};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use serde_json::json;
+
+type Point = Vector3<f64>;
+
+/// No piece is thinner, in metres.
+const LEAST_WIDTH_M: f64 = 0.002;
+
+/// A cave with its pieces, chunk by chunk.
+struct Cave {
+    name: String,
+    field: CaveField,
+    walls: Vec<Mesh>,
+    pieces: Vec<Vec<Piece>>,
+    settings: PieceSettings,
+}
+
+impl Cave {
+    fn new(generator: &GeneratorRow, material: &MaterialRow, seed: u64, chunk_m: f32) -> Self {
+        let graph = (generator.read)(json!({ "nodes": 8 })).unwrap().generate(seed).unwrap();
+        let rock = (material.read)(json!({})).unwrap();
+        let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
+        let mesh = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };
+        let walls: Vec<Mesh> = chunks(&field, field.bounds(), &mesh).into_iter().map(|chunk| chunk.visual).collect();
+        let settings = PieceSettings::default();
+        let of_chunk = |index: usize| pieces(&walls[index], &others(&walls, index), &settings);
+        let pieces = (0..walls.len()).into_par_iter().map(of_chunk).collect();
+        Self { name: format!("{} in {}, seed {seed}", generator.name, material.name), field, walls, pieces, settings }
+    }
+
+    fn all_pieces(&self) -> impl Iterator<Item = &Piece> {
+        self.pieces.iter().flatten()
+    }
+
+    /// Negative in the air.
+    fn field_at(&self, point: Point) -> f32 {
+        let (at, mut out) = ([[point.x as f32, point.y as f32, point.z as f32]], [0.0]);
+        self.field.distances(Bounds::around(&at), &at, &mut out);
+        out[0]
+    }
+}
+
+fn caves() -> Vec<Cave> {
+    let kinds = GENERATORS.iter().flat_map(|g| MATERIALS.iter().map(move |m| (g, m)));
+    let sizes = kinds.flat_map(|(g, m)| [(1, 8.0), (2, 16.0)].map(|(seed, chunk_m)| (g, m, seed, chunk_m)));
+    sizes.map(|(g, m, seed, chunk_m)| Cave::new(g, m, seed, chunk_m)).collect()
+}
+
+/// All chunks but one. That those further away change nothing is a law of its own.
+fn others(walls: &[Mesh], index: usize) -> Vec<Mesh> {
+    walls.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, wall)| wall.clone()).collect()
+}
+
+fn mesh_of(piece: &Piece) -> Mesh {
+    Mesh { positions: piece.positions.clone(), triangles: piece.triangles.clone(), ..Mesh::default() }
+}
+
+#[test]
+fn pieces_are_lawful() {
+    for cave in caves() {
+        assert!(cave.pieces.iter().zip(&cave.walls).all(|(pieces, wall)| pieces.len() < wall.triangles.len()));
+        for piece in cave.all_pieces() {
+            assert_convex(piece, &cave.name);
+        }
+        assert_in_the_rock(&cave);
+        assert_no_ray_escapes(&cave);
+    }
+}
+
+/// Closed, convex, neither flat nor thin, of few corners.
+fn assert_convex(piece: &Piece, cave: &str) {
+    let Piece { positions, triangles, .. } = piece;
+    assert!((4..=MOST_CORNERS).contains(&positions.len()), "{cave}: {} corners", positions.len());
+    assert_eq!(triangles.len(), 2 * positions.len() - 4, "{cave}: closed, and every vertex a corner");
+    let mut edges: Vec<_> = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    edges.sort_unstable();
+    assert!(edges.windows(2).all(|pair| pair[0] != pair[1]), "{cave}: an edge runs twice the same way");
+    assert!(edges.iter().all(|&[a, b]| edges.binary_search(&[b, a]).is_ok()), "{cave}: an open edge");
+    let place = |corner: u32| Vector3::from(positions[corner as usize].map(i64::from));
+    for &[a, b, c] in triangles {
+        let normal = (place(b) - place(a)).cross(&(place(c) - place(a)));
+        let heights = (0..positions.len() as u32).map(|corner| normal.dot(&(place(corner) - place(a))));
+        let (low, high) = heights.fold((0, 0), |(low, high), height| (low.min(height), high.max(height)));
+        assert_eq!(high, 0, "{cave}: a corner lies outside of a face");
+        let width_m = -low as f64 / normal.map(|c| c as f64).norm() / f64::from(QUANTA_PER_M);
+        assert!(width_m >= LEAST_WIDTH_M, "{cave}: {width_m} m wide");
+    }
+}
+
+/// No point of a piece is in the open and further from floors and from other walls than their tolerances.
+fn assert_in_the_rock(cave: &Cave) {
+    let whole = weld(&cave.walls);
+    let of_zone = |is_floor: bool| {
+        let is_wanted = |&&triangle: &&[u32; 3]| {
+            let [a, b, c] = corners(&whole, triangle);
+            let normal = (b - a).cross(&(c - a)).normalize();
+            (normal.z > Zone::STEEPEST_FLOOR) == is_floor
+        };
+        Mesh { triangles: whole.triangles.iter().filter(is_wanted).copied().collect(), ..whole.clone() }
+    };
+    let (floor_m, wall_m) = (f64::from(cave.settings.floor_tolerance_m), f64::from(cave.settings.wall_tolerance_m));
+    let (floors, walls) = (Near::new(&of_zone(true), 2.0 * floor_m), Near::new(&of_zone(false), 2.0 * wall_m));
+    cave.all_pieces().collect::<Vec<_>>().par_iter().for_each(|piece| {
+        let mesh = mesh_of(piece);
+        for point in mesh.triangles.iter().flat_map(|&face| spread(corners(&mesh, face), floor_m)) {
+            let is_near = floors.distance(point) <= floor_m || walls.distance(point) <= wall_m;
+            // The field is cheaper to ask; but here and there it is air behind the triangles.
+            let is_held = is_near || cave.field_at(point) > 0.0 || !is_in_the_air(&whole, point);
+            assert!(is_held, "{}: a piece is in the open at {point}", cave.name);
+        }
+    });
+}
+
+/// Whether a ray from a point leaves a closed mesh once more than it enters.
+fn is_in_the_air(whole: &Mesh, point: Point) -> bool {
+    let towards = Point::new(0.267, 0.534, 0.802);
+    let is_crossed = |&&triangle: &&[u32; 3]| {
+        let [a, b, c] = corners(whole, triangle).map(|corner| corner - point);
+        let side = |from: Point, to: Point| from.cross(&to).dot(&towards) > 0.0;
+        let normal = (b - a).cross(&(c - a));
+        side(a, b) == side(b, c) && side(b, c) == side(c, a) && normal.dot(&a) * normal.dot(&towards) > 0.0
+    };
+    whole.triangles.iter().filter(is_crossed).count() % 2 == 1
+}
+
+/// A ray from the air meets a piece, and does so near the wall.
+fn assert_no_ray_escapes(cave: &Cave) {
+    const RAYS: usize = 300;
+    let whole = weld(&cave.walls);
+    let near = Near::new(&whole, 0.2);
+    let all: Vec<Convex> = cave.all_pieces().map(Convex::of).collect();
+    let mut dice = Pcg64Mcg::seed_from_u64(7);
+    let bounds = cave.field.bounds();
+    let mut rays = Vec::new();
+    while rays.len() < RAYS {
+        let from = Point::from_fn(|i, _| dice.random_range(f64::from(bounds.min[i])..f64::from(bounds.max[i])));
+        let to = Point::from_fn(|_, _| dice.random_range(-1.0..1.0));
+        if cave.field_at(from) < -0.5 && (0.1..=1.0).contains(&to.norm()) {
+            rays.push((from, to.normalize()));
+        }
+    }
+    let most_m = f64::from(cave.settings.wall_tolerance_m);
+    rays.par_iter().for_each(|(from, to)| {
+        let met = all.iter().filter_map(|piece| piece.met_by(*from, *to)).fold(f64::INFINITY, f64::min);
+        assert!(met.is_finite(), "{}: the ray from {from} towards {to} meets nothing", cave.name);
+        let distance_m = near.distance(from + to * met);
+        assert!(distance_m <= most_m, "{}: a ray from {from} ends {distance_m} m from the wall", cave.name);
+    });
+}
+
+/// The planes of a piece: outward normals and offsets.
+struct Convex(Vec<(Point, f64)>);
+
+impl Convex {
+    fn of(piece: &Piece) -> Self {
+        let mesh = mesh_of(piece);
+        let plane = |&face: &[u32; 3]| {
+            let [a, b, c] = corners(&mesh, face);
+            let normal = (b - a).cross(&(c - a)).normalize();
+            (normal, normal.dot(&a))
+        };
+        Self(mesh.triangles.iter().map(plane).collect())
+    }
+
+    /// How far along a ray the piece begins.
+    fn met_by(&self, from: Point, to: Point) -> Option<f64> {
+        let (mut first, mut last) = (0.0, f64::INFINITY);
+        for (normal, offset) in &self.0 {
+            let (height, fall) = (normal.dot(&from) - offset, -normal.dot(&to));
+            match fall {
+                0.0 if height > 0.0 => return None,
+                0.0 => {}
+                _ if fall > 0.0 => first = f64::max(first, height / fall),
+                _ => last = f64::min(last, height / fall),
+            }
+        }
+        (first <= last).then_some(first)
+    }
+}
+
+#[test]
+fn chunks_further_away_change_nothing() {
+    let cave = Cave::new(&GENERATORS[0], &MATERIALS[0], 3, 8.0);
+    let reach = ((cave.settings.thickness_m + 8.0) * QUANTA_PER_M as f32) as i32;
+    for (index, wall) in cave.walls.iter().enumerate() {
+        let touches = |other: &Mesh| {
+            let near = |i: usize| {
+                let span = |mesh: &Mesh| {
+                    mesh.positions.iter().map(|p| p[i]).fold((i32::MAX, i32::MIN), |(l, h), c| (l.min(c), h.max(c)))
+                };
+                let ((low, high), (other_low, other_high)) = (span(wall), span(other));
+                other_low <= high + reach && other_high >= low - reach
+            };
+            (0..3).all(near)
+        };
+        let around: Vec<Mesh> = others(&cave.walls, index).into_iter().filter(touches).collect();
+        assert!(pieces(wall, &around, &cave.settings) == cave.pieces[index], "chunk {index}");
+    }
+}
+
+#[test]
+fn a_smaller_tolerance_takes_more_pieces() {
+    let cave = Cave::new(&GENERATORS[0], &MATERIALS[0], 1, 16.0);
+    let count = |tolerance_m: f32| {
+        let settings = PieceSettings {
+            floor_tolerance_m: tolerance_m,
+            wall_tolerance_m: tolerance_m,
+            ceiling_tolerance_m: tolerance_m,
+            ..PieceSettings::default()
+        };
+        pieces(&cave.walls[0], &others(&cave.walls, 0), &settings).len()
+    };
+    let counts = [0.02, 0.05, 0.1, 0.2].map(count);
+    assert!(counts.windows(2).all(|pair| pair[0] > pair[1]), "{counts:?}");
+    assert!(counts[3] * 20 < cave.walls[0].triangles.len(), "{counts:?}");
+}
+
+#[test]
+fn nothing_has_no_pieces() {
+    assert!(pieces(&Mesh::default(), &[], &PieceSettings::default()).is_empty());
+}
