@@ -1,0 +1,102 @@
+"""A MuJoCo package as the judges see it.
+
+The wall that everything is held to is the visual mesh, read from the OBJ files by trimesh: neither MuJoCo's reader nor its
+collision geometry has a part in it.
+"""
+
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import trimesh
+from trimesh.proximity import closest_point
+
+COLLISION_GROUP = 3
+# How far convex pieces may reach into the open beyond the visual mesh, metres, and how steep a floor may be.
+TOLERANCE_M = {"floor": 0.02, "wall": 0.05}
+FLOOR_UP = 0.7
+
+
+class Complaint(Exception):
+    """What is wrong with a package."""
+
+
+def require(truth, complaint):
+    if not truth:
+        raise Complaint(complaint)
+
+
+def name_of(package):
+    """The name of the cave: `<name>.xml` is the cave alone, `<name>_rover.xml` has the rover in it."""
+    names = [file.name.removesuffix("_rover.xml") for file in package.glob("*_rover.xml")]
+    names = [name for name in names if (package / f"{name}.xml").is_file()]
+    require(len(names) == 1, f"expected one cave with a rover in {package.name}, found {names}")
+    return names[0]
+
+
+def cave_spec(package):
+    """The cave alone, to be edited."""
+    return mujoco.MjSpec.from_file(str(package / f"{name_of(package)}.xml"))
+
+
+def rover_model(package):
+    """The cave with the rover in it."""
+    return mujoco.MjModel.from_xml_path(str(package / f"{name_of(package)}_rover.xml"))
+
+
+class Wall:
+    """The wall of a cave: triangles that face the open."""
+
+    def __init__(self, package):
+        spec, name = cave_spec(package), name_of(package)
+        drawn = {geom.meshname for geom in spec.geoms if geom.classname.name == f"{name}_visual"}
+        folder = package / spec.meshdir
+        files = [folder / mesh.file for mesh in spec.meshes if mesh.name in drawn]
+        require(files, "the package has no visual mesh")
+        self.mesh = trimesh.util.concatenate([bare(file) for file in files])
+        self.mesh.merge_vertices(digits_vertex=5)
+        require(self.mesh.is_watertight, "the visual mesh is not closed")
+        require(self.mesh.volume < 0, "the visual mesh faces the rock")
+
+    @property
+    def bounds(self):
+        return self.mesh.bounds
+
+    def nearest(self, points):
+        """The nearest point of the wall; how far it is, positive from the open and negative from the rock; and how far pieces may
+        stand out there."""
+        places, distances_m, triangles = closest_point(self.mesh, points)
+        open_m = np.where(self.mesh.contains(points), distances_m, -distances_m)
+        is_floor = self.mesh.face_normals[triangles, 2] > FLOOR_UP
+        return places, open_m, np.where(is_floor, TOLERANCE_M["floor"], TOLERANCE_M["wall"])
+
+    def free_points(self, count, clearance_m, dice):
+        """Points in the open, this far from the wall at least, spread evenly over the volume."""
+        found = np.empty((0, 3))
+        while len(found) < count:
+            points = dice.uniform(*self.bounds, (4 * count, 3))
+            points = points[self.mesh.contains(points)]
+            found = np.concatenate([found, points[self.nearest(points)[1] >= clearance_m]])
+        return found[:count]
+
+    def first_hits_m(self, points, directions):
+        """How far rays go to the wall; infinity where there is none."""
+        along_m = np.full(len(points), np.inf)
+        places, rays, _ = self.mesh.ray.intersects_location(points, directions, multiple_hits=False)
+        along_m[rays] = np.linalg.norm(places - points[rays], axis=1)
+        return along_m
+
+
+def bare(file):
+    """Triangles of an OBJ, without what is for cameras."""
+    mesh = trimesh.load_mesh(file, process=False, maintain_order=True)
+    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+
+
+def run(judge):
+    """Runs a judge on the package that the command line names; its praise goes to stdout, complaints to stderr."""
+    try:
+        print(judge(Path(sys.argv[1]), *map(Path, sys.argv[2:])))
+    except (Complaint, ValueError) as complaint:
+        sys.exit(str(complaint))
