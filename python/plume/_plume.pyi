@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, final, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from typing_extensions import disjoint_base
 
 __all__ = [
@@ -231,6 +231,7 @@ class Cave:
     def lights(self) -> list[Light]:
         """The lamps along the passages; none if the recipe says `world.lights = false`."""
 
+    def distance(self, points: ArrayLike) -> NDArray[np.float32]: ...
     def export(self, target: str, path: str | PathLike[str], *, force: bool = False, **options: Any) -> Package:
         """Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
 
