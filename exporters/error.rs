@@ -77,6 +77,16 @@ pub enum ExportError {
         /// Bytes the file would have.
         bytes: u64,
     },
+    /// An image is of a kind that the simulator does not read.
+    #[error("target `{target}` takes {wanted} images only: {}", path.display())]
+    UnfitImage {
+        /// Name of the target.
+        target: &'static str,
+        /// The image.
+        path: PathBuf,
+        /// The kind that it reads.
+        wanted: &'static str,
+    },
     /// A library that the target is written by is not there, or not the right one.
     #[error("{message}")]
     MissingPart {
@@ -115,6 +125,7 @@ impl ExportError {
             Self::NotEmpty { .. } => Some("name a new folder, or replace the package with `--force`"),
             Self::NotOurs { .. } => Some("name a new folder, or empty this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
+            Self::UnfitImage { .. } => Some("make the cave with other images: `--set texture.format=png`"),
             Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {
                 Some("free some space, or make smaller textures")
             }
@@ -132,6 +143,7 @@ impl ExportError {
                 | Self::NotOurs { .. }
                 | Self::NotAFolder { .. }
                 | Self::TooLarge { .. }
+                | Self::UnfitImage { .. }
         )
     }
 }

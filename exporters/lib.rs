@@ -14,6 +14,8 @@ pub mod frame;
 pub mod gazebo;
 pub mod gltf;
 pub mod isaac;
+pub mod msh;
+pub mod mujoco;
 pub mod names;
 pub mod obj;
 pub mod package;
@@ -101,7 +103,7 @@ impl TargetRow {
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, usd::ROW, usdz::ROW, gltf::ROW];
+pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW];
 
 /// The row called `name`.
 ///

@@ -250,7 +250,7 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
         "recipe": scene.recipe,
         "chunks": payloads,
         "spawns": scene.spawns.iter().map(pose).collect::<Vec<_>>(),
-        "camera": pose(&frame::usd_camera_from_body(&view)),
+        "camera": pose(&frame::camera_from_body(&view)),
         "lights": [],
     });
     if contents.light_scale > 0.0 {
