@@ -1,7 +1,7 @@
 """A MuJoCo package as the judges see it.
 
-The wall that everything is held to is the visual mesh, read from the OBJ files by trimesh: neither MuJoCo's reader nor its
-collision geometry has a part in it.
+The wall that everything is held to is the visual mesh, as its files have it, in the hands of trimesh: MuJoCo's own geometry has
+no part in it.
 """
 
 import sys
@@ -51,11 +51,10 @@ class Wall:
     def __init__(self, package):
         spec, name = cave_spec(package), name_of(package)
         drawn = {geom.meshname for geom in spec.geoms if geom.classname.name == f"{name}_visual"}
-        folder = package / spec.meshdir
-        files = [folder / mesh.file for mesh in spec.meshes if mesh.name in drawn]
+        files = [package / spec.meshdir / mesh.file for mesh in spec.meshes if mesh.name in drawn]
         require(files, "the package has no visual mesh")
-        self.mesh = trimesh.util.concatenate([bare(file) for file in files])
-        self.mesh.merge_vertices(digits_vertex=5)
+        self.mesh = trimesh.util.concatenate([read_msh(file) for file in files])
+        self.mesh.merge_vertices()
         require(self.mesh.is_watertight, "the visual mesh is not closed")
         require(self.mesh.volume < 0, "the visual mesh faces the rock")
 
@@ -88,10 +87,13 @@ class Wall:
         return along_m
 
 
-def bare(file):
-    """Triangles of an OBJ, without what is for cameras."""
-    mesh = trimesh.load_mesh(file, process=False, maintain_order=True)
-    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+def read_msh(file):
+    """The triangles of a mesh in MuJoCo's own format: four counts, then vertices, normals, texture coordinates, faces."""
+    content = file.read_bytes()
+    vertices, normals, coordinates, faces = np.frombuffer(content, "<i4", 4)
+    positions = np.frombuffer(content, "<f4", 3 * vertices, 16).reshape(-1, 3)
+    before = 16 + 4 * (3 * vertices + 3 * normals + 2 * coordinates)
+    return trimesh.Trimesh(positions, np.frombuffer(content, "<i4", 3 * faces, before).reshape(-1, 3), process=False)
 
 
 def run(judge):
