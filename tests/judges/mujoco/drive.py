@@ -20,8 +20,8 @@ import numpy as np
 import plume
 from floor import heights_m
 from package import TOLERANCE_M, Wall, require, run
+from route import route
 from rover import Rover
-from route import Line, route
 from scipy.spatial import cKDTree
 
 ROUTE_M = 22.0
@@ -50,7 +50,7 @@ class Track(NamedTuple):
 
 
 def judge(package, folder):
-    rover, wall = Rover(package), Wall(package)
+    rover, wall = Rover.of(package), Wall(package)
     rover.run(1.0)  # it comes down on its wheels
     with plume.open(folder) as cave:
         line = route(cave.graph.positions, cave.graph.edges, rover.position, rover.axes[:, 0], ROUTE_M)

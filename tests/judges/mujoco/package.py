@@ -40,11 +40,6 @@ def cave_spec(package):
     return mujoco.MjSpec.from_file(str(package / f"{name_of(package)}.xml"))
 
 
-def rover_model(package):
-    """The cave with the rover in it."""
-    return mujoco.MjModel.from_xml_path(str(package / f"{name_of(package)}_rover.xml"))
-
-
 class Wall:
     """The wall of a cave: triangles that face the open."""
 

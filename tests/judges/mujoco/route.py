@@ -2,6 +2,8 @@
 
 import numpy as np
 
+SOON_M = 1.0  # here a route shows which way it goes
+
 
 class Line:
     """A line from point to point."""
@@ -37,7 +39,7 @@ def route(stations, passages, start, ahead, length_m):
     It goes ahead from the start if any does, so that the rover need not turn on the spot.
     """
     lines = list(ways(stations, passages.tolist(), start, length_m))
-    lines = [line for line in lines if (line.corners[1] - start)[:2] @ ahead[:2] > 0] or lines
+    lines = [line for line in lines if (line.at(SOON_M) - start)[:2] @ ahead[:2] > 0] or lines
     return min(lines, key=lambda line: line.steepness)
 
 

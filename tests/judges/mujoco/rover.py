@@ -2,7 +2,7 @@
 
 import mujoco
 import numpy as np
-from package import name_of, require, rover_model
+from package import name_of, require
 
 WHEELS = ["front_left", "front_right", "rear_left", "rear_right"]
 SIDES = np.array([1, -1, 1, -1])  # left is where a turn to the left takes back
@@ -11,16 +11,20 @@ SIDES = np.array([1, -1, 1, -1])  # left is where a turn to the left takes back
 class Rover:
     """The rover in its cave, at the start keyframe."""
 
-    def __init__(self, package):
-        name = name_of(package)
-        self.model = rover_model(package)
-        self.data = mujoco.MjData(self.model)
-        mujoco.mj_resetDataKeyframe(self.model, self.data, self.model.keyframe(f"{name}_start").id)
-        mujoco.mj_forward(self.model, self.data)
+    def __init__(self, model, name):
+        self.model, self.data = model, mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, self.data, model.keyframe(f"{name}_start").id)
+        mujoco.mj_forward(model, self.data)
         self.wheels = [self.model.joint(f"rover_wheel_{wheel}").bodyid[0] for wheel in WHEELS]
         self.drives = [self.model.actuator(f"rover_drive_{wheel}").id for wheel in WHEELS]
         self.wheel_radius_m = self.model.geom_size[self.tyre(self.wheels[0])][0]
         self.track_m = np.linalg.norm(self.data.xpos[self.wheels[0]] - self.data.xpos[self.wheels[1]])
+
+    @classmethod
+    def of(cls, package):
+        """That of a package."""
+        name = name_of(package)
+        return cls(mujoco.MjModel.from_xml_path(str(package / f"{name}_rover.xml")), name)
 
     def tyre(self, wheel):
         """The geom by which a wheel touches."""
@@ -35,8 +39,7 @@ class Rover:
         self.data.ctrl[self.drives] = rims_m_s / self.wheel_radius_m
 
     def run(self, duration_s):
-        for _ in range(round(duration_s / self.model.opt.timestep)):
-            mujoco.mj_step(self.model, self.data)
+        mujoco.mj_step(self.model, self.data, round(duration_s / self.model.opt.timestep))
         require(np.isfinite(self.data.qpos).all(), "the simulation diverged")
 
     @property
