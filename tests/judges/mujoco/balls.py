@@ -17,7 +17,6 @@ CAVE_DIR, over the floor of the field that the cave was made from.
 
 import mujoco
 import numpy as np
-import plume
 from floor import heights_m
 from package import Wall, cave_spec, require, run
 
@@ -46,6 +45,8 @@ def judge(package, cave=None):
     praise = f"MuJoCo: {COUNT} balls at rest, over the visual mesh {figures(gaps_m)}"
     if cave is None:
         return praise
+    import plume  # only here, so that a package alone needs none
+
     touches = rests + (nearest - rests) * (RADIUS_M / open_m)[:, None]
     with plume.open(cave) as cave:
         return f"{praise}; where they touch, over the field's floor {figures(heights_m(cave, touches))}"

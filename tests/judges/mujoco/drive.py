@@ -2,8 +2,8 @@
 
     drive.py PACKAGE_DIR CAVE_DIR
 
-From the start keyframe it follows the centreline by pure pursuit: it looks a metre ahead on the line and turns towards that
-point. It must pass 20 m of the line within two minutes, and on its way
+From the start keyframe, where the rock must hold it by the friction of the recipe, it follows the centreline by pure pursuit: it
+looks a metre ahead on the line and turns towards that point. It must pass 20 m of the line within two minutes, and on its way
 
 - stay inside: the middle between its wheels is in the open by the visual mesh;
 - stay on its wheels: it never leans more than 50 degrees;
@@ -53,6 +53,7 @@ def judge(package, folder):
     rover, wall = Rover.of(package), Wall(package)
     rover.run(1.0)  # it comes down on its wheels
     with plume.open(folder) as cave:
+        check_grip(rover, cave.recipe["world.friction"])
         line = route(cave.graph.positions, cave.graph.edges, rover.position, rover.axes[:, 0], ROUTE_M)
         track = follow(rover, line)
         picture = package.with_name(f"{package.name}_drive.png")
@@ -72,6 +73,13 @@ def judge(package, folder):
         f"MuJoCo: the rover drives {passed_m:.1f} m in {track.times_s[-1]:.0f} s, leans {lean_deg:.0f} degrees and sinks "
         f"{sunk_m * 1000:.1f} mm at most: see {picture}"
     )
+
+
+def check_grip(rover, friction):
+    """The rover stands on its start pose: the rock must hold it as the recipe says, and not as the engine or a tyre does."""
+    grips = rover.data.contact.friction[:, 0]
+    require(len(grips) > 0, "the rover does not stand on rock at the start")
+    require(np.allclose(grips, friction), f"friction under the rover is {grips.round(3)}, and {friction} in the recipe")
 
 
 def follow(rover, line):

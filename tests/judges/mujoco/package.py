@@ -13,7 +13,7 @@ import trimesh
 from trimesh.proximity import closest_point
 
 COLLISION_GROUP = 3
-# How far convex pieces may reach into the open beyond the visual mesh, metres, and how steep a floor may be.
+# How far convex pieces may reach into the open beyond the visual mesh by default, metres, and how upright a floor's normal is.
 TOLERANCE_M = {"floor": 0.02, "wall": 0.05}
 FLOOR_UP = 0.7
 

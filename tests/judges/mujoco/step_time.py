@@ -28,16 +28,16 @@ def judge(package):
     name = name_of(package)
     whole = mujoco.MjModel.from_xml_path(str(package / f"{name}_rover.xml"))
     start = whole.key(f"{name}_start").qpos[:3]
-    chunks = [body for body in map(whole.body, range(whole.nbody)) if body.name.startswith(f"{name}_chunk")]
-    chunks.sort(key=lambda chunk: np.linalg.norm(whole.geom_pos[chunk.geomadr[0]] - start))
-    kept = [chunk.name.removeprefix(f"{name}_") for chunk in chunks]
+    parts = ElementTree.parse(package / f"assets/{name}.mjcf").getroot().findall("include")
+    chunks = [Path(part.get("file")).stem for part in parts]
+    chunks.sort(key=lambda chunk: np.linalg.norm(whole.geom(f"{name}_{chunk}").pos - start))
 
     print(f"{'':12}{'pieces':>8}{'compile s':>11}{'step µs':>9}{'ratio':>7}{'contacts':>10}")
     plane_us = None
-    for count in [0, *(count for count in CUTS if count < len(kept)), len(kept)]:
+    for count in [0, *(count for count in CUTS if count < len(chunks)), len(chunks)]:
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(package, folder, dirs_exist_ok=True)
-            cut(Path(folder) / f"assets/{name}.mjcf", kept[:count], start)
+            cut(Path(folder) / f"assets/{name}.mjcf", chunks[:count], start)
             pieces, compile_s, step_us, contacts = measure(Path(folder), name)
         plane_us = plane_us or step_us
         title = f"{count} chunks" if count else "plane"
