@@ -27,6 +27,7 @@ from scipy.spatial import cKDTree
 ROUTE_M = 22.0
 ARRIVED_M = 20.0
 DURATION_S = 120.0
+STUCK_S = 10.0
 SPEED_M_S = 0.5
 LOOK_AHEAD_M = 1.0
 TURN_GAIN = 3.0  # rad/s for each rad off course; tuned: skidding wheels turn less than they are told
@@ -83,10 +84,11 @@ def check_grip(rover, friction):
 
 
 def follow(rover, line):
-    """Drives to the end of the line, or until the time is up or the rover lies on its side."""
-    rows, passed_m = [], 0.0
-    while rover.data.time < DURATION_S and passed_m < ARRIVED_M:
-        passed_m = line.along_m(rover.position, passed_m, LOOK_AHEAD_M)
+    """Drives to the end of the line, or until the time is up or the rover is stuck or lies on its side."""
+    rows, passed_m, passed_at_s = [], 0.0, rover.data.time
+    while passed_m < ARRIVED_M and rover.data.time < min(DURATION_S, passed_at_s + STUCK_S):
+        before_m, passed_m = passed_m, line.along_m(rover.position, passed_m, LOOK_AHEAD_M)
+        passed_at_s = rover.data.time if passed_m > before_m else passed_at_s
         target = line.at(passed_m + LOOK_AHEAD_M) - rover.position
         ahead, left, up = rover.axes.T
         off_course_rad = np.arctan2(target @ left, target @ ahead)

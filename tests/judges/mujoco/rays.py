@@ -2,6 +2,7 @@
 
     rays.py PACKAGE_DIR
 
+Bodies collide with the convex hull of a mesh, rays with its triangles: so first every collision mesh must be convex.
 Rays go from random points in the open in random directions. All must end; and at the end of each the collision geometry must not
 stand further out of the visual mesh than the tolerance of the pieces (floor 2 cm, elsewhere 5 cm), nor lie further
 behind it. A ray that grazes a wall may well end far from where the visual mesh stops it, so it is the distance of its end
@@ -17,6 +18,7 @@ RAYS = 50  # from each point
 SEED = 2
 CLEARANCE_M = 0.06  # beyond any tolerance: no ray starts in a piece
 SLACK_M = 0.001
+SLIVER_M = 1e-4  # a triangle that is less wide faces anywhere
 
 
 def judge(package):
@@ -24,7 +26,9 @@ def judge(package):
     points = wall.free_points(POINTS, CLEARANCE_M, dice)
     directions = dice.normal(size=(POINTS, RAYS, 3))
     directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-    along_m = shoot(cave_spec(package).compile(), points, directions).ravel()
+    model = cave_spec(package).compile()
+    check_convex(model)
+    along_m = shoot(model, points, directions).ravel()
     starts, directions = np.repeat(points, RAYS, axis=0), directions.reshape(-1, 3)
     lost = along_m < 0
     require(
@@ -43,6 +47,23 @@ def judge(package):
         f"MuJoCo: {len(ends)} rays end from {-open_m.min() * 1000:.1f} mm behind to {open_m.max() * 1000:.1f} mm before the "
         f"visual mesh; along the ray they differ by {middle:.1f} mm (half of them), {most:.1f} mm (99 of 100)"
     )
+
+
+def check_convex(model):
+    pieces = (model.geom_group == COLLISION_GROUP) & (model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)
+    for geom in np.flatnonzero(pieces):
+        mesh = model.mesh(model.geom_dataid[geom])
+        vertices = model.mesh_vert[mesh.vertadr[0] :][: mesh.vertnum[0]].astype(float)
+        first, second, third = vertices[model.mesh_face[mesh.faceadr[0] :][: mesh.facenum[0]]].transpose(1, 0, 2)
+        normals = np.cross(second - first, third - first)
+        doubled_m2 = np.linalg.norm(normals, axis=1)
+        longest_m = np.linalg.norm([second - first, third - second, first - third], axis=2).max(axis=0)
+        fat = doubled_m2 > SLIVER_M * longest_m
+        normals = normals[fat] / doubled_m2[fat, None]
+        out_m = (vertices @ normals.T - (first[fat] * normals).sum(axis=1)).max(initial=0)
+        require(
+            out_m < SLACK_M, f"mesh {mesh.name} collides but is not convex: a vertex is {out_m:.3f} m before a face"
+        )
 
 
 def shoot(model, points, directions):

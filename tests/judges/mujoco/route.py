@@ -1,6 +1,7 @@
 """A way along the passages of a cave for a rover."""
 
 import numpy as np
+from package import require
 
 SOON_M = 1.0  # here a route shows which way it goes
 
@@ -40,6 +41,7 @@ def route(stations, passages, start, ahead, length_m):
     """
     lines = list(ways(stations, passages.tolist(), start, length_m))
     lines = [line for line in lines if (line.at(SOON_M) - start)[:2] @ ahead[:2] > 0] or lines
+    require(lines, f"the passages from the start go on for less than {length_m} m")
     return min(lines, key=lambda line: line.steepness)
 
 

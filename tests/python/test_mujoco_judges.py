@@ -1,0 +1,136 @@
+"""The judges of MuJoCo packages: they praise a good one, and complain about each way of spoiling it."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+JUDGES = Path(__file__).parents[1] / "judges/mujoco"
+SMALL = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"]
+ZONES = ["cave_floor", "cave_wall", "cave_ceiling"]
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    """A package; beside it lies the cave that it was made from."""
+    folder = tmp_path_factory.mktemp("mujoco")
+    places = ["--output", str(folder / "package"), "--keep", str(folder / "cave")]
+    export = [sys.executable, "-m", "plume", "export", "--target", "mujoco", "--quiet", *places, *SMALL]
+    subprocess.run(export, check=True)
+    return folder / "package"
+
+
+def judge(name, package, cave):
+    """Exit code and all that was said."""
+    arguments = [package, cave] if name == "drive" else [package]
+    result = subprocess.run([sys.executable, JUDGES / f"{name}.py", *arguments], capture_output=True, text=True)
+    return result.returncode, result.stdout + result.stderr
+
+
+@pytest.mark.parametrize("name", ["balls", "rays", "drive"])
+def test_a_good_package_is_praised(name, package):
+    code, said = judge(name, package, package.with_name("cave"))
+    assert code == 0, said
+
+
+def in_parts(change):
+    """A change of what each chunk's fragment adds to the world."""
+
+    def spoil(package):
+        for file in sorted(package.glob("assets/chunk_*.mjcf")):
+            tree = ElementTree.parse(file)
+            change(tree.getroot())
+            tree.write(file)
+
+    return spoil
+
+
+def pieces(root):
+    return [geom for geom in root.iter("geom") if geom.get("class") in ZONES]
+
+
+def move_up(height_m):
+    return in_parts(lambda root: [geom.set("pos", f"0 0 {height_m}") for geom in pieces(root)])
+
+
+def take_visual_mesh(root):
+    """The control: MuJoCo takes the convex hull of a mesh and says nothing."""
+    first, *_ = found = pieces(root)
+    visual = root.find(".//geom[@class='cave_visual']")
+    first.set("mesh", visual.get("mesh"))
+    drop(root, found[1:])
+
+
+def drop(root, geoms):
+    for parent in list(root.iter()):
+        for geom in [child for child in parent if child in geoms]:
+            parent.remove(geom)
+
+
+def drop_largest_piece(root):
+    sizes = {
+        mesh.get("name"): np.ptp(np.fromstring(mesh.get("vertex"), sep=" ").reshape(-1, 3), axis=0).prod()
+        for mesh in root.iter("mesh")
+        if mesh.get("vertex")
+    }
+    drop(root, [max(pieces(root), key=lambda geom: sizes[geom.get("mesh")])])
+
+
+def flip(package):
+    for file in package.glob("assets/*.msh"):
+        content = bytearray(file.read_bytes())
+        faces = np.frombuffer(content, "<i4", 4)[3]
+        corners = np.frombuffer(content, "<i4", offset=len(content) - 12 * faces).reshape(-1, 3)
+        content[len(content) - 12 * faces :] = corners[:, ::-1].tobytes()
+        file.write_bytes(content)
+
+
+def replace(file, old, new):
+    def spoil(package):
+        text = (package / file).read_text()
+        assert old in text
+        (package / file).write_text(text.replace(old, new))
+
+    return spoil
+
+
+def forget_friction(package):
+    tree = ElementTree.parse(package / "assets/cave.mjcf")
+    for geom in tree.getroot().iter("geom"):
+        geom.attrib.pop("friction", None)
+    tree.write(package / "assets/cave.mjcf")
+
+
+def forget_chunk(package):
+    tree = ElementTree.parse(package / "assets/cave.mjcf")
+    tree.getroot().remove(tree.getroot().find("include"))
+    tree.write(package / "assets/cave.mjcf")
+
+
+SPOILS = {
+    "the visual mesh as collision, for balls": ("balls", in_parts(take_visual_mesh), "of 1000 balls are"),
+    "the visual mesh as collision, for rays": ("rays", in_parts(take_visual_mesh), "is not convex"),
+    "pieces that stand out": ("balls", move_up(0.1), "in the air"),
+    "pieces that lie too deep": ("balls", move_up(-0.1), "too deep"),
+    "pieces that stand out, for rays": ("rays", move_up(0.1), "in the open"),
+    "a hole": ("rays", in_parts(drop_largest_piece), "rays"),
+    "a mesh inside out": ("rays", flip, "faces the rock"),
+    "a missing chunk": ("rays", forget_chunk, "is not closed"),
+    "no friction": ("drive", forget_friction, "friction under the rover is"),
+    "wheels in the rock": ("drive", move_up(-0.1), "m into the rock"),
+    "a rover without power": ("drive", replace("cave_rover.xml", 'kv="30"', 'kv="0.1"'), "gets no further"),
+}
+
+
+@pytest.mark.parametrize("fault", SPOILS)
+def test_a_spoiled_package_is_noticed(fault, package, tmp_path):
+    name, spoil, complaint = SPOILS[fault]
+    spoiled = tmp_path / "package"
+    shutil.copytree(package, spoiled)
+    spoil(spoiled)
+    code, said = judge(name, spoiled, package.with_name("cave"))
+    assert code == 1 and complaint in said, said
