@@ -16,14 +16,10 @@ pub use self::error::CaveError;
 pub use self::input::{Input, preset, read};
 pub use self::target::{build, export, target};
 use crate::assemble::{self, FolderChunks};
-use crate::field::{Bounds, Field};
 use crate::graph::Graph;
 use crate::pipeline::{self, Observer, Pipeline, PipelineError};
 use crate::recipe::Recipe;
 use crate::store::{CaveFolder, Stage, Unit};
-
-/// Edge of the cells whose points are asked of the field together, in metres. Tuned.
-const TOGETHER_M: f32 = 4.0;
 
 /// A finished cave in its folder.
 pub struct Cave {
@@ -114,19 +110,7 @@ impl Cave {
 
     /// The [field](crate::field) at finite `points` in metres: negative in air, zero on the wall, positive in rock.
     pub fn distances(&self, points: &[[f32; 3]]) -> Vec<f32> {
-        let field = pipeline::field(&self.recipe, &self.graph);
-        // Points that are asked together should be near each other: they share the search for passages.
-        let cell = |&point: &usize| points[point].map(|coordinate| (coordinate / TOGETHER_M).floor() as i64);
-        let mut order: Vec<usize> = (0..points.len()).collect();
-        order.sort_by_cached_key(cell);
-        let mut distances = vec![0.0; points.len()];
-        for together in order.chunk_by(|one, other| cell(one) == cell(other)) {
-            let near: Vec<[f32; 3]> = together.iter().map(|&point| points[point]).collect();
-            let mut found = vec![0.0; near.len()];
-            field.distances(Bounds::around(&near), &near, &mut found);
-            together.iter().zip(found).for_each(|(&point, distance)| distances[point] = distance);
-        }
-        distances
+        pipeline::field(&self.recipe, &self.graph).scattered(points)
     }
 
     /// The scene, with start poses and lamps.
