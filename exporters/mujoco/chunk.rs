@@ -1,6 +1,8 @@
 //! A chunk in MJCF: its images, its visual mesh, and what wheels touch.
 //!
 //! The numbers of collision shapes are inline: 5000 pieces compile in 0.6 s and 217 MB so, in 0.9 s and 302 MB from files.
+//! All geoms are the world's: with a static body per chunk MuJoCo moves 23,644 pieces in each step, which takes 0.9 ms
+//! instead of 0.3 ms.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -68,7 +70,7 @@ impl Rock {
         writeln!(file, "  <deformable>")?;
         for (zone, faces) in slope::zones(mesh).into_iter().filter(|(_, faces)| !faces.is_empty()) {
             let part = part(mesh, &faces);
-            let flex = format!(r#"name="{name}_{}" dim="2" body="{name}" group="3""#, zone.name());
+            let flex = format!(r#"name="{name}_{}" dim="2" body="world" group="3""#, zone.name());
             write!(file, r#"    <flex {flex} radius="{FLEX_RADIUS_M}" rgba="0.5 0.5 0.9 0.3" vertex=""#)?;
             write_numbers(file, &part.positions)?;
             write!(file, r#"" element=""#)?;
@@ -136,11 +138,12 @@ pub fn write_elements(file: &mut dyn Write, scene: &Scene, chunk: &str, rock: &R
     writeln!(file, "    </material>")?;
     writeln!(file, r#"    <mesh name="{name}" file="assets/{chunk}.msh" inertia="shell"/>"#)?;
     rock.write_assets(file, &name)?;
-    writeln!(file, "  </asset>\n  <worldbody>\n    <body name=\"{name}\">")?;
+    // A frame and not a body: geoms of the world cost no time in a step.
+    writeln!(file, "  </asset>\n  <worldbody>\n    <frame name=\"{name}\">")?;
     let scene_name = &scene.name;
     writeln!(file, r#"      <geom name="{name}" class="{scene_name}_visual" mesh="{name}" material="{name}"/>"#)?;
     rock.write_geoms(file, scene_name, &name)?;
-    writeln!(file, "    </body>\n  </worldbody>")?;
+    writeln!(file, "    </frame>\n  </worldbody>")?;
     rock.write_flexes(file, scene.friction, &name)
 }
 
