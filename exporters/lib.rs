@@ -9,6 +9,7 @@ use std::sync::Arc;
 use schemars::Schema;
 use serde_json::Value;
 
+pub mod bundle;
 pub mod error;
 pub mod frame;
 pub mod gazebo;
@@ -21,11 +22,13 @@ pub mod obj;
 pub mod package;
 mod pinch;
 pub mod scene;
+mod slope;
 pub mod stage;
 mod template;
 pub mod usd;
 pub mod usdz;
 
+use bundle::Bundle;
 pub use error::ExportError;
 use package::Package;
 use scene::Scene;
@@ -63,6 +66,8 @@ pub struct TargetRow {
     pub summary: &'static str,
     /// What opens the package.
     pub opened_by: &'static str,
+    /// Kinds of files that a package can become.
+    pub bundles: &'static [Bundle],
     /// JSON schema of the settings: meaning, unit, default and range of each.
     pub settings: fn() -> Schema,
     /// Makes the target.
