@@ -64,7 +64,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 10] = [
+const JUDGES: [Judge; 11] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -72,6 +72,7 @@ const JUDGES: [Judge; 10] = [
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
     Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
+    Judge { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
     Judge { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
     Judge { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },

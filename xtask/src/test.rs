@@ -18,6 +18,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     show(cargo().args(test).args(arguments))?;
     drop_balls()?;
     let plume = Plume::package()?;
+    judge::mujoco::make()?;
     let python = judge::usd::environment()?.python();
     for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &["pytest", "--quiet"]]
     {
@@ -41,8 +42,9 @@ fn drive_through(plume: &Plume) -> Result<()> {
     let places = ["--output", &package, "--keep", &cave];
     let export = ["export", "--target", "mujoco", "--force", "--set", "texture.size_px=256"];
     plume.output(&[&export[..], &places[..]].concat())?;
-    judge::only("balls", package.as_ref())?;
-    judge::only("rays", package.as_ref())?;
+    for judge in ["compile", "balls", "rays"] {
+        judge::only(judge, package.as_ref())?;
+    }
     println!("{}", judge::mujoco::drive(package.as_ref())?);
     Ok(())
 }

@@ -2,8 +2,8 @@
 
     picture.py PACKAGE_DIR OUT.png
 
-MUJOCO_GL chooses the library: `osmesa` (Debian: libosmesa6) draws without a screen. Nothing is judged but that there is
-something to see: light and dark, and no hole in the rock.
+MUJOCO_GL chooses the library: `osmesa` (Debian: libosmesa6) draws without a screen. The picture is to be looked at; judged is only
+that it is not all dark or all bright.
 """
 
 import mujoco

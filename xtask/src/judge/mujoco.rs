@@ -7,17 +7,22 @@ use crate::tools::{Result, root, run};
 use crate::venv::Environment;
 
 /// Where MuJoCo lives, beside the package.
-pub fn environment() -> Result<Environment> {
+fn environment() -> Result<Environment> {
     Environment::of_project()?.with("tests/judges/mujoco/requirements.txt")
 }
 
-pub(super) fn make() -> Result<()> {
+/// Gets it.
+pub fn make() -> Result<()> {
     environment().map(drop)
 }
 
 /// The folder of the cave that a package was made from, if it was kept.
-pub fn cave_of(package: &Path) -> PathBuf {
+fn cave_of(package: &Path) -> PathBuf {
     package.with_extension("cave")
+}
+
+pub(super) fn compile(package: &Path) -> Result<Command> {
+    script("compile.py", package)
 }
 
 pub(super) fn drop_balls(package: &Path) -> Result<Command> {
