@@ -6,8 +6,8 @@ Every ball starts in the open, none touches another, and each must come to rest 
 
 - its centre is in the open by the visual mesh;
 - it was slower than 5 cm/s for half a second, 12 s after the drop at the latest;
-- the nearest point of the visual mesh is one radius from its centre, give or take the tolerance of the pieces there (floor
-  2 cm, elsewhere 5 cm) and 2 mm for the soft contacts of MuJoCo.
+- the nearest point of the visual mesh is one radius from its centre, give or take the tolerance of the pieces it touches (floor
+  2 cm, others 5 cm) and 2 mm for the soft contacts of MuJoCo.
 
 The balls do not turn, so they slide to a stop where the friction of the rock holds them, instead of rolling for minutes; on
 steeper rock they go on until something stops them, and the air drags on them, so that they do not get faster and faster. Neither
@@ -18,7 +18,7 @@ CAVE_DIR, over the floor of the field that the cave was made from.
 import mujoco
 import numpy as np
 from floor import heights_m
-from package import Wall, cave_spec, require, run
+from package import Wall, cave_spec, require, run, tolerances_m
 
 COUNT = 1000
 SEED = 1
@@ -34,11 +34,11 @@ SLACK_M = 0.002
 def judge(package, cave=None):
     wall = Wall(package)
     starts = wall.free_points(COUNT, RADIUS_M + MARGIN_M, np.random.default_rng(SEED))
-    rests, restless = settle(with_balls(package, starts))
-    nearest, open_m, tolerances_m = wall.nearest(rests)
+    spec = with_balls(package, starts)
+    rests, restless, most_m = settle(spec)
+    nearest, open_m = wall.nearest(rests)
     gaps_m = open_m - RADIUS_M
-    outside, deep = open_m < 0, gaps_m < -tolerances_m - SLACK_M
-    aloft = gaps_m > tolerances_m + SLACK_M
+    outside, deep, aloft = open_m < 0, gaps_m < -most_m, gaps_m > most_m
     faults = [(outside, "outside"), (deep & ~outside, "too deep"), (aloft, "in the air"), (restless, "still moving")]
     said = [f"{told.sum()} {what} (the first at {rests[told][0].round(2)})" for told, what in faults if told.any()]
     require(not said, f"of {COUNT} balls are " + ", ".join(said))
@@ -55,18 +55,20 @@ def judge(package, cave=None):
 def with_balls(package, starts):
     """The cave with a ball at each of the points."""
     spec = cave_spec(package)
-    for start in starts:
+    for number, start in enumerate(starts):
         body = spec.worldbody.add_body(pos=start)
         for axis in np.eye(3):
             body.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, damping=DRAG_N_S_M)
         # It touches what has the first bit in `contype`, as rock has, and no other ball.
         sphere = mujoco.mjtGeom.mjGEOM_SPHERE
-        body.add_geom(type=sphere, size=[RADIUS_M, 0, 0], mass=1, contype=0, conaffinity=1)
-    return spec.compile()
+        body.add_geom(name=f"ball_{number}", type=sphere, size=[RADIUS_M, 0, 0], mass=1, contype=0, conaffinity=1)
+    return spec
 
 
-def settle(model):
-    """Steps until every ball rests or the time is up; gives their centres, and which do not rest."""
+def settle(spec):
+    """Steps until every ball rests or the time is up; gives their centres, which do not rest, and how far from the wall of
+    the visual mesh what they lie on may be."""
+    model = spec.compile()
     data = mujoco.MjData(model)
     calm_since_s = np.zeros(COUNT)
     while data.time < DURATION_S:
@@ -75,7 +77,12 @@ def settle(model):
         calm_since_s[moving] = data.time
         if (data.time - calm_since_s).min() > REST_S:
             break
-    return data.xpos[-COUNT:].copy(), data.time - calm_since_s < REST_S
+    most_m = np.full(model.ngeom, SLACK_M)
+    touching = data.contact.geom
+    tolerances = tolerances_m(model, spec)[touching].max(axis=1)
+    np.maximum.at(most_m, touching, tolerances[:, None] + SLACK_M)
+    balls = [model.geom(f"ball_{number}").id for number in range(COUNT)]
+    return data.geom_xpos[balls].copy(), data.time - calm_since_s < REST_S, most_m[balls]
 
 
 def figures(lengths_m):

@@ -13,9 +13,8 @@ import trimesh
 from trimesh.proximity import closest_point
 
 COLLISION_GROUP = 3
-# How far convex pieces may reach into the open beyond the visual mesh by default, metres, and how upright a floor's normal is.
-TOLERANCE_M = {"floor": 0.02, "wall": 0.05}
-FLOOR_UP = 0.7
+# How far the surface of convex pieces may be from the visual mesh, before or behind it, by default; metres.
+TOLERANCE_M = {"floor": 0.02, "wall": 0.05, "ceiling": 0.05}
 
 
 class Complaint(Exception):
@@ -40,6 +39,13 @@ def cave_spec(package):
     return mujoco.MjSpec.from_file(str(package / f"{name_of(package)}.xml"))
 
 
+def tolerances_m(model, spec):
+    """The tolerance of each geom of a model, by the class it has in the package; 0 where it is none of the rock."""
+    classes = {geom.name: geom.classname.name for geom in spec.geoms}
+    zones = [classes[model.geom(geom).name].rpartition("_")[2] for geom in range(model.ngeom)]
+    return np.array([TOLERANCE_M.get(zone, 0.0) for zone in zones])
+
+
 class Wall:
     """The wall of a cave: triangles that face the open."""
 
@@ -58,12 +64,9 @@ class Wall:
         return self.mesh.bounds
 
     def nearest(self, points):
-        """The nearest point of the wall; how far it is, positive from the open and negative from the rock; and how far pieces may
-        stand out there."""
-        places, distances_m, triangles = closest_point(self.mesh, points)
-        open_m = np.where(self.mesh.contains(points), distances_m, -distances_m)
-        is_floor = self.mesh.face_normals[triangles, 2] > FLOOR_UP
-        return places, open_m, np.where(is_floor, TOLERANCE_M["floor"], TOLERANCE_M["wall"])
+        """The nearest point of the wall, and how far it is: positive from the open, negative from the rock."""
+        places, distances_m, _ = closest_point(self.mesh, points)
+        return places, np.where(self.mesh.contains(points), distances_m, -distances_m)
 
     def free_points(self, count, clearance_m, dice):
         """Points in the open, this far from the wall at least, spread evenly over the volume."""

@@ -3,15 +3,15 @@
     rays.py PACKAGE_DIR
 
 Bodies collide with the convex hull of a mesh, rays with its triangles: so first every collision mesh must be convex.
-Rays go from random points in the open in random directions. All must end; and at the end of each the collision geometry must not
-stand further out of the visual mesh than the tolerance of the pieces (floor 2 cm, elsewhere 5 cm), nor lie further
-behind it. A ray that grazes a wall may well end far from where the visual mesh stops it, so it is the distance of its end
+Rays go from random points in the open in random directions. All must end. There the collision geometry must not stand further
+out of the visual mesh than the tolerance of the piece that is hit (floor 2 cm, others 5 cm), nor lie further behind it than the
+largest of these: between two pieces a ray may end on the side of the one, behind the face of the other. A ray that grazes a wall may well end far from where the visual mesh stops it, so it is the distance of its end
 to the visual mesh that counts. The last line of a success tells both.
 """
 
 import mujoco
 import numpy as np
-from package import COLLISION_GROUP, Wall, cave_spec, require, run
+from package import COLLISION_GROUP, Wall, cave_spec, require, run, tolerances_m
 
 POINTS = 200
 RAYS = 50  # from each point
@@ -26,9 +26,10 @@ def judge(package):
     points = wall.free_points(POINTS, CLEARANCE_M, dice)
     directions = dice.normal(size=(POINTS, RAYS, 3))
     directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-    model = cave_spec(package).compile()
+    spec = cave_spec(package)
+    model = spec.compile()
     check_convex(model)
-    along_m = shoot(model, points, directions).ravel()
+    along_m, geoms = (found.ravel() for found in shoot(model, points, directions))
     starts, directions = np.repeat(points, RAYS, axis=0), directions.reshape(-1, 3)
     lost = along_m < 0
     require(
@@ -37,8 +38,9 @@ def judge(package):
     )
 
     ends = starts + along_m[:, None] * directions
-    _, open_m, tolerances_m = wall.nearest(ends)
-    out, behind = open_m > tolerances_m + SLACK_M, -open_m > tolerances_m + SLACK_M
+    _, open_m = wall.nearest(ends)
+    most_m = tolerances_m(model, spec) + SLACK_M
+    out, behind = open_m > most_m[geoms], -open_m > most_m.max()
     require(not out.any(), f"{out.sum()} of {len(ends)} rays end in the open, up to {open_m.max():.3f} m from the wall")
     require(not behind.any(), f"{behind.sum()} of {len(ends)} rays end behind the wall, up to {-open_m.min():.3f} m")
     differences_m = np.abs(along_m - wall.first_hits_m(starts, directions))
@@ -67,17 +69,17 @@ def check_convex(model):
 
 
 def shoot(model, points, directions):
-    """How far the rays go to the collision geometry; -1 where there is none."""
+    """How far the rays go to the collision geometry, and to which geom; -1 where there is none."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     groups = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
     groups[COLLISION_GROUP] = 1
-    along_m, geoms = np.empty(directions.shape[:2]), np.empty(directions.shape[1], dtype=np.int32)
-    for point, fan, lengths_m in zip(points, directions, along_m, strict=True):
+    along_m, geoms = np.empty(directions.shape[:2]), np.empty(directions.shape[:2], dtype=np.int32)
+    for point, fan, lengths_m, hit in zip(points, directions, along_m, geoms, strict=True):
         mujoco.mj_multiRay(
-            model, data, point, fan.ravel(), groups, True, -1, geoms, lengths_m, None, len(fan), mujoco.mjMAXVAL
+            model, data, point, fan.ravel(), groups, True, -1, hit, lengths_m, None, len(fan), mujoco.mjMAXVAL
         )
-    return along_m
+    return along_m, geoms
 
 
 if __name__ == "__main__":
