@@ -28,16 +28,15 @@ def judge(package):
     name = name_of(package)
     whole = mujoco.MjModel.from_xml_path(str(package / f"{name}_rover.xml"))
     start = whole.key(f"{name}_start").qpos[:3]
-    parts = ElementTree.parse(package / f"assets/{name}.mjcf").getroot().findall("include")
-    chunks = [Path(part.get("file")).stem for part in parts]
-    chunks.sort(key=lambda chunk: np.linalg.norm(whole.geom(f"{name}_{chunk}").pos - start))
+    frames = ElementTree.parse(package / f"{name}_world.xml").getroot().iter("frame")
+    chunks = sorted((frame.get("name") for frame in frames), key=lambda chunk: distance_m(whole, chunk, start))
 
     print(f"{'':12}{'pieces':>8}{'compile s':>11}{'step µs':>9}{'ratio':>7}{'contacts':>10}")
     plane_us = None
     for count in [0, *(count for count in CUTS if count < len(chunks)), len(chunks)]:
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(package, folder, dirs_exist_ok=True)
-            cut(Path(folder) / f"assets/{name}.mjcf", chunks[:count], start)
+            cut(Path(folder) / f"{name}_world.xml", chunks[:count], start)
             pieces, compile_s, step_us, contacts = measure(Path(folder), name)
         plane_us = plane_us or step_us
         title = f"{count} chunks" if count else "plane"
@@ -47,13 +46,20 @@ def judge(package):
     return f"steps of {whole.opt.timestep * 1000:g} ms"
 
 
-def cut(parts, kept, start):
+def distance_m(model, chunk, start):
+    """How far the middle of a chunk's visual mesh is."""
+    return np.linalg.norm(model.geom(chunk).pos - start)
+
+
+def cut(world, kept, start):
     """Takes all other chunks out of the cave; a plane takes their place where none is left."""
-    tree = ElementTree.parse(parts)
+    tree = ElementTree.parse(world)
     root = tree.getroot()
-    for include in root.findall("include"):
-        if Path(include.get("file")).stem not in kept:
-            root.remove(include)
+    for world_body in root.findall("worldbody"):
+        for frame in world_body.findall("frame"):
+            if frame.get("name") not in kept:
+                drop_meshes(root, {geom.get("mesh") for geom in frame})
+                world_body.remove(frame)
     if not kept:
         pos = " ".join(map(str, start - [0, 0, PLANE_M]))
         plane = {
@@ -65,7 +71,13 @@ def cut(parts, kept, start):
             "friction": "0.8 0.005 0.0001",
         }
         ElementTree.SubElement(root.find("worldbody"), "geom", plane)
-    tree.write(parts)
+    tree.write(world)
+
+
+def drop_meshes(root, names):
+    for assets in root.findall("asset"):
+        for mesh in [mesh for mesh in assets.findall("mesh") if mesh.get("name") in names]:
+            assets.remove(mesh)
 
 
 def measure(package, name):
