@@ -29,15 +29,27 @@ pub enum ExportError {
         /// The folder.
         path: PathBuf,
     },
-    /// The output folder was to be replaced, but no export of ours has made it.
-    #[error("output folder was not written by an export and is left alone: {}", path.display())]
+    /// The output was to be replaced, but no export of ours has made it.
+    #[error("output was not written by an export and is left alone: {}", path.display())]
     NotOurs {
-        /// The folder.
+        /// The folder or file.
         path: PathBuf,
     },
     /// There is a file where the output folder should be.
     #[error("output is not a folder: {}", path.display())]
     NotAFolder {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is a folder where the output file should be.
+    #[error("output is not a file: {}", path.display())]
+    NotAFile {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The output file is there already.
+    #[error("output file exists: {}", path.display())]
+    FileExists {
         /// The file.
         path: PathBuf,
     },
@@ -77,6 +89,16 @@ pub enum ExportError {
         /// Bytes the file would have.
         bytes: u64,
     },
+    /// An image is of a kind that the simulator does not read.
+    #[error("target `{target}` takes {wanted} images only: {}", path.display())]
+    UnfitImage {
+        /// Name of the target.
+        target: &'static str,
+        /// The image.
+        path: PathBuf,
+        /// The kind that it reads.
+        wanted: &'static str,
+    },
     /// A library that the target is written by is not there, or not the right one.
     #[error("{message}")]
     MissingPart {
@@ -113,8 +135,10 @@ impl ExportError {
         match self {
             Self::MissingPart { hint, .. } => Some(hint),
             Self::NotEmpty { .. } => Some("name a new folder, or replace the package with `--force`"),
-            Self::NotOurs { .. } => Some("name a new folder, or empty this one yourself"),
+            Self::FileExists { .. } => Some("name a new file, or replace this one with `--force`"),
+            Self::NotOurs { .. } => Some("name a new place, or empty this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
+            Self::UnfitImage { .. } => Some("make the cave with other images: `--set texture.format=png`"),
             Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {
                 Some("free some space, or make smaller textures")
             }
@@ -131,7 +155,10 @@ impl ExportError {
                 | Self::NotEmpty { .. }
                 | Self::NotOurs { .. }
                 | Self::NotAFolder { .. }
+                | Self::NotAFile { .. }
+                | Self::FileExists { .. }
                 | Self::TooLarge { .. }
+                | Self::UnfitImage { .. }
         )
     }
 }

@@ -32,8 +32,9 @@ pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64
     (gltf_from_scene(scene_from_body.translation.vector.into()), rotation.coords.into())
 }
 
-/// The pose of a USD camera, which looks along its −Z with +Y up, from that of a body that looks along +X with +Z up.
-pub fn usd_camera_from_body(scene_from_body: &Isometry3<f64>) -> Isometry3<f64> {
+/// The pose of a camera of USD or MuJoCo, which looks along its −Z with +Y up, from that of a body that looks along +X
+/// with +Z up.
+pub fn camera_from_body(scene_from_body: &Isometry3<f64>) -> Isometry3<f64> {
     let body_from_camera = Matrix3::new(0.0, 0.0, -1.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
     scene_from_body * UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(body_from_camera))
 }
@@ -91,10 +92,10 @@ mod tests {
     }
 
     #[test]
-    fn a_usd_camera_looks_where_the_body_does() {
+    fn a_camera_looks_where_the_body_does() {
         let body =
             Isometry3::from_parts(Translation3::new(1.0, 2.0, 3.0), UnitQuaternion::from_euler_angles(0.1, -0.2, 0.7));
-        let camera = usd_camera_from_body(&body);
+        let camera = camera_from_body(&body);
         assert!((camera * -Vector3::z() - body * Vector3::x()).norm() < 1e-12);
         assert!((camera * Vector3::y() - body * Vector3::z()).norm() < 1e-12);
         assert_eq!(camera.translation, body.translation);

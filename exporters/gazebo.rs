@@ -27,6 +27,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "gazebo",
     summary: "SDF 1.9 world and model with PBR textures and triangle collisions",
     opened_by: "Gazebo Sim Harmonic and later",
+    bundles: &[],
     settings: || schemars::schema_for!(GazeboSettings),
     build: Build::Plain(|table| Ok(Box::new(Gazebo(settings("gazebo", table)?)))),
 };

@@ -26,6 +26,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "gltf",
     summary: "binary glTF 2.0 with embedded PBR textures, and scene.json with spawn poses",
     opened_by: "Blender, three.js, Unity, Unreal, Godot, any glTF viewer",
+    bundles: &[],
     settings: || schemars::schema_for!(GltfSettings),
     build: Build::Plain(|table| Ok(Box::new(Gltf(settings("gltf", table)?)))),
 };

@@ -20,6 +20,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "isaac",
     summary: "USD stage for Isaac Sim: payload per chunk, triangle colliders, friction, semantic labels, start poses",
     opened_by: "Isaac Sim 4.5 and later, Isaac Lab",
+    bundles: &[],
     settings: || schemars::schema_for!(IsaacSettings),
     build: Build::WithUsd(|table, library| Ok(Box::new(Isaac { settings: settings("isaac", table)?, library }))),
 };

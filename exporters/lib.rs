@@ -9,21 +9,26 @@ use std::sync::Arc;
 use schemars::Schema;
 use serde_json::Value;
 
+pub mod bundle;
 pub mod error;
 pub mod frame;
 pub mod gazebo;
 pub mod gltf;
 pub mod isaac;
+pub mod msh;
+pub mod mujoco;
 pub mod names;
 pub mod obj;
 pub mod package;
 mod pinch;
 pub mod scene;
+mod slope;
 pub mod stage;
 mod template;
 pub mod usd;
 pub mod usdz;
 
+use bundle::Bundle;
 pub use error::ExportError;
 use package::Package;
 use scene::Scene;
@@ -61,6 +66,8 @@ pub struct TargetRow {
     pub summary: &'static str,
     /// What opens the package.
     pub opened_by: &'static str,
+    /// Kinds of files that a package can become.
+    pub bundles: &'static [Bundle],
     /// JSON schema of the settings: meaning, unit, default and range of each.
     pub settings: fn() -> Schema,
     /// Makes the target.
@@ -101,7 +108,7 @@ impl TargetRow {
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, usd::ROW, usdz::ROW, gltf::ROW];
+pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW];
 
 /// The row called `name`.
 ///

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
+use crate::bundle::Bundle;
 use crate::error::{ExportError, at};
 
 /// Name of the list of files.
@@ -36,6 +37,11 @@ pub trait Package {
 
     /// The list of what has been written so far.
     fn files(&mut self) -> &mut Files;
+
+    /// The kind of file that the package becomes, if it does not stay a folder.
+    fn bundle(&self) -> Option<Bundle> {
+        None
+    }
 }
 
 impl dyn Package + '_ {
@@ -77,7 +83,7 @@ impl dyn Package + '_ {
         self.write(path, |file| Ok(file.write_all(text.as_bytes())?))
     }
 
-    fn write_manifest(&mut self) -> Result<(), ExportError> {
+    pub(crate) fn write_manifest(&mut self) -> Result<(), ExportError> {
         let mut text = serde_json::to_string_pretty(&self.files()).map_err(io::Error::from)?;
         text.push('\n');
         self.text(MANIFEST, &text)
@@ -285,7 +291,12 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
 
 /// Whether the folder holds a list of files such as ours; other programs have a `manifest.json` too.
 fn is_package(path: &Path) -> bool {
-    fs::read(path.join(MANIFEST)).is_ok_and(|text| serde_json::from_slice::<Files>(&text).is_ok())
+    fs::read(path.join(MANIFEST)).is_ok_and(|text| is_manifest(&text))
+}
+
+/// Whether a text is a list of files.
+pub(crate) fn is_manifest(text: &[u8]) -> bool {
+    serde_json::from_slice::<Files>(text).is_ok()
 }
 
 /// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.
@@ -296,7 +307,8 @@ fn place(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+/// The path with something at its end.
+pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.to_owned().into_os_string();
     name.push(suffix);
     name.into()

@@ -14,11 +14,10 @@
 //! each prim is decided here or in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings
 //! and the version of usd-core.
 
-use std::f32::consts::FRAC_1_SQRT_2;
 use std::path::Path;
 
 use minijinja::context;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -26,7 +25,7 @@ use serde_json::{Value, json};
 use crate::error::ExportError;
 use crate::package::Package;
 use crate::scene::{Chunk, Light, Mesh, Scene};
-use crate::{Summary, frame, pinch, template};
+use crate::{Summary, frame, pinch, slope, template};
 
 /// The Python module that authors layers; [`Library::call`] runs its functions.
 pub const SCRIPT: &str = include_str!("stage.py");
@@ -188,7 +187,7 @@ fn write_chunk(
     if contents.physics {
         pinch::split(&mut chunk.collision);
         spec["collision"] = json!({ "name": "collision", "extent": chunk.collision.bounds() });
-        arrays.push(("collision.normals".to_owned(), Array::Float3(face_normals(&chunk.collision))));
+        arrays.push(("collision.normals".to_owned(), Array::Float3(slope::face_normals(&chunk.collision))));
         push_triangles("collision", chunk.collision, &mut arrays);
     }
     library.call("write_chunk", &spec, arrays)?;
@@ -201,12 +200,12 @@ fn write_chunk(
 /// A level of detail: what is said of it; its arrays go to `arrays`.
 fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
     let extent = mesh.bounds();
-    let parts = parts(&mesh);
+    let zones = slope::zones(&mesh);
     let key = |array: &str| format!("{name}.{array}");
     arrays.push((key("normals"), Array::Float3(std::mem::take(&mut mesh.normals))));
     arrays.push((key("st"), Array::Float2(std::mem::take(&mut mesh.uvs))));
     push_triangles(&name, mesh, arrays);
-    let parts = parts.into_iter().filter(|(_, faces)| !faces.is_empty());
+    let parts = zones.into_iter().filter(|(_, faces)| !faces.is_empty()).map(|(zone, faces)| (zone.name(), faces));
     let names: Vec<&str> = parts.map(|(part, faces)| (part, arrays.push((key(part), Array::Index(faces)))).0).collect();
     json!({ "name": name, "extent": extent, "parts": names })
 }
@@ -214,30 +213,6 @@ fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Va
 fn push_triangles(name: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {
     arrays.push((format!("{name}.points"), Array::Float3(mesh.positions)));
     arrays.push((format!("{name}.indices"), Array::Index(mesh.indices)));
-}
-
-/// Faces by what they are to a robot: those that face up or down within 45° are floor and ceiling, the others wall.
-fn parts(mesh: &Mesh) -> [(&'static str, Vec<u32>); 3] {
-    let [mut floor, mut wall, mut ceiling] = [const { Vec::new() }; 3];
-    for (face, normal) in face_normals(mesh).into_iter().enumerate() {
-        let part = match normal[2] {
-            up if up > FRAC_1_SQRT_2 => &mut floor,
-            up if up < -FRAC_1_SQRT_2 => &mut ceiling,
-            _ => &mut wall,
-        };
-        part.push(face as u32);
-    }
-    [("floor", floor), ("wall", wall), ("ceiling", ceiling)]
-}
-
-/// Unit normals of the triangles.
-fn face_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
-    let normal = |corners: &[u32]| {
-        let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(mesh.positions[corners[k] as usize].map(f64::from)));
-        let across = (b - a).cross(&(c - a));
-        <[f64; 3]>::from(across / across.norm()).map(|part| part as f32)
-    };
-    mesh.indices.chunks_exact(3).map(normal).collect()
 }
 
 fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Path) -> Value {
@@ -250,7 +225,7 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
         "recipe": scene.recipe,
         "chunks": payloads,
         "spawns": scene.spawns.iter().map(pose).collect::<Vec<_>>(),
-        "camera": pose(&frame::usd_camera_from_body(&view)),
+        "camera": pose(&frame::camera_from_body(&view)),
         "lights": [],
     });
     if contents.light_scale > 0.0 {
@@ -286,17 +261,4 @@ fn omniverse_view(view: &Isometry3<f64>) -> Value {
         "Perspective": { "position": view.translation.vector.as_slice(), "target": target.coords.as_slice() },
         "boundCamera": "/OmniverseKit_Persp",
     }})
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn faces_are_told_apart_by_their_slope() {
-        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.9], [0.0, 1.0, 1.1]];
-        let indices = vec![0, 1, 2, 0, 2, 1, 0, 1, 3, 0, 1, 4, 0, 4, 1];
-        let faces = parts(&Mesh { positions, indices, ..Mesh::default() });
-        assert_eq!(faces, [("floor", vec![0, 2]), ("wall", vec![3, 4]), ("ceiling", vec![1])]);
-    }
 }

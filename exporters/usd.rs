@@ -13,6 +13,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "usd",
     summary: "USD stage with a payload per chunk, levels of detail, UsdPreviewSurface and UsdPhysics",
     opened_by: "usdview, Omniverse, Houdini, Blender, Newton",
+    bundles: &[],
     settings: || schemars::schema_for!(StageSettings),
     build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: settings("usd", table)?, library }))),
 };

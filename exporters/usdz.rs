@@ -17,6 +17,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "usdz",
     summary: "the USD stage and its textures as one archive",
     opened_by: "Isaac Sim, usdview, Blender, any USD viewer",
+    bundles: &[],
     settings: || schemars::schema_for!(StageSettings),
     build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: settings("usdz", table)?, library }))),
 };

@@ -29,6 +29,12 @@ fn a_faulty_recipe_is_told_line_by_line() {
 fn faulty_words_are_told() {
     let desk = Desk::new();
     assert_snapshot!("no_such_target", desk.fault(&["export", "--target", "gazeboo"]));
+    assert_snapshot!("no_such_bundle", desk.fault(&["export", "--target", "mujoco", "--bundle", "mjb"]));
+    assert_snapshot!("bundle_of_others", desk.fault(&["export", "--target", "mujoco,gltf", "--bundle", "mjz"]));
+    assert_snapshot!(
+        "no_such_collision",
+        desk.fault(&["export", "--target", "mujoco", "--option", "mujoco.collision=flax"])
+    );
     assert_snapshot!("no_such_preset", desk.fault(&["new", "--preset", "mines"]));
     assert_snapshot!("override_without_value", desk.fault(&["new", "--set", "seed"]));
     assert_snapshot!("override_out_of_range", desk.fault(&["new", "--set", "graph.nodes=10000000"]));

@@ -199,6 +199,7 @@ fn a_full_disk_is_told_with_the_file() {
     insta::assert_snapshot!(texts.join("\n"), @r"
     system: models/chamber/materials/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: assets/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: README.md: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
@@ -283,10 +284,10 @@ fn output_folders_are_refused_in_words() {
     let texts: Vec<String> = refused.iter().map(|error| told(error).replace(&place, "DIR")).collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
     usage: output folder is not empty: DIR/home (hint: name a new folder, or replace the package with `--force`)
-    usage: output folder was not written by an export and is left alone: DIR/home/ (hint: name a new folder, or empty this one yourself)
+    usage: output was not written by an export and is left alone: DIR/home/ (hint: name a new place, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, usd, usdz, gltf
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, usd, usdz, gltf
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }

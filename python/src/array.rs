@@ -1,7 +1,9 @@
-//! From vectors to NumPy arrays; the memory is the same.
+//! From vectors to NumPy arrays, in the same memory; and back, by a copy.
 
-use numpy::{Element, PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{Element, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+
+use crate::error;
 
 /// An array of shape (n, `N`).
 pub fn rows<T: Element, const N: usize>(py: Python<'_>, rows: Vec<[T; N]>) -> PyResult<Bound<'_, PyArray2<T>>> {
@@ -17,4 +19,17 @@ pub fn table<T: Element>(py: Python<'_>, flat: Vec<T>, columns: usize) -> PyResu
 /// An array of this shape.
 pub fn block<T: Element>(py: Python<'_>, flat: Vec<T>, shape: [usize; 3]) -> PyResult<Bound<'_, PyArray3<T>>> {
     PyArray1::from_vec(py, flat).reshape(shape)
+}
+
+/// Finite points out of an array of shape (n, 3).
+pub fn points(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<Vec<[f32; 3]>> {
+    let refused = |fault: String, hint| Err(error::refused(array.py(), &format!("`points` {fault}"), hint));
+    let &[_, 3] = array.shape() else {
+        return refused(format!("has the shape {:?}", array.shape()), "give a row of x, y, z for each point: (n, 3)");
+    };
+    let flat: Vec<f32> = array.as_array().iter().copied().collect();
+    match flat.iter().position(|coordinate| !coordinate.is_finite()) {
+        Some(at) => refused(format!("has a coordinate in row {} that is not finite", at / 3), "leave such rows out"),
+        None => Ok(flat.as_chunks().0.to_vec()),
+    }
 }

@@ -14,7 +14,7 @@ use plume_exporters::scene::Scene;
 
 pub use self::error::CaveError;
 pub use self::input::{Input, preset, read};
-pub use self::target::{build, export, target};
+pub use self::target::{build, bundle, export, export_bundle, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;
 use crate::pipeline::{self, Observer, Pipeline, PipelineError};
@@ -106,6 +106,11 @@ impl Cave {
     /// The names of its chunks, in their order.
     pub fn chunk_names(&self) -> impl Iterator<Item = &str> {
         self.walls.iter().map(|wall| wall.name.as_str())
+    }
+
+    /// The [field](crate::field) at finite `points` in metres: negative in air, zero on the wall, positive in rock.
+    pub fn distances(&self, points: &[[f32; 3]]) -> Vec<f32> {
+        pipeline::field(&self.recipe, &self.graph).scattered(points)
     }
 
     /// The scene, with start poses and lamps.

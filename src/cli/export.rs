@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use plume_exporters::TargetRow;
+use plume_exporters::bundle::{Archive, Bundle};
 use plume_exporters::package::{Existing, Folder};
 
 use super::fault::CliError;
@@ -29,6 +30,9 @@ pub struct Export {
     /// Set an option of a target, for example --option gazebo.lights=false
     #[arg(long, value_name = "TARGET.KEY=VALUE")]
     option: Vec<String>,
+    /// Make one file of the package; mjz is MuJoCo's archive
+    #[arg(long, value_name = "KIND")]
+    bundle: Option<String>,
     /// Keep the cave folder here, to export from it again
     #[arg(long, value_name = "CAVE_DIR")]
     keep: Option<PathBuf>,
@@ -43,11 +47,15 @@ impl Export {
         let rows = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
         let targets = cave::build(&rows, &self.option, host.library())?;
         let input = self.source.resolve()?;
-        let outputs = self.outputs(&input.recipe.name, &rows);
+        let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &rows)).transpose()?;
+        let outputs = self.outputs(&input.recipe.name, &rows, bundle);
         self.refuse_same_place(&outputs)?;
         let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
         for output in &outputs {
-            Folder::check(output, existing)?;
+            match bundle {
+                Some(_) => Archive::check(output, existing)?,
+                None => Folder::check(output, existing)?,
+            }
         }
         let work = self.work_folder(&input, &outputs[0]);
         let folder = CaveFolder::open_or_new(&work.path)?;
@@ -62,7 +70,10 @@ impl Export {
         let chunks = cave.chunks(console.stop());
         let scene = cave.scene(&chunks);
         for ((row, target), output) in rows.iter().zip(&targets).zip(&outputs) {
-            let (exported, files) = cave::export(&scene, &**target, output, existing)?;
+            let (exported, files) = match bundle {
+                Some(bundle) => cave::export_bundle(&scene, &**target, bundle, output, existing)?,
+                None => cave::export(&scene, &**target, output, existing)?,
+            };
             summary.package(row.name, output, &exported.open, &files);
         }
         work.clear();
@@ -87,11 +98,15 @@ impl Export {
         })
     }
 
-    fn outputs(&self, name: &str, targets: &[&TargetRow]) -> Vec<PathBuf> {
-        match (&self.output, targets) {
+    fn outputs(&self, name: &str, targets: &[&TargetRow], bundle: Option<Bundle>) -> Vec<PathBuf> {
+        let folders = match (&self.output, targets) {
             (Some(output), [_]) => vec![output.clone()],
             (Some(output), _) => targets.iter().map(|row| output.join(row.name)).collect(),
             (None, _) => targets.iter().map(|row| PathBuf::from(format!("{name}-{}", row.name))).collect(),
+        };
+        match bundle {
+            Some(bundle) => folders.iter().map(|folder: &PathBuf| bundle.file(folder)).collect(),
+            None => folders,
         }
     }
 

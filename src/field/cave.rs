@@ -61,6 +61,22 @@ impl CaveField {
         floor
     }
 
+    /// The field at finite points that lie anywhere, in their order.
+    pub fn scattered(&self, points: &[[f32; 3]]) -> Vec<f32> {
+        // Points near each other share the search for passages.
+        let cell = |&point: &usize| points[point].map(|coordinate| (coordinate / TOGETHER_M).floor() as i64);
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_cached_key(cell);
+        let mut distances = vec![0.0; points.len()];
+        for together in order.chunk_by(|one, other| cell(one) == cell(other)) {
+            let near: Vec<[f32; 3]> = together.iter().map(|&point| points[point]).collect();
+            let mut found = vec![0.0; near.len()];
+            self.distances(Bounds::around(&near), &near, &mut found);
+            together.iter().zip(found).for_each(|(&point, distance)| distances[point] = distance);
+        }
+        distances
+    }
+
     /// Splits points into blocks, finds the capsules each block feels, and hands both on.
     fn blocks<'a>(
         &'a self,
@@ -82,6 +98,9 @@ impl CaveField {
         }
     }
 }
+
+/// Edge of the cells whose points are asked together, in metres. Tuned.
+const TOGETHER_M: f32 = 4.0;
 
 /// The longest way a rock can push a point, metres.
 fn furthest_wander_m(wander: Wander) -> f32 {

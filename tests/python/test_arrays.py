@@ -117,6 +117,34 @@ def test_spawns_are_poses_in_the_air_over_the_floor(cave: plume.Cave) -> None:
         assert any(np.dot(way / np.linalg.norm(way), pose[:2, 0]) > 0.999 for way in ways)
 
 
+def test_the_field_is_zero_on_the_wall_and_changes_sign_there(cave: plume.Cave) -> None:
+    for chunk in cave.chunks:
+        corners = chunk.positions[chunk.indices].astype(np.float64)
+        middles = corners.mean(axis=1)
+        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        into_air = faces / np.linalg.norm(faces, axis=1, keepdims=True)
+        # The mesh cuts off what is smaller than a voxel.
+        assert np.abs(cave.distance(middles)).mean() < 0.05
+        assert (cave.distance(middles + 0.25 * into_air) < 0).mean() > 0.95
+        assert (cave.distance(middles - 0.25 * into_air) > 0).mean() > 0.95
+
+
+def test_the_field_does_not_depend_on_who_else_is_asked(cave: plume.Cave) -> None:
+    low, high = np.min([c.bounds[0] for c in cave.chunks], axis=0), np.max([c.bounds[1] for c in cave.chunks], axis=0)
+    points = np.random.default_rng(0).uniform(low, high, (500, 3)).astype(np.float32)
+    together = cave.distance(points)
+    assert together.shape == (500,) and together.dtype == np.float32
+    assert np.array_equal(together, np.concatenate([cave.distance([point]) for point in points]))
+    assert np.array_equal(together[::-2], cave.distance(np.asfortranarray(points)[::-2]))
+    assert (cave.distance([[1e30, 0, 0], [0, 0, -1e6]]) > 0).all()
+
+
+@pytest.mark.parametrize("points", [[1, 2, 3], [[1, 2]], 4, [[0, 0, np.nan]], [[0, np.inf, 0]]])
+def test_what_is_no_point_is_refused(points: Any, cave: plume.Cave) -> None:
+    with pytest.raises(plume.errors.InputError, match="`points` has"):
+        cave.distance(points)
+
+
 def test_spawns_and_lights_are_those_of_the_stage(cave: plume.Cave, tmp_path: Path) -> None:
     from pxr import Usd, UsdGeom, UsdLux  # type: ignore[import-untyped]
 

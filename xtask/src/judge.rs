@@ -11,6 +11,7 @@ use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
+pub mod mujoco;
 mod spoil;
 pub mod usd;
 
@@ -29,6 +30,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
         }
         for package in export_caves()? {
             judge(&judges, &package, &mut tally);
+            if Kind::of(&package) == Some(Kind::Mujoco) {
+                tally.enter("drive", mujoco::drive(&package));
+            }
         }
         return tally.result();
     }
@@ -60,7 +64,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 8] = [
+const JUDGES: [Judge; 11] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -68,6 +72,9 @@ const JUDGES: [Judge; 8] = [
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
     Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
+    Judge { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
+    Judge { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
+    Judge { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
@@ -77,6 +84,7 @@ enum Kind {
     Gazebo,
     Gltf,
     Usd,
+    Mujoco,
 }
 
 impl Kind {
@@ -85,6 +93,7 @@ impl Kind {
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
+            _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
             _ => None,
         }
     }
@@ -174,14 +183,14 @@ fn export_sample() -> Result<PathBuf> {
 /// Recipes of `samples/`.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
 
-/// The samples, for every target.
+/// The samples, for every target; beside the packages for MuJoCo lie the caves, for the way through them.
 fn export_caves() -> Result<Vec<PathBuf>> {
     let plume = Plume::package()?;
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let targets = "gazebo,gltf,isaac,usd,usdz";
-        plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--force"])?;
+        let (targets, cave) = ("gazebo,gltf,isaac,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
     Ok(packages)

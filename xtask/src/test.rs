@@ -18,12 +18,14 @@ pub fn run(arguments: &[String]) -> Result<()> {
     show(cargo().args(test).args(arguments))?;
     drop_balls()?;
     let plume = Plume::package()?;
+    judge::mujoco::make()?;
     let python = judge::usd::environment()?.python();
     for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &["pytest", "--quiet"]]
     {
         show(Command::new(&python).arg("-m").args(check).current_dir(root()))?;
     }
-    read_with_another_usd(&plume)
+    read_with_another_usd(&plume)?;
+    drive_through(&plume)
 }
 
 /// The validators of the newest USD are among the tests; this is the oldest.
@@ -32,6 +34,19 @@ fn read_with_another_usd(plume: &Plume) -> Result<()> {
     let export = ["export", "--target", "isaac", "--force", "--output", &package];
     plume.output(&[&export[..], &SMALL[..]].concat())?;
     judge::only("usd-old", package.as_ref())
+}
+
+/// The default cave, whole; its images are small, since nothing in its shape depends on them.
+fn drive_through(plume: &Plume) -> Result<()> {
+    let (package, cave) = (format!("{CAVE}/mujoco"), format!("{CAVE}/mujoco.cave"));
+    let places = ["--output", &package, "--keep", &cave];
+    let export = ["export", "--target", "mujoco", "--force", "--set", "texture.size_px=256"];
+    plume.output(&[&export[..], &places[..]].concat())?;
+    for judge in ["compile", "balls", "rays"] {
+        judge::only(judge, package.as_ref())?;
+    }
+    println!("{}", judge::mujoco::drive(package.as_ref())?);
+    Ok(())
 }
 
 fn show(command: &mut Command) -> Result<()> {

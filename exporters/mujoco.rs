@@ -1,0 +1,276 @@
+//! Target `mujoco`: MJCF for MuJoCo 4 and later.
+//!
+//! ```text
+//! <name>.xml          the cave alone, ready to compile
+//! <name>_world.xml    the cave without options, for a model of the user's
+//! <name>_rover.xml    the cave with the rover at the first start pose
+//! rover.xml           the rover alone
+//! assets/             meshes (.msh) and textures
+//! README.md
+//! ```
+//! Names begin with that of the scene, and what is included sets no option, so that nothing clashes with a model of the
+//! user's. Paths are relative to the model that is opened; there is no `meshdir`, which would rule over the user's meshes,
+//! too. In an archive the cave is all in `model.xml`, since `MjSpec.from_zip` knows no includes, and that comes last, since it
+//! takes the last `.xml` for the model.
+
+use minijinja::value::Serde;
+use minijinja::{Value, context};
+use nalgebra::{Isometry3, Translation3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::bundle::Bundle;
+use crate::error::ExportError;
+use crate::frame::{self, micro};
+use crate::package::Package;
+use crate::scene::{Light, Scene, Zone};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
+
+use self::chunk::Rock;
+use self::field::Field;
+
+mod chunk;
+mod field;
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "mujoco",
+    summary: "MJCF with convex pieces for collision, PBR textures, start poses and a sample rover",
+    opened_by: "MuJoCo 4 and later",
+    bundles: &[Bundle::Mjz],
+    settings: || schemars::schema_for!(MujocoSettings),
+    build: Build::Plain(|table| Ok(Box::new(Mujoco(settings("mujoco", table)?)))),
+};
+
+/// Settings of target `mujoco`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct MujocoSettings {
+    /// What wheels touch: `pieces`, convex pieces of the rock, which is fast and holds for floor, walls and ceiling;
+    /// `flex`, the triangles of the collision mesh as a rigid flex, which is exact and slow; `floor_field`, a height
+    /// field per chunk, which is fast and carries floors only.
+    pub collision: Collision,
+    /// Spacing of the samples of `floor_field` in metres.
+    #[schemars(range(min = 0.01, max = 1.0))]
+    pub field_spacing_m: f64,
+    /// How many lamps of the scene shine, those nearest to the first start pose; the others are there but off. MuJoCo's
+    /// own renderer shows eight lights, of which the headlight takes one and the rover two.
+    #[schemars(range(max = 100))]
+    pub lights: u32,
+    /// Ambient light, 0 (black) to 1, the same everywhere: not physical underground, but without any a camera without
+    /// a lamp sees nothing.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub ambient: f64,
+    /// Physics step in seconds.
+    #[schemars(range(min = 0.0001, max = 0.01))]
+    pub physics_step_s: f64,
+}
+
+impl Default for MujocoSettings {
+    fn default() -> Self {
+        Self { collision: Collision::Pieces, field_spacing_m: 0.1, lights: 4, ambient: 0.3, physics_step_s: 0.002 }
+    }
+}
+
+/// What wheels touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Collision {
+    /// Convex pieces.
+    Pieces,
+    /// The triangles of the collision mesh.
+    Flex,
+    /// A height field per chunk.
+    FloorField,
+}
+
+/// The rover starts this far above the ground and drops, since the ground under its wheels is not flat. Tuned.
+const START_HEIGHT_M: f64 = 0.05;
+/// What MuJoCo scales its view by: about as far as one sees in a passage. Tuned.
+const EXTENT_M: f64 = 10.0;
+/// MuJoCo's own renderer shows linear colours as they are, much too dark; lamps make up for it. Tuned by eye.
+const LIGHT_GAIN: f64 = 4.0;
+/// The nearest that is drawn, metres.
+const NEAR_M: f64 = 0.05;
+/// The furthest that is drawn, metres.
+const FAR_M: f64 = 500.0;
+
+/// The target.
+pub struct Mujoco(
+    /// Its settings.
+    pub MujocoSettings,
+);
+
+impl Target for Mujoco {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let (mut chunks, mut visual_triangles) = (Vec::new(), 0);
+        for index in 0..scene.chunks.len() {
+            let chunk = scene.chunk(index)?;
+            visual_triangles += chunk.visual.triangles();
+            chunk::write_files(&chunk, out)?;
+            chunks.push(chunk.name);
+        }
+        let name = &scene.name;
+        let texts = self.values(scene);
+        let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
+        write_rover(None, "rover.xml", out)?;
+        let collision_triangles = match out.bundle() {
+            Some(Bundle::Mjz) => {
+                write_rover(Some((scene, "model.xml")), &format!("{name}_rover.xml"), out)?;
+                self.write_world("model.xml", &options, scene, &chunks, out)?
+            }
+            None => {
+                let (cave, world) = (format!("{name}.xml"), format!("{name}_world.xml"));
+                write_rover(Some((scene, &cave)), &format!("{name}_rover.xml"), out)?;
+                out.text(&cave, &model(name, &format!("{options}  <include file=\"{world}\"/>\n")))?;
+                self.write_world(&world, "", scene, &chunks, out)?
+            }
+        };
+        out.text(
+            "README.md",
+            &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),
+        )?;
+        let open = match out.bundle() {
+            Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
+            None => format!("python -m mujoco.viewer --mjcf={name}_rover.xml"),
+        };
+        Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == Collision::Pieces
+    }
+}
+
+impl Mujoco {
+    /// Writes the model `path`: some text and the cave. Gives the number of triangles that wheels touch.
+    fn write_world(
+        &self,
+        path: &str,
+        options: &str,
+        scene: &Scene,
+        chunks: &[String],
+        out: &mut dyn Package,
+    ) -> Result<u64, ExportError> {
+        let template = include_str!("../templates/mujoco/world.xml.jinja");
+        let world = template::fill(path, template, &self.values(scene));
+        let mut triangles = 0;
+        out.write(path, |file| {
+            write!(file, "<mujoco model=\"{}\">\n{options}{world}", scene.name)?;
+            for (index, chunk) in chunks.iter().enumerate() {
+                let rock = self.rock(scene, index)?;
+                triangles += rock.triangles();
+                chunk::write_elements(file, scene, chunk, &rock)?;
+            }
+            Ok(writeln!(file, "</mujoco>")?)
+        })?;
+        Ok(triangles)
+    }
+
+    fn rock(&self, scene: &Scene, index: usize) -> Result<Rock, ExportError> {
+        Ok(match self.0.collision {
+            Collision::Pieces => Rock::Pieces(scene.pieces(index)?),
+            Collision::Flex => Rock::Flex(scene.chunk(index)?.collision),
+            Collision::FloorField => Rock::Field(Field::new(&scene.chunk(index)?.visual, self.0.field_spacing_m)),
+        })
+    }
+
+    fn values(&self, scene: &Scene) -> Value {
+        let zones = Zone::ALL.map(|zone| context! { name => zone.name(), friction => micro(scene.friction.of(zone)) });
+        context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            chunks => scene.chunks.len(),
+            collision => Serde(self.0.collision),
+            zones => zones.to_vec(),
+            spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
+            lights => Serde(self.lights(scene)),
+            gravity => micro(scene.gravity),
+            ambient => micro(self.0.ambient),
+            step_s => micro(self.0.physics_step_s),
+            extent_m => micro(EXTENT_M),
+            center => position(&scene.viewpoint()),
+            near => micro(NEAR_M / EXTENT_M),
+            far => micro(FAR_M / EXTENT_M),
+        }
+    }
+
+    /// The lamps, of which those nearest to the first start pose are lit.
+    fn lights(&self, scene: &Scene) -> Vec<LightText> {
+        let start = scene.spawns[0].translation.vector;
+        let distance = |light: &Light| (light.position.coords - start).norm();
+        let mut by_distance: Vec<f64> = scene.lights.iter().map(distance).collect();
+        by_distance.sort_by(f64::total_cmp);
+        let reach = by_distance.get(self.0.lights as usize).copied().unwrap_or(f64::INFINITY);
+        scene.lights.iter().map(|light| LightText::new(light, distance(light) < reach)).collect()
+    }
+}
+
+/// A light as the templates see it.
+#[derive(Serialize)]
+struct LightText {
+    name: String,
+    is_lit: bool,
+    position: String,
+    color: String,
+    attenuation: String,
+    intensity_cd: String,
+    range_m: String,
+}
+
+impl LightText {
+    fn new(light: &Light, is_lit: bool) -> Self {
+        let text = |numbers: [f64; 3]| numbers.map(micro).join(" ");
+        // MuJoCo's own renderer adds light as the screen shows it, where the inverse square of the distance looks about
+        // like the inverse. The constant keeps rock beside a lamp from burning out.
+        let attenuation = [1.0, libm::sqrt(std::f64::consts::PI / light.intensity_cd), 0.0];
+        Self {
+            name: light.name.clone(),
+            is_lit,
+            position: text(light.position.into()),
+            color: text(light.color.map(|part| part * LIGHT_GAIN)),
+            attenuation: text(attenuation),
+            intensity_cd: micro(light.intensity_cd),
+            range_m: micro(light.range_m),
+        }
+    }
+}
+
+fn model(name: &str, elements: &str) -> String {
+    format!("<mujoco model=\"{name}\">\n{elements}</mujoco>\n")
+}
+
+/// Writes the rover, alone or at the first start pose of a scene whose model is the file that is named with it.
+fn write_rover(cave: Option<(&Scene, &str)>, path: &str, out: &mut dyn Package) -> Result<(), ExportError> {
+    let lift = Translation3::new(0.0, 0.0, START_HEIGHT_M);
+    let start = cave.map_or(Isometry3::identity(), |(scene, _)| scene.spawns[0] * lift);
+    let cave = cave.map(|(scene, file)| {
+        let qpos = format!("{} {}", position(&start), quaternion(&start));
+        context! { name => &scene.name, file, qpos }
+    });
+    let values = context! { cave, pose => pose_text(&start) };
+    out.text(path, &template::fill(path, include_str!("../templates/mujoco/rover.xml.jinja"), &values))
+}
+
+fn spawn_text(spawn: &Isometry3<f64>) -> Value {
+    let camera = frame::camera_from_body(&(spawn * Translation3::new(0.0, 0.0, 1.0)));
+    context! { site => pose_text(spawn), camera => pose_text(&camera) }
+}
+
+/// A pose as attributes.
+fn pose_text(pose: &Isometry3<f64>) -> Value {
+    let text = format!(r#"pos="{}" quat="{}""#, position(pose), quaternion(pose));
+    Value::from_safe_string(text)
+}
+
+fn position(pose: &Isometry3<f64>) -> String {
+    <[f64; 3]>::from(pose.translation.vector).map(micro).join(" ")
+}
+
+/// The rotation as w, x, y, z.
+fn quaternion(pose: &Isometry3<f64>) -> String {
+    let turn = pose.rotation.quaternion();
+    [turn.w, turn.i, turn.j, turn.k].map(micro).join(" ")
+}

@@ -1,0 +1,285 @@
+//! Whatever a MuJoCo package names is in it, and nothing in it can clash with a model of the user's.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod sample;
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io;
+
+use plume_exporters::bundle::{Archive, Bundle};
+use plume_exporters::mujoco::{Collision, Mujoco, MujocoSettings};
+use plume_exporters::package::{Existing, Memory, Package};
+use plume_exporters::scene::{Chunk, Chunks, ImageFormat, Piece, Scene};
+use plume_exporters::{ExportError, Target, target};
+use roxmltree::{Document, Node};
+use serde_json::json;
+
+fn export(settings: MujocoSettings) -> Memory {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let mut memory = Memory::default();
+    Mujoco(settings).export(&chamber.scene(), &mut memory).unwrap();
+    memory
+}
+
+fn with(collision: Collision) -> Memory {
+    export(MujocoSettings { collision, ..MujocoSettings::default() })
+}
+
+fn text<'a>(package: &'a Memory, path: &str) -> &'a str {
+    std::str::from_utf8(&package.bytes[path]).unwrap()
+}
+
+fn elements<'a>(document: &'a Document) -> impl Iterator<Item = Node<'a, 'a>> {
+    document.descendants().filter(Node::is_element)
+}
+
+#[test]
+fn every_file_that_is_named_is_there_and_every_asset_is_named() {
+    for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
+        let package = with(collision);
+        let mut named = BTreeSet::new();
+        for path in package.bytes.keys().filter(|path| path.ends_with(".xml")) {
+            let document = Document::parse(text(&package, path)).unwrap();
+            named.extend(elements(&document).filter_map(|node| node.attribute("file")).map(str::to_owned));
+        }
+        for file in &named {
+            assert!(package.bytes.contains_key(file), "{file}");
+        }
+        let assets = package.bytes.keys().filter(|path| path.starts_with("assets/"));
+        assert!(assets.clone().count() > 0 && assets.into_iter().all(|path| named.contains(path)));
+    }
+}
+
+#[test]
+fn every_name_that_is_used_is_given() {
+    for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
+        let package = with(collision);
+        for path in ["chamber_world.xml", "rover.xml"] {
+            let document = Document::parse(text(&package, path)).unwrap();
+            let given = |tag: &str, key: &str| -> BTreeSet<String> {
+                let nodes = elements(&document).filter(|node| node.has_tag_name(tag));
+                nodes.filter_map(|node| node.attribute(key)).map(str::to_owned).collect()
+            };
+            for (user, key, tag, name) in [
+                ("geom", "mesh", "mesh", "name"),
+                ("geom", "hfield", "hfield", "name"),
+                ("geom", "material", "material", "name"),
+                ("geom", "class", "default", "class"),
+                ("layer", "texture", "texture", "name"),
+                ("velocity", "joint", "joint", "name"),
+                ("accelerometer", "site", "site", "name"),
+                ("gyro", "site", "site", "name"),
+            ] {
+                let missing = &given(user, key) - &given(tag, name);
+                assert!(missing.is_empty(), "{path}: {user} {key} {missing:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_world_names_nothing_but_its_own_and_sets_no_option() {
+    for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
+        let package = with(collision);
+        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let mut seen = BTreeSet::new();
+        for node in elements(&document) {
+            for name in [node.attribute("name"), node.attribute("class")].into_iter().flatten() {
+                assert!(name.starts_with("chamber_"), "{name}");
+            }
+            if let Some(name) = node.attribute("name") {
+                assert!(seen.insert((node.tag_name().name(), name)), "{name} is given twice");
+            }
+        }
+        let sections: BTreeSet<&str> =
+            document.root_element().children().filter(Node::is_element).map(|node| node.tag_name().name()).collect();
+        let harmless = BTreeSet::from(["default", "asset", "worldbody", "deformable"]);
+        assert!(sections.is_subset(&harmless), "{sections:?}");
+        // What stands in the main default class would hold for the user's geoms.
+        let main = document.root_element().children().filter(|node| node.has_tag_name("default"));
+        assert!(
+            main.flat_map(|node| node.children()).filter(Node::is_element).all(|node| node.has_tag_name("default"))
+        );
+    }
+}
+
+#[test]
+fn each_way_to_collide_carries_the_chamber() {
+    let count = |collision, tag: &str| {
+        let package = with(collision);
+        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        elements(&document).filter(|node| node.has_tag_name(tag)).count()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let pieces: usize = (0..2).map(|index| chamber.pieces(index).unwrap().len()).sum();
+    assert_eq!(count(Collision::Pieces, "mesh"), pieces + 2);
+    assert_eq!(count(Collision::Flex, "flex"), 2 * 3);
+    assert_eq!(count(Collision::FloorField, "hfield"), 2);
+    assert_eq!(count(Collision::FloorField, "mesh"), 2);
+}
+
+/// Numbers of an attribute.
+fn numbers(node: Node, key: &str) -> Vec<f64> {
+    node.attribute(key).unwrap().split(' ').filter_map(|word| word.parse().ok()).collect()
+}
+
+#[test]
+fn a_height_field_lies_on_the_floor() {
+    let package = with(Collision::FloorField);
+    let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+    let spawn = numbers(elements(&document).find(|node| node.has_tag_name("site")).unwrap(), "pos");
+    let mut fields = elements(&document).filter(|node| node.attribute("hfield").is_some());
+    let geom = fields.find(|node| covers(&document, *node, &spawn)).unwrap();
+    let (field, at) = (asset(&document, geom), numbers(geom, "pos"));
+    let [columns, rows] = ["ncol", "nrow"].map(|key| field.attribute(key).unwrap().parse::<usize>().unwrap());
+    let (size, heights) = (numbers(field, "size"), numbers(field, "elevation"));
+    assert_eq!(heights.len(), columns * rows);
+    let cell = |x: f64, half: f64, count: usize| ((x + half) / (2.0 * half) * (count - 1) as f64).round() as usize;
+    let column = cell(spawn[0] - at[0], size[0], columns);
+    // Rows begin in the north.
+    let row = rows - 1 - cell(spawn[1] - at[1], size[1], rows);
+    assert!((at[2] + heights[row * columns + column] - spawn[2]).abs() < 0.1);
+    let highest = heights.iter().copied().fold(0.0, f64::max);
+    assert!((highest - size[2]).abs() < 1e-5, "MuJoCo scales the highest sample to the size");
+}
+
+fn asset<'a>(document: &'a Document, geom: Node) -> Node<'a, 'a> {
+    let name = geom.attribute("hfield");
+    elements(document).find(|node| node.has_tag_name("hfield") && node.attribute("name") == name).unwrap()
+}
+
+fn covers(document: &Document, geom: Node, point: &[f64]) -> bool {
+    let (at, size) = (numbers(geom, "pos"), numbers(asset(document, geom), "size"));
+    (0..2).all(|axis| (point[axis] - at[axis]).abs() <= size[axis])
+}
+
+#[test]
+fn the_lamps_nearest_to_the_start_are_lit() {
+    for (lights, expected) in
+        [(0, vec![]), (1, vec!["chamber_lamp_west"]), (4, vec!["chamber_lamp_west", "chamber_lamp_east"])]
+    {
+        let package = export(MujocoSettings { lights, ..MujocoSettings::default() });
+        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let lit =
+            elements(&document).filter(|node| node.has_tag_name("light") && node.attribute("active") == Some("true"));
+        assert_eq!(lit.filter_map(|node| node.attribute("name")).collect::<Vec<_>>(), expected);
+    }
+}
+
+/// An archive of the chamber.
+fn archive(path: &std::path::Path, existing: Existing) -> Result<(), ExportError> {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let mut archive = Archive::create(Bundle::Mjz, path, existing)?;
+    Mujoco(MujocoSettings::default()).export(&chamber.scene(), &mut archive)?;
+    archive.finish().map(drop)
+}
+
+#[test]
+fn an_archive_is_the_same_each_time_and_its_model_stands_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, again] = ["first.mjz", "again.mjz"].map(|name| folder.path().join(name));
+    archive(&first, Existing::Keep).unwrap();
+    archive(&again, Existing::Keep).unwrap();
+    assert!(fs::read(&first).unwrap() == fs::read(&again).unwrap());
+    let mut zip = zip::ZipArchive::new(File::open(&first).unwrap()).unwrap();
+    let model = io::read_to_string(zip.by_name("model.xml").unwrap()).unwrap();
+    let names: Vec<String> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
+    // MjSpec.from_zip takes the last one for the model.
+    assert_eq!(names.iter().rfind(|name| name.ends_with(".xml")).unwrap(), "model.xml");
+    let document = Document::parse(&model).unwrap();
+    assert!(elements(&document).all(|node| !node.has_tag_name("include")));
+    for file in elements(&document).filter_map(|node| node.attribute("file")) {
+        assert!(names.iter().any(|name| name == file), "{file}");
+    }
+}
+
+#[test]
+fn only_an_archive_of_ours_is_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap().to_owned();
+    let path = folder.path().join("cave.mjz");
+    fs::write(folder.path().join("letter.mjz"), "dear").unwrap();
+    archive(&path, Existing::Keep).unwrap();
+    archive(&path, Existing::Replace).unwrap();
+    let refused = [
+        archive(&path, Existing::Keep),
+        archive(&folder.path().join("letter.mjz"), Existing::Replace),
+        archive(folder.path(), Existing::Replace),
+    ];
+    let texts: Vec<String> =
+        refused.into_iter().map(|result| told(&result.unwrap_err()).replace(&place, "DIR")).collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    usage: output file exists: DIR/cave.mjz (hint: name a new file, or replace this one with `--force`)
+    usage: output was not written by an export and is left alone: DIR/letter.mjz (hint: name a new place, or empty this one yourself)
+    usage: output is not a file: DIR
+    ");
+    assert_eq!(fs::read(folder.path().join("letter.mjz")).unwrap(), b"dear");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn a_failed_archive_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cave.mjz");
+    let mut archive = Archive::create(Bundle::Mjz, &path, Existing::Keep).unwrap();
+    let sink: &mut dyn Package = &mut archive;
+    sink.text("a.txt", "a").unwrap();
+    drop(archive);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Chunks with images that MuJoCo does not read.
+struct Jpegs<'a>(&'a sample::Chamber);
+
+impl Chunks for Jpegs<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn load(&self, index: usize) -> io::Result<Chunk> {
+        let mut chunk = self.0.load(index)?;
+        chunk.material.base_color.format = ImageFormat::Jpeg;
+        chunk.material.base_color.path = "0_base_color.jpg".into();
+        Ok(chunk)
+    }
+
+    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
+        self.0.pieces(index)
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let jpegs = Jpegs(&chamber);
+    let scene = Scene { chunks: &jpegs, ..chamber.scene() };
+    let image = Mujoco(MujocoSettings::default()).export(&scene, &mut Memory::default()).unwrap_err();
+    let option = |table| target("mujoco").unwrap().build(table, None).err().unwrap();
+    let errors = [image, option(json!({ "collision": "hulls" })), option(json!({ "lights": -1 }))];
+    insta::assert_snapshot!(errors.iter().map(told).collect::<Vec<_>>().join("\n"), @r"
+    usage: target `mujoco` takes PNG images only: 0_base_color.jpg (hint: make the cave with other images: `--set texture.format=png`)
+    usage: settings of target `mujoco`: unknown variant `hulls`, expected one of `pieces`, `flex`, `floor_field`
+    usage: settings of target `mujoco`: invalid value: integer `-1`, expected u32
+    ");
+}
+
+fn told(error: &ExportError) -> String {
+    let kind = if error.is_usage() { "usage" } else { "system" };
+    let hint = error.hint().map(|hint| format!(" (hint: {hint})")).unwrap_or_default();
+    format!("{kind}: {error}{hint}")
+}
+
+/// The whole text, so that a change of it is seen in review.
+#[test]
+fn texts_are_golden() {
+    let package = with(Collision::FloorField);
+    for path in ["chamber.xml", "chamber_rover.xml", "README.md"] {
+        insta::assert_snapshot!(path, text(&package, path));
+    }
+}
