@@ -194,6 +194,7 @@ impl Mujoco {
             chunks => scene.chunks.len(),
             collision => Serde(self.0.collision),
             zones => zones.to_vec(),
+            contact => Value::from_safe_string(chunk::CONTACT.to_owned()),
             spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
             lights => Serde(self.lights(scene)),
             gravity => micro(scene.gravity),
