@@ -84,12 +84,14 @@ pub enum Collision {
     FloorField,
 }
 
+/// Name of the rover, and the prefix of all that belongs to it.
+const ROVER: &str = "rover";
 /// The rover starts this far above the ground and drops, since the ground under its wheels is not flat. Tuned.
 const START_HEIGHT_M: f64 = 0.05;
 /// What MuJoCo scales its view by: about as far as one sees in a passage. Tuned.
 const EXTENT_M: f64 = 10.0;
-/// MuJoCo's own renderer shows linear colours as they are, much too dark; lamps make up for it. Tuned by eye.
-const LIGHT_GAIN: f64 = 4.0;
+/// MuJoCo's own renderer shows linear colours as they are, which is too dark; lamps make up for some of it. Tuned by eye.
+const LIGHT_GAIN: f64 = 2.5;
 /// The nearest that is drawn, metres.
 const NEAR_M: f64 = 0.05;
 /// The furthest that is drawn, metres.
@@ -104,6 +106,12 @@ pub struct Mujoco(
 impl Target for Mujoco {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
+        if scene.name == ROVER {
+            return Err(ExportError::BadScene {
+                scene: scene.name.clone(),
+                fault: "its name is the rover's".to_owned(),
+            });
+        }
         let (mut chunks, mut visual_triangles) = (Vec::new(), 0);
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
@@ -114,7 +122,7 @@ impl Target for Mujoco {
         let name = &scene.name;
         let texts = self.values(scene);
         let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
-        write_rover(None, "rover.xml", out)?;
+        write_rover(None, &format!("{ROVER}.xml"), out)?;
         let collision_triangles = match out.bundle() {
             Some(Bundle::Mjz) => {
                 write_rover(Some((scene, "model.xml")), &format!("{name}_rover.xml"), out)?;
@@ -123,7 +131,8 @@ impl Target for Mujoco {
             None => {
                 let (cave, world) = (format!("{name}.xml"), format!("{name}_world.xml"));
                 write_rover(Some((scene, &cave)), &format!("{name}_rover.xml"), out)?;
-                out.text(&cave, &model(name, &format!("{options}  <include file=\"{world}\"/>\n")))?;
+                let include = format!("  <include file=\"{world}\"/>");
+                out.text(&cave, &format!("<mujoco model=\"{name}\">\n{options}{include}\n</mujoco>\n"))?;
                 self.write_world(&world, "", scene, &chunks, out)?
             }
         };
@@ -185,6 +194,7 @@ impl Mujoco {
             chunks => scene.chunks.len(),
             collision => Serde(self.0.collision),
             zones => zones.to_vec(),
+            contact => Value::from_safe_string(chunk::CONTACT.to_owned()),
             spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
             lights => Serde(self.lights(scene)),
             gravity => micro(scene.gravity),
@@ -236,10 +246,6 @@ impl LightText {
             range_m: micro(light.range_m),
         }
     }
-}
-
-fn model(name: &str, elements: &str) -> String {
-    format!("<mujoco model=\"{name}\">\n{elements}</mujoco>\n")
 }
 
 /// Writes the rover, alone or at the first start pose of a scene whose model is the file that is named with it.

@@ -76,12 +76,16 @@ impl Rock {
             write!(file, r#"" element=""#)?;
             write_numbers(file, part.indices.as_chunks::<3>().0)?;
             let friction = micro(friction.of(zone));
-            let contact = format!(r#"priority="1" condim="3" friction="{friction} 0.005 0.0001" selfcollide="none""#);
+            let contact = format!(r#"{CONTACT} friction="{friction} 0.005 0.0001" selfcollide="none""#);
             writeln!(file, "\">\n      <contact {contact}/>\n    </flex>")?;
         }
         writeln!(file, "  </deformable>")
     }
 }
+
+/// How rock meets whatever touches it. With the higher priority its friction rules. It is soft in the first millimetres, since
+/// MuJoCo lifts what slides across hard ground: a rover that turns on the spot would hop. What rests sinks in by 3 mm. Tuned.
+pub const CONTACT: &str = r#"priority="1" condim="3" solimp="0 0.95 0.005""#;
 
 /// Half the thickness of the triangles of a flex, which must have one, metres.
 const FLEX_RADIUS_M: f64 = 0.002;

@@ -260,10 +260,13 @@ fn what_cannot_be_is_refused_in_words() {
     let jpegs = Jpegs(&chamber);
     let scene = Scene { chunks: &jpegs, ..chamber.scene() };
     let image = Mujoco(MujocoSettings::default()).export(&scene, &mut Memory::default()).unwrap_err();
+    let called_rover = Scene { name: "rover".to_owned(), ..chamber.scene() };
+    let name = Mujoco(MujocoSettings::default()).export(&called_rover, &mut Memory::default()).unwrap_err();
     let option = |table| target("mujoco").unwrap().build(table, None).err().unwrap();
-    let errors = [image, option(json!({ "collision": "hulls" })), option(json!({ "lights": -1 }))];
+    let errors = [image, name, option(json!({ "collision": "hulls" })), option(json!({ "lights": -1 }))];
     insta::assert_snapshot!(errors.iter().map(told).collect::<Vec<_>>().join("\n"), @r"
     usage: target `mujoco` takes PNG images only: 0_base_color.jpg (hint: make the cave with other images: `--set texture.format=png`)
+    system: scene `rover`: its name is the rover's
     usage: settings of target `mujoco`: unknown variant `hulls`, expected one of `pieces`, `flex`, `floor_field`
     usage: settings of target `mujoco`: invalid value: integer `-1`, expected u32
     ");
