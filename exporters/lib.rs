@@ -9,6 +9,8 @@ use std::sync::Arc;
 use schemars::Schema;
 use serde_json::Value;
 
+pub mod collision;
+pub mod collision;
 pub mod error;
 pub mod frame;
 pub mod gazebo;
