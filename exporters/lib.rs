@@ -10,7 +10,6 @@ use schemars::Schema;
 use serde_json::Value;
 
 pub mod collision;
-pub mod collision;
 pub mod error;
 pub mod frame;
 pub mod gazebo;

@@ -92,7 +92,7 @@ fn edge(uvs: &[[f32; 2]], from: usize, to: usize) -> [f32; 2] {
 #[test]
 fn one_file_per_chunk_holds_the_same() {
     let (single, ..) = export(GltfSettings::default());
-    let (memory, chamber, _folder) = export(GltfSettings { per_chunk: true, lights: true });
+    let (memory, chamber, _folder) = export(GltfSettings { per_chunk: true, ..GltfSettings::default() });
     let (document, _, _) = gltf::import_slice(&single.bytes["chamber.glb"]).unwrap();
     for (index, node) in document.nodes().filter(|node| node.mesh().is_some()).enumerate() {
         let path = format!("chunks/{}.glb", chamber.load(index).unwrap().name);
@@ -118,6 +118,6 @@ fn the_recipe_and_the_lights_travel_along() {
     assert_eq!(lights.len(), 2);
     assert_eq!(lights[0].intensity(), 8.0);
 
-    let (dark, ..) = export(GltfSettings { per_chunk: false, lights: false });
+    let (dark, ..) = export(GltfSettings { lights: false, ..GltfSettings::default() });
     assert!(gltf::Gltf::from_slice(&dark.bytes["chamber.glb"]).unwrap().lights().is_none());
 }
