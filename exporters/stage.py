@@ -202,8 +202,9 @@ def define_physics(stage, chunks, spec):
     scene = UsdPhysics.Scene.Define(stage, "/PhysicsScene")
     scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
     scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
-    UsdGeom.Scope.Define(stage, "/World/Materials")
-    bind_ground(chunks, define_ground(stage, "/World/Materials/Ground", spec["friction"]))
+    if "friction" in spec:
+        UsdGeom.Scope.Define(stage, "/World/Materials")
+        bind_ground(chunks, define_ground(stage, "/World/Materials/Ground", spec["friction"]))
 
 
 def define_ground(stage, path, friction):

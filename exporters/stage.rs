@@ -278,7 +278,11 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
         spec["lights"] = scene.lights.iter().map(|lamp| light(lamp, contents.light_scale)).collect();
     }
     if contents.physics.is_some() {
-        spec["physics"] = json!({ "gravity_m_s2": scene.gravity, "friction": scene.friction.floor });
+        spec["physics"] = json!({ "gravity_m_s2": scene.gravity });
+    }
+    // Pieces bring the friction of their zone along.
+    if contents.physics == Some(Collision::Triangles) {
+        spec["physics"]["friction"] = scene.friction.floor.into();
     }
     if contents.omniverse_view {
         spec["layer_data"] = omniverse_view(&view);
