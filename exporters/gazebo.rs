@@ -75,10 +75,9 @@ impl Target for Gazebo {
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
             let mut part = write_visual(&model, &chunk, out)?;
-            let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
             part.collisions = match self.0.collision {
                 Collision::Triangles => vec![write_triangles(&model, scene, &chunk, out)?],
-                Collision::Pieces => write_pieces(&model, scene, &chunk.name, &pieces, out)?,
+                Collision::Pieces => write_pieces(&model, scene, &chunk.name, &scene.pieces(index)?, out)?,
             };
             triangles[0] += chunk.visual.triangles();
             triangles[1] += part.collisions.iter().map(|collision| collision.triangles).sum::<u64>();

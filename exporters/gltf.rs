@@ -4,8 +4,9 @@
 //! under its validator.
 //!
 //! glTF has no place for collision meshes yet, but importers of games go by names. With `collision = "pieces"` the node of
-//! a chunk has a child `UCX_<chunk>_<NN>` for each convex piece, which Unreal takes as collision of the mesh `<chunk>` and
-//! does not draw; any other viewer draws it. Not seen in Unreal itself, which no test can open.
+//! a chunk has a child `UCX_<chunk>_<NN>` for each convex piece. Unreal takes it as collision of the mesh `<chunk>` and does
+//! not draw it ("Import Collisions According to Mesh Names"); any other viewer draws it. Not seen in Unreal itself, which
+//! no test can open.
 //!
 //! Memory: one chunk. A GLB starts with its own length and a JSON that knows every size, so a file of several chunks
 //! loads each chunk twice: once to plan, once to write.
