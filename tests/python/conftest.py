@@ -31,10 +31,10 @@ def packages(tmp_path_factory):
 def pieces(tmp_path_factory):
     """Folder of the package `isaac` of a tiny cave whose collision is convex pieces, and of the `cave` itself."""
     folder = tmp_path_factory.mktemp("pieces")
-    arguments = ["export", "--target", "isaac", "--output", str(folder / "isaac"), "--keep", str(folder / "cave"), "--quiet"]
-    option = ["--option", "isaac.collision=pieces"]
+    places = ["--output", str(folder / "isaac"), "--keep", str(folder / "cave")]
+    arguments = ["export", "--target", "isaac", *places, "--option", "isaac.collision=pieces", "--quiet"]
     # Every piece costs the validators some hundredths of a second.
     tiny = ["graph.nodes=4", "mesh.voxel_m=0.5", "mesh.chunk_m=[10, 10, 10]", "texture.size_px=256"]
     settings = [word for setting in tiny for word in ("--set", setting)]
-    subprocess.run([sys.executable, "-m", "plume", *arguments, *option, *settings], check=True)
+    subprocess.run([sys.executable, "-m", "plume", *arguments, *settings], check=True)
     return folder
