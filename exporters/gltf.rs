@@ -1,7 +1,12 @@
 //! Target `gltf`: binary glTF 2.0 with everything embedded, Y up, metres.
 //!
 //! Written after the Khronos specification 2.0 (<https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>) and clean
-//! under its validator. No collision meshes: glTF has no place for them yet.
+//! under its validator.
+//!
+//! glTF has no place for collision meshes yet, but importers of games go by names. With `collision = "pieces"` the node of
+//! a chunk has a child `UCX_<chunk>_<NN>` for each convex piece. Unreal takes it as collision of the mesh `<chunk>` and does
+//! not draw it ("Import Collisions According to Mesh Names"); any other viewer draws it. Not seen in Unreal itself, which
+//! no test can open.
 //!
 //! Memory: one chunk. A GLB starts with its own length and a JSON that knows every size, so a file of several chunks
 //! loads each chunk twice: once to plan, once to write.
@@ -13,7 +18,7 @@ use serde_json::{Value, json};
 
 use crate::error::ExportError;
 use crate::package::Package;
-use crate::scene::Scene;
+use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, frame, settings};
 
 mod glb;
@@ -39,11 +44,24 @@ pub struct GltfSettings {
     pub per_chunk: bool,
     /// Whether a single file carries the lights (extension KHR_lights_punctual).
     pub lights: bool,
+    /// What robots touch.
+    pub collision: NamedCollision,
+}
+
+/// Collision meshes that an importer knows by their names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NamedCollision {
+    /// None: every mesh is one to see.
+    #[default]
+    None,
+    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal wants them.
+    Pieces,
 }
 
 impl Default for GltfSettings {
     fn default() -> Self {
-        Self { per_chunk: false, lights: true }
+        Self { per_chunk: false, lights: true, collision: NamedCollision::None }
     }
 }
 
@@ -56,25 +74,35 @@ pub struct Gltf(
 impl Target for Gltf {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let (pieces, open) = match self.0.per_chunk {
-            true => (write_chunks(scene, out)?, "open the files of chunks/ together".to_owned()),
+        let (entries, open) = match self.0.per_chunk {
+            true => (self.write_chunks(scene, out)?, "open the files of chunks/ together".to_owned()),
             false => (self.write_single(scene, out)?, format!("open {}.glb", scene.name)),
         };
-        let visual_triangles = pieces.iter().map(|piece| piece.triangles).sum();
-        write_index(scene, &pieces, out)?;
-        Ok(Summary { visual_triangles, collision_triangles: 0, open })
+        let visual_triangles = entries.iter().map(|entry| entry.triangles).sum();
+        let collision_triangles = entries.iter().map(|entry| entry.collision_triangles).sum();
+        write_index(scene, &entries, out)?;
+        Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == NamedCollision::Pieces
     }
 }
 
 impl Gltf {
-    fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Piece>, ExportError> {
+    fn load(&self, scene: &Scene, index: usize) -> Result<(Chunk, Vec<Piece>), ExportError> {
+        let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
+        Ok((scene.chunk(index)?, pieces))
+    }
+
+    fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
         let path = format!("{}.glb", scene.name);
         let mut layout = Layout::new(scene);
-        let mut pieces = Vec::new();
+        let mut entries = Vec::new();
         for index in 0..scene.chunks.len() {
-            let chunk = scene.chunk(index)?;
-            layout.add_chunk(&chunk)?;
-            pieces.push(Piece::new(&path, &chunk));
+            let (chunk, pieces) = self.load(scene, index)?;
+            layout.add_chunk(&chunk, &pieces)?;
+            entries.push(Entry::new(&path, &chunk, &pieces));
         }
         if self.0.lights {
             layout.add_lights(&scene.lights);
@@ -83,57 +111,68 @@ impl Gltf {
         out.write(&path, |file| {
             glb::write_head(file, &path, &root, bytes)?;
             for index in 0..scene.chunks.len() {
-                glb::write_chunk(file, &scene.chunk(index)?)?;
+                let (chunk, pieces) = self.load(scene, index)?;
+                glb::write_chunk(file, &chunk, &pieces)?;
             }
             Ok(())
         })?;
-        Ok(pieces)
+        Ok(entries)
     }
-}
 
-fn write_chunks(scene: &Scene, out: &mut dyn Package) -> Result<Vec<Piece>, ExportError> {
-    let mut pieces = Vec::new();
-    for index in 0..scene.chunks.len() {
-        let chunk = scene.chunk(index)?;
-        let path = format!("chunks/{}.glb", chunk.name);
-        let mut layout = Layout::new(scene);
-        layout.add_chunk(&chunk)?;
-        let (root, bytes): (Root, u64) = layout.finish();
-        out.write(&path, |file| {
-            glb::write_head(file, &path, &root, bytes)?;
-            glb::write_chunk(file, &chunk)
-        })?;
-        pieces.push(Piece::new(&path, &chunk));
+    fn write_chunks(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
+        let mut entries = Vec::new();
+        for index in 0..scene.chunks.len() {
+            let (chunk, pieces) = self.load(scene, index)?;
+            let path = format!("chunks/{}.glb", chunk.name);
+            let mut layout = Layout::new(scene);
+            layout.add_chunk(&chunk, &pieces)?;
+            let (root, bytes): (Root, u64) = layout.finish();
+            out.write(&path, |file| {
+                glb::write_head(file, &path, &root, bytes)?;
+                glb::write_chunk(file, &chunk, &pieces)
+            })?;
+            entries.push(Entry::new(&path, &chunk, &pieces));
+        }
+        Ok(entries)
     }
-    Ok(pieces)
 }
 
 /// A chunk as `scene.json` tells of it.
 #[derive(Serialize)]
-struct Piece {
+struct Entry {
     name: String,
     file: String,
     triangles: u64,
     min: [f32; 3],
     max: [f32; 3],
+    convex_pieces: usize,
+    #[serde(skip)]
+    collision_triangles: u64,
 }
 
-impl Piece {
-    fn new(file: &str, chunk: &crate::scene::Chunk) -> Self {
+impl Entry {
+    fn new(file: &str, chunk: &Chunk, pieces: &[Piece]) -> Self {
         let [min, max] = layout::bounds(&chunk.visual.positions);
-        let triangles = chunk.visual.triangles();
-        Self { name: chunk.name.clone(), file: file.to_owned(), triangles, min, max }
+        Self {
+            name: chunk.name.clone(),
+            file: file.to_owned(),
+            triangles: chunk.visual.triangles(),
+            min,
+            max,
+            convex_pieces: pieces.len(),
+            collision_triangles: pieces.iter().map(|piece| piece.mesh.triangles()).sum(),
+        }
     }
 }
 
 /// `scene.json`: what glTF has no words for, in the frame of the GLB.
-fn write_index(scene: &Scene, pieces: &[Piece], out: &mut dyn Package) -> Result<(), ExportError> {
+fn write_index(scene: &Scene, entries: &[Entry], out: &mut dyn Package) -> Result<(), ExportError> {
     let index = json!({
         "name": scene.name,
         "description": scene.description,
         "generator": scene.generator,
         "frame": "right-handed, Y up, metres; rotations are x, y, z, w and turn +X forward, +Z up",
-        "chunks": pieces,
+        "chunks": entries,
         "spawns": scene.spawns.iter().map(spawn).collect::<Vec<_>>(),
         "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
     });

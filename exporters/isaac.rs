@@ -1,14 +1,16 @@
 //! Target `isaac`: a USD stage for Isaac Sim 4.5 and later and for Isaac Lab, whose physics engine is PhysX.
 //!
 //! PhysX collides static triangle meshes as they are, concave or not. Its other approximations are of no use to a cave:
-//! a hull of a passage fills it, pieces of one raise the floor, and a distance grid costs minutes of preparation. Not
-//! seen in Isaac Sim itself, which has no package where the tests run.
+//! a hull of a passage fills it, pieces that it cuts itself raise the floor, and a distance grid costs minutes of
+//! preparation. The convex pieces of the scene keep their tolerance instead. Not seen in Isaac Sim itself, which has no
+//! package where the tests run.
 
 use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::package::Package;
 use crate::scene::Scene;
@@ -35,11 +37,13 @@ pub struct IsaacSettings {
     /// where most renderers take 1, so that lamps of true strength would look black; computed, not tuned by eye.
     #[schemars(range(min = 0.0, max = 1_000_000.0))]
     pub light_scale: f64,
+    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    pub collision: Collision,
 }
 
 impl Default for IsaacSettings {
     fn default() -> Self {
-        Self { lights: true, light_scale: 870.0 }
+        Self { lights: true, light_scale: 870.0, collision: Collision::Triangles }
     }
 }
 
@@ -55,11 +59,21 @@ pub struct Isaac {
 
 impl Target for Isaac {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
-        let light_scale = if self.settings.lights { self.settings.light_scale } else { 0.0 };
-        let contents = Contents { physics: true, light_scale, omniverse_view: true };
+        let contents = self.contents();
         let open = format!("File > Open {} in Isaac Sim", stage::root_name(scene));
         let summary = stage::write(scene, &contents, &*self.library, out, open)?;
-        stage::write_readme(README, scene, &summary, out)?;
+        stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.contents().wants_pieces()
+    }
+}
+
+impl Isaac {
+    fn contents(&self) -> Contents {
+        let light_scale = if self.settings.lights { self.settings.light_scale } else { 0.0 };
+        Contents { physics: Some(self.settings.collision), light_scale, omniverse_view: true }
     }
 }

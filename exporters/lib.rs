@@ -10,6 +10,7 @@ use schemars::Schema;
 use serde_json::Value;
 
 pub mod bundle;
+pub mod collision;
 pub mod error;
 pub mod frame;
 pub mod gazebo;

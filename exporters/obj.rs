@@ -48,13 +48,31 @@ pub fn write_visual(file: &mut dyn Write, name: &str, library: &str, mesh: &Mesh
 /// # Errors
 /// Those of `file`.
 pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Result<()> {
+    write_object(file, name, mesh, 0)
+}
+
+/// Writes each mesh as [`write_collision`] does, as an object of its own.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_pieces(file: &mut dyn Write, name: &str, meshes: &[&Mesh]) -> io::Result<()> {
+    let mut before = 0;
+    for (number, mesh) in meshes.iter().enumerate() {
+        write_object(file, &format!("{name}_{number}"), mesh, before)?;
+        before += mesh.positions.len() as u64;
+    }
+    Ok(())
+}
+
+/// An object; `before` it there are so many vertices in the file.
+fn write_object(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
     writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
     for normal in vertex_normals(mesh) {
         write_fixed(file, &mut line, "vn", &normal, 10_000)?;
     }
-    for [a, b, c] in corners(mesh) {
+    for [a, b, c] in corners(mesh).map(|corner| corner.map(|vertex| vertex + before)) {
         writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
     }
     Ok(())

@@ -32,8 +32,10 @@ def write_chunk(spec, arrays):
             fill_visual(visual, level, arrays)
             visual.GetPrim().SetCustomDataByKey("plume:error_m", level["error_m"])
     levels.SetVariantSelection(spec["levels"][0]["name"])
-    if "collision" in spec:
-        define_collision(stage, spec["collision"], arrays)
+    for zone in spec["zones"]:
+        define_zone(stage, zone)
+    for collider in spec["colliders"]:
+        define_collider(stage, collider, arrays)
     save(stage)
 
 
@@ -117,13 +119,21 @@ def fill_visual(mesh, spec, arrays):
     UsdGeom.Subset.SetFamilyType(mesh, "semantics", UsdGeom.Tokens.partition)
 
 
-def define_collision(stage, spec, arrays):
-    """What wheels touch: never drawn, static because it has no rigid body, and concave because it keeps its triangles."""
-    mesh = define_mesh(stage, "/Chunk/Collision")
+def define_zone(stage, spec):
+    """A part of the wall whose pieces have a friction of their own."""
+    UsdGeom.Scope.Define(stage, "/Chunk/Collision")
+    zone = UsdGeom.Scope.Define(stage, f"/Chunk/Collision/{spec['name']}")
+    ground = define_ground(stage, f"/Chunk/Looks/{spec['name'].title()}", spec["friction"])
+    bind_ground(zone, ground)
+
+
+def define_collider(stage, spec, arrays):
+    """What wheels touch: never drawn, and static because it has no rigid body."""
+    mesh = define_mesh(stage, f"/Chunk/{spec['name']}")
     fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.uniform)
     mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
-    UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(UsdPhysics.Tokens.none)
+    UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(spec["approximation"])
 
 
 def define_rock(stage, textures):
@@ -192,13 +202,22 @@ def define_physics(stage, chunks, spec):
     scene = UsdPhysics.Scene.Define(stage, "/PhysicsScene")
     scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
     scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
-    UsdGeom.Scope.Define(stage, "/World/Materials")
-    ground = UsdShade.Material.Define(stage, "/World/Materials/Ground")
+    if "friction" in spec:
+        UsdGeom.Scope.Define(stage, "/World/Materials")
+        bind_ground(chunks, define_ground(stage, "/World/Materials/Ground", spec["friction"]))
+
+
+def define_ground(stage, path, friction):
+    ground = UsdShade.Material.Define(stage, path)
     material = UsdPhysics.MaterialAPI.Apply(ground.GetPrim())
-    material.CreateStaticFrictionAttr(spec["friction"])
-    material.CreateDynamicFrictionAttr(spec["friction"])
+    material.CreateStaticFrictionAttr(friction)
+    material.CreateDynamicFrictionAttr(friction)
     material.CreateRestitutionAttr(0.0)
-    binding = UsdShade.MaterialBindingAPI.Apply(chunks.GetPrim())
+    return ground
+
+
+def bind_ground(prim, ground):
+    binding = UsdShade.MaterialBindingAPI.Apply(prim.GetPrim())
     binding.Bind(ground, UsdShade.Tokens.fallbackStrength, "physics")
 
 

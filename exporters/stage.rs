@@ -8,7 +8,8 @@
 //! Z up, metres, kilograms, right-handed; paths are relative, so the folder works wherever it lies. After the schemas
 //! UsdGeom, UsdShade, UsdLux, UsdPhysics and UsdSemantics (<https://openusd.org/release/api/index.html>). The cave is
 //! static: collision meshes have no rigid body and keep their triangles (`approximation = "none"`), so they may be
-//! concave. They are apart from the visual meshes, which have none.
+//! concave. They are apart from the visual meshes, which have none. Convex pieces take their place where they are wanted
+//! (`/Chunk/Collision/<zone>/piece_<n>`, `approximation = "convexHull"`), with a friction for each zone.
 //!
 //! The layers are written by usd-core, which lives in Python: a host program lends it as [`Library`]. What is said of
 //! each prim is decided here or in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings
@@ -22,10 +23,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::package::Package;
-use crate::scene::{Chunk, Light, Mesh, Scene};
-use crate::{Summary, frame, pinch, slope, template};
+use crate::scene::{ByZone, Chunk, Light, Mesh, Scene, Zone};
+use crate::{Summary, frame, slope, template};
+
+mod colliders;
+
+use colliders::Colliders;
 
 /// The Python module that authors layers; [`Library::call`] runs its functions.
 pub const SCRIPT: &str = include_str!("stage.py");
@@ -64,11 +70,13 @@ pub struct StageSettings {
     pub lights: bool,
     /// Whether the stage carries collision meshes, friction and gravity.
     pub physics: bool,
+    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    pub collision: Collision,
 }
 
 impl Default for StageSettings {
     fn default() -> Self {
-        Self { lights: true, physics: true }
+        Self { lights: true, physics: true, collision: Collision::Triangles }
     }
 }
 
@@ -76,19 +84,26 @@ impl StageSettings {
     /// What the stage then carries.
     pub fn contents(&self) -> Contents {
         let light_scale = if self.lights { 1.0 } else { 0.0 };
-        Contents { physics: self.physics, light_scale, omniverse_view: false }
+        Contents { physics: self.physics.then_some(self.collision), light_scale, omniverse_view: false }
     }
 }
 
 /// What a stage carries beside rock and start poses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
-    /// Collision meshes, gravity and friction.
-    pub physics: bool,
+    /// What robots touch, with gravity and friction, if anything.
+    pub physics: Option<Collision>,
     /// Factor on the luminous intensity of the lights; 0 leaves them out.
     pub light_scale: f64,
     /// Whether an Omniverse viewport that opens the stage stands where the camera does, instead of outside.
     pub omniverse_view: bool,
+}
+
+impl Contents {
+    /// Whether convex pieces are written.
+    pub fn wants_pieces(&self) -> bool {
+        self.physics == Some(Collision::Pieces)
+    }
 }
 
 /// Writes the README of the package from a template.
@@ -98,6 +113,7 @@ pub struct Contents {
 pub fn write_readme(
     template: &str,
     scene: &Scene,
+    contents: &Contents,
     summary: &Summary,
     out: &mut dyn Package,
 ) -> Result<(), ExportError> {
@@ -108,12 +124,19 @@ pub fn write_readme(
         open => &summary.open,
         chunks => scene.chunks.len(),
         spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
-        friction => frame::micro(scene.friction.floor),
+        friction => zone_texts(scene.friction),
+        reach_m => zone_texts(scene.piece_tolerance_m),
         gravity => frame::micro(scene.gravity),
         collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
-        has_physics => summary.collision_triangles > 0,
+        has_physics => contents.physics.is_some(),
+        has_pieces => contents.wants_pieces(),
     };
     out.text("README.md", &template::fill("README.md", template, &values))
+}
+
+/// Numbers of floor, wall and ceiling.
+fn zone_texts(numbers: ByZone) -> [String; 3] {
+    Zone::ALL.map(|zone| frame::micro(numbers.of(zone)))
 }
 
 /// Position, and rotation as w, x, y, z.
@@ -143,10 +166,12 @@ pub fn write(
     let scratch = out.scratch()?;
     let (mut payloads, mut triangles) = (Vec::new(), [0, 0]);
     for index in 0..scene.chunks.len() {
-        let chunk = scene.chunk(index)?;
+        let mut chunk = scene.chunk(index)?;
+        let colliders = Colliders::of(scene, index, &mut chunk, contents.physics)?;
         triangles[0] += chunk.visual.triangles();
-        triangles[1] += if contents.physics { chunk.collision.triangles() } else { 0 };
-        payloads.push(write_chunk(chunk, contents, library, scratch.path(), out)?);
+        triangles[1] += colliders.triangles();
+        let zones = colliders.zones(scene.friction);
+        payloads.push(write_chunk(chunk, colliders, zones, library, scratch.path(), out)?);
     }
     let file = root_name(scene);
     let path = scratch.path().join(&file);
@@ -157,8 +182,9 @@ pub fn write(
 
 /// Writes the layer and images of a chunk; gives what the root layer says of it.
 fn write_chunk(
-    mut chunk: Chunk,
-    contents: &Contents,
+    chunk: Chunk,
+    colliders: Colliders,
+    zones: Value,
     library: &dyn Library,
     scratch: &Path,
     out: &mut dyn Package,
@@ -173,7 +199,7 @@ fn write_chunk(
         out.copy(&format!("chunks/{file}"), &image.path)?;
         textures.insert(role.to_owned(), format!("./{file}").into());
     }
-    let mut spec = json!({ "path": path, "textures": textures });
+    let mut spec = json!({ "path": path, "textures": textures, "zones": zones });
     let mut arrays = Vec::new();
     let levels = std::iter::once((chunk.visual, 0.0)).chain(chunk.lods.into_iter().map(|lod| (lod.mesh, lod.error_m)));
     spec["levels"] = levels
@@ -184,12 +210,7 @@ fn write_chunk(
             level
         })
         .collect();
-    if contents.physics {
-        pinch::split(&mut chunk.collision);
-        spec["collision"] = json!({ "name": "collision", "extent": chunk.collision.bounds() });
-        arrays.push(("collision.normals".to_owned(), Array::Float3(slope::face_normals(&chunk.collision))));
-        push_triangles("collision", chunk.collision, &mut arrays);
-    }
+    spec["colliders"] = colliders.describe(&mut arrays);
     library.call("write_chunk", &spec, arrays)?;
     out.copy(&format!("chunks/{layer}"), &path)?;
     std::fs::remove_file(&path)?;
@@ -231,8 +252,12 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
     if contents.light_scale > 0.0 {
         spec["lights"] = scene.lights.iter().map(|lamp| light(lamp, contents.light_scale)).collect();
     }
-    if contents.physics {
-        spec["physics"] = json!({ "gravity_m_s2": scene.gravity, "friction": scene.friction.floor });
+    if contents.physics.is_some() {
+        spec["physics"] = json!({ "gravity_m_s2": scene.gravity });
+    }
+    // Pieces bring the friction of their zone along.
+    if contents.physics == Some(Collision::Triangles) {
+        spec["physics"]["friction"] = scene.friction.floor.into();
     }
     if contents.omniverse_view {
         spec["layer_data"] = omniverse_view(&view);

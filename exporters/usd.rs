@@ -30,9 +30,14 @@ pub struct Usd {
 
 impl Target for Usd {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        let contents = self.settings.contents();
         let open = format!("usdview {}", stage::root_name(scene));
-        let summary = stage::write(scene, &self.settings.contents(), &*self.library, out, open)?;
-        stage::write_readme(README, scene, &summary, out)?;
+        let summary = stage::write(scene, &contents, &*self.library, out, open)?;
+        stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.settings.contents().wants_pieces()
     }
 }

@@ -34,18 +34,23 @@ pub struct Usdz {
 
 impl Target for Usdz {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        let contents = self.settings.contents();
         let archive = format!("{}.usdz", scene.name);
         let scratch = out.scratch()?;
         let stage = scratch.path().join("stage");
         let mut loose = Folder::create(&stage, Existing::Keep)?;
         let open = format!("usdview {archive}");
-        let summary = stage::write(scene, &self.settings.contents(), &*self.library, &mut loose, open)?;
+        let summary = stage::write(scene, &contents, &*self.library, &mut loose, open)?;
         loose.finish()?;
         let path = scratch.path().join(&archive);
         let spec = json!({ "root": stage.join(stage::root_name(scene)), "path": path });
         self.library.call("write_usdz", &spec, Vec::new())?;
         out.copy(&archive, &path)?;
-        stage::write_readme(README, scene, &summary, out)?;
+        stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.settings.contents().wants_pieces()
     }
 }

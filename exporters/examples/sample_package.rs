@@ -1,5 +1,5 @@
 //! Writes the sample scene for every target that needs no USD library: `sample_package FOLDER` makes `FOLDER/<target>`,
-//! and `FOLDER/gltf_chunks` with a file per chunk.
+//! `FOLDER/gltf_chunks` with a file per chunk, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -18,8 +18,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
         write(&folder.join(row.name), row, json!({}), &chamber)?;
     }
-    let settings = json!({ "per_chunk": true });
-    write(&folder.join("gltf_chunks"), target("gltf")?, settings, &chamber)
+    for (name, settings) in [
+        ("gltf_chunks", json!({ "per_chunk": true })),
+        ("gltf_pieces", json!({ "collision": "pieces" })),
+        ("gazebo_pieces", json!({ "collision": "pieces" })),
+    ] {
+        let row = target(name.split('_').next().unwrap_or(name))?;
+        write(&folder.join(name), row, settings, &chamber)?;
+    }
+    Ok(())
 }
 
 fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {

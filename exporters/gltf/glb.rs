@@ -7,7 +7,7 @@ use gltf_json::Root;
 
 use crate::error::{ExportError, at};
 use crate::frame;
-use crate::scene::{Chunk, Image};
+use crate::scene::{Chunk, Image, Mesh, Piece};
 
 use super::layout::{images, index_bytes, padding};
 
@@ -38,9 +38,9 @@ pub fn write_head(file: &mut dyn Write, path: &str, root: &Root, payload_bytes: 
 ///
 /// # Errors
 /// Those of `file`, and when an image cannot be read or has changed since the plan.
-pub fn write_chunk(file: &mut dyn Write, chunk: &Chunk) -> Result<(), ExportError> {
+pub fn write_chunk(file: &mut dyn Write, chunk: &Chunk, pieces: &[Piece]) -> Result<(), ExportError> {
     let mesh = &chunk.visual;
-    write_floats(file, mesh.positions.iter().map(|&point| frame::gltf_from_scene(point)))?;
+    write_positions(file, mesh)?;
     write_floats(file, mesh.normals.iter().map(|&normal| frame::gltf_from_scene(normal)))?;
     write_floats(file, mesh.tangents.iter().map(|&tangent| frame::gltf_tangent_from_scene(tangent)))?;
     write_floats(file, mesh.uvs.iter().map(|&uv| frame::upper_left_uv(uv)))?;
@@ -48,7 +48,15 @@ pub fn write_chunk(file: &mut dyn Write, chunk: &Chunk) -> Result<(), ExportErro
     for (_, image) in images(&chunk.material) {
         write_image(file, image)?;
     }
+    for Piece { mesh, .. } in pieces {
+        write_positions(file, mesh)?;
+        write_indices(file, &mesh.indices, index_bytes(mesh))?;
+    }
     Ok(())
+}
+
+fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
+    write_floats(file, mesh.positions.iter().map(|&point| frame::gltf_from_scene(point)))
 }
 
 fn write_floats<const N: usize>(file: &mut dyn Write, vectors: impl Iterator<Item = [f32; N]>) -> io::Result<()> {

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 
 use crate::error::{ExportError, at};
 use crate::frame;
-use crate::scene::{self, Chunk, Image, Light, Scene};
+use crate::scene::{self, Chunk, Image, Light, Piece, Scene};
 
 /// A plan that grows by chunks; the payload follows in the same order.
 pub struct Layout {
@@ -49,21 +49,25 @@ impl Layout {
         Self { root, bytes: 0 }
     }
 
-    /// Adds a node with the visual mesh, its material and its images.
+    /// Adds a node with the visual mesh, its material and its images, and below it a node for each piece.
     ///
     /// # Errors
     /// When the size of an image cannot be read.
-    pub fn add_chunk(&mut self, chunk: &Chunk) -> Result<(), ExportError> {
-        let primitive = self.primitive(&chunk.visual);
+    pub fn add_chunk(&mut self, chunk: &Chunk, pieces: &[Piece]) -> Result<(), ExportError> {
+        let primitive = self.primitive(&chunk.visual, &vertex_attributes());
         let material = self.material(chunk)?;
-        let mesh = self.root.push(Mesh {
-            extensions: None,
-            extras: None,
-            name: Some(chunk.name.clone()),
-            primitives: vec![Primitive { material: Some(material), ..primitive }],
-            weights: None,
-        });
-        self.add_node(Node { mesh: Some(mesh), name: Some(chunk.name.clone()), ..Node::default() });
+        let mut node = self.node(chunk.name.clone(), Primitive { material: Some(material), ..primitive });
+        let children: Vec<Index<Node>> = pieces
+            .iter()
+            .enumerate()
+            .map(|(number, piece)| {
+                let primitive = self.primitive(&piece.mesh, &vertex_attributes()[..1]);
+                let child = self.node(format!("UCX_{}_{number:02}", chunk.name), primitive);
+                self.root.push(child)
+            })
+            .collect();
+        node.children = (!children.is_empty()).then_some(children);
+        self.add_node(node);
         Ok(())
     }
 
@@ -105,9 +109,21 @@ impl Layout {
         self.root.scenes[0].nodes.push(node);
     }
 
-    fn primitive(&mut self, mesh: &scene::Mesh) -> Primitive {
+    /// A node of a mesh of the same name.
+    fn node(&mut self, name: String, primitive: Primitive) -> Node {
+        let mesh = self.root.push(Mesh {
+            extensions: None,
+            extras: None,
+            name: Some(name.clone()),
+            primitives: vec![primitive],
+            weights: None,
+        });
+        Node { mesh: Some(mesh), name: Some(name), ..Node::default() }
+    }
+
+    fn primitive(&mut self, mesh: &scene::Mesh, wanted: &[(Semantic, Type)]) -> Primitive {
         let mut attributes = BTreeMap::new();
-        for (semantic, shape) in vertex_attributes() {
+        for (semantic, shape) in wanted.iter().cloned() {
             let is_position = semantic == Semantic::Positions;
             let view = self.view(mesh.positions.len() as u64 * 4 * shape.multiplicity() as u64);
             self.root.buffer_views[view.value()].target = Some(Valid(Target::ArrayBuffer));
@@ -208,7 +224,7 @@ impl Layout {
     }
 }
 
-/// The vertex attributes in the order of the payload.
+/// The vertex attributes of a visual mesh in the order of the payload; a piece has the first.
 fn vertex_attributes() -> [(Semantic, Type); 4] {
     [
         (Semantic::Positions, Type::Vec3),

@@ -7,6 +7,7 @@ mod sample;
 use std::collections::BTreeSet;
 
 use plume_exporters::Target;
+use plume_exporters::collision::Collision;
 use plume_exporters::gazebo::{Gazebo, GazeboSettings};
 use plume_exporters::package::Memory;
 use roxmltree::Document;
@@ -25,10 +26,15 @@ fn text<'a>(package: &'a Memory, path: &str) -> &'a str {
 
 #[test]
 fn every_reference_resolves_and_every_file_is_referenced() {
-    let package = export(GazeboSettings::default());
+    for collision in [Collision::Triangles, Collision::Pieces] {
+        check_references(&export(GazeboSettings { collision, ..GazeboSettings::default() }));
+    }
+}
+
+fn check_references(package: &Memory) {
     let mut named = BTreeSet::new();
     for path in ["models/chamber/model.sdf", "worlds/chamber.sdf"] {
-        let document = Document::parse(text(&package, path)).unwrap();
+        let document = Document::parse(text(package, path)).unwrap();
         assert_eq!(document.root_element().attribute("version"), Some("1.9"));
         for node in document.descendants().filter(|node| node.is_element()) {
             let Some(rest) = node.text().and_then(|text| text.strip_prefix("model://")) else {
@@ -68,6 +74,19 @@ fn each_chunk_has_one_visual_and_one_collision() {
     let document = Document::parse(text(&package, "models/chamber/model.sdf")).unwrap();
     let count = |tag| document.descendants().filter(|node| node.has_tag_name(tag)).count();
     assert_eq!([count("visual"), count("collision"), count("mu"), count("link")], [2, 2, 2, 1]);
+}
+
+#[test]
+fn pieces_have_the_friction_of_their_zone() {
+    let package = export(GazeboSettings { collision: Collision::Pieces, ..GazeboSettings::default() });
+    let document = Document::parse(text(&package, "models/chamber/model.sdf")).unwrap();
+    let collisions: Vec<_> = document.descendants().filter(|node| node.has_tag_name("collision")).collect();
+    assert_eq!(collisions.len(), 6);
+    for collision in collisions {
+        let friction = if collision.attribute("name").unwrap().ends_with("_floor") { "0.8" } else { "0.6" };
+        let numbers: Vec<_> = collision.descendants().filter(|node| node.has_tag_name("mu")).collect();
+        assert_eq!(numbers.iter().map(|node| node.text()).collect::<Vec<_>>(), [Some(friction)]);
+    }
 }
 
 #[test]

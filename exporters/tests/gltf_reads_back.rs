@@ -8,7 +8,7 @@ use gltf::Semantic;
 use nalgebra::Vector3;
 use plume_exporters::Target;
 use plume_exporters::frame::{gltf_from_scene, gltf_tangent_from_scene, upper_left_uv};
-use plume_exporters::gltf::{Gltf, GltfSettings};
+use plume_exporters::gltf::{Gltf, GltfSettings, NamedCollision};
 use plume_exporters::package::Memory;
 use plume_exporters::scene::Chunks;
 
@@ -92,7 +92,7 @@ fn edge(uvs: &[[f32; 2]], from: usize, to: usize) -> [f32; 2] {
 #[test]
 fn one_file_per_chunk_holds_the_same() {
     let (single, ..) = export(GltfSettings::default());
-    let (memory, chamber, _folder) = export(GltfSettings { per_chunk: true, lights: true });
+    let (memory, chamber, _folder) = export(GltfSettings { per_chunk: true, ..GltfSettings::default() });
     let (document, _, _) = gltf::import_slice(&single.bytes["chamber.glb"]).unwrap();
     for (index, node) in document.nodes().filter(|node| node.mesh().is_some()).enumerate() {
         let path = format!("chunks/{}.glb", chamber.load(index).unwrap().name);
@@ -118,6 +118,46 @@ fn the_recipe_and_the_lights_travel_along() {
     assert_eq!(lights.len(), 2);
     assert_eq!(lights[0].intensity(), 8.0);
 
-    let (dark, ..) = export(GltfSettings { per_chunk: false, lights: false });
+    let (dark, ..) = export(GltfSettings { lights: false, ..GltfSettings::default() });
     assert!(gltf::Gltf::from_slice(&dark.bytes["chamber.glb"]).unwrap().lights().is_none());
+}
+
+#[test]
+fn pieces_come_back_bit_for_bit_and_convex() {
+    for per_chunk in [false, true] {
+        let settings = GltfSettings { per_chunk, collision: NamedCollision::Pieces, ..GltfSettings::default() };
+        let (memory, chamber, _folder) = export(settings);
+        let files = memory.bytes.iter().filter(|(path, _)| path.ends_with(".glb"));
+        let read = files.map(|(_, bytes)| gltf::import_slice(bytes).unwrap());
+        let found: Vec<_> = read.flat_map(|(document, buffers, _)| pieces(&document, &buffers)).collect();
+        let expected = (0..chamber.len()).flat_map(|index| chamber.pieces(index).unwrap());
+        let expected: Vec<_> = expected
+            .map(|piece| (piece.mesh.positions.into_iter().map(gltf_from_scene).collect(), piece.mesh.indices))
+            .collect();
+        assert!(found == expected);
+        assert!(found.iter().all(is_convex));
+    }
+}
+
+type Solid = (Vec<[f32; 3]>, Vec<u32>);
+
+fn pieces(document: &gltf::Document, buffers: &[gltf::buffer::Data]) -> Vec<Solid> {
+    let meshes = document.meshes().filter(|mesh| mesh.name().unwrap().starts_with("UCX_"));
+    let read = |mesh: gltf::Mesh| {
+        let primitive = mesh.primitives().next().unwrap();
+        assert!(primitive.attributes().count() == 1 && primitive.material().index().is_none());
+        let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+        (reader.read_positions().unwrap().collect(), reader.read_indices().unwrap().into_u32().collect())
+    };
+    meshes.map(read).collect()
+}
+
+/// No corner is more than 0.1 mm outside of a face: the corners are rounded.
+fn is_convex((points, indices): &Solid) -> bool {
+    let points: Vec<Vector3<f32>> = points.iter().copied().map(Vector3::from).collect();
+    indices.chunks_exact(3).all(|corners| {
+        let [a, b, c] = [0, 1, 2].map(|i| points[corners[i] as usize]);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        points.iter().all(|point| (point - a).dot(&normal) < 1e-4)
+    })
 }

@@ -5,6 +5,8 @@
 #[path = "sample/ledger.rs"]
 mod ledger;
 mod sample;
+#[path = "sample/touched.rs"]
+mod touched;
 
 use std::fs;
 use std::io;
@@ -12,10 +14,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
 use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
-use plume_exporters::{ExportError, TARGETS, target};
+use plume_exporters::{ExportError, TARGETS, Target, target};
 use serde_json::json;
 
 use ledger::ledger;
+use touched::touched;
 
 #[test]
 fn every_target_file_has_its_row() {
@@ -148,6 +151,44 @@ fn no_chunk_is_loaded_more_than_twice() {
     }
 }
 
+/// Of every target that offers convex pieces, or carries nothing else.
+fn targets_of_pieces() -> impl Iterator<Item = (&'static str, Box<dyn Target>)> {
+    let offers = [json!({ "collision": "pieces" }), json!({})];
+    TARGETS.iter().filter_map(move |row| {
+        let target = offers.iter().find_map(|offer| row.build(offer.clone(), ledger().as_ref()).ok())?;
+        target.wants_pieces().then_some((row.name, target))
+    })
+}
+
+#[test]
+fn the_pieces_of_the_scene_are_all_that_robots_touch() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let scene = chamber.scene();
+    let pieces: Vec<Piece> = (0..chamber.len()).flat_map(|index| scene.pieces(index).unwrap()).collect();
+    let mut corners: Vec<usize> = pieces.iter().map(|piece| piece.mesh.positions.len()).collect();
+    corners.sort_unstable();
+    let triangles: u64 = pieces.iter().map(|piece| piece.mesh.triangles()).sum();
+    let mut names = Vec::new();
+    for (name, target) in targets_of_pieces() {
+        let mut package = Memory::default();
+        let summary = target.export(&scene, &mut package).unwrap();
+        assert_eq!(summary.collision_triangles, triangles, "{name}");
+        let mut found = touched(&package);
+        found.sort_unstable();
+        assert!(found == corners, "{name}");
+        names.push(name);
+    }
+    assert_eq!(names, ["gazebo", "isaac", "usd", "usdz", "gltf"]);
+}
+
+#[test]
+fn pieces_are_not_made_unasked_where_there_is_a_choice() {
+    for row in TARGETS.iter().filter(|row| row.build(json!({ "collision": "pieces" }), ledger().as_ref()).is_ok()) {
+        assert!(!row.build(json!({}), ledger().as_ref()).unwrap().wants_pieces(), "{}", row.name);
+    }
+}
+
 /// A disk that is full after some bytes.
 struct FullDisk {
     left: usize,
@@ -201,7 +242,7 @@ fn a_full_disk_is_told_with_the_file() {
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: assets/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: README.md: no storage space (hint: free some space, or make smaller textures)
+    system: chamber.usdz: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
     ");
 }

@@ -2,8 +2,9 @@
 
     drop_pybullet.py PACKAGE_DIR
 
-Bullet knows nothing of our exporter: it loads the collision meshes that the model names as exact triangles. From each
-spawn pose of the world the ball must fall onto the floor and stay, and rays in all directions must hit rock.
+Bullet knows nothing of our exporter: it loads the collision meshes that the model names as exact triangles, and meshes
+made of convex pieces once more as a hull of each piece. From each spawn pose of the world the ball must fall onto the
+floor and stay, and rays in all directions must hit rock.
 The last line of a success gives the heights of the ball and of the floor under it at the first pose.
 """
 
@@ -32,8 +33,16 @@ AWAY_M = 2.0  # the ball may slide a little, but not leave the place
 
 def main(package):
     world, model = read_world(package)
+    collisions = read_collisions(model, package)
+    print(f"Bullet: {judge(world, collisions, p.GEOM_FORCE_CONCAVE_TRIMESH)}")
+    if any(count_objects(file) > 1 for file, _ in collisions):
+        # Left to itself, Bullet makes a hull of each object of a file.
+        print(f"Bullet, on {sum(count_objects(file) for file, _ in collisions)} hulls: {judge(world, collisions, 0)}")
+
+
+def judge(world, collisions, flags):
     with connected():
-        load_collisions(model, package)
+        load_collisions(collisions, flags)
         for number, spawn in enumerate(spawn_points(world)):
             check_closed(spawn, number)
             check_grounded(spawn, number)
@@ -41,7 +50,7 @@ def main(package):
             if number == 0:
                 first = (floor_z, ball)
     floor_z, ball = first
-    print(f"Bullet: {number + 1} spawn poses closed in and firm, ball_z_m {ball[2]:.4f} floor_z_m {floor_z:.4f}")
+    return f"{number + 1} spawn poses closed in and firm, ball_z_m {ball[2]:.4f} floor_z_m {floor_z:.4f}"
 
 
 def read_world(package):
@@ -70,20 +79,28 @@ def connected():
         p.disconnect(client)
 
 
-def load_collisions(model, package):
-    uris = [uri.text for uri in model.iterfind("link/collision/geometry/mesh/uri")]
-    require(uris, "the model has no collision mesh")
-    for uri in uris:
-        file = resolve(uri, package)
-        require(file.is_file(), f"{uri} is missing")
-        shape = p.createCollisionShape(p.GEOM_MESH, fileName=str(file), flags=p.GEOM_FORCE_CONCAVE_TRIMESH)
-        require(shape >= 0, f"Bullet cannot read {uri}")
+def read_collisions(model, package):
+    """File and friction of every collision mesh."""
+    found = []
+    for collision in model.iterfind("link/collision"):
+        file = resolve(collision.findtext("geometry/mesh/uri", ""), package)
+        require(file.is_file(), f"{file.name} is missing")
+        found.append((file, float(collision.findtext("surface/friction/ode/mu", "1"))))
+    require(found, "the model has no collision mesh")
+    return found
+
+
+def count_objects(file):
+    with file.open() as lines:
+        return sum(line.startswith("o ") for line in lines)
+
+
+def load_collisions(collisions, flags):
+    for file, friction in collisions:
+        shape = p.createCollisionShape(p.GEOM_MESH, fileName=str(file), flags=flags)
+        require(shape >= 0, f"Bullet cannot read {file.name}")
         body = p.createMultiBody(0, shape)
-        p.changeDynamics(body, -1, lateralFriction=friction(model))
-
-
-def friction(model):
-    return float(model.findtext("link/collision/surface/friction/ode/mu", "1"))
+        p.changeDynamics(body, -1, lateralFriction=friction)
 
 
 def gravity(world):

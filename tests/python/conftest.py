@@ -25,3 +25,16 @@ def packages(tmp_path_factory):
     small = ["--set", "graph.nodes=12", "--set", "texture.size_px=256"]
     subprocess.run([sys.executable, "-m", "plume", *arguments, *small], check=True)
     return folder
+
+
+@pytest.fixture(scope="session")
+def pieces(tmp_path_factory):
+    """Folder of the package `isaac` of a tiny cave whose collision is convex pieces, and of the `cave` itself."""
+    folder = tmp_path_factory.mktemp("pieces")
+    places = ["--output", str(folder / "isaac"), "--keep", str(folder / "cave")]
+    arguments = ["export", "--target", "isaac", *places, "--option", "isaac.collision=pieces", "--quiet"]
+    # Every piece costs the validators some hundredths of a second.
+    tiny = ["graph.nodes=4", "mesh.voxel_m=0.5", "mesh.chunk_m=[10, 10, 10]", "texture.size_px=256"]
+    settings = [word for setting in tiny for word in ("--set", setting)]
+    subprocess.run([sys.executable, "-m", "plume", *arguments, *settings], check=True)
+    return folder

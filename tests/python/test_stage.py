@@ -6,7 +6,9 @@ import sys
 import numpy as np
 import pytest
 from plyfile import PlyData
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, UsdShade
+
+ZONES = ["floor", "wall", "ceiling"]
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +67,28 @@ def test_collision_arrays_are_those_of_the_cave(kept):
         # Vertices in which two parts of a chunk touch have copies at the end.
         assert points[: len(expected)].tobytes() == expected.tobytes()
         assert points[corners].tobytes() == expected[indices(ply)].tobytes()
+
+
+def test_pieces_are_those_of_the_cave(pieces):
+    for layer in layers(pieces):
+        stage = Usd.Stage.Open(str(layer))
+        ply = PlyData.read(str(pieces / f"cave/pieces/{layer.stem}.ply"))
+        points, corners, piece_of_face = (
+            columns(ply, "x y z"),
+            np.stack(ply["face"]["vertex_indices"]),
+            ply["face"]["piece"],
+        )
+        found = [prim for prim in stage.Traverse() if prim.GetName().startswith("piece_")]
+        assert len(found) == len(np.unique(piece_of_face))
+        for prim in found:
+            own = piece_of_face == int(prim.GetName().removeprefix("piece_"))
+            mesh = UsdGeom.Mesh(prim)
+            triangles = np.asarray(mesh.GetPointsAttr().Get())[np.asarray(mesh.GetFaceVertexIndicesAttr().Get())]
+            assert triangles.tobytes() == points[corners[own]].tobytes()
+            zone = ZONES[ply["face"]["zone"][own][0]]
+            assert prim.GetParent().GetPath() == f"/Chunk/Collision/{zone}"
+            ground, _ = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial("physics")
+            assert ground.GetPath() == f"/Chunk/Looks/{zone.title()}"
 
 
 def test_images_are_those_of_the_cave(kept):

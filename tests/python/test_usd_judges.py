@@ -10,6 +10,9 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 JUDGE = Path(__file__).parents[1] / "judges/usd/validate.py"
+sys.path.append(str(JUDGE.parent))
+
+import laws  # noqa: E402 - beside the judge
 
 
 def judge(package):
@@ -21,6 +24,11 @@ def judge(package):
 @pytest.mark.parametrize("target", ["isaac", "usd", "usdz"])
 def test_a_good_package_is_praised(target, packages):
     code, said = judge(packages / target)
+    assert code == 0, said
+
+
+def test_a_good_package_of_pieces_is_praised(pieces):
+    code, said = judge(pieces / "isaac")
     assert code == 0, said
 
 
@@ -265,3 +273,39 @@ def test_a_spoiled_package_is_noticed(fault, packages, tmp_path):
     spoil(package)
     code, said = judge(package)
     assert code == 1 and complaint in said, said
+
+
+def on_piece(change):
+    """A change of the first piece of the wall."""
+    return in_chunk(lambda stage: change(stage.GetPrimAtPath("/Chunk/Collision/wall").GetAllChildren()[0]))
+
+
+def dent(prim):
+    """Pulls a corner to the other side of the piece."""
+    points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get())
+    points[0] = 2 * points.mean(axis=0) - points[0]
+    UsdGeom.Mesh(prim).GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points))
+    UsdGeom.Mesh(prim).GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(np.array([points.min(0), points.max(0)])))
+
+
+# Those that only our laws notice: the validators take long over many meshes.
+PIECE_SPOILS = {
+    "a piece with a dent": (on_piece(dent), "is not convex"),
+    "a piece that keeps its triangles": (
+        on_piece(lambda prim: UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Set("none")),
+        "is approximated by none",
+    ),
+    "a piece that is off": (on_piece(stop_colliding), "does not collide"),
+    "a drawn piece": (on_piece(lambda prim: UsdGeom.Imageable(prim).GetPurposeAttr().Set("default")), "is drawn"),
+    "a chunk without pieces": (in_chunk(lambda stage: stage.RemovePrim("/Chunk/Collision")), "chunks collide"),
+}
+
+
+@pytest.mark.parametrize("fault", PIECE_SPOILS)
+def test_a_spoiled_package_of_pieces_is_noticed(fault, pieces, tmp_path):
+    spoil, complaint = PIECE_SPOILS[fault]
+    package = tmp_path / "package"
+    shutil.copytree(pieces / "isaac", package)
+    spoil(package)
+    said = laws.broken(Usd.Stage.Open(str(package / "cave.usda")))
+    assert any(complaint in line for line in said), said

@@ -1,8 +1,9 @@
 //! `cargo xtask judge [PACKAGE_DIR...]`: opens packages with readers that are not ours.
 //!
 //! Without a folder, a small made-up scene is judged, then spoiled in ways that the judges must notice (a judge that
-//! cannot say no is worth nothing), and then every sample cave is judged for every target. A judge whose program cannot
-//! be had is skipped loudly, and fails the run where the environment variable `CI` is set.
+//! cannot say no is worth nothing), and then every sample cave is judged for every target, and a small one of convex pieces
+//! for every target that offers them. A judge whose program cannot be had is skipped loudly, and fails the run where the
+//! environment variable `CI` is set.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -21,7 +22,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in ["gazebo", "gltf", "gltf_chunks"] {
+        for package in ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces"] {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
@@ -193,7 +194,20 @@ fn export_caves() -> Result<Vec<PathBuf>> {
         plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
+    packages.extend(export_pieces(&plume)?);
     Ok(packages)
+}
+
+/// A cave of few convex pieces, because the validators of USD take long over each.
+fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
+    let (targets, output) = (["gazebo", "gltf", "isaac", "usd", "usdz"], "target/judges/pieces");
+    let options = targets.map(|target| format!("{target}.collision=pieces"));
+    let names = targets.join(",");
+    let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
+    export.extend(["--set", "graph.nodes=4", "--set", "mesh.voxel_m=0.5", "--set", "texture.size_px=256"]);
+    export.extend(options.iter().flat_map(|option| ["--option", option]));
+    plume.output(&export)?;
+    Ok(targets.map(|target| root().join(output).join(target)).into())
 }
 
 fn make_venv() -> Result<()> {

@@ -2,6 +2,7 @@
 //! real one makes of it is judged in `tests/python`.
 
 use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 
 use plume_exporters::ExportError;
@@ -29,8 +30,17 @@ impl Library for Ledger {
             said.as_object_mut().unwrap().remove(place);
         }
         let sizes: Vec<String> = arrays.iter().map(|(name, array)| format!("{name} {}", size(array))).collect();
-        Ok(fs::write(path, format!("{function}\n{said:#}\n{}\n", sizes.join("\n")))?)
+        let layers = spec["root"].as_str().map_or_else(String::new, |root| layers(Path::new(root)));
+        Ok(fs::write(path, format!("{function}\n{said:#}\n{}\n{layers}", sizes.join("\n")))?)
     }
+}
+
+/// What an archive holds beside images.
+fn layers(root: &Path) -> String {
+    let chunks = fs::read_dir(root.with_file_name("chunks")).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> = chunks.filter(|path| path.is_file()).chain([root.to_owned()]).collect();
+    files.sort();
+    files.iter().map(|file| fs::read_to_string(file).unwrap()).collect()
 }
 
 fn size(array: &Array) -> usize {

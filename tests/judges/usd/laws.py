@@ -62,7 +62,7 @@ def visual_meshes_have_every_array(stage):
 
 
 def extents_are_those_of_the_points(stage):
-    for mesh in packages.meshes(stage, "Visual") + packages.meshes(stage, "Collision"):
+    for mesh in packages.meshes(stage, "Visual") + packages.colliders(stage):
         extent = np.asarray(mesh.GetExtentAttr().Get())
         points = np.asarray(mesh.GetPointsAttr().Get() or [])
         if len(points) and not np.array_equal(extent, [points.min(0), points.max(0)]):
@@ -84,11 +84,11 @@ def normals_are_on_the_side_the_triangles_face(stage):
             yield f"{mesh.GetPath()} has {(across <= 0).sum()} triangles that face against their normals"
 
 
-def colliders_are_static_triangles_apart(stage):
+def colliders_are_static_and_apart(stage):
     for mesh in packages.meshes(stage, "Visual"):
         if mesh.GetPrim().HasAPI(UsdPhysics.CollisionAPI):
             yield f"{mesh.GetPath()} is visual and collides"
-    for mesh in packages.meshes(stage, "Collision"):
+    for mesh in packages.colliders(stage):
         prim = mesh.GetPrim()
         if (
             not prim.HasAPI(UsdPhysics.CollisionAPI)
@@ -96,8 +96,11 @@ def colliders_are_static_triangles_apart(stage):
         ):
             yield f"{mesh.GetPath()} does not collide"
         approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
-        if approximation != UsdPhysics.Tokens.none:
+        is_piece = prim.GetName() != "Collision"
+        if approximation != (UsdPhysics.Tokens.convexHull if is_piece else UsdPhysics.Tokens.none):
             yield f"{mesh.GetPath()} is approximated by {approximation}"
+        if is_piece and not is_convex(packages.triangles(mesh)):
+            yield f"{mesh.GetPath()} is not convex"
         if mesh.GetPurposeAttr().Get() != UsdGeom.Tokens.guide:
             yield f"{mesh.GetPath()} is drawn"
     for prim in stage.TraverseAll():
@@ -105,12 +108,21 @@ def colliders_are_static_triangles_apart(stage):
             yield f"{prim.GetPath()} is a rigid body"
 
 
+def is_convex(corners):
+    """Whether no corner is outside of a face by more than a millimetre, which is more than 32 bits lose."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    heights = corners.reshape(-1, 3) @ normals.T - np.einsum("ij,ij->i", corners[:, 0], normals)
+    return heights.max(initial=-np.inf) < 1e-3
+
+
 def physics_is_whole(stage):
-    colliders = packages.meshes(stage, "Collision")
+    colliders = packages.colliders(stage)
     if not colliders:
         return
-    if len(colliders) != len(packages.chunks(stage)):
-        yield f"{len(colliders)} collision meshes for {len(packages.chunks(stage))} chunks"
+    rough = {mesh.GetPath().GetPrefixes()[2] for mesh in colliders}
+    if rough != {chunk.GetPath() for chunk in packages.chunks(stage)}:
+        yield f"{len(rough)} of {len(packages.chunks(stage))} chunks collide"
     scenes = [UsdPhysics.Scene(prim) for prim in stage.TraverseAll() if prim.IsA(UsdPhysics.Scene)]
     if len(scenes) != 1:
         yield f"{len(scenes)} physics scenes"
@@ -174,7 +186,7 @@ LAWS = [
     visual_meshes_have_every_array,
     extents_are_those_of_the_points,
     normals_are_on_the_side_the_triangles_face,
-    colliders_are_static_triangles_apart,
+    colliders_are_static_and_apart,
     physics_is_whole,
     the_cave_has_labels,
     robots_can_start,

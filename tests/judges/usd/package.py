@@ -32,6 +32,12 @@ def meshes(stage, name):
     return [UsdGeom.Mesh(prim) for prim in stage.TraverseAll() if prim.IsA(UsdGeom.Mesh) and prim.GetName() == name]
 
 
+def colliders(stage):
+    """Every mesh that bodies touch: the collision mesh of each chunk, or its convex pieces."""
+    found = [UsdGeom.Mesh(prim) for prim in stage.TraverseAll() if prim.IsA(UsdGeom.Mesh)]
+    return [mesh for mesh in found if "Collision" in str(mesh.GetPath()).split("/")]
+
+
 def chunks(stage):
     return stage.GetPrimAtPath("/World/Chunks").GetAllChildren()
 

@@ -34,7 +34,7 @@ DURATION_S = 3.0
 def judge(package, python):
     root = packages.root_layer(package)
     stage = packages.open_stage(root)
-    rock = np.concatenate([packages.triangles(mesh) for mesh in packages.meshes(stage, "Collision")])
+    rock = np.concatenate([packages.triangles(mesh) for mesh in packages.colliders(stage)])
     poses = packages.spawns(stage)
     origins, directions = rays(poses)
     with tempfile.TemporaryDirectory() as folder:
@@ -113,7 +113,7 @@ def pushed(stage, poses):
 def smooth(stage, poses):
     starts = pushed(stage, poses)
     # Whatever material the package binds to its rock; what the balls bring is still there.
-    for mesh in packages.meshes(stage, "Collision"):
+    for mesh in packages.colliders(stage):
         material, _ = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial("physics")
         ground = UsdPhysics.MaterialAPI(material)
         ground.CreateStaticFrictionAttr(0.0)

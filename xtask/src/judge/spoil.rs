@@ -39,13 +39,20 @@ struct Spoil {
     rewrite: fn(Vec<u8>) -> Option<Vec<u8>>,
 }
 
-const SPOILS: [Spoil; 9] = [
+const SPOILS: [Spoil; 10] = [
     Spoil {
         fault: "a hole in the collision mesh",
         judge: "pybullet",
         complaint: "rays from spawn_0 leave the cave",
         file: "gazebo/models/chamber/meshes/chunk_1_0_0_collision.obj",
         rewrite: |bytes| Some(keep_triangles(&bytes, |number| !number.is_multiple_of(20))),
+    },
+    Spoil {
+        fault: "convex pieces that are one object",
+        judge: "pybullet",
+        complaint: "rays from spawn_0 leave the cave",
+        file: "gazebo_pieces/models/chamber/meshes/chunk_1_0_0_wall.obj",
+        rewrite: |bytes| Some(without_objects(&bytes)),
     },
     Spoil {
         fault: "a spawn pose in the air",
@@ -140,6 +147,12 @@ fn keep_triangles(bytes: &[u8], keep: impl Fn(usize) -> bool) -> Vec<u8> {
     let lines = text.lines().enumerate();
     let kept = lines.filter(|(number, line)| !line.starts_with("f ") || keep(*number));
     kept.map(|(_, line)| format!("{line}\n")).collect::<String>().into_bytes()
+}
+
+fn without_objects(bytes: &[u8]) -> Vec<u8> {
+    let text = String::from_utf8_lossy(bytes);
+    let kept = text.lines().filter(|line| !line.starts_with("o "));
+    kept.map(|line| format!("{line}\n")).collect::<String>().into_bytes()
 }
 
 fn without_normals(bytes: &[u8]) -> Vec<u8> {

@@ -1,0 +1,55 @@
+//! What robots touch, as readers of a package that are not ours see it.
+
+use std::collections::HashMap;
+
+use plume_exporters::package::Memory;
+use roxmltree::Document;
+
+/// The number of corners of every shape that robots touch.
+pub fn touched(package: &Memory) -> Vec<usize> {
+    let shapes = |(path, bytes): (&String, &Vec<u8>)| match path.rsplit('.').next() {
+        Some("sdf") => objects_of_collisions(package, bytes),
+        Some("glb") => unreal_meshes(bytes),
+        Some("usdc" | "usdz") => colliders(bytes),
+        _ => Vec::new(),
+    };
+    package.bytes.iter().flat_map(shapes).collect()
+}
+
+/// The objects of the OBJ files that collision elements name.
+fn objects_of_collisions(package: &Memory, bytes: &[u8]) -> Vec<usize> {
+    let document = Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
+    let collisions = document.descendants().filter(|node| node.has_tag_name("collision"));
+    let uris = collisions.map(|node| node.descendants().find(|child| child.has_tag_name("uri")).unwrap());
+    uris.flat_map(|uri| {
+        let path = uri.text().unwrap().replace("model://", "models/");
+        let options = tobj::LoadOptions::default();
+        let read = tobj::load_obj_buf(&mut &package.bytes[&path][..], &options, |_| Ok((Vec::new(), HashMap::new())));
+        read.unwrap().0.into_iter().map(|object| object.mesh.positions.len() / 3)
+    })
+    .collect()
+}
+
+/// The meshes that Unreal takes as collision of the mesh that it finds in the node above.
+fn unreal_meshes(bytes: &[u8]) -> Vec<usize> {
+    let (document, buffers, _) = gltf::import_slice(bytes).unwrap();
+    let mut found = Vec::new();
+    for node in document.nodes() {
+        for (number, child) in node.children().enumerate() {
+            let name = format!("UCX_{}_{number:02}", node.mesh().unwrap().name().unwrap());
+            let mesh = child.mesh().unwrap();
+            assert_eq!([child.name(), mesh.name()], [Some(&*name); 2]);
+            let primitive = mesh.primitives().next().unwrap();
+            let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
+            found.push(reader.read_positions().unwrap().len());
+        }
+    }
+    found
+}
+
+/// The colliders of the ledger that stands in for USD.
+fn colliders(bytes: &[u8]) -> Vec<usize> {
+    let text = std::str::from_utf8(bytes).unwrap();
+    let sizes = text.lines().filter_map(|line| line.strip_prefix("Collision")?.split_once(".points "));
+    sizes.map(|(_, size)| size.parse().unwrap()).collect()
+}
