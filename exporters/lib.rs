@@ -21,6 +21,7 @@ mod pinch;
 pub mod scene;
 pub mod stage;
 mod template;
+pub mod urdf;
 pub mod usd;
 pub mod usdz;
 
@@ -101,7 +102,7 @@ impl TargetRow {
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, usd::ROW, usdz::ROW, gltf::ROW];
+pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, usd::ROW, usdz::ROW, gltf::ROW, urdf::ROW];
 
 /// The row called `name`.
 ///

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 use nalgebra::Vector3;
 
-use crate::scene::Mesh;
+use crate::scene::{Mesh, Piece};
 
 /// Files that a material names, relative to the material library.
 pub struct Maps<'a> {
@@ -56,6 +56,23 @@ pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Res
     }
     for [a, b, c] in corners(mesh) {
         writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
+    }
+    Ok(())
+}
+
+/// Writes convex pieces, an object each: `<name>_0`, `<name>_1`, ...; positions and triangles only.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_pieces(file: &mut dyn Write, name: &str, pieces: &[Piece]) -> io::Result<()> {
+    let mut before = 0;
+    for (number, Piece { mesh, .. }) in pieces.iter().enumerate() {
+        writeln!(file, "o {name}_{number}")?;
+        write_positions(file, mesh)?;
+        for [a, b, c] in corners(mesh) {
+            writeln!(file, "f {} {} {}", before + a, before + b, before + c)?;
+        }
+        before += mesh.positions.len() as u64;
     }
     Ok(())
 }
