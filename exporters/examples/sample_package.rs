@@ -1,5 +1,5 @@
 //! Writes the sample scene for every target that needs no USD library: `sample_package FOLDER` makes `FOLDER/<target>`,
-//! and `FOLDER/gltf_chunks` with a file per chunk.
+//! `FOLDER/gltf_chunks` with a file per chunk, and `FOLDER/urdf_pieces` with convex collisions.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -18,8 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
         write(&folder.join(row.name), row, json!({}), &chamber)?;
     }
-    let settings = json!({ "per_chunk": true });
-    write(&folder.join("gltf_chunks"), target("gltf")?, settings, &chamber)
+    write(&folder.join("gltf_chunks"), target("gltf")?, json!({ "per_chunk": true }), &chamber)?;
+    write(&folder.join("urdf_pieces"), target("urdf")?, json!({ "collision": "pieces" }), &chamber)
 }
 
 fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {

@@ -12,6 +12,7 @@ use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
 mod spoil;
+pub mod urdf;
 pub mod usd;
 
 /// The task.
@@ -20,13 +21,14 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in ["gazebo", "gltf", "gltf_chunks"] {
+        for package in ["gazebo", "gltf", "gltf_chunks", "urdf", "urdf_pieces"] {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
         if judges.iter().any(|judge| judge.name == "physx") {
             tally.enter("physx", usd::spoil());
         }
+        tally.enter("husky", urdf::spoil());
         for package in export_caves()? {
             judge(&judges, &package, &mut tally);
         }
@@ -60,11 +62,14 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 8] = [
+const JUDGES: [Judge; 11] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
     Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
+    Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
+    Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
+    Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
     Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
@@ -76,6 +81,7 @@ const JUDGES: [Judge; 8] = [
 enum Kind {
     Gazebo,
     Gltf,
+    Urdf,
     Usd,
 }
 
@@ -84,6 +90,7 @@ impl Kind {
         match package {
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ => None,
         }
@@ -180,7 +187,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let targets = "gazebo,gltf,isaac,usd,usdz";
+        let targets = "gazebo,gltf,isaac,urdf,usd,usdz";
         plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
