@@ -202,6 +202,7 @@ fn a_full_disk_is_told_with_the_file() {
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: README.md: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
+    system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     ");
 }
 
@@ -286,7 +287,7 @@ fn output_folders_are_refused_in_words() {
     usage: output folder was not written by an export and is left alone: DIR/home/ (hint: name a new folder, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, usd, usdz, gltf
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, usd, usdz, gltf, urdf
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }
