@@ -6,7 +6,7 @@
 //! ```
 //! Paths of meshes are `package://<name>/` only, and the package lies in a folder of its name, because Bullet and
 //! pinocchio find packages by the names of folders. All chunks hang on one link: as a link each they would break Bullet, which
-//! has room for 128 links in a body. The link weighs nothing, which is how Bullet knows that it is fixed. Start poses are links
+//! holds fewer than 128 joints in a body. The link weighs nothing, which is how Bullet knows that it is fixed. Start poses are links
 //! without geometry, so that joints and tf may refer to them.
 //!
 //! URDF does not say whether a collision mesh may be concave. Bullet takes the triangles where the attribute `concave` is there,
