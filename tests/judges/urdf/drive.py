@@ -2,7 +2,7 @@
 
     drive.py PACKAGE_DIR GRAPH_JSON PICTURE.png
 
-Bullet loads the world as its README says and knows nothing of our exporter; the Husky is that of `pybullet_data`. It starts in
+Bullet loads the world and knows nothing of our exporter; the Husky is that of `pybullet_data`. It starts in
 one of the start frames and follows the line of the graph for 20 m, along the flattest way that leads there. It must
 arrive on its wheels and in the cave, near the line, without sinking into the floor. The picture shows the way from above and
 from the side.
@@ -172,7 +172,9 @@ def check(track, line, floor, ceiling):
     require(away_m < AWAY_M, f"the Husky was {away_m:.2f} m off the line")
     way_m, driven_m = track["line"][-1] * LINE_STEP_M, np.linalg.norm(np.diff(position, axis=0), axis=1).sum()
     duration_s = len(position) * TICK_STEPS * STEP_S
-    require(min(way_m, driven_m) >= WAY_M, f"the Husky came only {min(way_m, driven_m):.1f} m far in {duration_s:.0f} s")
+    require(
+        min(way_m, driven_m) >= WAY_M, f"the Husky came only {min(way_m, driven_m):.1f} m far in {duration_s:.0f} s"
+    )
     return (
         f"drove {driven_m:.1f} m in {duration_s:.1f} s, at most {away_m:.2f} m off the line, "
         f"{tilt_deg:.0f} degrees from upright and {depth_m * 1000:.1f} mm in the rock"

@@ -1,6 +1,8 @@
 """Opens every mesh of a URDF package with pinocchio, which must find in it what the OBJ holds.
 
     open_pinocchio.py PACKAGE_DIR
+
+Boxes are compared to a hundredth of a millimetre, triangles by number. Nothing is said of what lies on the meshes.
 """
 
 import numpy as np
@@ -29,7 +31,9 @@ def judge(package):
 def check(thing):
     """Holds a geometry to its file; gives its number of triangles."""
     held, mesh = Obj(thing.meshPath), thing.geometry
-    require(mesh.num_tris == held.triangles, f"{thing.meshPath}: {mesh.num_tris} of {held.triangles} triangles are seen")
+    require(
+        mesh.num_tris == held.triangles, f"{thing.meshPath}: {mesh.num_tris} of {held.triangles} triangles are seen"
+    )
     mesh.computeLocalAABB()
     placed = [thing.placement.act(np.array(corner)) for corner in (mesh.aabb_local.min_, mesh.aabb_local.max_)]
     require(np.allclose(placed, held.bounds, rtol=0, atol=TOLERANCE_M), f"{thing.meshPath}: its bounds are {placed}")

@@ -1,6 +1,8 @@
 """Opens a URDF package with yourdfpy and trimesh, and its package.xml with the reader of the ROS build tools.
 
     open_yourdfpy.py PACKAGE_DIR
+
+All triangles of all collision meshes must arrive, and an image on each visual mesh.
 """
 
 import numpy as np

@@ -1,5 +1,6 @@
 """A URDF package as the judges see it, without any reader of URDF."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -33,8 +34,11 @@ class Obj:
 
 
 def run(judge):
-    """Runs a judge on the package that the command line names; its praise goes to stdout, complaints to stderr."""
-    try:
-        print(judge(Path(sys.argv[1]), *sys.argv[2:]))
-    except Complaint as complaint:
-        sys.exit(f"error: {complaint}")
+    """Runs a judge on the package that the command line names; its praise goes to stdout, complaints to stderr, and with them
+    whatever the reader itself prints."""
+    with os.fdopen(os.dup(1), "w") as stdout:
+        os.dup2(2, 1)
+        try:
+            print(judge(Path(sys.argv[1]), *sys.argv[2:]), file=stdout)
+        except Complaint as complaint:
+            sys.exit(f"error: {complaint}")

@@ -1,8 +1,7 @@
 """The picture of a drive: from above, with the walls at bumper height, and from the side."""
 
-import matplotlib
 import numpy as np
-from matplotlib import pyplot
+from matplotlib.figure import Figure
 from world import strikes
 
 BUMPER_M = 0.3
@@ -15,12 +14,11 @@ EXAGGERATION = 2
 
 
 def draw(path, line, track, floor, ceiling):
-    matplotlib.use("Agg")
-    figure, (plan, side) = pyplot.subplots(2, 1, figsize=(11, 12), height_ratios=[2, 1], layout="constrained")
+    figure = Figure(figsize=(11, 12), layout="constrained")
+    plan, side = figure.subplots(2, 1, height_ratios=[2, 1])
     draw_plan(plan, line, track["position"])
     draw_side(side, track["position"], floor, ceiling)
     figure.savefig(path, dpi=100)
-    pyplot.close(figure)
 
 
 def draw_plan(axes, line, driven):
