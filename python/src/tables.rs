@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 /// Targets of `Cave.export`, by name, with what each writes.
 ///
 /// >>> sorted(plume.targets())
-/// ['gazebo', 'gltf', 'isaac', 'mujoco', 'usd', 'usdz']
+/// ['gazebo', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
 #[pyfunction]
 pub fn targets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, TARGETS.iter().map(|row| (row.name, row.summary)))

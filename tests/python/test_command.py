@@ -53,7 +53,7 @@ def test_usage_is_told_with_2():
     assert "isaac" in result.stderr
 
 
-@pytest.mark.parametrize("target", ["gazebo", "gltf"])
+@pytest.mark.parametrize("target", ["gazebo", "gltf", "urdf"])
 def test_plain_targets_are_those_of_the_binary(target, binary, tmp_path):
     assert export(target, tmp_path / "package").returncode == 0
     arguments = ["export", "--target", target, "--output", tmp_path / "binary", *SMALL]

@@ -14,6 +14,7 @@ use crate::venv::Environment;
 
 pub mod mujoco;
 mod spoil;
+pub mod urdf;
 pub mod usd;
 
 /// The task.
@@ -22,7 +23,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces"] {
+        for package in ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces", "urdf", "urdf_pieces"] {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
@@ -35,6 +36,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
                 tally.enter("drive", mujoco::drive(&package));
             }
         }
+        tally.enter("husky", urdf::spoil());
         return tally.result();
     }
     let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();
@@ -65,11 +67,14 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 11] = [
+const JUDGES: [Judge; 14] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
     Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
+    Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
+    Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
+    Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
     Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
@@ -84,6 +89,7 @@ const JUDGES: [Judge; 11] = [
 enum Kind {
     Gazebo,
     Gltf,
+    Urdf,
     Usd,
     Mujoco,
 }
@@ -93,6 +99,7 @@ impl Kind {
         match package {
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
             _ => None,
@@ -190,7 +197,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (targets, cave) = ("gazebo,gltf,isaac,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let (targets, cave) = ("gazebo,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
         plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }

@@ -10,13 +10,15 @@ use crate::tools::{Result, root};
 const CAVE: &str = "target/test-cave";
 const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
 
-/// Runs the tests of the workspace, drops a ball into a cave with a physics engine that is not ours, then checks the Python
+/// Runs the tests of the workspace, drops a ball into a cave and drives a robot through one with a physics
+/// engine that is not ours, then checks the Python
 /// sources and runs the tests of the Python package.
 pub fn run(arguments: &[String]) -> Result<()> {
     // The extension module is no program that cargo could test: Python does.
     let test = ["test", "--workspace", "--exclude", "plume-python", "--quiet"];
     show(cargo().args(test).args(arguments))?;
     drop_balls()?;
+    judge::urdf::drive(&Plume::build()?, CAVE)?;
     let plume = Plume::package()?;
     judge::mujoco::make()?;
     let python = judge::usd::environment()?.python();

@@ -3,12 +3,14 @@
 use std::collections::HashMap;
 
 use plume_exporters::package::Memory;
-use roxmltree::Document;
+use roxmltree::{Document, Node};
 
 /// The number of corners of every shape that robots touch.
 pub fn touched(package: &Memory) -> Vec<usize> {
     let shapes = |(path, bytes): (&String, &Vec<u8>)| match path.rsplit('.').next() {
-        Some("sdf") => objects_of_collisions(package, bytes),
+        Some("sdf") => objects_of_collisions(package, bytes, "models/"),
+        Some("urdf") => objects_of_collisions(package, bytes, ""),
+        Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
         Some("glb") => unreal_meshes(bytes),
         Some("usdc" | "usdz") => colliders(bytes),
         _ => Vec::new(),
@@ -16,18 +18,32 @@ pub fn touched(package: &Memory) -> Vec<usize> {
     package.bytes.iter().flat_map(shapes).collect()
 }
 
-/// The objects of the OBJ files that collision elements name.
-fn objects_of_collisions(package: &Memory, bytes: &[u8]) -> Vec<usize> {
+/// The objects of the OBJ files that collision elements of SDF or URDF name; models lie below `folder`.
+fn objects_of_collisions(package: &Memory, bytes: &[u8], folder: &str) -> Vec<usize> {
     let document = Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
     let collisions = document.descendants().filter(|node| node.has_tag_name("collision"));
-    let uris = collisions.map(|node| node.descendants().find(|child| child.has_tag_name("uri")).unwrap());
+    let uri = |node: Node<'_, '_>| node.attribute("filename").or(node.text()).map(str::to_owned);
+    let is_uri = |node: &Node| node.has_tag_name("uri") || node.has_attribute("filename");
+    let uris = collisions.map(|node| node.descendants().find(is_uri).and_then(uri).unwrap());
     uris.flat_map(|uri| {
-        let path = uri.text().unwrap().replace("model://", "models/");
+        let path = format!("{folder}{}", uri.split("://").last().unwrap());
         let options = tobj::LoadOptions::default();
         let read = tobj::load_obj_buf(&mut &package.bytes[&path][..], &options, |_| Ok((Vec::new(), HashMap::new())));
         read.unwrap().0.into_iter().map(|object| object.mesh.positions.len() / 3)
     })
     .collect()
+}
+
+/// The meshes of MJCF that geoms for collision name.
+fn collision_meshes(bytes: &[u8]) -> Vec<usize> {
+    let document = Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
+    let meshes: HashMap<&str, usize> = document
+        .descendants()
+        .filter(|node| node.has_tag_name("mesh"))
+        .filter_map(|mesh| Some((mesh.attribute("name")?, mesh.attribute("vertex")?.split_whitespace().count() / 3)))
+        .collect();
+    let geoms = document.descendants().filter(|node| node.has_tag_name("geom"));
+    geoms.filter_map(|geom| meshes.get(geom.attribute("mesh")?).copied()).collect()
 }
 
 /// The meshes that Unreal takes as collision of the mesh that it finds in the node above.

@@ -39,7 +39,7 @@ struct Spoil {
     rewrite: fn(Vec<u8>) -> Option<Vec<u8>>,
 }
 
-const SPOILS: [Spoil; 10] = [
+const SPOILS: [Spoil; 17] = [
     Spoil {
         fault: "a hole in the collision mesh",
         judge: "pybullet",
@@ -109,6 +109,55 @@ const SPOILS: [Spoil; 10] = [
         complaint: "of the view is not rock",
         file: "gltf/chamber.glb",
         rewrite: |bytes| replace(&bytes, "\"nodes\":[0,1", "\"nodes\":[0,0"),
+    },
+    Spoil {
+        fault: "a joint to a link that is not there",
+        judge: "check_urdf",
+        complaint: "chamber_spawn_9",
+        file: "urdf/chamber/urdf/chamber.urdf",
+        rewrite: |bytes| replace(&bytes, "child link=\"chamber_spawn_0", "child link=\"chamber_spawn_9"),
+    },
+    Spoil {
+        fault: "a missing mesh",
+        judge: "pinocchio",
+        complaint: "chunk_1_0_0_collision.obj",
+        file: "urdf/chamber/meshes/chunk_1_0_0_collision.obj",
+        rewrite: |_| None,
+    },
+    Spoil {
+        fault: "a path into another package",
+        judge: "pinocchio",
+        complaint: "package://cavern/",
+        file: "urdf/chamber/urdf/chamber.urdf",
+        rewrite: |bytes| replace(&bytes, "package://chamber/", "package://cavern/"),
+    },
+    Spoil {
+        fault: "a chunk that is not touched",
+        judge: "pinocchio",
+        complaint: "nothing names",
+        file: "urdf/chamber/urdf/chamber.urdf",
+        rewrite: |bytes| replace(&bytes, "chunk_1_0_0_collision.obj", "chunk_0_0_0_collision.obj"),
+    },
+    Spoil {
+        fault: "a mesh in millimetres",
+        judge: "pinocchio",
+        complaint: "its bounds are",
+        file: "urdf/chamber/urdf/chamber.urdf",
+        rewrite: |bytes| replace(&bytes, ".obj\"", ".obj\" scale=\"1000 1000 1000\""),
+    },
+    Spoil {
+        fault: "a missing texture",
+        judge: "yourdfpy",
+        complaint: "no image is on",
+        file: "urdf/chamber/meshes/textures/chunk_0_0_0_base_color.png",
+        rewrite: |_| None,
+    },
+    Spoil {
+        fault: "a ROS package without a licence",
+        judge: "yourdfpy",
+        complaint: "refuse package.xml",
+        file: "urdf/chamber/package.xml",
+        rewrite: |bytes| replace(&bytes, "<license>not stated</license>", ""),
     },
 ];
 

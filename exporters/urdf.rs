@@ -1,0 +1,158 @@
+//! Target `urdf`: a ROS 2 package with the world as a URDF of one link that does not move.
+//!
+//! ```text
+//! <name>/{package.xml, CMakeLists.txt, urdf/<name>.urdf, meshes/, meshes/textures/}
+//! README.md
+//! ```
+//! Paths of meshes are `package://<name>/` only, and the package lies in a folder of its name, because Bullet and
+//! pinocchio find packages by the names of folders. All chunks hang on one link: as a link each they would break Bullet, which
+//! holds fewer than 128 joints in a body. The link weighs nothing, which is how Bullet knows that it is fixed. Start poses are links
+//! without geometry, so that joints and tf may refer to them.
+//!
+//! URDF does not say whether a collision mesh may be concave. Bullet takes the triangles where the attribute `concave` is there,
+//! and else a convex hull for each object of the OBJ. Friction has no place in URDF either: Bullet reads one value a link,
+//! which is that of the floor. Images other than the base colour are named, but hardly any reader of URDF looks at them.
+
+use minijinja::context;
+use minijinja::value::Serde;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::collision::Collision;
+use crate::error::ExportError;
+use crate::frame::{micro, sdf_pose};
+use crate::package::Package;
+use crate::scene::{Chunk, Image, Mesh, Scene};
+use crate::{Build, Summary, Target, TargetRow, obj, settings, template};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "urdf",
+    summary: "ROS 2 package with a static URDF world, triangle or convex collisions, start poses as frames",
+    opened_by: "ROS 2, Bullet, pinocchio and other readers of URDF",
+    bundles: &[],
+    settings: || schemars::schema_for!(UrdfSettings),
+    build: Build::Plain(|table| Ok(Box::new(Urdf(settings("urdf", table)?)))),
+};
+
+/// Settings of target `urdf`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct UrdfSettings {
+    /// What robots touch: `triangles` for readers that take concave meshes, `pieces` for those that take convex ones only.
+    pub collision: Collision,
+}
+
+/// The target.
+pub struct Urdf(
+    /// Its settings.
+    pub UrdfSettings,
+);
+
+impl Target for Urdf {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let (mut chunks, mut triangles) = (Vec::new(), [0, 0]);
+        for index in 0..scene.chunks.len() {
+            let chunk = scene.chunk(index)?;
+            triangles[0] += chunk.visual.triangles();
+            write_visual(&scene.name, &chunk, out)?;
+            triangles[1] += self.write_collision(scene, index, &chunk, out)?;
+            chunks.push(chunk.name);
+        }
+        self.write_texts(scene, &chunks, out)?;
+        Ok(Summary {
+            visual_triangles: triangles[0],
+            collision_triangles: triangles[1],
+            open: how_to_open(&scene.name),
+        })
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == Collision::Pieces
+    }
+}
+
+impl Urdf {
+    /// Writes what robots touch of a chunk; gives its number of triangles.
+    fn write_collision(
+        &self,
+        scene: &Scene,
+        index: usize,
+        chunk: &Chunk,
+        out: &mut dyn Package,
+    ) -> Result<u64, ExportError> {
+        let path = format!("{}/meshes/{}_collision.obj", scene.name, chunk.name);
+        match self.0.collision {
+            Collision::Triangles => {
+                out.write(&path, |file| Ok(obj::write_collision(file, &chunk.name, &chunk.collision)?))?;
+                Ok(chunk.collision.triangles())
+            }
+            Collision::Pieces => {
+                let pieces = scene.pieces(index)?;
+                let meshes: Vec<&Mesh> = pieces.iter().map(|piece| &piece.mesh).collect();
+                out.write(&path, |file| Ok(obj::write_pieces(file, &chunk.name, &meshes)?))?;
+                Ok(meshes.iter().map(|mesh| mesh.triangles()).sum())
+            }
+        }
+    }
+
+    fn write_texts(&self, scene: &Scene, chunks: &[String], out: &mut dyn Package) -> Result<(), ExportError> {
+        let name = &scene.name;
+        let values = context! {
+            name,
+            description => &scene.description,
+            generator => &scene.generator,
+            chunks => chunks.to_vec(),
+            concave => self.0.collision == Collision::Triangles,
+            friction => micro(scene.friction.floor),
+            gravity => micro(scene.gravity),
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+            spawns => Serde(scene.spawns.iter().map(|pose| Origin::new(&sdf_pose(pose))).collect::<Vec<_>>()),
+        };
+        for (path, template) in [
+            (format!("{name}/package.xml"), include_str!("../templates/urdf/package.xml.jinja")),
+            (format!("{name}/CMakeLists.txt"), include_str!("../templates/urdf/CMakeLists.txt.jinja")),
+            (format!("{name}/urdf/{name}.urdf"), include_str!("../templates/urdf/world.urdf.jinja")),
+            ("README.md".to_owned(), include_str!("../templates/urdf/README.md.jinja")),
+        ] {
+            out.text(&path, &template::fill(&path, template, &values))?;
+        }
+        Ok(())
+    }
+}
+
+/// A pose as the templates see it.
+#[derive(Serialize)]
+struct Origin {
+    xyz: String,
+    rpy: String,
+}
+
+impl Origin {
+    fn new(pose: &str) -> Self {
+        let numbers: Vec<&str> = pose.split(' ').collect();
+        Self { xyz: numbers[..3].join(" "), rpy: numbers[3..].join(" ") }
+    }
+}
+
+fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
+    let name = &chunk.name;
+    let meshes = format!("{package}/meshes");
+    let mut copy = |role, image: &Image| {
+        let texture = format!("textures/{name}_{role}.{}", image.format.extension());
+        out.copy(&format!("{meshes}/{texture}"), &image.path)?;
+        Ok::<String, ExportError>(texture)
+    };
+    let base_color = copy("base_color", &chunk.material.base_color)?;
+    let normal = copy("normal", &chunk.material.normal)?;
+    let roughness = copy("roughness", &chunk.material.roughness)?;
+    let maps = obj::Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
+    let library = format!("{name}.mtl");
+    out.write(&format!("{meshes}/{library}"), |file| Ok(obj::write_material(file, name, &maps)?))?;
+    out.write(&format!("{meshes}/{name}.obj"), |file| Ok(obj::write_visual(file, name, &library, &chunk.visual)?))
+}
+
+fn how_to_open(name: &str) -> String {
+    format!("copy {name} into the src folder of a ROS 2 workspace, or load {name}/urdf/{name}.urdf in Bullet")
+}
