@@ -32,7 +32,7 @@ struct Cave {
 
 impl Cave {
     fn new(generator: &GeneratorRow, material: &MaterialRow, seed: u64, chunk_m: f32) -> Self {
-        let graph = (generator.read)(json!({ "nodes": 8 })).unwrap().generate(seed).unwrap();
+        let graph = (generator.read)(json!({ "nodes": 6 })).unwrap().generate(seed).unwrap();
         let rock = (material.read)(json!({})).unwrap();
         let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
         let mesh = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };
@@ -48,17 +48,19 @@ impl Cave {
     }
 
     /// Negative in the air.
-    fn field_at(&self, point: Point) -> f32 {
-        let (at, mut out) = ([[point.x as f32, point.y as f32, point.z as f32]], [0.0]);
-        self.field.distances(Bounds::around(&at), &at, &mut out);
-        out[0]
+    fn field_at(&self, points: &[Point]) -> Vec<f32> {
+        let points: Vec<[f32; 3]> = points.iter().map(|point| point.map(|c| c as f32).into()).collect();
+        let mut out = vec![0.0; points.len()];
+        if !points.is_empty() {
+            self.field.distances(Bounds::around(&points), &points, &mut out);
+        }
+        out
     }
 }
 
 fn caves() -> Vec<Cave> {
     let kinds = GENERATORS.iter().flat_map(|g| MATERIALS.iter().map(move |m| (g, m)));
-    let sizes = kinds.flat_map(|(g, m)| [(1, 8.0), (2, 16.0)].map(|(seed, chunk_m)| (g, m, seed, chunk_m)));
-    sizes.map(|(g, m, seed, chunk_m)| Cave::new(g, m, seed, chunk_m)).collect()
+    kinds.zip(1..).map(|((g, m), seed)| Cave::new(g, m, seed, if seed % 2 == 0 { 8.0 } else { 16.0 })).collect()
 }
 
 /// All chunks but one. That those further away change nothing is a law of its own.
@@ -117,12 +119,14 @@ fn assert_in_the_rock(cave: &Cave) {
     let (floors, walls) = (Near::new(&of_zone(true), 2.0 * floor_m), Near::new(&of_zone(false), 2.0 * wall_m));
     cave.all_pieces().collect::<Vec<_>>().par_iter().for_each(|piece| {
         let mesh = mesh_of(piece);
-        for point in mesh.triangles.iter().flat_map(|&face| spread(corners(&mesh, face), floor_m)) {
-            let is_near = floors.distance(point) <= floor_m || walls.distance(point) <= wall_m;
-            // The field is cheaper to ask; but here and there it is air behind the triangles.
-            let is_held = is_near || cave.field_at(point) > 0.0 || !is_in_the_air(&whole, point);
-            assert!(is_held, "{}: a piece is in the open at {point}", cave.name);
-        }
+        let points = mesh.triangles.iter().flat_map(|&face| spread(corners(&mesh, face), floor_m));
+        let is_far = |point: &Point| floors.distance(*point) > floor_m && walls.distance(*point) > wall_m;
+        // The field is cheaper to ask for the side; but here and there it is air behind the triangles.
+        let mut deep: Vec<Point> = points.filter(is_far).collect();
+        let mut values = cave.field_at(&deep).into_iter();
+        deep.retain(|_| values.next().is_some_and(|value| value <= 0.0));
+        let open = deep.into_iter().find(|&point| is_in_the_air(&whole, point));
+        assert!(open.is_none(), "{}: a piece is in the open at {open:?}", cave.name);
     });
 }
 
@@ -150,7 +154,7 @@ fn assert_no_ray_escapes(cave: &Cave) {
     while rays.len() < RAYS {
         let from = Point::from_fn(|i, _| dice.random_range(f64::from(bounds.min[i])..f64::from(bounds.max[i])));
         let to = Point::from_fn(|_, _| dice.random_range(-1.0..1.0));
-        if cave.field_at(from) < -0.5 && (0.1..=1.0).contains(&to.norm()) {
+        if cave.field_at(&[from])[0] < -0.5 && (0.1..=1.0).contains(&to.norm()) {
             rays.push((from, to.normalize()));
         }
     }
