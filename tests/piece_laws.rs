@@ -80,6 +80,7 @@ fn pieces_are_lawful() {
             assert_convex(piece, &cave.name);
         }
         assert_in_the_rock(&cave);
+        assert_covered(&cave);
         assert_no_ray_escapes(&cave);
     }
 }
@@ -128,6 +129,21 @@ fn assert_in_the_rock(cave: &Cave) {
         let open = deep.into_iter().find(|&point| is_in_the_air(&whole, point));
         assert!(open.is_none(), "{}: a piece is in the open at {open:?}", cave.name);
     });
+}
+
+/// Every point of the wall is in a piece of its own chunk, or no further before one than half a tolerance.
+fn assert_covered(cave: &Cave) {
+    const SPACING_M: f64 = 0.1;
+    let most_m = f64::from(cave.settings.wall_tolerance_m) / 2.0 + 1.0 / f64::from(QUANTA_PER_M);
+    for (wall, pieces) in cave.walls.iter().zip(&cave.pieces) {
+        let pieces: Vec<Convex> = pieces.iter().map(Convex::of).collect();
+        wall.triangles.par_iter().for_each(|&triangle| {
+            for point in spread(corners(wall, triangle), SPACING_M) {
+                let is_covered = pieces.iter().any(|piece| piece.height_of(point) <= most_m);
+                assert!(is_covered, "{}: no piece is behind {point}", cave.name);
+            }
+        });
+    }
 }
 
 /// Whether a ray from a point leaves a closed mesh once more than it enters.
@@ -179,6 +195,11 @@ impl Convex {
             (normal, normal.dot(&a))
         };
         Self(mesh.triangles.iter().map(plane).collect())
+    }
+
+    /// How far a point is outside of the plane that it is furthest outside of.
+    fn height_of(&self, point: Point) -> f64 {
+        self.0.iter().map(|(normal, offset)| normal.dot(&point) - offset).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// How far along a ray the piece begins.

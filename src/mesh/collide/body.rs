@@ -17,7 +17,7 @@ const BACKS: [[f64; 2]; 6] = [[1.0, 1.0], [1.0, 0.5], [0.5, 0.5], [0.25, 0.5], [
 /// A part of the wall.
 #[derive(Clone)]
 pub(super) struct Front {
-    /// Its corners in the rock behind the wall, in quanta; those that are no corners of its hull may be left out.
+    /// Its corners in the rock behind the wall, in quanta. Those that no hull of it needs may be left out.
     pub(super) corners: Vec<[i32; 3]>,
     /// Sum of the normals of its triangles into the air, each as long as twice its area.
     pub(super) leaning: Point,
@@ -58,6 +58,13 @@ impl Front {
         Some(self.corners.iter().copied().chain(across(into).map(behind)).collect())
     }
 
+    /// Without the corners inside its own hull. Those that only the points behind it hide may show again with others.
+    fn pruned(self) -> Self {
+        let Some(hull) = hull(&self.corners) else { return self };
+        let corners = hull.corners.iter().map(|&corner| self.corners[corner as usize]).collect();
+        Self { corners, ..self }
+    }
+
     fn zone(&self) -> Zone {
         let larger = |best, zone| if self.areas[zone as usize] > self.areas[best as usize] { zone } else { best };
         Zone::ALL.into_iter().fold(Zone::Floor, larger)
@@ -80,6 +87,8 @@ pub(super) struct Body {
     back: usize,
     /// Its corners, those at the wall first, in quanta.
     positions: Vec<[i32; 3]>,
+    /// How many of them are at the wall.
+    fronts: usize,
     faces: Vec<[u32; 3]>,
 }
 
@@ -111,9 +120,8 @@ impl Body {
         let points = front.closed(rock.thickness, BACKS[back])?;
         let Hull { corners, faces } = hull(&points)?;
         let fronts = corners.partition_point(|&corner| (corner as usize) < front.corners.len());
-        let positions: Vec<[i32; 3]> = corners.iter().map(|&corner| points[corner as usize]).collect();
-        let front = Front { corners: positions[..fronts].to_vec(), ..front };
-        Some(Self { front, back, positions, faces })
+        let positions = corners.iter().map(|&corner| points[corner as usize]).collect();
+        Some(Self { front, back, positions, fronts, faces })
     }
 
     /// The body, if every point of its surface stays within the tolerance; with another back, perhaps.
@@ -149,7 +157,7 @@ impl Body {
 
     /// The same of the corners behind the wall.
     fn back_share(&self, rock: &Rock) -> Option<f64> {
-        let behind = &self.positions[self.front.corners.len()..];
+        let behind = &self.positions[self.fronts..];
         behind.iter().try_fold(f64::NEG_INFINITY, |most, &corner| Some(rock.share(rock.at(corner))?.max(most)))
     }
 
@@ -164,11 +172,16 @@ impl Body {
     }
 
     fn is_front(&self, face: &[u32; 3]) -> bool {
-        face.iter().all(|&corner| (corner as usize) < self.front.corners.len())
+        face.iter().all(|&corner| (corner as usize) < self.fronts)
     }
 
     fn place(&self, face: &[u32; 3], rock: &Rock) -> Triangle {
         face.map(|corner| rock.at(self.positions[corner as usize]))
+    }
+
+    /// The body, ready to be merged again.
+    pub(super) fn pruned(self) -> Self {
+        Self { front: self.front.pruned(), ..self }
     }
 
     /// The finished piece.

@@ -112,7 +112,7 @@ impl<'a> Merger<'a> {
 
     fn replace(&mut self, ends: [u32; 2], body: Body) {
         let merged = self.patches.len() as u32;
-        self.patches.push(Patch { body, halves: Some(ends), is_whole: true });
+        self.patches.push(Patch { body: body.pruned(), halves: Some(ends), is_whole: true });
         let mut beside = BTreeSet::new();
         for end in ends {
             self.patches[end as usize].is_whole = false;
