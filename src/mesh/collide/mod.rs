@@ -1,4 +1,16 @@
-//! Convex pieces of the rock behind the wall of a chunk.
+//! Convex pieces of the rock behind the wall of a chunk, for engines that collide convex shapes only.
+//!
+//! Each triangle of the wall begins a piece: its corners, half a tolerance behind it, and a few points deeper in the rock.
+//! Neighbours then merge greedily while the hull of both stays in the rock but for the tolerance, as in hierarchical
+//! approximate convex decomposition (Mamou and Ghorbel, *A simple and efficient approach for 3D mesh approximate convex
+//! decomposition*, 2009), but with the open air as the measure and not the mesh.
+//!
+//! Promised: every point of the surface of a piece is in the rock, or no further from some triangle of the wall that cameras
+//! see than the tolerance of the zone of that triangle (bounded part by part, not sampled). The wall moved back by half a
+//! tolerance at most is covered without a gap, across the borders of chunks too, so no ray leaves the cave. A piece is closed and convex in
+//! exact arithmetic, not flat, and has at most [`MOST_CORNERS`] corners. It follows from the wall of its chunk and those
+//! around it. Not promised: that a piece holds no bubble of air inside, that the tolerance is kept where rock is thinner than
+//! a fiftieth of [`PieceSettings::thickness_m`], or that pieces do not overlap.
 
 mod body;
 mod cells;
@@ -63,5 +75,5 @@ pub fn pieces(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Vec<Pie
     if wall.triangles.is_empty() {
         return Vec::new();
     }
-    merge::merged(wall, &Rock::new(wall, around, settings), settings)
+    merge::merged(wall, &Rock::new(wall, around, settings))
 }

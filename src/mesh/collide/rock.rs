@@ -29,6 +29,8 @@ pub(super) struct Rock {
     pub(super) thickness: f64,
     /// No wall that is left out lies nearer to a point of a piece.
     horizon: f64,
+    /// The least of the triangles around each vertex.
+    corner_tolerances: Vec<f64>,
     /// Into the open, by zone.
     tolerances: [f64; 3],
     least_tolerance: f64,
@@ -58,11 +60,19 @@ impl Rock {
         let positions: Vec<Point> = welded.positions.iter().map(|p| at(origin, *p)).collect();
         let triangles = welded.triangles;
         let surface: Vec<Triangle> = triangles.iter().map(|t| t.map(|corner| positions[corner as usize])).collect();
-        let zones = surface.iter().map(|triangle| Zone::of(&normal(triangle))).collect();
+        let zones: Vec<Zone> = surface.iter().map(|triangle| Zone::of(&normal(triangle))).collect();
         let tolerances = Zone::ALL.map(|zone| f64::from(settings.tolerance_m(zone)) * quanta);
         let (corner_normals, edge_normals) = pseudonormals(positions.len(), &triangles, &surface);
+        let mut corner_tolerances = vec![f64::INFINITY; positions.len()];
+        for (names, zone) in triangles.iter().zip(&zones) {
+            for &name in names {
+                let least = &mut corner_tolerances[name as usize];
+                *least = least.min(tolerances[*zone as usize]);
+            }
+        }
         Self {
             origin,
+            corner_tolerances,
             nearest: Cells::new(surface, REACH_M * quanta),
             triangles,
             zones,
@@ -83,6 +93,11 @@ impl Rock {
     /// The zone of a triangle of the wall.
     pub(super) fn zone(&self, triangle: usize) -> Zone {
         self.zones[triangle]
+    }
+
+    /// The least tolerance of the triangles around the corners of one, in quanta.
+    pub(super) fn corner_tolerances(&self, triangle: usize) -> [f64; 3] {
+        self.triangles[triangle].map(|corner| self.corner_tolerances[corner as usize])
     }
 
     /// Distance to the wall in quanta, above 0 in the open, and the zone of the wall there.
