@@ -115,8 +115,8 @@ def test_the_same_again_has_the_same_bytes(tmp_path: Path) -> None:
     first = plume.generate(plume.Recipe(SMALL), SEED, folder=tmp_path / "first")
     again = plume.generate(plume.Recipe(SMALL), SEED, folder=tmp_path / "again", threads=1)
     assert hashes(again.folder) == hashes(first.folder)
-    from_graph = plume.generate(cave.folder / "graph.json", folder=tmp_path / "graph")
-    assert hashes(from_graph.folder) == hashes(cave.folder)
+    from_graph = plume.generate(first.folder / "graph.json", folder=tmp_path / "graph")
+    assert hashes(from_graph.folder) == hashes(first.folder)
 
 
 def test_a_folder_opens_as_it_was_made(cave: plume.Cave) -> None:

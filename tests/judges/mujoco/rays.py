@@ -6,9 +6,9 @@ Bodies collide with the convex hull of a mesh, rays with its triangles: so first
 
 Rays go from random points in the open in random directions. All must end. There the collision geometry must not stand further
 out of the visual mesh than the tolerance of the piece that is hit (floor 2 cm, others 5 cm). Nor may it lie further behind it
-than the largest of these; but one ray in a thousand may slip into the seam between two pieces, up to 10 cm deep. A ray that
-grazes a wall may well end far from where the visual mesh stops it, so it is the distance of its end to the visual mesh that
-counts. The last line of a success tells both.
+than half of the largest of these, which is how far behind the wall pieces begin. A ray that grazes a wall may well end far from
+where the visual mesh stops it, so it is the distance of its end to the visual mesh that counts. The last line of a success tells
+both.
 """
 
 import mujoco
@@ -20,8 +20,6 @@ RAYS = 50  # from each point
 SEED = 2
 CLEARANCE_M = 0.06  # beyond any tolerance: no ray starts in a piece
 SLACK_M = 0.001
-SEAM_M = 0.1
-SLIPS = 0.001  # of the rays
 SLIVER_M = 1e-4  # a triangle that is less wide faces anywhere
 
 
@@ -44,10 +42,11 @@ def judge(package):
     ends = starts + along_m[:, None] * directions
     _, open_m = wall.nearest(ends)
     most_m = tolerances_m(model, spec) + SLACK_M
-    out, behind = open_m > most_m[geoms], -open_m > most_m.max()
+    out, behind = open_m > most_m[geoms], -open_m > most_m.max() / 2 + SLACK_M
     require(not out.any(), f"{out.sum()} of {len(ends)} rays end in the open, up to {open_m.max():.3f} m from the wall")
-    is_seam = behind.mean() < SLIPS and -open_m.min() < SEAM_M
-    require(is_seam, f"{behind.sum()} of {len(ends)} rays end behind the wall, up to {-open_m.min():.3f} m")
+    require(
+        not behind.any(), f"{behind.sum()} of {len(ends)} rays end behind the wall, up to {-open_m.min():.3f} m from it"
+    )
     differences_m = np.abs(along_m - wall.first_hits_m(starts, directions))
     middle, most = np.percentile(differences_m, [50, 99]) * 1000
     return (
