@@ -68,6 +68,15 @@ class Wall:
         places, distances_m, _ = closest_point(self.mesh, points)
         return places, np.where(self.mesh.contains(points), distances_m, -distances_m)
 
+    def is_beyond(self, points, open_m, slack_m):
+        """Which points, so far in the open, are further from floors and from steeper parts of the wall than their tolerances."""
+        beyond = open_m > TOLERANCE_M["floor"] + slack_m
+        if beyond.any():
+            steep = self.mesh.submesh([np.flatnonzero(self.mesh.face_normals[:, 2] <= np.sqrt(0.5))], append=True)
+            _, distances_m, _ = closest_point(steep, points[beyond])
+            beyond[beyond] = distances_m > TOLERANCE_M["wall"] + slack_m
+        return beyond
+
     def free_points(self, count, clearance_m, dice):
         """Points in the open, this far from the wall at least, spread evenly over the volume."""
         found = np.empty((0, 3))

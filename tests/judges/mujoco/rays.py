@@ -5,15 +5,15 @@
 Bodies collide with the convex hull of a mesh, rays with its triangles: so first every collision mesh must be convex.
 
 Rays go from random points in the open in random directions. All must end. There the collision geometry must not stand further
-out of the visual mesh than the tolerance of the piece that is hit (floor 2 cm, others 5 cm). Nor may it lie further behind it
-than half of the largest of these, which is how far behind the wall pieces begin. A ray that grazes a wall may well end far from
+out of the visual mesh than the tolerance (2 cm from what is less steep than 45 degrees, or 5 cm from what is not). Nor may it
+lie further behind it than half of the larger, which is how far behind the wall pieces begin. A ray that grazes a wall may well end far from
 where the visual mesh stops it, so it is the distance of its end to the visual mesh that counts. The last line of a success tells
 both.
 """
 
 import mujoco
 import numpy as np
-from package import COLLISION_GROUP, Wall, cave_spec, require, run, tolerances_m
+from package import COLLISION_GROUP, TOLERANCE_M, Wall, cave_spec, require, run
 
 POINTS = 200
 RAYS = 50  # from each point
@@ -31,7 +31,7 @@ def judge(package):
     spec = cave_spec(package)
     model = spec.compile()
     check_convex(model)
-    along_m, geoms = (found.ravel() for found in shoot(model, points, directions))
+    along_m = shoot(model, points, directions).ravel()
     starts, directions = np.repeat(points, RAYS, axis=0), directions.reshape(-1, 3)
     lost = along_m < 0
     require(
@@ -41,8 +41,7 @@ def judge(package):
 
     ends = starts + along_m[:, None] * directions
     _, open_m = wall.nearest(ends)
-    most_m = tolerances_m(model, spec) + SLACK_M
-    out, behind = open_m > most_m[geoms], -open_m > most_m.max() / 2 + SLACK_M
+    out, behind = wall.is_beyond(ends, open_m, SLACK_M), -open_m > max(TOLERANCE_M.values()) / 2 + SLACK_M
     require(not out.any(), f"{out.sum()} of {len(ends)} rays end in the open, up to {open_m.max():.3f} m from the wall")
     require(
         not behind.any(), f"{behind.sum()} of {len(ends)} rays end behind the wall, up to {-open_m.min():.3f} m from it"
@@ -73,17 +72,17 @@ def check_convex(model):
 
 
 def shoot(model, points, directions):
-    """How far the rays go to the collision geometry, and to which geom; -1 where there is none."""
+    """How far the rays go to the collision geometry; -1 where there is none."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     groups = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
     groups[COLLISION_GROUP] = 1
-    along_m, geoms = np.empty(directions.shape[:2]), np.empty(directions.shape[:2], dtype=np.int32)
-    for point, fan, lengths_m, hit in zip(points, directions, along_m, geoms, strict=True):
+    along_m, hit = np.empty(directions.shape[:2]), np.empty(directions.shape[1], dtype=np.int32)
+    for point, fan, lengths_m in zip(points, directions, along_m, strict=True):
         mujoco.mj_multiRay(
             model, data, point, fan.ravel(), groups, True, -1, hit, lengths_m, None, len(fan), mujoco.mjMAXVAL
         )
-    return along_m, geoms
+    return along_m
 
 
 if __name__ == "__main__":
