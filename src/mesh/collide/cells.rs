@@ -55,15 +55,25 @@ impl Cells {
         }
     }
 
+    /// Triangles of which all are that the point is near to.
+    pub(super) fn near(&self, point: Point) -> &[u32] {
+        self.lists.get(&self.cube(point)).map(Vec::as_slice).unwrap_or_default()
+    }
+
+    /// The squared distance of a point to a triangle.
+    pub(super) fn squared_distance(&self, point: Point, index: u32) -> f64 {
+        squared_distance(point, self.surface[index as usize])
+    }
+
     /// The triangle nearest to a point.
     pub(super) fn nearest(&self, point: Point) -> Found {
-        let list = self.lists.get(&self.cube(point)).map(Vec::as_slice).unwrap_or_default();
+        let list = self.near(point);
         let (mut best, mut squared) = (0, f64::INFINITY);
         for &index in list {
             if self.balls[index as usize].is_beyond(point, squared) {
                 continue;
             }
-            let other = squared_distance(point, self.surface[index as usize]);
+            let other = self.squared_distance(point, index);
             if other < squared {
                 (best, squared) = (index, other);
             }

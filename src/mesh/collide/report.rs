@@ -25,8 +25,12 @@ pub struct PieceMeasures {
     pub width_m: f64,
     /// How far beyond the wall it reaches into the open, in metres; 0 if it does not.
     pub intrusion_m: f64,
-    /// The same beyond the zero of the field.
+    /// The same over floors, but for what is within the tolerance of something steeper.
+    pub floor_intrusion_m: f64,
+    /// How far beyond the zero of the field it reaches, in metres.
     pub field_intrusion_m: f64,
+    /// The same over floors.
+    pub field_floor_intrusion_m: f64,
 }
 
 /// Measures the pieces of a chunk; `around` are the chunks around it.
@@ -47,15 +51,20 @@ pub fn measure_pieces(
 fn measured(piece: &Piece, rock: &Rock, field: &dyn Field, settings: &PieceSettings) -> PieceMeasures {
     let quanta = f64::from(QUANTA_PER_M);
     let spacing = SPACING * f64::from(settings.tolerance_m(piece.zone)) * quanta;
-    let mut intrusion_m: f64 = 0.0;
-    let mut near_wall = Vec::new();
+    let (mut intrusion_m, mut floor_intrusion_m) = (0.0, 0.0);
+    let (mut near_wall, mut over_floor) = (Vec::new(), Vec::new());
     for face in faces(piece) {
         let shift = rock.at([0; 3]);
         for point in spread(face, spacing) {
             let distance_m = rock.distance(point + shift).0 / quanta;
-            intrusion_m = intrusion_m.max(distance_m);
-            if distance_m > -DEEP_M {
-                near_wall.push((point / quanta).map(|c| c as f32).into());
+            if distance_m < -DEEP_M {
+                continue;
+            }
+            intrusion_m = f64::max(intrusion_m, distance_m);
+            near_wall.push((point / quanta).map(|c| c as f32).into());
+            if rock.is_over_floor(point + shift) {
+                floor_intrusion_m = f64::max(floor_intrusion_m, distance_m);
+                over_floor.push((point / quanta).map(|c| c as f32).into());
             }
         }
     }
@@ -64,7 +73,9 @@ fn measured(piece: &Piece, rock: &Rock, field: &dyn Field, settings: &PieceSetti
         corners: piece.positions.len(),
         width_m: width(piece) / quanta,
         intrusion_m,
+        floor_intrusion_m,
         field_intrusion_m: deepest(&near_wall, field),
+        field_floor_intrusion_m: deepest(&over_floor, field),
     }
 }
 
@@ -120,15 +131,15 @@ pub struct PieceReport {
     pub intrusion_p99_m: f64,
     /// What one piece in two exceeds.
     pub intrusion_median_m: f64,
-    /// The worst piece of a floor.
+    /// The worst over a floor, but for what is within the tolerance of something steeper.
     pub floor_intrusion_max_m: f64,
-    /// The same four beyond the zero of the field.
+    /// How far the worst piece reaches beyond the zero of the field, in metres.
     pub field_intrusion_max_m: f64,
     /// What one piece in a hundred exceeds.
     pub field_intrusion_p99_m: f64,
     /// What one piece in two exceeds.
     pub field_intrusion_median_m: f64,
-    /// The worst piece of a floor.
+    /// The worst over a floor.
     pub field_floor_intrusion_max_m: f64,
 }
 
@@ -147,11 +158,11 @@ impl PieceReport {
             intrusion_max_m: quantile(measures.iter().map(mesh), 1.0),
             intrusion_p99_m: quantile(measures.iter().map(mesh), 0.99),
             intrusion_median_m: quantile(measures.iter().map(mesh), 0.5),
-            floor_intrusion_max_m: quantile(of_zone(Zone::Floor).map(mesh), 1.0),
+            floor_intrusion_max_m: quantile(measures.iter().map(|piece| piece.floor_intrusion_m), 1.0),
             field_intrusion_max_m: quantile(measures.iter().map(field), 1.0),
             field_intrusion_p99_m: quantile(measures.iter().map(field), 0.99),
             field_intrusion_median_m: quantile(measures.iter().map(field), 0.5),
-            field_floor_intrusion_max_m: quantile(of_zone(Zone::Floor).map(field), 1.0),
+            field_floor_intrusion_max_m: quantile(measures.iter().map(|piece| piece.field_floor_intrusion_m), 1.0),
         }
     }
 }

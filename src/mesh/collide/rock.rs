@@ -12,8 +12,7 @@ use super::super::{Mesh, QUANTA_PER_M};
 use super::cells::Cells;
 use super::{PieceSettings, Zone};
 
-/// Parts of a triangle are not cut any further below this length, in quanta: rounding of a corner is of that order. Such a
-/// part is judged by its centre.
+/// Parts of a triangle are not cut any further below this length, in quanta: what is that close to the tolerance is out.
 const FINEST: f64 = 2.0;
 
 /// The rock around a chunk, in quanta from an origin.
@@ -73,7 +72,7 @@ impl Rock {
         Self {
             origin,
             corner_tolerances,
-            nearest: Cells::new(surface, REACH_M * quanta),
+            nearest: Cells::new(surface, tolerances.into_iter().fold(REACH_M * quanta, f64::max)),
             triangles,
             zones,
             corner_normals,
@@ -121,6 +120,16 @@ impl Rock {
         if normal.dot(&(point - foot)) > 0.0 { distance } else { -distance }
     }
 
+    /// Whether a point is over a floor, and further from all that is steeper than the tolerance there.
+    pub(super) fn is_over_floor(&self, point: Point) -> bool {
+        let is_steep_and_near = |&index: &u32| {
+            let zone = self.zones[index as usize];
+            let tolerance = self.tolerances[zone as usize];
+            zone != Zone::Floor && self.nearest.squared_distance(point, index) <= tolerance * tolerance
+        };
+        self.distance(point).1 == Zone::Floor && !self.nearest.near(point).iter().any(is_steep_and_near)
+    }
+
     /// How far a point is in the open, as a share of the tolerance there, below 0 in the rock; nothing beyond the
     /// tolerance.
     pub(super) fn share(&self, point: Point) -> Option<f64> {
@@ -155,7 +164,7 @@ impl Rock {
         // What is in the rock comes into the open where some zone begins.
         let slack =
             if distance > 0.0 { tolerance - distance } else { self.least_tolerance + self.horizon.min(-distance) };
-        if reach <= slack || reach < FINEST {
+        if reach <= slack {
             return Verdict::Held;
         }
         // The distance to one triangle is convex: greatest at a corner.
@@ -163,7 +172,7 @@ impl Rock {
         if corners.iter().all(|&corner| squared_distance(corner, found.triangle) <= limit) {
             return Verdict::Held;
         }
-        Verdict::Open
+        if reach < FINEST { Verdict::Out } else { Verdict::Open }
     }
 }
 
@@ -177,7 +186,7 @@ enum Verdict {
     Open,
 }
 
-/// Most points that are asked for lie no further from the wall, in metres. Tuned.
+/// Most points that are asked for lie no further from the wall, in metres, unless a tolerance is larger. Tuned.
 const REACH_M: f64 = 0.1;
 /// Walls are taken into account up to this many thicknesses from the box in which the pieces of a chunk lie. Tuned.
 const HORIZON: f64 = 1.5;
