@@ -79,7 +79,7 @@ impl Summary {
 
     /// A cave folder was made.
     pub fn place(&mut self, what: &str, path: &Path, folder: &CaveFolder) {
-        let stages = [Stage::Graph, Stage::Mesh, Stage::Texture];
+        let stages = [Stage::Graph, Stage::Mesh, Stage::Texture, Stage::Pieces];
         let units = stages.into_iter().flat_map(|stage| folder.units(stage));
         let files: usize = units.map(|unit| unit.files.len()).sum();
         self.stage(
