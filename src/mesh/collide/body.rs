@@ -96,24 +96,19 @@ impl Body {
     /// Behind one triangle of the wall.
     pub(super) fn behind(front: Front, rock: &Rock) -> Self {
         let way = |back| Self::closed(front.clone(), back, rock);
-        let fits = |body: &Self| body.front_share(&[], rock).and(body.back_share(rock)).is_some();
+        let fits = |body: &Self| body.front_share(&[], rock).is_some() && body.is_backed(rock);
         let thinnest = || way(BACKS.len() - 1).expect("a triangle has an area, and a back of its own");
         (0..BACKS.len()).filter_map(way).find(fits).unwrap_or_else(thinnest)
     }
 
-    /// Around two, and the share of the tolerance that it takes up, if samples of it stay within.
+    /// Around two, and the share of the tolerance that it takes up, if samples of the faces at the wall stay within. What lies
+    /// behind the wall seldom fails, and may then be closed in another way.
     pub(super) fn around(a: &Self, b: &Self, rock: &Rock) -> Option<(Self, f64)> {
         let front = Front::of_both(&a.front, &b.front)?;
         let known = [a.front_edges(), b.front_edges()].concat();
-        for back in a.back.max(b.back)..BACKS.len() {
-            let body = Self::closed(front.clone(), back, rock).filter(|body| body.positions.len() <= MOST_CORNERS)?;
-            // No back mends a front.
-            let share = body.front_share(&known, rock)?;
-            if let Some(behind) = body.back_share(rock) {
-                return Some((body, share.max(behind)));
-            }
-        }
-        None
+        let body = Self::closed(front, a.back.max(b.back), rock).filter(|body| body.positions.len() <= MOST_CORNERS)?;
+        let share = body.front_share(&known, rock)?;
+        Some((body, share))
     }
 
     fn closed(front: Front, back: usize, rock: &Rock) -> Option<Self> {
@@ -134,7 +129,8 @@ impl Body {
             return Some(self.clone());
         }
         let others = (self.back + 1..BACKS.len()).filter_map(|back| Self::closed(self.front.clone(), back, rock));
-        others.into_iter().find(|body| body.faces.iter().all(|face| holds(body, face)))
+        let mut others = others.filter(|body| body.positions.len() <= MOST_CORNERS);
+        others.find(|body| body.faces.iter().all(|face| holds(body, face)))
     }
 
     /// The share of the tolerance that samples of the faces at the wall take up; nothing if one is beyond. Edges that are
@@ -155,10 +151,9 @@ impl Body {
         Some(most)
     }
 
-    /// The same of the corners behind the wall.
-    fn back_share(&self, rock: &Rock) -> Option<f64> {
-        let behind = &self.positions[self.fronts..];
-        behind.iter().try_fold(f64::NEG_INFINITY, |most, &corner| Some(rock.share(rock.at(corner))?.max(most)))
+    /// Whether the corners behind the wall stay within.
+    fn is_backed(&self, rock: &Rock) -> bool {
+        self.positions[self.fronts..].iter().all(|&corner| rock.share(rock.at(corner)).is_some())
     }
 
     /// The edges of the faces at the wall.

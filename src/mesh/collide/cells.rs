@@ -68,14 +68,14 @@ impl Cells {
     /// The triangle nearest to a point.
     pub(super) fn nearest(&self, point: Point) -> Found {
         let list = self.near(point);
-        let (mut best, mut squared) = (0, f64::INFINITY);
+        let (mut best, mut squared, mut distance) = (0, f64::INFINITY, f64::INFINITY);
         for &index in list {
-            if self.balls[index as usize].is_beyond(point, squared) {
+            if self.balls[index as usize].is_beyond(point, distance) {
                 continue;
             }
             let other = self.squared_distance(point, index);
             if other < squared {
-                (best, squared) = (index, other);
+                (best, squared, distance) = (index, other, other.sqrt());
             }
         }
         if squared > self.reach * self.reach {
@@ -96,9 +96,9 @@ impl Ball {
         Self { centre, radius }
     }
 
-    /// Whether all of it is further from a point than this distance, squared.
-    fn is_beyond(&self, point: Point, squared: f64) -> bool {
-        let far = squared.sqrt() + self.radius;
+    /// Whether all of it is further from a point than this.
+    fn is_beyond(&self, point: Point, distance: f64) -> bool {
+        let far = distance + self.radius;
         (point - self.centre).norm_squared() > far * far
     }
 }
