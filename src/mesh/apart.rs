@@ -10,7 +10,7 @@ use std::collections::BinaryHeap;
 
 use nalgebra::Vector3;
 
-use super::nearest::{Found, Nearest, Triangle, squared_distance};
+use super::nearest::{Ball, Found, Nearest, Triangle, halves, squared_distance};
 use super::{Mesh, QUANTA_PER_M};
 
 /// A bound is good when it is no more than this share, and a quantum, above what was found. Tuned.
@@ -59,7 +59,7 @@ fn one_way(from: &[Triangle], to: &Nearest, least: f64) -> f64 {
         if piece.bound <= found * (1.0 + SLACK) + 1.0 {
             return piece.bound.max(least);
         }
-        for half in piece.halves() {
+        for half in halves(piece.corners) {
             pieces.push(Piece::new(half, to, &mut found));
         }
     }
@@ -75,23 +75,12 @@ struct Piece {
 
 impl Piece {
     fn new(corners: Triangle, to: &Nearest, found: &mut f64) -> Self {
-        let [a, b, c] = corners;
-        let centre = (a + b + c) / 3.0;
+        let Ball { centre, radius } = Ball::around(&corners);
         let Found { triangle, squared, .. } = to.nearest(centre);
         let distance = squared.sqrt();
         *found = found.max(distance);
         let to_one = corners.map(|corner| squared_distance(corner, triangle)).into_iter().fold(0.0, f64::max).sqrt();
-        let reach = corners.map(|corner| (corner - centre).norm_squared()).into_iter().fold(0.0, f64::max).sqrt();
-        Self { corners, bound: to_one.min(distance + reach) }
-    }
-
-    /// Cut across the longest side.
-    fn halves(&self) -> [Triangle; 2] {
-        let sides = [0, 1, 2].map(|k| (self.corners[(k + 1) % 3] - self.corners[k]).norm_squared());
-        let longest = (0..3).fold(0, |best, k| if sides[k] > sides[best] { k } else { best });
-        let [a, b, c] = [0, 1, 2].map(|k| self.corners[(longest + k) % 3]);
-        let middle = (a + b) * 0.5;
-        [[a, middle, c], [middle, b, c]]
+        Self { corners, bound: to_one.min(distance + radius) }
     }
 }
 

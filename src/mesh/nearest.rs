@@ -105,6 +105,38 @@ impl Box3 {
     }
 }
 
+/// A ball that holds a triangle, round the mean of its corners.
+pub(super) struct Ball {
+    pub(super) centre: Point,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    pub(super) fn around(&[a, b, c]: &Triangle) -> Self {
+        let centre = (a + b + c) / 3.0;
+        let radius = [a, b, c].map(|corner| (corner - centre).norm_squared()).into_iter().fold(0.0, f64::max).sqrt();
+        Self { centre, radius }
+    }
+
+    /// Whether all of it is further from a point than this.
+    pub(super) fn is_beyond(&self, point: Point, distance: f64) -> bool {
+        let far = distance + self.radius;
+        (point - self.centre).norm_squared() > far * far
+    }
+}
+
+/// A triangle cut across the longest side.
+pub(super) fn halves([a, b, c]: Triangle) -> [Triangle; 2] {
+    let sides = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
+    let [a, b, c] = match sides {
+        [ab, bc, ca] if ab >= bc && ab >= ca => [a, b, c],
+        [_, bc, ca] if bc >= ca => [b, c, a],
+        _ => [c, a, b],
+    };
+    let middle = (a + b) * 0.5;
+    [[a, middle, c], [middle, b, c]]
+}
+
 /// Squared distance of a point to a triangle.
 pub(super) fn squared_distance(point: Point, triangle: Triangle) -> f64 {
     (point - closest(point, triangle).0).norm_squared()

@@ -18,7 +18,7 @@ impl Pipeline<'_> {
             if self.folder.finished(Stage::Pieces, &wall.name, &self.pieces_fingerprint)?.is_some() {
                 return Ok(());
             }
-            let (mesh, around) = self.with_neighbours(&wall.name)?;
+            let (mesh, around) = self.with_neighbours(&wall.name, &walls)?;
             let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
             let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
             let facts = json!({"pieces": pieces.len()});
@@ -31,9 +31,9 @@ impl Pipeline<'_> {
     /// # Errors
     /// When a mesh or a piece cannot be read.
     pub fn measure_pieces(&self) -> Result<Vec<PieceMeasures>, PipelineError> {
-        let field = self.field();
+        let (field, walls) = (self.field(), self.walls());
         let of_chunk = |unit: &Unit| {
-            let (mesh, around) = self.with_neighbours(&unit.name)?;
+            let (mesh, around) = self.with_neighbours(&unit.name, &walls)?;
             let pieces = store::read_pieces(self.folder, &unit.name)?;
             Ok(mesh::measure_pieces(&pieces, &mesh, &around, &field, &self.recipe.pieces))
         };
@@ -41,10 +41,9 @@ impl Pipeline<'_> {
         Ok(chunks?.concat())
     }
 
-    /// The wall of a chunk, and those of the chunks around it.
-    fn with_neighbours(&self, name: &str) -> Result<(Mesh, Vec<Mesh>), StoreError> {
+    /// The wall of a chunk, and those of the chunks around it, out of all `walls`.
+    fn with_neighbours(&self, name: &str, walls: &[Unit]) -> Result<(Mesh, Vec<Mesh>), StoreError> {
         let mesh = store::read_mesh(self.folder, name)?;
-        let walls = self.walls();
         let around = walls.iter().filter(|other| touch(name, &other.name));
         let around: Result<Vec<_>, _> = around.map(|other| store::read_mesh(self.folder, &other.name)).collect();
         Ok((mesh, around?))

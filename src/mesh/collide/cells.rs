@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::super::nearest::{Found, Nearest, Point, Triangle, squared_distance};
+use super::super::nearest::{Ball, Found, Nearest, Point, Triangle, squared_distance};
 
 /// Side of a cube, in units of the reach. Tuned.
 const SIDE: f64 = 2.0;
@@ -17,12 +17,6 @@ pub(super) struct Cells {
     balls: Vec<Ball>,
     /// For points further away.
     tree: Nearest,
-}
-
-/// Holds a triangle.
-struct Ball {
-    centre: Point,
-    radius: f64,
 }
 
 impl Cells {
@@ -86,19 +80,5 @@ impl Cells {
 
     fn cube(&self, point: Point) -> [i32; 3] {
         (point / (SIDE * self.reach)).map(|c| c.floor() as i32).into()
-    }
-}
-
-impl Ball {
-    fn around(triangle: &Triangle) -> Self {
-        let centre = triangle.iter().sum::<Point>() / 3.0;
-        let radius = triangle.iter().map(|corner| (corner - centre).norm_squared()).fold(0.0, f64::max).sqrt();
-        Self { centre, radius }
-    }
-
-    /// Whether all of it is further from a point than this.
-    fn is_beyond(&self, point: Point, distance: f64) -> bool {
-        let far = distance + self.radius;
-        (point - self.centre).norm_squared() > far * far
     }
 }

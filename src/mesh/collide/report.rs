@@ -53,16 +53,17 @@ fn measured(piece: &Piece, rock: &Rock, field: &dyn Field, settings: &PieceSetti
     let spacing = SPACING * f64::from(settings.tolerance_m(piece.zone)) * quanta;
     let (mut intrusion_m, mut floor_intrusion_m) = (0.0, 0.0);
     let (mut near_wall, mut over_floor) = (Vec::new(), Vec::new());
+    let shift = rock.at([0; 3]);
     for face in faces(piece) {
-        let shift = rock.at([0; 3]);
         for point in spread(face, spacing) {
-            let distance_m = rock.distance(point + shift).0 / quanta;
+            let (distance, zone) = rock.distance(point + shift);
+            let distance_m = distance / quanta;
             if distance_m < -DEEP_M {
                 continue;
             }
             intrusion_m = f64::max(intrusion_m, distance_m);
             near_wall.push((point / quanta).map(|c| c as f32).into());
-            if rock.is_over_floor(point + shift) {
+            if zone == Zone::Floor && !rock.is_by_steeper(point + shift) {
                 floor_intrusion_m = f64::max(floor_intrusion_m, distance_m);
                 over_floor.push((point / quanta).map(|c| c as f32).into());
             }

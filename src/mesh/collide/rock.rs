@@ -7,7 +7,8 @@
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 
-use super::super::nearest::{Found, Part, Point, Triangle, closest, squared_distance};
+use super::super::measure::weld;
+use super::super::nearest::{Ball, Found, Part, Point, Triangle, closest, halves, squared_distance};
 use super::super::{Mesh, QUANTA_PER_M};
 use super::cells::Cells;
 use super::{PieceSettings, Zone};
@@ -41,23 +42,9 @@ impl Rock {
         let quanta = f64::from(QUANTA_PER_M);
         let origin = wall.positions[0];
         let thickness = f64::from(settings.thickness_m) * quanta;
-        let (low, high) = bounds(wall, (thickness + HORIZON * thickness).ceil() as i32);
-        let mut welded = Welded::default();
-        wall.triangles.iter().for_each(|&triangle| welded.add(wall, triangle));
-        for other in around {
-            for &triangle in &other.triangles {
-                let corners = triangle.map(|corner| other.positions[corner as usize]);
-                let within = |i: usize| {
-                    corners.iter().any(|corner| corner[i] >= low[i])
-                        && corners.iter().any(|corner| corner[i] <= high[i])
-                };
-                if (0..3).all(within) {
-                    welded.add(other, triangle);
-                }
-            }
-        }
-        let positions: Vec<Point> = welded.positions.iter().map(|p| at(origin, *p)).collect();
-        let triangles = welded.triangles;
+        let near = near(around, bounds(wall, (thickness + HORIZON * thickness).ceil() as i32));
+        let Mesh { positions, triangles, .. } = weld(std::iter::once(wall).chain(&near));
+        let positions: Vec<Point> = positions.into_iter().map(|position| at(origin, position)).collect();
         let surface: Vec<Triangle> = triangles.iter().map(|t| t.map(|corner| positions[corner as usize])).collect();
         let zones: Vec<Zone> = surface.iter().map(|triangle| Zone::of(&normal(triangle))).collect();
         let tolerances = Zone::ALL.map(|zone| f64::from(settings.tolerance_m(zone)) * quanta);
@@ -120,14 +107,14 @@ impl Rock {
         if normal.dot(&(point - foot)) > 0.0 { distance } else { -distance }
     }
 
-    /// Whether a point is over a floor, and further from all that is steeper than the tolerance there.
-    pub(super) fn is_over_floor(&self, point: Point) -> bool {
+    /// Whether a point is no further from something steeper than a floor than the tolerance there.
+    pub(super) fn is_by_steeper(&self, point: Point) -> bool {
         let is_steep_and_near = |&index: &u32| {
             let zone = self.zones[index as usize];
             let tolerance = self.tolerances[zone as usize];
             zone != Zone::Floor && self.nearest.squared_distance(point, index) <= tolerance * tolerance
         };
-        self.distance(point).1 == Zone::Floor && !self.nearest.near(point).iter().any(is_steep_and_near)
+        self.nearest.near(point).iter().any(is_steep_and_near)
     }
 
     /// How far a point is in the open, as a share of the tolerance there, below 0 in the rock; nothing beyond the
@@ -153,18 +140,17 @@ impl Rock {
     }
 
     fn judge(&self, corners: Triangle) -> Verdict {
-        let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let Ball { centre, radius } = Ball::around(&corners);
         let found = self.nearest.nearest(centre);
         let tolerance = self.tolerances[self.zones[found.index as usize] as usize];
         let distance = self.signed(centre, &found);
         if distance > tolerance {
             return Verdict::Out;
         }
-        let reach = corners.map(|corner| (corner - centre).norm_squared()).into_iter().fold(0.0, f64::max).sqrt();
         // What is in the rock comes into the open where some zone begins.
         let slack =
             if distance > 0.0 { tolerance - distance } else { self.least_tolerance + self.horizon.min(-distance) };
-        if reach <= slack {
+        if radius <= slack {
             return Verdict::Held;
         }
         // The distance to one triangle is convex: greatest at a corner.
@@ -172,7 +158,7 @@ impl Rock {
         if corners.iter().all(|&corner| squared_distance(corner, found.triangle) <= limit) {
             return Verdict::Held;
         }
-        if reach < FINEST { Verdict::Out } else { Verdict::Open }
+        if radius < FINEST { Verdict::Out } else { Verdict::Open }
     }
 }
 
@@ -191,6 +177,22 @@ const REACH_M: f64 = 0.1;
 /// Walls are taken into account up to this many thicknesses from the box in which the pieces of a chunk lie. Tuned.
 const HORIZON: f64 = 1.5;
 
+/// The triangles of some walls that reach into a box.
+fn near(walls: &[Mesh], (low, high): ([i32; 3], [i32; 3])) -> Vec<Mesh> {
+    let reaches_in = |wall: &Mesh, triangle: [u32; 3]| {
+        let corners = triangle.map(|corner| wall.positions[corner as usize]);
+        (0..3).all(|axis| {
+            corners.iter().any(|corner| corner[axis] >= low[axis])
+                && corners.iter().any(|corner| corner[axis] <= high[axis])
+        })
+    };
+    let part = |wall: &Mesh| {
+        let triangles = wall.triangles.iter().copied().filter(|&triangle| reaches_in(wall, triangle)).collect();
+        Mesh { triangles, ..wall.clone() }
+    };
+    walls.iter().map(part).collect()
+}
+
 fn bounds(wall: &Mesh, reach: i32) -> ([i32; 3], [i32; 3]) {
     let extreme = |pick: fn(i32, i32) -> i32, start: i32, step: i32| {
         let most = |i: usize| wall.positions.iter().map(|p| p[i]).fold(start, pick);
@@ -205,39 +207,6 @@ fn at(origin: [i32; 3], position: [i32; 3]) -> Point {
 
 fn normal([a, b, c]: &Triangle) -> Point {
     (b - a).cross(&(c - a))
-}
-
-/// Cut across the longest side.
-fn halves([a, b, c]: Triangle) -> [Triangle; 2] {
-    let sides = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
-    let [a, b, c] = match sides {
-        [ab, bc, ca] if ab >= bc && ab >= ca => [a, b, c],
-        [_, bc, ca] if bc >= ca => [b, c, a],
-        _ => [c, a, b],
-    };
-    let middle = (a + b) * 0.5;
-    [[a, middle, c], [middle, b, c]]
-}
-
-/// Triangles of several chunks over common vertices.
-#[derive(Default)]
-struct Welded {
-    names: FxHashMap<[i32; 3], u32>,
-    positions: Vec<[i32; 3]>,
-    triangles: Vec<[u32; 3]>,
-}
-
-impl Welded {
-    fn add(&mut self, mesh: &Mesh, triangle: [u32; 3]) {
-        let corners = triangle.map(|corner| {
-            let position = mesh.positions[corner as usize];
-            *self.names.entry(position).or_insert_with(|| {
-                self.positions.push(position);
-                self.positions.len() as u32 - 1
-            })
-        });
-        self.triangles.push(corners);
-    }
 }
 
 type EdgeNormals = FxHashMap<[u32; 2], Point>;
