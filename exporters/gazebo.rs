@@ -24,10 +24,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
 use crate::error::ExportError;
+use crate::format::obj;
 use crate::frame::{micro, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, Light, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, obj, settings, template};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {

@@ -17,14 +17,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::error::ExportError;
+use crate::format::gltf::{Layout, bounds, glb};
 use crate::package::Package;
 use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, frame, settings};
-
-mod glb;
-mod layout;
-
-use layout::Layout;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -152,7 +148,7 @@ struct Entry {
 
 impl Entry {
     fn new(file: &str, chunk: &Chunk, pieces: &[Piece]) -> Self {
-        let [min, max] = layout::bounds(&chunk.visual.positions);
+        let [min, max] = bounds(&chunk.visual.positions);
         Self {
             name: chunk.name.clone(),
             file: file.to_owned(),

@@ -1,7 +1,7 @@
 //! Writes a resolved [`scene::Scene`] as packages for simulators.
 //!
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
-//! writes what each simulator expects. Targets never name each other; what they share are formats ([`obj`], [`stage`]), the frame
+//! writes what each simulator expects. Targets never name each other; what they share are formats ([`format`], [`stage`]), the frame
 //! changes ([`frame`]) and the sink ([`package`]). A new target is one file and one row of [`TARGETS`].
 
 use std::sync::Arc;
@@ -12,14 +12,13 @@ use serde_json::Value;
 pub mod bundle;
 pub mod collision;
 pub mod error;
+pub mod format;
 pub mod frame;
 pub mod gazebo;
 pub mod gltf;
 pub mod isaac;
-pub mod msh;
 pub mod mujoco;
 pub mod names;
-pub mod obj;
 pub mod package;
 mod pinch;
 pub mod scene;

@@ -19,6 +19,8 @@ pub struct Scene<'a> {
     pub generator: String,
     /// The text that alone makes this scene again, if there is one.
     pub recipe: String,
+    /// The seed in it.
+    pub seed: u64,
     /// The chunks, in a fixed order.
     pub chunks: &'a dyn Chunks,
     /// Where a robot may start; never empty. +X looks along the passage, +Z is up, the origin is on the ground.
@@ -116,6 +118,9 @@ pub trait Chunks: Sync {
     /// # Errors
     /// When it cannot be read.
     fn load(&self, index: usize) -> Result<Chunk, std::io::Error>;
+
+    /// The chunks next to a chunk, those that share a face, an edge or a corner of the grid with it, in their order.
+    fn neighbors(&self, index: usize) -> Vec<usize>;
 
     /// Loads the convex pieces of a chunk.
     ///
@@ -286,6 +291,17 @@ pub struct Material {
     pub orm: Image,
     /// Roughness alone, grey, linear.
     pub roughness: Image,
+    /// Height, where the scene has it.
+    pub height: Option<Height>,
+}
+
+/// How far the rock lies before the visual mesh, along its normal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Height {
+    /// A PNG with one channel of 16 bits, linear: black is `-amplitude_m`, white is `amplitude_m`.
+    pub image: Image,
+    /// The greatest distance that the image can say, in metres.
+    pub amplitude_m: f32,
 }
 
 /// An encoded image on disk.

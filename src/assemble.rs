@@ -76,6 +76,10 @@ impl Chunks for FolderChunks<'_> {
         self.names.len()
     }
 
+    fn neighbors(&self, index: usize) -> Vec<usize> {
+        (0..self.len()).filter(|&other| store::adjacent(&self.names[index], &self.names[other])).collect()
+    }
+
     fn pieces(&self, index: usize) -> Result<Vec<scene::Piece>, io::Error> {
         let pieces = store::read_pieces(self.folder, &self.names[index]).map_err(io::Error::other)?;
         Ok(pieces.into_iter().map(scene_piece).collect())
@@ -96,6 +100,7 @@ impl Chunks for FolderChunks<'_> {
                 normal: self.image(name, store::IMAGES[1]),
                 orm: self.image(name, store::IMAGES[2]),
                 roughness: self.image(name, store::IMAGES[3]),
+                height: None,
             },
         })
     }
@@ -133,6 +138,7 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
         description: format!("Underground world made by Plume: {} stations, seed {}", graph.nodes.len(), recipe.seed),
         generator: format!("plume {}", crate::VERSION),
         recipe: recipe.to_toml(),
+        seed: recipe.seed,
         chunks,
         spawns: spawns(field, graph, world.spawns),
         lights: if world.lights { lights(field, graph, world) } else { Vec::new() },

@@ -9,8 +9,8 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 use crate::error::ExportError;
+use crate::format::msh;
 use crate::frame::micro;
-use crate::msh;
 use crate::package::Package;
 use crate::scene::{ByZone, Chunk, Image, ImageFormat, Mesh, Piece, Scene};
 use crate::slope;

@@ -132,6 +132,10 @@ impl Chunks for Counted<'_> {
         self.inner.load(index)
     }
 
+    fn neighbors(&self, index: usize) -> Vec<usize> {
+        self.inner.neighbors(index)
+    }
+
     fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
         self.inner.pieces(index)
     }
@@ -263,6 +267,10 @@ impl Chunks for Spoiled<'_> {
     fn load(&self, index: usize) -> io::Result<Chunk> {
         let chunk = self.inner.load(index)?;
         if index == 1 { (self.spoil)(chunk) } else { Ok(chunk) }
+    }
+
+    fn neighbors(&self, index: usize) -> Vec<usize> {
+        self.inner.neighbors(index)
     }
 
     fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {

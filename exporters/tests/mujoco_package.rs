@@ -248,6 +248,10 @@ impl Chunks for Jpegs<'_> {
         Ok(chunk)
     }
 
+    fn neighbors(&self, index: usize) -> Vec<usize> {
+        self.0.neighbors(index)
+    }
+
     fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
         self.0.pieces(index)
     }

@@ -44,7 +44,7 @@ impl Pipeline<'_> {
     /// The wall of a chunk, and those of the chunks around it, out of all `walls`.
     fn with_neighbours(&self, name: &str, walls: &[Unit]) -> Result<(Mesh, Vec<Mesh>), StoreError> {
         let mesh = store::read_mesh(self.folder, name)?;
-        let around = walls.iter().filter(|other| touch(name, &other.name));
+        let around = walls.iter().filter(|other| store::adjacent(name, &other.name));
         let around: Result<Vec<_>, _> = around.map(|other| store::read_mesh(self.folder, &other.name)).collect();
         Ok((mesh, around?))
     }
@@ -54,10 +54,4 @@ impl Pipeline<'_> {
         let made = self.units(Stage::Pieces);
         self.walls().iter().all(|wall| made.iter().any(|unit| unit.name == wall.name))
     }
-}
-
-/// Whether two chunks lie side by side, or corner to corner.
-fn touch(one: &str, other: &str) -> bool {
-    let index = |name: &str| name.split('_').filter_map(|part| part.parse().ok()).collect::<Vec<i64>>();
-    one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
 }

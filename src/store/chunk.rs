@@ -24,6 +24,12 @@ pub fn lod_path(name: &str, level: usize) -> String {
     format!("textures/{name}_lod{level}.ply")
 }
 
+/// Whether two chunks lie side by side, or corner to corner, by their names.
+pub fn adjacent(one: &str, other: &str) -> bool {
+    let index = |name: &str| name.split('_').filter_map(|part| part.parse().ok()).collect::<Vec<i64>>();
+    one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
+}
+
 /// Path of an image of a chunk.
 pub fn image_path(name: &str, image: &str, format: ImageFormat) -> String {
     format!("textures/{name}_{image}.{}", format.extension())

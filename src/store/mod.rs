@@ -31,8 +31,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 pub use self::chunk::{
-    ChunkError, IMAGES, LodFacts, Written, image_path, lod_path, read_mesh, read_ply, textured_path, write_mesh,
-    write_textured,
+    ChunkError, IMAGES, LodFacts, Written, adjacent, image_path, lod_path, read_mesh, read_ply, textured_path,
+    write_mesh, write_textured,
 };
 pub use self::file::{FileRecord, Sink, sha256};
 pub use self::piece::{read_pieces, write_pieces};

@@ -49,6 +49,7 @@ impl Chamber {
             description: "A bumpy chamber for tests & <examples>".to_owned(),
             generator: "plume test".to_owned(),
             recipe: "name = \"chamber\"\nseed = 7\n".to_owned(),
+            seed: 7,
             chunks: self,
             spawns: vec![Isometry3::from_parts(
                 point([0.5, 0.75]).into(),
@@ -87,8 +88,13 @@ impl Chunks for Chamber {
                 normal: self.image(index, "normal"),
                 orm: self.image(index, "orm"),
                 roughness: self.image(index, "roughness"),
+                height: None,
             },
         })
+    }
+
+    fn neighbors(&self, index: usize) -> Vec<usize> {
+        vec![1 - index]
     }
 
     fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
