@@ -22,14 +22,17 @@ pub enum Channels {
     LinearRgb,
     /// One linear quantity.
     Grey,
+    /// One linear quantity of 16 bits, the high byte first. Only PNG holds it.
+    Grey16,
 }
 
 impl Channels {
     /// Bytes per pixel.
-    pub fn count(self) -> usize {
+    pub fn bytes(self) -> usize {
         match self {
             Self::Srgb | Self::LinearRgb => 3,
             Self::Grey => 1,
+            Self::Grey16 => 2,
         }
     }
 }
@@ -57,7 +60,7 @@ impl<W: Write> MapWriter<W> {
                 Inner::Png { sink, stream, spill }
             }
             ImageFormat::Jpg => {
-                let pixels = Vec::with_capacity(size_px as usize * size_px as usize * channels.count());
+                let pixels = Vec::with_capacity(size_px as usize * size_px as usize * channels.bytes());
                 Inner::Jpg { sink, pixels, channels, size_px: size_px as u16 }
             }
         };
@@ -94,7 +97,7 @@ impl<W: Write> MapWriter<W> {
             Inner::Jpg { sink, pixels, channels, size_px } => {
                 let mut encoder = JpgEncoder::new(sink, JPG_QUALITY);
                 encoder.set_sampling_factor(SamplingFactor::F_1_1);
-                let color = if channels.count() == 1 { ColorType::Luma } else { ColorType::Rgb };
+                let color = if channels == Channels::Grey { ColorType::Luma } else { ColorType::Rgb };
                 encoder.encode(&pixels, size_px, size_px, color).map_err(io::Error::other)
             }
         }
@@ -127,9 +130,13 @@ impl Write for Spill {
 
 fn png_stream(spill: Spill, channels: Channels, size_px: u32) -> io::Result<StreamWriter<'static, Spill>> {
     let mut encoder = PngEncoder::new(spill, size_px, size_px);
-    let color = if channels.count() == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
+    let (color, depth) = match channels {
+        Channels::Srgb | Channels::LinearRgb => (png::ColorType::Rgb, BitDepth::Eight),
+        Channels::Grey => (png::ColorType::Grayscale, BitDepth::Eight),
+        Channels::Grey16 => (png::ColorType::Grayscale, BitDepth::Sixteen),
+    };
     encoder.set_color(color);
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(depth);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Paeth);
     if channels == Channels::Srgb {

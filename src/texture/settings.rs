@@ -20,11 +20,13 @@ pub struct TextureSettings {
     pub size_px: Option<u32>,
     /// File format of the maps. JPG is smaller and lossy, and needs each whole map in memory; MuJoCo reads PNG only.
     pub format: ImageFormat,
+    /// Whether to bake a height map as well, for renderers that displace: a PNG of 16 bits.
+    pub height: bool,
 }
 
 impl Default for TextureSettings {
     fn default() -> Self {
-        Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png }
+        Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png, height: false }
     }
 }
 
