@@ -320,6 +320,8 @@ pub enum ImageFormat {
     Png,
     /// JPEG.
     Jpeg,
+    /// WebP.
+    WebP,
 }
 
 impl ImageFormat {
@@ -328,6 +330,7 @@ impl ImageFormat {
         match self {
             Self::Png => "png",
             Self::Jpeg => "jpg",
+            Self::WebP => "webp",
         }
     }
 
@@ -336,6 +339,7 @@ impl ImageFormat {
         match self {
             Self::Png => "image/png",
             Self::Jpeg => "image/jpeg",
+            Self::WebP => "image/webp",
         }
     }
 }

@@ -71,6 +71,7 @@ impl<'a> FolderChunks<'a> {
         let format = match format {
             ImageFormat::Png => scene::ImageFormat::Png,
             ImageFormat::Jpg => scene::ImageFormat::Jpeg,
+            ImageFormat::Webp => scene::ImageFormat::WebP,
         };
         scene::Image { path, format }
     }

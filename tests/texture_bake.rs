@@ -207,7 +207,7 @@ fn halves(mesh: &Mesh) -> [Mesh; 2] {
 #[test]
 fn bytes_do_not_depend_on_threads() {
     let mesh = rough_passage(60, 30, 8.0, 3);
-    for format in [ImageFormat::Png, ImageFormat::Jpg] {
+    for format in [ImageFormat::Png, ImageFormat::Jpg, ImageFormat::Webp] {
         let settings = TextureSettings { format, height: true, ..of_size(700) };
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -231,6 +231,15 @@ fn jpg_shows_the_same_picture() {
         let mean = sum as f64 / png.len() as f64;
         assert!(mean < 3.0, "{mean} codes off");
     }
+}
+
+#[test]
+fn webp_shows_every_pixel() {
+    let mesh = rough_passage(60, 30, 8.0, 3);
+    let (_, png) = bake(&mesh, &LEANING, &of_size(512));
+    let (_, webp) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::Webp, ..of_size(512) });
+    assert!(webp.base_color.starts_with(b"RIFF"));
+    assert!(png.into_iter().map(|map| picture(&map)).eq(webp.into_iter().map(|map| picture(&map))));
 }
 
 #[test]

@@ -418,7 +418,7 @@ class ChunkIterator:
 
 @final
 class Textures:
-    """The images of a chunk, each (height, width, channels) uint8 with the top row first.
+    """The images of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
 
     Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
 
@@ -442,6 +442,12 @@ class Textures:
     @property
     def roughness(self) -> NDArray[np.uint8]:
         """Roughness alone, one channel; linear."""
+
+    @property
+    def height_m(self) -> NDArray[np.float32] | None:
+        """How far the rock lies before the mesh, metres along its normal, (height, width) float32; None unless the recipe asks
+        for it (`texture.height`).
+        """
 
 @final
 class Light:
