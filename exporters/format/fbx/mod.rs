@@ -117,7 +117,7 @@ pub fn write(
 
 /// The node that all others hang on.
 const ROOT: i64 = 0;
-/// A level is good enough where its error is seen under this angle: a pixel of 1080 on 60 degrees.
+/// What a level may differ in, as an angle: a pixel of 1080 on 60 degrees.
 const PIXEL_RAD: f64 = 1e-3;
 
 /// A file that is being written.
@@ -225,10 +225,10 @@ impl Document {
         Ok(model)
     }
 
+    /// The group shows a level from the distance at which its error is seen under [`PIXEL_RAD`].
     fn add_group(&mut self, part: &Part) -> Result<i64> {
         let names: Vec<String> = (1..part.levels.len()).map(|level| format!("Thresholds|Level{}", level - 1)).collect();
-        let mut properties = vec![Property::flag("MinMaxDistance", false), Property::flag("WorldSpace", false)];
-        properties.push(Property::group("Thresholds"));
+        let mut properties = vec![Property::group("Thresholds")];
         for (name, level) in names.iter().zip(&part.levels[1..]) {
             properties.push(Property::length(name, f64::from(level.error_m) / PIXEL_RAD));
         }
