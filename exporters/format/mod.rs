@@ -4,3 +4,4 @@
 pub mod gltf;
 pub mod msh;
 pub mod obj;
+pub mod pixels;
