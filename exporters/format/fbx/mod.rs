@@ -51,7 +51,7 @@ pub struct Maps {
     pub base_color: String,
     /// Tangent-space normals.
     pub normal: String,
-    /// Roughness alone.
+    /// Roughness alone; empty where there is no such image.
     pub roughness: String,
     /// Occlusion, roughness and metalness in red, green and blue.
     pub occlusion_roughness_metalness: String,
@@ -82,7 +82,7 @@ pub struct Collider<'a> {
 pub struct Part<'a> {
     /// Name of the group of levels, where there are several.
     pub name: &'a str,
-    /// Full detail first; several are put into a group (`LodGroup`).
+    /// Full detail first; several are put into a group (`LodGroup`). Without any there is no material either.
     pub levels: Vec<Level<'a>>,
     /// What robots touch; these have no material.
     pub colliders: Vec<Collider<'a>>,
@@ -201,16 +201,20 @@ impl Document {
     }
 
     fn add_part(&mut self, part: &Part) -> Result<()> {
+        if !part.levels.is_empty() {
+            self.add_levels(part)?;
+        }
+        part.colliders.iter().try_for_each(|collider| self.add_mesh(&collider.name, collider.mesh, ROOT).map(drop))
+    }
+
+    fn add_levels(&mut self, part: &Part) -> Result<()> {
         let material = self.add_material(part.material, part.maps)?;
-        let parent = match part.levels.len() {
-            0 | 1 => ROOT,
-            _ => self.add_group(part)?,
-        };
+        let parent = if part.levels.len() > 1 { self.add_group(part)? } else { ROOT };
         for level in &part.levels {
             let model = self.add_mesh(&level.name, level.mesh, parent)?;
             self.link(material, model, None);
         }
-        part.colliders.iter().try_for_each(|collider| self.add_mesh(&collider.name, collider.mesh, ROOT).map(drop))
+        Ok(())
     }
 
     fn add_mesh(&mut self, name: &str, mesh: &Mesh, parent: i64) -> Result<i64> {
@@ -291,7 +295,10 @@ impl Document {
             ("normal", &maps.normal, "NormalMap"),
             ("roughness", &maps.roughness, "ShininessExponent"),
             ("occlusion", &maps.occlusion_roughness_metalness, "Maya|TEX_ao_map"),
-        ] {
+        ]
+        .into_iter()
+        .filter(|(_, path, _)| !path.is_empty())
+        {
             let name = format!("{name}_{role}");
             let video = self.object(Kind::Video, &name, "Clip", |nodes| material::write_video(nodes, path))?;
             let texture = self.object(Kind::Texture, &name, "", |nodes| material::write_texture(nodes, &name, path))?;
