@@ -173,7 +173,7 @@ fn write_visual(
     out: &mut dyn Package,
 ) -> Result<(), ExportError> {
     let maps = entry.textures.maps();
-    fbx::write(out, &entry.mesh, head, |document| {
+    fbx::write(out, &entry.mesh, head, |document, _| {
         document.add(&fbx::Part { name: &chunk.name, levels, colliders, material: &chunk.name, maps: &maps })
     })
 }
@@ -188,7 +188,7 @@ fn write_collision(
     let name = format!("{}_collision", chunk.name);
     let path = format!("meshes/{name}.fbx");
     let colliders = vec![fbx::Collider { name: name.clone(), mesh: &chunk.collision }];
-    fbx::write(out, &path, head, |document| {
+    fbx::write(out, &path, head, |document, _| {
         document.add(&fbx::Part {
             name: &name,
             levels: Vec::new(),

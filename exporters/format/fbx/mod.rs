@@ -13,6 +13,8 @@ use std::path::Path;
 
 use fbxcel::writer::v7400::binary::{CompressionError, Error, Result};
 use nalgebra::Isometry3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{ExportError, at};
 use crate::frame;
@@ -27,9 +29,11 @@ mod material;
 mod node;
 
 /// Which axis points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Up {
     /// The third, as in the scene.
+    #[default]
     Z,
     /// The second: everything is turned as for glTF.
     Y,
@@ -92,7 +96,7 @@ pub struct Part<'a> {
     pub maps: &'a Maps,
 }
 
-/// Writes the file `path` of a package: `fill` adds the parts, one at a time.
+/// Writes the file `path` of a package: `fill` adds the parts, one at a time, and may write other files meanwhile.
 ///
 /// # Errors
 /// As [`write`](../../package/trait.Package.html#method.write); [`ExportError::TooLarge`] past 4 GiB, which is all that this
@@ -101,12 +105,12 @@ pub fn write(
     out: &mut dyn Package,
     path: &str,
     head: &Head,
-    fill: impl FnOnce(&mut Document) -> std::result::Result<(), ExportError>,
+    fill: impl FnOnce(&mut Document, &mut dyn Package) -> std::result::Result<(), ExportError>,
 ) -> std::result::Result<(), ExportError> {
     let scratch = out.scratch()?;
     let gathered = scratch.path().join("gathered.fbx");
     let mut document = Document::create(&gathered, path, head)?;
-    fill(&mut document)?;
+    fill(&mut document, out)?;
     document.finish()?;
     out.copy(path, &gathered)
 }
