@@ -23,6 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("gltf_pieces", json!({ "collision": "pieces" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
+        ("unreal_pieces", json!({ "collision": "pieces" })),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?;
         write(&folder.join(name), row, settings, &chamber)?;

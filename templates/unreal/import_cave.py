@@ -16,8 +16,7 @@ from typing import Any
 import unreal
 
 PACKAGE = Path(__file__).resolve().parent
-#: Actors with this tag are ours: the next run replaces them.
-TAG = "plume"
+TAG = "plume"  # Of our actors: the next run replaces them.
 #: Half the height of the capsule of a PlayerStart, whose origin is its middle.
 PLAYER_START_CM = 92.0
 #: How far the box round an imported mesh may lie from that in scene.json. Wrong units or axes are off by metres.
@@ -83,27 +82,32 @@ def change(thing: Any, **properties: Any) -> Any:
 
 
 def import_file(path: str, place: str, **how: Any) -> Any:
-    """Imports a file of the package as the asset `place`, in the stead of an older one."""
+    """Imports a file of the package as the asset `place`, replacing an older one."""
     folder, name = place.rsplit("/", 1)
-    task = change(unreal.AssetImportTask(), destination_path=folder, destination_name=name)
-    change(task, filename=str(PACKAGE / path), automated=True, **how)
-    change(task, replace_existing=True, replace_existing_settings=True)
+    task = change(unreal.AssetImportTask(), destination_path=folder, destination_name=name, automated=True)
+    change(task, filename=str(PACKAGE / path), replace_existing=True, replace_existing_settings=True, **how)
     unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
     return check(unreal.load_asset(place), f"{path} was not imported: the log above says why")
 
 
 def import_texture(path: str, role: str, root: str) -> unreal.Texture2D:
     """Imports an image and says what it holds."""
-    texture = import_file(path, f"{root}/Textures/T_{Path(path).stem}")
+    # Newer engines call an image after its file, whatever name they are told.
+    texture = import_file(path, f"{root}/Textures/{Path(path).stem}")
     srgb, compression, group = TEXTURES[role]
     # A project may make large images virtual textures, which the samplers of our material cannot read.
     change(texture, virtual_texture_streaming=False, srgb=srgb, compression_settings=compression, lod_group=group)
     return texture
 
 
+def exists(place: str) -> bool:
+    """Whether there is an asset or a level."""
+    return bool(unreal.AssetRegistryHelpers.get_asset_registry().get_assets_by_package_name(place))
+
+
 def make_asset(place: str, kind: type, factory: unreal.Factory) -> Any:
     """The asset `place`, a new one if there is none."""
-    if unreal.get_editor_subsystem(unreal.EditorAssetSubsystem).does_asset_exist(place):
+    if exists(place):
         return check(unreal.load_asset(place), f"{place} cannot be loaded")
     folder, name = place.rsplit("/", 1)
     tools = unreal.AssetToolsHelpers.get_asset_tools()
@@ -141,10 +145,10 @@ def make_instance(place: str, textures: dict[str, Any], material: unreal.Materia
 
 def import_mesh(path: str, place: str, *, nanite: bool, lods: bool, normals: unreal.FBXNormalImportMethod) -> Any:
     """Imports an FBX as one static mesh whose origin is that of the cave."""
-    kinds = unreal.FBXImportType
+    kind = unreal.FBXImportType.FBXIT_STATIC_MESH
     options = change(unreal.FbxImportUI(), automated_import_should_detect_type=False, import_mesh=True)
-    change(options, mesh_type_to_import=kinds.FBXIT_STATIC_MESH, import_as_skeletal=False, import_animations=False)
-    change(options, import_materials=False, import_textures=False)
+    change(options, mesh_type_to_import=kind, import_as_skeletal=False, import_animations=False)
+    change(options, import_materials=False, import_textures=False, auto_compute_lod_distances=False)
     data = options.get_editor_property("static_mesh_import_data")
     change(data, convert_scene=True, convert_scene_unit=True, force_front_x_axis=False)
     change(data, combine_meshes=True, transform_vertex_to_absolute=True, import_mesh_lo_ds=lods, build_nanite=nanite)
@@ -214,10 +218,7 @@ def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.Stati
 def open_level(place: str) -> None:
     """Opens the level of an earlier run without what we had put into it, or a new one."""
     levels = unreal.get_editor_subsystem(unreal.LevelEditorSubsystem)
-    if not unreal.get_editor_subsystem(unreal.EditorAssetSubsystem).does_asset_exist(place):
-        check(levels.new_level(place), f"{place} cannot be made")
-        return
-    check(levels.load_level(place), f"{place} cannot be opened")
+    check(levels.load_level(place) if exists(place) else levels.new_level(place), f"{place} cannot be opened")
     actors = unreal.get_editor_subsystem(unreal.EditorActorSubsystem)
     for actor in actors.get_all_level_actors():
         if actor.actor_has_tag(TAG):
