@@ -26,6 +26,7 @@ pub mod scene;
 mod slope;
 pub mod stage;
 mod template;
+pub mod unreal;
 pub mod urdf;
 pub mod usd;
 pub mod usdz;
@@ -111,7 +112,7 @@ impl TargetRow {
 
 /// Every target, in the order they are listed.
 pub static TARGETS: &[TargetRow] =
-    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, fbx::ROW, urdf::ROW];
+    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, fbx::ROW, unreal::ROW, urdf::ROW];
 
 /// The row called `name`.
 ///

@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("fbx_y", json!({ "up": "y" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
+        ("unreal_pieces", json!({ "collision": "pieces" })),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?;
         write(&folder.join(name), row, settings, &chamber)?;

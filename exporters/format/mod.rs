@@ -5,3 +5,4 @@ pub mod fbx;
 pub mod gltf;
 pub mod msh;
 pub mod obj;
+pub mod pixels;

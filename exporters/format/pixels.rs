@@ -1,0 +1,116 @@
+//! Images whose channels are put differently: read, changed pixel by pixel, and written as PNG.
+//!
+//! Compressed fast, as the images of a scene are: twice the time saves a tenth of the bytes. Memory: one image.
+
+use std::io::{self, Write};
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageError, ImageReader, RgbImage};
+
+use crate::error::{ExportError, at};
+use crate::scene::Image;
+
+/// Writes `image` as a PNG of 8 bits a channel, each pixel being what `map` makes of its red, green and blue: `N` is 1 for
+/// grey, 3 for RGB, 4 for RGB and alpha. Grey images have three equal channels.
+///
+/// # Errors
+/// When the image cannot be read, with its path, and those of `out`.
+pub fn remap<const N: usize>(
+    image: &Image,
+    out: &mut dyn Write,
+    map: impl Fn([u8; 3]) -> [u8; N],
+) -> Result<(), ExportError> {
+    let color = const {
+        match N {
+            1 => ExtendedColorType::L8,
+            3 => ExtendedColorType::Rgb8,
+            4 => ExtendedColorType::Rgba8,
+            _ => panic!("a PNG has 1, 3 or 4 channels here"),
+        }
+    };
+    let read = read(image).map_err(|error| at(image.path.display(), &error))?;
+    let mut pixels = Vec::with_capacity(N * read.as_raw().len() / 3);
+    for pixel in read.pixels() {
+        pixels.extend(map(pixel.0));
+    }
+    let encoder = PngEncoder::new_with_quality(out, CompressionType::Fast, FilterType::Paeth);
+    encoder.write_image(&pixels, read.width(), read.height(), color).map_err(plain)?;
+    Ok(())
+}
+
+fn read(image: &Image) -> io::Result<RgbImage> {
+    let reader = ImageReader::open(&image.path)?.with_guessed_format()?;
+    Ok(reader.decode().map_err(plain)?.into_rgb8())
+}
+
+/// The error of the disk, where it was one.
+fn plain(error: ImageError) -> io::Error {
+    match error {
+        ImageError::IoError(error) => error,
+        other => io::Error::new(io::ErrorKind::InvalidData, other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use image::DynamicImage;
+
+    use super::*;
+    use crate::scene::ImageFormat;
+
+    /// 3 × 2 pixels, no two channels alike.
+    fn sample() -> RgbImage {
+        RgbImage::from_fn(3, 2, |x, y| image::Rgb([x as u8 * 50, y as u8 * 90 + 7, 255 - x as u8]))
+    }
+
+    fn on_disk(folder: &Path, image: DynamicImage, format: ImageFormat) -> Image {
+        let path = folder.join(format!("image.{}", format.extension()));
+        image.save(&path).unwrap();
+        Image { path, format }
+    }
+
+    fn remapped<const N: usize>(image: &Image, map: impl Fn([u8; 3]) -> [u8; N]) -> DynamicImage {
+        let mut bytes = Vec::new();
+        remap(image, &mut bytes, map).unwrap();
+        assert_eq!(image::guess_format(&bytes).unwrap(), image::ImageFormat::Png);
+        image::load_from_memory(&bytes).unwrap()
+    }
+
+    #[test]
+    fn every_pixel_is_mapped_in_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = on_disk(folder.path(), sample().into(), ImageFormat::Png);
+        let rgb = remapped(&image, |[r, g, b]| [b, 255 - g, r]);
+        let rgba = remapped(&image, |[r, g, b]| [r, g, b, r ^ g]);
+        let grey = remapped(&image, |[_, g, _]| [g]);
+        for (x, y, &image::Rgb([r, g, b])) in sample().enumerate_pixels() {
+            assert_eq!(rgb.as_rgb8().unwrap().get_pixel(x, y).0, [b, 255 - g, r]);
+            assert_eq!(rgba.as_rgba8().unwrap().get_pixel(x, y).0, [r, g, b, r ^ g]);
+            assert_eq!(grey.as_luma8().unwrap().get_pixel(x, y).0, [g]);
+        }
+    }
+
+    #[test]
+    fn grey_and_jpeg_images_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let grey = DynamicImage::from(sample()).into_luma8();
+        let image = on_disk(folder.path(), grey.clone().into(), ImageFormat::Png);
+        for (x, y, pixel) in remapped(&image, |pixel| pixel).to_rgb8().enumerate_pixels() {
+            assert_eq!(pixel.0, [grey.get_pixel(x, y).0[0]; 3]);
+        }
+        let image = on_disk(folder.path(), RgbImage::from_pixel(8, 8, image::Rgb([200; 3])).into(), ImageFormat::Jpeg);
+        let inverted = remapped(&image, |pixel| pixel.map(|channel| 255 - channel)).to_rgb8();
+        assert!(inverted.pixels().flat_map(|pixel| pixel.0).all(|channel| channel.abs_diff(55) <= 1));
+    }
+
+    #[test]
+    fn a_broken_image_is_told_with_its_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("rock.png");
+        std::fs::write(&path, "no image").unwrap();
+        let error = remap(&Image { path, format: ImageFormat::Png }, &mut Vec::new(), |pixel| pixel).unwrap_err();
+        assert!(error.to_string().contains("rock.png"), "{error}");
+    }
+}
