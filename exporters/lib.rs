@@ -19,11 +19,15 @@ pub mod gltf;
 pub mod isaac;
 pub mod mujoco;
 pub mod names;
+pub mod obj;
 pub mod package;
 mod pinch;
+pub mod ply;
 pub mod scene;
+mod sheaf;
 mod slope;
 pub mod stage;
+pub mod stl;
 mod template;
 pub mod urdf;
 pub mod usd;
@@ -109,7 +113,8 @@ impl TargetRow {
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, urdf::ROW];
+pub static TARGETS: &[TargetRow] =
+    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, urdf::ROW, obj::ROW, ply::ROW, stl::ROW];
 
 /// The row called `name`.
 ///

@@ -5,3 +5,5 @@ pub mod gltf;
 pub mod msh;
 pub mod obj;
 pub mod pixels;
+pub mod ply;
+pub mod stl;

@@ -21,12 +21,21 @@ pub struct Maps<'a> {
     pub roughness: &'a str,
 }
 
-/// Writes a mesh with normals and texture coordinates that uses the material `name` of the library `library`.
+/// Names the file of the materials, relative to this one.
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_visual(file: &mut dyn Write, name: &str, library: &str, mesh: &Mesh) -> io::Result<()> {
-    writeln!(file, "mtllib {library}\no {name}")?;
+pub fn write_library(file: &mut dyn Write, library: &str) -> io::Result<()> {
+    writeln!(file, "mtllib {library}")
+}
+
+/// Writes an object with normals and texture coordinates that uses the material `name`; `before` it there are so many
+/// vertices in the file.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_visual(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
+    writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
     for uv in &mesh.uvs {
@@ -36,19 +45,10 @@ pub fn write_visual(file: &mut dyn Write, name: &str, library: &str, mesh: &Mesh
         write_fixed(file, &mut line, "vn", normal, 10_000)?;
     }
     writeln!(file, "usemtl {name}")?;
-    for [a, b, c] in corners(mesh) {
+    for [a, b, c] in corners(mesh, before) {
         writeln!(file, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")?;
     }
     Ok(())
-}
-
-/// Writes positions and triangles, and normals of the triangles only because Gazebo's DART engine silently leaves out a
-/// collision mesh without any.
-///
-/// # Errors
-/// Those of `file`.
-pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Result<()> {
-    write_object(file, name, mesh, 0)
 }
 
 /// Writes each mesh as [`write_collision`] does, as an object of its own.
@@ -58,21 +58,25 @@ pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Res
 pub fn write_pieces(file: &mut dyn Write, name: &str, meshes: &[&Mesh]) -> io::Result<()> {
     let mut before = 0;
     for (number, mesh) in meshes.iter().enumerate() {
-        write_object(file, &format!("{name}_{number}"), mesh, before)?;
+        write_collision(file, &format!("{name}_{number}"), mesh, before)?;
         before += mesh.positions.len() as u64;
     }
     Ok(())
 }
 
-/// An object; `before` it there are so many vertices in the file.
-fn write_object(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
+/// Writes an object of positions and triangles, and normals of the triangles only because Gazebo's DART engine silently
+/// leaves out a collision mesh without any; `before` it there are so many vertices in the file.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
     writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
     for normal in vertex_normals(mesh) {
         write_fixed(file, &mut line, "vn", &normal, 10_000)?;
     }
-    for [a, b, c] in corners(mesh).map(|corner| corner.map(|vertex| vertex + before)) {
+    for [a, b, c] in corners(mesh, before) {
         writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
     }
     Ok(())
@@ -85,6 +89,15 @@ fn write_object(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> i
 pub fn write_material(file: &mut dyn Write, name: &str, maps: &Maps) -> io::Result<()> {
     writeln!(file, "newmtl {name}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nPr 1\nPm 0\nillum 2")?;
     writeln!(file, "map_Kd {}\nnorm {}\nmap_Pr {}", maps.base_color, maps.normal, maps.roughness)
+}
+
+/// Names the normals of a material once more, under the key for heights: Blender reads no other, and takes it for normals.
+/// Readers that know `norm` prefer that.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_bump(file: &mut dyn Write, normal: &str) -> io::Result<()> {
+    writeln!(file, "map_Bump -bm 1 {normal}")
 }
 
 fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
@@ -105,9 +118,9 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     sums.iter().map(|sum| sum.try_normalize(0.0).unwrap_or_else(Vector3::z).into()).collect()
 }
 
-/// OBJ counts from one.
-fn corners(mesh: &Mesh) -> impl Iterator<Item = [u64; 3]> {
-    mesh.indices.chunks_exact(3).map(|corner| [0, 1, 2].map(|i| u64::from(corner[i]) + 1))
+/// OBJ counts from one, through the whole file.
+fn corners(mesh: &Mesh, before: u64) -> impl Iterator<Item = [u64; 3]> {
+    mesh.indices.chunks_exact(3).map(move |corner| [0, 1, 2].map(|i| before + u64::from(corner[i]) + 1))
 }
 
 fn write_fixed(file: &mut dyn Write, line: &mut Vec<u8>, key: &str, numbers: &[f32], scale: u32) -> io::Result<()> {
@@ -175,7 +188,7 @@ mod tests {
             (0..999_u16).map(|i| [1, 7, 1001].map(|k| f32::from(i) * k as f32 / 4096.0)).collect();
         let mesh = Mesh { positions: positions.clone(), indices: vec![0, 1, 2], ..Mesh::default() };
         let mut text = Vec::new();
-        write_collision(&mut text, "rock", &mesh).unwrap();
+        write_collision(&mut text, "rock", &mesh, 0).unwrap();
         let text = String::from_utf8(text).unwrap();
         let read: Vec<f32> = text
             .lines()
