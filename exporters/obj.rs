@@ -161,8 +161,7 @@ impl<'a> ObjFiles<'a> {
         let normal = copy("normal", &chunk.material.normal)?;
         let roughness = copy("roughness", &chunk.material.roughness)?;
         let maps = Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
-        obj::write_material(&mut self.materials, &chunk.name, &maps)?;
-        Ok(obj::write_bump(&mut self.materials, &normal)?)
+        Ok(obj::write_material(&mut self.materials, &chunk.name, &maps)?)
     }
 }
 

@@ -3,7 +3,8 @@
 //! Positions are printed with the fewest digits that give back the same `f32`, so neighbouring chunks still share
 //! their border vertices exactly. Normals have 4 decimals and texture coordinates 6 (a 500th of a texel of 2048).
 //! PBR keys after <http://exocortex.com/blog/extending_wavefront_mtl_to_support_pbr>; readers without them see the
-//! base colour.
+//! base colour. Normals are not written under `map_Bump`, too, the only key for them that Blender reads: it takes them for sRGB
+//! colours there, others for heights, and wrong normals look worse than none.
 
 use std::io::{self, Write};
 
@@ -89,15 +90,6 @@ pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u6
 pub fn write_material(file: &mut dyn Write, name: &str, maps: &Maps) -> io::Result<()> {
     writeln!(file, "newmtl {name}\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nPr 1\nPm 0\nillum 2")?;
     writeln!(file, "map_Kd {}\nnorm {}\nmap_Pr {}", maps.base_color, maps.normal, maps.roughness)
-}
-
-/// Names the normals of a material once more, under the key for heights: Blender reads no other, and takes it for normals.
-/// Readers that know `norm` prefer that.
-///
-/// # Errors
-/// Those of `file`.
-pub fn write_bump(file: &mut dyn Write, normal: &str) -> io::Result<()> {
-    writeln!(file, "map_Bump -bm 1 {normal}")
 }
 
 fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {

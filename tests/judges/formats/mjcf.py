@@ -1,13 +1,11 @@
-"""The marker as MJCF, as MuJoCo has compiled it.
-
-    mjcf.py SAMPLE_DIR
+"""MJCF, as MuJoCo has compiled it.
 
 The compiler moves each mesh to its own centre and axes, and each geom there.
 """
 
 import mujoco
 import numpy as np
-from truth import Triangles, joined, run, upper_left
+from packages import Reader, Triangles, joined, upper_left
 
 VISUAL = 2  # the group of geoms that are drawn
 
@@ -36,5 +34,4 @@ def triangles(model, data, geom):
     return Triangles(*values)
 
 
-if __name__ == "__main__":
-    run({"MuJoCo": (by_mujoco, {"mujoco": ["marker.xml"]})})
+READERS = [Reader("MuJoCo", by_mujoco, {"mujoco": ["marker.xml"]})]

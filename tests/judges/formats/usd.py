@@ -4,8 +4,8 @@ usd.py SAMPLE_DIR
 """
 
 import numpy as np
+from packages import Reader, Triangles, joined, require
 from pxr import Usd, UsdGeom
-from truth import Triangles, joined, require, run
 
 
 def by_usd_core(path):
@@ -30,5 +30,4 @@ def triangles(mesh, world_from_mesh, scale):
     return Triangles.of_mesh(faces, scale * points, normals, uv)
 
 
-if __name__ == "__main__":
-    run({"usd-core": (by_usd_core, {"*": ["*.usd", "*.usda", "*.usdz"]})})
+READERS = [Reader("usd-core", by_usd_core, {"*": ["*.usd", "*.usda", "*.usdz"]})]

@@ -7,40 +7,26 @@ from pathlib import Path
 
 import numpy as np
 import pygltflib
-import trimesh
-from truth import Z_UP_FROM_Y_UP, Triangles, joined, require, run, upper_left
+from packages import Z_UP_FROM_Y_UP, Reader, Triangles, is_drawn, joined, require, upper_left
 
-FILES = {"*": ["**/*.glb", "**/*.gltf"]}
 TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
-def by_trimesh(path):
-    scene = trimesh.load_scene(path, process=False)
-    parts = []
-    for node in scene.graph.nodes_geometry:
-        place, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if hasattr(mesh.visual, "uv"):
-            points = trimesh.transform_points(mesh.vertices, place)
-            normals = mesh.vertex_normals @ place[:3, :3].T
-            # trimesh turns texture coordinates over, to the lower left.
-            parts.append(Triangles.of_mesh(mesh.faces, points, normals, mesh.visual.uv))
-    return joined(parts).turned(Z_UP_FROM_Y_UP)
-
-
 def by_pygltflib(path):
     document = pygltflib.GLTF2().load(str(path))
-    parts = [part for node in document.nodes if node.mesh is not None for part in primitives(document, node, path)]
+    parts = [part for node in document.nodes if is_mesh(node) for part in primitives(document, node, path)]
     return joined(parts).turned(Z_UP_FROM_Y_UP)
+
+
+def is_mesh(node):
+    return node.mesh is not None and is_drawn(node.name)
 
 
 def primitives(document, node, path):
     require(not (node.matrix or node.translation or node.rotation or node.scale), "a node is moved")
     for primitive in document.meshes[node.mesh].primitives:
         names = primitive.attributes
-        if names.TEXCOORD_0 is None:
-            continue
         rows = [names.POSITION, names.NORMAL, names.TEXCOORD_0, names.TANGENT]
         position, normal, uv, tangent = (numbers(document, accessor, path) for accessor in rows)
         yield Triangles.of_mesh(numbers(document, primitive.indices, path), position, normal, upper_left(uv), tangent)
@@ -58,5 +44,4 @@ def numbers(document, index, path):
     return read.reshape(-1, width) if width > 1 else read
 
 
-if __name__ == "__main__":
-    run({"trimesh": (by_trimesh, FILES), "pygltflib": (by_pygltflib, FILES)})
+READERS = [Reader("pygltflib", by_pygltflib, {"*": ["**/*.glb", "**/*.gltf"]})]
