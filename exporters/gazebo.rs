@@ -195,7 +195,8 @@ fn write_visual(model: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<Par
     let library = format!("{name}.mtl");
     out.write(&format!("{model}/meshes/{library}"), |file| Ok(obj::write_material(file, name, &maps)?))?;
     out.write(&format!("{model}/meshes/{name}.obj"), |file| {
-        Ok(obj::write_visual(file, name, &library, &chunk.visual)?)
+        obj::write_library(file, &library)?;
+        Ok(obj::write_visual(file, name, &chunk.visual, 0)?)
     })?;
     Ok(part)
 }
@@ -208,7 +209,7 @@ fn write_triangles(
 ) -> Result<CollisionText, ExportError> {
     let name = format!("{}_collision", chunk.name);
     out.write(&format!("{model}/meshes/{name}.obj"), |file| {
-        Ok(obj::write_collision(file, &chunk.name, &chunk.collision)?)
+        Ok(obj::write_collision(file, &chunk.name, &chunk.collision, 0)?)
     })?;
     Ok(CollisionText { name, friction: micro(scene.friction.floor), triangles: chunk.collision.triangles() })
 }

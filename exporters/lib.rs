@@ -20,11 +20,15 @@ pub mod gltf;
 pub mod isaac;
 pub mod mujoco;
 pub mod names;
+pub mod obj;
 pub mod package;
 mod pinch;
+pub mod ply;
 pub mod scene;
+mod sheaf;
 mod slope;
 pub mod stage;
+pub mod stl;
 mod template;
 pub mod unreal;
 pub mod urdf;
@@ -111,8 +115,20 @@ impl TargetRow {
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] =
-    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, fbx::ROW, unreal::ROW, urdf::ROW];
+pub static TARGETS: &[TargetRow] = &[
+    gazebo::ROW,
+    isaac::ROW,
+    mujoco::ROW,
+    unreal::ROW,
+    urdf::ROW,
+    usd::ROW,
+    usdz::ROW,
+    gltf::ROW,
+    fbx::ROW,
+    obj::ROW,
+    ply::ROW,
+    stl::ROW,
+];
 
 /// The row called `name`.
 ///

@@ -10,14 +10,18 @@ use crate::scene::{Mesh, Zone};
 pub(crate) fn zones(mesh: &Mesh) -> [(Zone, Vec<u32>); 3] {
     let mut zones = Zone::ALL.map(|zone| (zone, Vec::new()));
     for (face, normal) in face_normals(mesh).into_iter().enumerate() {
-        let zone = match normal[2] {
-            up if up > FRAC_1_SQRT_2 => Zone::Floor,
-            up if up < -FRAC_1_SQRT_2 => Zone::Ceiling,
-            _ => Zone::Wall,
-        };
-        zones[zone as usize].1.push(face as u32);
+        zones[zone(normal) as usize].1.push(face as u32);
     }
     zones
+}
+
+/// What faces along a unit normal.
+pub(crate) fn zone(normal: [f32; 3]) -> Zone {
+    match normal[2] {
+        up if up > FRAC_1_SQRT_2 => Zone::Floor,
+        up if up < -FRAC_1_SQRT_2 => Zone::Ceiling,
+        _ => Zone::Wall,
+    }
 }
 
 /// Unit normals of the triangles.

@@ -86,7 +86,7 @@ impl Urdf {
         let path = format!("{}/meshes/{}_collision.obj", scene.name, chunk.name);
         match self.0.collision {
             Collision::Triangles => {
-                out.write(&path, |file| Ok(obj::write_collision(file, &chunk.name, &chunk.collision)?))?;
+                out.write(&path, |file| Ok(obj::write_collision(file, &chunk.name, &chunk.collision, 0)?))?;
                 Ok(chunk.collision.triangles())
             }
             Collision::Pieces => {
@@ -151,7 +151,10 @@ fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(
     let maps = obj::Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
     let library = format!("{name}.mtl");
     out.write(&format!("{meshes}/{library}"), |file| Ok(obj::write_material(file, name, &maps)?))?;
-    out.write(&format!("{meshes}/{name}.obj"), |file| Ok(obj::write_visual(file, name, &library, &chunk.visual)?))
+    out.write(&format!("{meshes}/{name}.obj"), |file| {
+        obj::write_library(file, &library)?;
+        Ok(obj::write_visual(file, name, &chunk.visual, 0)?)
+    })
 }
 
 fn how_to_open(name: &str) -> String {

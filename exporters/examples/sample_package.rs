@@ -1,23 +1,49 @@
-//! Writes the sample scene for every target that needs no USD library: `sample_package FOLDER` makes `FOLDER/<target>`,
-//! `FOLDER/<target>_chunks` with a file per chunk and `FOLDER/<target>_pieces` with convex pieces where they are offered,
-//! and `FOLDER/fbx_y` with Y up.
+//! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
+//!
+//! The chamber, for every target that needs no USD library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per
+//! chunk and `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y` with Y up.
+//!
+//! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and spoiled in each way as
+//! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
 
 use std::error::Error;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use plume_exporters::package::{Existing, Folder};
+use plume_exporters::scene::Scene;
+use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow, target};
 use serde_json::{Value, json};
 
+#[path = "../tests/sample/lent.rs"]
+mod lent;
+#[path = "../tests/sample/marker.rs"]
+mod marker;
 #[path = "../tests/sample/mod.rs"]
 mod sample;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let folder: PathBuf = std::env::args_os().nth(1).ok_or("usage: sample_package FOLDER")?.into();
+type Lent = Option<Arc<dyn Library>>;
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+fn main() -> Result<()> {
+    let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
+    let folder = arguments.next().ok_or("usage: sample_package FOLDER [PYTHON]")?;
+    let library = arguments.next().map(|python| lent::lend(&python)).transpose()?;
+    write_chambers(&folder)?;
+    let faults = marker::SPOILS.map(|(fault, change)| (format!("marker_{fault}"), change));
+    for (name, change) in [("marker".to_owned(), (|_| ()) as marker::Change)].into_iter().chain(faults) {
+        write_markers(&folder.join(name), change, &library)?;
+    }
+    Ok(fs::write(folder.join("marker/marker.json"), marker::truth().to_string())?)
+}
+
+fn write_chambers(folder: &Path) -> Result<()> {
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
     for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
-        write(&folder.join(row.name), row, json!({}), &chamber)?;
+        write(&folder.join(row.name), row, json!({}), &chamber.scene(), &None)?;
     }
     for (name, settings) in [
         ("gltf_chunks", json!({ "per_chunk": true })),
@@ -30,14 +56,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("unreal_pieces", json!({ "collision": "pieces" })),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?;
-        write(&folder.join(name), row, settings, &chamber)?;
+        write(&folder.join(name), row, settings, &chamber.scene(), &None)?;
     }
     Ok(())
 }
 
-fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {
+fn write_markers(folder: &Path, change: marker::Change, library: &Lent) -> Result<()> {
+    let textures = tempfile::tempdir()?;
+    let marker = marker::Marker::new(textures.path(), change)?;
+    for row in TARGETS.iter().filter(|row| !row.needs_usd() || library.is_some()) {
+        write(&folder.join(row.name), row, json!({}), &marker.scene(), library)?;
+    }
+    Ok(())
+}
+
+fn write(folder: &Path, row: &TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
     let mut package = Folder::create(folder, Existing::Replace)?;
-    row.build(settings, None)?.export(&chamber.scene(), &mut package)?;
+    row.build(settings, library.as_ref())?.export(scene, &mut package)?;
     package.finish()?;
     Ok(())
 }

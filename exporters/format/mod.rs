@@ -6,3 +6,5 @@ pub mod gltf;
 pub mod msh;
 pub mod obj;
 pub mod pixels;
+pub mod ply;
+pub mod stl;

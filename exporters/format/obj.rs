@@ -3,7 +3,8 @@
 //! Positions are printed with the fewest digits that give back the same `f32`, so neighbouring chunks still share
 //! their border vertices exactly. Normals have 4 decimals and texture coordinates 6 (a 500th of a texel of 2048).
 //! PBR keys after <http://exocortex.com/blog/extending_wavefront_mtl_to_support_pbr>; readers without them see the
-//! base colour.
+//! base colour. Normals are not written under `map_Bump`, too, the only key for them that Blender reads: it takes them for sRGB
+//! colours there, others for heights, and wrong normals look worse than none.
 
 use std::io::{self, Write};
 
@@ -21,12 +22,21 @@ pub struct Maps<'a> {
     pub roughness: &'a str,
 }
 
-/// Writes a mesh with normals and texture coordinates that uses the material `name` of the library `library`.
+/// Names the file of the materials, relative to this one.
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_visual(file: &mut dyn Write, name: &str, library: &str, mesh: &Mesh) -> io::Result<()> {
-    writeln!(file, "mtllib {library}\no {name}")?;
+pub fn write_library(file: &mut dyn Write, library: &str) -> io::Result<()> {
+    writeln!(file, "mtllib {library}")
+}
+
+/// Writes an object with normals and texture coordinates that uses the material `name`; `before` it there are so many
+/// vertices in the file.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_visual(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
+    writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
     for uv in &mesh.uvs {
@@ -36,19 +46,10 @@ pub fn write_visual(file: &mut dyn Write, name: &str, library: &str, mesh: &Mesh
         write_fixed(file, &mut line, "vn", normal, 10_000)?;
     }
     writeln!(file, "usemtl {name}")?;
-    for [a, b, c] in corners(mesh) {
+    for [a, b, c] in corners(mesh, before) {
         writeln!(file, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")?;
     }
     Ok(())
-}
-
-/// Writes positions and triangles, and normals of the triangles only because Gazebo's DART engine silently leaves out a
-/// collision mesh without any.
-///
-/// # Errors
-/// Those of `file`.
-pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Result<()> {
-    write_object(file, name, mesh, 0)
 }
 
 /// Writes each mesh as [`write_collision`] does, as an object of its own.
@@ -58,21 +59,25 @@ pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh) -> io::Res
 pub fn write_pieces(file: &mut dyn Write, name: &str, meshes: &[&Mesh]) -> io::Result<()> {
     let mut before = 0;
     for (number, mesh) in meshes.iter().enumerate() {
-        write_object(file, &format!("{name}_{number}"), mesh, before)?;
+        write_collision(file, &format!("{name}_{number}"), mesh, before)?;
         before += mesh.positions.len() as u64;
     }
     Ok(())
 }
 
-/// An object; `before` it there are so many vertices in the file.
-fn write_object(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
+/// Writes an object of positions and triangles, and normals of the triangles only because Gazebo's DART engine silently
+/// leaves out a collision mesh without any; `before` it there are so many vertices in the file.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_collision(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
     writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
     for normal in vertex_normals(mesh) {
         write_fixed(file, &mut line, "vn", &normal, 10_000)?;
     }
-    for [a, b, c] in corners(mesh).map(|corner| corner.map(|vertex| vertex + before)) {
+    for [a, b, c] in corners(mesh, before) {
         writeln!(file, "f {a}//{a} {b}//{b} {c}//{c}")?;
     }
     Ok(())
@@ -105,9 +110,9 @@ fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     sums.iter().map(|sum| sum.try_normalize(0.0).unwrap_or_else(Vector3::z).into()).collect()
 }
 
-/// OBJ counts from one.
-fn corners(mesh: &Mesh) -> impl Iterator<Item = [u64; 3]> {
-    mesh.indices.chunks_exact(3).map(|corner| [0, 1, 2].map(|i| u64::from(corner[i]) + 1))
+/// OBJ counts from one, through the whole file.
+fn corners(mesh: &Mesh, before: u64) -> impl Iterator<Item = [u64; 3]> {
+    mesh.indices.chunks_exact(3).map(move |corner| [0, 1, 2].map(|i| before + u64::from(corner[i]) + 1))
 }
 
 fn write_fixed(file: &mut dyn Write, line: &mut Vec<u8>, key: &str, numbers: &[f32], scale: u32) -> io::Result<()> {
@@ -175,7 +180,7 @@ mod tests {
             (0..999_u16).map(|i| [1, 7, 1001].map(|k| f32::from(i) * k as f32 / 4096.0)).collect();
         let mesh = Mesh { positions: positions.clone(), indices: vec![0, 1, 2], ..Mesh::default() };
         let mut text = Vec::new();
-        write_collision(&mut text, "rock", &mesh).unwrap();
+        write_collision(&mut text, "rock", &mesh, 0).unwrap();
         let text = String::from_utf8(text).unwrap();
         let read: Vec<f32> = text
             .lines()

@@ -92,13 +92,22 @@ fn a_manifest_lists_every_file_of_a_folder() {
 fn a_failed_export_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    fs::remove_file(folder.path().join("1_normal.png")).unwrap();
+    let missing = ["1_base_color.png", "1_normal.png"];
+    for image in missing {
+        fs::remove_file(folder.path().join(image)).unwrap();
+    }
+    let unreadable = Spoiled { inner: &chamber, spoil: |_| Err(io::Error::other("chunks/1.bin: ends early")) };
     for row in TARGETS {
+        // STL has no images that could be missing.
+        let (chunks, names): (&dyn Chunks, &[&str]) = match row.name {
+            "stl" => (&unreadable, &["1.bin"]),
+            _ => (&chamber, &missing),
+        };
         let out = folder.path().join(row.name);
         let mut package = Folder::create(&out, Existing::Keep).unwrap();
         let target = row.build(json!({}), ledger().as_ref()).unwrap();
-        let error = target.export(&chamber.scene(), &mut package).unwrap_err();
-        assert!(error.to_string().contains("1_normal.png"), "{error}");
+        let error = target.export(&Scene { chunks, ..chamber.scene() }, &mut package).unwrap_err();
+        assert!(names.iter().any(|name| error.to_string().contains(name)), "{error}");
         assert!(!error.is_usage());
         drop(package);
         assert!(!out.exists() && !out.with_extension("partial").exists());
@@ -183,7 +192,7 @@ fn the_pieces_of_the_scene_are_all_that_robots_touch() {
         assert!(found == corners, "{name}");
         names.push(name);
     }
-    assert_eq!(names, ["gazebo", "isaac", "mujoco", "usd", "usdz", "gltf", "fbx", "unreal", "urdf"]);
+    assert_eq!(names, ["gazebo", "isaac", "mujoco", "unreal", "urdf", "usd", "usdz", "gltf", "fbx", "obj"]);
 }
 
 #[test]
@@ -246,12 +255,15 @@ fn a_full_disk_is_told_with_the_file() {
     system: models/chamber/materials/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: assets/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber.usdz: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
     system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: chamber.ply: no storage space (hint: free some space, or make smaller textures)
+    system: chamber.stl: no storage space (hint: free some space, or make smaller textures)
     ");
 }
 
@@ -340,7 +352,7 @@ fn output_folders_are_refused_in_words() {
     usage: output was not written by an export and is left alone: DIR/home/ (hint: name a new place, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, usd, usdz, gltf, fbx, unreal, urdf
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unreal, urdf, usd, usdz, gltf, fbx, obj, ply, stl
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }

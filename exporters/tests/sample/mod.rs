@@ -36,7 +36,8 @@ impl Chamber {
                 ("orm", |_, _, y| [255, 128 + y as u8, 0]),
                 ("roughness", |_, _, y| [128 + y as u8; 3]),
             ] {
-                write_png(&folder.join(format!("{chunk}_{role}.png")), |x, y| pixel(chunk, x, y))?;
+                let path = folder.join(format!("{chunk}_{role}.png"));
+                write_png(&path, [SIZE_PX; 2], |x, y| pixel(chunk, x, y))?;
             }
         }
         Ok(Self { textures: folder.to_owned() })
@@ -226,10 +227,11 @@ fn normal_map(_: usize, x: u32, y: u32) -> [u8; 3] {
     [0.3 * x, 0.3 * y, up].map(|part| libm::round(127.5 + 127.5 * part / length) as u8)
 }
 
-fn write_png(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 3]) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(File::create(path)?, SIZE_PX, SIZE_PX);
+/// Writes an image of `size` pixels across and down, each being what `pixel` says of its place from the upper left.
+pub fn write_png(path: &Path, size: [u32; 2], pixel: impl Fn(u32, u32) -> [u8; 3]) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(File::create(path)?, size[0], size[1]);
     encoder.set_color(png::ColorType::Rgb);
-    let pixels: Vec<u8> = (0..SIZE_PX * SIZE_PX).flat_map(|i| pixel(i % SIZE_PX, i / SIZE_PX)).collect();
+    let pixels: Vec<u8> = (0..size[0] * size[1]).flat_map(|i| pixel(i % size[0], i / size[0])).collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&pixels)?;
     Ok(writer.finish()?)

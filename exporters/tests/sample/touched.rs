@@ -11,6 +11,7 @@ pub fn touched(package: &Memory) -> Vec<usize> {
         Some("sdf") => objects_of_collisions(package, bytes, "models/"),
         Some("urdf") => objects_of_collisions(package, bytes, ""),
         Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
+        Some("obj") if path.ends_with("_collision.obj") && !path.contains('/') => objects(bytes),
         Some("glb") => unreal_meshes(bytes),
         Some("fbx") => unreal_nodes(bytes),
         Some("usdc" | "usdz") => colliders(bytes),
@@ -28,11 +29,16 @@ fn objects_of_collisions(package: &Memory, bytes: &[u8], folder: &str) -> Vec<us
     let uris = collisions.map(|node| node.descendants().find(is_uri).and_then(uri).unwrap());
     uris.flat_map(|uri| {
         let path = format!("{folder}{}", uri.split("://").last().unwrap());
-        let options = tobj::LoadOptions::default();
-        let read = tobj::load_obj_buf(&mut &package.bytes[&path][..], &options, |_| Ok((Vec::new(), HashMap::new())));
-        read.unwrap().0.into_iter().map(|object| object.mesh.positions.len() / 3)
+        objects(&package.bytes[&path])
     })
     .collect()
+}
+
+/// The objects of an OBJ file.
+fn objects(mut bytes: &[u8]) -> Vec<usize> {
+    let options = tobj::LoadOptions::default();
+    let read = tobj::load_obj_buf(&mut bytes, &options, |_| Ok((Vec::new(), HashMap::new())));
+    read.unwrap().0.into_iter().map(|object| object.mesh.positions.len() / 3).collect()
 }
 
 /// The meshes of MJCF that geoms for collision name.

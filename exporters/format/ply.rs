@@ -1,0 +1,90 @@
+//! Binary PLY, little-endian: vertices with normals, colours and texture coordinates, labels of vertices and faces.
+//!
+//! After <https://paulbourke.net/dataformats/ply/>. Property names are those of MeshLab and Blender. The crate that reads and
+//! writes the meshes of a cave folder looks up each property of each row by name, which takes 20 times as long.
+
+use std::io::{self, Write};
+
+use crate::scene::{Mesh, Zone};
+
+/// The properties of an element, in the order of their bytes.
+const VERTEX: [&str; 12] = [
+    "float x",
+    "float y",
+    "float z",
+    "float nx",
+    "float ny",
+    "float nz",
+    "uchar red",
+    "uchar green",
+    "uchar blue",
+    "float s",
+    "float t",
+    "uchar label",
+];
+const FACE: [&str; 2] = ["list uchar int vertex_indices", "uchar label"];
+
+/// Writes everything before the vertices. A comment is one line.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_head(file: &mut dyn Write, comments: &[String], vertices: u64, faces: u64) -> io::Result<()> {
+    writeln!(file, "ply\nformat binary_little_endian 1.0")?;
+    for comment in comments {
+        writeln!(file, "comment {comment}")?;
+    }
+    for (element, count, properties) in [("vertex", vertices, &VERTEX[..]), ("face", faces, &FACE[..])] {
+        writeln!(file, "element {element} {count}")?;
+        for property in properties {
+            writeln!(file, "property {property}")?;
+        }
+    }
+    writeln!(file, "end_header")
+}
+
+/// Writes the vertices of a visual mesh, with as many sRGB colours and labels as it has vertices.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_vertices(file: &mut dyn Write, mesh: &Mesh, colors: &[[u8; 3]], labels: &[u8]) -> io::Result<()> {
+    let mut row = Vec::new();
+    for (vertex, position) in mesh.positions.iter().enumerate() {
+        row.clear();
+        push(&mut row, position);
+        push(&mut row, &mesh.normals[vertex]);
+        row.extend(colors[vertex]);
+        push(&mut row, &mesh.uvs[vertex]);
+        row.push(labels[vertex]);
+        file.write_all(&row)?;
+    }
+    Ok(())
+}
+
+/// Writes the triangles of a mesh with a label for each; `before` it there are so many vertices in the file.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_faces(file: &mut dyn Write, mesh: &Mesh, labels: &[u8], before: u32) -> io::Result<()> {
+    for (corners, label) in mesh.indices.chunks_exact(3).zip(labels) {
+        let mut row = [3; 14];
+        for (bytes, corner) in row[1..13].chunks_exact_mut(4).zip(corners) {
+            bytes.copy_from_slice(&(corner + before).to_le_bytes());
+        }
+        row[13] = *label;
+        file.write_all(&row)?;
+    }
+    Ok(())
+}
+
+/// The number of a zone in a label; 0 would be none.
+pub fn label(zone: Zone) -> u8 {
+    match zone {
+        Zone::Floor => 1,
+        Zone::Wall => 2,
+        Zone::Ceiling => 3,
+    }
+}
+
+fn push(row: &mut Vec<u8>, numbers: &[f32]) {
+    row.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+}

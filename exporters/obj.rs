@@ -1,0 +1,206 @@
+//! Target `obj`: Wavefront OBJ with MTL and images, Z up, metres: what nearly every 3D program opens.
+//!
+//! ```text
+//! <name>.obj, <name>.mtl, textures/            an object and a material per chunk
+//! <name>_lod1.obj, …                           coarser levels, with `lods`
+//! <name>_collision.obj                         what robots touch, unless `collision = "none"`
+//! README.md
+//! ```
+//! or the same below `chunks/` for each chunk. OBJ says neither unit nor axes: a comment does. Occlusion is left out, since MTL
+//! has no key for it.
+//!
+//! A level of the whole holds each chunk at that level, or at its coarsest; the borders of chunks are the same at every level.
+
+use std::io::Write;
+
+use minijinja::context;
+use minijinja::value::Serde;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::ExportError;
+use crate::format::obj::{self, Maps};
+use crate::frame::sdf_pose;
+use crate::package::Package;
+use crate::scene::{Chunk, Image, Mesh, Scene};
+use crate::sheaf::{self, Growing, Sheaf, Stem, Triangles};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "obj",
+    summary: "Wavefront OBJ with PBR keys in the MTL, and a collision mesh",
+    opened_by: "nearly every 3D program",
+    bundles: &[],
+    settings: || schemars::schema_for!(ObjSettings),
+    build: Build::Plain(|table| Ok(Box::new(Obj(settings("obj", table)?)))),
+};
+
+/// Settings of target `obj`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct ObjSettings {
+    /// One set of files per chunk, instead of a single one.
+    pub per_chunk: bool,
+    /// Whether the coarser levels of detail are written, a file for each.
+    pub lods: bool,
+    /// What robots touch, in a file of its own.
+    pub collision: SeparateCollision,
+}
+
+/// Collision meshes in files of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SeparateCollision {
+    /// None.
+    None,
+    /// A concave mesh per chunk.
+    #[default]
+    Triangles,
+    /// Convex pieces of the rock behind the wall, an object each.
+    Pieces,
+}
+
+/// The target.
+pub struct Obj(
+    /// Its settings.
+    pub ObjSettings,
+);
+
+impl Target for Obj {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let comment = format!("{}, made by {}; metres, right-handed, Z up", scene.name, scene.generator);
+        let [visual_triangles, collision_triangles] =
+            sheaf::write(scene, self.0.per_chunk, out, |stem| ObjFiles::start(&self.0, &comment, stem))?;
+        let open = match self.0.per_chunk {
+            true => "open the files of chunks/ together".to_owned(),
+            false => format!("open {}.obj", scene.name),
+        };
+        let values = context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            per_chunk => self.0.per_chunk,
+            lods => self.0.lods,
+            collision => Serde(self.0.collision),
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+            view => sdf_pose(&scene.viewpoint()),
+            triangles => visual_triangles,
+        };
+        let readme = include_str!("../templates/obj/README.md.jinja");
+        out.text("README.md", &template::fill("README.md", readme, &values))?;
+        Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == SeparateCollision::Pieces
+    }
+}
+
+/// The files of the whole or of a chunk.
+struct ObjFiles<'a> {
+    settings: &'a ObjSettings,
+    stem: Stem,
+    materials: Growing,
+    /// Full detail first. Each holds the chunks so far at its level or at their coarsest.
+    levels: Vec<ObjFile>,
+    collision: Option<ObjFile>,
+}
+
+impl<'a> ObjFiles<'a> {
+    fn start(settings: &'a ObjSettings, comment: &'a str, stem: Stem) -> Result<Self, ExportError> {
+        let mut full = ObjFile::create(&stem, ".obj", comment)?;
+        obj::write_library(&mut full.file, &format!("{}.mtl", stem.name))?;
+        let collision = match settings.collision {
+            SeparateCollision::None => None,
+            _ => Some(ObjFile::create(&stem, "_collision.obj", comment)?),
+        };
+        Ok(Self { settings, materials: stem.grow(".mtl")?, stem, levels: vec![full], collision })
+    }
+
+    fn add_levels(&mut self, chunk: &Chunk) -> Result<(), ExportError> {
+        let lods = if self.settings.lods { &chunk.lods[..] } else { &[] };
+        // A file that is missing is the deepest so far: no chunk before had more levels.
+        while self.levels.len() <= lods.len() {
+            let ending = format!("_lod{}.obj", self.levels.len());
+            let deepest = self.levels.last_mut().expect("full detail is always there");
+            let deeper = ObjFile { file: self.stem.grow_from(&mut deepest.file, &ending)?, vertices: deepest.vertices };
+            self.levels.push(deeper);
+        }
+        for (level, file) in self.levels.iter_mut().enumerate() {
+            let mesh = match level.min(lods.len()) {
+                0 => &chunk.visual,
+                level => &lods[level - 1].mesh,
+            };
+            obj::write_visual(&mut file.file, &chunk.name, mesh, file.vertices)?;
+            file.vertices += mesh.positions.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn add_collision(&mut self, scene: &Scene, index: usize, chunk: &Chunk) -> Result<u64, ExportError> {
+        let Some(file) = &mut self.collision else { return Ok(0) };
+        if self.settings.collision == SeparateCollision::Triangles {
+            return file.add_collision(&chunk.name, &chunk.collision);
+        }
+        let mut triangles = 0;
+        for (number, piece) in scene.pieces(index)?.iter().enumerate() {
+            triangles += file.add_collision(&format!("{}_{number}", chunk.name), &piece.mesh)?;
+        }
+        Ok(triangles)
+    }
+
+    fn add_material(&mut self, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
+        let mut copy = |role, image: &Image| {
+            let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
+            out.copy(&format!("{}{file}", self.stem.folder), &image.path)?;
+            Ok::<String, ExportError>(file)
+        };
+        let base_color = copy("base_color", &chunk.material.base_color)?;
+        let normal = copy("normal", &chunk.material.normal)?;
+        let roughness = copy("roughness", &chunk.material.roughness)?;
+        let maps = Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
+        Ok(obj::write_material(&mut self.materials, &chunk.name, &maps)?)
+    }
+}
+
+impl Sheaf for ObjFiles<'_> {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        chunk: &Chunk,
+        out: &mut dyn Package,
+    ) -> Result<Triangles, ExportError> {
+        self.add_material(chunk, out)?;
+        self.add_levels(chunk)?;
+        Ok([chunk.visual.triangles(), self.add_collision(scene, index, chunk)?])
+    }
+
+    fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
+        let meshes = self.levels.into_iter().chain(self.collision).map(|mesh| mesh.file);
+        [self.materials].into_iter().chain(meshes).try_for_each(|file| file.finish(out))
+    }
+}
+
+/// An OBJ that grows.
+struct ObjFile {
+    file: Growing,
+    vertices: u64,
+}
+
+impl ObjFile {
+    fn create(stem: &Stem, ending: &str, comment: &str) -> Result<Self, ExportError> {
+        let mut file = stem.grow(ending)?;
+        writeln!(file, "# {comment}")?;
+        Ok(Self { file, vertices: 0 })
+    }
+
+    /// Gives the number of triangles.
+    fn add_collision(&mut self, name: &str, mesh: &Mesh) -> Result<u64, ExportError> {
+        obj::write_collision(&mut self.file, name, mesh, self.vertices)?;
+        self.vertices += mesh.positions.len() as u64;
+        Ok(mesh.triangles())
+    }
+}

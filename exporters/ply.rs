@@ -1,0 +1,136 @@
+//! Target `ply`: binary PLY with normals, colours and labels at the vertices, Z up, metres: for point cloud and mesh tools,
+//! and for those who train on them.
+//!
+//! ```text
+//! <name>.ply, or chunks/<chunk>.ply
+//! README.md
+//! ```
+//! Colours are those of the base colour image at the texture coordinate of the vertex, which is all of the image that a PLY
+//! can carry: finer grain than the distance of vertices is lost. Of a PNG they are the same bytes everywhere; how a JPEG is
+//! decoded is up to the decoder.
+//!
+//! Labels are those of target `isaac`: a face that faces up or down within 45° is floor or ceiling, the others are wall. A
+//! vertex has the label that its normal asks for.
+
+use minijinja::context;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::ExportError;
+use crate::format::pixels::Sampler;
+use crate::format::ply;
+use crate::package::Package;
+use crate::scene::{Chunk, Mesh, Scene, Zone};
+use crate::sheaf::{self, Growing, Sheaf, Triangles};
+use crate::{Build, Summary, Target, TargetRow, settings, slope, template};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "ply",
+    summary: "binary PLY with colours and labels of floor, wall and ceiling at vertices and faces",
+    opened_by: "MeshLab, CloudCompare, Open3D, Blender, trimesh",
+    bundles: &[],
+    settings: || schemars::schema_for!(PlySettings),
+    build: Build::Plain(|table| Ok(Box::new(Ply(settings("ply", table)?)))),
+};
+
+/// Settings of target `ply`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct PlySettings {
+    /// One file per chunk, instead of a single file.
+    pub per_chunk: bool,
+}
+
+/// The target.
+pub struct Ply(
+    /// Its settings.
+    pub PlySettings,
+);
+
+impl Target for Ply {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let comments = comments(scene);
+        let [visual_triangles, collision_triangles] = sheaf::write(scene, self.0.per_chunk, out, |stem| {
+            let (body, faces) = (stem.grow(".ply")?, stem.grow(".faces")?);
+            Ok(Cloud { comments: &comments, body, faces, counts: [0, 0] })
+        })?;
+        let open = match self.0.per_chunk {
+            true => "open the files of chunks/ together".to_owned(),
+            false => format!("open {}.ply", scene.name),
+        };
+        let values = context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            per_chunk => self.0.per_chunk,
+            triangles => visual_triangles,
+            labels => Zone::ALL.map(label_text),
+        };
+        let readme = include_str!("../templates/ply/README.md.jinja");
+        out.text("README.md", &template::fill("README.md", readme, &values))?;
+        Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+}
+
+fn comments(scene: &Scene) -> Vec<String> {
+    let labels = Zone::ALL.map(|zone| format!("label {}", label_text(zone)));
+    let made = format!("{}, made by {}", scene.name, scene.generator);
+    [made, "metres, right-handed, Z up; s t from the lower left of the image".to_owned()]
+        .into_iter()
+        .chain(labels)
+        .collect()
+}
+
+fn label_text(zone: Zone) -> String {
+    format!("{} {}", ply::label(zone), zone.name())
+}
+
+/// A file that grows, and its second half.
+struct Cloud<'a> {
+    comments: &'a [String],
+    body: Growing,
+    faces: Growing,
+    /// Vertices and faces.
+    counts: [u64; 2],
+}
+
+impl Cloud<'_> {
+    fn too_large(&self) -> ExportError {
+        let bytes = 36 * self.counts[0] + 14 * self.counts[1];
+        ExportError::TooLarge { path: self.body.path().to_owned(), format: "PLY", bytes }
+    }
+}
+
+impl Sheaf for Cloud<'_> {
+    fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
+        let mesh = &chunk.visual;
+        let before = self.counts[0];
+        self.counts = [before + mesh.positions.len() as u64, self.counts[1] + mesh.triangles()];
+        // Readers take indices for numbers with a sign.
+        if i32::try_from(self.counts[0]).is_err() {
+            return Err(self.too_large());
+        }
+        let colors = Sampler::open(&chunk.material.base_color)?;
+        let colors: Vec<[u8; 3]> = mesh.uvs.iter().map(|&uv| colors.at(uv)).collect();
+        let labels: Vec<u8> = mesh.normals.iter().map(|&normal| ply::label(slope::zone(normal))).collect();
+        ply::write_vertices(&mut self.body, mesh, &colors, &labels)?;
+        ply::write_faces(&mut self.faces, mesh, &face_labels(mesh), before as u32)?;
+        Ok([mesh.triangles(), 0])
+    }
+
+    fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
+        let path = self.body.path().to_owned();
+        let [vertices, faces] = self.counts;
+        out.write(&path, |file| {
+            ply::write_head(file, self.comments, vertices, faces)?;
+            self.body.append_to(file)?;
+            self.faces.append_to(file)
+        })
+    }
+}
+
+fn face_labels(mesh: &Mesh) -> Vec<u8> {
+    slope::face_normals(mesh).into_iter().map(|normal| ply::label(slope::zone(normal))).collect()
+}

@@ -1,0 +1,130 @@
+//! Files that hold all chunks of a scene or one each, for formats that leave the choice.
+//!
+//! A format may want to know at the start of a file what only its end tells, and several files may grow at a time, where a
+//! [`Package`] has one open. So they grow in a scratch folder and are copied when they are whole: each chunk is loaded once.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+
+use crate::error::{ExportError, at};
+use crate::package::Package;
+use crate::scene::{Chunk, Scene};
+
+/// Triangles written: those that cameras see, and those that robots touch.
+pub(crate) type Triangles = [u64; 2];
+
+/// Files that belong together and share a stem.
+pub(crate) trait Sheaf: Sized {
+    /// Adds a chunk, which is number `index` of the scene.
+    fn add(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        chunk: &Chunk,
+        out: &mut dyn Package,
+    ) -> Result<Triangles, ExportError>;
+
+    /// Puts the files into the package.
+    fn finish(self, out: &mut dyn Package) -> Result<(), ExportError>;
+}
+
+/// Writes one sheaf at the stem `<scene>`, or one per chunk at `chunks/<chunk>`.
+pub(crate) fn write<S: Sheaf>(
+    scene: &Scene,
+    per_chunk: bool,
+    out: &mut dyn Package,
+    start: impl Fn(Stem) -> Result<S, ExportError>,
+) -> Result<Triangles, ExportError> {
+    let scratch = out.scratch()?;
+    let (mut triangles, mut unfinished) = ([0, 0], None);
+    for index in 0..scene.chunks.len() {
+        let chunk = scene.chunk(index)?;
+        let (folder, name) = if per_chunk { ("chunks/", &chunk.name) } else { ("", &scene.name) };
+        let mut sheaf: S = match unfinished.take() {
+            Some(sheaf) => sheaf,
+            None => start(Stem { folder, name: name.clone(), scratch: scratch.path().to_owned() })?,
+        };
+        let added = sheaf.add(scene, index, &chunk, out)?;
+        triangles = [0, 1].map(|part| triangles[part] + added[part]);
+        unfinished = Some(sheaf);
+        if per_chunk {
+            unfinished.take().map_or(Ok(()), |sheaf| sheaf.finish(out))?;
+        }
+    }
+    unfinished.map_or(Ok(()), |sheaf| sheaf.finish(out))?;
+    Ok(triangles)
+}
+
+/// How the files of a sheaf are called, and where they grow.
+#[derive(Clone)]
+pub(crate) struct Stem {
+    /// Where they lie in the package: nothing, or a folder and a slash.
+    pub folder: &'static str,
+    /// What their names begin with.
+    pub name: String,
+    scratch: PathBuf,
+}
+
+impl Stem {
+    /// An empty file called by the stem and `ending`.
+    pub fn grow(&self, ending: &str) -> Result<Growing, ExportError> {
+        let file = format!("{}{ending}", self.name);
+        Growing::create(self.scratch.join(&file), format!("{}{file}", self.folder))
+    }
+
+    /// A file called so that begins as `model` is now.
+    pub fn grow_from(&self, model: &mut Growing, ending: &str) -> Result<Growing, ExportError> {
+        model.flush()?;
+        let mut copy = self.grow(ending)?;
+        io::copy(&mut model.reopen()?, &mut copy)?;
+        Ok(copy)
+    }
+}
+
+/// A file in the scratch folder. Its errors name the file of the package.
+pub(crate) struct Growing {
+    place: PathBuf,
+    path: String,
+    file: BufWriter<File>,
+}
+
+impl Growing {
+    fn create(place: PathBuf, path: String) -> Result<Self, ExportError> {
+        let file = File::create_new(&place).map_err(|error| at(&path, &error))?;
+        Ok(Self { place, path, file: BufWriter::with_capacity(1 << 16, file) })
+    }
+
+    /// What has been flushed, from the start.
+    fn reopen(&self) -> io::Result<File> {
+        File::open(&self.place).map_err(|error| at(&self.path, &error))
+    }
+
+    /// Path in the package.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Adds what has gathered to `out`.
+    pub fn append_to(mut self, out: &mut dyn Write) -> Result<(), ExportError> {
+        self.flush()?;
+        io::copy(&mut self.reopen()?, out)?;
+        Ok(fs::remove_file(self.place)?)
+    }
+
+    /// Puts it into the package as it is.
+    pub fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
+        let path = self.path.clone();
+        out.write(&path, |file| self.append_to(file))
+    }
+}
+
+impl Write for Growing {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        self.file.write(buffer).map_err(|error| at(&self.path, &error))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush().map_err(|error| at(&self.path, &error))
+    }
+}

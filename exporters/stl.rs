@@ -1,0 +1,114 @@
+//! Target `stl`: binary STL, Z up, metres: the shape alone, for tools that want nothing else.
+//!
+//! ```text
+//! <name>.stl, or chunks/<chunk>.stl
+//! README.md
+//! ```
+//! STL says neither unit nor axes: both stand in the header, which hardly any reader shows, and in the README. Triangles do
+//! not share vertices in it; those of neighbours have the same coordinates to the bit, so that readers can merge them.
+
+use minijinja::context;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::ExportError;
+use crate::format::stl;
+use crate::package::Package;
+use crate::scene::{Chunk, Scene};
+use crate::sheaf::{self, Growing, Sheaf, Triangles};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "stl",
+    summary: "binary STL, the shape without colours",
+    opened_by: "CAD programs, slicers, MeshLab, Blender, trimesh",
+    bundles: &[],
+    settings: || schemars::schema_for!(StlSettings),
+    build: Build::Plain(|table| Ok(Box::new(Stl(settings("stl", table)?)))),
+};
+
+/// Settings of target `stl`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct StlSettings {
+    /// One file per chunk, instead of a single file.
+    pub per_chunk: bool,
+    /// Which mesh is written.
+    pub mesh: Shape,
+}
+
+/// Which mesh of a chunk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// What cameras see, in full detail.
+    #[default]
+    Visual,
+    /// What wheels touch: fewer triangles.
+    Collision,
+}
+
+/// The target.
+pub struct Stl(
+    /// Its settings.
+    pub StlSettings,
+);
+
+impl Target for Stl {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let comment = format!("{}, made by {}; binary STL, metres, Z up", scene.name, scene.generator);
+        let [visual_triangles, collision_triangles] = sheaf::write(scene, self.0.per_chunk, out, |stem| {
+            Ok(Solid { shape: self.0.mesh, comment: &comment, body: stem.grow(".stl")?, triangles: 0 })
+        })?;
+        let open = match self.0.per_chunk {
+            true => "open the files of chunks/ together".to_owned(),
+            false => format!("open {}.stl", scene.name),
+        };
+        let triangles = visual_triangles + collision_triangles;
+        let values = context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            per_chunk => self.0.per_chunk,
+            touched => self.0.mesh == Shape::Collision,
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+            triangles,
+        };
+        let readme = include_str!("../templates/stl/README.md.jinja");
+        out.text("README.md", &template::fill("README.md", readme, &values))?;
+        Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+}
+
+/// A file that grows.
+struct Solid<'a> {
+    shape: Shape,
+    comment: &'a str,
+    body: Growing,
+    triangles: u64,
+}
+
+impl Sheaf for Solid<'_> {
+    fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
+        let (mesh, triangles) = match self.shape {
+            Shape::Visual => (&chunk.visual, [chunk.visual.triangles(), 0]),
+            Shape::Collision => (&chunk.collision, [0, chunk.collision.triangles()]),
+        };
+        stl::write_triangles(&mut self.body, mesh)?;
+        self.triangles += mesh.triangles();
+        Ok(triangles)
+    }
+
+    fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
+        let path = self.body.path().to_owned();
+        let bytes = 84 + 50 * self.triangles;
+        let too_large = |_| ExportError::TooLarge { path: path.clone(), format: "STL", bytes };
+        let triangles = u32::try_from(self.triangles).map_err(too_large)?;
+        out.write(&path, |file| {
+            stl::write_head(file, self.comment, triangles)?;
+            self.body.append_to(file)
+        })
+    }
+}
