@@ -80,7 +80,7 @@ const SPOOL_BYTES: usize = 1 << 22;
 /// Puts files into an archive, one after the other.
 pub enum Packer {
     /// A zip, which learns the size of a file when it ends.
-    Zip(ZipWriter<Sink>, SimpleFileOptions),
+    Zip(Box<ZipWriter<Sink>>, SimpleFileOptions),
     /// A tar, which must know it before.
     Tar(TarPacker),
 }
@@ -90,8 +90,8 @@ impl Packer {
     pub fn new(kind: Bundle, file: Sink) -> io::Result<Self> {
         Ok(match kind {
             // A zip must know at the start of a file whether it may pass 4 GiB.
-            Bundle::Zip => Self::Zip(ZipWriter::new(file), zip_options().large_file(true)),
-            Bundle::Mjz => Self::Zip(ZipWriter::new(file), zip_options()),
+            Bundle::Zip => Self::Zip(Box::new(ZipWriter::new(file)), zip_options().large_file(true)),
+            Bundle::Mjz => Self::Zip(Box::new(ZipWriter::new(file)), zip_options()),
             Bundle::TarZst => Self::Tar(TarPacker::new(Box::new(zstd::Encoder::new(file, ZSTD_LEVEL)?), "")),
             Bundle::Tgz => Self::Tar(TarPacker::new(
                 Box::new(GzEncoder::new(file, flate2::Compression::default())),

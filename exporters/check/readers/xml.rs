@@ -68,6 +68,7 @@ fn asset_folder(element: &str, document: &Document<'_>) -> String {
         _ => return String::new(),
     };
     let compilers = document.root_element().children().filter(|node| node.has_tag_name("compiler"));
-    let folder = compilers.filter_map(|node| node.attribute(key).or(node.attribute("assetdir"))).last();
+    // The last one rules.
+    let folder = compilers.rev().find_map(|node| node.attribute(key).or(node.attribute("assetdir")));
     folder.map_or_else(String::new, |folder| format!("{}/", folder.trim_end_matches('/')))
 }
