@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::{fbx, pixels};
-use crate::frame::micro;
+use crate::frame::{Axes, Up, micro};
 use crate::package::Package;
 use crate::scene::{Chunk, Mesh, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -90,6 +90,10 @@ impl Target for Unreal {
         })
     }
 
+    fn axes(&self) -> Axes {
+        Axes::SCENE
+    }
+
     fn wants_pieces(&self) -> bool {
         self.0.collision == Collision::Pieces
     }
@@ -102,7 +106,7 @@ impl Unreal {
         let mut entry = Entry::new(&chunk, textures);
         let levels = self.levels(&chunk);
         entry.set_levels(&levels, self.0.lod_error_px);
-        let head = fbx::Head { generator: &scene.generator, up: fbx::Up::Z };
+        let head = fbx::Head { generator: &scene.generator, up: Up::Z };
         match self.0.collision {
             Collision::Triangles => {
                 write_visual(&head, &chunk, &entry, levels, Vec::new(), out)?;

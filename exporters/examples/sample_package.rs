@@ -11,7 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use plume_exporters::package::{Existing, Folder};
+use plume_exporters::package::Existing;
+use plume_exporters::place::Place;
 use plume_exporters::scene::Scene;
 use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow, target};
@@ -71,8 +72,7 @@ fn write_markers(folder: &Path, change: marker::Change, library: &Lent) -> Resul
 }
 
 fn write(folder: &Path, row: &TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
-    let mut package = Folder::create(folder, Existing::Replace)?;
-    row.build(settings, library.as_ref())?.export(scene, &mut package)?;
-    package.finish()?;
+    let place = Place { path: folder.to_owned(), bundle: None, existing: Existing::Replace };
+    place.write(row, &*row.build(settings, library.as_ref())?, scene)?;
     Ok(())
 }
