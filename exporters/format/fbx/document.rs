@@ -78,7 +78,8 @@ impl Document {
         null.map_err(|error| told(&self.path, error))
     }
 
-    /// Adds a point light. FBX has no unit for its intensity: 100 stands for a candela, as three.js reads it.
+    /// Adds a point light. FBX has no unit for its intensity: 100 stands for a candela, as three.js reads it. Its colour is
+    /// linear, as Blender reads it.
     ///
     /// # Errors
     /// As [`add`](Self::add).
