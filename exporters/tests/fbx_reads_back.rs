@@ -26,7 +26,7 @@ fn export(settings: FbxSettings) -> (Memory, sample::Chamber, tempfile::TempDir)
 
 /// A file as it is, without a complaint.
 fn read(bytes: &[u8]) -> ufbx::SceneRoot {
-    let scene = ufbx::load_memory(bytes, LoadOpts { retain_dom: true, ..LoadOpts::default() }).unwrap();
+    let scene = ufbx::load_memory(bytes, LoadOpts { retain_dom: true, strict: true, ..LoadOpts::default() }).unwrap();
     let warnings: Vec<&str> = scene.metadata.warnings.iter().map(|warning| &*warning.description).collect();
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!((scene.metadata.version, scene.metadata.ascii), (7400, false));

@@ -18,6 +18,7 @@ mod geometry;
 mod head;
 mod material;
 mod node;
+mod window;
 
 /// What a file says of itself.
 #[derive(Clone, Copy, Debug)]
