@@ -54,15 +54,14 @@ struct Level {
 }
 
 impl Textures {
-    /// The same, as seen from an FBX in a folder beside theirs. FBX wants roughness in an image of its own, which Unreal
-    /// has no use for.
+    /// The same, as seen from an FBX in a folder beside theirs.
     pub fn maps(&self) -> fbx::Maps {
         let beside = |path: &str| format!("../{path}");
         fbx::Maps {
             base_color: beside(&self.base_color),
             normal: beside(&self.normal),
-            occlusion_roughness_metalness: beside(&self.orm),
-            ..fbx::Maps::default()
+            roughness: None,
+            occlusion_roughness_metalness: Some(beside(&self.orm)),
         }
     }
 }

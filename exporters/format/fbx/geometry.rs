@@ -2,11 +2,10 @@
 
 use std::io::{Seek, Write};
 
-use fbxcel::writer::v7400::binary::Result;
 use nalgebra::Vector3;
 
 use super::Up;
-use super::node::{Nodes, Value};
+use super::node::{Nodes, Value, Written};
 use crate::frame;
 use crate::scene::Mesh;
 
@@ -14,7 +13,7 @@ use crate::scene::Mesh;
 pub const UV_SET: &str = "UVMap";
 
 /// Writes the inside of a geometry; what the mesh has not is left out. Numbers become `f64` one by one.
-pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh, up: Up) -> Result<()> {
+pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh, up: Up) -> Written {
     nodes.properties(&[])?;
     nodes.leaf("GeometryVersion", &[Value::Int(124)])?;
     nodes.reals("Vertices", mesh.positions.iter().flat_map(|&point| real(up, point)))?;
@@ -60,12 +59,12 @@ fn by_vertex<W: Write + Seek>(
     element: &str,
     array: &str,
     vectors: impl Iterator<Item = [f64; 3]>,
-) -> Result<()> {
+) -> Written {
     layer(nodes, element, "", ["ByVertice", "Direct"], |nodes| nodes.reals(array, vectors.flatten()))
 }
 
 /// By corner, because that is where readers look for them first.
-fn write_uvs<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh) -> Result<()> {
+fn write_uvs<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh) -> Written {
     layer(nodes, "LayerElementUV", UV_SET, ["ByPolygonVertex", "IndexToDirect"], |nodes| {
         nodes.reals("UV", mesh.uvs.iter().flatten().map(|&part| part.into()))?;
         nodes.ints("UVIndex", mesh.indices.iter().map(|&corner| corner as i32))
@@ -77,8 +76,8 @@ fn layer<W: Write + Seek>(
     element: &str,
     name: &str,
     [mapping, reference]: [&str; 2],
-    fill: impl FnOnce(&mut Nodes<W>) -> Result<()>,
-) -> Result<()> {
+    fill: impl FnOnce(&mut Nodes<W>) -> Written,
+) -> Written {
     nodes.branch(element, &[Value::Int(0)], |nodes| {
         nodes.leaf("Version", &[Value::Int(101)])?;
         nodes.leaf("Name", &[Value::Text(name)])?;
@@ -89,7 +88,7 @@ fn layer<W: Write + Seek>(
 }
 
 /// Says that all elements belong together.
-fn write_layer<W: Write + Seek>(nodes: &mut Nodes<W>) -> Result<()> {
+fn write_layer<W: Write + Seek>(nodes: &mut Nodes<W>) -> Written {
     nodes.branch("Layer", &[Value::Int(0)], |nodes| {
         nodes.leaf("Version", &[Value::Int(100)])?;
         ["Normal", "Tangent", "Binormal", "UV", "Material"].iter().try_for_each(|element| {
