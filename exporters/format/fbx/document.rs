@@ -1,7 +1,7 @@
 //! A file that is being written.
 
 use std::fs::File;
-use std::io::{BufWriter, Cursor, Seek, SeekFrom, Write as _};
+use std::io::{Cursor, Seek, SeekFrom, Write as _};
 use std::path::Path;
 
 use fbxcel::writer::v7400::binary::{CompressionError, Error};
@@ -9,6 +9,7 @@ use nalgebra::Isometry3;
 
 use super::head::{self, Counts, Kind};
 use super::node::{Nodes, Property, Value, Written, full_name};
+use super::window::Window;
 use super::{Head, Maps, Part, Up, geometry, material};
 use crate::error::{ExportError, at};
 use crate::frame;
@@ -24,7 +25,7 @@ pub struct Document {
     path: String,
     generator: String,
     up: Up,
-    nodes: Nodes<BufWriter<File>>,
+    nodes: Nodes<Window>,
     counts: Counts,
     links: Vec<Link>,
     last_id: i64,
@@ -40,7 +41,7 @@ struct Link {
 impl Document {
     pub(super) fn create(file: &Path, path: &str, head: &Head) -> Result<Self, ExportError> {
         let start = || {
-            let mut nodes = Nodes::new(BufWriter::new(File::create(file)?))?;
+            let mut nodes = Nodes::new(Window::new(File::create(file)?))?;
             head::write(&mut nodes, head, &Counts::default())?;
             nodes.open("Objects", &[])?;
             Ok(nodes)
@@ -218,7 +219,7 @@ impl Document {
         kind: Kind,
         name: &str,
         class: &str,
-        fill: impl FnOnce(&mut Nodes<BufWriter<File>>) -> Written,
+        fill: impl FnOnce(&mut Nodes<Window>) -> Written,
     ) -> Written<i64> {
         self.last_id += 1;
         self.counts[kind as usize] += 1;
@@ -233,7 +234,7 @@ impl Document {
 }
 
 impl Link {
-    fn write(&self, nodes: &mut Nodes<BufWriter<File>>) -> Written {
+    fn write(&self, nodes: &mut Nodes<Window>) -> Written {
         let ends = [Value::Id(self.child), Value::Id(self.parent)];
         match self.property {
             None => nodes.leaf("C", &[Value::Text("OO"), ends[0], ends[1]]),
@@ -268,7 +269,8 @@ mod tests {
     #[cfg(target_os = "linux")]
     fn a_full_disk_is_told_with_the_file() {
         let head = Head { generator: "plume test", up: Up::Z };
-        let error = Document::create(Path::new("/dev/full"), "cave.fbx", &head).err().unwrap();
+        let document = Document::create(Path::new("/dev/full"), "cave.fbx", &head).unwrap();
+        let error = document.finish().unwrap_err();
         assert_eq!(error.to_string(), "cave.fbx: No space left on device (os error 28)");
         assert!(error.hint().unwrap().starts_with("free some space"));
     }

@@ -20,6 +20,7 @@ mod geometry;
 mod head;
 mod material;
 mod node;
+mod window;
 
 /// Which axis points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

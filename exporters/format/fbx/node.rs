@@ -34,6 +34,17 @@ pub enum Value<'a> {
     Bytes(&'a [u8]),
 }
 
+/// Arrays that are shorter are not compressed: there are thousands in a file of convex pieces, and it would take longer than
+/// all the rest.
+const COMPRESSED_BYTES: usize = 4096;
+
+fn encoding(bytes: usize) -> ArrayAttributeEncoding {
+    match bytes < COMPRESSED_BYTES {
+        true => ArrayAttributeEncoding::Direct,
+        false => ArrayAttributeEncoding::Zlib,
+    }
+}
+
 /// Writes nodes one after the other.
 pub struct Nodes<W: Write>(Writer<W>);
 
@@ -71,15 +82,15 @@ impl<W: Write + Seek> Nodes<W> {
         self.0.close_node()
     }
 
-    /// A node that holds many numbers, compressed.
-    pub fn reals(&mut self, name: &str, numbers: impl Iterator<Item = f64>) -> Written {
-        self.0.new_node(name)?.append_arr_f64_from_iter(ArrayAttributeEncoding::Zlib, numbers)?;
+    /// A node that holds `count` numbers.
+    pub fn reals(&mut self, name: &str, count: usize, numbers: impl Iterator<Item = f64>) -> Written {
+        self.0.new_node(name)?.append_arr_f64_from_iter(encoding(8 * count), numbers)?;
         self.close()
     }
 
-    /// A node that holds many whole numbers, compressed.
-    pub fn ints(&mut self, name: &str, numbers: impl Iterator<Item = i32>) -> Written {
-        self.0.new_node(name)?.append_arr_i32_from_iter(ArrayAttributeEncoding::Zlib, numbers)?;
+    /// A node that holds `count` whole numbers.
+    pub fn ints(&mut self, name: &str, count: usize, numbers: impl Iterator<Item = i32>) -> Written {
+        self.0.new_node(name)?.append_arr_i32_from_iter(encoding(4 * count), numbers)?;
         self.close()
     }
 
