@@ -9,7 +9,7 @@
 //! ```
 //! FBX is metres, right-handed, Z up, its front −Y: Unreal's importer then only changes the unit and mirrors y
 //! ([`frame::unreal_from_scene`](crate::frame::unreal_from_scene)). Every chunk stays at the origin of the cave. Normal maps
-//! have the green channel of DirectX; all else is as in the scene.
+//! have the green channel of DirectX; the other images are those of the scene. Heights are left out.
 //!
 //! Unreal looks for convex pieces by the name of a mesh and not of its group of levels: those of `<chunk>` are called
 //! `UCX_<chunk>_LOD0_<NN>`. With triangles, bodies touch a collision mesh of its own ("complex collision mesh"), because what
@@ -45,25 +45,23 @@ pub const ROW: TargetRow = TargetRow {
 };
 
 /// Settings of target `unreal`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct UnrealSettings {
     /// What bodies touch. All of it has the friction of the floor, because Unreal knows one physical material per mesh.
     pub collision: Collision,
     /// Whether Nanite shows the chunks; where it does not run, Unreal falls back on levels of detail.
     pub nanite: bool,
-    /// Whether chunks carry their coarser levels of detail.
+    /// Whether chunks carry their coarser levels of detail. Each shows where it is less than a pixel off, on a screen of
+    /// 1920 × 1080 that shows 90°.
     pub lods: bool,
-    /// How many pixels a coarser level of detail may be off at most, on a screen of 1920 × 1080 that shows 90°.
-    #[schemars(range(min = 0.1, max = 16.0))]
-    pub lod_error_px: f64,
     /// Whether the level carries the lights of the scene; without them only the robot's own lamps shine.
     pub lights: bool,
 }
 
 impl Default for UnrealSettings {
     fn default() -> Self {
-        Self { collision: Collision::Triangles, nanite: true, lods: true, lod_error_px: 1.0, lights: true }
+        Self { collision: Collision::Triangles, nanite: true, lods: true, lights: true }
     }
 }
 
@@ -105,7 +103,7 @@ impl Unreal {
         let textures = write_textures(&chunk, out)?;
         let mut entry = Entry::new(&chunk, textures);
         let levels = self.levels(&chunk);
-        entry.set_levels(&levels, self.0.lod_error_px);
+        entry.set_levels(&levels);
         let head = fbx::Head { generator: &scene.generator, up: Up::Z };
         match self.0.collision {
             Collision::Triangles => {

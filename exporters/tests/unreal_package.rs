@@ -15,8 +15,7 @@ use plume_exporters::scene::{Chunk, Chunks, Mesh};
 use plume_exporters::unreal::{Unreal, UnrealSettings};
 use serde_json::Value;
 
-const PIECES: UnrealSettings =
-    UnrealSettings { collision: Collision::Pieces, nanite: true, lods: true, lod_error_px: 1.0, lights: true };
+const PIECES: UnrealSettings = UnrealSettings { collision: Collision::Pieces, nanite: true, lods: true, lights: true };
 
 struct Exported {
     memory: Memory,

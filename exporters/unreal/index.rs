@@ -54,15 +54,14 @@ struct Level {
 }
 
 impl Textures {
-    /// The same, as seen from an FBX in a folder beside theirs. FBX wants roughness in an image of its own, which Unreal
-    /// has no use for.
+    /// The same, as seen from an FBX in a folder beside theirs.
     pub fn maps(&self) -> fbx::Maps {
         let beside = |path: &str| format!("../{path}");
         fbx::Maps {
             base_color: beside(&self.base_color),
             normal: beside(&self.normal),
-            occlusion_roughness_metalness: Some(beside(&self.orm)),
             roughness: None,
+            occlusion_roughness_metalness: Some(beside(&self.orm)),
         }
     }
 }
@@ -85,13 +84,13 @@ impl Entry {
         }
     }
 
-    /// Says which levels of detail there are, and where each takes over if it may be `error_px` off.
-    pub fn set_levels(&mut self, levels: &[fbx::Level], error_px: f64) {
+    /// Says which levels of detail there are, and where each takes over.
+    pub fn set_levels(&mut self, levels: &[fbx::Level]) {
         let radius_m = levels.first().map_or(0.0, |full| radius_m(full.mesh));
         let level = |level: &fbx::Level| Level {
             triangles: level.mesh.triangles(),
             error_m: micro(f64::from(level.error_m)),
-            screen_size: micro(screen_size(radius_m, f64::from(level.error_m), error_px)),
+            screen_size: micro(screen_size(radius_m, f64::from(level.error_m))),
         };
         self.lods = levels.iter().map(level).collect();
     }
@@ -118,14 +117,13 @@ fn radius_m(mesh: &Mesh) -> f64 {
 
 /// The part of the screen that the ball round a chunk may cover at most where a level of detail shows.
 ///
-/// Unreal measures from the centre of the ball, and whoever stands in a cave sees its near side: the level is off by
-/// `error_px` at the point of the ball that is nearest to the camera.
-fn screen_size(radius_m: f64, error_m: f64, error_px: f64) -> f64 {
+/// Unreal measures from the centre of the ball, and whoever stands in a cave sees its near side: at the point of the ball
+/// that is nearest to the camera, the level is a pixel off.
+fn screen_size(radius_m: f64, error_m: f64) -> f64 {
     let [width_px, height_px] = SCREEN_PX;
     // Of something as high as it is far away: what part of half the screen, and how many pixels.
     let (high, high_px) = (width_px / height_px, width_px / 2.0);
-    let near_m = error_m * high_px / error_px;
-    high * radius_m / (radius_m + near_m)
+    high * radius_m / (radius_m + error_m * high_px)
 }
 
 /// Writes the file.
@@ -187,7 +185,7 @@ mod tests {
     #[test]
     fn a_level_is_off_by_a_pixel_at_the_near_side_of_the_ball() {
         let (radius_m, error_m) = (8.0, 0.02);
-        let size = screen_size(radius_m, error_m, 1.0);
+        let size = screen_size(radius_m, error_m);
         // Unreal's ComputeBoundsScreenSize, with the projection of a camera that sees 90° across.
         let vertical = 1920.0 / 1080.0;
         let distance_m = vertical * radius_m / size;
@@ -197,8 +195,7 @@ mod tests {
 
     #[test]
     fn coarser_levels_show_when_smaller() {
-        let sizes = [0.0, 0.001, 0.01, 0.1].map(|error_m| screen_size(5.0, error_m, 1.0));
+        let sizes = [0.0, 0.001, 0.01, 0.1].map(|error_m| screen_size(5.0, error_m));
         assert!(sizes.is_sorted_by(|a, b| a > b));
-        assert!(screen_size(5.0, 0.01, 2.0) > sizes[2]);
     }
 }
