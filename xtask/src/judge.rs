@@ -12,6 +12,9 @@ use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
+mod assimp;
+mod blender;
+mod formats;
 pub mod mujoco;
 mod spoil;
 pub mod urdf;
@@ -26,6 +29,8 @@ pub fn run(arguments: &[String]) -> Result<()> {
         for package in ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces", "urdf", "urdf_pieces"] {
             judge(&judges, &sample.join(package), &mut tally);
         }
+        judge(&judges, &sample, &mut tally);
+        judge(&judges, &formats::shelve(&sample)?, &mut tally);
         spoil::run(&judges, &sample, &mut tally)?;
         if judges.iter().any(|judge| judge.name == "physx") {
             tally.enter("physx", usd::spoil());
@@ -67,7 +72,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 14] = [
+const JUDGES: [Judge; 20] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -81,6 +86,12 @@ const JUDGES: [Judge; 14] = [
     Judge { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
     Judge { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
     Judge { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
+    Judge { name: "trimesh", of: Kind::Shelf, prepare: formats::make, command: formats::open },
+    Judge { name: "blender", of: Kind::Shelf, prepare: blender::make, command: blender::open },
+    Judge { name: "assimp", of: Kind::Shelf, prepare: assimp::make, command: assimp::open },
+    Judge { name: "orient", of: Kind::Marker, prepare: formats::make, command: formats::orient },
+    Judge { name: "blender", of: Kind::Marker, prepare: blender::make, command: blender::open },
+    Judge { name: "assimp", of: Kind::Marker, prepare: assimp::make, command: assimp::open },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
@@ -92,11 +103,17 @@ enum Kind {
     Urdf,
     Usd,
     Mujoco,
+    /// All packages of one cave, beside each other.
+    Shelf,
+    /// The samples of the exporters.
+    Marker,
 }
 
 impl Kind {
     fn of(package: &Path) -> Option<Self> {
         match package {
+            _ if formats::is_marked(package) => Some(Self::Marker),
+            _ if formats::is_shelf(package) => Some(Self::Shelf),
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
@@ -183,6 +200,7 @@ fn export_sample() -> Result<PathBuf> {
         Command::new(env!("CARGO"))
             .args(["run", "-q", "-p", "plume-exporters", "--example", "sample_package", "--"])
             .arg(&sample)
+            .args(formats::python())
             .current_dir(root()),
     )?;
     Ok(sample)
@@ -197,9 +215,11 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (targets, cave) = ("gazebo,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
-        plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
-        packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
+        let (simulators, cave) = ("gazebo,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let targets = format!("{simulators},{}", formats::TARGETS.join(","));
+        plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
+        packages.extend(simulators.split(',').map(|target| root().join(&output).join(target)));
+        packages.push(root().join(&output));
     }
     packages.extend(export_pieces(&plume)?);
     Ok(packages)
