@@ -12,7 +12,6 @@ use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
-mod assimp;
 mod blender;
 mod formats;
 pub mod mujoco;
@@ -88,10 +87,10 @@ const JUDGES: [Judge; 20] = [
     Judge { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
     Judge { name: "trimesh", of: Kind::Shelf, prepare: formats::make, command: formats::open },
     Judge { name: "blender", of: Kind::Shelf, prepare: blender::make, command: blender::open },
-    Judge { name: "assimp", of: Kind::Shelf, prepare: assimp::make, command: assimp::open },
+    Judge { name: "libassimp", of: Kind::Shelf, prepare: formats::make_assimp, command: formats::open_in_assimp },
     Judge { name: "orient", of: Kind::Marker, prepare: formats::make, command: formats::orient },
     Judge { name: "blender", of: Kind::Marker, prepare: blender::make, command: blender::open },
-    Judge { name: "assimp", of: Kind::Marker, prepare: assimp::make, command: assimp::open },
+    Judge { name: "libassimp", of: Kind::Marker, prepare: formats::make_assimp, command: formats::open_in_assimp },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 

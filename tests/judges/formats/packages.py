@@ -71,7 +71,7 @@ def upper_left(uv):
 
 def is_drawn(name):
     """Whether a mesh or a file of this name is what cameras see in full detail."""
-    return not (name.startswith("UCX_") or "collision" in name.lower() or re.search(r"_lod[1-9]", name.lower()))
+    return not (name.startswith("UCX_") or "collision" in name.lower() or re.search(r"_lod(s$|[1-9])", name.lower()))
 
 
 @dataclass

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::spoil::copy_folder;
-use crate::tools::{Result, root};
+use crate::tools::{Result, ensure_debian, root};
 use crate::venv::Environment;
 
 /// Formats that any program opens.
@@ -56,6 +56,21 @@ pub(super) fn orient(sample: &Path) -> Result<Command> {
 /// Opens all packages of a cave with trimesh and its like.
 pub(super) fn open(folder: &Path) -> Result<Command> {
     Ok(script(&environment()?, "meshes.py", folder))
+}
+
+fn assimp() -> Result<Environment> {
+    Environment::apart("libassimp")?.with("tests/judges/formats/requirements-assimp.txt")
+}
+
+/// Gets assimp, the importer of many engines and tools.
+pub(super) fn make_assimp() -> Result<()> {
+    ensure_debian(&["libassimp5"])?;
+    assimp().map(drop)
+}
+
+/// Opens the marker, or all packages of a cave, with assimp.
+pub(super) fn open_in_assimp(folder: &Path) -> Result<Command> {
+    Ok(script(&assimp()?, "assimp.py", folder))
 }
 
 /// A script on a folder.

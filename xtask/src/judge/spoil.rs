@@ -189,7 +189,7 @@ const SPOILS: [Spoil; 22] = [
     },
     Spoil {
         fault: "a missing image",
-        judge: "assimp",
+        judge: "libassimp",
         complaint: "textures/chunk_1_0_0_base_color.png is not there",
         file: "formats/fbx/textures/chunk_1_0_0_base_color.png",
         rewrite: |_| None,
