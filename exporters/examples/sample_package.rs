@@ -1,5 +1,5 @@
-//! Writes the sample scene for every target that needs no USD library: `sample_package FOLDER` makes `FOLDER/<target>`,
-//! `FOLDER/gltf_chunks` with a file per chunk, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
+//! Writes the sample scene for every target that needs no library: `sample_package FOLDER` makes `FOLDER/<target>`,
+//! `FOLDER/glb_chunks` with a file per chunk, `FOLDER/<target>_meshopt` packed, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -15,22 +15,31 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder: PathBuf = std::env::args_os().nth(1).ok_or("usage: sample_package FOLDER")?.into();
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
-    for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
+    for row in TARGETS.iter().filter(|row| !row.needs_usd() && !row.needs_format()) {
         write(&folder.join(row.name), row, json!({}), &chamber)?;
     }
     for (name, settings) in [
-        ("gltf_chunks", json!({ "per_chunk": true })),
+        ("glb_chunks", json!({ "per_chunk": true, "lods": true })),
+        ("glb_lods", json!({ "lods": true })),
+        ("glb_pieces", json!({ "collision": "pieces" })),
+        ("glb_meshopt", json!({ "compression": "meshopt", "lods": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
+        ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
     ] {
-        let row = target(name.split('_').next().unwrap_or(name))?;
+        let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber)?;
     }
     Ok(())
 }
 
-fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {
+fn write(
+    folder: &Path,
+    row: &'static TargetRow,
+    settings: Value,
+    chamber: &sample::Chamber,
+) -> Result<(), Box<dyn Error>> {
     let mut package = Folder::create(folder, Existing::Replace)?;
     row.build(settings, None)?.export(&chamber.scene(), &mut package)?;
     package.finish()?;

@@ -23,7 +23,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces", "urdf", "urdf_pieces"] {
+        for package in SAMPLE_PACKAGES {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
@@ -188,6 +188,22 @@ fn export_sample() -> Result<PathBuf> {
     Ok(sample)
 }
 
+/// Packages of the sample that are judged as they are.
+const SAMPLE_PACKAGES: [&str; 12] = [
+    "gazebo",
+    "gazebo_pieces",
+    "glb",
+    "glb_chunks",
+    "glb_lods",
+    "glb_meshopt",
+    "glb_pieces",
+    "gltf",
+    "gltf_meshopt",
+    "gltf_pieces",
+    "urdf",
+    "urdf_pieces",
+];
+
 /// Recipes of `samples/`.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
 
@@ -197,7 +213,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (targets, cave) = ("gazebo,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let (targets, cave) = ("gazebo,glb,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
         plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
@@ -207,7 +223,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
 fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) = (["gazebo", "gltf", "isaac", "usd", "usdz"], "target/judges/pieces");
+    let (targets, output) = (["gazebo", "glb", "gltf", "isaac", "usd", "usdz"], "target/judges/pieces");
     let options = targets.map(|target| format!("{target}.collision=pieces"));
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
@@ -252,7 +268,7 @@ fn install_node() -> Result<()> {
 
 fn validate_gltf(package: &Path) -> Result<Command> {
     let mut command = Command::new("node");
-    command.arg(node_folder().join("validate.mjs")).args(glb_files(package)?);
+    command.arg(node_folder().join("validate.mjs")).args(gltf_files(package));
     Ok(command)
 }
 
@@ -279,13 +295,12 @@ pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
     tools::run(&mut shot(package, picture, spawn))
 }
 
-fn glb_files(package: &Path) -> Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for folder in [package.to_owned(), package.join("chunks")] {
-        files.extend(files_of(&folder).filter(|path| path.extension().is_some_and(|ending| ending == "glb")));
-    }
+fn gltf_files(package: &Path) -> Vec<PathBuf> {
+    let folders = [package.to_owned(), package.join("chunks")];
+    let is_gltf = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "glb" || ending == "gltf");
+    let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| files_of(folder).filter(is_gltf)).collect();
     files.sort();
-    Ok(files)
+    files
 }
 
 fn node_folder() -> PathBuf {
