@@ -3,7 +3,7 @@
 //! ```text
 //! <name>.<extension>             every chunk in full detail, or chunks/<chunk>.<extension>
 //! textures/<chunk>_<role>.png    what it names, if the format knows images
-//! README.md
+//! README.md, recipe.toml
 //! ```
 //! assimp gets a GLB in memory whose images are names of files beside it, and keeps these names. It does not get the lights:
 //! version 5.2 aborts on their range. How much of a material a format can say, and whether its files bear the date of their
@@ -124,13 +124,13 @@ impl Target for Assimp {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
-            recipe => &scene.recipe,
             format => &self.format.description,
             version => self.library.version().map(|part| part.to_string()).join("."),
             open => &open,
         };
         let text = template::fill("README.md", include_str!("../templates/assimp/README.md.jinja"), &values);
         out.text("README.md", &text)?;
+        out.text("recipe.toml", &scene.recipe)?;
         Ok(Summary { visual_triangles, collision_triangles: 0, open: format!("open {open}") })
     }
 }

@@ -60,7 +60,8 @@ fn named(error: ExportError) -> CaveError {
     match error {
         ExportError::UnknownFormat { target, name, known } => {
             let known: Vec<String> = known.iter().map(|format| format!("{target}:{format}")).collect();
-            CaveError::unknown("target", &format!("{target}:{name}"), known.iter().map(String::as_str))
+            let name = if name.is_empty() { target.to_owned() } else { format!("{target}:{name}") };
+            CaveError::unknown("target", &name, known.iter().map(String::as_str))
         }
         error => error.into(),
     }

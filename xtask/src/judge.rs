@@ -12,6 +12,7 @@ use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
+mod assimp;
 pub mod mujoco;
 mod spoil;
 pub mod urdf;
@@ -67,7 +68,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 14] = [
+const JUDGES: [Judge; 15] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -81,6 +82,7 @@ const JUDGES: [Judge; 14] = [
     Judge { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
     Judge { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
     Judge { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
+    Judge { name: "assimp", of: Kind::Assimp, prepare: assimp::make, command: assimp::compare },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
@@ -92,6 +94,7 @@ enum Kind {
     Urdf,
     Usd,
     Mujoco,
+    Assimp,
 }
 
 impl Kind {
@@ -102,6 +105,7 @@ impl Kind {
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
+            _ if assimp::is_package(package) => Some(Self::Assimp),
             _ => None,
         }
     }
@@ -218,6 +222,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
     packages.extend(export_pieces(&plume)?);
+    packages.extend(assimp::export(&plume)?);
     Ok(packages)
 }
 

@@ -63,8 +63,9 @@ pub fn check(levels: &[Level], chamber: &Chamber) {
             assert!(level.indices == lod.mesh.indices);
             assert!((level.error_m - f64::from(lod.error_m)).abs() < 1e-6);
             let [min, max] = chunk.visual.bounds();
-            let radius = (0..3).map(|axis| f64::from(max[axis] - min[axis]).powi(2)).sum::<f64>().sqrt() / 2.0;
-            let pixels = PI * (radius / level.error_m).powi(2);
+            let edges = [0, 1, 2].map(|axis| f64::from(max[axis] - min[axis]));
+            let radius_squared = edges.iter().map(|edge| edge * edge).sum::<f64>() / 4.0;
+            let pixels = PI * radius_squared / (level.error_m * level.error_m);
             assert!((level.coverage - (pixels / (1920.0 * 1080.0)).min(1.0)).abs() < 1e-4);
         }
     }
