@@ -295,6 +295,24 @@ pub struct Material {
     pub height: Option<Height>,
 }
 
+impl Material {
+    /// Refuses images that the readers of `target` do not read; the height is not asked.
+    ///
+    /// # Errors
+    /// [`ExportError::UnfitImage`], which names the kinds that they do.
+    pub(crate) fn refuse_unless(
+        &self,
+        target: &'static str,
+        wanted: &'static [ImageFormat],
+    ) -> Result<(), ExportError> {
+        let images = [&self.base_color, &self.normal, &self.orm, &self.roughness];
+        match images.into_iter().find(|image| !wanted.contains(&image.format)) {
+            Some(image) => Err(ExportError::UnfitImage { target, path: image.path.clone(), wanted }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// How far the rock lies before the visual mesh, along its normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Height {
@@ -320,6 +338,8 @@ pub enum ImageFormat {
     Png,
     /// JPEG.
     Jpeg,
+    /// WebP.
+    WebP,
 }
 
 impl ImageFormat {
@@ -328,6 +348,16 @@ impl ImageFormat {
         match self {
             Self::Png => "png",
             Self::Jpeg => "jpg",
+            Self::WebP => "webp",
+        }
+    }
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
         }
     }
 
@@ -336,6 +366,7 @@ impl ImageFormat {
         match self {
             Self::Png => "image/png",
             Self::Jpeg => "image/jpeg",
+            Self::WebP => "image/webp",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
 //!
-//! The chamber, for every target that needs no USD library: `FOLDER/<target>`, `FOLDER/gltf_chunks` with a file per chunk,
-//! and `FOLDER/<target>_pieces` with convex pieces where they are offered.
+//! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/glb_chunks` with a file per chunk,
+//! `FOLDER/<target>_meshopt` packed, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
 //!
 //! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and spoiled in each way as
 //! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
@@ -42,16 +42,20 @@ fn main() -> Result<()> {
 fn write_chambers(folder: &Path) -> Result<()> {
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
-    for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
+    for row in TARGETS.iter().filter(|row| !row.needs_usd() && !row.needs_format()) {
         write(&folder.join(row.name), row, json!({}), &chamber.scene(), &None)?;
     }
     for (name, settings) in [
-        ("gltf_chunks", json!({ "per_chunk": true })),
+        ("glb_chunks", json!({ "per_chunk": true, "lods": true })),
+        ("glb_lods", json!({ "lods": true })),
+        ("glb_pieces", json!({ "collision": "pieces" })),
+        ("glb_meshopt", json!({ "compression": "meshopt", "lods": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
+        ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
     ] {
-        let row = target(name.split('_').next().unwrap_or(name))?;
+        let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber.scene(), &None)?;
     }
     Ok(())
@@ -60,13 +64,13 @@ fn write_chambers(folder: &Path) -> Result<()> {
 fn write_markers(folder: &Path, change: marker::Change, library: &Lent) -> Result<()> {
     let textures = tempfile::tempdir()?;
     let marker = marker::Marker::new(textures.path(), change)?;
-    for row in TARGETS.iter().filter(|row| !row.needs_usd() || library.is_some()) {
+    for row in TARGETS.iter().filter(|row| !row.needs_format() && (!row.needs_usd() || library.is_some())) {
         write(&folder.join(row.name), row, json!({}), &marker.scene(), library)?;
     }
     Ok(())
 }
 
-fn write(folder: &Path, row: &TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
+fn write(folder: &Path, row: &'static TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
     let mut package = Folder::create(folder, Existing::Replace)?;
     row.build(settings, library.as_ref())?.export(scene, &mut package)?;
     package.finish()?;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use plume_exporters::TargetRow;
+use plume_exporters::Choice;
 use plume_exporters::bundle::{Archive, Bundle};
 use plume_exporters::package::{Existing, Folder};
 
@@ -44,11 +44,11 @@ impl Export {
     /// # Errors
     /// Bad input, the disk, Ctrl-C, a missing USD library.
     pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
-        let rows = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
-        let targets = cave::build(&rows, &self.option, host.library())?;
+        let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
+        let targets = cave::build(&choices, &self.option, host.library())?;
         let input = self.source.resolve()?;
-        let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &rows)).transpose()?;
-        let outputs = self.outputs(&input.recipe.name, &rows, bundle);
+        let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
+        let outputs = self.outputs(&input.recipe.name, &choices, bundle);
         self.refuse_same_place(&outputs)?;
         let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
         for output in &outputs {
@@ -69,12 +69,12 @@ impl Export {
         }
         let chunks = cave.chunks(console.stop());
         let scene = cave.scene(&chunks);
-        for ((row, target), output) in rows.iter().zip(&targets).zip(&outputs) {
+        for ((choice, target), output) in choices.iter().zip(&targets).zip(&outputs) {
             let (exported, files) = match bundle {
                 Some(bundle) => cave::export_bundle(&scene, &**target, bundle, output, existing)?,
                 None => cave::export(&scene, &**target, output, existing)?,
             };
-            summary.package(row.name, output, &exported.open, &files);
+            summary.package(&choice.name(), output, &exported.open, &files);
         }
         work.clear();
         summary.print(console)
@@ -83,7 +83,7 @@ impl Export {
     /// The first target that needs a USD library.
     pub fn usd_target(&self) -> Option<&'static str> {
         let wanted = self.target.iter().filter_map(|name| cave::target(name).ok());
-        wanted.filter(|row| row.needs_usd()).map(|row| row.name).next()
+        wanted.filter(|choice| choice.row.needs_usd()).map(|choice| choice.row.name).next()
     }
 
     /// Refuses a place that two would write to.
@@ -98,11 +98,11 @@ impl Export {
         })
     }
 
-    fn outputs(&self, name: &str, targets: &[&TargetRow], bundle: Option<Bundle>) -> Vec<PathBuf> {
+    fn outputs(&self, name: &str, targets: &[Choice], bundle: Option<Bundle>) -> Vec<PathBuf> {
         let folders = match (&self.output, targets) {
             (Some(output), [_]) => vec![output.clone()],
-            (Some(output), _) => targets.iter().map(|row| output.join(row.name)).collect(),
-            (None, _) => targets.iter().map(|row| PathBuf::from(format!("{name}-{}", row.name))).collect(),
+            (Some(output), _) => targets.iter().map(|choice| output.join(choice.folder())).collect(),
+            (None, _) => targets.iter().map(|choice| PathBuf::from(format!("{name}-{}", choice.folder()))).collect(),
         };
         match bundle {
             Some(bundle) => folders.iter().map(|folder: &PathBuf| bundle.file(folder)).collect(),
