@@ -13,3 +13,14 @@ pub enum Collision {
     /// Convex pieces of the rock behind the wall, for engines that make every mesh convex.
     Pieces,
 }
+
+/// Collision meshes that an importer knows by their names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NamedCollision {
+    /// None: every mesh is one to see.
+    #[default]
+    None,
+    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal wants them.
+    Pieces,
+}

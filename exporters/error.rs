@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::scene::ImageFormat;
+
 /// An export that did not happen. The output folder is as it was before.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -14,6 +16,16 @@ pub enum ExportError {
         name: String,
         /// The names there are.
         known: String,
+    },
+    /// The library that a target is written by has no format of this name.
+    #[error("target `{target}` has no format `{name}`; known formats are {}", known.join(", "))]
+    UnknownFormat {
+        /// The target.
+        target: &'static str,
+        /// The format asked for; empty if none was.
+        name: String,
+        /// The formats there are.
+        known: Vec<String>,
     },
     /// The settings of a target cannot be read.
     #[error("settings of target `{target}`: {source}")]
@@ -90,14 +102,14 @@ pub enum ExportError {
         bytes: u64,
     },
     /// An image is of a kind that the simulator does not read.
-    #[error("target `{target}` takes {wanted} images only: {}", path.display())]
+    #[error("target `{target}` takes {} images only: {}", names(wanted), path.display())]
     UnfitImage {
         /// Name of the target.
         target: &'static str,
         /// The image.
         path: PathBuf,
-        /// The kind that it reads.
-        wanted: &'static str,
+        /// The kinds that it reads.
+        wanted: &'static [ImageFormat],
     },
     /// A library that the target is written by is not there, or not the right one.
     #[error("{message}")]
@@ -151,6 +163,7 @@ impl ExportError {
         matches!(
             self,
             Self::UnknownTarget { .. }
+                | Self::UnknownFormat { .. }
                 | Self::Settings { .. }
                 | Self::NotEmpty { .. }
                 | Self::NotOurs { .. }
@@ -161,6 +174,10 @@ impl ExportError {
                 | Self::UnfitImage { .. }
         )
     }
+}
+
+fn names(formats: &[ImageFormat]) -> String {
+    formats.iter().map(|format| format.name()).collect::<Vec<_>>().join(" and ")
 }
 
 /// The same error, its text led by the file it is about.

@@ -27,7 +27,7 @@ use crate::error::ExportError;
 use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, Light, Mesh, Piece, Scene, Zone};
+use crate::scene::{Chunk, Image, ImageFormat, Light, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -76,6 +76,7 @@ impl Target for Gazebo {
         let (mut parts, mut triangles) = (Vec::new(), [0, 0]);
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
+            chunk.material.refuse_unless("gazebo", &[ImageFormat::Png, ImageFormat::Jpeg])?;
             let mut part = write_visual(&model, &chunk, out)?;
             part.collisions = match self.0.collision {
                 Collision::Triangles => vec![write_triangles(&model, scene, &chunk, out)?],

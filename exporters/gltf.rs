@@ -1,64 +1,60 @@
-//! Target `gltf`: binary glTF 2.0 with everything embedded, Y up, metres.
+//! Target `gltf`: glTF 2.0 in separate files, Y up, metres.
 //!
-//! Written after the Khronos specification 2.0 (<https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>) and clean
-//! under its validator.
-//!
-//! glTF has no place for collision meshes yet, but importers of games go by names. With `collision = "pieces"` the node of
-//! a chunk has a child `UCX_<chunk>_<NN>` for each convex piece. Unreal takes it as collision of the mesh `<chunk>` and does
-//! not draw it ("Import Collisions According to Mesh Names"); any other viewer draws it. Not seen in Unreal itself, which
-//! no test can open.
-//!
-//! Memory: one chunk. A GLB starts with its own length and a JSON that knows every size, so a file of several chunks
-//! loads each chunk twice: once to plan, once to write.
+//! ```text
+//! <name>.gltf                    every chunk in full detail: opens anywhere
+//! <name>_lods.gltf               the same with coarser levels by MSFT_lod, for readers that know it
+//! buffers/<chunk>.bin            vertices, triangles and convex pieces of a chunk
+//! buffers/<chunk>_lods.bin       its coarser levels
+//! textures/<chunk>_<role>.png    its images
+//! scene.json, README.md
+//! ```
+//! Both documents name the same buffers and images, so that the second costs its text alone. There are two because Blender
+//! 4.2 shows every node of a document, also those outside of the scene, where MSFT_lod keeps the coarser levels: it would
+//! draw them all at once. A reader that streams loads the buffers of the chunks that it needs.
 
-use gltf_json::Root;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
+use crate::collision::NamedCollision;
 use crate::error::ExportError;
-use crate::format::gltf::{Layout, bounds, glb};
+use crate::format::gltf::index::{self, Entry};
+use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer};
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, frame, settings};
+use crate::{Build, Summary, Target, TargetRow, settings};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "gltf",
-    summary: "binary glTF 2.0 with embedded PBR textures, and scene.json with spawn poses",
-    opened_by: "Blender, three.js, Unity, Unreal, Godot, any glTF viewer",
+    summary: "glTF 2.0 in separate files, levels of detail by MSFT_lod, and scene.json with spawn poses",
+    opened_by: "Blender, three.js, Babylon.js, Godot, any glTF viewer",
     bundles: &[],
     settings: || schemars::schema_for!(GltfSettings),
-    build: Build::Plain(|table| Ok(Box::new(Gltf(settings("gltf", table)?)))),
+    build: Build::Plain(|table| {
+        let settings: GltfSettings = settings("gltf", table)?;
+        settings.compression.check()?;
+        Ok(Box::new(Gltf(settings)))
+    }),
 };
 
 /// Settings of target `gltf`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct GltfSettings {
-    /// One file per chunk, for streaming or past the 4 GiB that one file can hold, instead of a single file.
-    pub per_chunk: bool,
-    /// Whether a single file carries the lights (extension KHR_lights_punctual).
+    /// Whether the documents carry the lights (extension KHR_lights_punctual).
     pub lights: bool,
+    /// Whether there is a second document, with coarser levels of detail (extension MSFT_lod).
+    pub lods: bool,
     /// What robots touch.
     pub collision: NamedCollision,
-}
-
-/// Collision meshes that an importer knows by their names.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum NamedCollision {
-    /// None: every mesh is one to see.
-    #[default]
-    None,
-    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal wants them.
-    Pieces,
+    /// How vertices and triangles are packed.
+    pub compression: Compression,
 }
 
 impl Default for GltfSettings {
     fn default() -> Self {
-        Self { per_chunk: false, lights: true, collision: NamedCollision::None }
+        Self { lights: true, lods: true, collision: NamedCollision::None, compression: Compression::None }
     }
 }
 
@@ -71,14 +67,23 @@ pub struct Gltf(
 impl Target for Gltf {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let (entries, open) = match self.0.per_chunk {
-            true => (self.write_chunks(scene, out)?, "open the files of chunks/ together".to_owned()),
-            false => (self.write_single(scene, out)?, format!("open {}.glb", scene.name)),
-        };
-        let visual_triangles = entries.iter().map(|entry| entry.triangles).sum();
-        let collision_triangles = entries.iter().map(|entry| entry.collision_triangles).sum();
-        write_index(scene, &entries, out)?;
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        let mut documents = self.documents(scene);
+        let mut entries = Vec::new();
+        for index in 0..scene.chunks.len() {
+            let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
+            let chunk = scene.chunk(index)?;
+            entries.push(documents.add(&chunk, &pieces, out)?);
+        }
+        if self.0.lights {
+            documents.add_lights(scene);
+        }
+        documents.write(out)?;
+        index::write(scene, &entries, out)?;
+        let (open, levels) = (format!("{}.gltf", scene.name), self.0.lods.then(|| lods_path(scene)));
+        let (pieces, compression) = (self.wants_pieces(), self.0.compression);
+        Readme { open: &open, levels: levels.as_deref(), pieces, compression }.write(scene, out)?;
+        let [visual_triangles, collision_triangles] = index::triangles(&entries);
+        Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
     }
 
     fn axes(&self) -> Axes {
@@ -91,108 +96,64 @@ impl Target for Gltf {
 }
 
 impl Gltf {
-    fn load(&self, scene: &Scene, index: usize) -> Result<(Chunk, Vec<Piece>), ExportError> {
-        let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
-        Ok((scene.chunk(index)?, pieces))
+    fn documents(&self, scene: &Scene) -> Documents {
+        let style = Style { buffers: Place::Beside, images: Place::Beside, compression: self.0.compression };
+        let start = |path: String| Document { layout: Layout::new(scene, style), path };
+        Documents { full: start(format!("{}.gltf", scene.name)), lods: self.0.lods.then(|| start(lods_path(scene))) }
     }
+}
 
-    fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
-        let path = format!("{}.glb", scene.name);
-        let mut layout = Layout::new(scene);
-        let mut entries = Vec::new();
-        for index in 0..scene.chunks.len() {
-            let (chunk, pieces) = self.load(scene, index)?;
-            layout.add_chunk(&chunk, &pieces)?;
-            entries.push(Entry::new(&path, &chunk, &pieces));
-        }
-        if self.0.lights {
-            layout.add_lights(&scene.lights);
-        }
-        let (root, bytes) = layout.finish();
-        out.write(&path, |file| {
-            glb::write_head(file, &path, &root, bytes)?;
-            for index in 0..scene.chunks.len() {
-                let (chunk, pieces) = self.load(scene, index)?;
-                glb::write_chunk(file, &chunk, &pieces)?;
+fn lods_path(scene: &Scene) -> String {
+    format!("{}_lods.gltf", scene.name)
+}
+
+/// The documents of a package, which grow chunk by chunk.
+struct Documents {
+    full: Document,
+    lods: Option<Document>,
+}
+
+struct Document {
+    layout: Layout,
+    path: String,
+}
+
+impl Documents {
+    /// Adds a chunk to each document and writes its buffers and images.
+    fn add(&mut self, chunk: &Chunk, pieces: &[Piece], out: &mut dyn Package) -> Result<Entry, ExportError> {
+        let (_, payload) = self.full.layout.add_chunk(chunk, pieces)?;
+        write_buffer(&chunk.name, &payload, out)?;
+        let mut entry = Entry::new(&self.full.path, chunk, pieces);
+        if let Some(lods) = &mut self.lods {
+            let (placed, _) = lods.layout.add_chunk(chunk, pieces)?;
+            let levels = lods.layout.add_levels(chunk, &placed);
+            if !levels.is_empty() {
+                write_buffer(&level_buffer(&chunk.name), &levels, out)?;
             }
-            Ok(())
-        })?;
-        Ok(entries)
-    }
-
-    fn write_chunks(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
-        let mut entries = Vec::new();
-        for index in 0..scene.chunks.len() {
-            let (chunk, pieces) = self.load(scene, index)?;
-            let path = format!("chunks/{}.glb", chunk.name);
-            let mut layout = Layout::new(scene);
-            layout.add_chunk(&chunk, &pieces)?;
-            let (root, bytes): (Root, u64) = layout.finish();
-            out.write(&path, |file| {
-                glb::write_head(file, &path, &root, bytes)?;
-                glb::write_chunk(file, &chunk, &pieces)
-            })?;
-            entries.push(Entry::new(&path, &chunk, &pieces));
+            entry = entry.with_levels(chunk);
         }
-        Ok(entries)
+        for (path, image) in image_files(chunk) {
+            out.copy(&path, &image.path)?;
+        }
+        Ok(entry)
     }
-}
 
-/// A chunk as `scene.json` tells of it.
-#[derive(Serialize)]
-struct Entry {
-    name: String,
-    file: String,
-    triangles: u64,
-    min: [f32; 3],
-    max: [f32; 3],
-    convex_pieces: usize,
-    #[serde(skip)]
-    collision_triangles: u64,
-}
-
-impl Entry {
-    fn new(file: &str, chunk: &Chunk, pieces: &[Piece]) -> Self {
-        let [min, max] = bounds(&chunk.visual.positions);
-        Self {
-            name: chunk.name.clone(),
-            file: file.to_owned(),
-            triangles: chunk.visual.triangles(),
-            min,
-            max,
-            convex_pieces: pieces.len(),
-            collision_triangles: pieces.iter().map(|piece| piece.mesh.triangles()).sum(),
+    fn add_lights(&mut self, scene: &Scene) {
+        for document in [Some(&mut self.full), self.lods.as_mut()].into_iter().flatten() {
+            document.layout.add_lights(&scene.lights);
         }
     }
+
+    fn write(self, out: &mut dyn Package) -> Result<(), ExportError> {
+        for Document { layout, path } in [Some(self.full), self.lods].into_iter().flatten() {
+            let mut text = layout.finish().to_string_pretty().map_err(std::io::Error::from)?;
+            text.push('\n');
+            out.text(&path, &text)?;
+        }
+        Ok(())
+    }
 }
 
-/// `scene.json`: what glTF has no words for, in the frame of the GLB.
-fn write_index(scene: &Scene, entries: &[Entry], out: &mut dyn Package) -> Result<(), ExportError> {
-    let index = json!({
-        "name": scene.name,
-        "description": scene.description,
-        "generator": scene.generator,
-        "frame": "right-handed, Y up, metres; rotations are x, y, z, w and turn +X forward, +Z up",
-        "chunks": entries,
-        "spawns": scene.spawns.iter().map(spawn).collect::<Vec<_>>(),
-        "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
-    });
-    let mut text = serde_json::to_string_pretty(&index).map_err(std::io::Error::from)?;
-    text.push('\n');
-    out.text("scene.json", &text)
-}
-
-fn spawn(pose: &nalgebra::Isometry3<f64>) -> Value {
-    let (position, rotation) = frame::gltf_pose_from_scene(pose);
-    json!({ "position": position, "rotation": rotation })
-}
-
-fn light(light: &crate::scene::Light) -> Value {
-    json!({
-        "name": light.name,
-        "position": frame::gltf_from_scene::<f64>(light.position.into()),
-        "color": light.color,
-        "intensity_cd": light.intensity_cd,
-        "range_m": light.range_m,
-    })
+fn write_buffer(name: &str, payload: &Payload, out: &mut dyn Package) -> Result<(), ExportError> {
+    out.write(&buffer_file(name), |file| payload.write(file))
 }

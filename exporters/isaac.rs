@@ -62,7 +62,7 @@ impl Target for Isaac {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         let contents = self.contents();
         let open = format!("File > Open {} in Isaac Sim", stage::root_name(scene));
-        let summary = stage::write(scene, &contents, &*self.library, out, open)?;
+        let summary = stage::write("isaac", scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
     }

@@ -1,7 +1,7 @@
 //! Writes a resolved [`scene::Scene`] as packages for simulators.
 //!
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
-//! writes what each simulator expects. Targets never name each other; what they share are formats ([`format`], [`stage`]), the frame
+//! writes what each simulator expects. Targets never name each other; what they share are formats ([`mod@format`], [`stage`]), the frame
 //! changes ([`frame`]) and the sink ([`package`]). A new target is one file and one row of [`TARGETS`].
 
 use std::sync::Arc;
@@ -9,6 +9,7 @@ use std::sync::Arc;
 use schemars::Schema;
 use serde_json::Value;
 
+pub mod assimp;
 pub mod bundle;
 pub mod check;
 pub mod collision;
@@ -18,6 +19,7 @@ pub mod fbx;
 pub mod format;
 pub mod frame;
 pub mod gazebo;
+pub mod glb;
 pub mod gltf;
 pub mod isaac;
 pub mod manifest;
@@ -100,6 +102,8 @@ pub enum Build {
     Plain(fn(Value) -> Built),
     /// With the USD library that a host program lends.
     WithUsd(fn(Value, Arc<dyn stage::Library>) -> Built),
+    /// In a format that follows the name after a colon, as in `assimp:collada`. Without one, the error lists those there are.
+    WithFormat(fn(Option<&str>, Value) -> Built),
 }
 
 /// A target, or what is wrong with its settings.
@@ -109,16 +113,10 @@ impl TargetRow {
     /// The target with these settings; `library` is the USD library of the host program, if it has one.
     ///
     /// # Errors
-    /// [`ExportError::Settings`]; [`ExportError::MissingPart`] without a USD library that fits, where one is needed.
-    pub fn build(&self, settings: Value, library: Option<&Arc<dyn stage::Library>>) -> Built {
-        match self.build {
-            Build::Plain(build) => build(settings),
-            Build::WithUsd(build) => {
-                let library = library.ok_or_else(|| ExportError::no_usd(self.name))?;
-                library.check()?;
-                build(settings, Arc::clone(library))
-            }
-        }
+    /// [`ExportError::Settings`]; [`ExportError::MissingPart`] without a library that fits, where one is needed;
+    /// [`ExportError::UnknownFormat`] where a format is.
+    pub fn build(&'static self, settings: Value, library: Option<&Arc<dyn stage::Library>>) -> Built {
+        Choice { row: self, format: None }.build(settings, library)
     }
 
     /// Whether a package can become a file of this kind.
@@ -129,6 +127,54 @@ impl TargetRow {
     /// Whether the host program must lend a USD library.
     pub fn needs_usd(&self) -> bool {
         matches!(self.build, Build::WithUsd(_))
+    }
+
+    /// Whether the name of a format belongs to it.
+    pub fn needs_format(&self) -> bool {
+        matches!(self.build, Build::WithFormat(_))
+    }
+
+    /// How it is asked for: its name, with `:<id>` where a format belongs to it.
+    pub fn usage(&self) -> String {
+        let format = if self.needs_format() { ":<id>" } else { "" };
+        format!("{}{format}", self.name)
+    }
+}
+
+/// A target as it is asked for: `gazebo`, or `assimp:collada` with the name of a format.
+#[derive(Clone)]
+pub struct Choice {
+    /// Its row.
+    pub row: &'static TargetRow,
+    /// The format, where the row [needs](TargetRow::needs_format) one.
+    pub format: Option<String>,
+}
+
+impl Choice {
+    /// The target with these settings; `library` is the USD library of the host program, if it has one.
+    ///
+    /// # Errors
+    /// As [`TargetRow::build`].
+    pub fn build(&self, settings: Value, library: Option<&Arc<dyn stage::Library>>) -> Built {
+        match self.row.build {
+            Build::Plain(build) => build(settings),
+            Build::WithUsd(build) => {
+                let library = library.ok_or_else(|| ExportError::no_usd(self.row.name))?;
+                library.check()?;
+                build(settings, Arc::clone(library))
+            }
+            Build::WithFormat(build) => build(self.format.as_deref(), settings),
+        }
+    }
+
+    /// What was asked for.
+    pub fn name(&self) -> String {
+        [Some(self.row.name), self.format.as_deref()].into_iter().flatten().collect::<Vec<_>>().join(":")
+    }
+
+    /// The same as part of the name of a folder.
+    pub fn folder(&self) -> String {
+        self.name().replace(|letter: char| !letter.is_ascii_alphanumeric(), "-")
     }
 }
 
@@ -141,22 +187,27 @@ pub static TARGETS: &[TargetRow] = &[
     urdf::ROW,
     usd::ROW,
     usdz::ROW,
+    glb::ROW,
     gltf::ROW,
     fbx::ROW,
     obj::ROW,
     ply::ROW,
     stl::ROW,
+    assimp::ROW,
 ];
 
-/// The row called `name`.
+/// The target called `name`.
 ///
 /// # Errors
 /// [`ExportError::UnknownTarget`], which lists the names.
-pub fn target(name: &str) -> Result<&'static TargetRow, ExportError> {
-    TARGETS.iter().find(|row| row.name == name).ok_or_else(|| ExportError::UnknownTarget {
+pub fn target(name: &str) -> Result<Choice, ExportError> {
+    let (target, format) = name.split_once(':').map_or((name, None), |(target, format)| (target, Some(format)));
+    let row = TARGETS.iter().find(|row| row.name == target && (format.is_none() || row.needs_format()));
+    let row = row.ok_or_else(|| ExportError::UnknownTarget {
         name: name.to_owned(),
-        known: TARGETS.iter().map(|row| row.name).collect::<Vec<_>>().join(", "),
-    })
+        known: TARGETS.iter().map(TargetRow::usage).collect::<Vec<_>>().join(", "),
+    })?;
+    Ok(Choice { row, format: format.map(str::to_owned) })
 }
 
 /// Reads the settings of a target.

@@ -145,7 +145,7 @@ pub(crate) struct Head {
 impl Manifest {
     /// Of the package that `out` holds by now.
     pub(crate) fn new(
-        row: &'static str,
+        target_name: &str,
         target: &dyn Target,
         scene: &Scene,
         seen: &[Seen],
@@ -156,7 +156,7 @@ impl Manifest {
         Self {
             format: FORMAT,
             generator: scene.generator.clone(),
-            target: row.to_owned(),
+            target: target_name.to_owned(),
             name: scene.name.clone(),
             description: scene.description.clone(),
             seed: scene.seed,

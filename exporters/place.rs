@@ -10,7 +10,7 @@ use crate::manifest::Manifest;
 use crate::manifest::witness::Witness;
 use crate::package::{Existing, Files, Folder, MANIFEST, Package};
 use crate::scene::Scene;
-use crate::{Summary, Target, TargetRow, template};
+use crate::{Summary, Target, template};
 
 /// Name of the file that says whose the package is.
 pub const LICENSE: &str = "LICENSE.md";
@@ -38,50 +38,45 @@ impl Place {
         }
     }
 
-    /// Writes the package; it appears whole or not at all. `target` was built from `row`.
+    /// Writes the package; it appears whole or not at all. `name` is what was asked for, such as `gazebo`.
     ///
     /// # Errors
     /// When something else is here, the scene cannot be read, or the disk refuses.
-    pub fn write(&self, row: &TargetRow, target: &dyn Target, scene: &Scene) -> Result<(Summary, Files), ExportError> {
+    pub fn write(&self, name: &str, target: &dyn Target, scene: &Scene) -> Result<(Summary, Files), ExportError> {
         match self.bundle {
             None => {
                 let mut folder = Folder::create(&self.path, self.existing)?;
-                let summary = fill(row, target, scene, &mut folder)?;
+                let summary = fill(name, target, scene, &mut folder)?;
                 Ok((summary, folder.finish()?))
             }
             Some(bundle) => {
                 let mut archive = Archive::create(bundle, &self.path, self.existing)?;
-                let summary = fill(row, target, scene, &mut archive)?;
+                let summary = fill(name, target, scene, &mut archive)?;
                 Ok((summary, archive.finish()?))
             }
         }
     }
 }
 
-/// Writes a whole package into `out`, which is empty. `target` was built from `row`.
+/// Writes a whole package into `out`, which is empty. `name` is what was asked for, such as `gazebo`.
 ///
 /// # Errors
 /// As [`Target::export`].
-pub fn fill(
-    row: &TargetRow,
-    target: &dyn Target,
-    scene: &Scene,
-    out: &mut dyn Package,
-) -> Result<Summary, ExportError> {
+pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
     let witness = Witness::new(scene);
     let watched = Scene { chunks: &witness, ..scene.clone() };
     let summary = target.export(&watched, out)?;
     let values = context! {
         name => &scene.name,
         generator => &scene.generator,
-        target => row.name,
+        target => name,
         license => env!("CARGO_PKG_LICENSE"),
         repository => env!("CARGO_PKG_REPOSITORY"),
         references => target.references().to_vec(),
     };
     let license = template::fill(LICENSE, include_str!("../templates/package/LICENSE.md.jinja"), &values);
     out.text(LICENSE, &license)?;
-    let manifest = Manifest::new(row.name, target, scene, &witness.seen(scene)?, out);
+    let manifest = Manifest::new(name, target, scene, &witness.seen(scene)?, out);
     out.text(MANIFEST, &manifest.to_text()?)?;
     Ok(summary)
 }

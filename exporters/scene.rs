@@ -296,6 +296,24 @@ pub struct Material {
     pub height: Option<Height>,
 }
 
+impl Material {
+    /// Refuses images that the readers of `target` do not read; the height is not asked.
+    ///
+    /// # Errors
+    /// [`ExportError::UnfitImage`], which names the kinds that they do.
+    pub(crate) fn refuse_unless(
+        &self,
+        target: &'static str,
+        wanted: &'static [ImageFormat],
+    ) -> Result<(), ExportError> {
+        let images = [&self.base_color, &self.normal, &self.orm, &self.roughness];
+        match images.into_iter().find(|image| !wanted.contains(&image.format)) {
+            Some(image) => Err(ExportError::UnfitImage { target, path: image.path.clone(), wanted }),
+            None => Ok(()),
+        }
+    }
+}
+
 /// How far the rock lies before the visual mesh, along its normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Height {
@@ -332,6 +350,15 @@ impl ImageFormat {
             Self::Png => "png",
             Self::Jpeg => "jpg",
             Self::WebP => "webp",
+        }
+    }
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
         }
     }
 

@@ -26,7 +26,7 @@ use serde_json::{Value, json};
 use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, Light, Mesh, Scene, Zone};
+use crate::scene::{ByZone, Chunk, ImageFormat, Light, Mesh, Scene, Zone};
 use crate::{Summary, frame, slope, template};
 
 mod colliders;
@@ -151,11 +151,15 @@ pub fn root_name(scene: &Scene) -> String {
     format!("{}.usda", scene.name)
 }
 
-/// Writes the layers and images of a stage into `out`; the summary says `open` of it.
+/// Images that the specification of UsdPreviewSurface demands of every reader, as far as a scene has them.
+const IMAGES: [ImageFormat; 2] = [ImageFormat::Png, ImageFormat::Jpeg];
+
+/// Writes the layers and images of a stage into `out` for `target`; the summary says `open` of it.
 ///
 /// # Errors
 /// As [`crate::Target::export`], and when the library refuses.
 pub fn write(
+    target: &'static str,
     scene: &Scene,
     contents: &Contents,
     library: &dyn Library,
@@ -167,6 +171,7 @@ pub fn write(
     let (mut payloads, mut triangles) = (Vec::new(), [0, 0]);
     for index in 0..scene.chunks.len() {
         let mut chunk = scene.chunk(index)?;
+        chunk.material.refuse_unless(target, &IMAGES)?;
         let colliders = Colliders::of(scene, index, &mut chunk, contents.physics)?;
         triangles[0] += chunk.visual.triangles();
         triangles[1] += colliders.triangles();

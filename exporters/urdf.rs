@@ -23,7 +23,7 @@ use crate::error::ExportError;
 use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, Mesh, Scene};
+use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -143,6 +143,7 @@ impl Origin {
 
 fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
     let name = &chunk.name;
+    chunk.material.refuse_unless("urdf", &[ImageFormat::Png, ImageFormat::Jpeg])?;
     let meshes = format!("{package}/meshes");
     let mut copy = |role, image: &Image| {
         let texture = format!("textures/{name}_{role}.{}", image.format.extension());

@@ -33,7 +33,7 @@ impl Target for Usd {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         let contents = self.settings.contents();
         let open = format!("usdview {}", stage::root_name(scene));
-        let summary = stage::write(scene, &contents, &*self.library, out, open)?;
+        let summary = stage::write("usd", scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
     }

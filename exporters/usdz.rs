@@ -41,7 +41,7 @@ impl Target for Usdz {
         let stage = scratch.path().join("stage");
         let mut loose = Folder::create(&stage, Existing::Keep)?;
         let open = format!("usdview {archive}");
-        let summary = stage::write(scene, &contents, &*self.library, &mut loose, open)?;
+        let summary = stage::write("usdz", scene, &contents, &*self.library, &mut loose, open)?;
         loose.finish()?;
         let path = scratch.path().join(&archive);
         let spec = json!({ "root": stage.join(stage::root_name(scene)), "path": path });

@@ -43,6 +43,16 @@ fn faulty_words_are_told() {
 }
 
 #[test]
+fn a_missing_assimp_is_told() {
+    let desk = Desk::new();
+    let mut command = desk.command(&["export", "--target", "assimp:collada"]);
+    let output = command.env("PLUME_ASSIMP", "nowhere/libassimp.so").output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_snapshot!("no_assimp", format!("exit {}\n{stderr}", output.status.code().unwrap()));
+    assert_eq!(files(&desk.path("")).len(), 0);
+}
+
+#[test]
 fn a_faulty_graph_is_told() {
     let desk = Desk::new();
     desk.file("graph.json", "{\"nodes\": [");

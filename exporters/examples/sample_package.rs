@@ -1,7 +1,8 @@
 //! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
 //!
-//! The chamber, for every target that needs no USD library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per
-//! chunk and `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y` with Y up.
+//! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per chunk,
+//! `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y`
+//! with Y up.
 //!
 //! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and spoiled in each way as
 //! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
@@ -43,20 +44,24 @@ fn main() -> Result<()> {
 fn write_chambers(folder: &Path) -> Result<()> {
     let textures = tempfile::tempdir()?;
     let chamber = sample::Chamber::new(textures.path())?;
-    for row in TARGETS.iter().filter(|row| !row.needs_usd()) {
+    for row in TARGETS.iter().filter(|row| !row.needs_usd() && !row.needs_format()) {
         write(&folder.join(row.name), row, json!({}), &chamber.scene(), &None)?;
     }
     for (name, settings) in [
-        ("gltf_chunks", json!({ "per_chunk": true })),
+        ("glb_chunks", json!({ "per_chunk": true, "lods": true })),
+        ("glb_lods", json!({ "lods": true })),
+        ("glb_pieces", json!({ "collision": "pieces" })),
+        ("glb_meshopt", json!({ "compression": "meshopt", "lods": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
         ("fbx_chunks", json!({ "per_chunk": true })),
         ("fbx_pieces", json!({ "collision": "pieces" })),
         ("fbx_y", json!({ "up": "y" })),
+        ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
         ("unreal_pieces", json!({ "collision": "pieces" })),
     ] {
-        let row = target(name.split('_').next().unwrap_or(name))?;
+        let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber.scene(), &None)?;
     }
     Ok(())
@@ -65,14 +70,14 @@ fn write_chambers(folder: &Path) -> Result<()> {
 fn write_markers(folder: &Path, change: marker::Change, library: &Lent) -> Result<()> {
     let textures = tempfile::tempdir()?;
     let marker = marker::Marker::new(textures.path(), change)?;
-    for row in TARGETS.iter().filter(|row| !row.needs_usd() || library.is_some()) {
+    for row in TARGETS.iter().filter(|row| !row.needs_format() && (!row.needs_usd() || library.is_some())) {
         write(&folder.join(row.name), row, json!({}), &marker.scene(), library)?;
     }
     Ok(())
 }
 
-fn write(folder: &Path, row: &TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
+fn write(folder: &Path, row: &'static TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
     let place = Place { path: folder.to_owned(), bundle: None, existing: Existing::Replace };
-    place.write(row, &*row.build(settings, library.as_ref())?, scene)?;
+    place.write(row.name, &*row.build(settings, library.as_ref())?, scene)?;
     Ok(())
 }

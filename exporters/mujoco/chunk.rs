@@ -110,10 +110,8 @@ fn part(mesh: &Mesh, faces: &[u32]) -> Mesh {
 /// [`ExportError::UnfitImage`] for images that are not PNG; those of the package.
 pub fn write_files(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
     let name = &chunk.name;
+    chunk.material.refuse_unless("mujoco", &[ImageFormat::Png])?;
     for (role, image) in images(chunk) {
-        if image.format != ImageFormat::Png {
-            return Err(ExportError::UnfitImage { target: "mujoco", path: image.path.clone(), wanted: "PNG" });
-        }
         out.copy(&format!("assets/{name}_{role}.png"), &image.path)?;
     }
     out.write(&format!("assets/{name}.msh"), |file| Ok(msh::write_visual(file, &chunk.visual)?))

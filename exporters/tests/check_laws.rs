@@ -15,12 +15,12 @@ use plume_exporters::frame::Axes;
 use plume_exporters::manifest::Manifest;
 use plume_exporters::package::{Entry, Existing, MANIFEST};
 use plume_exporters::place::{LICENSE, Place};
-use plume_exporters::{ExportError, TARGETS, TargetRow};
+use plume_exporters::{ExportError, TargetRow};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
-use ledger::ledger;
+use ledger::{complete, ledger};
 
 /// A table with the sample on it.
 struct Desk {
@@ -36,15 +36,15 @@ impl Desk {
     }
 
     /// Writes the sample for a target, and gives where.
-    fn write(&self, row: &TargetRow, bundle: Option<Bundle>) -> Result<PathBuf, ExportError> {
+    fn write(&self, row: &'static TargetRow, bundle: Option<Bundle>) -> Result<PathBuf, ExportError> {
         let folder = self.folder.path().join(row.name);
         let path = bundle.map_or(folder.clone(), |bundle| bundle.file(&folder));
         let place = Place { path: path.clone(), bundle, existing: Existing::Replace };
         let target = row.build(json!({}), ledger().as_ref()).unwrap();
-        place.write(row, &*target, &self.chamber.scene()).map(|_| path)
+        place.write(row.name, &*target, &self.chamber.scene()).map(|_| path)
     }
 
-    fn package(&self, row: &TargetRow) -> PathBuf {
+    fn package(&self, row: &'static TargetRow) -> PathBuf {
         self.write(row, None).unwrap()
     }
 }
@@ -77,7 +77,7 @@ fn entry(bytes: &[u8]) -> Entry {
 #[test]
 fn every_package_is_whole() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         for bundle in std::iter::once(None).chain(Bundle::ALL.map(Some)) {
             let package = desk.write(row, bundle).unwrap();
             let report = check(&package).unwrap();
@@ -90,7 +90,7 @@ fn every_package_is_whole() {
 #[test]
 fn a_manifest_tells_where_everything_is() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         let package = desk.package(row);
         let manifest = manifest(&package);
         let scene = desk.chamber.scene();
@@ -112,7 +112,7 @@ fn a_manifest_tells_where_everything_is() {
 #[test]
 fn a_byte_that_is_flipped_is_found() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         let package = desk.package(row);
         let files = manifest(&package).files;
         for (number, path) in files.0.keys().map(String::as_str).chain([MANIFEST]).enumerate() {
@@ -132,7 +132,7 @@ fn a_byte_that_is_flipped_is_found() {
 #[test]
 fn a_file_too_few_and_one_too_many_are_found() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         let package = desk.package(row);
         for path in manifest(&package).files.0.keys() {
             let aside = desk.folder.path().join("aside");
@@ -150,7 +150,7 @@ fn a_file_too_few_and_one_too_many_are_found() {
 #[test]
 fn a_reference_that_leads_nowhere_is_found() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         let package = desk.package(row);
         let is_named = |path: &&String| [".png", ".glb", ".usdc", ".msh", ".mtl"].iter().any(|end| path.ends_with(end));
         let mut renamed = 0;
@@ -182,7 +182,7 @@ fn rename(package: &Path, from: &str, to: &str) {
 #[test]
 fn a_reference_inside_an_archive_stays_in_it() {
     let desk = Desk::new();
-    let row = plume_exporters::target("usdz").unwrap();
+    let row = plume_exporters::target("usdz").unwrap().row;
     let package = desk.package(row);
     let path = package.join("chamber.usdz");
     let text = fs::read(&path).unwrap();
@@ -200,7 +200,7 @@ fn a_reference_inside_an_archive_stays_in_it() {
 #[test]
 fn a_file_that_is_no_longer_what_its_name_says_is_found() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         let package = desk.package(row);
         for path in manifest(&package).files.0.keys().filter(|path| !path.ends_with(".txt")) {
             let whole = fs::read(package.join(path)).unwrap();
@@ -218,7 +218,7 @@ fn a_file_that_is_no_longer_what_its_name_says_is_found() {
 #[test]
 fn the_same_scene_gives_the_same_archive() {
     let desk = Desk::new();
-    for row in TARGETS {
+    for row in complete() {
         for bundle in Bundle::ALL {
             let [first, again] = [(); 2].map(|()| fs::read(desk.write(row, Some(bundle)).unwrap()).unwrap());
             assert!(first == again, "{} {}", row.name, bundle.name());
@@ -230,7 +230,7 @@ fn the_same_scene_gives_the_same_archive() {
 #[test]
 fn a_full_disk_leaves_no_archive() {
     let desk = Desk::new();
-    let row = plume_exporters::target("gazebo").unwrap();
+    let row = plume_exporters::target("gazebo").unwrap().row;
     for bundle in Bundle::ALL {
         let path = bundle.file(&desk.folder.path().join("full"));
         let partial = path.with_file_name(format!("full.{}.partial", bundle.name()));
@@ -238,7 +238,7 @@ fn a_full_disk_leaves_no_archive() {
         std::os::unix::fs::symlink("/dev/full", &partial).unwrap();
         let place = Place { path: path.clone(), bundle: Some(bundle), existing: Existing::Keep };
         let target = row.build(json!({}), None).unwrap();
-        let error = place.write(row, &*target, &desk.chamber.scene()).unwrap_err();
+        let error = place.write(row.name, &*target, &desk.chamber.scene()).unwrap_err();
         assert!(error.hint().unwrap().starts_with("free some space"), "{error}");
         assert!(!path.exists() && !partial.is_symlink());
     }

@@ -13,11 +13,11 @@ use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
-use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Material, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, Target, TargetRow, target};
 use serde_json::json;
 
-use ledger::ledger;
+use ledger::{complete, ledger};
 use touched::touched;
 
 #[test]
@@ -39,7 +39,7 @@ fn every_target_file_has_its_row() {
 #[test]
 fn the_same_scene_gives_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
-    for row in TARGETS {
+    for row in complete() {
         let (first, again) = (export(row.name, &folder), export(row.name, &folder));
         assert!(first.bytes == again.bytes, "{}", row.name);
         assert!(!first.bytes.is_empty());
@@ -50,7 +50,7 @@ fn the_same_scene_gives_the_same_bytes() {
 fn nothing_in_a_text_is_absolute() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().to_str().unwrap();
-    for row in TARGETS {
+    for row in complete() {
         for (path, bytes) in export(row.name, &folder).bytes {
             let text = String::from_utf8_lossy(&bytes);
             assert!(!text.contains(place) && !text.contains("file://"), "{path}");
@@ -79,7 +79,7 @@ fn a_failed_export_leaves_nothing_behind() {
         fs::remove_file(folder.path().join(image)).unwrap();
     }
     let unreadable = Spoiled { inner: &chamber, spoil: |_| Err(io::Error::other("chunks/1.bin: ends early")) };
-    for row in TARGETS {
+    for row in complete() {
         // STL has no images that could be missing.
         let (chunks, names): (&dyn Chunks, &[&str]) = match row.name {
             "stl" => (&unreadable, &["1.bin"]),
@@ -99,7 +99,7 @@ fn a_failed_export_leaves_nothing_behind() {
 #[test]
 fn without_a_usd_library_the_missing_part_is_told() {
     let texts: Vec<String> =
-        TARGETS.iter().filter_map(|row| row.build(json!({}), None).err()).map(|error| told(&error)).collect();
+        complete().filter_map(|row| row.build(json!({}), None).err()).map(|error| told(&error)).collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
     system: target `isaac` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
     system: target `usd` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
@@ -137,7 +137,7 @@ impl Chunks for Counted<'_> {
 fn no_chunk_is_loaded_more_than_twice() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    for row in TARGETS {
+    for row in complete() {
         let counted = Counted { inner: &chamber, loads: AtomicUsize::new(0) };
         let scene = Scene { chunks: &counted, ..chamber.scene() };
         let target = row.build(json!({}), ledger().as_ref()).unwrap();
@@ -149,7 +149,7 @@ fn no_chunk_is_loaded_more_than_twice() {
 /// Of every target that offers convex pieces, or carries nothing else.
 fn targets_of_pieces() -> impl Iterator<Item = (&'static str, Box<dyn Target>)> {
     let offers = [json!({ "collision": "pieces" }), json!({})];
-    TARGETS.iter().filter_map(move |row| {
+    complete().filter_map(move |row| {
         let target = offers.iter().find_map(|offer| row.build(offer.clone(), ledger().as_ref()).ok())?;
         target.wants_pieces().then_some((row.name, target))
     })
@@ -174,13 +174,14 @@ fn the_pieces_of_the_scene_are_all_that_robots_touch() {
         assert!(found == corners, "{name}");
         names.push(name);
     }
-    assert_eq!(names, ["gazebo", "isaac", "mujoco", "unreal", "urdf", "usd", "usdz", "gltf", "fbx", "obj"]);
+    assert_eq!(names, ["gazebo", "isaac", "mujoco", "unreal", "urdf", "usd", "usdz", "glb", "gltf", "fbx", "obj"]);
 }
 
 #[test]
 fn pieces_are_not_made_unasked_where_there_is_a_choice() {
-    let offers = |row: &TargetRow, other: &str| row.build(json!({ "collision": other }), ledger().as_ref()).is_ok();
-    for row in TARGETS.iter().filter(|row| offers(row, "triangles") || offers(row, "none")) {
+    let offers =
+        |row: &'static TargetRow, other: &str| row.build(json!({ "collision": other }), ledger().as_ref()).is_ok();
+    for row in complete().filter(|row| offers(row, "triangles") || offers(row, "none")) {
         assert!(!row.build(json!({}), ledger().as_ref()).unwrap().wants_pieces(), "{}", row.name);
     }
 }
@@ -225,8 +226,7 @@ impl io::Write for FullFile<'_> {
 fn a_full_disk_is_told_with_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let texts: Vec<String> = TARGETS
-        .iter()
+    let texts: Vec<String> = complete()
         .map(|row| {
             let mut disk = FullDisk { left: 40, files: Files::default() };
             let target = row.build(json!({}), ledger().as_ref()).unwrap();
@@ -242,6 +242,7 @@ fn a_full_disk_is_told_with_the_file() {
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber.usdz: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
+    system: buffers/chunk_0_0_0.bin: no storage space (hint: free some space, or make smaller textures)
     system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber.ply: no storage space (hint: free some space, or make smaller textures)
@@ -298,7 +299,7 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
     for spoil in spoilers {
         let spoiled = Spoiled { inner: &chamber, spoil };
         let scene = Scene { chunks: &spoiled, ..chamber.scene() };
-        let mut errors = TARGETS.iter().map(|row| {
+        let mut errors = complete().map(|row| {
             let target = row.build(json!({}), ledger().as_ref()).unwrap();
             target.export(&scene, &mut Memory::default()).unwrap_err().to_string()
         });
@@ -313,6 +314,84 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
     scene `chamber`: collision mesh of chunk `chunk_1_0_0` has a triangle whose corner is not a vertex
     scene `chamber`: visual mesh of chunk `chunk_1_0_0` has a vertex that is not finite
     ");
+}
+
+#[test]
+fn webp_images_are_written_or_refused_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let place = folder.path().to_str().unwrap();
+    let spoiled = Spoiled { inner: &chamber, spoil: |chunk| Ok(Chunk { material: webp(chunk.material), ..chunk }) };
+    let scene = Scene { chunks: &spoiled, ..chamber.scene() };
+    let written = |row: &'static TargetRow| {
+        let mut package = Memory::default();
+        let exported = row.build(json!({}), ledger().as_ref()).unwrap().export(&scene, &mut package);
+        exported.map(|_| assert!(package.bytes.values().any(|bytes| holds(bytes, b"image/webp")), "{}", row.name))
+    };
+    let texts: Vec<String> = complete()
+        .map(|row| match written(row) {
+            Ok(()) => format!("{}: written", row.name),
+            Err(error) => told(&error).replace(place, "DIR"),
+        })
+        .collect();
+    insta::assert_snapshot!(texts.join("\n"), @r"
+    usage: target `gazebo` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `isaac` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `mujoco` takes PNG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `usd` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `usdz` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    glb: written
+    gltf: written
+    usage: target `urdf` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    ");
+}
+
+/// The same images, said to be WebP.
+fn webp(material: Material) -> Material {
+    let said = |image: Image| Image { format: ImageFormat::WebP, ..image };
+    let Material { base_color, normal, orm, roughness, height } = material;
+    let [base_color, normal, orm, roughness] = [base_color, normal, orm, roughness].map(said);
+    Material { base_color, normal, orm, roughness, height }
+}
+
+fn holds(bytes: &[u8], word: &[u8]) -> bool {
+    bytes.windows(word.len()).any(|window| window == word)
+}
+
+#[test]
+fn a_format_belongs_to_a_target_that_asks_for_one() {
+    let choice = target("assimp:x3d").unwrap();
+    assert_eq!((choice.name(), choice.folder()), ("assimp:x3d".to_owned(), "assimp-x3d".to_owned()));
+    assert_eq!(target("glb").unwrap().folder(), "glb");
+    for name in ["glb:x3d", "assimpx3d", ":x3d", ""] {
+        assert!(matches!(target(name), Err(ExportError::UnknownTarget { .. })), "{name}");
+    }
+}
+
+/// The workspace denies unsafe code; here is where it is allowed.
+#[test]
+fn unsafe_code_is_in_one_file() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut found: Vec<String> = ["exporters", "python/src", "src", "tests", "xtask/src"]
+        .iter()
+        .flat_map(|folder| sources(&root.join(folder)))
+        .filter(|path| fs::read_to_string(path).unwrap().contains(&["allow(", "unsafe_code"].concat()))
+        .map(|path| path.strip_prefix(root).unwrap().to_str().unwrap().to_owned())
+        .collect();
+    found.sort();
+    assert_eq!(found, ["exporters/assimp/library.rs"]);
+    let text = fs::read_to_string(root.join(&found[0])).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    for (number, line) in lines.iter().enumerate().filter(|(_, line)| line.contains("unsafe {")) {
+        let reason = lines[number.saturating_sub(4)..number].iter().any(|line| line.contains("// SAFETY:"));
+        assert!(reason, "line {}: {line}", number + 1);
+    }
+}
+
+fn sources(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let below = entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] });
+    below.filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
 }
 
 #[test]
@@ -334,7 +413,7 @@ fn output_folders_are_refused_in_words() {
     usage: output was not written by an export and is left alone: DIR/home/ (hint: name a new place, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unreal, urdf, usd, usdz, gltf, fbx, obj, ply, stl
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unreal, urdf, usd, usdz, glb, gltf, fbx, obj, ply, stl, assimp:<id>
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }

@@ -90,7 +90,7 @@ def targets() -> dict[str, str]:
     """Targets of `Cave.export`, by name, with what each writes.
 
     >>> sorted(plume.targets())
-    ['gazebo', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
+    ['assimp:<id>', 'gazebo', 'glb', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
     """
 
 def generators() -> dict[str, str]:

@@ -192,24 +192,25 @@ impl Cave {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Package> {
         let cave = self.open(py)?;
+        let row = target.split(':').next().unwrap_or(target);
         let options = match options {
-            Some(options) => json::pairs(target, &json::from_python(options.as_mapping())?),
+            Some(options) => json::pairs(row, &json::from_python(options.as_mapping())?),
             None => Vec::new(),
         };
         let existing = if force { Existing::Replace } else { Existing::Keep };
         let library: Arc<dyn Library> = Arc::new(UsdCore::default());
         work::run(py, None, |watch| {
-            let row = cave::target(target)?;
-            let bundle = bundle.map(|name| cave::bundle(name, &[row])).transpose()?;
+            let choice = cave::target(target)?;
+            let bundle = bundle.map(|name| cave::bundle(name, std::slice::from_ref(&choice))).transpose()?;
             let path = bundle.map_or(path.clone(), |bundle| bundle.file(&path));
-            let target = cave::build(&[row], &options, Some(&library))?.remove(0);
+            let target = cave::build(std::slice::from_ref(&choice), &options, Some(&library))?.remove(0);
             if target.wants_pieces() {
                 cave.make_pieces(watch, &mut |_, _| ())?;
             }
             let chunks = cave.chunks(watch.stop());
             let place = Place { path: path.clone(), bundle, existing };
-            let (summary, files) = place.write(row, &*target, &cave.scene(&chunks))?;
-            Ok(Package::new(row.name, path, &summary, &files))
+            let (summary, files) = place.write(&choice.name(), &*target, &cave.scene(&chunks))?;
+            Ok(Package::new(&choice.name(), path, &summary, &files))
         })
     }
 

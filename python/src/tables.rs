@@ -10,10 +10,10 @@ use pyo3::types::PyDict;
 /// Targets of `Cave.export`, by name, with what each writes.
 ///
 /// >>> sorted(plume.targets())
-/// ['gazebo', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
+/// ['assimp:<id>', 'gazebo', 'glb', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
 #[pyfunction]
 pub fn targets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    table(py, TARGETS.iter().map(|row| (row.name, row.summary)))
+    table(py, TARGETS.iter().map(|row| (row.usage(), row.summary)))
 }
 
 /// Words for `graph.generator`, with how the passages then grow.
@@ -36,9 +36,9 @@ pub fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 
 fn table<'py>(
     py: Python<'py>,
-    rows: impl Iterator<Item = (&'static str, &'static str)>,
+    rows: impl Iterator<Item = (impl AsRef<str>, &'static str)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let table = PyDict::new(py);
-    rows.into_iter().try_for_each(|(name, summary)| table.set_item(name, summary))?;
+    rows.into_iter().try_for_each(|(name, summary)| table.set_item(name.as_ref(), summary))?;
     Ok(table)
 }

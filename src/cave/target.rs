@@ -9,30 +9,32 @@ use plume_exporters::package::Files;
 use plume_exporters::place::Place;
 use plume_exporters::scene::Scene;
 use plume_exporters::stage::Library;
-use plume_exporters::{ExportError, Summary, TARGETS, Target, TargetRow};
+use plume_exporters::{Choice, ExportError, Summary, TARGETS, Target};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::CaveError;
 use crate::recipe;
 
-/// The row of the target called `name`.
+/// The target called `name`.
 ///
 /// # Errors
 /// [`CaveError::Usage`], which names the nearest.
-pub fn target(name: &str) -> Result<&'static TargetRow, CaveError> {
-    let row = TARGETS.iter().find(|row| row.name == name);
-    row.ok_or_else(|| CaveError::unknown("target", name, TARGETS.iter().map(|row| row.name)))
+pub fn target(name: &str) -> Result<Choice, CaveError> {
+    let usages: Vec<String> = TARGETS.iter().map(TargetRow::usage).collect();
+    let unknown = |_| CaveError::unknown("target", name, usages.iter().map(String::as_str));
+    plume_exporters::target(name).map_err(unknown)
 }
 
 /// The kind of file called `name`, into which each target can put its package.
 ///
 /// # Errors
 /// [`CaveError::Usage`], which names the nearest, or the targets that have it.
-pub fn bundle(name: &str, rows: &[&TargetRow]) -> Result<Bundle, CaveError> {
+pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     let bundle = Bundle::ALL.into_iter().find(|bundle| bundle.name() == name);
     let bundle = bundle.ok_or_else(|| CaveError::unknown("bundle", name, Bundle::ALL.map(Bundle::name).into_iter()))?;
-    let Some(row) = rows.iter().find(|row| !row.has(bundle)) else { return Ok(bundle) };
+    let mut rows = choices.iter().map(|choice| choice.row);
+    let Some(row) = rows.find(|row| !row.has(bundle)) else { return Ok(bundle) };
     let able = TARGETS.iter().filter(|row| row.has(bundle));
     let able: Vec<&str> = able.map(|row| row.name).collect();
     let hint = match able.is_empty() {
@@ -47,22 +49,34 @@ pub fn bundle(name: &str, rows: &[&TargetRow]) -> Result<Bundle, CaveError> {
 /// # Errors
 /// Faults of the options; a missing USD library, where one is needed.
 pub fn build(
-    rows: &[&TargetRow],
+    choices: &[Choice],
     options: &[String],
     library: Option<&Arc<dyn Library>>,
 ) -> Result<Vec<Box<dyn Target>>, CaveError> {
     let schemas: Map<String, Value> =
-        rows.iter().map(|row| (row.name.to_owned(), (row.settings)().to_value())).collect();
+        choices.iter().map(|Choice { row, .. }| (row.name.to_owned(), (row.settings)().to_value())).collect();
     let schema = json!({"type": "object", "properties": schemas});
     let settings = recipe::options(&schema, options)?;
-    rows.iter().map(|row| Ok(row.build(settings[row.name].clone(), library)?)).collect()
+    choices.iter().map(|choice| choice.build(settings[choice.row.name].clone(), library).map_err(named)).collect()
+}
+
+/// An unknown format with the name that is nearest.
+fn named(error: ExportError) -> CaveError {
+    match error {
+        ExportError::UnknownFormat { target, name, known } => {
+            let known: Vec<String> = known.iter().map(|format| format!("{target}:{format}")).collect();
+            let name = if name.is_empty() { target.to_owned() } else { format!("{target}:{name}") };
+            CaveError::unknown("target", &name, known.iter().map(String::as_str))
+        }
+        error => error.into(),
+    }
 }
 
 /// A package to be written.
 pub struct Order {
-    /// The row of the target.
-    pub row: &'static TargetRow,
-    /// The target, built from the row.
+    /// What was asked for.
+    pub choice: Choice,
+    /// The target that was built of it.
     pub target: Box<dyn Target>,
     /// Where the package goes.
     pub place: Place,
@@ -92,6 +106,6 @@ pub fn export(scene: &Scene, orders: &[Order]) -> Result<Vec<Exported>, ExportEr
 
 fn export_one(scene: &Scene, order: &Order) -> Result<Exported, ExportError> {
     let clock = ThreadTime::now();
-    let (summary, files) = order.place.write(order.row, &*order.target, scene)?;
+    let (summary, files) = order.place.write(&order.choice.name(), &*order.target, scene)?;
     Ok(Exported { summary, files, cpu: clock.elapsed() })
 }

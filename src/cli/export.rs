@@ -7,7 +7,7 @@ use clap::Args;
 use plume_exporters::bundle::Bundle;
 use plume_exporters::package::Existing;
 use plume_exporters::place::Place;
-use plume_exporters::{Target, TargetRow};
+use plume_exporters::{Choice, Target};
 
 use super::fault::CliError;
 use super::progress::Console;
@@ -45,13 +45,13 @@ impl Export {
     /// # Errors
     /// Bad input, the disk, Ctrl-C, a missing USD library.
     pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
-        let rows = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
-        let targets = cave::build(&rows, &self.option, host.library())?;
+        let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
+        let targets = cave::build(&choices, &self.option, host.library())?;
         let input = self.source.resolve()?;
-        let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &rows)).transpose()?;
-        let outputs = self.outputs(&input.recipe.name, &rows, bundle);
+        let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
+        let outputs = self.outputs(&input.recipe.name, &choices, bundle);
         self.refuse_same_place(&outputs)?;
-        let orders = self.orders(&rows, targets, &outputs, bundle);
+        let orders = self.orders(choices, targets, &outputs, bundle);
         orders.iter().try_for_each(|order| order.place.check())?;
         let work = self.work_folder(&input, &outputs[0]);
         let folder = CaveFolder::open_or_new(&work.path)?;
@@ -75,7 +75,7 @@ impl Export {
     /// The first target that needs a USD library.
     pub fn usd_target(&self) -> Option<&'static str> {
         let wanted = self.target.iter().filter_map(|name| cave::target(name).ok());
-        wanted.filter(|row| row.needs_usd()).map(|row| row.name).next()
+        wanted.filter(|choice| choice.row.needs_usd()).map(|choice| choice.row.name).next()
     }
 
     /// Refuses a place that two would write to.
@@ -90,11 +90,11 @@ impl Export {
         })
     }
 
-    fn outputs(&self, name: &str, targets: &[&TargetRow], bundle: Option<Bundle>) -> Vec<PathBuf> {
+    fn outputs(&self, name: &str, targets: &[Choice], bundle: Option<Bundle>) -> Vec<PathBuf> {
         let folders = match (&self.output, targets) {
             (Some(output), [_]) => vec![output.clone()],
-            (Some(output), _) => targets.iter().map(|row| output.join(row.name)).collect(),
-            (None, _) => targets.iter().map(|row| PathBuf::from(format!("{name}-{}", row.name))).collect(),
+            (Some(output), _) => targets.iter().map(|choice| output.join(choice.folder())).collect(),
+            (None, _) => targets.iter().map(|choice| PathBuf::from(format!("{name}-{}", choice.folder()))).collect(),
         };
         match bundle {
             Some(bundle) => folders.iter().map(|folder: &PathBuf| bundle.file(folder)).collect(),
@@ -104,15 +104,15 @@ impl Export {
 
     fn orders(
         &self,
-        rows: &[&'static TargetRow],
+        choices: Vec<Choice>,
         targets: Vec<Box<dyn Target>>,
         outputs: &[PathBuf],
         bundle: Option<Bundle>,
     ) -> Vec<Order> {
         let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
         let places = outputs.iter().map(|path| Place { path: path.clone(), bundle, existing });
-        let whole = rows.iter().zip(targets).zip(places);
-        whole.map(|((row, target), place)| Order { row, target, place }).collect()
+        let whole = choices.into_iter().zip(targets).zip(places);
+        whole.map(|((choice, target), place)| Order { choice, target, place }).collect()
     }
 
     /// A named cave folder serves as it is; else the cave is made in a hidden folder beside the package, which goes when

@@ -25,7 +25,7 @@ enum Table {
     Presets,
 }
 
-type Rows = Vec<(&'static str, &'static str)>;
+type Rows = Vec<(String, &'static str)>;
 
 impl List {
     /// Prints the tables on stdout.
@@ -34,10 +34,10 @@ impl List {
     /// None; commands can fail.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let tables: Vec<(Table, Rows)> = vec![
-            (Table::Targets, TARGETS.iter().map(|row| (row.name, row.summary)).collect()),
-            (Table::Generators, GENERATORS.iter().map(|row| (row.name, row.summary)).collect()),
-            (Table::Materials, MATERIALS.iter().map(|row| (row.name, row.summary)).collect()),
-            (Table::Presets, PRESETS.iter().map(|row| (row.name, row.summary)).collect()),
+            (Table::Targets, TARGETS.iter().map(|row| (row.usage(), row.summary)).collect()),
+            (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
+            (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
+            (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
         ];
         let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
         if console.is_json() {

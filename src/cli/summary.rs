@@ -77,7 +77,7 @@ impl Summary {
         let numbers =
             json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
-        self.row(order.row.name, &text, cpu_s, numbers);
+        self.row(&order.choice.name(), &text, cpu_s, numbers);
         self.lines.push(format!("  {:9} {open}", "open with"));
     }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its glTF package.
+//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB.
 
 use crate::judge::{self, SAMPLES};
 use crate::plume::Plume;
@@ -15,7 +15,7 @@ pub fn run(_arguments: &[String]) -> Result<()> {
     let plume = Plume::build()?;
     for (name, spawn) in SAMPLES.iter().zip(SPAWNS) {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/gallery/{name}"));
-        plume.output(&["export", &recipe, "--target", "gltf", "--output", &output, "--force", "--set", DENSITY])?;
+        plume.output(&["export", &recipe, "--target", "glb", "--output", &output, "--force", "--set", DENSITY])?;
         let picture = root().join(format!("samples/{name}.png"));
         println!("{}", judge::shoot(&root().join(output), &picture, spawn)?);
     }

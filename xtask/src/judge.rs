@@ -12,6 +12,9 @@ use crate::plume::Plume;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
+mod assimp;
+mod blender;
+mod formats;
 pub mod mujoco;
 mod spoil;
 pub mod urdf;
@@ -23,7 +26,11 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        SAMPLE_PACKAGES.iter().for_each(|package| judge(&judges, &sample.join(package), &mut tally));
+        for package in SAMPLE_PACKAGES {
+            judge(&judges, &sample.join(package), &mut tally);
+        }
+        judge(&judges, &sample, &mut tally);
+        judge(&judges, &formats::shelve(&sample)?, &mut tally);
         spoil::run(&judges, &sample, &mut tally)?;
         if judges.iter().any(|judge| judge.name == "physx") {
             tally.enter("physx", usd::spoil());
@@ -80,7 +87,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 15] = [
+const JUDGES: [Judge; 22] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -95,6 +102,13 @@ const JUDGES: [Judge; 15] = [
     Judge { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
     Judge { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
     Judge { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
+    Judge { name: "trimesh", of: Kind::Shelf, prepare: formats::make, command: formats::open },
+    Judge { name: "blender", of: Kind::Shelf, prepare: blender::make, command: blender::open },
+    Judge { name: "libassimp", of: Kind::Shelf, prepare: formats::make_assimp, command: formats::open_in_assimp },
+    Judge { name: "orient", of: Kind::Marker, prepare: formats::make, command: formats::orient },
+    Judge { name: "blender", of: Kind::Marker, prepare: blender::make, command: blender::open },
+    Judge { name: "libassimp", of: Kind::Marker, prepare: formats::make_assimp, command: formats::open_in_assimp },
+    Judge { name: "assimp", of: Kind::Assimp, prepare: assimp::make, command: assimp::compare },
     Judge { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
@@ -107,17 +121,25 @@ enum Kind {
     Urdf,
     Usd,
     Mujoco,
+    /// All packages of one cave, beside each other.
+    Shelf,
+    /// The samples of the exporters.
+    Marker,
+    Assimp,
 }
 
 impl Kind {
     fn of(package: &Path) -> Option<Self> {
         match package {
+            _ if formats::is_marked(package) => Some(Self::Marker),
+            _ if formats::is_shelf(package) => Some(Self::Shelf),
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
             _ if holds(package, &["fbx"]) => Some(Self::Fbx),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
+            _ if assimp::is_package(package) => Some(Self::Assimp),
             _ => None,
         }
     }
@@ -199,10 +221,27 @@ fn export_sample() -> Result<PathBuf> {
         Command::new(env!("CARGO"))
             .args(["run", "-q", "-p", "plume-exporters", "--example", "sample_package", "--"])
             .arg(&sample)
+            .args(formats::python())
             .current_dir(root()),
     )?;
     Ok(sample)
 }
+
+/// Packages of the sample that are judged as they are.
+const SAMPLE_PACKAGES: [&str; 12] = [
+    "gazebo",
+    "gazebo_pieces",
+    "glb",
+    "glb_chunks",
+    "glb_lods",
+    "glb_meshopt",
+    "glb_pieces",
+    "gltf",
+    "gltf_meshopt",
+    "gltf_pieces",
+    "urdf",
+    "urdf_pieces",
+];
 
 /// Recipes of `samples/`.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
@@ -213,17 +252,20 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (targets, cave) = ("gazebo,gltf,fbx,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
-        plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
-        packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
+        let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let targets = format!("{opened},obj,ply,stl");
+        plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
+        packages.extend(opened.split(',').map(|target| root().join(&output).join(target)));
+        packages.push(root().join(&output));
     }
     packages.extend(export_pieces(&plume)?);
+    packages.extend(assimp::export(&plume)?);
     Ok(packages)
 }
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
 fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) = (["gazebo", "gltf", "fbx", "isaac", "usd", "usdz"], "target/judges/pieces");
+    let (targets, output) = (["gazebo", "glb", "gltf", "fbx", "isaac", "usd", "usdz"], "target/judges/pieces");
     let options = targets.map(|target| format!("{target}.collision=pieces"));
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
@@ -268,7 +310,7 @@ fn install_node() -> Result<()> {
 
 fn validate_gltf(package: &Path) -> Result<Command> {
     let mut command = Command::new("node");
-    command.arg(node_folder().join("validate.mjs")).args(glb_files(package)?);
+    command.arg(node_folder().join("validate.mjs")).args(gltf_files(package));
     Ok(command)
 }
 
@@ -295,13 +337,12 @@ pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
     tools::run(&mut shot(package, picture, spawn))
 }
 
-fn glb_files(package: &Path) -> Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for folder in [package.to_owned(), package.join("chunks")] {
-        files.extend(files_of(&folder).filter(|path| path.extension().is_some_and(|ending| ending == "glb")));
-    }
+fn gltf_files(package: &Path) -> Vec<PathBuf> {
+    let folders = [package.to_owned(), package.join("chunks")];
+    let is_gltf = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "glb" || ending == "gltf");
+    let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| files_of(folder).filter(is_gltf)).collect();
     files.sort();
-    Ok(files)
+    files
 }
 
 fn node_folder() -> PathBuf {

@@ -19,6 +19,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     show(cargo().args(test).args(arguments))?;
     drop_balls()?;
     judge::urdf::drive(&Plume::build()?, CAVE)?;
+    read_meshes(&Plume::build()?)?;
     let plume = Plume::package()?;
     judge::mujoco::make()?;
     let python = judge::usd::environment()?.python();
@@ -36,6 +37,14 @@ fn read_with_another_usd(plume: &Plume) -> Result<()> {
     let export = ["export", "--target", "isaac", "--force", "--output", &package];
     plume.output(&[&export[..], &SMALL[..]].concat())?;
     judge::only("usd-old", package.as_ref())
+}
+
+/// The formats that have no simulator to judge them.
+fn read_meshes(plume: &Plume) -> Result<()> {
+    let shelf = format!("{CAVE}/formats");
+    let export = ["export", "--target", "obj,ply,stl", "--force", "--output", &shelf];
+    plume.output(&[&export[..], &SMALL[..]].concat())?;
+    judge::only("trimesh", shelf.as_ref())
 }
 
 /// The default cave, whole; its images are small, since nothing in its shape depends on them.

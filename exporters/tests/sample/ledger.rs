@@ -6,8 +6,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use plume_exporters::ExportError;
 use plume_exporters::stage::{Array, Library};
+use plume_exporters::{ExportError, TARGETS, TargetRow};
 use serde_json::Value;
 use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
@@ -15,6 +15,11 @@ use zip::write::{SimpleFileOptions, ZipWriter};
 /// Writes each call into the file that the call names: as text where USD writes text, and else in the frame of a binary layer,
 /// with the files that it refers to where USD has them.
 pub struct Ledger;
+
+/// Every target but those whose formats a library of the machine brings: these have tests of their own.
+pub fn complete() -> impl Iterator<Item = &'static TargetRow> {
+    TARGETS.iter().filter(|row| !row.needs_format())
+}
 
 /// The library as a host program lends it.
 pub fn ledger() -> Option<Arc<dyn Library>> {

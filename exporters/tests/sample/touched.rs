@@ -12,8 +12,11 @@ pub fn touched(package: &Memory) -> Vec<usize> {
         Some("urdf") => objects_of_collisions(package, bytes, ""),
         Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
         Some("obj") if path.ends_with("_collision.obj") && !path.contains('/') => objects(bytes),
-        Some("glb") => unreal_meshes(bytes),
         Some("fbx") => unreal_nodes(bytes),
+        Some("glb") => unreal_meshes(&gltf::Gltf::from_slice(bytes).unwrap(), package),
+        Some("gltf") if !path.ends_with("_lods.gltf") => {
+            unreal_meshes(&gltf::Gltf::from_slice(bytes).unwrap(), package)
+        }
         Some("usdc" | "usdz") => colliders(bytes),
         _ => Vec::new(),
     };
@@ -54,8 +57,11 @@ fn collision_meshes(bytes: &[u8]) -> Vec<usize> {
 }
 
 /// The meshes that Unreal takes as collision of the mesh that it finds in the node above.
-fn unreal_meshes(bytes: &[u8]) -> Vec<usize> {
-    let (document, buffers, _) = gltf::import_slice(bytes).unwrap();
+fn unreal_meshes(document: &gltf::Gltf, package: &Memory) -> Vec<usize> {
+    let buffer = |buffer: gltf::Buffer| match buffer.source() {
+        gltf::buffer::Source::Bin => document.blob.as_deref(),
+        gltf::buffer::Source::Uri(uri) => package.bytes.get(uri).map(Vec::as_slice),
+    };
     let mut found = Vec::new();
     for node in document.nodes() {
         for (number, child) in node.children().enumerate() {
@@ -63,8 +69,7 @@ fn unreal_meshes(bytes: &[u8]) -> Vec<usize> {
             let mesh = child.mesh().unwrap();
             assert_eq!([child.name(), mesh.name()], [Some(&*name); 2]);
             let primitive = mesh.primitives().next().unwrap();
-            let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
-            found.push(reader.read_positions().unwrap().len());
+            found.push(primitive.reader(buffer).read_positions().unwrap().len());
         }
     }
     found

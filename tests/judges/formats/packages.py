@@ -71,7 +71,7 @@ def upper_left(uv):
 
 def is_drawn(name):
     """Whether a mesh or a file of this name is what cameras see in full detail."""
-    return not (name.startswith("UCX_") or "collision" in name.lower() or re.search(r"_lod[1-9]", name.lower()))
+    return not (name.startswith("UCX_") or "collision" in name.lower() or re.search(r"_lod(s$|[1-9])", name.lower()))
 
 
 @dataclass
@@ -97,10 +97,16 @@ def packages_in(folder):
 
 
 def run(judge, readers):
-    """Judges the folder that the command line names; praise goes to stdout, all else to stderr."""
-    with os.fdopen(os.dup(1), "w") as stdout:
-        os.dup2(2, 1)
-        try:
-            print(judge(Path(sys.argv[1]), readers), file=stdout)
-        except Complaint as complaint:
-            sys.exit(f"error: {complaint}")
+    """Judges the folder that the command line names, and ends the program. Praise goes to stdout, all else to stderr."""
+    stdout = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        os.write(stdout, f"{judge(Path(sys.argv[1]), readers)}\n".encode())
+        code = 0
+    except Complaint as complaint:
+        print(f"error: {complaint}", file=sys.stderr)
+        code = 1
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # Blender's module crashes when an interpreter takes itself apart.
+    os._exit(code)

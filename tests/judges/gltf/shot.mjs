@@ -79,6 +79,10 @@ function judge(report) {
     }
     if (mesh.maps.map && mesh.maps.map !== 'srgb') faults.push(`${mesh.name}: base colour is not sRGB`);
   }
+  for (const [name, triangles] of report.wanted) {
+    const found = report.meshes.find((mesh) => mesh.name === name)?.triangles;
+    if (found !== triangles) faults.push(`${name} has ${found} triangles, and scene.json says ${triangles}`);
+  }
   if (report.mean < 0.02) faults.push(`the picture is dark (mean ${report.mean.toFixed(4)})`);
   if (report.deviation < 0.01) faults.push(`the picture is flat (deviation ${report.deviation.toFixed(4)})`);
   if (report.background > 0.01) faults.push(`${(100 * report.background).toFixed(1)} % of the view is not rock`);

@@ -39,7 +39,7 @@ struct Spoil {
     rewrite: fn(Vec<u8>) -> Option<Vec<u8>>,
 }
 
-const SPOILS: [Spoil; 20] = [
+const SPOILS: [Spoil; 25] = [
     Spoil {
         fault: "a hole in the collision mesh",
         judge: "pybullet",
@@ -93,21 +93,21 @@ const SPOILS: [Spoil; 20] = [
         fault: "wrong bounds of an accessor",
         judge: "validator",
         complaint: "ACCESSOR_MAX_MISMATCH",
-        file: "gltf/chamber.glb",
+        file: "glb/chamber.glb",
         rewrite: |bytes| replace(&bytes, "\"max\":[", "\"max\":[9"),
     },
     Spoil {
         fault: "tangents under another name",
         judge: "three",
         complaint: "has no tangents",
-        file: "gltf/chamber.glb",
+        file: "glb/chamber.glb",
         rewrite: |bytes| replace(&bytes, "\"TANGENT\"", "\"_TANGEN\""),
     },
     Spoil {
         fault: "a chunk that is not in the scene",
         judge: "three",
         complaint: "of the view is not rock",
-        file: "gltf/chamber.glb",
+        file: "glb/chamber.glb",
         rewrite: |bytes| replace(&bytes, "\"nodes\":[0,1", "\"nodes\":[0,0"),
     },
     Spoil {
@@ -180,6 +180,41 @@ const SPOILS: [Spoil; 20] = [
         file: "urdf/chamber/package.xml",
         rewrite: |bytes| replace(&bytes, "<license>not stated</license>", ""),
     },
+    Spoil {
+        fault: "triangles that one format lacks",
+        judge: "trimesh",
+        complaint: "triangles instead of",
+        file: "formats/obj/chamber.obj",
+        rewrite: |bytes| Some(keep_triangles(&bytes, |number| !number.is_multiple_of(20))),
+    },
+    Spoil {
+        fault: "a corner that one format has elsewhere",
+        judge: "trimesh",
+        complaint: "trimesh on stl: its bounds are",
+        file: "formats/stl/chamber.stl",
+        rewrite: |bytes| Some([&bytes[..96], &99.0_f32.to_le_bytes(), &bytes[100..]].concat()),
+    },
+    Spoil {
+        fault: "a missing image",
+        judge: "trimesh",
+        complaint: "has no image",
+        file: "formats/obj/textures/chunk_1_0_0_base_color.png",
+        rewrite: |_| None,
+    },
+    Spoil {
+        fault: "a material without roughness",
+        judge: "blender",
+        complaint: "chunk_0_0_0 has images for ['Base Color'] only",
+        file: "formats/obj/chamber.mtl",
+        rewrite: |bytes| replace(&bytes, "map_Pr", "map_Px"),
+    },
+    Spoil {
+        fault: "a missing image",
+        judge: "libassimp",
+        complaint: "textures/chunk_1_0_0_base_color.png is not there",
+        file: "formats/fbx/textures/chunk_1_0_0_base_color.png",
+        rewrite: |_| None,
+    },
 ];
 
 /// A copy of the package with one file rewritten, or removed if nothing is left of it.
@@ -197,7 +232,8 @@ fn copy(sample: &Path, spoil: &Spoil) -> io::Result<PathBuf> {
     Ok(package)
 }
 
-fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
+/// Copies a folder with all that is in it.
+pub(super) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
         let entry = entry?;

@@ -2,27 +2,30 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "sample/levels.rs"]
+mod levels;
 mod sample;
 
 use gltf::Semantic;
 use nalgebra::Vector3;
 use plume_exporters::Target;
+use plume_exporters::collision::NamedCollision;
 use plume_exporters::frame::{gltf_from_scene, gltf_tangent_from_scene, upper_left_uv};
-use plume_exporters::gltf::{Gltf, GltfSettings, NamedCollision};
+use plume_exporters::glb::{Glb, GlbSettings};
 use plume_exporters::package::Memory;
 use plume_exporters::scene::Chunks;
 
-fn export(settings: GltfSettings) -> (Memory, sample::Chamber, tempfile::TempDir) {
+fn export(settings: GlbSettings) -> (Memory, sample::Chamber, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let mut memory = Memory::default();
-    Gltf(settings).export(&chamber.scene(), &mut memory).unwrap();
+    Glb(settings).export(&chamber.scene(), &mut memory).unwrap();
     (memory, chamber, folder)
 }
 
 #[test]
 fn one_file_holds_every_chunk_bit_for_bit() {
-    let (memory, chamber, _folder) = export(GltfSettings::default());
+    let (memory, chamber, _folder) = export(GlbSettings::default());
     let (document, buffers, images) = gltf::import_slice(&memory.bytes["chamber.glb"]).unwrap();
     assert_eq!(images.len(), 6);
     let meshes: Vec<_> = document.nodes().filter_map(|node| node.mesh()).collect();
@@ -43,7 +46,7 @@ fn one_file_holds_every_chunk_bit_for_bit() {
 
 #[test]
 fn images_are_embedded_byte_for_byte() {
-    let (memory, chamber, _folder) = export(GltfSettings::default());
+    let (memory, chamber, _folder) = export(GlbSettings::default());
     let glb = gltf::Gltf::from_slice(&memory.bytes["chamber.glb"]).unwrap();
     let blob = glb.blob.as_deref().unwrap();
     let material = chamber.load(1).unwrap().material;
@@ -66,7 +69,7 @@ fn images_are_embedded_byte_for_byte() {
 /// The bitangent that a renderer builds must run up the image: against the v of glTF.
 #[test]
 fn the_bitangent_runs_up_the_image() {
-    let (memory, ..) = export(GltfSettings::default());
+    let (memory, ..) = export(GlbSettings::default());
     let (document, buffers, _) = gltf::import_slice(&memory.bytes["chamber.glb"]).unwrap();
     let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
     let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
@@ -91,8 +94,8 @@ fn edge(uvs: &[[f32; 2]], from: usize, to: usize) -> [f32; 2] {
 
 #[test]
 fn one_file_per_chunk_holds_the_same() {
-    let (single, ..) = export(GltfSettings::default());
-    let (memory, chamber, _folder) = export(GltfSettings { per_chunk: true, ..GltfSettings::default() });
+    let (single, ..) = export(GlbSettings::default());
+    let (memory, chamber, _folder) = export(GlbSettings { per_chunk: true, ..GlbSettings::default() });
     let (document, _, _) = gltf::import_slice(&single.bytes["chamber.glb"]).unwrap();
     for (index, node) in document.nodes().filter(|node| node.mesh().is_some()).enumerate() {
         let path = format!("chunks/{}.glb", chamber.load(index).unwrap().name);
@@ -104,12 +107,12 @@ fn one_file_per_chunk_holds_the_same() {
         assert_eq!(bounds(alone.meshes().next().unwrap()), bounds(node.mesh().unwrap()));
         assert_eq!(images.len(), 3);
     }
-    assert_eq!(memory.bytes.len(), 3);
+    assert_eq!(memory.bytes.len(), 4);
 }
 
 #[test]
 fn the_recipe_and_the_lights_travel_along() {
-    let (memory, chamber, _folder) = export(GltfSettings::default());
+    let (memory, chamber, _folder) = export(GlbSettings::default());
     let glb = gltf::Gltf::from_slice(&memory.bytes["chamber.glb"]).unwrap();
     let extras = glb.document.as_json().extras.as_ref().unwrap().get();
     let extras: serde_json::Value = serde_json::from_str(extras).unwrap();
@@ -118,14 +121,14 @@ fn the_recipe_and_the_lights_travel_along() {
     assert_eq!(lights.len(), 2);
     assert_eq!(lights[0].intensity(), 8.0);
 
-    let (dark, ..) = export(GltfSettings { lights: false, ..GltfSettings::default() });
+    let (dark, ..) = export(GlbSettings { lights: false, ..GlbSettings::default() });
     assert!(gltf::Gltf::from_slice(&dark.bytes["chamber.glb"]).unwrap().lights().is_none());
 }
 
 #[test]
 fn pieces_come_back_bit_for_bit_and_convex() {
     for per_chunk in [false, true] {
-        let settings = GltfSettings { per_chunk, collision: NamedCollision::Pieces, ..GltfSettings::default() };
+        let settings = GlbSettings { per_chunk, collision: NamedCollision::Pieces, ..GlbSettings::default() };
         let (memory, chamber, _folder) = export(settings);
         let files = memory.bytes.iter().filter(|(path, _)| path.ends_with(".glb"));
         let read = files.map(|(_, bytes)| gltf::import_slice(bytes).unwrap());
@@ -137,6 +140,31 @@ fn pieces_come_back_bit_for_bit_and_convex() {
         assert!(found == expected);
         assert!(found.iter().all(is_convex));
     }
+}
+
+#[test]
+fn coarser_levels_stand_outside_of_the_scene_with_their_errors() {
+    for per_chunk in [false, true] {
+        let (memory, chamber, _folder) = export(GlbSettings { per_chunk, lods: true, ..GlbSettings::default() });
+        let files = memory.bytes.iter().filter(|(path, _)| path.ends_with(".glb"));
+        let read: Vec<_> = files.map(|(_, bytes)| gltf::import_slice(bytes).unwrap()).collect();
+        let found: Vec<levels::Level> = read
+            .iter()
+            .flat_map(|(document, buffers, _)| {
+                levels::of(document, |buffer| Some(buffers[buffer.index()].0.as_slice()))
+            })
+            .collect();
+        levels::check(&found, &chamber);
+        assert!(read.iter().all(|(document, ..)| document.images().count() == 3 * document.materials().count()));
+    }
+}
+
+#[test]
+fn without_levels_every_node_is_in_the_scene() {
+    let (memory, ..) = export(GlbSettings::default());
+    let document = gltf::Gltf::from_slice(&memory.bytes["chamber.glb"]).unwrap();
+    assert_eq!(document.nodes().count(), document.default_scene().unwrap().nodes().count());
+    assert!(document.extensions_used().all(|name| name == "KHR_lights_punctual"));
 }
 
 type Solid = (Vec<[f32; 3]>, Vec<u32>);

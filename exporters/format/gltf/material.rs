@@ -1,0 +1,119 @@
+//! Materials and images.
+
+use std::fs;
+
+use gltf_json::image::MimeType;
+use gltf_json::material::{NormalTexture, OcclusionTexture, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::texture::{Info, Texture};
+use gltf_json::{Index, Material};
+use serde_json::json;
+
+use super::Place;
+use super::layout::Layout;
+use super::payload::Payload;
+use crate::error::{ExportError, at};
+use crate::scene::{self, Chunk, Image, ImageFormat};
+
+/// What a texture without a fallback has in place of an image: the JSON then leaves it out.
+const NO_SOURCE: u32 = u32::MAX;
+
+impl Layout {
+    pub(super) fn material<'a>(
+        &mut self,
+        chunk: &'a Chunk,
+        payload: &mut Payload<'a>,
+    ) -> Result<Index<Material>, ExportError> {
+        let mut textures = Vec::new();
+        for (role, image) in images(&chunk.material) {
+            textures.push(self.texture(&chunk.name, role, image, payload)?);
+        }
+        let [base_color, normal, orm] = textures[..] else { unreachable!("there are three images") };
+        Ok(self.root.push(Material {
+            name: Some(chunk.name.clone()),
+            pbr_metallic_roughness: PbrMetallicRoughness {
+                base_color_texture: Some(info(base_color)),
+                metallic_roughness_texture: Some(info(orm)),
+                ..PbrMetallicRoughness::default()
+            },
+            normal_texture: Some(NormalTexture {
+                index: normal,
+                scale: 1.0,
+                tex_coord: 0,
+                extensions: None,
+                extras: None,
+            }),
+            occlusion_texture: Some(OcclusionTexture {
+                index: orm,
+                strength: StrengthFactor(1.0),
+                tex_coord: 0,
+                extensions: None,
+                extras: None,
+            }),
+            ..Material::default()
+        }))
+    }
+
+    fn texture<'a>(
+        &mut self,
+        chunk: &str,
+        role: &str,
+        image: &'a Image,
+        payload: &mut Payload<'a>,
+    ) -> Result<Index<Texture>, ExportError> {
+        let name = format!("{chunk}_{role}");
+        let source = self.image(&name, chunk, role, image, payload)?;
+        let mut texture =
+            Texture { name: Some(name), sampler: Some(Index::new(0)), source, extensions: None, extras: None };
+        if image.format == ImageFormat::WebP {
+            self.require_extension("EXT_texture_webp");
+            texture.source = Index::new(NO_SOURCE);
+            let others = &mut texture.extensions.get_or_insert_default().others;
+            others.insert("EXT_texture_webp".to_owned(), json!({ "source": source }));
+        }
+        Ok(self.root.push(texture))
+    }
+
+    fn image<'a>(
+        &mut self,
+        name: &str,
+        chunk: &str,
+        role: &str,
+        image: &'a Image,
+        payload: &mut Payload<'a>,
+    ) -> Result<Index<gltf_json::Image>, ExportError> {
+        let (buffer_view, uri) = match self.style.images {
+            Place::Embedded => {
+                let bytes = fs::metadata(&image.path).map_err(|error| at(image.path.display(), &error))?.len();
+                payload.push_image(image, bytes);
+                (Some(self.view(bytes)), None)
+            }
+            Place::Beside => (None, Some(image_file(chunk, role, image))),
+        };
+        let mime_type = Some(MimeType(image.format.media_type().to_owned()));
+        Ok(self.root.push(gltf_json::Image {
+            buffer_view,
+            mime_type,
+            name: Some(name.to_owned()),
+            uri,
+            extensions: None,
+            extras: None,
+        }))
+    }
+}
+
+fn images(material: &scene::Material) -> [(&'static str, &Image); 3] {
+    [("base_color", &material.base_color), ("normal", &material.normal), ("orm", &material.orm)]
+}
+
+fn image_file(chunk: &str, role: &str, image: &Image) -> String {
+    format!("textures/{chunk}_{role}.{}", image.format.extension())
+}
+
+/// The images of a chunk with the files in which [`Place::Beside`] looks for them.
+pub fn image_files(chunk: &Chunk) -> [(String, &Image); 3] {
+    images(&chunk.material).map(|(role, image)| (image_file(&chunk.name, role, image), image))
+}
+
+fn info(index: Index<Texture>) -> Info {
+    Info { index, tex_coord: 0, extensions: None, extras: None }
+}

@@ -1,0 +1,169 @@
+//! Target `glb`: binary glTF 2.0 with everything embedded, Y up, metres.
+//!
+//! glTF has no place for collision meshes yet, but importers of games go by names. With `collision = "pieces"` the node of
+//! a chunk has a child `UCX_<chunk>_<NN>` for each convex piece. Unreal takes it as collision of the mesh `<chunk>` and does
+//! not draw it ("Import Collisions According to Mesh Names"); any other viewer draws it. Not seen in Unreal itself, which
+//! no test can open.
+//!
+//! Coarser levels are asked for by `lods = true`: nodes outside of the scene, named by the extension MSFT_lod. three.js and
+//! all that keep to the specification show the full detail alone, and Babylon.js changes the levels; but Blender 4.2 shows
+//! every node of the file, and so all levels at once. One file can serve only one of them, so it is not the default; target
+//! `gltf` serves both.
+//!
+//! Memory: one chunk. A GLB starts with its own length and a JSON that knows every size, so a file of several chunks
+//! loads each chunk twice: once to plan, once to write.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::collision::NamedCollision;
+use crate::error::ExportError;
+use crate::format::gltf::index::{self, Entry};
+use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, glb};
+use crate::frame::Axes;
+use crate::package::Package;
+use crate::scene::{Chunk, Piece, Scene};
+use crate::{Build, Summary, Target, TargetRow, settings};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "glb",
+    summary: "binary glTF 2.0 with embedded PBR textures, and scene.json with spawn poses",
+    opened_by: "Blender, three.js, Unity, Unreal, Godot, any glTF viewer",
+    bundles: &[],
+    settings: || schemars::schema_for!(GlbSettings),
+    build: Build::Plain(|table| {
+        let settings: GlbSettings = settings("glb", table)?;
+        settings.compression.check()?;
+        Ok(Box::new(Glb(settings)))
+    }),
+};
+
+/// Settings of target `glb`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct GlbSettings {
+    /// One file per chunk, for streaming or past the 4 GiB that one file can hold, instead of a single file.
+    pub per_chunk: bool,
+    /// Whether a single file carries the lights (extension KHR_lights_punctual).
+    pub lights: bool,
+    /// Whether coarser levels of detail come along (extension MSFT_lod). Blender draws all of them at once.
+    pub lods: bool,
+    /// What robots touch.
+    pub collision: NamedCollision,
+    /// How vertices and triangles are packed.
+    pub compression: Compression,
+}
+
+impl Default for GlbSettings {
+    fn default() -> Self {
+        Self {
+            per_chunk: false,
+            lights: true,
+            lods: false,
+            collision: NamedCollision::None,
+            compression: Compression::None,
+        }
+    }
+}
+
+/// The target.
+pub struct Glb(
+    /// Its settings.
+    pub GlbSettings,
+);
+
+impl Target for Glb {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let (entries, open) = match self.0.per_chunk {
+            true => (self.write_chunks(scene, out)?, "the files of chunks/ together".to_owned()),
+            false => (self.write_single(scene, out)?, format!("{}.glb", scene.name)),
+        };
+        let [visual_triangles, collision_triangles] = index::triangles(&entries);
+        index::write(scene, &entries, out)?;
+        let levels = self.0.lods.then_some(&*open);
+        Readme { open: &open, levels, pieces: self.wants_pieces(), compression: self.0.compression }
+            .write(scene, out)?;
+        Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::GLTF
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == NamedCollision::Pieces
+    }
+}
+
+impl Glb {
+    fn layout(&self, scene: &Scene) -> Layout {
+        let style = Style { buffers: Place::Embedded, images: Place::Embedded, compression: self.0.compression };
+        Layout::new(scene, style)
+    }
+
+    fn load(&self, scene: &Scene, index: usize) -> Result<(Chunk, Vec<Piece>), ExportError> {
+        let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
+        Ok((scene.chunk(index)?, pieces))
+    }
+
+    /// Adds a chunk to the plan; what belongs into the file comes back.
+    fn add<'a>(
+        &self,
+        layout: &mut Layout,
+        chunk: &'a Chunk,
+        pieces: &[Piece],
+    ) -> Result<[Payload<'a>; 2], ExportError> {
+        let (placed, full) = layout.add_chunk(chunk, pieces)?;
+        let levels = if self.0.lods { layout.add_levels(chunk, &placed) } else { Payload::default() };
+        Ok([full, levels])
+    }
+
+    fn entry(&self, path: &str, chunk: &Chunk, pieces: &[Piece]) -> Entry {
+        let entry = Entry::new(path, chunk, pieces);
+        if self.0.lods { entry.with_levels(chunk) } else { entry }
+    }
+
+    fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
+        let path = format!("{}.glb", scene.name);
+        let mut layout = self.layout(scene);
+        let mut entries = Vec::new();
+        for index in 0..scene.chunks.len() {
+            let (chunk, pieces) = self.load(scene, index)?;
+            self.add(&mut layout, &chunk, &pieces)?;
+            entries.push(self.entry(&path, &chunk, &pieces));
+        }
+        if self.0.lights {
+            layout.add_lights(&scene.lights);
+        }
+        let root = layout.finish();
+        out.write(&path, |file| {
+            glb::write_head(file, &path, &root)?;
+            let mut again = self.layout(scene);
+            for index in 0..scene.chunks.len() {
+                let (chunk, pieces) = self.load(scene, index)?;
+                self.add(&mut again, &chunk, &pieces)?.iter().try_for_each(|payload| payload.write(file))?;
+            }
+            Ok(())
+        })?;
+        Ok(entries)
+    }
+
+    fn write_chunks(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
+        let mut entries = Vec::new();
+        for index in 0..scene.chunks.len() {
+            let (chunk, pieces) = self.load(scene, index)?;
+            let path = format!("chunks/{}.glb", chunk.name);
+            let mut layout = self.layout(scene);
+            let payloads = self.add(&mut layout, &chunk, &pieces)?;
+            let root = layout.finish();
+            out.write(&path, |file| {
+                glb::write_head(file, &path, &root)?;
+                payloads.iter().try_for_each(|payload| payload.write(file))
+            })?;
+            entries.push(self.entry(&path, &chunk, &pieces));
+        }
+        Ok(entries)
+    }
+}
