@@ -97,7 +97,7 @@ mod tests {
                 sink.write_all(&bytes).unwrap();
                 let end = sink.stream_position().unwrap();
                 sink.seek(SeekFrom::Start(end * u64::from(noise >> 16 & 255) / 255)).unwrap();
-                sink.write_all(&step.to_le_bytes()).unwrap();
+                step.to_le_bytes().chunks(2).for_each(|half| sink.write_all(half).unwrap());
                 assert_eq!(sink.seek(SeekFrom::End(0)).unwrap(), sink.stream_position().unwrap());
             }
         }
