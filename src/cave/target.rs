@@ -38,7 +38,7 @@ pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     let able = TARGETS.iter().filter(|row| row.has(bundle));
     let able: Vec<&str> = able.map(|row| row.name).collect();
     let hint = match able.is_empty() {
-        true => "no target has it yet".to_owned(),
+        true => "no target has it".to_owned(),
         false => format!("targets that have it: {}", able.join(", ")),
     };
     Err(CaveError::Usage { message: format!("target `{}` has no bundle `{name}`", row.name), hint })
