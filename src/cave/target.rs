@@ -9,7 +9,7 @@ use plume_exporters::package::Files;
 use plume_exporters::place::Place;
 use plume_exporters::scene::Scene;
 use plume_exporters::stage::Library;
-use plume_exporters::{Choice, ExportError, Summary, TARGETS, Target};
+use plume_exporters::{Choice, ExportError, Summary, TARGETS, Target, TargetRow};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 

@@ -24,9 +24,8 @@ pub type Forged = BTreeMap<String, Vec<u8>>;
 pub fn package(name: &str) -> Forged {
     let folder = tempfile::tempdir().unwrap();
     let chamber = Chamber::new(folder.path()).unwrap();
-    let row = target(name).unwrap();
     let mut memory = Memory::default();
-    place::fill(row, &*row.build(json!({}), None).unwrap(), &chamber.scene(), &mut memory).unwrap();
+    place::fill(name, &*target(name).unwrap().build(json!({}), None).unwrap(), &chamber.scene(), &mut memory).unwrap();
     memory.bytes
 }
 
