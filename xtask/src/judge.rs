@@ -193,7 +193,7 @@ fn export_sample() -> Result<PathBuf> {
 }
 
 /// Packages of the sample that are judged as they are.
-const SAMPLE_PACKAGES: [&str; 12] = [
+const SAMPLE_PACKAGES: [&str; 14] = [
     "gazebo",
     "gazebo_pieces",
     "glb",
@@ -201,9 +201,11 @@ const SAMPLE_PACKAGES: [&str; 12] = [
     "glb_lods",
     "glb_meshopt",
     "glb_pieces",
+    "glb_webp",
     "gltf",
     "gltf_meshopt",
     "gltf_pieces",
+    "gltf_webp",
     "urdf",
     "urdf_pieces",
 ];

@@ -24,11 +24,22 @@ const SIZE_PX: u32 = 64;
 /// The chunks of the chamber, one on either side of x = 0.
 pub struct Chamber {
     textures: PathBuf,
+    format: ImageFormat,
 }
 
 impl Chamber {
-    /// Writes the textures into `folder`.
+    /// Writes the textures into `folder`, as PNG.
     pub fn new(folder: &Path) -> io::Result<Self> {
+        Self::with_images(folder, ImageFormat::Png, write_png)
+    }
+
+    /// Writes the textures into `folder`, as WebP.
+    #[allow(dead_code, reason = "few tests ask for it")]
+    pub fn in_webp(folder: &Path) -> io::Result<Self> {
+        Self::with_images(folder, ImageFormat::WebP, write_webp)
+    }
+
+    fn with_images(folder: &Path, format: ImageFormat, write: fn(&Path, &[u8]) -> io::Result<()>) -> io::Result<Self> {
         for chunk in 0..2 {
             for (role, pixel) in [
                 ("base_color", base_color as Pixel),
@@ -36,10 +47,12 @@ impl Chamber {
                 ("orm", |_, _, y| [255, 128 + y as u8, 0]),
                 ("roughness", |_, _, y| [128 + y as u8; 3]),
             ] {
-                write_png(&folder.join(format!("{chunk}_{role}.png")), |x, y| pixel(chunk, x, y))?;
+                let pixels = (0..SIZE_PX * SIZE_PX).flat_map(|i| pixel(chunk, i % SIZE_PX, i / SIZE_PX));
+                let path = folder.join(format!("{chunk}_{role}.{}", format.extension()));
+                write(&path, &pixels.collect::<Vec<u8>>())?;
             }
         }
-        Ok(Self { textures: folder.to_owned() })
+        Ok(Self { textures: folder.to_owned(), format })
     }
 
     /// A scene around the chunks.
@@ -64,8 +77,8 @@ impl Chamber {
     }
 
     fn image(&self, chunk: usize, role: &str) -> Image {
-        let path = self.textures.join(format!("{chunk}_{role}.png"));
-        Image { path, format: ImageFormat::Png }
+        let path = self.textures.join(format!("{chunk}_{role}.{}", self.format.extension()));
+        Image { path, format: self.format }
     }
 }
 
@@ -226,11 +239,15 @@ fn normal_map(_: usize, x: u32, y: u32) -> [u8; 3] {
     [0.3 * x, 0.3 * y, up].map(|part| libm::round(127.5 + 127.5 * part / length) as u8)
 }
 
-fn write_png(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 3]) -> io::Result<()> {
+fn write_png(path: &Path, pixels: &[u8]) -> io::Result<()> {
     let mut encoder = png::Encoder::new(File::create(path)?, SIZE_PX, SIZE_PX);
     encoder.set_color(png::ColorType::Rgb);
-    let pixels: Vec<u8> = (0..SIZE_PX * SIZE_PX).flat_map(|i| pixel(i % SIZE_PX, i / SIZE_PX)).collect();
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixels)?;
+    writer.write_image_data(pixels)?;
     Ok(writer.finish()?)
+}
+
+fn write_webp(path: &Path, pixels: &[u8]) -> io::Result<()> {
+    let encoder = image_webp::WebPEncoder::new(File::create(path)?);
+    encoder.encode(pixels, SIZE_PX, SIZE_PX, image_webp::ColorType::Rgb8).map_err(io::Error::other)
 }
