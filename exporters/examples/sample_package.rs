@@ -1,5 +1,5 @@
 //! Writes the sample scene for every target that needs no library: `sample_package FOLDER` makes `FOLDER/<target>`,
-//! `FOLDER/glb_chunks` with a file per chunk, `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_webp` with other images, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
+//! `FOLDER/glb_chunks` with a file per chunk, `FOLDER/<target>_meshopt` packed, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber)?;
     }
+    // `FOLDER/<target>_webp`, where WebP is written.
     let webp = sample::Chamber::in_webp(textures.path())?;
     for name in ["glb", "gltf"] {
         write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp)?;

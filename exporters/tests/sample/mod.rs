@@ -28,18 +28,8 @@ pub struct Chamber {
 }
 
 impl Chamber {
-    /// Writes the textures into `folder`, as PNG.
+    /// Writes the textures into `folder`.
     pub fn new(folder: &Path) -> io::Result<Self> {
-        Self::with_images(folder, ImageFormat::Png, write_png)
-    }
-
-    /// Writes the textures into `folder`, as WebP.
-    #[allow(dead_code, reason = "few tests ask for it")]
-    pub fn in_webp(folder: &Path) -> io::Result<Self> {
-        Self::with_images(folder, ImageFormat::WebP, write_webp)
-    }
-
-    fn with_images(folder: &Path, format: ImageFormat, write: fn(&Path, &[u8]) -> io::Result<()>) -> io::Result<Self> {
         for chunk in 0..2 {
             for (role, pixel) in [
                 ("base_color", base_color as Pixel),
@@ -47,12 +37,23 @@ impl Chamber {
                 ("orm", |_, _, y| [255, 128 + y as u8, 0]),
                 ("roughness", |_, _, y| [128 + y as u8; 3]),
             ] {
-                let pixels = (0..SIZE_PX * SIZE_PX).flat_map(|i| pixel(chunk, i % SIZE_PX, i / SIZE_PX));
-                let path = folder.join(format!("{chunk}_{role}.{}", format.extension()));
-                write(&path, &pixels.collect::<Vec<u8>>())?;
+                write_png(&folder.join(format!("{chunk}_{role}.png")), |x, y| pixel(chunk, x, y))?;
             }
         }
-        Ok(Self { textures: folder.to_owned(), format })
+        Ok(Self { textures: folder.to_owned(), format: ImageFormat::Png })
+    }
+
+    /// The same with textures in WebP, of the same pixels.
+    #[allow(dead_code, reason = "few tests ask for it")]
+    pub fn in_webp(folder: &Path) -> io::Result<Self> {
+        let chamber = Self::new(folder)?;
+        for entry in std::fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|extension| extension == "png") {
+                write_webp(&path, &path.with_extension("webp"))?;
+            }
+        }
+        Ok(Self { format: ImageFormat::WebP, ..chamber })
     }
 
     /// A scene around the chunks.
@@ -239,15 +240,19 @@ fn normal_map(_: usize, x: u32, y: u32) -> [u8; 3] {
     [0.3 * x, 0.3 * y, up].map(|part| libm::round(127.5 + 127.5 * part / length) as u8)
 }
 
-fn write_png(path: &Path, pixels: &[u8]) -> io::Result<()> {
-    let mut encoder = png::Encoder::new(File::create(path)?, SIZE_PX, SIZE_PX);
-    encoder.set_color(png::ColorType::Rgb);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(pixels)?;
-    Ok(writer.finish()?)
+fn write_webp(png: &Path, webp: &Path) -> io::Result<()> {
+    let mut reader = png::Decoder::new(io::BufReader::new(File::open(png)?)).read_info()?;
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a tiny image fits into memory")];
+    let info = reader.next_frame(&mut pixels)?;
+    let encoder = image_webp::WebPEncoder::new(File::create(webp)?);
+    encoder.encode(&pixels, info.width, info.height, image_webp::ColorType::Rgb8).map_err(io::Error::other)
 }
 
-fn write_webp(path: &Path, pixels: &[u8]) -> io::Result<()> {
-    let encoder = image_webp::WebPEncoder::new(File::create(path)?);
-    encoder.encode(pixels, SIZE_PX, SIZE_PX, image_webp::ColorType::Rgb8).map_err(io::Error::other)
+fn write_png(path: &Path, pixel: impl Fn(u32, u32) -> [u8; 3]) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(File::create(path)?, SIZE_PX, SIZE_PX);
+    encoder.set_color(png::ColorType::Rgb);
+    let pixels: Vec<u8> = (0..SIZE_PX * SIZE_PX).flat_map(|i| pixel(i % SIZE_PX, i / SIZE_PX)).collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&pixels)?;
+    Ok(writer.finish()?)
 }
