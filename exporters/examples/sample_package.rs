@@ -64,6 +64,11 @@ fn write_chambers(folder: &Path) -> Result<()> {
         let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber.scene(), &None)?;
     }
+    // `FOLDER/<target>_webp`, where WebP is written.
+    let webp = sample::Chamber::in_webp(textures.path())?;
+    for name in ["glb", "gltf"] {
+        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp)?;
+    }
     Ok(())
 }
 

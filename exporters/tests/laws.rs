@@ -13,7 +13,7 @@ use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Material, Piece, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, Target, TargetRow, target};
 use serde_json::json;
 
@@ -319,10 +319,8 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
 #[test]
 fn webp_images_are_written_or_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
-    let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let place = folder.path().to_str().unwrap();
-    let spoiled = Spoiled { inner: &chamber, spoil: |chunk| Ok(Chunk { material: webp(chunk.material), ..chunk }) };
-    let scene = Scene { chunks: &spoiled, ..chamber.scene() };
+    let chamber = sample::Chamber::in_webp(folder.path()).unwrap();
+    let (scene, place) = (chamber.scene(), folder.path().to_str().unwrap());
     let written = |row: &'static TargetRow| {
         let mut package = Memory::default();
         let exported = row.build(json!({}), ledger().as_ref()).unwrap().export(&scene, &mut package);
@@ -335,23 +333,15 @@ fn webp_images_are_written_or_refused_in_words() {
         })
         .collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
-    usage: target `gazebo` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `isaac` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `mujoco` takes PNG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `usd` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `usdz` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `gazebo` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `isaac` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `mujoco` takes PNG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `usd` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `usdz` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
     glb: written
     gltf: written
-    usage: target `urdf` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `urdf` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
     ");
-}
-
-/// The same images, said to be WebP.
-fn webp(material: Material) -> Material {
-    let said = |image: Image| Image { format: ImageFormat::WebP, ..image };
-    let Material { base_color, normal, orm, roughness, height } = material;
-    let [base_color, normal, orm, roughness] = [base_color, normal, orm, roughness].map(said);
-    Material { base_color, normal, orm, roughness, height }
 }
 
 fn holds(bytes: &[u8], word: &[u8]) -> bool {

@@ -213,7 +213,7 @@ fn export_sample() -> Result<PathBuf> {
 }
 
 /// Packages of the sample that are judged as they are.
-const SAMPLE_PACKAGES: [&str; 16] = [
+const SAMPLE_PACKAGES: [&str; 18] = [
     "fbx",
     "fbx_chunks",
     "fbx_pieces",
@@ -225,9 +225,11 @@ const SAMPLE_PACKAGES: [&str; 16] = [
     "glb_lods",
     "glb_meshopt",
     "glb_pieces",
+    "glb_webp",
     "gltf",
     "gltf_meshopt",
     "gltf_pieces",
+    "gltf_webp",
     "urdf",
     "urdf_pieces",
 ];
