@@ -25,6 +25,7 @@ pub mod scene;
 mod slope;
 pub mod stage;
 mod template;
+pub mod unity;
 pub mod urdf;
 pub mod usd;
 pub mod usdz;
@@ -109,7 +110,8 @@ impl TargetRow {
 }
 
 /// Every target, in the order they are listed.
-pub static TARGETS: &[TargetRow] = &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, urdf::ROW];
+pub static TARGETS: &[TargetRow] =
+    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, unity::ROW, urdf::ROW];
 
 /// The row called `name`.
 ///
