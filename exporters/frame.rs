@@ -25,11 +25,13 @@ pub fn upper_left_uv([u, v]: [f32; 2]) -> [f32; 2] {
 
 /// A scene pose in the frame of glTF: position, and rotation as x, y, z, w.
 pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
-    let gltf_from_scene_turn =
-        Matrix3::from([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>));
-    let turn = gltf_from_scene_turn * scene_from_body.rotation.to_rotation_matrix().matrix();
+    let turn = gltf_turn_from_scene() * scene_from_body.rotation.to_rotation_matrix().matrix();
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
     (gltf_from_scene(scene_from_body.translation.vector.into()), rotation.coords.into())
+}
+
+fn gltf_turn_from_scene() -> Matrix3<f64> {
+    Matrix3::from([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>))
 }
 
 /// A scene vector in the frame of Unity, which is left-handed and Y up: what its FBX importer, which turns x round, makes of a
@@ -55,11 +57,21 @@ pub fn camera_from_body(scene_from_body: &Isometry3<f64>) -> Isometry3<f64> {
     scene_from_body * UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(body_from_camera))
 }
 
+/// A pose as position and angles about fixed x, y, z: metres and radians.
+pub fn euler_pose(pose: &Isometry3<f64>) -> ([f64; 3], [f64; 3]) {
+    (pose.translation.vector.into(), roll_pitch_yaw(pose.rotation.to_rotation_matrix().matrix()))
+}
+
+/// A scene pose in the frame of glTF, as position and angles about fixed x, y, z: metres and radians.
+pub fn gltf_euler_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 3]) {
+    let turn = gltf_turn_from_scene() * scene_from_body.rotation.to_rotation_matrix().matrix();
+    (gltf_from_scene(scene_from_body.translation.vector.into()), roll_pitch_yaw(&turn))
+}
+
 /// A pose as SDF and URDF write it, `x y z roll pitch yaw`: metres and radians about fixed x, y, z, to the micrometre
 /// and the microradian.
 pub fn sdf_pose(pose: &Isometry3<f64>) -> String {
-    let [x, y, z]: [f64; 3] = pose.translation.vector.into();
-    let [roll, pitch, yaw] = roll_pitch_yaw(pose.rotation.to_rotation_matrix().matrix());
+    let ([x, y, z], [roll, pitch, yaw]) = euler_pose(pose);
     [x, y, z, roll, pitch, yaw].map(micro).join(" ")
 }
 

@@ -1,0 +1,102 @@
+//! Triangles with what cameras see on them.
+
+use std::io::{Seek, Write};
+
+use fbxcel::writer::v7400::binary::Result;
+use nalgebra::Vector3;
+
+use super::Up;
+use super::node::{Nodes, Value};
+use crate::frame;
+use crate::scene::Mesh;
+
+/// The name of the texture coordinates, to which textures refer.
+pub const UV_SET: &str = "UVMap";
+
+/// Writes the inside of a geometry; what the mesh has not is left out. Numbers become `f64` one by one.
+pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh, up: Up) -> Result<()> {
+    nodes.properties(&[])?;
+    nodes.leaf("GeometryVersion", &[Value::Int(124)])?;
+    nodes.reals("Vertices", mesh.positions.iter().flat_map(|&point| real(up, point)))?;
+    nodes.ints("PolygonVertexIndex", corners(mesh))?;
+    if mesh.normals.is_empty() {
+        return Ok(());
+    }
+    by_vertex(nodes, "LayerElementNormal", "Normals", mesh.normals.iter().map(|&normal| real(up, normal)))?;
+    let tangents = || mesh.tangents.iter().map(|&[x, y, z, _]| real(up, [x, y, z]));
+    by_vertex(nodes, "LayerElementTangent", "Tangents", tangents())?;
+    by_vertex(nodes, "LayerElementBinormal", "Binormals", binormals(mesh, up))?;
+    write_uvs(nodes, mesh)?;
+    layer(nodes, "LayerElementMaterial", "", ["AllSame", "IndexToDirect"], |nodes| {
+        nodes.ints("Materials", std::iter::once(0))
+    })?;
+    write_layer(nodes)
+}
+
+fn real(up: Up, vector: [f32; 3]) -> [f64; 3] {
+    let vector = vector.map(f64::from);
+    match up {
+        Up::Z => vector,
+        Up::Y => frame::gltf_from_scene(vector),
+    }
+}
+
+/// FBX marks the last corner of a polygon by its complement.
+fn corners(mesh: &Mesh) -> impl Iterator<Item = i32> {
+    let (corners, _) = mesh.indices.as_chunks::<3>();
+    corners.iter().flat_map(|&[a, b, c]| [a as i32, b as i32, !(c as i32)])
+}
+
+/// Along +v of the image.
+fn binormals(mesh: &Mesh, up: Up) -> impl Iterator<Item = [f64; 3]> {
+    mesh.normals.iter().zip(&mesh.tangents).map(move |(&normal, &[x, y, z, w])| {
+        let across = Vector3::from(real(up, normal)).cross(&Vector3::from(real(up, [x, y, z])));
+        (across * f64::from(w)).into()
+    })
+}
+
+fn by_vertex<W: Write + Seek>(
+    nodes: &mut Nodes<W>,
+    element: &str,
+    array: &str,
+    vectors: impl Iterator<Item = [f64; 3]>,
+) -> Result<()> {
+    layer(nodes, element, "", ["ByVertice", "Direct"], |nodes| nodes.reals(array, vectors.flatten()))
+}
+
+/// By corner, because that is where readers look for them first.
+fn write_uvs<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh) -> Result<()> {
+    layer(nodes, "LayerElementUV", UV_SET, ["ByPolygonVertex", "IndexToDirect"], |nodes| {
+        nodes.reals("UV", mesh.uvs.iter().flatten().map(|&part| part.into()))?;
+        nodes.ints("UVIndex", mesh.indices.iter().map(|&corner| corner as i32))
+    })
+}
+
+fn layer<W: Write + Seek>(
+    nodes: &mut Nodes<W>,
+    element: &str,
+    name: &str,
+    [mapping, reference]: [&str; 2],
+    fill: impl FnOnce(&mut Nodes<W>) -> Result<()>,
+) -> Result<()> {
+    nodes.branch(element, &[Value::Int(0)], |nodes| {
+        nodes.leaf("Version", &[Value::Int(101)])?;
+        nodes.leaf("Name", &[Value::Text(name)])?;
+        nodes.leaf("MappingInformationType", &[Value::Text(mapping)])?;
+        nodes.leaf("ReferenceInformationType", &[Value::Text(reference)])?;
+        fill(nodes)
+    })
+}
+
+/// Says that all elements belong together.
+fn write_layer<W: Write + Seek>(nodes: &mut Nodes<W>) -> Result<()> {
+    nodes.branch("Layer", &[Value::Int(0)], |nodes| {
+        nodes.leaf("Version", &[Value::Int(100)])?;
+        ["Normal", "Tangent", "Binormal", "UV", "Material"].iter().try_for_each(|element| {
+            nodes.branch("LayerElement", &[], |nodes| {
+                nodes.leaf("Type", &[Value::Text(&format!("LayerElement{element}"))])?;
+                nodes.leaf("TypedIndex", &[Value::Int(0)])
+            })
+        })
+    })
+}

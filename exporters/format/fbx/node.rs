@@ -1,0 +1,185 @@
+//! The tree that a binary FBX is made of: nodes with values and children, and properties, which are nodes of one form.
+
+use std::io::{Seek, Write};
+
+use fbxcel::low::FbxVersion;
+use fbxcel::low::v7400::ArrayAttributeEncoding;
+use fbxcel::writer::v7400::binary::{AttributesWriter, FbxFooter, Result, Writer};
+
+/// What agrees with [`CREATED`] and [`FILE_ID`] at the end of a file: a known set, because readers may check one by the
+/// others.
+const FOOT_ID: [u8; 16] =
+    [0xfa, 0xbc, 0xab, 0x09, 0xd0, 0xc8, 0xd4, 0x66, 0xb1, 0x76, 0xfb, 0x83, 0x1c, 0xf7, 0x26, 0x7e];
+/// The time that a file says it was made at: always the same, or the same scene would give other bytes.
+pub const CREATED: &str = "1970-01-01 10:00:00:000";
+/// What agrees with [`CREATED`].
+pub const FILE_ID: [u8; 16] =
+    [0x28, 0xb3, 0x2a, 0xeb, 0xb6, 0x24, 0xcc, 0xc2, 0xbf, 0xc8, 0xb0, 0x2a, 0xa9, 0x2b, 0xfc, 0xf1];
+
+/// A value of a node.
+#[derive(Clone, Copy)]
+pub enum Value<'a> {
+    /// A number of 32 bits.
+    Int(i32),
+    /// The number of an object.
+    Id(i64),
+    /// A real number.
+    Real(f64),
+    /// A text.
+    Text(&'a str),
+    /// Bytes.
+    Bytes(&'a [u8]),
+}
+
+/// Writes nodes one after the other.
+pub struct Nodes<W: Write>(Writer<W>);
+
+impl<W: Write + Seek> Nodes<W> {
+    /// Starts a file.
+    pub fn new(sink: W) -> Result<Self> {
+        Ok(Self(Writer::new(sink, FbxVersion::V7_4)?))
+    }
+
+    /// Ends the file.
+    pub fn finish(self) -> Result<W> {
+        self.0.finalize_and_flush(&FbxFooter { unknown1: Some(&FOOT_ID), ..FbxFooter::default() })
+    }
+
+    /// A node with children.
+    pub fn branch(
+        &mut self,
+        name: &str,
+        values: &[Value],
+        children: impl FnOnce(&mut Self) -> Result<()>,
+    ) -> Result<()> {
+        self.open(name, values)?;
+        children(self)?;
+        self.close()
+    }
+
+    /// A node without children.
+    pub fn leaf(&mut self, name: &str, values: &[Value]) -> Result<()> {
+        self.branch(name, values, |_| Ok(()))
+    }
+
+    /// A node that is opened now and [closed](Self::close) later.
+    pub fn open(&mut self, name: &str, values: &[Value]) -> Result<()> {
+        let mut node = self.0.new_node(name)?;
+        values.iter().try_for_each(|value| append(&mut node, *value))
+    }
+
+    /// Closes what was [opened](Self::open) last.
+    pub fn close(&mut self) -> Result<()> {
+        self.0.close_node()
+    }
+
+    /// A node that holds many numbers, compressed.
+    pub fn reals(&mut self, name: &str, numbers: impl Iterator<Item = f64>) -> Result<()> {
+        self.0.new_node(name)?.append_arr_f64_from_iter(ArrayAttributeEncoding::Zlib, numbers)?;
+        self.close()
+    }
+
+    /// A node that holds many whole numbers, compressed.
+    pub fn ints(&mut self, name: &str, numbers: impl Iterator<Item = i32>) -> Result<()> {
+        self.0.new_node(name)?.append_arr_i32_from_iter(ArrayAttributeEncoding::Zlib, numbers)?;
+        self.close()
+    }
+
+    /// The properties of an object.
+    pub fn properties(&mut self, properties: &[Property]) -> Result<()> {
+        self.branch("Properties70", &[], |nodes| {
+            properties.iter().try_for_each(|property| nodes.leaf("P", &property.values()))
+        })
+    }
+}
+
+fn append<W: Write + Seek>(node: &mut AttributesWriter<W>, value: Value) -> Result<()> {
+    match value {
+        Value::Int(number) => node.append_i32(number),
+        Value::Id(number) => node.append_i64(number),
+        Value::Real(number) => node.append_f64(number),
+        Value::Text(text) => node.append_string_direct(text),
+        Value::Bytes(bytes) => node.append_binary_direct(bytes),
+    }
+}
+
+/// A property: its name, its type in FBX's three words for it, and what it is.
+pub struct Property<'a> {
+    name: &'a str,
+    kind: [&'static str; 3],
+    value: Content<'a>,
+}
+
+enum Content<'a> {
+    Int(i32),
+    Real(f64),
+    Vector([f64; 3]),
+    Text(&'a str),
+    Length(f64),
+    None,
+}
+
+impl<'a> Property<'a> {
+    /// A whole number.
+    pub fn int(name: &'a str, number: i32) -> Self {
+        Self { name, kind: ["int", "Integer", ""], value: Content::Int(number) }
+    }
+
+    /// Yes or no.
+    pub fn flag(name: &'a str, yes: bool) -> Self {
+        Self { name, kind: ["bool", "", ""], value: Content::Int(yes.into()) }
+    }
+
+    /// One of several choices.
+    pub fn choice(name: &'a str, number: i32) -> Self {
+        Self { name, kind: ["enum", "", ""], value: Content::Int(number) }
+    }
+
+    /// A real number.
+    pub fn real(name: &'a str, number: f64) -> Self {
+        Self { name, kind: ["double", "Number", ""], value: Content::Real(number) }
+    }
+
+    /// A real number that could be animated.
+    pub fn number(name: &'a str, number: f64) -> Self {
+        Self { name, kind: ["Number", "", "A"], value: Content::Real(number) }
+    }
+
+    /// Three numbers that could be animated, of a type such as `Color` or `Lcl Translation`.
+    pub fn vector(name: &'a str, kind: &'static str, vector: [f64; 3]) -> Self {
+        Self { name, kind: [kind, "", "A"], value: Content::Vector(vector) }
+    }
+
+    /// A text.
+    pub fn text(name: &'a str, text: &'a str) -> Self {
+        Self { name, kind: ["KString", "", ""], value: Content::Text(text) }
+    }
+
+    /// The path of a file.
+    pub fn file(name: &'a str, path: &'a str) -> Self {
+        Self { name, kind: ["KString", "XRefUrl", ""], value: Content::Text(path) }
+    }
+
+    /// A length in metres; FBX says the unit with it.
+    pub fn length(name: &'a str, metres: f64) -> Self {
+        Self { name, kind: ["Distance", "", ""], value: Content::Length(metres) }
+    }
+
+    /// The head of properties named `<name>|…`.
+    pub fn group(name: &'a str) -> Self {
+        Self { name, kind: ["Compound", "", ""], value: Content::None }
+    }
+
+    fn values(&self) -> Vec<Value<'a>> {
+        let head = [self.name, self.kind[0], self.kind[1], self.kind[2]].map(Value::Text);
+        let rest = match self.value {
+            Content::Int(number) => vec![Value::Int(number)],
+            Content::Real(number) => vec![Value::Real(number)],
+            Content::Vector(vector) => vector.map(Value::Real).to_vec(),
+            Content::Text(text) => vec![Value::Text(text)],
+            Content::Length(metres) => vec![Value::Real(metres), Value::Text("m")],
+            Content::None => Vec::new(),
+        };
+        [&head[..], &rest].concat()
+    }
+}
