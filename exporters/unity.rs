@@ -109,9 +109,10 @@ impl Target for Unity {
     }
 }
 
-/// Its name for the Package Manager, which wants dots between parts and no capital letters; dashes read better.
+/// Its name for the Package Manager, which takes no capital letters and no more than 214 of any other.
 fn package_name(scene: &str) -> String {
-    format!("com.plume.{}", scene.replace('_', "-"))
+    let name: String = scene.chars().take(200).collect();
+    format!("com.plume.{}", name.replace('_', "-"))
 }
 
 /// A collision mesh of a chunk.

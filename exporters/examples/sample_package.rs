@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("gltf_chunks", json!({ "per_chunk": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
+        ("unity_pieces", json!({ "collision": "pieces", "pipeline": "hdrp" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?;

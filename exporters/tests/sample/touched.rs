@@ -13,6 +13,7 @@ pub fn touched(package: &Memory) -> Vec<usize> {
         Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
         Some("glb") => unreal_meshes(bytes),
         Some("usdc" | "usdz") => colliders(bytes),
+        Some("fbx") => bare_meshes(bytes),
         _ => Vec::new(),
     };
     package.bytes.iter().flat_map(shapes).collect()
@@ -68,4 +69,11 @@ fn colliders(bytes: &[u8]) -> Vec<usize> {
     let text = std::str::from_utf8(bytes).unwrap();
     let sizes = text.lines().filter_map(|line| line.strip_prefix("Collision")?.split_once(".points "));
     sizes.map(|(_, size)| size.parse().unwrap()).collect()
+}
+
+/// The meshes of an FBX that have no material, which are not there to be seen.
+fn bare_meshes(bytes: &[u8]) -> Vec<usize> {
+    let scene = ufbx::load_memory(bytes, ufbx::LoadOpts::default()).unwrap();
+    let bare = scene.meshes.iter().filter(|mesh| mesh.materials.is_empty());
+    bare.map(|mesh| mesh.num_vertices).collect()
 }
