@@ -279,7 +279,7 @@ fn levels_change_where_their_error_is_a_line_of_the_image() {
     let prefab = text(&package, "Runtime/chamber.prefab");
     let chunk = chamber.load(0).unwrap();
     let [low, high] = chunk.visual.bounds().map(|corner| Vector3::from(corner).cast::<f64>());
-    let half_view = (30_f64).to_radians().tan();
+    let half_view = libm::tan(30_f64.to_radians());
     let heights: Vec<f64> = values(prefab, "screenRelativeHeight: ").iter().map(|text| text.parse().unwrap()).collect();
     assert_eq!(heights.len(), 2 * chamber.len());
     assert!(heights[1] == 0.0 && heights[3] == 0.0);
