@@ -14,6 +14,7 @@ use crate::venv::Environment;
 
 pub mod mujoco;
 mod spoil;
+mod unity;
 pub mod urdf;
 pub mod usd;
 
@@ -23,7 +24,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces", "urdf", "urdf_pieces"] {
+        for package in SAMPLE {
             judge(&judges, &sample.join(package), &mut tally);
         }
         spoil::run(&judges, &sample, &mut tally)?;
@@ -37,6 +38,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
             }
         }
         tally.enter("husky", urdf::spoil());
+        tally.enter("unity", unity::spoil());
         return tally.result();
     }
     let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();
@@ -67,7 +69,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 14] = [
+const JUDGES: [Judge; 15] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -75,6 +77,7 @@ const JUDGES: [Judge; 14] = [
     Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
     Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
     Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
+    Judge { name: "unity", of: Kind::Unity, prepare: unity::make, command: unity::check },
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
     Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
@@ -89,6 +92,7 @@ const JUDGES: [Judge; 14] = [
 enum Kind {
     Gazebo,
     Gltf,
+    Unity,
     Urdf,
     Usd,
     Mujoco,
@@ -99,6 +103,7 @@ impl Kind {
         match package {
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if package.join("Runtime").is_dir() => Some(Self::Unity),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
@@ -177,6 +182,10 @@ fn verdict(judge: &Judge, package: &Path) -> Result<String> {
     tools::run(&mut (judge.command)(package)?)
 }
 
+/// Packages of the sample.
+const SAMPLE: [&str; 9] =
+    ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces", "unity", "unity_pieces", "urdf", "urdf_pieces"];
+
 fn export_sample() -> Result<PathBuf> {
     let sample = target_folder().join("sample");
     tools::run(
@@ -197,7 +206,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (targets, cave) = ("gazebo,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let (targets, cave) = ("gazebo,gltf,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
         plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
@@ -207,7 +216,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
 fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) = (["gazebo", "gltf", "isaac", "usd", "usdz"], "target/judges/pieces");
+    let (targets, output) = (["gazebo", "gltf", "isaac", "unity", "usd", "usdz"], "target/judges/pieces");
     let options = targets.map(|target| format!("{target}.collision=pieces"));
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
