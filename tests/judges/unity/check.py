@@ -14,9 +14,11 @@ from PIL import Image
 from schema import CLASSES, SHADERS, check
 
 # How far a start pose may be above the floor or below it, metres.
-ON_FLOOR_M = 0.05
+ON_FLOOR_M = 0.15
 # How high above a start pose rock must be all round, metres.
 EYES_M = 0.5
+# As metallic as a JPEG may make of 0, on the whole, of 255.
+NO_METAL = 4
 
 # What the images of each role must be imported as: textureType (1 is a normal map) and sRGBTexture.
 ROLES = {"color": (0, 1), "normal": (1, 0), "mask": (0, 0)}
@@ -83,7 +85,8 @@ def check_mask(name, image):
     """Metalness, occlusion, detail and smoothness: stone is no metal, and there is no detail map."""
     require(image.mode == "RGBA", f"{name} has no alpha for smoothness")
     pixels = np.asarray(image)
-    require(not pixels[..., [0, 2]].any(), f"{name} says that stone is metal, or has a detail map")
+    require(pixels[..., 0].mean() < NO_METAL, f"{name} says that stone is metal")
+    require(not pixels[..., 2].any(), f"{name} has a detail map")
     require(pixels[..., 3].std() > 0, f"{name} is equally smooth everywhere")
 
 
