@@ -12,6 +12,7 @@ use serde_json::Value;
 pub mod bundle;
 pub mod collision;
 pub mod error;
+pub mod fbx;
 pub mod format;
 pub mod frame;
 pub mod gazebo;
@@ -111,7 +112,7 @@ impl TargetRow {
 
 /// Every target, in the order they are listed.
 pub static TARGETS: &[TargetRow] =
-    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, unity::ROW, urdf::ROW];
+    &[gazebo::ROW, isaac::ROW, mujoco::ROW, usd::ROW, usdz::ROW, gltf::ROW, fbx::ROW, unity::ROW, urdf::ROW];
 
 /// The row called `name`.
 ///

@@ -182,7 +182,7 @@ impl Writer<'_> {
             maps: &maps,
         };
         let head = fbx::Head { generator: &self.scene.generator, up: fbx::Up::Y };
-        fbx::write(self.assets.out, &path, &head, |document| document.add(&part))?;
+        fbx::write(self.assets.out, &path, &head, |document, _| document.add(&part))?;
         let meshes = names.iter().chain(shapes.iter().map(|shape| &shape.name));
         let table = meshes.map(|name| context! { name, id => identity::mesh(name) });
         let values = context! {

@@ -1,5 +1,6 @@
 //! Writes the sample scene for every target that needs no USD library: `sample_package FOLDER` makes `FOLDER/<target>`,
-//! `FOLDER/gltf_chunks` with a file per chunk, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
+//! `FOLDER/<target>_chunks` with a file per chunk and `FOLDER/<target>_pieces` with convex pieces where they are offered,
+//! and `FOLDER/fbx_y` with Y up.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, settings) in [
         ("gltf_chunks", json!({ "per_chunk": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
+        ("fbx_chunks", json!({ "per_chunk": true })),
+        ("fbx_pieces", json!({ "collision": "pieces" })),
+        ("fbx_y", json!({ "up": "y" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("unity_pieces", json!({ "collision": "pieces", "pipeline": "hdrp" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),

@@ -183,7 +183,7 @@ fn the_pieces_of_the_scene_are_all_that_robots_touch() {
         assert!(found == corners, "{name}");
         names.push(name);
     }
-    assert_eq!(names, ["gazebo", "isaac", "mujoco", "usd", "usdz", "gltf", "unity", "urdf"]);
+    assert_eq!(names, ["gazebo", "isaac", "mujoco", "usd", "usdz", "gltf", "fbx", "unity", "urdf"]);
 }
 
 #[test]
@@ -249,6 +249,7 @@ fn a_full_disk_is_told_with_the_file() {
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber.usdz: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
+    system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: Runtime/Textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     ");
@@ -339,7 +340,7 @@ fn output_folders_are_refused_in_words() {
     usage: output was not written by an export and is left alone: DIR/home/ (hint: name a new place, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, usd, usdz, gltf, unity, urdf
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, usd, usdz, gltf, fbx, unity, urdf
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }

@@ -24,9 +24,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in SAMPLE {
-            judge(&judges, &sample.join(package), &mut tally);
-        }
+        SAMPLE_PACKAGES.iter().for_each(|package| judge(&judges, &sample.join(package), &mut tally));
         spoil::run(&judges, &sample, &mut tally)?;
         if judges.iter().any(|judge| judge.name == "physx") {
             tally.enter("physx", usd::spoil());
@@ -51,6 +49,23 @@ pub fn run(arguments: &[String]) -> Result<()> {
     tally.result()
 }
 
+/// The packages that `sample_package` writes and that judges open.
+const SAMPLE_PACKAGES: [&str; 13] = [
+    "gazebo",
+    "gazebo_pieces",
+    "gltf",
+    "gltf_chunks",
+    "gltf_pieces",
+    "fbx",
+    "fbx_chunks",
+    "fbx_pieces",
+    "fbx_y",
+    "unity",
+    "unity_pieces",
+    "urdf",
+    "urdf_pieces",
+];
+
 /// One judge on one package.
 pub fn only(name: &str, package: &Path) -> Result<()> {
     let judge = JUDGES.iter().find(|judge| judge.name == name).ok_or("there is no such judge")?;
@@ -69,11 +84,12 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 15] = [
+const JUDGES: [Judge; 16] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
-    Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
+    Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_package },
+    Judge { name: "three-fbx", of: Kind::Fbx, prepare: install_browser, command: shoot_package },
     Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
     Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
     Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
@@ -93,6 +109,7 @@ enum Kind {
     Gazebo,
     Gltf,
     Unity,
+    Fbx,
     Urdf,
     Usd,
     Mujoco,
@@ -104,6 +121,7 @@ impl Kind {
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
             _ if package.join("Runtime").is_dir() => Some(Self::Unity),
+            _ if holds(package, &["fbx"]) => Some(Self::Fbx),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
@@ -182,10 +200,6 @@ fn verdict(judge: &Judge, package: &Path) -> Result<String> {
     tools::run(&mut (judge.command)(package)?)
 }
 
-/// Packages of the sample.
-const SAMPLE: [&str; 9] =
-    ["gazebo", "gazebo_pieces", "gltf", "gltf_chunks", "gltf_pieces", "unity", "unity_pieces", "urdf", "urdf_pieces"];
-
 fn export_sample() -> Result<PathBuf> {
     let sample = target_folder().join("sample");
     tools::run(
@@ -206,7 +220,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (targets, cave) = ("gazebo,gltf,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let (targets, cave) = ("gazebo,gltf,fbx,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
         plume.output(&["export", &recipe, "--target", targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(targets.split(',').map(|target| root().join(&output).join(target)));
     }
@@ -216,7 +230,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
 fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) = (["gazebo", "gltf", "isaac", "unity", "usd", "usdz"], "target/judges/pieces");
+    let (targets, output) = (["gazebo", "gltf", "fbx", "isaac", "unity", "usd", "usdz"], "target/judges/pieces");
     let options = targets.map(|target| format!("{target}.collision=pieces"));
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
@@ -271,7 +285,7 @@ fn install_browser() -> Result<()> {
 }
 
 /// The picture lies beside the package: `<package>.png`.
-fn shoot_gltf(package: &Path) -> Result<Command> {
+fn shoot_package(package: &Path) -> Result<Command> {
     Ok(shot(package, &package.with_extension("png"), 0))
 }
 
@@ -282,7 +296,7 @@ fn shot(package: &Path, picture: &Path, spawn: usize) -> Command {
     command
 }
 
-/// Takes a picture of a glTF package from one of its spawn poses.
+/// Takes a picture of a package of glTF or FBX from one of its spawn poses.
 pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
     install_browser()?;
     tools::run(&mut shot(package, picture, spawn))

@@ -13,6 +13,8 @@ use std::path::Path;
 
 use fbxcel::writer::v7400::binary::{CompressionError, Error, Result};
 use nalgebra::Isometry3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{ExportError, at};
 use crate::frame;
@@ -27,9 +29,11 @@ mod material;
 mod node;
 
 /// Which axis points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Up {
     /// The third, as in the scene.
+    #[default]
     Z,
     /// The second: everything is turned as for glTF.
     Y,
@@ -92,7 +96,7 @@ pub struct Part<'a> {
     pub maps: &'a Maps,
 }
 
-/// Writes the file `path` of a package: `fill` adds the parts, one at a time.
+/// Writes the file `path` of a package: `fill` adds the parts, one at a time, and may write other files meanwhile.
 ///
 /// # Errors
 /// As [`write`](../../package/trait.Package.html#method.write); [`ExportError::TooLarge`] past 4 GiB, which is all that this
@@ -101,19 +105,19 @@ pub fn write(
     out: &mut dyn Package,
     path: &str,
     head: &Head,
-    fill: impl FnOnce(&mut Document) -> std::result::Result<(), ExportError>,
+    fill: impl FnOnce(&mut Document, &mut dyn Package) -> std::result::Result<(), ExportError>,
 ) -> std::result::Result<(), ExportError> {
     let scratch = out.scratch()?;
     let gathered = scratch.path().join("gathered.fbx");
     let mut document = Document::create(&gathered, path, head)?;
-    fill(&mut document)?;
+    fill(&mut document, out)?;
     document.finish()?;
     out.copy(path, &gathered)
 }
 
 /// The node that all others hang on.
 const ROOT: i64 = 0;
-/// A level is good enough where its error is seen under this angle: a pixel of 1080 on 60 degrees.
+/// What a level may differ in, as an angle: a pixel of 1080 on 60 degrees.
 const PIXEL_RAD: f64 = 1e-3;
 
 /// A file that is being written.
@@ -221,10 +225,10 @@ impl Document {
         Ok(model)
     }
 
+    /// The group shows a level from the distance at which its error is seen under [`PIXEL_RAD`].
     fn add_group(&mut self, part: &Part) -> Result<i64> {
         let names: Vec<String> = (1..part.levels.len()).map(|level| format!("Thresholds|Level{}", level - 1)).collect();
-        let mut properties = vec![Property::flag("MinMaxDistance", false), Property::flag("WorldSpace", false)];
-        properties.push(Property::group("Thresholds"));
+        let mut properties = vec![Property::group("Thresholds")];
         for (name, level) in names.iter().zip(&part.levels[1..]) {
             properties.push(Property::length(name, f64::from(level.error_m) / PIXEL_RAD));
         }

@@ -12,8 +12,9 @@ pub fn touched(package: &Memory) -> Vec<usize> {
         Some("urdf") => objects_of_collisions(package, bytes, ""),
         Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
         Some("glb") => unreal_meshes(bytes),
+        Some("fbx") if path.starts_with("Runtime/") => bare_meshes(bytes),
+        Some("fbx") => unreal_nodes(bytes),
         Some("usdc" | "usdz") => colliders(bytes),
-        Some("fbx") => bare_meshes(bytes),
         _ => Vec::new(),
     };
     package.bytes.iter().flat_map(shapes).collect()
@@ -62,6 +63,28 @@ fn unreal_meshes(bytes: &[u8]) -> Vec<usize> {
         }
     }
     found
+}
+
+/// The nodes that Unreal takes as collision of the mesh that they are called after.
+fn unreal_nodes(bytes: &[u8]) -> Vec<usize> {
+    let scene = ufbx::load_memory(bytes, ufbx::LoadOpts::default()).unwrap();
+    let seen: Vec<String> = meshes(&scene).map(|(name, _)| name).filter(|name| !name.starts_with("UCX_")).collect();
+    let mut numbers: HashMap<String, usize> = HashMap::new();
+    let mut found = Vec::new();
+    for (name, vertices) in meshes(&scene) {
+        let Some((mesh, number)) = name.strip_prefix("UCX_").and_then(|rest| rest.rsplit_once('_')) else { continue };
+        assert!(seen.iter().any(|name| name == mesh), "{name}");
+        let expected = numbers.entry(mesh.to_owned()).or_default();
+        assert_eq!(number, format!("{expected:02}"));
+        *expected += 1;
+        found.push(vertices);
+    }
+    found
+}
+
+/// Nodes with meshes: their names and numbers of vertices.
+fn meshes(scene: &ufbx::Scene) -> impl Iterator<Item = (String, usize)> {
+    scene.nodes.iter().filter_map(|node| Some((node.element.name.to_string(), node.mesh.as_ref()?.num_vertices)))
 }
 
 /// The colliders of the ledger that stands in for USD.

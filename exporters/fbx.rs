@@ -1,0 +1,227 @@
+//! Target `fbx`: binary FBX 7.4 with textures beside it, metres.
+//!
+//! ```text
+//! <name>.fbx     chunks, start poses and lights
+//! chunks/        with `per_chunk`: the chunks
+//! textures/
+//! README.md
+//! ```
+//! Start poses are empty nodes `spawn_<N>`, whose +X looks ahead and whose +Z is up.
+//!
+//! Levels of detail are nodes `<chunk>_LOD<N>` in a group `<chunk>` (`LodGroup`). Without coarser levels there is one node
+//! `<chunk>`. Programs that do not know such groups, Blender and three.js among them, show all levels at once.
+//!
+//! Collision goes by names, too, since FBX has no place for it. A concave mesh is called `<chunk>_collision`. A convex piece is
+//! called `UCX_<mesh>_<NN>` after the full-detail mesh, `<chunk>_LOD0` or `<chunk>`, which is how Unreal knows that it
+//! belongs to that mesh and is not to be drawn. Anything else draws both.
+//!
+//! Materials are Phong, the only kind that every reader knows. It has no slot for roughness: the map is where Blender looks
+//! for it, in place of shininess. Unreal reads metalness there, so have it import no materials.
+//!
+//! Memory: one chunk, loaded once.
+
+use minijinja::context;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::ExportError;
+use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part, Up};
+use crate::package::Package;
+use crate::scene::{Chunk, Image, Piece, Scene};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "fbx",
+    summary: "binary FBX 7.4 with textures beside it, levels of detail, start poses and lights",
+    opened_by: "Blender, Maya, 3ds Max, Houdini, three.js, most mesh tools",
+    bundles: &[],
+    settings: || schemars::schema_for!(FbxSettings),
+    build: Build::Plain(|table| Ok(Box::new(Fbx(settings("fbx", table)?)))),
+};
+
+/// Settings of target `fbx`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct FbxSettings {
+    /// One file per chunk, for streaming or past the 4 GiB that one file can hold, instead of a single file.
+    pub per_chunk: bool,
+    /// Which axis points up. Readers turn the world by what the file says of its axes; `y` suits those that do not.
+    pub up: Up,
+    /// Whether coarser levels of detail come with the full one.
+    pub lods: bool,
+    /// Whether the file carries the lights of the scene.
+    pub lights: bool,
+    /// What robots touch.
+    pub collision: FbxCollision,
+}
+
+/// Collision meshes that an importer knows by their names.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FbxCollision {
+    /// None: every mesh is one to see.
+    #[default]
+    None,
+    /// A concave mesh per chunk, named `<chunk>_collision`.
+    Triangles,
+    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal wants them.
+    Pieces,
+}
+
+impl Default for FbxSettings {
+    fn default() -> Self {
+        Self { per_chunk: false, up: Up::Z, lods: true, lights: true, collision: FbxCollision::None }
+    }
+}
+
+/// The target.
+pub struct Fbx(
+    /// Its settings.
+    pub FbxSettings,
+);
+
+impl Target for Fbx {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let head = Head { generator: &scene.generator, up: self.0.up };
+        let path = format!("{}.fbx", scene.name);
+        let mut triangles = [0, 0];
+        fbx::write(out, &path, &head, |document, out| {
+            self.add_places(scene, document)?;
+            for index in 0..scene.chunks.len() {
+                let chunk = Loaded::new(self, scene, index)?;
+                match self.0.per_chunk {
+                    true => self.write_chunk(&chunk, &head, out)?,
+                    false => self.add_chunk(&chunk, "", document, out)?,
+                }
+                triangles[0] += chunk.chunk.visual.triangles();
+                triangles[1] += self.collision_triangles(&chunk);
+            }
+            Ok(())
+        })?;
+        self.write_readme(scene, out)?;
+        Ok(Summary {
+            visual_triangles: triangles[0],
+            collision_triangles: triangles[1],
+            open: self.how_to_open(&scene.name),
+        })
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == FbxCollision::Pieces
+    }
+}
+
+/// A chunk, and its pieces if they are wanted.
+struct Loaded {
+    chunk: Chunk,
+    pieces: Vec<Piece>,
+}
+
+impl Loaded {
+    fn new(target: &Fbx, scene: &Scene, index: usize) -> Result<Self, ExportError> {
+        let pieces = if target.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
+        Ok(Self { chunk: scene.chunk(index)?, pieces })
+    }
+}
+
+impl Fbx {
+    /// Start poses and lights.
+    fn add_places(&self, scene: &Scene, document: &mut Document) -> Result<(), ExportError> {
+        for (number, pose) in scene.spawns.iter().enumerate() {
+            document.add_pose(&format!("spawn_{number}"), pose)?;
+        }
+        match self.0.lights {
+            true => scene.lights.iter().try_for_each(|light| document.add_light(light)),
+            false => Ok(()),
+        }
+    }
+
+    fn write_chunk(&self, chunk: &Loaded, head: &Head, out: &mut dyn Package) -> Result<(), ExportError> {
+        let path = format!("chunks/{}.fbx", chunk.chunk.name);
+        fbx::write(out, &path, head, |document, out| self.add_chunk(chunk, "../", document, out))
+    }
+
+    /// Adds a chunk to a file from which `to_package` leads to the folder of the package.
+    fn add_chunk(
+        &self,
+        chunk: &Loaded,
+        to_package: &str,
+        document: &mut Document,
+        out: &mut dyn Package,
+    ) -> Result<(), ExportError> {
+        let maps = copy_textures(&chunk.chunk, to_package, out)?;
+        let levels = self.levels(&chunk.chunk);
+        let colliders = self.colliders(chunk, &levels[0].name);
+        let name = &chunk.chunk.name;
+        document.add(&Part { name, levels, colliders, material: name, maps: &maps })
+    }
+
+    fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<Level<'a>> {
+        let lods = if self.0.lods { &chunk.lods[..] } else { &[] };
+        if lods.is_empty() {
+            return vec![Level { name: chunk.name.clone(), mesh: &chunk.visual, error_m: 0.0 }];
+        }
+        let coarser = lods.iter().map(|lod| (&lod.mesh, lod.error_m));
+        let levels = std::iter::once((&chunk.visual, 0.0)).chain(coarser).enumerate();
+        levels.map(|(n, (mesh, error_m))| Level { name: format!("{}_LOD{n}", chunk.name), mesh, error_m }).collect()
+    }
+
+    fn colliders<'a>(&self, chunk: &'a Loaded, full_detail: &str) -> Vec<Collider<'a>> {
+        let name = |number| format!("UCX_{full_detail}_{number:02}");
+        match self.0.collision {
+            FbxCollision::None => Vec::new(),
+            FbxCollision::Triangles => {
+                vec![Collider { name: format!("{}_collision", chunk.chunk.name), mesh: &chunk.chunk.collision }]
+            }
+            FbxCollision::Pieces => {
+                let pieces = chunk.pieces.iter().enumerate();
+                pieces.map(|(number, piece)| Collider { name: name(number), mesh: &piece.mesh }).collect()
+            }
+        }
+    }
+
+    fn collision_triangles(&self, chunk: &Loaded) -> u64 {
+        self.colliders(chunk, "").iter().map(|collider| collider.mesh.triangles()).sum()
+    }
+
+    fn write_readme(&self, scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
+        let values = context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            per_chunk => self.0.per_chunk,
+            y_up => self.0.up == Up::Y,
+            lods => self.0.lods,
+            lights => if self.0.lights { scene.lights.len() } else { 0 },
+            triangles => self.0.collision == FbxCollision::Triangles,
+            pieces => self.0.collision == FbxCollision::Pieces,
+            spawns => scene.spawns.len(),
+            open => self.how_to_open(&scene.name),
+        };
+        out.text("README.md", &template::fill("README.md", include_str!("../templates/fbx/README.md.jinja"), &values))
+    }
+
+    fn how_to_open(&self, name: &str) -> String {
+        match self.0.per_chunk {
+            true => format!("import the files of chunks/ together, and {name}.fbx for start poses and lights"),
+            false => format!("import {name}.fbx"),
+        }
+    }
+}
+
+fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Result<Maps, ExportError> {
+    let mut copy = |role: &str, image: &Image| {
+        let path = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
+        out.copy(&path, &image.path)?;
+        Ok::<_, ExportError>(format!("{to_package}{path}"))
+    };
+    let material = &chunk.material;
+    Ok(Maps {
+        base_color: copy("base_color", &material.base_color)?,
+        normal: copy("normal", &material.normal)?,
+        roughness: copy("roughness", &material.roughness)?,
+        occlusion_roughness_metalness: copy("orm", &material.orm)?,
+    })
+}
