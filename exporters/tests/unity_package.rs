@@ -181,6 +181,7 @@ fn imported_meshes_are_where_the_scene_has_them_and_show_their_front_to_the_open
     for index in 0..chamber.len() {
         let chunk = chamber.load(index).unwrap();
         let scene = read(&package.bytes[&format!("Runtime/Meshes/{}.fbx", chunk.name)]);
+        assert!(scene.metadata.warnings.is_empty());
         assert!((scene.settings.unit_meters - 1.0).abs() < 1e-12);
         assert_eq!(scene.settings.axes.up, ufbx::CoordinateAxis::PositiveY);
         for (suffix, mesh) in [("LOD0", &chunk.visual), ("LOD1", &chunk.lods[0].mesh), ("collision", &chunk.collision)]

@@ -85,7 +85,7 @@ impl<'a> Assets<'a> {
         Ok(guid)
     }
 
-    /// Writes the `.meta` of every folder and of the list of files, which follow from all there is: the last step.
+    /// Writes the `.meta` of every folder and of what the sink adds, which follow from all there is: the last step.
     ///
     /// # Errors
     /// When a file cannot be written.
@@ -97,8 +97,10 @@ impl<'a> Assets<'a> {
             let guid = Guid::new(&self.name, folder, &digest(&contents, &format!("{folder}/")));
             self.write_meta(folder, guid, Importer::Folder)?;
         }
-        let guid = Guid::new(&self.name, MANIFEST, &digest(&contents, ""));
-        self.write_meta(MANIFEST, guid, Importer::Text)
+        ADDED_LATER.iter().try_for_each(|path| {
+            let guid = Guid::new(&self.name, path, &digest(&contents, ""));
+            self.write_meta(path, guid, Importer::Text)
+        })
     }
 
     fn write_meta(&mut self, path: &str, guid: Guid, importer: Importer) -> Result<(), ExportError> {
@@ -112,6 +114,9 @@ impl<'a> Assets<'a> {
         self.out.text(&path, &template::fill(&path, include_str!("../../templates/unity/asset.meta.jinja"), &values))
     }
 }
+
+/// Files at the top that a package gets when the target is done.
+const ADDED_LATER: [&str; 1] = [MANIFEST];
 
 /// The folders above a file.
 fn parents(path: &str) -> impl Iterator<Item = &str> {
