@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
 use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part, Up};
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Image, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -106,6 +107,13 @@ impl Target for Fbx {
             collision_triangles: triangles[1],
             open: self.how_to_open(&scene.name),
         })
+    }
+
+    fn axes(&self) -> Axes {
+        match self.0.up {
+            Up::Z => Axes::SCENE,
+            Up::Y => Axes::GLTF,
+        }
     }
 
     fn wants_pieces(&self) -> bool {

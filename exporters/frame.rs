@@ -3,6 +3,48 @@
 //! The scene is in metres, right-handed, Z up, with the UV origin at the lower left of the image.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// The frame that numbers are in.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axes {
+    /// The axis that points up.
+    pub up: Up,
+    /// Whether x, y and z are thumb, index and middle finger of the right or of the left hand.
+    pub handedness: Handedness,
+    /// Length of a unit in metres.
+    pub metres_per_unit: f64,
+}
+
+/// An axis that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// The second.
+    Y,
+    /// The third.
+    Z,
+}
+
+/// A hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Handedness {
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+}
+
+impl Axes {
+    /// Of the scene: metres, right-handed, Z up.
+    pub const SCENE: Self = Self { up: Up::Z, handedness: Handedness::Right, metres_per_unit: 1.0 };
+    /// Of glTF: metres, right-handed, Y up.
+    pub const GLTF: Self = Self { up: Up::Y, handedness: Handedness::Right, metres_per_unit: 1.0 };
+    /// Of Unity: metres, left-handed, Y up.
+    pub const UNITY: Self = Self { up: Up::Y, handedness: Handedness::Left, metres_per_unit: 1.0 };
+}
 
 /// A scene vector in the frame of glTF, which is Y up: a quarter turn about x, exact in any precision.
 pub fn gltf_from_scene<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3]) -> [T; 3] {

@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 
 use crate::error::ExportError;
 use crate::format::gltf::{Layout, bounds, glb};
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, frame, settings};
@@ -78,6 +79,10 @@ impl Target for Gltf {
         let collision_triangles = entries.iter().map(|entry| entry.collision_triangles).sum();
         write_index(scene, &entries, out)?;
         Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::GLTF
     }
 
     fn wants_pieces(&self) -> bool {

@@ -10,7 +10,9 @@ use schemars::Schema;
 use serde_json::Value;
 
 pub mod bundle;
+pub mod check;
 pub mod collision;
+pub mod contents;
 pub mod error;
 pub mod fbx;
 pub mod format;
@@ -18,10 +20,12 @@ pub mod frame;
 pub mod gazebo;
 pub mod gltf;
 pub mod isaac;
+pub mod manifest;
 pub mod mujoco;
 pub mod names;
 pub mod package;
 mod pinch;
+pub mod place;
 pub mod scene;
 mod slope;
 pub mod stage;
@@ -33,16 +37,25 @@ pub mod usdz;
 
 use bundle::Bundle;
 pub use error::ExportError;
+use frame::Axes;
 use package::Package;
 use scene::Scene;
 
 /// Something that writes a scene the way one simulator wants it.
-pub trait Target {
+pub trait Target: Send + Sync {
     /// Writes the whole package into `out`, loading one chunk at a time.
     ///
     /// # Errors
     /// When the scene is not what [`scene`] promises, a chunk cannot be loaded or a file cannot be written.
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError>;
+
+    /// The frame that the files are in.
+    fn axes(&self) -> Axes;
+
+    /// What of others the package names without containing it, one sentence each.
+    fn references(&self) -> &'static [&'static str] {
+        &[]
+    }
 
     /// Whether [`export`](Self::export) asks the scene for convex pieces, which a host program makes only then.
     fn wants_pieces(&self) -> bool {
@@ -69,7 +82,7 @@ pub struct TargetRow {
     pub summary: &'static str,
     /// What opens the package.
     pub opened_by: &'static str,
-    /// Kinds of files that a package can become.
+    /// Kinds of files that a package can become beside those that every package can, [`Bundle::COMMON`].
     pub bundles: &'static [Bundle],
     /// JSON schema of the settings: meaning, unit, default and range of each.
     pub settings: fn() -> Schema,
@@ -102,6 +115,11 @@ impl TargetRow {
                 build(settings, Arc::clone(library))
             }
         }
+    }
+
+    /// Whether a package can become a file of this kind.
+    pub fn has(&self, bundle: Bundle) -> bool {
+        Bundle::COMMON.contains(&bundle) || self.bundles.contains(&bundle)
     }
 
     /// Whether the host program must lend a USD library.

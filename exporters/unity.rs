@@ -27,10 +27,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::bundle::Bundle;
 use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::fbx;
-use crate::frame::micro;
+use crate::frame::{Axes, micro};
 use crate::package::Package;
 use crate::scene::{Chunk, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -53,7 +54,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "unity",
     summary: "package for Unity's Package Manager: FBX with levels of detail, materials and a prefab with colliders",
     opened_by: "Unity 2021.3 and later",
-    bundles: &[],
+    bundles: &[Bundle::Tgz],
     settings: || schemars::schema_for!(UnitySettings),
     build: Build::Plain(|table| Ok(Box::new(Unity(settings("unity", table)?)))),
 };
@@ -102,6 +103,14 @@ impl Target for Unity {
             scene.name
         );
         Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::UNITY
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["Materials name a shader of Unity (Unity Companion License), which comes with its render pipeline."]
     }
 
     fn wants_pieces(&self) -> bool {

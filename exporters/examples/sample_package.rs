@@ -5,7 +5,8 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use plume_exporters::package::{Existing, Folder};
+use plume_exporters::package::Existing;
+use plume_exporters::place::Place;
 use plume_exporters::{TARGETS, TargetRow, target};
 use serde_json::{Value, json};
 
@@ -36,8 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn write(folder: &Path, row: &TargetRow, settings: Value, chamber: &sample::Chamber) -> Result<(), Box<dyn Error>> {
-    let mut package = Folder::create(folder, Existing::Replace)?;
-    row.build(settings, None)?.export(&chamber.scene(), &mut package)?;
-    package.finish()?;
+    let place = Place { path: folder.to_owned(), bundle: None, existing: Existing::Replace };
+    place.write(row, &*row.build(settings, None)?, &chamber.scene())?;
     Ok(())
 }

@@ -71,24 +71,6 @@ fn settings_are_documented_and_unknown_ones_refused() {
 }
 
 #[test]
-fn a_manifest_lists_every_file_of_a_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let chamber = sample::Chamber::new(folder.path()).unwrap();
-    for row in TARGETS {
-        let out = folder.path().join(row.name);
-        let mut package = Folder::create(&out, Existing::Keep).unwrap();
-        row.build(json!({}), ledger().as_ref()).unwrap().export(&chamber.scene(), &mut package).unwrap();
-        let files = package.finish().unwrap();
-        let manifest = fs::read(out.join(MANIFEST)).unwrap();
-        let listed: Files = serde_json::from_slice(&manifest).unwrap();
-        assert_eq!(listed.0.len() + 1, files.0.len());
-        for (path, entry) in listed.0 {
-            assert_eq!(fs::metadata(out.join(path)).unwrap().len(), entry.bytes);
-        }
-    }
-}
-
-#[test]
 fn a_failed_export_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
@@ -349,13 +331,17 @@ fn output_folders_are_refused_in_words() {
 fn only_a_package_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("cave");
-    for text in ["old", "new"] {
+    let of_first_format = "{\"old.txt\": {\"bytes\": 3, \"sha256\": \"0\"}}";
+    let of_tomorrow = "{\"format\": 9, \"generator\": \"plume 9\", \"target\": \"gltf\", \"files\": {}, \"more\": 1}";
+    for (text, manifest) in [("old", of_first_format), ("new", of_tomorrow), ("newest", of_tomorrow)] {
         let mut package = Folder::create(&out, Existing::Replace).unwrap();
         let sink: &mut dyn Package = &mut package;
         sink.text(&format!("{text}.txt"), text).unwrap();
+        sink.text(MANIFEST, manifest).unwrap();
         package.finish().unwrap();
     }
-    assert!(out.join("new.txt").exists() && !out.join("old.txt").exists());
+    assert!(out.join("newest.txt").exists());
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 

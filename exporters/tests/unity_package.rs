@@ -51,7 +51,7 @@ fn guids(package: &Memory) -> BTreeMap<String, String> {
 fn every_asset_and_folder_has_an_identity_of_its_own() {
     let package = sample_package(UnitySettings::default());
     let guids = guids(&package);
-    let mut assets: BTreeSet<String> = BTreeSet::from(["manifest.json".to_owned()]);
+    let mut assets: BTreeSet<String> = ["LICENSE.md", "manifest.json"].map(str::to_owned).into();
     for path in package.bytes.keys().filter(|path| !path.ends_with(".meta")) {
         assets.extend(path.match_indices('/').map(|(end, _)| path[..end].to_owned()));
         assets.insert(path.clone());

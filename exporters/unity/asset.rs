@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use super::identity::Guid;
 use crate::error::ExportError;
 use crate::package::{MANIFEST, Package};
+use crate::place::LICENSE;
 use crate::template;
 
 /// What makes an asset of a file.
@@ -116,7 +117,7 @@ impl<'a> Assets<'a> {
 }
 
 /// Files at the top that a package gets when the target is done.
-const ADDED_LATER: [&str; 1] = [MANIFEST];
+const ADDED_LATER: [&str; 2] = [LICENSE, MANIFEST];
 
 /// The folders above a file.
 fn parents(path: &str) -> impl Iterator<Item = &str> {

@@ -14,7 +14,7 @@ use plume_exporters::scene::Scene;
 
 pub use self::error::CaveError;
 pub use self::input::{Input, preset, read};
-pub use self::target::{build, bundle, export, export_bundle, target};
+pub use self::target::{Exported, Order, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;
 use crate::pipeline::{self, Observer, Pipeline, PipelineError};
