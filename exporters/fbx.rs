@@ -229,7 +229,7 @@ fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Resu
     Ok(Maps {
         base_color: copy("base_color", &material.base_color)?,
         normal: copy("normal", &material.normal)?,
-        roughness: copy("roughness", &material.roughness)?,
-        occlusion_roughness_metalness: copy("orm", &material.orm)?,
+        roughness: Some(copy("roughness", &material.roughness)?),
+        occlusion_roughness_metalness: Some(copy("orm", &material.orm)?),
     })
 }

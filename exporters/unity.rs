@@ -176,7 +176,8 @@ impl Writer<'_> {
         let maps = fbx::Maps {
             base_color: format!("../Textures/{}", textures.base_color.file),
             normal: format!("../Textures/{}", textures.normal.file),
-            ..fbx::Maps::default()
+            roughness: None,
+            occlusion_roughness_metalness: None,
         };
         let meshes = [(&chunk.visual, 0.0)].into_iter().chain(chunk.lods.iter().map(|lod| (&lod.mesh, lod.error_m)));
         let levels = names.iter().zip(meshes);

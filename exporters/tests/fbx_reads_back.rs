@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Point3, Vector3};
 use plume_exporters::Target;
 use plume_exporters::fbx::{Fbx, FbxCollision, FbxSettings};
-use plume_exporters::format::fbx::Up;
+use plume_exporters::format::fbx::{self, Collider, Head, Level, Maps, Part, Up};
 use plume_exporters::frame::gltf_from_scene;
 use plume_exporters::package::{Existing, Folder, Memory};
 use plume_exporters::scene::{Chunks, Mesh};
@@ -25,7 +25,7 @@ fn export(settings: FbxSettings) -> (Memory, sample::Chamber, tempfile::TempDir)
 
 /// A file as it is, without a complaint.
 fn read(bytes: &[u8]) -> ufbx::SceneRoot {
-    let scene = ufbx::load_memory(bytes, LoadOpts { retain_dom: true, ..LoadOpts::default() }).unwrap();
+    let scene = ufbx::load_memory(bytes, LoadOpts { retain_dom: true, strict: true, ..LoadOpts::default() }).unwrap();
     let warnings: Vec<&str> = scene.metadata.warnings.iter().map(|warning| &*warning.description).collect();
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!((scene.metadata.version, scene.metadata.ascii), (7400, false));
@@ -207,6 +207,27 @@ fn what_robots_touch_comes_back_bit_for_bit() {
         }
         assert!(colliders(&memory) == expected);
     }
+}
+
+/// A part need not be seen, and a material need not have every map.
+#[test]
+fn what_is_not_given_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let chunk = sample::Chamber::new(folder.path()).unwrap().load(0).unwrap();
+    let mut memory = Memory::default();
+    let head = Head { generator: "plume test", up: Up::Z };
+    let maps = Maps { base_color: "a.png".to_owned(), normal: "b.png".to_owned(), ..Maps::default() };
+    let level = Level { name: "seen".to_owned(), mesh: &chunk.visual, error_m: 0.0 };
+    let collider = Collider { name: "touched".to_owned(), mesh: &chunk.collision };
+    fbx::write(&mut memory, "parts.fbx", &head, |document, _| {
+        let part = Part { name: "part", levels: vec![level], colliders: Vec::new(), material: "rock", maps: &maps };
+        document.add(&part)?;
+        document.add(&Part { name: "ghost", levels: Vec::new(), colliders: vec![collider], ..part })
+    })
+    .unwrap();
+    let scene = read(&memory.bytes["parts.fbx"]);
+    assert_eq!((scene.nodes.len(), scene.materials.len(), scene.textures.len()), (3, 1, 2));
+    assert!(node(&scene, "touched").materials.is_empty());
 }
 
 type Solid = (Vec<[f64; 3]>, Vec<u32>);
