@@ -114,7 +114,7 @@ pub struct Entry {
 impl Files {
     /// Bytes of all files together.
     pub fn bytes(&self) -> u64 {
-        self.0.values().map(|entry| entry.bytes).sum()
+        self.0.values().fold(0, |sum, entry| sum.saturating_add(entry.bytes))
     }
 
     fn check(&self, path: &str) -> Result<(), ExportError> {

@@ -51,7 +51,10 @@ impl Place {
             }
             Some(bundle) => {
                 let mut archive = Archive::create(bundle, &self.path, self.existing)?;
-                let summary = fill(row, target, scene, &mut archive)?;
+                let mut summary = fill(row, target, scene, &mut archive)?;
+                if Bundle::COMMON.contains(&bundle) {
+                    summary.open = format!("unpack it, then in its folder: {}", summary.open);
+                }
                 Ok((summary, archive.finish()?))
             }
         }

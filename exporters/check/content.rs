@@ -105,9 +105,14 @@ impl<'a> Content<'a> {
 
     /// All that is left, in memory.
     pub fn rest(&mut self) -> Result<Vec<u8>, Unfit> {
+        self.rest_up_to(MOST_BYTES)
+    }
+
+    /// All that is left, in memory, if it has no more bytes than these.
+    pub fn rest_up_to(&mut self, most: u64) -> Result<Vec<u8>, Unfit> {
         let mut rest = Vec::new();
-        (&mut self.bytes).take(MOST_BYTES + 1).read_to_end(&mut rest)?;
-        if rest.len() as u64 > MOST_BYTES { Err("is larger than what is read at once".into()) } else { Ok(rest) }
+        (&mut self.bytes).take(most + 1).read_to_end(&mut rest)?;
+        if rest.len() as u64 > most { Err("is larger than what is read at once".into()) } else { Ok(rest) }
     }
 
     /// All that is left, as text.

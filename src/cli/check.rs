@@ -44,6 +44,11 @@ impl Check {
             let package = self.package.display();
             return format!("{package}: whole: {target} by {generator}, {files} files, {bytes} bytes\n");
         }
-        report.faults.iter().map(|fault| format!("{}: {}\n", fault.path, fault.what)).collect()
+        report.faults.iter().map(|fault| format!("{}: {}\n", printable(&fault.path), printable(&fault.what))).collect()
     }
+}
+
+/// A text of others, with what would steer a terminal written out.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() }).collect()
 }

@@ -4,6 +4,9 @@ use serde_json::Value;
 
 use super::{Content, Found, Unfit};
 
+/// The longest text that is taken apart, which takes some ten times its size.
+const MOST_BYTES: usize = 1 << 25;
+
 /// Reads any JSON.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let value = parse(&content.rest()?)?;
@@ -27,5 +30,8 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
 
 /// Any JSON in memory.
 pub fn parse(text: &[u8]) -> Result<Value, Unfit> {
+    if text.len() > MOST_BYTES {
+        return Err("is larger than what is read at once".into());
+    }
     serde_json::from_slice(text).map_err(|error| Unfit(format!("is no JSON: {error}")))
 }

@@ -101,7 +101,6 @@ fn fixed_bytes(element: &Element) -> Option<u64> {
         Property::Number(bytes) => Some(*bytes),
         Property::List(..) => None,
     };
-    // An element of nothing would be passed over for ever.
     element.properties.iter().map(bytes).sum::<Option<u64>>()
 }
 

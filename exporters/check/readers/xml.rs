@@ -4,6 +4,8 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use super::{Content, Found, Unfit};
 
+/// The longest text that is taken apart, which takes up to ten times its size. A convex piece takes about a kilobyte.
+const MOST_BYTES: u64 = 1 << 26;
 /// Elements and texts that a file may have: a cave of 100,000 convex pieces has a fifth.
 const MOST_NODES: u32 = 2_000_000;
 /// Attributes that an element may have. Their names are compared with each other.
@@ -26,7 +28,7 @@ const FILE_ELEMENTS: [&str; 10] = [
 
 /// Reads any XML.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
-    let text = content.text()?;
+    let text = String::from_utf8(content.rest_up_to(MOST_BYTES)?).map_err(|_| Unfit::from("is no UTF-8"))?;
     if text.split('<').any(|tag| tag.bytes().filter(|&byte| byte == b'=').count() > MOST_ATTRIBUTES) {
         return Err(Unfit(format!("has an element with more than {MOST_ATTRIBUTES} attributes")));
     }
