@@ -2,7 +2,7 @@
 //!
 //! The scene is in metres, right-handed, Z up, with the UV origin at the lower left of the image.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +43,8 @@ impl Axes {
     pub const SCENE: Self = Self { up: Up::Z, handedness: Handedness::Right, metres_per_unit: 1.0 };
     /// Of glTF: metres, right-handed, Y up.
     pub const GLTF: Self = Self { up: Up::Y, handedness: Handedness::Right, metres_per_unit: 1.0 };
+    /// Of Unity: metres, left-handed, Y up.
+    pub const UNITY: Self = Self { up: Up::Y, handedness: Handedness::Left, metres_per_unit: 1.0 };
 }
 
 /// A scene vector in the frame of glTF, which is Y up: a quarter turn about x, exact in any precision.
@@ -73,6 +75,22 @@ pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64
 
 fn gltf_turn_from_scene() -> Matrix3<f64> {
     Matrix3::from([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>))
+}
+
+/// A scene vector in the frame of Unity, which is left-handed and Y up: what its FBX importer, which turns x round, makes of a
+/// file in the frame of glTF.
+pub fn unity_from_scene<T: Copy + std::ops::Neg<Output = T>>(scene: [T; 3]) -> [T; 3] {
+    let [x, y, z] = gltf_from_scene(scene);
+    [-x, y, z]
+}
+
+/// The pose of a body in the frame of Unity: position, and rotation as x, y, z, w. A body of the scene looks along its +X with
+/// +Z up, one of Unity along its +Z with +Y up.
+pub fn unity_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
+    let axes = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let turned = axes.map(|axis| unity_from_scene((scene_from_body.rotation * Vector3::from(axis)).into()));
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(Matrix3::from(turned)));
+    (unity_from_scene(scene_from_body.translation.vector.into()), rotation.coords.into())
 }
 
 /// The pose of a camera of USD or MuJoCo, which looks along its −Z with +Y up, from that of a body that looks along +X
@@ -135,7 +153,7 @@ pub fn micro(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Point3, Translation3, Vector3};
+    use nalgebra::{Point3, Translation3};
 
     use super::*;
 
@@ -157,6 +175,30 @@ mod tests {
         let there = turn * body + Vector3::new(x, y, z);
         let expected = Point3::from(gltf_from_scene((pose * body).coords.into()));
         assert!((there - expected).norm() < 1e-12);
+    }
+
+    #[test]
+    fn unity_has_the_other_hand() {
+        assert_eq!(unity_from_scene([1.0, 2.0, 3.0]), [-1.0, 3.0, -2.0]);
+        let [x, y, z] =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(unity_from_scene(axis)));
+        assert_eq!(x.cross(&y), -z);
+    }
+
+    #[test]
+    fn a_body_in_unity_looks_where_it_does_in_the_scene() {
+        let pose =
+            Isometry3::from_parts(Translation3::new(1.0, -2.0, 3.0), UnitQuaternion::from_euler_angles(0.3, -0.4, 2.0));
+        let (position, [i, j, k, w]) = unity_pose_from_scene(&pose);
+        let turn = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, i, j, k));
+        assert!((turn.norm() - 1.0).abs() < 1e-12);
+        assert_eq!(position, unity_from_scene([1.0, -2.0, 3.0]));
+        for (of_unity, of_scene) in
+            [(Vector3::z(), Vector3::x()), (Vector3::y(), Vector3::z()), (Vector3::x(), -Vector3::y())]
+        {
+            let expected = Vector3::from(unity_from_scene((pose.rotation * of_scene).into()));
+            assert!((turn * of_unity - expected).norm() < 1e-12);
+        }
     }
 
     #[test]

@@ -36,6 +36,7 @@ mod slope;
 pub mod stage;
 pub mod stl;
 mod template;
+pub mod unity;
 pub mod unreal;
 pub mod urdf;
 pub mod usd;
@@ -183,6 +184,7 @@ pub static TARGETS: &[TargetRow] = &[
     gazebo::ROW,
     isaac::ROW,
     mujoco::ROW,
+    unity::ROW,
     unreal::ROW,
     urdf::ROW,
     usd::ROW,

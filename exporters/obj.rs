@@ -22,7 +22,7 @@ use crate::error::ExportError;
 use crate::format::obj::{self, Maps};
 use crate::frame::{Axes, sdf_pose};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, Mesh, Scene};
+use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
 use crate::sheaf::{self, Growing, Sheaf, Stem, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
@@ -156,6 +156,7 @@ impl<'a> ObjFiles<'a> {
     }
 
     fn add_material(&mut self, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
+        chunk.material.refuse_unless("obj", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let mut copy = |role, image: &Image| {
             let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
             out.copy(&format!("{}{file}", self.stem.folder), &image.path)?;
@@ -165,7 +166,14 @@ impl<'a> ObjFiles<'a> {
         let normal = copy("normal", &chunk.material.normal)?;
         let roughness = copy("roughness", &chunk.material.roughness)?;
         let maps = Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
-        Ok(obj::write_material(&mut self.materials, &chunk.name, &maps)?)
+        let height = chunk.material.height.as_ref();
+        let displacement =
+            height.map(|height| Ok::<_, ExportError>((copy("height", &height.image)?, height.amplitude_m)));
+        obj::write_material(&mut self.materials, &chunk.name, &maps)?;
+        match displacement.transpose()? {
+            Some((file, amplitude_m)) => Ok(obj::write_displacement(&mut self.materials, &file, amplitude_m)?),
+            None => Ok(()),
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use crate::format::pixels::Sampler;
 use crate::format::ply;
 use crate::frame::Axes;
 use crate::package::Package;
-use crate::scene::{Chunk, Mesh, Scene, Zone};
+use crate::scene::{Chunk, ImageFormat, Mesh, Scene, Zone};
 use crate::sheaf::{self, Growing, Sheaf, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, slope, template};
 
@@ -117,6 +117,7 @@ impl Sheaf for Cloud<'_> {
         if i32::try_from(self.counts[0]).is_err() {
             return Err(self.too_large());
         }
+        chunk.material.refuse_unless("ply", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let colors = Sampler::open(&chunk.material.base_color)?;
         let colors: Vec<[u8; 3]> = mesh.uvs.iter().map(|&uv| colors.at(uv)).collect();
         let labels: Vec<u8> = mesh.normals.iter().map(|&normal| ply::label(slope::zone(normal))).collect();

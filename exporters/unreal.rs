@@ -28,7 +28,7 @@ use crate::error::ExportError;
 use crate::format::{fbx, pixels};
 use crate::frame::{Axes, Up, micro};
 use crate::package::Package;
-use crate::scene::{Chunk, Mesh, Piece, Scene};
+use crate::scene::{Chunk, ImageFormat, Mesh, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 use index::{Entry, Textures};
 
@@ -155,6 +155,7 @@ fn level_name(chunk: &str, number: usize) -> String {
 fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, ExportError> {
     let path = |role: &str, extension: &str| format!("textures/{}_{role}.{extension}", chunk.name);
     let material = &chunk.material;
+    material.refuse_unless("unreal", &[ImageFormat::Png, ImageFormat::Jpeg])?;
     let textures = Textures {
         base_color: path("base_color", material.base_color.format.extension()),
         normal: path("normal", "png"),

@@ -179,8 +179,8 @@ fn only_packages_are_replaced() {
     assert_snapshot!("cave_over_others", desk.fault(&["graph", "--output", "extension", "--force"]));
 }
 
-/// A target with a few small files.
-const SOME: [&str; 5] = ["export", "--target", "gltf", "--output", "cave"];
+/// Any package.
+const SOME: [&str; 5] = ["export", "--target", "gazebo", "--output", "cave"];
 
 #[test]
 fn several_targets_are_written_side_by_side() {
@@ -226,10 +226,11 @@ fn said_of(desk: &Desk, package: &str) -> String {
 fn a_package_is_checked() {
     let desk = Desk::new();
     desk.make(&SOME);
-    assert!(said_of(&desk, "cave").starts_with("exit 0\ncave: whole: gltf by plume "));
-    fs::write(desk.path("cave/README.md"), "# Free money\n").unwrap();
+    assert!(said_of(&desk, "cave").starts_with("exit 0\ncave: whole: gazebo by plume "));
+    let license = fs::read_to_string(desk.path("cave/LICENSE.md")).unwrap();
+    desk.file("cave/LICENSE.md", &license.replace("yours", "OURS!"));
     desk.file("cave/virus\u{1b}[2J.exe", "MZ");
-    fs::remove_file(desk.path("cave/scene.json")).unwrap();
+    fs::remove_file(desk.path("cave/models/cave/model.config")).unwrap();
     assert_snapshot!("package_tampered", said_of(&desk, "cave"));
     assert_snapshot!("package_of_nothing", said_of(&desk, "nowhere"));
     desk.file("letter.txt", "dear diary");
@@ -264,8 +265,8 @@ fn a_full_disk_is_told_and_leaves_no_archive() {
         let partial = desk.path(&format!("full.{bundle}.partial"));
         std::os::unix::fs::symlink(Path::new("/dev/full"), &partial).unwrap();
         let fault =
-            desk.fault(&["export", "cave", "--target", "gltf", "--output", "full", "--bundle", bundle, "--quiet"]);
-        assert_snapshot!("disk_is_full", fault);
+            desk.fault(&["export", "cave", "--target", "gazebo", "--output", "full", "--bundle", bundle, "--quiet"]);
+        assert_snapshot!(format!("disk_is_full_{}", bundle.replace('.', "_")), fault);
         assert!(!partial.is_symlink() && !desk.path(&format!("full.{bundle}")).exists());
     }
 }

@@ -30,7 +30,7 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["json", "asmdef", "asmref", "uplugin"], json::read),
     (&["ktx2"], image::read_ktx2),
     (&["md", "txt", "py", "cs"], read_plain),
-    (&["meta", "prefab", "mat", "asset", "unity"], unity::read),
+    (&["meta", "prefab", "mat", "physicmaterial", "asset", "unity"], unity::read),
     (&["msh"], msh::read),
     (&["mtl"], obj::read_materials),
     (&["obj"], obj::read),

@@ -58,6 +58,7 @@ fn write_chambers(folder: &Path) -> Result<()> {
         ("fbx_y", json!({ "up": "y" })),
         ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
+        ("unity_pieces", json!({ "collision": "pieces", "pipeline": "hdrp" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
         ("unreal_pieces", json!({ "collision": "pieces" })),
     ] {
@@ -67,7 +68,7 @@ fn write_chambers(folder: &Path) -> Result<()> {
     // `FOLDER/<target>_webp`, where WebP is written.
     let webp = sample::Chamber::in_webp(textures.path())?;
     for name in ["glb", "gltf"] {
-        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp)?;
+        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp.scene(), &None)?;
     }
     Ok(())
 }

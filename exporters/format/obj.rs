@@ -92,6 +92,14 @@ pub fn write_material(file: &mut dyn Write, name: &str, maps: &Maps) -> io::Resu
     writeln!(file, "map_Kd {}\nnorm {}\nmap_Pr {}", maps.base_color, maps.normal, maps.roughness)
 }
 
+/// Adds a displacement to the material: black is `-amplitude_m`, white is `amplitude_m`.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_displacement(file: &mut dyn Write, height: &str, amplitude_m: f32) -> io::Result<()> {
+    writeln!(file, "disp -mm {} {} {height}", -amplitude_m, 2.0 * amplitude_m)
+}
+
 fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
     for [x, y, z] in &mesh.positions {
         writeln!(file, "v {x} {y} {z}")?;

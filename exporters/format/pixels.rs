@@ -2,7 +2,8 @@
 //!
 //! Compressed fast and with one filter, as the images of a scene are. Memory: one image, twice.
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufReader, Write};
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageError, ImageReader, RgbImage};
@@ -79,12 +80,29 @@ impl Between {
     }
 }
 
+/// Pixels across and down.
+///
+/// # Errors
+/// When the image cannot be read, with its path.
+pub fn size(image: &Image) -> Result<[u32; 2], ExportError> {
+    with(image, |reader| reader.into_dimensions()).map(<[u32; 2]>::from)
+}
+
 fn read(image: &Image) -> Result<RgbImage, ExportError> {
-    let decode = || {
-        let reader = ImageReader::open(&image.path)?.with_guessed_format()?;
-        Ok(reader.decode().map_err(plain)?.into_rgb8())
+    with(image, |reader| Ok(reader.decode()?.into_rgb8()))
+}
+
+/// Images of a scene may be larger than what a decoder takes from strangers.
+fn with<T>(
+    image: &Image,
+    read: impl FnOnce(ImageReader<BufReader<File>>) -> Result<T, ImageError>,
+) -> Result<T, ExportError> {
+    let open = || {
+        let mut reader = ImageReader::open(&image.path)?.with_guessed_format()?;
+        reader.no_limits();
+        read(reader).map_err(plain)
     };
-    Ok(decode().map_err(|error| at(image.path.display(), &error))?)
+    Ok(open().map_err(|error| at(image.path.display(), &error))?)
 }
 
 /// The error of the disk, where it was one.

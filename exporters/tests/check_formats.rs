@@ -113,7 +113,7 @@ fn gltf_is_read() {
     a.gltf: is no glTF: bufferViews[0].buffer is Index out of bounds
     a.gltf: has array 0, which leads out of its view
     ");
-    let glb = package("gltf").remove("chamber.glb").unwrap();
+    let glb = package("glb").remove("chamber.glb").unwrap();
     let mut short = glb.clone();
     short.truncate(glb.len() - 4);
     insta::assert_snapshot!(each(&[("a.glb", &short), ("b.glb", b"glTF\x01\0\0\0")]), @r"

@@ -93,8 +93,8 @@ pub struct Exported {
 }
 
 /// Writes packages of a scene, as many at once as there are threads; each appears whole or not at all. Memory: a few chunks a
-/// thread. Chunks are loaded for each package anew: that is a thirtieth of the time that a package takes, and keeping them would
-/// tie the packages to one pace.
+/// thread. Chunks are loaded for each package anew: that is about a tenth of the time that a package takes, and to keep them would
+/// tie all packages to one pace, or hold all chunks.
 ///
 /// # Errors
 /// The first in the order of `orders`, after all are done: something else is at a place, the scene cannot be read, the

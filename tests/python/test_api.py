@@ -47,6 +47,40 @@ def test_recipes() -> None:
         recipe.seed = 4  # type: ignore[misc]
 
 
+@pytest.mark.parametrize("bundle", ["zip", "tar.zst"])
+def test_archives_are_those_of_the_command(bundle: str, cave: plume.Cave, tmp_path: Path) -> None:
+    package = cave.export("isaac", tmp_path / "ours", bundle=bundle)
+    assert package.path == tmp_path / f"ours.{bundle}"
+    command(tmp_path, "export", str(cave.folder), "-t", "isaac", "-o", "theirs", "--bundle", bundle)
+    assert package.path.read_bytes() == (tmp_path / f"theirs.{bundle}").read_bytes()
+    assert "whole: isaac by plume" in command(tmp_path, "check", str(package.path))
+
+
+@pytest.mark.parametrize("target", ["usd", "isaac"])
+def test_an_image_that_usd_misses_is_told(target: str, cave: plume.Cave, tmp_path: Path) -> None:
+    """The layers are usd-core's; which images they name the check reads on its own."""
+    package = cave.export(target, tmp_path / "package").path
+    image = next(path for path in sorted(package.rglob("*_normal.png")))
+    image.rename(image.with_name("other.png"))
+    manifest = json.loads((package / "manifest.json").read_text())
+    name = image.relative_to(package).as_posix()
+    manifest["files"]["chunks/textures/other.png"] = manifest["files"].pop(name)
+    for chunk in manifest["chunks"]:
+        chunk["textures"] = {role: path for role, path in chunk["textures"].items() if path != name}
+    (package / "manifest.json").write_text(sealed(manifest))
+    words = [sys.executable, "-m", "plume", "check", "package"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
+    layer = f"chunks/{image.name.removesuffix('_normal.png')}.usdc"
+    assert (done.returncode, done.stdout) == (1, f"{layer}: names `./textures/{image.name}`, which is not here\n")
+
+
+def sealed(manifest: dict[str, Any]) -> str:
+    """A manifest as its module describes it: it ends with the hash of what stands before."""
+    del manifest["seal"]
+    before = json.dumps(manifest, indent=2, ensure_ascii=False).removesuffix("\n}") + ',\n  "seal": "'
+    return before + hashlib.sha256(before.encode()).hexdigest() + '"\n}\n'
+
+
 @pytest.mark.parametrize("name", ["cave", "lava-tube", "mine"])
 def test_presets_are_those_of_the_command(name: str, tmp_path: Path) -> None:
     printed = command(tmp_path, "new", "--preset", name)
@@ -260,6 +294,8 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
         ),
         (lambda cave, folder: cave.export("isaac", folder / "x", light=1), plume.RecipeError, "did you mean `lights`"),
         (lambda cave, folder: cave.export("isaac", folder / "x", lights=3), plume.RecipeError, "true or false"),
+        (lambda cave, folder: cave.export("gltf", folder / "x", bundle="zap"), plume.InputError, "did you mean `zip`"),
+        (lambda cave, folder: cave.export("gltf", folder / "x", bundle="mjz"), plume.InputError, "mujoco"),
         (lambda cave, folder: cave.export("gltf", cave.folder), plume.StorageError, "not empty"),
         (lambda cave, folder: cave.export("gltf", cave.folder, force=True), plume.StorageError, "left alone"),
         (lambda cave, folder: cave.export("gltf", folder / "file" / "x"), plume.StorageError, "file"),

@@ -17,6 +17,7 @@ mod blender;
 mod formats;
 pub mod mujoco;
 mod spoil;
+mod unity;
 pub mod urdf;
 pub mod usd;
 
@@ -42,6 +43,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
             }
         }
         tally.enter("husky", urdf::spoil());
+        tally.enter("unity", unity::spoil());
         return tally.result();
     }
     let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();
@@ -72,7 +74,7 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 22] = [
+const JUDGES: [Judge; 23] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
@@ -81,6 +83,7 @@ const JUDGES: [Judge; 22] = [
     Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
     Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
     Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
+    Judge { name: "unity", of: Kind::Unity, prepare: unity::make, command: unity::check },
     Judge { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
     Judge { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
     Judge { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
@@ -102,6 +105,7 @@ const JUDGES: [Judge; 22] = [
 enum Kind {
     Gazebo,
     Gltf,
+    Unity,
     Fbx,
     Urdf,
     Usd,
@@ -120,6 +124,7 @@ impl Kind {
             _ if formats::is_shelf(package) => Some(Self::Shelf),
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if package.join("Runtime").is_dir() => Some(Self::Unity),
             _ if holds(package, &["fbx"]) => Some(Self::Fbx),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
@@ -213,7 +218,7 @@ fn export_sample() -> Result<PathBuf> {
 }
 
 /// Packages of the sample that are judged as they are.
-const SAMPLE_PACKAGES: [&str; 18] = [
+const SAMPLE_PACKAGES: [&str; 20] = [
     "fbx",
     "fbx_chunks",
     "fbx_pieces",
@@ -230,6 +235,8 @@ const SAMPLE_PACKAGES: [&str; 18] = [
     "gltf_meshopt",
     "gltf_pieces",
     "gltf_webp",
+    "unity",
+    "unity_pieces",
     "urdf",
     "urdf_pieces",
 ];
@@ -243,7 +250,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
         let targets = format!("{opened},obj,ply,stl");
         plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(opened.split(',').map(|target| root().join(&output).join(target)));
@@ -256,7 +263,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
 fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) = (["gazebo", "glb", "gltf", "fbx", "isaac", "usd", "usdz"], "target/judges/pieces");
+    let (targets, output) = (["gazebo", "glb", "gltf", "fbx", "isaac", "unity", "usd", "usdz"], "target/judges/pieces");
     let options = targets.map(|target| format!("{target}.collision=pieces"));
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];

@@ -12,6 +12,7 @@ pub fn touched(package: &Memory) -> Vec<usize> {
         Some("urdf") => objects_of_collisions(package, bytes, ""),
         Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
         Some("obj") if path.ends_with("_collision.obj") && !path.contains('/') => objects(bytes),
+        Some("fbx") if path.starts_with("Runtime/") => bare_meshes(bytes),
         Some("fbx") => unreal_nodes(bytes),
         Some("glb") => unreal_meshes(&gltf::Gltf::from_slice(bytes).unwrap(), package),
         Some("gltf") if !path.ends_with("_lods.gltf") => {
@@ -102,4 +103,11 @@ fn colliders(bytes: &[u8]) -> Vec<usize> {
     let text = String::from_utf8_lossy(bytes);
     let sizes = text.lines().filter_map(|line| line.strip_prefix("Collision")?.split_once(".points "));
     sizes.map(|(_, size)| size.parse().unwrap()).collect()
+}
+
+/// The meshes of an FBX that have no material, which are not there to be seen.
+fn bare_meshes(bytes: &[u8]) -> Vec<usize> {
+    let scene = ufbx::load_memory(bytes, ufbx::LoadOpts::default()).unwrap();
+    let bare = scene.meshes.iter().filter(|mesh| mesh.materials.is_empty());
+    bare.map(|mesh| mesh.num_vertices).collect()
 }

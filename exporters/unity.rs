@@ -1,0 +1,306 @@
+//! Target `unity`: a package for Unity's Package Manager, for Unity 2021.3 and later.
+//!
+//! ```text
+//! package.json, README.md
+//! Runtime/<name>.prefab
+//! Runtime/Meshes/<chunk>.fbx                        <chunk>_LOD0, _LOD1, … and <chunk>_collision
+//! Runtime/Textures/<chunk>_{base_color,normal,mask}
+//! Runtime/Materials/<chunk>.mat
+//! Runtime/Physics/<zone>.physicMaterial
+//! ```
+//! Each file and folder has its `.meta`. GUIDs follow from the content ([`identity`]).
+//!
+//! - **Frame**: the FBX are Y up, in metres. Unity's importer turns x round and with it the order of corners; the prefab says start
+//!   poses and lights in the frame that follows ([`frame::unity_from_scene`](crate::frame::unity_from_scene)).
+//! - **References into an FBX**: Unity derives the number of a mesh from its name, and [`identity::mesh`] does the same, which
+//!   numbers that Unity has written into public projects confirm. The table `internalIDToNameTable` of the `.meta` says the same
+//!   numbers, so that either rule finds the meshes.
+//! - **Tangents**: Unity makes them anew, by MikkTSpace as those that the normal maps were baked in.
+//! - **Levels of detail** change where their error is a line of an image of 1080, seen under 60°. The last one is never hidden.
+//! - **Friction** is that of the scene; it rules over whatever touches the rock with less (`frictionCombine` is the maximum).
+//!
+//! No test opens Unity. Its YAML is held to the documented fields, all references to what they lead to, and the meshes to the
+//! frame, by readers that are not ours.
+
+use minijinja::context;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::bundle::Bundle;
+use crate::collision::Collision;
+use crate::error::ExportError;
+use crate::format::fbx;
+use crate::frame::{Axes, Up, micro};
+use crate::package::Package;
+use crate::scene::{Chunk, Mesh, Piece, Scene, Zone};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
+
+use asset::{Assets, Importer};
+use identity::Guid;
+use material::Pipeline;
+use prefab::{Model, Prefab};
+use texture::Textures;
+
+mod asset;
+pub mod identity;
+mod lod;
+pub mod material;
+mod prefab;
+mod texture;
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "unity",
+    summary: "package for Unity's Package Manager: FBX with levels of detail, materials and a prefab with colliders",
+    opened_by: "Unity 2021.3 and later",
+    bundles: &[Bundle::Tgz],
+    settings: || schemars::schema_for!(UnitySettings),
+    build: Build::Plain(|table| Ok(Box::new(Unity(settings("unity", table)?)))),
+};
+
+/// Settings of target `unity`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct UnitySettings {
+    /// Render pipeline of the project, for which the materials are made.
+    pub pipeline: Pipeline,
+    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    pub collision: Collision,
+    /// Whether the prefab carries the lights of the scene, without shadows.
+    pub lights: bool,
+}
+
+impl Default for UnitySettings {
+    fn default() -> Self {
+        Self { pipeline: Pipeline::default(), collision: Collision::default(), lights: true }
+    }
+}
+
+/// The target.
+pub struct Unity(
+    /// Its settings.
+    pub UnitySettings,
+);
+
+impl Target for Unity {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let name = package_name(&scene.name);
+        let mut writer = Writer {
+            settings: &self.0,
+            scene,
+            assets: Assets::new(out, name.clone()),
+            prefab: Prefab::new(&scene.name),
+            friction: Vec::new(),
+            triangles: [0, 0],
+        };
+        (0..scene.chunks.len()).try_for_each(|index| writer.write_chunk(index))?;
+        let [visual_triangles, collision_triangles] = writer.triangles;
+        writer.finish(&name)?;
+        let open = format!(
+            "copy the folder to Packages/{name} of a Unity project, then drag Runtime/{}.prefab into a scene",
+            scene.name
+        );
+        Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::UNITY
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["Materials name a shader of Unity (Unity Companion License), which comes with its render pipeline."]
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == Collision::Pieces
+    }
+}
+
+/// Its name for the Package Manager, which takes no capital letters and no more than 214 of any other.
+fn package_name(scene: &str) -> String {
+    let name: String = scene.chars().take(200).collect();
+    format!("com.plume.{}", name.replace('_', "-"))
+}
+
+/// A collision mesh of a chunk.
+struct Shape {
+    name: String,
+    mesh: Mesh,
+    zone: Zone,
+}
+
+/// A package that is being written.
+struct Writer<'a> {
+    settings: &'a UnitySettings,
+    scene: &'a Scene<'a>,
+    assets: Assets<'a>,
+    prefab: Prefab,
+    friction: Vec<(Zone, Guid)>,
+    triangles: [u64; 2],
+}
+
+impl Writer<'_> {
+    fn write_chunk(&mut self, index: usize) -> Result<(), ExportError> {
+        let chunk = self.scene.chunk(index)?;
+        let shapes = match self.settings.collision {
+            Collision::Triangles => vec![whole(&chunk)],
+            Collision::Pieces => pieces(&chunk.name, self.scene.pieces(index)?),
+        };
+        let textures = texture::write(&chunk, &mut self.assets)?;
+        let material = material::write(&chunk.name, self.settings.pipeline, &textures, &mut self.assets)?;
+        let names: Vec<String> = (0..=chunk.lods.len()).map(|level| format!("{}_LOD{level}", chunk.name)).collect();
+        let model = Model { guid: self.write_model(&chunk, &names, &shapes, &textures, material)?, material };
+        let group = self.prefab.add_chunk(&chunk, &names, model);
+        for zone in Zone::ALL {
+            let of_zone: Vec<&Shape> = shapes.iter().filter(|shape| shape.zone == zone).collect();
+            if !of_zone.is_empty() {
+                self.add_colliders(group, &chunk.name, zone, &of_zone, model)?;
+            }
+        }
+        self.triangles[0] += chunk.visual.triangles();
+        self.triangles[1] += shapes.iter().map(|shape| shape.mesh.triangles()).sum::<u64>();
+        Ok(())
+    }
+
+    fn write_model(
+        &mut self,
+        chunk: &Chunk,
+        names: &[String],
+        shapes: &[Shape],
+        textures: &Textures,
+        material: Guid,
+    ) -> Result<Guid, ExportError> {
+        let path = format!("Runtime/Meshes/{}.fbx", chunk.name);
+        let maps = fbx::Maps {
+            base_color: format!("../Textures/{}", textures.base_color.file),
+            normal: format!("../Textures/{}", textures.normal.file),
+            roughness: None,
+            occlusion_roughness_metalness: None,
+        };
+        let meshes = [(&chunk.visual, 0.0)].into_iter().chain(chunk.lods.iter().map(|lod| (&lod.mesh, lod.error_m)));
+        let levels = names.iter().zip(meshes);
+        let part = fbx::Part {
+            name: &chunk.name,
+            levels: levels.map(|(name, (mesh, error_m))| fbx::Level { name: name.clone(), mesh, error_m }).collect(),
+            colliders: shapes
+                .iter()
+                .map(|shape| fbx::Collider { name: shape.name.clone(), mesh: &shape.mesh })
+                .collect(),
+            material: &chunk.name,
+            maps: &maps,
+        };
+        let head = fbx::Head { generator: &self.scene.generator, up: Up::Y };
+        fbx::write(self.assets.out, &path, &head, |document, _| document.add(&part))?;
+        let meshes = names.iter().chain(shapes.iter().map(|shape| &shape.name));
+        let table = meshes.map(|name| context! { name, id => identity::mesh(name) });
+        let values = context! {
+            chunk => &chunk.name,
+            material => material.to_string(),
+            meshes => table.collect::<Vec<_>>(),
+        };
+        self.assets.fill_meta(&path, include_str!("../templates/unity/model.meta.jinja"), &values)
+    }
+
+    fn add_colliders(
+        &mut self,
+        group: usize,
+        chunk: &str,
+        zone: Zone,
+        shapes: &[&Shape],
+        model: Model,
+    ) -> Result<(), ExportError> {
+        let friction = self.friction(zone)?;
+        let convex = self.settings.collision == Collision::Pieces;
+        let colliders: Vec<_> =
+            shapes.iter().map(|shape| prefab::Collider { mesh: &shape.name, convex, friction }).collect();
+        let name = match self.settings.collision {
+            Collision::Triangles => format!("{chunk}_collision"),
+            Collision::Pieces => format!("{chunk}_{}", zone.name()),
+        };
+        self.prefab.add_colliders(group, &name, &colliders, model);
+        Ok(())
+    }
+
+    /// The friction of a zone, written when it is first asked for.
+    fn friction(&mut self, zone: Zone) -> Result<Guid, ExportError> {
+        if let Some((_, guid)) = self.friction.iter().find(|(known, _)| *known == zone) {
+            return Ok(*guid);
+        }
+        let path = format!("Runtime/Physics/{}.physicMaterial", zone.name());
+        let values = context! { zone => zone.name(), friction => micro(self.scene.friction.of(zone)) };
+        let text = template::fill(&path, include_str!("../templates/unity/friction.jinja"), &values);
+        let guid = self.assets.text(&path, &text, Importer::Native(FRICTION_OBJECT))?;
+        self.friction.push((zone, guid));
+        Ok(guid)
+    }
+
+    /// Writes what all chunks share.
+    fn finish(mut self, name: &str) -> Result<(), ExportError> {
+        let scene = self.scene;
+        self.prefab.add_spawns(&scene.spawns);
+        if self.settings.lights {
+            self.prefab.add_lights(&scene.lights, self.settings.pipeline.per_candela());
+        }
+        let path = format!("Runtime/{}.prefab", scene.name);
+        let text = self.prefab.text(&path);
+        self.assets.text(&path, &text, Importer::Prefab)?;
+        self.assets.text("package.json", &manifest(scene, name)?, Importer::Manifest)?;
+        let readme = self.readme(name);
+        self.assets.text("README.md", &readme, Importer::Text)?;
+        self.assets.finish()
+    }
+
+    fn readme(&self, package: &str) -> String {
+        let scene = self.scene;
+        let zones = self.friction.iter().map(|&(zone, _)| (zone.name(), micro(scene.friction.of(zone))));
+        let values = context! {
+            package,
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            pipeline => self.settings.pipeline.title(),
+            pieces => self.settings.collision == Collision::Pieces,
+            lights => if self.settings.lights { scene.lights.len() } else { 0 },
+            zones => zones.collect::<Vec<_>>(),
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+            gravity => micro(scene.gravity),
+            spawns => scene.spawns.len(),
+        };
+        template::fill("README.md", include_str!("../templates/unity/README.md.jinja"), &values)
+    }
+}
+
+/// The object of a `.physicMaterial` that is the asset.
+const FRICTION_OBJECT: u32 = 13_400_000;
+
+/// The collision mesh of a chunk. It has one friction, that of what wheels stand on.
+fn whole(chunk: &Chunk) -> Shape {
+    Shape { name: format!("{}_collision", chunk.name), mesh: chunk.collision.clone(), zone: Zone::Floor }
+}
+
+fn pieces(chunk: &str, pieces: Vec<Piece>) -> Vec<Shape> {
+    let shape = |(number, piece): (usize, Piece)| Shape {
+        name: format!("{chunk}_piece_{number}"),
+        mesh: piece.mesh,
+        zone: piece.zone,
+    };
+    pieces.into_iter().enumerate().map(shape).collect()
+}
+
+/// `package.json` (<https://docs.unity3d.com/Manual/upm-manifestPkg.html>).
+fn manifest(scene: &Scene, name: &str) -> Result<String, ExportError> {
+    let manifest = json!({
+        "name": name,
+        "version": "1.0.0",
+        "displayName": scene.name.replace('_', " "),
+        "description": scene.description,
+        "unity": "2021.3",
+        "keywords": ["cave", "environment", "robotics"],
+        "hideInEditor": false,
+    });
+    let mut text = serde_json::to_string_pretty(&manifest).map_err(std::io::Error::from)?;
+    text.push('\n');
+    Ok(text)
+}

@@ -1,0 +1,134 @@
+//! Files and their `.meta`, without which Unity ignores an asset of a package.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use minijinja::{Value, context};
+use sha2::{Digest, Sha256};
+
+use super::identity::Guid;
+use crate::error::ExportError;
+use crate::package::{MANIFEST, Package};
+use crate::place::LICENSE;
+use crate::template;
+
+/// What makes an asset of a file.
+#[derive(Clone, Copy)]
+pub enum Importer {
+    /// Unity's own YAML; the number of the object that is the asset.
+    Native(u32),
+    /// A prefab.
+    Prefab,
+    /// A text.
+    Text,
+    /// The `package.json` of a package.
+    Manifest,
+    /// Nothing: a folder.
+    Folder,
+}
+
+impl Importer {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Native(_) => "NativeFormatImporter",
+            Self::Prefab => "PrefabImporter",
+            Self::Text => "TextScriptImporter",
+            Self::Manifest => "PackageManifestImporter",
+            Self::Folder => "DefaultImporter",
+        }
+    }
+
+    fn main_object(self) -> Option<u32> {
+        match self {
+            Self::Native(object) => Some(object),
+            _ => None,
+        }
+    }
+}
+
+/// A package for Unity's Package Manager that is being written.
+pub struct Assets<'a> {
+    /// The files.
+    pub out: &'a mut dyn Package,
+    name: String,
+}
+
+impl<'a> Assets<'a> {
+    /// An empty package with the name that the Package Manager knows it by.
+    pub fn new(out: &'a mut dyn Package, name: String) -> Self {
+        Self { out, name }
+    }
+
+    /// The identity of a file that is written.
+    pub fn guid(&mut self, path: &str) -> Guid {
+        let content = &self.out.files().0[path].sha256;
+        Guid::new(&self.name, path, content)
+    }
+
+    /// Writes a text and its `.meta`.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn text(&mut self, path: &str, text: &str, importer: Importer) -> Result<Guid, ExportError> {
+        self.out.text(path, text)?;
+        let guid = self.guid(path);
+        self.write_meta(path, guid, importer)?;
+        Ok(guid)
+    }
+
+    /// Writes the `.meta` of a file that is written, filled from `template`, which also finds its `guid`.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn fill_meta(&mut self, path: &str, template: &str, values: &Value) -> Result<Guid, ExportError> {
+        let (guid, meta) = (self.guid(path), format!("{path}.meta"));
+        let values = context! { guid => guid.to_string(), ..values.clone() };
+        self.out.text(&meta, &template::fill(&meta, template, &values))?;
+        Ok(guid)
+    }
+
+    /// Writes the `.meta` of every folder and of what the sink adds, which follow from all there is: the last step.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn finish(mut self) -> Result<(), ExportError> {
+        let contents: BTreeMap<String, String> =
+            self.out.files().0.iter().map(|(path, entry)| (path.clone(), entry.sha256.clone())).collect();
+        let folders: BTreeSet<&str> = contents.keys().flat_map(|path| parents(path)).collect();
+        for folder in folders {
+            let guid = Guid::new(&self.name, folder, &digest(&contents, &format!("{folder}/")));
+            self.write_meta(folder, guid, Importer::Folder)?;
+        }
+        ADDED_LATER.iter().try_for_each(|path| {
+            let guid = Guid::new(&self.name, path, &digest(&contents, ""));
+            self.write_meta(path, guid, Importer::Text)
+        })
+    }
+
+    fn write_meta(&mut self, path: &str, guid: Guid, importer: Importer) -> Result<(), ExportError> {
+        let path = format!("{path}.meta");
+        let values = context! {
+            guid => guid.to_string(),
+            folder => matches!(importer, Importer::Folder),
+            importer => importer.name(),
+            main_object => importer.main_object(),
+        };
+        self.out.text(&path, &template::fill(&path, include_str!("../../templates/unity/asset.meta.jinja"), &values))
+    }
+}
+
+/// Files at the top that a package gets when the target is done.
+const ADDED_LATER: [&str; 2] = [LICENSE, MANIFEST];
+
+/// The folders above a file.
+fn parents(path: &str) -> impl Iterator<Item = &str> {
+    path.match_indices('/').map(|(end, _)| &path[..end])
+}
+
+/// SHA-256 of all files whose path begins with `prefix`, in hexadecimal.
+fn digest(contents: &BTreeMap<String, String>, prefix: &str) -> String {
+    let mut hash = Sha256::new();
+    for (path, content) in contents.iter().filter(|(path, _)| path.starts_with(prefix)) {
+        hash.update(format!("{path}\0{content}\0"));
+    }
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,50 @@
+//! When Unity changes between levels of detail.
+
+use crate::scene::Chunk;
+
+/// Half the angle of view from top to bottom for which levels are chosen: tan 30°, of a camera of 60°.
+const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
+/// Lines of the image for which they are chosen.
+const LINES: f64 = 1080.0;
+/// Heights must fall from level to level.
+const LESS: f64 = 0.99;
+
+/// The box round a chunk, as Unity's `LODGroup` knows it.
+pub struct Extent {
+    /// Its middle, metres, scene frame.
+    pub middle: [f64; 3],
+    /// Its longest edge, metres.
+    pub size: f64,
+    /// Half its diagonal, metres.
+    radius: f64,
+}
+
+impl Extent {
+    /// Of the full detail.
+    pub fn new(chunk: &Chunk) -> Self {
+        let [low, high] = chunk.visual.bounds().map(|corner| corner.map(f64::from));
+        let edges: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
+        let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
+        Self {
+            middle: std::array::from_fn(|axis| f64::midpoint(low[axis], high[axis])),
+            size: edges.into_iter().fold(0.0, f64::max),
+            radius: diagonal / 2.0,
+        }
+    }
+
+    /// Down to which height on the screen each level is shown, as a fraction of the screen's: `screenRelativeHeight`.
+    ///
+    /// Unity measures `size / (2 · distance · tan(view / 2))` from the middle of the group. A level is good enough
+    /// where its error is no longer than a line of the image, even at the point of the box that is nearest. The last level stays.
+    pub fn heights(&self, chunk: &Chunk) -> Vec<f64> {
+        let mut heights: Vec<f64> = Vec::new();
+        for lod in &chunk.lods {
+            let one_line_at_m = f64::from(lod.error_m) * LINES / (2.0 * TAN_HALF_VIEW);
+            let height = self.size / (2.0 * (self.radius + one_line_at_m) * TAN_HALF_VIEW);
+            let before = heights.last().copied().unwrap_or(1.0);
+            heights.push(height.min(before * LESS));
+        }
+        heights.push(0.0);
+        heights
+    }
+}

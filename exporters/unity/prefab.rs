@@ -1,0 +1,218 @@
+//! The prefab: chunks with levels of detail and colliders, start poses and lights.
+
+use minijinja::context;
+use minijinja::value::Serde;
+use nalgebra::Isometry3;
+use serde::Serialize;
+
+use super::identity::{self, Guid};
+use super::lod::Extent;
+use crate::frame::{micro, unity_from_scene, unity_pose_from_scene};
+use crate::scene::{Chunk, Light};
+use crate::template;
+
+/// Hides what is behind, carries navigation meshes, can be hidden, and shows in reflections. Not in the flags: batching, which would
+/// copy all meshes into one, and baked light, which would need a second unwrapping.
+const STATIC: u32 = 2 | 8 | 16 | 64;
+
+/// Class numbers (<https://docs.unity3d.com/Manual/ClassIDReference.html>).
+mod class {
+    pub(super) const GAME_OBJECT: u32 = 1;
+    pub(super) const TRANSFORM: u32 = 4;
+    pub(super) const MESH_RENDERER: u32 = 23;
+    pub(super) const MESH_FILTER: u32 = 33;
+    pub(super) const MESH_COLLIDER: u32 = 64;
+    pub(super) const LIGHT: u32 = 108;
+    pub(super) const LOD_GROUP: u32 = 205;
+}
+
+/// Where the meshes of a chunk are and what they look like.
+#[derive(Clone, Copy)]
+pub struct Model {
+    /// The FBX.
+    pub guid: Guid,
+    /// The material.
+    pub material: Guid,
+}
+
+/// A collider of a chunk.
+pub struct Collider<'a> {
+    /// Its mesh in the FBX.
+    pub mesh: &'a str,
+    /// Whether the mesh is convex.
+    pub convex: bool,
+    /// Its friction.
+    pub friction: Guid,
+}
+
+/// A game object and its components, as the template sees them.
+#[derive(Serialize)]
+struct Node {
+    #[serde(skip)]
+    path: String,
+    name: String,
+    object: i64,
+    transform: i64,
+    father: i64,
+    order: usize,
+    children: Vec<i64>,
+    flags: u32,
+    position: [String; 3],
+    rotation: [String; 4],
+    parts: Vec<Part>,
+}
+
+/// A component beside the transform.
+#[derive(Serialize)]
+struct Part {
+    id: i64,
+    #[serde(flatten)]
+    content: Content,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Content {
+    LodGroup { middle: [String; 3], size: String, levels: Vec<Level> },
+    Filter { mesh: i64, model: Guid },
+    Renderer { material: Guid },
+    Collider { mesh: i64, model: Guid, convex: u8, friction: Guid },
+    Light { color: [String; 3], intensity: String, range: String },
+}
+
+#[derive(Serialize)]
+struct Level {
+    height: String,
+    renderer: i64,
+}
+
+/// A prefab that grows. Its game objects are a tree, of which the first is the root.
+pub struct Prefab {
+    nodes: Vec<Node>,
+}
+
+const ROOT: usize = 0;
+
+impl Prefab {
+    /// With the root alone.
+    pub fn new(name: &str) -> Self {
+        let mut prefab = Self { nodes: Vec::new() };
+        prefab.push(Node::new(name.to_owned(), name, 0));
+        prefab
+    }
+
+    /// Adds a chunk, whose levels are the meshes `names` of its FBX, full detail first; gives its game object.
+    pub fn add_chunk(&mut self, chunk: &Chunk, names: &[String], model: Model) -> usize {
+        let group = self.add(ROOT, &chunk.name);
+        self.nodes[group].flags = STATIC;
+        let extent = Extent::new(chunk);
+        let levels = names.iter().zip(extent.heights(chunk)).map(|(name, height)| {
+            let renderer = self.add_level(group, name, model);
+            Level { height: micro(height), renderer }
+        });
+        let levels = levels.collect();
+        let middle = unity_from_scene(extent.middle).map(micro);
+        let content = Content::LodGroup { middle, size: micro(extent.size), levels };
+        self.nodes[group].attach(class::LOD_GROUP, content);
+        group
+    }
+
+    fn add_level(&mut self, group: usize, name: &str, model: Model) -> i64 {
+        let level = self.add(group, name);
+        let node = &mut self.nodes[level];
+        node.attach(class::MESH_FILTER, Content::Filter { mesh: identity::mesh(name), model: model.guid });
+        node.attach(class::MESH_RENDERER, Content::Renderer { material: model.material })
+    }
+
+    /// Adds a game object called `name` with colliders to that of a chunk.
+    pub fn add_colliders(&mut self, chunk: usize, name: &str, colliders: &[Collider], model: Model) {
+        let index = self.add(chunk, name);
+        for collider in colliders {
+            let content = Content::Collider {
+                mesh: identity::mesh(collider.mesh),
+                model: model.guid,
+                convex: u8::from(collider.convex),
+                friction: collider.friction,
+            };
+            self.nodes[index].attach(class::MESH_COLLIDER, content);
+        }
+    }
+
+    /// Adds an empty game object for each start pose.
+    pub fn add_spawns(&mut self, spawns: &[Isometry3<f64>]) {
+        let group = self.add(ROOT, "spawns");
+        for (number, pose) in spawns.iter().enumerate() {
+            let spawn = self.add(group, &format!("spawn_{number}"));
+            let (position, rotation) = unity_pose_from_scene(pose);
+            self.nodes[spawn].position = position.map(micro);
+            self.nodes[spawn].rotation = rotation.map(micro);
+        }
+    }
+
+    /// Adds lights; `per_candela` is what Unity calls a candela.
+    pub fn add_lights(&mut self, lights: &[Light], per_candela: f64) {
+        let group = self.add(ROOT, "lights");
+        for light in lights {
+            let index = self.add(group, &light.name);
+            self.nodes[index].position = unity_from_scene::<f64>(light.position.into()).map(micro);
+            let content = Content::Light {
+                color: light.color.map(srgb_from_linear).map(micro),
+                intensity: micro(light.intensity_cd * per_candela),
+                range: micro(light.range_m),
+            };
+            self.nodes[index].attach(class::LIGHT, content);
+        }
+    }
+
+    /// The text of the prefab.
+    pub fn text(&self, path: &str) -> String {
+        let values = context! { nodes => Serde(&self.nodes) };
+        template::fill(path, include_str!("../../templates/unity/prefab.jinja"), &values)
+    }
+
+    fn add(&mut self, father: usize, name: &str) -> usize {
+        let above = &mut self.nodes[father];
+        let node = Node::new(format!("{}/{name}", above.path), name, above.transform);
+        let node = Node { flags: above.flags, order: above.children.len(), ..node };
+        above.children.push(node.transform);
+        self.push(node)
+    }
+
+    fn push(&mut self, node: Node) -> usize {
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+}
+
+impl Node {
+    fn new(path: String, name: &str, father: i64) -> Self {
+        Self {
+            name: name.to_owned(),
+            object: identity::object(&path, class::GAME_OBJECT),
+            transform: identity::object(&path, class::TRANSFORM),
+            father,
+            order: 0,
+            children: Vec::new(),
+            flags: 0,
+            position: [0.0; 3].map(micro),
+            rotation: [0.0, 0.0, 0.0, 1.0].map(micro),
+            parts: Vec::new(),
+            path,
+        }
+    }
+
+    /// Adds a component; gives its number.
+    fn attach(&mut self, class: u32, content: Content) -> i64 {
+        let id = identity::object(&format!("{}#{}", self.path, self.parts.len()), class);
+        self.parts.push(Part { id, content });
+        id
+    }
+}
+
+/// A part of a colour as Unity keeps it (IEC 61966-2-1).
+fn srgb_from_linear(part: f64) -> f64 {
+    match part {
+        part if part <= 0.003_130_8 => 12.92 * part,
+        part => 1.055 * libm::pow(part, 1.0 / 2.4) - 0.055,
+    }
+}

@@ -1,0 +1,108 @@
+//! Images as Unity wants them, and how it is to read them.
+
+use minijinja::context;
+
+use super::asset::Assets;
+use super::identity::Guid;
+use crate::error::ExportError;
+use crate::format::pixels;
+use crate::scene::{Chunk, Image, ImageFormat, Mesh};
+
+/// The images of a chunk.
+pub struct Textures {
+    /// Base colour.
+    pub base_color: Texture,
+    /// Normals, +Y up as Unity has them.
+    pub normal: Texture,
+    /// Metalness in red, occlusion in green, nothing in blue, smoothness in alpha: the mask map of HDRP, which is the metallic map
+    /// and the occlusion map of the other pipelines at once.
+    pub mask: Texture,
+}
+
+/// An image of the package.
+pub struct Texture {
+    /// Its file in `Runtime/Textures`.
+    pub file: String,
+    /// Its identity.
+    pub guid: Guid,
+}
+
+/// The largest image that Unity takes as it is, pixels along a side.
+const LARGEST_PX: u32 = 16_384;
+/// The smallest limit that its settings know.
+const SMALLEST_PX: u32 = 32;
+
+/// What an image says, in the numbers of `TextureImporter`.
+#[derive(Clone, Copy)]
+enum Kind {
+    Color,
+    Normal,
+    Mask,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Color => "base_color",
+            Self::Normal => "normal",
+            Self::Mask => "mask",
+        }
+    }
+}
+
+/// Writes the images of a chunk.
+///
+/// # Errors
+/// When an image cannot be read, or a file not be written.
+pub fn write(chunk: &Chunk, assets: &mut Assets) -> Result<Textures, ExportError> {
+    let material = &chunk.material;
+    material.refuse_unless("unity", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+    Ok(Textures {
+        base_color: copy(chunk, Kind::Color, &material.base_color, assets)?,
+        normal: copy(chunk, Kind::Normal, &material.normal, assets)?,
+        mask: write_mask(chunk, &material.orm, assets)?,
+    })
+}
+
+fn copy(chunk: &Chunk, kind: Kind, image: &Image, assets: &mut Assets) -> Result<Texture, ExportError> {
+    let file = format!("{}_{}.{}", chunk.name, kind.name(), image.format.extension());
+    assets.out.copy(&in_package(&file), &image.path)?;
+    import(chunk, kind, pixels::size(image)?, file, assets)
+}
+
+fn write_mask(chunk: &Chunk, orm: &Image, assets: &mut Assets) -> Result<Texture, ExportError> {
+    let file = format!("{}_{}.png", chunk.name, Kind::Mask.name());
+    assets.out.write(&in_package(&file), |file| {
+        pixels::remap(orm, file, |[occlusion, roughness, metalness]| [metalness, occlusion, 0, 255 - roughness])
+    })?;
+    import(chunk, Kind::Mask, pixels::size(orm)?, file, assets)
+}
+
+fn import(
+    chunk: &Chunk,
+    kind: Kind,
+    size_px: [u32; 2],
+    file: String,
+    assets: &mut Assets,
+) -> Result<Texture, ExportError> {
+    let longest = size_px[0].max(size_px[1]).next_power_of_two().clamp(SMALLEST_PX, LARGEST_PX);
+    let values = context! {
+        srgb => u8::from(matches!(kind, Kind::Color)),
+        type => u8::from(matches!(kind, Kind::Normal)),
+        size_px => longest,
+        wrap => u8::from(is_atlas(chunk)),
+    };
+    let template = include_str!("../../templates/unity/texture.meta.jinja");
+    let guid = assets.fill_meta(&in_package(&file), template, &values)?;
+    Ok(Texture { file, guid })
+}
+
+/// Whether no triangle looks beyond the image, so that its opposite edges must not bleed into each other.
+fn is_atlas(chunk: &Chunk) -> bool {
+    let fits = |mesh: &Mesh| mesh.uvs.iter().flatten().all(|part| (0.0..=1.0).contains(part));
+    fits(&chunk.visual) && chunk.lods.iter().all(|lod| fits(&lod.mesh))
+}
+
+fn in_package(file: &str) -> String {
+    format!("Runtime/Textures/{file}")
+}
