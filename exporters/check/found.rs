@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Fault;
-use crate::package::Files;
+use crate::package::{Files, MANIFEST};
 
 /// What the readers of all files have found.
 #[derive(Default)]
@@ -142,6 +142,7 @@ impl<'a> There<'a> {
     }
 
     fn holds(&self, path: &str) -> bool {
-        self.files.0.contains_key(path) || self.inside.contains(path) || self.folders.contains(path)
+        // The manifest lists every file but itself.
+        path == MANIFEST || self.files.0.contains_key(path) || self.inside.contains(path) || self.folders.contains(path)
     }
 }
