@@ -7,6 +7,7 @@ use std::path::Path;
 use flate2::write::GzEncoder;
 use tar::{Builder, EntryType, Header};
 use tempfile::SpooledTempFile;
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -104,7 +105,7 @@ impl Packer {
     pub fn open(&mut self, path: &str, folder: &Path) -> io::Result<Box<dyn Write + '_>> {
         match self {
             Self::Zip(zip, options) => {
-                zip.start_file(path, options.compression_method(zip_method(path)))?;
+                zip.start_file(path, options.compression_method(zip_method(path))).map_err(plain)?;
                 Ok(Box::new(zip))
             }
             Self::Tar(tar) => Ok(Box::new(tar.open(path, folder))),
@@ -122,7 +123,7 @@ impl Packer {
     /// Ends the archive.
     pub fn finish(self) -> io::Result<Sink> {
         match self {
-            Self::Zip(zip, _) => Ok(zip.finish()?),
+            Self::Zip(zip, _) => zip.finish().map_err(plain),
             Self::Tar(tar) => tar.builder.into_inner()?.finish(),
         }
     }
@@ -189,4 +190,12 @@ fn zip_options() -> SimpleFileOptions {
 fn zip_method(path: &str) -> CompressionMethod {
     let is_packed = [".png", ".jpg", ".webp", ".usdz"].iter().any(|extension| path.ends_with(extension));
     if is_packed { CompressionMethod::Stored } else { CompressionMethod::Deflated }
+}
+
+/// What the system said, without a word round it.
+fn plain(error: ZipError) -> io::Error {
+    match error {
+        ZipError::Io(error) => error,
+        other => other.into(),
+    }
 }

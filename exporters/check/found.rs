@@ -142,6 +142,7 @@ impl<'a> There<'a> {
     }
 
     fn holds(&self, path: &str) -> bool {
+        // The manifest lists every file but itself.
         path == MANIFEST || self.files.0.contains_key(path) || self.inside.contains(path) || self.folders.contains(path)
     }
 }

@@ -96,7 +96,7 @@ fn markup_is_read() {
 fn gltf_is_read() {
     let document = |more: &str| format!("{{\"asset\": {{\"version\": \"2.0\"}}, {more}}}");
     let files = [
-        r#""images": [{"uri": "rock.png"}]"#,
+        r#""images": [{"uri": "rock.png"}], "textures": [{"extensions": {"EXT_texture_webp": {"source": 0}}}]"#,
         r#""images": [{"uri": "gone.png"}]"#,
         r#""buffers": [{"uri": "rock.png", "byteLength": 100000000}]"#,
         r#""buffers": [{"byteLength": 4}], "bufferViews": [{"buffer": 0, "byteOffset": 2, "byteLength": 4}]"#,
@@ -133,6 +133,7 @@ fn files_of_unity_are_read() {
         verdict(&zip(&package_of(&files), |_| ()))
     };
     assert_eq!(said(&[("a.txt", ""), ("a.txt.meta", &meta), ("a.mat", &named(guid))]), "whole");
+    assert_eq!(said(&[("manifest.json.meta", &meta)]), "whole");
     assert_eq!(said(&[("a.mat", &named("933532a4fcc9baf4fa0491de14d08ed7"))]), "whole");
     let faults = [
         said(&[("gone.txt.meta", &meta)]),

@@ -9,8 +9,9 @@ use std::fs::{self, File};
 use std::io;
 
 use plume_exporters::bundle::{Archive, Bundle};
-use plume_exporters::mujoco::{Collision, Mujoco, MujocoSettings};
+use plume_exporters::mujoco::{self, Collision, Mujoco, MujocoSettings};
 use plume_exporters::package::{Existing, Memory, Package};
+use plume_exporters::place::Place;
 use plume_exporters::scene::{Chunk, Chunks, ImageFormat, Piece, Scene};
 use plume_exporters::{ExportError, Target, target};
 use roxmltree::{Document, Node};
@@ -174,9 +175,8 @@ fn the_lamps_nearest_to_the_start_are_lit() {
 fn archive(path: &std::path::Path, existing: Existing) -> Result<(), ExportError> {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let mut archive = Archive::create(Bundle::Mjz, path, existing)?;
-    Mujoco(MujocoSettings::default()).export(&chamber.scene(), &mut archive)?;
-    archive.finish().map(drop)
+    let place = Place { path: path.to_owned(), bundle: Some(Bundle::Mjz), existing };
+    place.write(mujoco::ROW.name, &Mujoco(MujocoSettings::default()), &chamber.scene()).map(drop)
 }
 
 #[test]
