@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::ExportError;
 use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part, Up};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, Piece, Scene};
+use crate::scene::{Chunk, Image, ImageFormat, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -122,7 +122,9 @@ struct Loaded {
 impl Loaded {
     fn new(target: &Fbx, scene: &Scene, index: usize) -> Result<Self, ExportError> {
         let pieces = if target.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
-        Ok(Self { chunk: scene.chunk(index)?, pieces })
+        let chunk = scene.chunk(index)?;
+        chunk.material.refuse_unless("fbx", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        Ok(Self { chunk, pieces })
     }
 }
 
@@ -221,7 +223,7 @@ fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Resu
     Ok(Maps {
         base_color: copy("base_color", &material.base_color)?,
         normal: copy("normal", &material.normal)?,
-        roughness: copy("roughness", &material.roughness)?,
-        occlusion_roughness_metalness: copy("orm", &material.orm)?,
+        roughness: Some(copy("roughness", &material.roughness)?),
+        occlusion_roughness_metalness: Some(copy("orm", &material.orm)?),
     })
 }

@@ -22,7 +22,7 @@ use crate::error::ExportError;
 use crate::format::obj::{self, Maps};
 use crate::frame::sdf_pose;
 use crate::package::Package;
-use crate::scene::{Chunk, Image, Mesh, Scene};
+use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
 use crate::sheaf::{self, Growing, Sheaf, Stem, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
@@ -173,6 +173,7 @@ impl Sheaf for ObjFiles<'_> {
         chunk: &Chunk,
         out: &mut dyn Package,
     ) -> Result<Triangles, ExportError> {
+        chunk.material.refuse_unless("obj", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         self.add_material(chunk, out)?;
         self.add_levels(chunk)?;
         Ok([chunk.visual.triangles(), self.add_collision(scene, index, chunk)?])

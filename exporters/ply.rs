@@ -20,7 +20,7 @@ use crate::error::ExportError;
 use crate::format::pixels::Sampler;
 use crate::format::ply;
 use crate::package::Package;
-use crate::scene::{Chunk, Mesh, Scene, Zone};
+use crate::scene::{Chunk, ImageFormat, Mesh, Scene, Zone};
 use crate::sheaf::{self, Growing, Sheaf, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, slope, template};
 
@@ -105,6 +105,7 @@ impl Cloud<'_> {
 
 impl Sheaf for Cloud<'_> {
     fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
+        chunk.material.refuse_unless("ply", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let mesh = &chunk.visual;
         let before = self.counts[0];
         self.counts = [before + mesh.positions.len() as u64, self.counts[1] + mesh.triangles()];

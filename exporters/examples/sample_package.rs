@@ -1,7 +1,8 @@
 //! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
 //!
-//! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/glb_chunks` with a file per chunk,
-//! `FOLDER/<target>_meshopt` packed, and `FOLDER/<target>_pieces` with convex pieces where they are offered.
+//! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per chunk,
+//! `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y` with
+//! Y up.
 //!
 //! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and spoiled in each way as
 //! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
@@ -52,6 +53,9 @@ fn write_chambers(folder: &Path) -> Result<()> {
         ("glb_meshopt", json!({ "compression": "meshopt", "lods": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
         ("gltf_meshopt", json!({ "compression": "meshopt" })),
+        ("fbx_chunks", json!({ "per_chunk": true })),
+        ("fbx_pieces", json!({ "collision": "pieces" })),
+        ("fbx_y", json!({ "up": "y" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
     ] {

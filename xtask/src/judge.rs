@@ -26,9 +26,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        for package in SAMPLE_PACKAGES {
-            judge(&judges, &sample.join(package), &mut tally);
-        }
+        SAMPLE_PACKAGES.iter().for_each(|package| judge(&judges, &sample.join(package), &mut tally));
         judge(&judges, &sample, &mut tally);
         judge(&judges, &formats::shelve(&sample)?, &mut tally);
         spoil::run(&judges, &sample, &mut tally)?;
@@ -72,11 +70,12 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 21] = [
+const JUDGES: [Judge; 22] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
-    Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_gltf },
+    Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_package },
+    Judge { name: "three-fbx", of: Kind::Fbx, prepare: install_browser, command: shoot_package },
     Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
     Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
     Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
@@ -101,6 +100,7 @@ const JUDGES: [Judge; 21] = [
 enum Kind {
     Gazebo,
     Gltf,
+    Fbx,
     Urdf,
     Usd,
     Mujoco,
@@ -118,6 +118,7 @@ impl Kind {
             _ if formats::is_shelf(package) => Some(Self::Shelf),
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if holds(package, &["fbx"]) => Some(Self::Fbx),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
@@ -210,7 +211,7 @@ fn export_sample() -> Result<PathBuf> {
 }
 
 /// Packages of the sample that are judged as they are.
-const SAMPLE_PACKAGES: [&str; 12] = [
+const SAMPLE_PACKAGES: [&str; 16] = [
     "gazebo",
     "gazebo_pieces",
     "glb",
@@ -221,6 +222,10 @@ const SAMPLE_PACKAGES: [&str; 12] = [
     "gltf",
     "gltf_meshopt",
     "gltf_pieces",
+    "fbx",
+    "fbx_chunks",
+    "fbx_pieces",
+    "fbx_y",
     "urdf",
     "urdf_pieces",
 ];
@@ -234,7 +239,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (simulators, cave) = ("gazebo,glb,gltf,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let (simulators, cave) = ("gazebo,glb,gltf,fbx,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
         let targets = format!("{simulators},{}", formats::TARGETS.join(","));
         plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
         packages.extend(simulators.split(',').map(|target| root().join(&output).join(target)));
@@ -247,7 +252,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
 fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) = (["gazebo", "glb", "gltf", "isaac", "usd", "usdz"], "target/judges/pieces");
+    let (targets, output) = (["gazebo", "glb", "gltf", "fbx", "isaac", "usd", "usdz"], "target/judges/pieces");
     let options = targets.map(|target| format!("{target}.collision=pieces"));
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
@@ -302,7 +307,7 @@ fn install_browser() -> Result<()> {
 }
 
 /// The picture lies beside the package: `<package>.png`.
-fn shoot_gltf(package: &Path) -> Result<Command> {
+fn shoot_package(package: &Path) -> Result<Command> {
     Ok(shot(package, &package.with_extension("png"), 0))
 }
 
@@ -313,7 +318,7 @@ fn shot(package: &Path, picture: &Path, spawn: usize) -> Command {
     command
 }
 
-/// Takes a picture of a glTF package from one of its spawn poses.
+/// Takes a picture of a package of glTF or FBX from one of its spawn poses.
 pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
     install_browser()?;
     tools::run(&mut shot(package, picture, spawn))

@@ -2,11 +2,10 @@
 
 use std::io::{Seek, Write};
 
-use fbxcel::writer::v7400::binary::Result;
 use nalgebra::Vector3;
 
 use super::Up;
-use super::node::{Nodes, Value};
+use super::node::{Nodes, Value, Written};
 use crate::frame;
 use crate::scene::Mesh;
 
@@ -14,22 +13,19 @@ use crate::scene::Mesh;
 pub const UV_SET: &str = "UVMap";
 
 /// Writes the inside of a geometry; what the mesh has not is left out. Numbers become `f64` one by one.
-pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh, up: Up) -> Result<()> {
+pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh, up: Up) -> Written {
     nodes.properties(&[])?;
     nodes.leaf("GeometryVersion", &[Value::Int(124)])?;
-    nodes.reals("Vertices", mesh.positions.iter().flat_map(|&point| real(up, point)))?;
-    nodes.ints("PolygonVertexIndex", corners(mesh))?;
+    nodes.reals("Vertices", 3 * mesh.positions.len(), mesh.positions.iter().flat_map(|&point| real(up, point)))?;
+    nodes.ints("PolygonVertexIndex", mesh.indices.len(), corners(mesh))?;
     if mesh.normals.is_empty() {
         return Ok(());
     }
-    by_vertex(nodes, "LayerElementNormal", "Normals", mesh.normals.iter().map(|&normal| real(up, normal)))?;
-    let tangents = || mesh.tangents.iter().map(|&[x, y, z, _]| real(up, [x, y, z]));
-    by_vertex(nodes, "LayerElementTangent", "Tangents", tangents())?;
-    by_vertex(nodes, "LayerElementBinormal", "Binormals", binormals(mesh, up))?;
+    by_vertex(nodes, "Normal", mesh.normals.iter().map(|&normal| real(up, normal)))?;
+    by_vertex(nodes, "Tangent", mesh.tangents.iter().map(|&[x, y, z, _]| real(up, [x, y, z])))?;
+    by_vertex(nodes, "Binormal", binormals(mesh, up))?;
     write_uvs(nodes, mesh)?;
-    layer(nodes, "LayerElementMaterial", "", ["AllSame", "IndexToDirect"], |nodes| {
-        nodes.ints("Materials", std::iter::once(0))
-    })?;
+    layer(nodes, "Material", "", ["AllSame", "IndexToDirect"], |nodes| nodes.ints("Materials", 1, std::iter::once(0)))?;
     write_layer(nodes)
 }
 
@@ -48,7 +44,7 @@ fn corners(mesh: &Mesh) -> impl Iterator<Item = i32> {
 }
 
 /// Along +v of the image.
-fn binormals(mesh: &Mesh, up: Up) -> impl Iterator<Item = [f64; 3]> {
+fn binormals(mesh: &Mesh, up: Up) -> impl ExactSizeIterator<Item = [f64; 3]> {
     mesh.normals.iter().zip(&mesh.tangents).map(move |(&normal, &[x, y, z, w])| {
         let across = Vector3::from(real(up, normal)).cross(&Vector3::from(real(up, [x, y, z])));
         (across * f64::from(w)).into()
@@ -58,17 +54,18 @@ fn binormals(mesh: &Mesh, up: Up) -> impl Iterator<Item = [f64; 3]> {
 fn by_vertex<W: Write + Seek>(
     nodes: &mut Nodes<W>,
     element: &str,
-    array: &str,
-    vectors: impl Iterator<Item = [f64; 3]>,
-) -> Result<()> {
-    layer(nodes, element, "", ["ByVertice", "Direct"], |nodes| nodes.reals(array, vectors.flatten()))
+    vectors: impl ExactSizeIterator<Item = [f64; 3]>,
+) -> Written {
+    layer(nodes, element, "", ["ByVertice", "Direct"], |nodes| {
+        nodes.reals(&format!("{element}s"), 3 * vectors.len(), vectors.flatten())
+    })
 }
 
 /// By corner, because that is where readers look for them first.
-fn write_uvs<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh) -> Result<()> {
-    layer(nodes, "LayerElementUV", UV_SET, ["ByPolygonVertex", "IndexToDirect"], |nodes| {
-        nodes.reals("UV", mesh.uvs.iter().flatten().map(|&part| part.into()))?;
-        nodes.ints("UVIndex", mesh.indices.iter().map(|&corner| corner as i32))
+fn write_uvs<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh) -> Written {
+    layer(nodes, "UV", UV_SET, ["ByPolygonVertex", "IndexToDirect"], |nodes| {
+        nodes.reals("UV", 2 * mesh.uvs.len(), mesh.uvs.iter().flatten().map(|&part| part.into()))?;
+        nodes.ints("UVIndex", mesh.indices.len(), mesh.indices.iter().map(|&corner| corner as i32))
     })
 }
 
@@ -77,9 +74,9 @@ fn layer<W: Write + Seek>(
     element: &str,
     name: &str,
     [mapping, reference]: [&str; 2],
-    fill: impl FnOnce(&mut Nodes<W>) -> Result<()>,
-) -> Result<()> {
-    nodes.branch(element, &[Value::Int(0)], |nodes| {
+    fill: impl FnOnce(&mut Nodes<W>) -> Written,
+) -> Written {
+    nodes.branch(&format!("LayerElement{element}"), &[Value::Int(0)], |nodes| {
         nodes.leaf("Version", &[Value::Int(101)])?;
         nodes.leaf("Name", &[Value::Text(name)])?;
         nodes.leaf("MappingInformationType", &[Value::Text(mapping)])?;
@@ -89,7 +86,7 @@ fn layer<W: Write + Seek>(
 }
 
 /// Says that all elements belong together.
-fn write_layer<W: Write + Seek>(nodes: &mut Nodes<W>) -> Result<()> {
+fn write_layer<W: Write + Seek>(nodes: &mut Nodes<W>) -> Written {
     nodes.branch("Layer", &[Value::Int(0)], |nodes| {
         nodes.leaf("Version", &[Value::Int(100)])?;
         ["Normal", "Tangent", "Binormal", "UV", "Material"].iter().try_for_each(|element| {

@@ -2,9 +2,7 @@
 
 use std::io::{Seek, Write};
 
-use fbxcel::writer::v7400::binary::Result;
-
-use super::node::{CREATED, FILE_ID, Nodes, Property, Value};
+use super::node::{CREATED, FILE_ID, Nodes, Property, Value, Written};
 use super::{Head, Up};
 
 /// Kinds of objects, in the order in which they are counted.
@@ -48,7 +46,7 @@ pub type Counts = [i32; Kind::ALL.len()];
 pub const DOCUMENT: i64 = 1;
 
 /// Writes all of it. Its length does not depend on the counts, so that it can be written again when they are known.
-pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, head: &Head, counts: &Counts) -> Result<()> {
+pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, head: &Head, counts: &Counts) -> Written {
     nodes.branch("FBXHeaderExtension", &[], |nodes| {
         nodes.leaf("FBXHeaderVersion", &[Value::Int(1003)])?;
         nodes.leaf("FBXVersion", &[Value::Int(7400)])?;
@@ -88,7 +86,7 @@ fn settings(up: Up) -> Vec<Property<'static>> {
     ]
 }
 
-fn write_document<W: Write + Seek>(nodes: &mut Nodes<W>) -> Result<()> {
+fn write_document<W: Write + Seek>(nodes: &mut Nodes<W>) -> Written {
     nodes.branch("Documents", &[], |nodes| {
         nodes.leaf("Count", &[Value::Int(1)])?;
         nodes.branch("Document", &[Value::Id(DOCUMENT), Value::Text("Scene"), Value::Text("Scene")], |nodes| {
@@ -98,7 +96,7 @@ fn write_document<W: Write + Seek>(nodes: &mut Nodes<W>) -> Result<()> {
     })
 }
 
-fn write_counts<W: Write + Seek>(nodes: &mut Nodes<W>, counts: &Counts) -> Result<()> {
+fn write_counts<W: Write + Seek>(nodes: &mut Nodes<W>, counts: &Counts) -> Written {
     let count = |nodes: &mut Nodes<W>, name: &str, count: i32| {
         nodes.branch("ObjectType", &[Value::Text(name)], |nodes| nodes.leaf("Count", &[Value::Int(count)]))
     };

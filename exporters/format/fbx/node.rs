@@ -4,7 +4,10 @@ use std::io::{Seek, Write};
 
 use fbxcel::low::FbxVersion;
 use fbxcel::low::v7400::ArrayAttributeEncoding;
-use fbxcel::writer::v7400::binary::{AttributesWriter, FbxFooter, Result, Writer};
+use fbxcel::writer::v7400::binary::{AttributesWriter, FbxFooter, Writer};
+
+/// What comes of writing something; the errors are those of fbxcel, and know no file.
+pub type Written<T = ()> = fbxcel::writer::v7400::binary::Result<T>;
 
 /// What agrees with [`CREATED`] and [`FILE_ID`] at the end of a file: a known set, because readers may check one by the
 /// others.
@@ -31,69 +34,80 @@ pub enum Value<'a> {
     Bytes(&'a [u8]),
 }
 
+/// Arrays that are shorter are not compressed: there are thousands in a file of convex pieces, and it would take longer than
+/// all the rest.
+const COMPRESSED_BYTES: usize = 4096;
+
+fn encoding(bytes: usize) -> ArrayAttributeEncoding {
+    match bytes < COMPRESSED_BYTES {
+        true => ArrayAttributeEncoding::Direct,
+        false => ArrayAttributeEncoding::Zlib,
+    }
+}
+
 /// Writes nodes one after the other.
 pub struct Nodes<W: Write>(Writer<W>);
 
 impl<W: Write + Seek> Nodes<W> {
     /// Starts a file.
-    pub fn new(sink: W) -> Result<Self> {
+    pub fn new(sink: W) -> Written<Self> {
         Ok(Self(Writer::new(sink, FbxVersion::V7_4)?))
     }
 
     /// Ends the file.
-    pub fn finish(self) -> Result<W> {
+    pub fn finish(self) -> Written<W> {
         self.0.finalize_and_flush(&FbxFooter { unknown1: Some(&FOOT_ID), ..FbxFooter::default() })
     }
 
     /// A node with children.
-    pub fn branch(
-        &mut self,
-        name: &str,
-        values: &[Value],
-        children: impl FnOnce(&mut Self) -> Result<()>,
-    ) -> Result<()> {
+    pub fn branch(&mut self, name: &str, values: &[Value], children: impl FnOnce(&mut Self) -> Written) -> Written {
         self.open(name, values)?;
         children(self)?;
         self.close()
     }
 
     /// A node without children.
-    pub fn leaf(&mut self, name: &str, values: &[Value]) -> Result<()> {
+    pub fn leaf(&mut self, name: &str, values: &[Value]) -> Written {
         self.branch(name, values, |_| Ok(()))
     }
 
     /// A node that is opened now and [closed](Self::close) later.
-    pub fn open(&mut self, name: &str, values: &[Value]) -> Result<()> {
+    pub fn open(&mut self, name: &str, values: &[Value]) -> Written {
         let mut node = self.0.new_node(name)?;
         values.iter().try_for_each(|value| append(&mut node, *value))
     }
 
     /// Closes what was [opened](Self::open) last.
-    pub fn close(&mut self) -> Result<()> {
+    pub fn close(&mut self) -> Written {
         self.0.close_node()
     }
 
-    /// A node that holds many numbers, compressed.
-    pub fn reals(&mut self, name: &str, numbers: impl Iterator<Item = f64>) -> Result<()> {
-        self.0.new_node(name)?.append_arr_f64_from_iter(ArrayAttributeEncoding::Zlib, numbers)?;
+    /// A node that holds `count` numbers.
+    pub fn reals(&mut self, name: &str, count: usize, numbers: impl Iterator<Item = f64>) -> Written {
+        self.0.new_node(name)?.append_arr_f64_from_iter(encoding(8 * count), numbers)?;
         self.close()
     }
 
-    /// A node that holds many whole numbers, compressed.
-    pub fn ints(&mut self, name: &str, numbers: impl Iterator<Item = i32>) -> Result<()> {
-        self.0.new_node(name)?.append_arr_i32_from_iter(ArrayAttributeEncoding::Zlib, numbers)?;
+    /// A node that holds `count` whole numbers.
+    pub fn ints(&mut self, name: &str, count: usize, numbers: impl Iterator<Item = i32>) -> Written {
+        self.0.new_node(name)?.append_arr_i32_from_iter(encoding(4 * count), numbers)?;
         self.close()
     }
 
     /// The properties of an object.
-    pub fn properties(&mut self, properties: &[Property]) -> Result<()> {
+    pub fn properties(&mut self, properties: &[Property]) -> Written {
         self.branch("Properties70", &[], |nodes| {
             properties.iter().try_for_each(|property| nodes.leaf("P", &property.values()))
         })
     }
 }
 
-fn append<W: Write + Seek>(node: &mut AttributesWriter<W>, value: Value) -> Result<()> {
+/// The name of an object and what it is, as a binary FBX puts them together.
+pub fn full_name(name: &str, kind: &str) -> String {
+    format!("{name}\0\x01{kind}")
+}
+
+fn append<W: Write + Seek>(node: &mut AttributesWriter<W>, value: Value) -> Written {
     match value {
         Value::Int(number) => node.append_i32(number),
         Value::Id(number) => node.append_i64(number),

@@ -1,4 +1,5 @@
-// Renders a glTF package from a spawn pose (the first if none is named) with three.js in headless Chromium, a headlamp at the eye.
+// Renders a package of glTF or FBX from a spawn pose (the first if none is named) with three.js in headless Chromium, a headlamp
+// at the eye.
 //
 //   node shot.mjs PACKAGE_DIR --out PICTURE.png [--spawn N]
 //
@@ -16,11 +17,15 @@ const CHROMIUM = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/go
 const FLAGS = ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=swiftshader',
   '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 const TYPES = { '.js': 'text/javascript', '.html': 'text/html', '.json': 'application/json', '.glb': 'model/gltf-binary' };
+// What each reader makes of a material. three.js reads neither roughness nor tangents from FBX.
+const MAPS = { gltf: ['map', 'normalMap', 'roughnessMap', 'aoMap'], fbx: ['map', 'normalMap', 'aoMap'] };
 
 const [folder, flag, out, , spawn = '0'] = process.argv.slice(2);
 if (!folder || flag !== '--out' || !out) throw new Error('usage: shot.mjs PACKAGE_DIR --out PICTURE.png [--spawn N]');
 
 const here = import.meta.dirname;
+const fbx = filesOf(folder, '.fbx').concat(filesOf(path.join(folder, 'chunks'), '.fbx'));
+const format = fbx.length ? 'fbx' : 'gltf';
 const roots = { package: path.resolve(folder), three: path.join(here, 'node_modules/three'), page: here };
 const server = http.createServer(serve).listen(0, '127.0.0.1');
 const browser = await puppeteer.launch({
@@ -31,7 +36,8 @@ const browser = await puppeteer.launch({
 try {
   const page = await browser.newPage();
   await page.setViewport({ width: WIDTH, height: HEIGHT });
-  const address = `http://127.0.0.1:${server.address().port}/page/shot.html?eye=${EYE_M}&spawn=${Number(spawn)}`;
+  const query = new URLSearchParams({ eye: EYE_M, spawn: Number(spawn), fbx: JSON.stringify(fbx) });
+  const address = `http://127.0.0.1:${server.address().port}/page/shot.html?${query}`;
   await page.goto(address);
   await page.waitForFunction('window.report', { timeout: TIMEOUT_MS });
   const report = await page.evaluate('window.report');
@@ -48,6 +54,12 @@ try {
   server.close();
 }
 
+function filesOf(place, ending) {
+  if (!fs.existsSync(place)) return [];
+  const files = fs.readdirSync(place).filter((file) => file.endsWith(ending)).sort();
+  return files.map((file) => path.relative(folder, path.join(place, file)));
+}
+
 function serve(request, response) {
   const [, root, ...rest] = decodeURIComponent(new URL(request.url, 'http://localhost').pathname).split('/');
   const file = roots[root] && path.join(roots[root], ...rest);
@@ -61,8 +73,8 @@ function judge(report) {
   const faults = [];
   if (report.meshes.length === 0) faults.push('there are no meshes');
   for (const mesh of report.meshes) {
-    if (!mesh.tangents) faults.push(`${mesh.name} has no tangents`);
-    for (const map of ['map', 'normalMap', 'roughnessMap', 'aoMap']) {
+    if (format === 'gltf' && !mesh.tangents) faults.push(`${mesh.name} has no tangents`);
+    for (const map of MAPS[format]) {
       if (!mesh.maps[map]) faults.push(`${mesh.name} has no ${map}`);
     }
     if (mesh.maps.map && mesh.maps.map !== 'srgb') faults.push(`${mesh.name}: base colour is not sRGB`);

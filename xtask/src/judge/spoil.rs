@@ -39,7 +39,7 @@ struct Spoil {
     rewrite: fn(Vec<u8>) -> Option<Vec<u8>>,
 }
 
-const SPOILS: [Spoil; 22] = [
+const SPOILS: [Spoil; 25] = [
     Spoil {
         fault: "a hole in the collision mesh",
         judge: "pybullet",
@@ -109,6 +109,27 @@ const SPOILS: [Spoil; 22] = [
         complaint: "of the view is not rock",
         file: "glb/chamber.glb",
         rewrite: |bytes| replace(&bytes, "\"nodes\":[0,1", "\"nodes\":[0,0"),
+    },
+    Spoil {
+        fault: "a missing texture",
+        judge: "three-fbx",
+        complaint: "cannot load",
+        file: "fbx/textures/chunk_0_0_0_normal.png",
+        rewrite: |_| None,
+    },
+    Spoil {
+        fault: "a texture of another role",
+        judge: "three-fbx",
+        complaint: "has no normalMap",
+        file: "fbx/chamber.fbx",
+        rewrite: |bytes| replace(&bytes, "NormalMap", "NormalMop"),
+    },
+    Spoil {
+        fault: "full detail under the name of a coarser level",
+        judge: "three-fbx",
+        complaint: "of the view is not rock",
+        file: "fbx/chamber.fbx",
+        rewrite: |bytes| replace(&bytes, "chunk_1_0_0_LOD0\0\x01Model", "chunk_1_0_0_LOD1\0\x01Model"),
     },
     Spoil {
         fault: "a joint to a link that is not there",
