@@ -23,7 +23,7 @@ pub(super) fn is_shelf(folder: &Path) -> bool {
 /// Copies the packages of the chamber that anyone here reads, beside each other.
 pub(super) fn shelve(sample: &Path) -> Result<PathBuf> {
     let shelf = sample.join("formats");
-    for target in TARGETS.iter().chain(&["fbx", "glb", "gltf", "gazebo", "urdf"]) {
+    for target in TARGETS.iter().chain(&["fbx", "glb", "gltf", "gazebo", "unity", "unreal", "urdf"]) {
         let package = sample.join(target);
         if package.is_dir() {
             copy_folder(&package, &shelf.join(target)).map_err(|error| error.to_string())?;
