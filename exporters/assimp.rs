@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! <name>.<extension>             every chunk in full detail, or chunks/<chunk>.<extension>
-//! textures/<chunk>_<role>.png    what it names, if the format knows images
+//! textures/<chunk>_<role>.png    the images beside it, which it names if the format can
 //! README.md, recipe.toml
 //! ```
-//! assimp gets a GLB in memory whose images are names of files beside it, and keeps these names. It does not get the lights:
-//! version 5.2 aborts on their range. How much of a material a format can say, and whether its files bear the date of their
-//! making, is assimp's doing: bytes are the same again only as far as assimp writes the same again.
+//! assimp gets a GLB in memory whose images are names of files beside it, and keeps these names. It gets no lights, because
+//! version 5.2 aborts on the nodes of KHR_lights_punctual. How much of a material a format can say, and whether its files bear
+//! the time of their making, as Collada does, is assimp's doing: bytes are the same again as far as assimp writes the same.
+//! Formats that assimp cannot write into memory, such as 3MF, are told as its failure; what it prints, it prints.
 //!
 //! Memory: the scene three times, as GLB, as assimp keeps it and as it is written; with `per_chunk = true` a chunk.
 
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
 use crate::format::gltf::{Compression, Layout, Place, Style, glb, image_files};
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{ImageFormat, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -53,7 +55,7 @@ pub struct Assimp {
     format: Format,
 }
 
-/// How the package names its own files inside of files that assimp has written.
+/// What assimp calls the files that it writes into memory, where they name each other.
 const NAME_OF_ASSIMP: &str = "$blobfile";
 
 impl Assimp {
@@ -127,11 +129,16 @@ impl Target for Assimp {
             format => &self.format.description,
             version => self.library.version().map(|part| part.to_string()).join("."),
             open => &open,
+            folder => if self.settings.per_chunk { "chunks/" } else { "" },
         };
         let text = template::fill("README.md", include_str!("../templates/assimp/README.md.jinja"), &values);
         out.text("README.md", &text)?;
         out.text("recipe.toml", &scene.recipe)?;
         Ok(Summary { visual_triangles, collision_triangles: 0, open: format!("open {open}") })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::GLTF
     }
 }
 

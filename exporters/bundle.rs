@@ -1,53 +1,71 @@
 //! Packages as one file.
 //!
-//! Entries have no time and come in the order in which they are written, so that the same scene gives the same bytes.
+//! Entries have no time and no owner and come in the order in which they are written, on one thread, so that the same scene
+//! gives the same bytes. Paths are those of the folder; an archive has no folder round them, but for `tgz`, where the Unity
+//! Package Manager wants `package/`.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
+use crate::contents::Contents;
 use crate::error::{ExportError, at};
+use crate::manifest;
 use crate::package::{self, Existing, Files, MANIFEST, Package};
+
+use self::pack::{Packer, Sink};
+
+mod pack;
 
 /// A kind of file that holds a package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bundle {
+    /// A zip: opened by everything.
+    Zip,
+    /// A tar, compressed by Zstandard: smaller.
+    TarZst,
+    /// A tar, compressed by gzip, all of it below `package/`: what npm and the Unity Package Manager install.
+    Tgz,
     /// MuJoCo's archive: a zip whose model is called `model.xml`.
     Mjz,
 }
 
 impl Bundle {
     /// Every kind.
-    pub const ALL: [Self; 1] = [Self::Mjz];
+    pub const ALL: [Self; 4] = [Self::Zip, Self::TarZst, Self::Tgz, Self::Mjz];
+
+    /// Kinds that hold a package of any target.
+    pub const COMMON: [Self; 2] = [Self::Zip, Self::TarZst];
 
     /// What the user types, and the extension of the file.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Zip => "zip",
+            Self::TarZst => "tar.zst",
+            Self::Tgz => "tgz",
             Self::Mjz => "mjz",
         }
     }
 
     /// The file that `output` becomes: the extension is added where it is not there yet.
     pub fn file(self, output: &Path) -> PathBuf {
-        match output.extension().is_some_and(|extension| extension == self.name()) {
+        let extension = format!(".{}", self.name());
+        match output.as_os_str().as_encoded_bytes().ends_with(extension.as_bytes()) {
             true => output.to_owned(),
-            false => package::with_suffix(output, &format!(".{}", self.name())),
+            false => package::with_suffix(output, &extension),
         }
     }
 }
 
-/// A zip file. It grows in `<path>.partial`; [`Archive::finish`] gives it its name, and dropping an unfinished one removes
+/// An archive. It grows in `<path>.partial`; [`Archive::finish`] gives it its name, and dropping an unfinished one removes
 /// it.
-#[derive(Debug)]
 pub struct Archive {
     kind: Bundle,
     path: PathBuf,
     partial: PathBuf,
-    zip: Option<ZipWriter<BufWriter<File>>>,
+    packer: Option<Packer>,
     files: Files,
 }
 
@@ -77,17 +95,17 @@ impl Archive {
         let partial = package::with_suffix(&path, ".partial");
         fs::create_dir_all(path.parent().unwrap_or(&path)).map_err(|error| at(path.display(), &error))?;
         let file = File::create(&partial).map_err(|error| at(partial.display(), &error))?;
-        Ok(Self { kind, path, partial, zip: Some(ZipWriter::new(BufWriter::new(file))), files: Files::default() })
+        let packer = Packer::new(kind, Sink::new(file)).map_err(|error| at(partial.display(), &error))?;
+        Ok(Self { kind, path, partial, packer: Some(packer), files: Files::default() })
     }
 
-    /// Writes the manifest and moves the archive to its place.
+    /// Moves the archive to its place.
     ///
     /// # Errors
     /// When the disk refuses; then the partial file is removed.
     pub fn finish(mut self) -> Result<Files, ExportError> {
-        (&mut self as &mut dyn Package).write_manifest()?;
-        if let Some(zip) = self.zip.take() {
-            let done = zip.finish().map_err(io::Error::from).and_then(|mut file| file.flush());
+        if let Some(packer) = self.packer.take() {
+            let done = packer.finish().and_then(Sink::finish);
             let done = done.and_then(|()| fs::rename(&self.partial, &self.path));
             if let Err(error) = done {
                 self.remove();
@@ -95,6 +113,14 @@ impl Archive {
             }
         }
         Ok(std::mem::take(&mut self.files))
+    }
+
+    fn packer(&mut self) -> &mut Packer {
+        self.packer.as_mut().expect("an archive that is written to is not finished")
+    }
+
+    fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(&self.path)
     }
 
     /// The export has already failed: a second error here would hide the first.
@@ -105,14 +131,16 @@ impl Archive {
 
 impl Package for Archive {
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>> {
-        let zip = self.zip.as_mut().expect("an archive that is written to is not finished");
-        zip.start_file(path, options(path))?;
-        Ok(Box::new(zip))
+        let folder = self.folder().to_owned();
+        self.packer().open(path, &folder)
+    }
+
+    fn close(&mut self) -> io::Result<()> {
+        self.packer().close()
     }
 
     fn scratch(&mut self) -> io::Result<TempDir> {
-        let folder = self.path.parent().unwrap_or(&self.path);
-        tempfile::tempdir_in(folder).map_err(|error| at(folder.display(), &error))
+        tempfile::tempdir_in(self.folder()).map_err(|error| at(self.folder().display(), &error))
     }
 
     fn files(&mut self) -> &mut Files {
@@ -126,26 +154,14 @@ impl Package for Archive {
 
 impl Drop for Archive {
     fn drop(&mut self) {
-        if self.zip.is_some() {
+        if self.packer.is_some() {
             self.remove();
         }
     }
 }
 
-/// Images are compressed already. The time is that of no file: 1980, the first that a zip can say.
-fn options(path: &str) -> SimpleFileOptions {
-    let method = match path.ends_with(".png") || path.ends_with(".jpg") {
-        true => CompressionMethod::Stored,
-        false => CompressionMethod::Deflated,
-    };
-    let options = SimpleFileOptions::default().compression_method(method);
-    options.last_modified_time(zip::DateTime::default()).unix_permissions(0o644)
-}
-
-/// Whether the file is a zip with a list of files such as ours.
+/// Whether the file is an archive with a manifest of ours.
 fn is_archive(path: &Path) -> bool {
-    let Some(mut zip) = File::open(path).ok().and_then(|file| ZipArchive::new(file).ok()) else { return false };
-    let mut text = Vec::new();
-    let read = zip.by_name(MANIFEST).is_ok_and(|mut manifest| manifest.read_to_end(&mut text).is_ok());
-    read && package::is_manifest(&text)
+    let text = Contents::open(path).and_then(|contents| contents.text_of(MANIFEST));
+    text.is_ok_and(|text| text.is_some_and(|text| manifest::is_ours(&text)))
 }

@@ -25,7 +25,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
-use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part, Up};
+use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part};
+use crate::frame::{Axes, Up};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, ImageFormat, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -106,6 +107,13 @@ impl Target for Fbx {
             collision_triangles: triangles[1],
             open: self.how_to_open(&scene.name),
         })
+    }
+
+    fn axes(&self) -> Axes {
+        match self.0.up {
+            Up::Y => Axes::GLTF,
+            Up::Z => Axes::SCENE,
+        }
     }
 
     fn wants_pieces(&self) -> bool {

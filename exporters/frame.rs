@@ -3,6 +3,47 @@
 //! The scene is in metres, right-handed, Z up, with the UV origin at the lower left of the image.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The frame that numbers are in.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axes {
+    /// The axis that points up.
+    pub up: Up,
+    /// Whether x, y and z are thumb, index and middle finger of the right or of the left hand.
+    pub handedness: Handedness,
+    /// Length of a unit in metres.
+    pub metres_per_unit: f64,
+}
+
+/// An axis that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// The second, as in glTF.
+    Y,
+    /// The third, as in the scene.
+    Z,
+}
+
+/// A hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Handedness {
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+}
+
+impl Axes {
+    /// Of the scene: metres, right-handed, Z up.
+    pub const SCENE: Self = Self { up: Up::Z, handedness: Handedness::Right, metres_per_unit: 1.0 };
+    /// Of glTF: metres, right-handed, Y up.
+    pub const GLTF: Self = Self { up: Up::Y, handedness: Handedness::Right, metres_per_unit: 1.0 };
+}
 
 /// A scene vector in the frame of glTF, which is Y up: a quarter turn about x, exact in any precision.
 pub fn gltf_from_scene<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3]) -> [T; 3] {
@@ -50,6 +91,21 @@ pub fn euler_pose(pose: &Isometry3<f64>) -> ([f64; 3], [f64; 3]) {
 pub fn gltf_euler_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 3]) {
     let turn = gltf_turn_from_scene() * scene_from_body.rotation.to_rotation_matrix().matrix();
     (gltf_from_scene(scene_from_body.translation.vector.into()), roll_pitch_yaw(&turn))
+}
+
+/// A scene point in the frame of Unreal, which is left-handed and Z up, in centimetres: what its importer makes of a file
+/// in the scene's frame and unit.
+pub fn unreal_from_scene([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [100.0 * x, -100.0 * y, 100.0 * z]
+}
+
+/// A scene pose in the frame of Unreal: location in centimetres, and roll, pitch and yaw of its rotator in degrees.
+///
+/// A rotator turns about x, then y, then z as our angles do. Seen by whoever looks along +X, it rolls clockwise, as ours;
+/// but it pitches the nose up and yaws to the right, where ours go down and to the left.
+pub fn unreal_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 3]) {
+    let (location, [roll, pitch, yaw]) = euler_pose(scene_from_body);
+    (unreal_from_scene(location), [roll, -pitch, -yaw].map(f64::to_degrees))
 }
 
 /// A pose as SDF and URDF write it, `x y z roll pitch yaw`: metres and radians about fixed x, y, z, to the micrometre
@@ -125,6 +181,42 @@ mod tests {
         let down = UnitQuaternion::from_euler_angles(0.0, std::f64::consts::FRAC_PI_2, 0.4);
         let [roll, pitch, yaw] = roll_pitch_yaw(down.to_rotation_matrix().matrix());
         assert!(UnitQuaternion::from_euler_angles(roll, pitch, yaw).angle_to(&down) < 1e-7);
+    }
+
+    /// `FRotationTranslationMatrix` of Unreal, which multiplies rows: the first three are the axes of the body.
+    fn unreal_matrix([x, y, z]: [f64; 3], degrees: [f64; 3]) -> nalgebra::Matrix4<f64> {
+        let [[sr, cr], [sp, cp], [sy, cy]] = degrees.map(|angle| [libm::sin, libm::cos].map(|f| f(angle.to_radians())));
+        nalgebra::Matrix4::from_row_slice(
+            &[
+                [cp * cy, cp * sy, sp, 0.0],
+                [sr * sp * cy - cr * sy, sr * sp * sy + cr * cy, -sr * cp, 0.0],
+                [-(cr * sp * cy + sr * sy), cy * sr - cr * sp * sy, cr * cp, 0.0],
+                [x, y, z, 1.0],
+            ]
+            .concat(),
+        )
+    }
+
+    #[test]
+    fn unreal_has_the_other_hand() {
+        let [x, y, z] =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(unreal_from_scene(axis)));
+        assert_eq!(x.cross(&y), -100.0 * z);
+        assert_eq!(z, Vector3::z() * 100.0);
+    }
+
+    #[test]
+    fn a_rotator_moves_points_as_the_pose_does() {
+        for (roll, pitch, yaw) in [(0.0, 0.0, 0.5), (0.3, -0.4, 2.0), (-1.2, 1.1, -3.0), (0.7, 0.0, 0.0)] {
+            let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            let pose = Isometry3::from_parts(Translation3::new(1.0, -2.0, 3.0), turn);
+            let (location, degrees) = unreal_pose_from_scene(&pose);
+            let body = Point3::new(0.5, 0.25, -1.5);
+            let [x, y, z] = unreal_from_scene(body.into());
+            let there = nalgebra::RowVector4::new(x, y, z, 1.0) * unreal_matrix(location, degrees);
+            let expected = Vector3::from(unreal_from_scene((pose * body).into()));
+            assert!((there.fixed_columns::<3>(0).transpose() - expected).norm() < 1e-9);
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::obj;
-use crate::frame::{micro, sdf_pose};
+use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, ImageFormat, Light, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -92,6 +92,14 @@ impl Target for Gazebo {
             collision_triangles: triangles[1],
             open: open_command(&scene.name),
         })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["The world names plugins of Gazebo Sim (Apache-2.0), which come with Gazebo."]
     }
 
     fn wants_pieces(&self) -> bool {

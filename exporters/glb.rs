@@ -20,6 +20,7 @@ use crate::collision::NamedCollision;
 use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
 use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, glb};
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings};
@@ -85,6 +86,10 @@ impl Target for Glb {
         Readme { open: &open, levels, pieces: self.wants_pieces(), compression: self.0.compression }
             .write(scene, out)?;
         Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::GLTF
     }
 
     fn wants_pieces(&self) -> bool {

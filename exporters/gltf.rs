@@ -19,6 +19,7 @@ use crate::collision::NamedCollision;
 use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
 use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer};
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings};
@@ -83,6 +84,10 @@ impl Target for Gltf {
         Readme { open: &open, levels: levels.as_deref(), pieces, compression }.write(scene, out)?;
         let [visual_triangles, collision_triangles] = index::triangles(&entries);
         Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::GLTF
     }
 
     fn wants_pieces(&self) -> bool {

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::collision::Collision;
 use crate::error::ExportError;
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Contents, Library};
@@ -64,6 +65,10 @@ impl Target for Isaac {
         let summary = stage::write("isaac", scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 
     fn wants_pieces(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Writes a resolved [`scene::Scene`] as packages for simulators.
 //!
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
-//! writes what each simulator expects. Targets never name each other; what they share are formats ([`format`], [`stage`]), the frame
+//! writes what each simulator expects. Targets never name each other; what they share are formats ([`mod@format`], [`stage`]), the frame
 //! changes ([`frame`]) and the sink ([`package`]). A new target is one file and one row of [`TARGETS`].
 
 use std::sync::Arc;
@@ -11,7 +11,9 @@ use serde_json::Value;
 
 pub mod assimp;
 pub mod bundle;
+pub mod check;
 pub mod collision;
+pub mod contents;
 pub mod error;
 pub mod fbx;
 pub mod format;
@@ -20,11 +22,13 @@ pub mod gazebo;
 pub mod glb;
 pub mod gltf;
 pub mod isaac;
+pub mod manifest;
 pub mod mujoco;
 pub mod names;
 pub mod obj;
 pub mod package;
 mod pinch;
+pub mod place;
 pub mod ply;
 pub mod scene;
 mod sheaf;
@@ -32,22 +36,32 @@ mod slope;
 pub mod stage;
 pub mod stl;
 mod template;
+pub mod unreal;
 pub mod urdf;
 pub mod usd;
 pub mod usdz;
 
 use bundle::Bundle;
 pub use error::ExportError;
+use frame::Axes;
 use package::Package;
 use scene::Scene;
 
 /// Something that writes a scene the way one simulator wants it.
-pub trait Target {
+pub trait Target: Send + Sync {
     /// Writes the whole package into `out`, loading one chunk at a time.
     ///
     /// # Errors
     /// When the scene is not what [`scene`] promises, a chunk cannot be loaded or a file cannot be written.
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError>;
+
+    /// The frame that the files are in.
+    fn axes(&self) -> Axes;
+
+    /// What of others the package names without containing it, one sentence each.
+    fn references(&self) -> &'static [&'static str] {
+        &[]
+    }
 
     /// Whether [`export`](Self::export) asks the scene for convex pieces, which a host program makes only then.
     fn wants_pieces(&self) -> bool {
@@ -74,7 +88,7 @@ pub struct TargetRow {
     pub summary: &'static str,
     /// What opens the package.
     pub opened_by: &'static str,
-    /// Kinds of files that a package can become.
+    /// Kinds of files that a package can become beside those that every package can, [`Bundle::COMMON`].
     pub bundles: &'static [Bundle],
     /// JSON schema of the settings: meaning, unit, default and range of each.
     pub settings: fn() -> Schema,
@@ -103,6 +117,11 @@ impl TargetRow {
     /// [`ExportError::UnknownFormat`] where a format is.
     pub fn build(&'static self, settings: Value, library: Option<&Arc<dyn stage::Library>>) -> Built {
         Choice { row: self, format: None }.build(settings, library)
+    }
+
+    /// Whether a package can become a file of this kind.
+    pub fn has(&self, bundle: Bundle) -> bool {
+        Bundle::COMMON.contains(&bundle) || self.bundles.contains(&bundle)
     }
 
     /// Whether the host program must lend a USD library.
@@ -164,12 +183,13 @@ pub static TARGETS: &[TargetRow] = &[
     gazebo::ROW,
     isaac::ROW,
     mujoco::ROW,
+    unreal::ROW,
+    urdf::ROW,
     usd::ROW,
     usdz::ROW,
     glb::ROW,
     gltf::ROW,
     fbx::ROW,
-    urdf::ROW,
     obj::ROW,
     ply::ROW,
     stl::ROW,

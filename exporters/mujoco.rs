@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bundle::Bundle;
 use crate::error::ExportError;
-use crate::frame::{self, micro};
+use crate::frame::{self, Axes, micro};
 use crate::package::Package;
 use crate::scene::{Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -128,7 +128,7 @@ impl Target for Mujoco {
                 write_rover(Some((scene, "model.xml")), &format!("{name}_rover.xml"), out)?;
                 self.write_world("model.xml", &options, scene, &chunks, out)?
             }
-            None => {
+            _ => {
                 let (cave, world) = (format!("{name}.xml"), format!("{name}_world.xml"));
                 write_rover(Some((scene, &cave)), &format!("{name}_rover.xml"), out)?;
                 let include = format!("  <include file=\"{world}\"/>");
@@ -142,9 +142,13 @@ impl Target for Mujoco {
         )?;
         let open = match out.bundle() {
             Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
-            None => format!("python -m mujoco.viewer --mjcf={name}_rover.xml"),
+            _ => format!("python -m mujoco.viewer --mjcf={name}_rover.xml"),
         };
         Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 
     fn wants_pieces(&self) -> bool {

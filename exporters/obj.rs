@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
 use crate::format::obj::{self, Maps};
-use crate::frame::sdf_pose;
+use crate::frame::{Axes, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
 use crate::sheaf::{self, Growing, Sheaf, Stem, Triangles};
@@ -91,6 +91,10 @@ impl Target for Obj {
         let readme = include_str!("../templates/obj/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 
     fn wants_pieces(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Where the files of a package go: a [`Folder`] that appears whole or not at all, or [`Memory`] in tests.
 //!
-//! Files are streamed. Every package ends with [`MANIFEST`], which lists each file with its size and SHA-256 in the
-//! order of their names; a folder is replaced only if it holds one, so that no export can eat a folder of the user's.
+//! Files are streamed. A package ends with [`MANIFEST`], which a [`Place`](crate::place::Place) writes; a folder is
+//! replaced only if it holds one, so that no export can eat a folder of the user's.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -14,8 +14,9 @@ use tempfile::TempDir;
 
 use crate::bundle::Bundle;
 use crate::error::{ExportError, at};
+use crate::manifest;
 
-/// Name of the list of files.
+/// Name of the [manifest](crate::manifest).
 pub const MANIFEST: &str = "manifest.json";
 
 /// A sink for the files of one package.
@@ -27,6 +28,14 @@ pub trait Package {
     /// # Errors
     /// When it cannot be created.
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>>;
+
+    /// Ends the file that was opened last. Called by `write`.
+    ///
+    /// # Errors
+    /// When what was gathered cannot be put in its place.
+    fn close(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 
     /// A folder on a disk, for libraries that only write files; what should stay is [copied](#method.copy). It is
     /// removed when dropped.
@@ -60,8 +69,8 @@ impl dyn Package + '_ {
         let mut file = BufWriter::with_capacity(1 << 16, Tally::new(path, inner));
         fill(&mut file)?;
         file.flush()?;
-        let tally = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        let entry = tally.entry();
+        let entry = file.into_inner().map_err(io::IntoInnerError::into_error)?.entry();
+        self.close().map_err(|error| at(path, &error))?;
         self.files().0.insert(path.to_owned(), entry);
         Ok(())
     }
@@ -72,7 +81,9 @@ impl dyn Package + '_ {
     /// As [`write`](#method.write), and when `from` cannot be read.
     pub fn copy(&mut self, path: &str, from: &Path) -> Result<(), ExportError> {
         let mut source = File::open(from).map_err(|error| at(from.display(), &error))?;
-        self.write(path, |file| Ok(io::copy(&mut source, file).map(drop)?))
+        self.write(path, |file| Ok(io::copy(&mut source, file).map(drop)?))?;
+        self.files().0.entry(path.to_owned()).and_modify(|entry| entry.source = Some(from.to_owned()));
+        Ok(())
     }
 
     /// Writes a text.
@@ -81,12 +92,6 @@ impl dyn Package + '_ {
     /// As [`write`](#method.write).
     pub fn text(&mut self, path: &str, text: &str) -> Result<(), ExportError> {
         self.write(path, |file| Ok(file.write_all(text.as_bytes())?))
-    }
-
-    pub(crate) fn write_manifest(&mut self) -> Result<(), ExportError> {
-        let mut text = serde_json::to_string_pretty(&self.files()).map_err(io::Error::from)?;
-        text.push('\n');
-        self.text(MANIFEST, &text)
     }
 }
 
@@ -101,27 +106,31 @@ pub struct Entry {
     pub bytes: u64,
     /// SHA-256 in lower-case hexadecimal.
     pub sha256: String,
+    /// The file of the disk that it is a copy of, if it is one; not written down.
+    #[serde(skip)]
+    pub source: Option<PathBuf>,
 }
 
 impl Files {
     /// Bytes of all files together.
     pub fn bytes(&self) -> u64 {
-        self.0.values().map(|entry| entry.bytes).sum()
+        self.0.values().fold(0, |sum, entry| sum.saturating_add(entry.bytes))
     }
 
     fn check(&self, path: &str) -> Result<(), ExportError> {
-        let fault = |fault| Err(ExportError::BadPath { path: path.to_owned(), fault });
-        if path.starts_with('/') || path.contains(['\\', ':']) {
-            return fault("is not relative with forward slashes");
-        }
-        if path.split('/').any(|part| matches!(part, "" | "." | "..")) {
-            return fault("has an empty, `.` or `..` part");
-        }
-        if self.0.contains_key(path) {
-            return fault("is written twice");
-        }
-        Ok(())
+        let taken = self.0.contains_key(path).then_some("is written twice");
+        let fault = path_fault(path).or(taken);
+        fault.map_or(Ok(()), |fault| Err(ExportError::BadPath { path: path.to_owned(), fault }))
     }
+}
+
+/// What is wrong with a path as one inside a package, if anything.
+pub(crate) fn path_fault(path: &str) -> Option<&'static str> {
+    if path.starts_with('/') || path.contains(['\\', ':', '\0']) {
+        return Some("is not relative with forward slashes");
+    }
+    let has_odd_part = path.split('/').any(|part| matches!(part, "" | "." | ".."));
+    has_odd_part.then_some("has an empty, `.` or `..` part")
 }
 
 /// What to do with a folder that is already there.
@@ -169,12 +178,11 @@ impl Folder {
         Ok(Self { path, partial, files: Files::default(), finished: false })
     }
 
-    /// Writes the manifest and moves the package to its place.
+    /// Moves the package to its place.
     ///
     /// # Errors
     /// When the disk refuses; then the partial folder is removed.
     pub fn finish(mut self) -> Result<Files, ExportError> {
-        (&mut self as &mut dyn Package).write_manifest()?;
         let old = with_suffix(&self.path, ".old.partial");
         remove(&old)?;
         if self.path.exists() {
@@ -253,7 +261,7 @@ impl<'a> Tally<'a> {
 
     fn entry(self) -> Entry {
         let sha256 = self.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-        Entry { bytes: self.bytes, sha256 }
+        Entry { bytes: self.bytes, sha256, source: None }
     }
 }
 
@@ -289,14 +297,9 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
     }
 }
 
-/// Whether the folder holds a list of files such as ours; other programs have a `manifest.json` too.
+/// Whether the folder holds a manifest of ours; other programs have a `manifest.json` too.
 fn is_package(path: &Path) -> bool {
-    fs::read(path.join(MANIFEST)).is_ok_and(|text| is_manifest(&text))
-}
-
-/// Whether a text is a list of files.
-pub(crate) fn is_manifest(text: &[u8]) -> bool {
-    serde_json::from_slice::<Files>(text).is_ok()
+    fs::read(path.join(MANIFEST)).is_ok_and(|text| manifest::is_ours(&text))
 }
 
 /// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::ExportError;
 use crate::format::pixels::Sampler;
 use crate::format::ply;
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Mesh, Scene, Zone};
 use crate::sheaf::{self, Growing, Sheaf, Triangles};
@@ -71,6 +72,10 @@ impl Target for Ply {
         let readme = include_str!("../templates/ply/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 }
 

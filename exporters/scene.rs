@@ -10,6 +10,7 @@ use crate::error::ExportError;
 use crate::names;
 
 /// A static world in chunks.
+#[derive(Clone)]
 pub struct Scene<'a> {
     /// Safe name: `[a-z][a-z0-9_]*` (see `names`).
     pub name: String,

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
 use crate::format::stl;
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
 use crate::sheaf::{self, Growing, Sheaf, Triangles};
@@ -79,6 +80,10 @@ impl Target for Stl {
         let readme = include_str!("../templates/stl/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 }
 

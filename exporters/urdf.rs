@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::obj;
-use crate::frame::{micro, sdf_pose};
+use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
@@ -67,6 +67,10 @@ impl Target for Urdf {
             collision_triangles: triangles[1],
             open: how_to_open(&scene.name),
         })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 
     fn wants_pieces(&self) -> bool {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::ExportError;
+use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
@@ -35,6 +36,10 @@ impl Target for Usd {
         let summary = stage::write("usd", scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 
     fn wants_pieces(&self) -> bool {

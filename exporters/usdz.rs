@@ -7,6 +7,7 @@ use std::sync::Arc;
 use serde_json::json;
 
 use crate::error::ExportError;
+use crate::frame::Axes;
 use crate::package::{Existing, Folder, Package};
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
@@ -48,6 +49,10 @@ impl Target for Usdz {
         out.copy(&archive, &path)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
     }
 
     fn wants_pieces(&self) -> bool {

@@ -13,7 +13,7 @@ use crate::mesh;
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
-use crate::texture::ImageFormat;
+use crate::texture::{HEIGHT_AMPLITUDE_M, ImageFormat, TextureSettings};
 use crate::truth::{self, Lamp};
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
@@ -29,14 +29,14 @@ pub struct FolderChunks<'a> {
     names: Vec<String>,
     /// The coarser levels of each.
     lods: Vec<Vec<LodFacts>>,
-    format: ImageFormat,
+    settings: &'a TextureSettings,
     stop: &'a AtomicBool,
 }
 
 impl<'a> FolderChunks<'a> {
     /// The chunks that `walls` names. Once `stop` is set no more are loaded: an export ends with
     /// [`io::ErrorKind::Interrupted`].
-    pub fn new(folder: &'a CaveFolder, walls: &[Unit], format: ImageFormat, stop: &'a AtomicBool) -> Self {
+    pub fn new(folder: &'a CaveFolder, walls: &[Unit], settings: &'a TextureSettings, stop: &'a AtomicBool) -> Self {
         let textured: BTreeMap<String, Unit> =
             folder.units(Stage::Texture).into_iter().map(|unit| (unit.name.clone(), unit)).collect();
         let lods = |wall: &Unit| textured.get(&wall.name).map(LodFacts::read).unwrap_or_default();
@@ -44,7 +44,7 @@ impl<'a> FolderChunks<'a> {
             folder,
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
             lods: walls.iter().map(lods).collect(),
-            format,
+            settings,
             stop,
         }
     }
@@ -61,11 +61,17 @@ impl<'a> FolderChunks<'a> {
         self.lods[index].iter().enumerate().map(lod).collect()
     }
 
-    fn image(&self, name: &str, image: &str) -> scene::Image {
-        let path = self.folder.root().join(store::image_path(name, image, self.format));
-        let format = match self.format {
+    fn height(&self, name: &str, image: &str) -> scene::Height {
+        let image = self.image(name, image, ImageFormat::Png);
+        scene::Height { image, amplitude_m: HEIGHT_AMPLITUDE_M }
+    }
+
+    fn image(&self, name: &str, image: &str, format: ImageFormat) -> scene::Image {
+        let path = self.folder.root().join(store::image_path(name, image, format));
+        let format = match format {
             ImageFormat::Png => scene::ImageFormat::Png,
             ImageFormat::Jpg => scene::ImageFormat::Jpeg,
+            ImageFormat::Webp => scene::ImageFormat::WebP,
         };
         scene::Image { path, format }
     }
@@ -96,11 +102,11 @@ impl Chunks for FolderChunks<'_> {
             lods: self.lods(index)?,
             collision: self.read(&format!("collision/{name}.ply"))?,
             material: scene::Material {
-                base_color: self.image(name, store::IMAGES[0]),
-                normal: self.image(name, store::IMAGES[1]),
-                orm: self.image(name, store::IMAGES[2]),
-                roughness: self.image(name, store::IMAGES[3]),
-                height: None,
+                base_color: self.image(name, store::IMAGES.base_color, self.settings.format),
+                normal: self.image(name, store::IMAGES.normal, self.settings.format),
+                orm: self.image(name, store::IMAGES.orm, self.settings.format),
+                roughness: self.image(name, store::IMAGES.roughness, self.settings.format),
+                height: store::IMAGES.height.filter(|_| self.settings.height).map(|image| self.height(name, image)),
             },
         })
     }

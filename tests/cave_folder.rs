@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use command::{Desk, SMALL};
 use plume::assemble::FolderChunks;
 use plume::store::{CaveFolder, Stage, Unit};
-use plume::texture::ImageFormat;
+use plume::texture::TextureSettings;
 use plume_exporters::scene::{Chunks, Mesh};
 
 #[test]
@@ -140,7 +140,8 @@ fn a_scene_has_the_levels_of_its_folder_over_the_same_vertices() {
     let folder = CaveFolder::open(&desk.path("cave")).unwrap();
     let walls: Vec<Unit> = folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty()).collect();
     let stop = AtomicBool::new(false);
-    let chunks = FolderChunks::new(&folder, &walls, ImageFormat::Png, &stop);
+    let settings = TextureSettings::default();
+    let chunks = FolderChunks::new(&folder, &walls, &settings, &stop);
     let mut levels = 0;
     for chunk in (0..chunks.len()).map(|index| chunks.load(index).unwrap()) {
         let full = vertices(&chunk.visual);

@@ -6,6 +6,8 @@ mod command;
 
 use std::fs;
 
+use std::path::Path;
+
 use command::{Desk, SMALL, files};
 use insta::assert_snapshot;
 use serde_json::json;
@@ -30,6 +32,7 @@ fn faulty_words_are_told() {
     let desk = Desk::new();
     assert_snapshot!("no_such_target", desk.fault(&["export", "--target", "gazeboo"]));
     assert_snapshot!("no_such_bundle", desk.fault(&["export", "--target", "mujoco", "--bundle", "mjb"]));
+    assert_snapshot!("bundle_of_none", desk.fault(&["export", "--target", "gltf", "--bundle", "tgz"]));
     assert_snapshot!("bundle_of_others", desk.fault(&["export", "--target", "mujoco,gltf", "--bundle", "mjz"]));
     assert_snapshot!(
         "no_such_collision",
@@ -174,6 +177,97 @@ fn only_packages_are_replaced() {
         assert!(desk.path(folder).join("manifest.json").exists());
     }
     assert_snapshot!("cave_over_others", desk.fault(&["graph", "--output", "extension", "--force"]));
+}
+
+/// A target with a few small files.
+const SOME: [&str; 5] = ["export", "--target", "gltf", "--output", "cave"];
+
+#[test]
+fn several_targets_are_written_side_by_side() {
+    let desk = Desk::new();
+    desk.make(&["export", "--target", "gazebo,gltf,urdf", "--output", "one", "--threads", "1", "--keep", "cave"]);
+    desk.make(&["export", "cave", "--target", "gazebo,gltf,urdf", "--output", "all", "--threads", "3"]);
+    assert_eq!(desk.hashes("one"), desk.hashes("all"));
+    desk.make(&["export", "cave", "--target", "gazebo,gltf", "--output", "packed", "--bundle", "tar.zst"]);
+    let names: Vec<_> = desk.hashes("packed").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["gazebo.tar.zst", "gltf.tar.zst"]);
+    for package in ["one/gazebo", "all/urdf", "packed/gltf.tar.zst"] {
+        let said = desk.run(&["check", package, "--json"]);
+        let report: serde_json::Value = serde_json::from_slice(&said.stdout).unwrap();
+        assert!(said.status.success() && report["whole"] == true, "{report}");
+    }
+    let order = String::from_utf8(desk.run(&["export", "cave", "--target", "urdf,gazebo"]).stderr).unwrap();
+    assert!(order.find("  urdf").unwrap() < order.find("  gazebo").unwrap(), "{order}");
+}
+
+#[test]
+fn a_bundle_that_is_there_is_left_alone() {
+    let desk = Desk::new();
+    desk.file("cave.zip", "a letter");
+    let bundled: Vec<&str> = SOME.into_iter().chain(["--bundle", "zip"]).collect();
+    assert_snapshot!("bundle_exists", desk.fault(&bundled));
+    let forced: Vec<&str> = bundled.iter().copied().chain(["--force"]).collect();
+    assert_snapshot!("bundle_over_others", desk.fault(&forced));
+    assert_eq!(fs::read_to_string(desk.path("cave.zip")).unwrap(), "a letter");
+    fs::remove_file(desk.path("cave.zip")).unwrap();
+    desk.make(&bundled);
+    desk.make(&forced);
+    assert!(desk.run(&["check", "cave.zip"]).status.success());
+}
+
+/// Exit code, stdout and stderr of a check.
+fn said_of(desk: &Desk, package: &str) -> String {
+    let output = desk.run(&["check", package]);
+    let [out, fault] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    format!("exit {}\n{out}{fault}", output.status.code().unwrap())
+}
+
+#[test]
+fn a_package_is_checked() {
+    let desk = Desk::new();
+    desk.make(&SOME);
+    assert!(said_of(&desk, "cave").starts_with("exit 0\ncave: whole: gltf by plume "));
+    fs::write(desk.path("cave/README.md"), "# Free money\n").unwrap();
+    desk.file("cave/virus\u{1b}[2J.exe", "MZ");
+    fs::remove_file(desk.path("cave/scene.json")).unwrap();
+    assert_snapshot!("package_tampered", said_of(&desk, "cave"));
+    assert_snapshot!("package_of_nothing", said_of(&desk, "nowhere"));
+    desk.file("letter.txt", "dear diary");
+    assert_snapshot!("package_is_a_letter", said_of(&desk, "letter.txt"));
+    fs::create_dir(desk.path("empty")).unwrap();
+    assert_snapshot!("package_is_empty", said_of(&desk, "empty"));
+}
+
+#[test]
+fn a_package_of_another_version_is_told() {
+    let desk = Desk::new();
+    desk.make(&SOME);
+    let manifest = desk.path("cave/manifest.json");
+    let newer = fs::read_to_string(&manifest).unwrap().replacen("\"format\": 2", "\"format\": 3", 1);
+    fs::write(&manifest, newer.replace(env!("CARGO_PKG_VERSION"), "9.1.0")).unwrap();
+    assert_snapshot!("package_of_newer_version", said_of(&desk, "cave"));
+    fs::write(&manifest, "{\"README.md\": {\"bytes\": 1, \"sha256\": \"0\"}}").unwrap();
+    assert_snapshot!("package_of_older_version", said_of(&desk, "cave"));
+    // Both are ours, and may be replaced.
+    let forced: Vec<&str> = SOME.into_iter().chain(["--force"]).collect();
+    desk.make(&forced);
+    assert!(said_of(&desk, "cave").starts_with("exit 0"));
+}
+
+/// The device that is always full stands where the archive grows.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_leaves_no_archive() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "cave"]);
+    for bundle in ["zip", "tar.zst"] {
+        let partial = desk.path(&format!("full.{bundle}.partial"));
+        std::os::unix::fs::symlink(Path::new("/dev/full"), &partial).unwrap();
+        let fault =
+            desk.fault(&["export", "cave", "--target", "gltf", "--output", "full", "--bundle", bundle, "--quiet"]);
+        assert_snapshot!("disk_is_full", fault);
+        assert!(!partial.is_symlink() && !desk.path(&format!("full.{bundle}")).exists());
+    }
 }
 
 #[test]

@@ -253,3 +253,26 @@ fn rocks_refuse_unknown_settings() {
         assert!(fault.to_string().contains("colour"), "{}: {fault}", row.name);
     }
 }
+
+/// A point that is moved by its height lies on the wall with all detail, but for what a first step cannot reach.
+#[test]
+fn heights_lead_to_the_wall() {
+    for field in caves() {
+        let points = near_wall(&field, 3000);
+        let bounds = Bounds::around(&points).grown(0.5);
+        let here = texels(&field, bounds, &points);
+        let moved: Vec<[f32; 3]> = points
+            .iter()
+            .zip(&here)
+            .map(|(point, texel)| std::array::from_fn(|axis| point[axis] + texel.height_m * texel.normal[axis]))
+            .collect();
+        let there = texels(&field, bounds, &moved);
+        let median = |texels: &[Texel]| {
+            let mut heights: Vec<f32> = texels.iter().map(|texel| texel.height_m.abs()).collect();
+            heights.sort_by(f32::total_cmp);
+            heights[heights.len() / 2]
+        };
+        let (before_m, after_m) = (median(&here), median(&there));
+        assert!(after_m < 0.25 * before_m, "{after_m} m after a step, {before_m} m before");
+    }
+}

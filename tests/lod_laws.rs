@@ -29,7 +29,8 @@ struct Detailed {
 impl Detailed {
     fn new(mesh: Mesh, settings: &LodSettings) -> Self {
         let small = TextureSettings { size_px: Some(256), ..TextureSettings::default() };
-        let sinks = Maps { base_color: io::sink(), normal: io::sink(), orm: io::sink(), roughness: io::sink() };
+        let sinks =
+            Maps { base_color: io::sink(), normal: io::sink(), orm: io::sink(), roughness: io::sink(), height: None };
         let textured = texture(&mesh, &Gradient { tilt: [0.0; 3] }, &small, sinks).unwrap();
         let levels = levels(&mesh, &textured, settings);
         Self { mesh, textured, levels }

@@ -7,17 +7,15 @@ use std::io;
 use image::RgbImage;
 use plume::mesh::Mesh;
 use plume::texture::settings::{ImageFormat, TextureSettings};
-use plume::texture::{Maps, TextureError, Textured, texture};
+use plume::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureError, Textured, texture};
 use texture_support::{Gradient, bubble, cross, dot, rough_passage, spiral, unit};
 
 const UPRIGHT: Gradient = Gradient { tilt: [0.0; 3] };
 const LEANING: Gradient = Gradient { tilt: [0.3, -0.2, 0.35] };
 
 fn bake(mesh: &Mesh, surface: &Gradient, settings: &TextureSettings) -> (Textured, Maps<Vec<u8>>) {
-    let mut maps = Maps::default();
-    let Maps { base_color, normal, orm, roughness } = &mut maps;
-    let sinks = Maps { base_color, normal, orm, roughness };
-    let textured = texture(mesh, surface, settings, sinks).expect("vectors take all bytes");
+    let mut maps = Maps { height: settings.height.then(Vec::new), ..Maps::default() };
+    let textured = texture(mesh, surface, settings, maps.as_mut()).expect("vectors take all bytes");
     (textured, maps)
 }
 
@@ -209,8 +207,8 @@ fn halves(mesh: &Mesh) -> [Mesh; 2] {
 #[test]
 fn bytes_do_not_depend_on_threads() {
     let mesh = rough_passage(60, 30, 8.0, 3);
-    for format in [ImageFormat::Png, ImageFormat::Jpg] {
-        let settings = TextureSettings { format, ..of_size(700) };
+    for format in [ImageFormat::Png, ImageFormat::Jpg, ImageFormat::Webp] {
+        let settings = TextureSettings { format, height: true, ..of_size(700) };
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| bake(&mesh, &LEANING, &settings))
@@ -236,11 +234,37 @@ fn jpg_shows_the_same_picture() {
 }
 
 #[test]
+fn webp_shows_every_pixel() {
+    let mesh = rough_passage(60, 30, 8.0, 3);
+    let (_, png) = bake(&mesh, &LEANING, &of_size(512));
+    let (_, webp) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::Webp, ..of_size(512) });
+    assert!(webp.base_color.starts_with(b"RIFF"));
+    assert!(png.into_iter().map(|map| picture(&map)).eq(webp.into_iter().map(|map| picture(&map))));
+}
+
+#[test]
+fn heights_are_those_of_the_surface() {
+    let mesh = rough_passage(60, 30, 8.0, 3);
+    let (textured, maps) = bake(&mesh, &LEANING, &TextureSettings { height: true, ..of_size(1024) });
+    let heights = image::load_from_memory(&maps.height.expect("it was asked for")).unwrap();
+    let heights = heights.as_luma16().expect("16 bits of grey");
+    let step_m = 2.0 * f64::from(HEIGHT_AMPLITUDE_M) / 65_535.0;
+    let samples = samples(&textured);
+    assert!(samples.len() > 1000);
+    for sample in samples {
+        let [x, y] = sample.pixel;
+        let stored_m = f64::from(heights.get_pixel(x, y).0[0]) * step_m - f64::from(HEIGHT_AMPLITUDE_M);
+        let expected_m = Gradient::height_at(sample.mix(&textured.positions).map(|c| c as f32));
+        assert!((stored_m - f64::from(expected_m)).abs() < step_m, "{stored_m} m where {expected_m} m are");
+    }
+}
+
+#[test]
 fn base_colour_says_that_it_is_srgb_and_the_others_do_not() {
-    let (_, maps) = bake(&bubble(20, 20, 2.0), &UPRIGHT, &of_size(256));
+    let settings = TextureSettings { height: true, ..of_size(256) };
+    let (_, maps) = bake(&bubble(20, 20, 2.0), &UPRIGHT, &settings);
     let says_srgb = |bytes: &[u8]| bytes.windows(4).take(100).any(|name| name == b"sRGB");
-    let Maps { base_color, normal, orm, roughness } = &maps;
-    assert_eq!([base_color, normal, orm, roughness].map(|map| says_srgb(map)), [true, false, false, false]);
+    assert!(maps.into_iter().map(|map| says_srgb(&map)).eq([true, false, false, false, false]));
 }
 
 #[test]
@@ -264,7 +288,7 @@ impl io::Write for Full {
 
 #[test]
 fn a_failing_sink_is_an_error() {
-    let sinks = Maps { base_color: Full, normal: Full, orm: Full, roughness: Full };
+    let sinks = Maps { base_color: Full, normal: Full, orm: Full, roughness: Full, height: None };
     let error = texture(&bubble(20, 20, 2.0), &UPRIGHT, &of_size(256), sinks).unwrap_err();
     assert!(matches!(error, TextureError::Write(_)));
     assert_eq!(error.to_string(), "cannot write a texture map: disk full");

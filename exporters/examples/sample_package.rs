@@ -1,8 +1,8 @@
 //! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
 //!
 //! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per chunk,
-//! `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y` with
-//! Y up.
+//! `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y`
+//! with Y up.
 //!
 //! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and spoiled in each way as
 //! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
@@ -12,7 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use plume_exporters::package::{Existing, Folder};
+use plume_exporters::package::Existing;
+use plume_exporters::place::Place;
 use plume_exporters::scene::Scene;
 use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow, target};
@@ -52,15 +53,21 @@ fn write_chambers(folder: &Path) -> Result<()> {
         ("glb_pieces", json!({ "collision": "pieces" })),
         ("glb_meshopt", json!({ "compression": "meshopt", "lods": true })),
         ("gltf_pieces", json!({ "collision": "pieces" })),
-        ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("fbx_chunks", json!({ "per_chunk": true })),
         ("fbx_pieces", json!({ "collision": "pieces" })),
         ("fbx_y", json!({ "up": "y" })),
+        ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
+        ("unreal_pieces", json!({ "collision": "pieces" })),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber.scene(), &None)?;
+    }
+    // `FOLDER/<target>_webp`, where WebP is written.
+    let webp = sample::Chamber::in_webp(textures.path())?;
+    for name in ["glb", "gltf"] {
+        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp)?;
     }
     Ok(())
 }
@@ -75,8 +82,7 @@ fn write_markers(folder: &Path, change: marker::Change, library: &Lent) -> Resul
 }
 
 fn write(folder: &Path, row: &'static TargetRow, settings: Value, scene: &Scene, library: &Lent) -> Result<()> {
-    let mut package = Folder::create(folder, Existing::Replace)?;
-    row.build(settings, library.as_ref())?.export(scene, &mut package)?;
-    package.finish()?;
+    let place = Place { path: folder.to_owned(), bundle: None, existing: Existing::Replace };
+    place.write(row.name, &*row.build(settings, library.as_ref())?, scene)?;
     Ok(())
 }

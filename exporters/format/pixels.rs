@@ -1,6 +1,6 @@
 //! Images whose channels are put differently: read, changed pixel by pixel, and written as PNG; and colours of images.
 //!
-//! Compressed fast, as the images of a scene are: twice the time saves a tenth of the bytes. Memory: one image.
+//! Compressed fast and with one filter, as the images of a scene are. Memory: one image, twice.
 
 use std::io::{self, Write};
 

@@ -34,6 +34,7 @@ fn unpacked<const STRIDE: usize>(packed: &[u8], count: usize) -> Vec<u8>
 where
     [u8; STRIDE]: Default,
 {
+    assert_eq!(meshopt::decode_vertex_version(packed), Some(0), "the extension knows no other");
     meshopt::decode_vertex_buffer::<[u8; STRIDE]>(packed, count).unwrap().concat()
 }
 

@@ -13,11 +13,11 @@ use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::package::{Existing, Files, Folder, MANIFEST, Memory, Package};
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Material, Piece, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, Target, TargetRow, target};
 use serde_json::json;
 
-use ledger::ledger;
+use ledger::{complete, ledger};
 use touched::touched;
 
 #[test]
@@ -34,11 +34,6 @@ fn every_target_file_has_its_row() {
     let mut rows: Vec<&str> = TARGETS.iter().map(|row| row.name).collect();
     rows.sort_unstable();
     assert_eq!(files, rows);
-}
-
-/// Every target but those whose formats a library of the machine brings: these have tests of their own.
-fn complete() -> impl Iterator<Item = &'static TargetRow> {
-    TARGETS.iter().filter(|row| !row.needs_format())
 }
 
 #[test]
@@ -72,24 +67,6 @@ fn settings_are_documented_and_unknown_ones_refused() {
         }
         let error = row.build(json!({ "colour": 1 }), ledger().as_ref()).err().unwrap();
         assert!(error.is_usage() && error.to_string().contains("`colour`"), "{error}");
-    }
-}
-
-#[test]
-fn a_manifest_lists_every_file_of_a_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let chamber = sample::Chamber::new(folder.path()).unwrap();
-    for row in complete() {
-        let out = folder.path().join(row.name);
-        let mut package = Folder::create(&out, Existing::Keep).unwrap();
-        row.build(json!({}), ledger().as_ref()).unwrap().export(&chamber.scene(), &mut package).unwrap();
-        let files = package.finish().unwrap();
-        let manifest = fs::read(out.join(MANIFEST)).unwrap();
-        let listed: Files = serde_json::from_slice(&manifest).unwrap();
-        assert_eq!(listed.0.len() + 1, files.0.len());
-        for (path, entry) in listed.0 {
-            assert_eq!(fs::metadata(out.join(path)).unwrap().len(), entry.bytes);
-        }
     }
 }
 
@@ -197,7 +174,7 @@ fn the_pieces_of_the_scene_are_all_that_robots_touch() {
         assert!(found == corners, "{name}");
         names.push(name);
     }
-    assert_eq!(names, ["gazebo", "isaac", "mujoco", "usd", "usdz", "glb", "gltf", "fbx", "urdf", "obj"]);
+    assert_eq!(names, ["gazebo", "isaac", "mujoco", "unreal", "urdf", "usd", "usdz", "glb", "gltf", "fbx", "obj"]);
 }
 
 #[test]
@@ -260,12 +237,13 @@ fn a_full_disk_is_told_with_the_file() {
     system: models/chamber/materials/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: assets/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
+    system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber.usdz: no storage space (hint: free some space, or make smaller textures)
     system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
     system: buffers/chunk_0_0_0.bin: no storage space (hint: free some space, or make smaller textures)
     system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
     system: chamber.ply: no storage space (hint: free some space, or make smaller textures)
     system: chamber.stl: no storage space (hint: free some space, or make smaller textures)
@@ -341,10 +319,8 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
 #[test]
 fn webp_images_are_written_or_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
-    let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let place = folder.path().to_str().unwrap();
-    let spoiled = Spoiled { inner: &chamber, spoil: |chunk| Ok(Chunk { material: webp(chunk.material), ..chunk }) };
-    let scene = Scene { chunks: &spoiled, ..chamber.scene() };
+    let chamber = sample::Chamber::in_webp(folder.path()).unwrap();
+    let (scene, place) = (chamber.scene(), folder.path().to_str().unwrap());
     let written = |row: &'static TargetRow| {
         let mut package = Memory::default();
         let exported = row.build(json!({}), ledger().as_ref()).unwrap().export(&scene, &mut package);
@@ -359,26 +335,19 @@ fn webp_images_are_written_or_refused_in_words() {
         })
         .collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
-    usage: target `gazebo` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `isaac` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `mujoco` takes PNG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `usd` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `usdz` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `gazebo` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `isaac` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `mujoco` takes PNG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `unreal` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `urdf` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `usd` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `usdz` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
     glb: written
     gltf: written
-    usage: target `fbx` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `urdf` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `obj` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `ply` takes PNG and JPEG images only: DIR/1_base_color.png (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `fbx` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `obj` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `ply` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
     ");
-}
-
-/// The same images, said to be WebP.
-fn webp(material: Material) -> Material {
-    let said = |image: Image| Image { format: ImageFormat::WebP, ..image };
-    let Material { base_color, normal, orm, roughness, height } = material;
-    let [base_color, normal, orm, roughness] = [base_color, normal, orm, roughness].map(said);
-    Material { base_color, normal, orm, roughness, height }
 }
 
 fn holds(bytes: &[u8], word: &[u8]) -> bool {
@@ -440,7 +409,7 @@ fn output_folders_are_refused_in_words() {
     usage: output was not written by an export and is left alone: DIR/home/ (hint: name a new place, or empty this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, usd, usdz, glb, gltf, fbx, urdf, obj, ply, stl, assimp:<id>
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unreal, urdf, usd, usdz, glb, gltf, fbx, obj, ply, stl, assimp:<id>
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }
@@ -449,13 +418,17 @@ fn output_folders_are_refused_in_words() {
 fn only_a_package_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("cave");
-    for text in ["old", "new"] {
+    let of_first_format = "{\"old.txt\": {\"bytes\": 3, \"sha256\": \"0\"}}";
+    let of_tomorrow = "{\"format\": 9, \"generator\": \"plume 9\", \"target\": \"gltf\", \"files\": {}, \"more\": 1}";
+    for (text, manifest) in [("old", of_first_format), ("new", of_tomorrow), ("newest", of_tomorrow)] {
         let mut package = Folder::create(&out, Existing::Replace).unwrap();
         let sink: &mut dyn Package = &mut package;
         sink.text(&format!("{text}.txt"), text).unwrap();
+        sink.text(MANIFEST, manifest).unwrap();
         package.finish().unwrap();
     }
-    assert!(out.join("new.txt").exists() && !out.join("old.txt").exists());
+    assert!(out.join("newest.txt").exists());
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 

@@ -253,7 +253,15 @@ class Cave:
         >>> cave.distance([above, below]) < 0
         array([ True, False])
         """
-    def export(self, target: str, path: str | PathLike[str], *, force: bool = False, **options: Any) -> Package:
+    def export(
+        self,
+        target: str,
+        path: str | PathLike[str],
+        *,
+        bundle: str | None = None,
+        force: bool = False,
+        **options: Any,
+    ) -> Package:
         """Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
 
         Ctrl-C raises KeyboardInterrupt when the chunk in work is done, if this is the main thread. The package appears
@@ -261,12 +269,14 @@ class Cave:
 
         Args:
             target: Its name; `plume.targets()` lists them.
-            path: The folder to make.
+            path: The folder or file to make.
+            bundle: Make one file of the package: "zip", "tar.zst", or what else the target has, such as "mjz". The name of the
+                file ends with it, which is added where it does not.
             force: Replace a package that is there.
             options: Options of the target, such as `lights=False`.
 
         Raises:
-            InputError: There is no such target.
+            InputError: There is no such target or bundle.
             RecipeError: An option has a fault.
             MissingPartError: A library that the target needs is not there.
             StorageError: Something else is at `path`, or the disk refuses.
@@ -274,6 +284,8 @@ class Cave:
         >>> package = cave.export("gltf", folder / "package")
         >>> package.target, package.visual_triangles > 0
         ('gltf', True)
+        >>> cave.export("gazebo", folder / "packed", bundle="zip").path.name
+        'packed.zip'
         """
 
     def close(self) -> None:
@@ -418,7 +430,7 @@ class ChunkIterator:
 
 @final
 class Textures:
-    """The images of a chunk, each (height, width, channels) uint8 with the top row first.
+    """The images of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
 
     Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
 
@@ -442,6 +454,12 @@ class Textures:
     @property
     def roughness(self) -> NDArray[np.uint8]:
         """Roughness alone, one channel; linear."""
+
+    @property
+    def height_m(self) -> NDArray[np.float32] | None:
+        """How far the rock lies before the mesh, metres along its normal, (height, width) float32; None unless the recipe asks
+        for it (`texture.height`).
+        """
 
 @final
 class Light:
@@ -477,7 +495,7 @@ class Package:
 
     @property
     def path(self) -> Path:
-        """Its folder."""
+        """Its folder or file."""
 
     @property
     def files(self) -> int:
@@ -485,7 +503,7 @@ class Package:
 
     @property
     def bytes(self) -> int:
-        """Size of its files together."""
+        """Size of its files together, before they are packed."""
 
     @property
     def visual_triangles(self) -> int:

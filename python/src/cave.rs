@@ -9,6 +9,7 @@ use numpy::{AllowTypeChange, PyArray1, PyArray3, PyArrayLikeDyn};
 use plume::cave;
 use plume::pipeline::Observer;
 use plume_exporters::package::Existing;
+use plume_exporters::place::Place;
 use plume_exporters::scene;
 use plume_exporters::stage::Library;
 use pyo3::prelude::*;
@@ -163,12 +164,14 @@ impl Cave {
     ///
     /// Args:
     ///     target: Its name; `plume.targets()` lists them.
-    ///     path: The folder to make.
+    ///     path: The folder or file to make.
+    ///     bundle: Make one file of the package: "zip", "tar.zst", or what else the target has, such as "mjz". The name of the
+    ///         file ends with it, which is added where it does not.
     ///     force: Replace a package that is there.
     ///     options: Options of the target, such as `lights=False`.
     ///
     /// Raises:
-    ///     InputError: There is no such target.
+    ///     InputError: There is no such target or bundle.
     ///     RecipeError: An option has a fault.
     ///     MissingPartError: A library that the target needs is not there.
     ///     StorageError: Something else is at `path`, or the disk refuses.
@@ -176,12 +179,15 @@ impl Cave {
     /// >>> package = cave.export("gltf", folder / "package")
     /// >>> package.target, package.visual_triangles > 0
     /// ('gltf', True)
-    #[pyo3(signature = (target, path, *, force=false, **options))]
+    /// >>> cave.export("gazebo", folder / "packed", bundle="zip").path.name
+    /// 'packed.zip'
+    #[pyo3(signature = (target, path, *, bundle=None, force=false, **options))]
     fn export(
         &self,
         py: Python<'_>,
         target: &str,
         path: PathBuf,
+        bundle: Option<&str>,
         force: bool,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Package> {
@@ -195,12 +201,15 @@ impl Cave {
         let library: Arc<dyn Library> = Arc::new(UsdCore::default());
         work::run(py, None, |watch| {
             let choice = cave::target(target)?;
+            let bundle = bundle.map(|name| cave::bundle(name, std::slice::from_ref(&choice))).transpose()?;
+            let path = bundle.map_or(path.clone(), |bundle| bundle.file(&path));
             let target = cave::build(std::slice::from_ref(&choice), &options, Some(&library))?.remove(0);
             if target.wants_pieces() {
                 cave.make_pieces(watch, &mut |_, _| ())?;
             }
             let chunks = cave.chunks(watch.stop());
-            let (summary, files) = cave::export(&cave.scene(&chunks), &*target, &path, existing)?;
+            let place = Place { path: path.clone(), bundle, existing };
+            let (summary, files) = place.write(&choice.name(), &*target, &cave.scene(&chunks))?;
             Ok(Package::new(&choice.name(), path, &summary, &files))
         })
     }

@@ -11,11 +11,11 @@ use pyo3::prelude::*;
 pub struct Package {
     /// The target it is for.
     target: String,
-    /// Its folder.
+    /// Its folder or file.
     path: PathBuf,
     /// Number of its files, the manifest among them.
     files: usize,
-    /// Size of its files together.
+    /// Size of its files together, before they are packed.
     bytes: u64,
     /// Triangles that cameras see, in full detail.
     visual_triangles: u64,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::{DynamicImage, ImageReader};
-use numpy::PyArray3;
+use numpy::{PyArray2, PyArray3};
 use plume::cave::CaveError;
 use plume_exporters::scene::{Image, Material};
 use pyo3::prelude::*;
@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::cave::Cave;
 use crate::{array, work};
 
-/// The images of a chunk, each (height, width, channels) uint8 with the top row first.
+/// The images of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
 ///
 /// Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
 ///
@@ -63,6 +63,18 @@ impl Textures {
     #[getter]
     fn roughness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.array(py, &self.material.roughness)
+    }
+
+    /// How far the rock lies before the mesh, metres along its normal, (height, width) float32; None unless the recipe asks
+    /// for it (`texture.height`).
+    #[getter]
+    fn height_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        let Some(height) = &self.material.height else { return Ok(None) };
+        self.cave.get().open(py)?;
+        let decoded = work::briefly(py, || decoded(&height.image.path))?.into_luma16();
+        let columns = decoded.width() as usize;
+        let metres = |grey: u16| (f32::from(grey) / 32_767.5 - 1.0) * height.amplitude_m;
+        array::table(py, decoded.into_raw().into_iter().map(metres).collect(), columns).map(Some)
     }
 }
 

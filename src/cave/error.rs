@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 
 use plume_exporters::ExportError;
+use plume_exporters::check::CheckError;
 
 use crate::pipeline::PipelineError;
 use crate::recipe::{Faults, did_you_mean};
@@ -22,6 +23,9 @@ pub enum CaveError {
     /// The package.
     #[error(transparent)]
     Export(ExportError),
+    /// What was to be checked is no package.
+    #[error(transparent)]
+    Check(#[from] CheckError),
     /// An input file.
     #[error("{}: {source}", path.display())]
     Input {
@@ -74,6 +78,7 @@ impl CaveError {
             Self::Usage { hint, .. } => hint.clone(),
             Self::Pipeline(error) => pipeline_hint(error),
             Self::Export(error) => error.hint().unwrap_or_default().to_owned(),
+            Self::Check(error) => error.hint().to_owned(),
             _ => String::new(),
         }
     }

@@ -14,7 +14,7 @@ use plume_exporters::scene::Scene;
 
 pub use self::error::CaveError;
 pub use self::input::{Input, preset, read};
-pub use self::target::{build, bundle, export, export_bundle, target};
+pub use self::target::{Exported, Order, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;
 use crate::pipeline::{self, Observer, Pipeline, PipelineError};
@@ -100,7 +100,7 @@ impl Cave {
 
     /// Its chunks, loaded one at a time until `stop` is set.
     pub fn chunks<'a>(&'a self, stop: &'a AtomicBool) -> FolderChunks<'a> {
-        FolderChunks::new(&self.folder, &self.walls, self.recipe.texture.format, stop)
+        FolderChunks::new(&self.folder, &self.walls, &self.recipe.texture, stop)
     }
 
     /// The names of its chunks, in their order.

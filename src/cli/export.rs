@@ -4,15 +4,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use plume_exporters::Choice;
-use plume_exporters::bundle::{Archive, Bundle};
-use plume_exporters::package::{Existing, Folder};
+use plume_exporters::bundle::Bundle;
+use plume_exporters::package::Existing;
+use plume_exporters::place::Place;
+use plume_exporters::{Choice, Target};
 
 use super::fault::CliError;
 use super::progress::Console;
 use super::summary::Summary;
 use super::{Host, Source};
-use crate::cave::{self, Cave, Input};
+use crate::cave::{self, Cave, Input, Order};
 use crate::pipeline::{Observer, PipelineError};
 use crate::store::CaveFolder;
 
@@ -30,7 +31,7 @@ pub struct Export {
     /// Set an option of a target, for example --option gazebo.lights=false
     #[arg(long, value_name = "TARGET.KEY=VALUE")]
     option: Vec<String>,
-    /// Make one file of the package; mjz is MuJoCo's archive
+    /// Make one file of each package: zip, tar.zst, tgz for npm and Unity, mjz for MuJoCo
     #[arg(long, value_name = "KIND")]
     bundle: Option<String>,
     /// Keep the cave folder here, to export from it again
@@ -50,13 +51,8 @@ impl Export {
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
         let outputs = self.outputs(&input.recipe.name, &choices, bundle);
         self.refuse_same_place(&outputs)?;
-        let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
-        for output in &outputs {
-            match bundle {
-                Some(_) => Archive::check(output, existing)?,
-                None => Folder::check(output, existing)?,
-            }
-        }
+        let orders = self.orders(choices, targets, &outputs, bundle);
+        orders.iter().try_for_each(|order| order.place.check())?;
         let work = self.work_folder(&input, &outputs[0]);
         let folder = CaveFolder::open_or_new(&work.path)?;
         let mut summary = Summary::start();
@@ -64,17 +60,13 @@ impl Export {
         let made =
             Cave::make(input, folder, force, console, &mut |stage, pipeline| summary.stage_done(stage, pipeline));
         let cave = made.inspect_err(|error| work.clear_if_hopeless(error))?;
-        if targets.iter().any(|target| target.wants_pieces()) {
+        if orders.iter().any(|order| order.target.wants_pieces()) {
             cave.make_pieces(console, &mut |stage, pipeline| summary.stage_done(stage, pipeline))?;
         }
         let chunks = cave.chunks(console.stop());
         let scene = cave.scene(&chunks);
-        for ((choice, target), output) in choices.iter().zip(&targets).zip(&outputs) {
-            let (exported, files) = match bundle {
-                Some(bundle) => cave::export_bundle(&scene, &**target, bundle, output, existing)?,
-                None => cave::export(&scene, &**target, output, existing)?,
-            };
-            summary.package(&choice.name(), output, &exported.open, &files);
+        for (order, exported) in orders.iter().zip(cave::export(&scene, &orders)?) {
+            summary.package(order, &exported);
         }
         work.clear();
         summary.print(console)
@@ -108,6 +100,19 @@ impl Export {
             Some(bundle) => folders.iter().map(|folder: &PathBuf| bundle.file(folder)).collect(),
             None => folders,
         }
+    }
+
+    fn orders(
+        &self,
+        choices: Vec<Choice>,
+        targets: Vec<Box<dyn Target>>,
+        outputs: &[PathBuf],
+        bundle: Option<Bundle>,
+    ) -> Vec<Order> {
+        let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
+        let places = outputs.iter().map(|path| Place { path: path.clone(), bundle, existing });
+        let whole = choices.into_iter().zip(targets).zip(places);
+        whole.map(|((choice, target), place)| Order { choice, target, place }).collect()
     }
 
     /// A named cave folder serves as it is; else the cave is made in a hidden folder beside the package, which goes when

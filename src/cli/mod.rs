@@ -2,6 +2,7 @@
 //!
 //! The only code that prints. What was asked for goes to stdout; progress, notes and faults go to stderr.
 
+mod check;
 mod export;
 mod fault;
 mod generate;
@@ -98,6 +99,8 @@ enum Command {
     Schema,
     /// List targets, generators, materials and presets
     List(list::List),
+    /// Check that a package is whole and names nothing outside itself
+    Check(check::Check),
     /// Check the mesh of a cave folder: closed, manifold, consistent
     Measure(measure::Measure),
 }
@@ -169,6 +172,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", crate::recipe::editor_schema())),
         Command::List(list) => list.run(console),
+        Command::Check(check) => check.run(console),
         Command::Measure(measure) => measure.run(console),
     }
 }

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use plume_exporters::package::Files;
 use serde_json::{Map, Value, json};
 
 use super::fault::CliError;
 use super::progress::Console;
+use crate::cave::{Exported, Order};
 use crate::graph::Graph;
 use crate::pipeline::Pipeline;
 use crate::store::{CaveFolder, Stage, Unit};
@@ -68,12 +68,16 @@ impl Summary {
         self.stage("pieces", &format!("{pieces} convex pieces"), json!({"pieces": pieces}));
     }
 
-    /// A package was written; `open` says how to open it.
-    pub fn package(&mut self, target: &str, path: &Path, open: &str, files: &Files) {
-        let (count, bytes) = (files.0.len(), files.bytes());
-        let numbers = json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open});
+    /// A package was written.
+    pub fn package(&mut self, order: &Order, exported: &Exported) {
+        let (path, open) = (&order.place.path, &exported.summary.open);
+        let (count, bytes) = (exported.files.0.len(), exported.files.bytes());
+        // Packages are written side by side, so that each brings its own time along.
+        let cpu_s = exported.cpu.as_secs_f64();
+        let numbers =
+            json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
-        self.stage(target, &text, numbers);
+        self.row(&order.choice.name(), &text, cpu_s, numbers);
         self.lines.push(format!("  {:9} {open}", "open with"));
     }
 
@@ -110,6 +114,10 @@ impl Summary {
         let cpu_s = self.cpu.elapsed().as_secs_f64();
         self.cpu = ProcessTime::now();
         numbers["cpu_s"] = json!(cpu_s);
+        self.row(name, text, cpu_s, numbers);
+    }
+
+    fn row(&mut self, name: &str, text: &str, cpu_s: f64, numbers: Value) {
         self.json.insert(name.to_owned(), numbers);
         self.lines.push(format!("  {name:9} {text}  {cpu_s:.1} CPU s"));
     }

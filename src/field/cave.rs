@@ -135,10 +135,17 @@ fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     (length > 1e-6).then(|| v.map(|c| c / length))
 }
 
+/// How fast the field grows. Where it is nearly level its distance says nothing.
+fn steepness(gradient: [f32; 3]) -> f32 {
+    const LEAST: f32 = 0.25;
+    gradient.iter().map(|c| c * c).sum::<f32>().sqrt().max(LEAST)
+}
+
 /// The texel of one lane, its normal held within reach of the mesh's.
 fn texel_of(skins: &Skins, lane: usize, mesh_normal: [f32; 3]) -> Texel {
     let of = |channels: &[[f32; BLOCK]; 3]| channels.each_ref().map(|channel| channel[lane]);
-    let normal = unit(of(&skins.gradient).map(|c| -c)).unwrap_or(mesh_normal);
+    let gradient = of(&skins.gradient);
+    let normal = unit(gradient.map(|c| -c)).unwrap_or(mesh_normal);
     let cosine: f32 = (0..3).map(|i| normal[i] * mesh_normal[i]).sum();
     let lacking = (LEAST_COSINE - cosine).max(0.0);
     let leaning = std::array::from_fn(|i| normal[i] + lacking * mesh_normal[i]);
@@ -147,6 +154,7 @@ fn texel_of(skins: &Skins, lane: usize, mesh_normal: [f32; 3]) -> Texel {
         normal: unit(leaning).unwrap_or(mesh_normal),
         roughness: skins.roughness[lane],
         occlusion: skins.occlusion[lane],
+        height_m: skins.value[lane] / steepness(gradient),
     }
 }
 

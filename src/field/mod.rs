@@ -81,6 +81,9 @@ pub struct Texel {
     pub roughness: f32,
     /// Ambient occlusion, 0 (buried) to 1 (open).
     pub occlusion: f32,
+    /// How far from the point the wall lies with all detail but without water, metres; positive towards the air. To first
+    /// order: the field over its steepness.
+    pub height_m: f32,
 }
 
 /// A wall that can be looked at.

@@ -287,6 +287,7 @@ fn skins<S: Simd, R: Rock>(
         let upward = inlined!(|lane: usize| normals[(at + lane).min(sites.count - 1)][2]);
         form.upward = Value(Lanes::<S>::from_fn(simd, upward));
         let paint = rock.paint(&form, &sites.site(simd, at), look, band);
+        Skins::put::<S>(&mut out.value, at, field.value);
         let gradient = drowned(field.gradient, shape.gradient, &paint);
         for (lanes, to) in gradient.into_iter().zip(&mut out.gradient) {
             Skins::put::<S>(to, at, lanes);

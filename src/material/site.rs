@@ -198,7 +198,9 @@ impl<S: Simd> Stored<S> for Jet<S> {
 /// What the wall looks like at every site of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skins {
-    /// Gradient of the field with all detail.
+    /// The field with all detail, metres.
+    pub value: [f32; BLOCK],
+    /// Its gradient.
     pub gradient: [[f32; BLOCK]; 3],
     /// Base colour, linear RGB.
     pub color: [[f32; BLOCK]; 3],
@@ -210,7 +212,13 @@ pub struct Skins {
 
 impl Default for Skins {
     fn default() -> Self {
-        Self { gradient: [[0.0; BLOCK]; 3], color: [[0.0; BLOCK]; 3], roughness: [0.0; BLOCK], occlusion: [0.0; BLOCK] }
+        Self {
+            value: [0.0; BLOCK],
+            gradient: [[0.0; BLOCK]; 3],
+            color: [[0.0; BLOCK]; 3],
+            roughness: [0.0; BLOCK],
+            occlusion: [0.0; BLOCK],
+        }
     }
 }
 

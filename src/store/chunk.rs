@@ -11,8 +11,9 @@ use crate::field::Surface;
 use crate::mesh::{Mesh, QUANTA_PER_M};
 use crate::texture::{self, ImageFormat, Level, LodSettings, Maps, TextureError, TextureSettings, Textured};
 
-/// The images of a chunk, in the order they are written.
-pub const IMAGES: [&str; 4] = ["base_color", "normal", "orm", "roughness"];
+/// The images of a chunk.
+pub const IMAGES: Maps<&str> =
+    Maps { base_color: "base_color", normal: "normal", orm: "orm", roughness: "roughness", height: Some("height") };
 
 /// Path of the unwrapped mesh of a chunk.
 pub fn textured_path(name: &str) -> String {
@@ -30,8 +31,9 @@ pub fn adjacent(one: &str, other: &str) -> bool {
     one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
 }
 
-/// Path of an image of a chunk.
+/// Path of an image of a chunk; heights are always PNG.
 pub fn image_path(name: &str, image: &str, format: ImageFormat) -> String {
+    let format = if Some(image) == IMAGES.height { ImageFormat::Png } else { format };
     format!("textures/{name}_{image}.{}", format.extension())
 }
 
@@ -99,11 +101,9 @@ pub fn write_textured(
     settings: &TextureSettings,
     lod: &LodSettings,
 ) -> Result<Written, ChunkError> {
-    let sink = |image: &str| folder.create(&image_path(name, image, settings.format));
-    let [mut base_color, mut normal, mut orm, mut roughness] =
-        [sink(IMAGES[0])?, sink(IMAGES[1])?, sink(IMAGES[2])?, sink(IMAGES[3])?];
-    let sinks = Maps { base_color: &mut base_color, normal: &mut normal, orm: &mut orm, roughness: &mut roughness };
-    let textured = texture::texture(mesh, surface, settings, sinks).map_err(|error| match error {
+    let images = Maps { height: IMAGES.height.filter(|_| settings.height), ..IMAGES };
+    let mut sinks = images.try_map(|image| folder.create(&image_path(name, image, settings.format)))?;
+    let textured = texture::texture(mesh, surface, settings, sinks.as_mut()).map_err(|error| match error {
         TextureError::Write(source) => StoreError::io(&folder.root().join("textures").join(name), source).into(),
         source => ChunkError::Texture { chunk: name.to_owned(), source },
     })?;
@@ -112,7 +112,7 @@ pub fn write_textured(
         folder.write(&path, |out| ply.write(out))
     };
     let mut files = vec![write(textured_path(name), &textured.triangles)?];
-    for sink in [base_color, normal, orm, roughness] {
+    for sink in sinks {
         files.push(sink.finish()?);
     }
     let levels = texture::levels(mesh, &textured, lod);

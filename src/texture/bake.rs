@@ -12,7 +12,7 @@ use super::owners::{NONE, Strips};
 use super::patch::{Frame, Patch};
 use super::settings::ImageFormat;
 use super::srgb::SrgbTable;
-use super::{Maps, Textured};
+use super::{HEIGHT_AMPLITUDE_M, Maps, Textured};
 use crate::field::{Bounds, Surface, Texel};
 
 /// Side of the squares of texels that are looked at together, so that what lies near them needs finding once; also the
@@ -21,7 +21,7 @@ const TILE_PX: u32 = 32;
 /// Strips in flight. A constant, so that memory does not depend on the machine.
 const STRIPS_AT_ONCE: u32 = 16;
 
-/// Bakes `surface` over `textured` and writes the four maps to `sinks`.
+/// Bakes `surface` over `textured` and writes the maps to `sinks`.
 ///
 /// Texels within two texels of a chart show its rim, extended along the plane of the nearest triangle; the rest repeats
 /// the nearest texel of its row, so that no mip level mixes in a background.
@@ -35,7 +35,8 @@ pub fn bake<W: Write + Send>(
     sinks: Maps<W>,
 ) -> io::Result<()> {
     let strips = Strips::new(textured, TILE_PX);
-    let baker = Baker { textured, surface, strips: &strips, srgb: SrgbTable::new() };
+    let wants_height = sinks.height.is_some();
+    let baker = Baker { textured, surface, strips: &strips, srgb: SrgbTable::new(), wants_height };
     let mut writers = Writers::new(sinks, textured.size_px, format)?;
     let top_down: Vec<u32> = (0..strips.count()).rev().collect();
     for batch in top_down.chunks(STRIPS_AT_ONCE as usize) {
@@ -50,6 +51,7 @@ struct Baker<'a> {
     surface: &'a dyn Surface,
     strips: &'a Strips,
     srgb: SrgbTable,
+    wants_height: bool,
 }
 
 impl Baker<'_> {
@@ -77,7 +79,7 @@ impl Baker<'_> {
             }
         }
         pixels.fill_background(&owners);
-        pixels.into_maps()
+        pixels.into_maps(self.wants_height)
     }
 
     fn chart(&self, spot: &Spot) -> u32 {
@@ -130,6 +132,7 @@ impl Batch {
                     color: texel.color.map(|c| baker.srgb.encode(c)),
                     normal: frame.tangent_normal(texel.normal).map(|c| byte(0.5 * c + 0.5)),
                     orm: [byte(texel.occlusion), roughness, 0],
+                    height: word(0.5 * (texel.height_m / HEIGHT_AMPLITUDE_M).clamp(-1.0, 1.0) + 0.5),
                 },
             );
         }
@@ -151,15 +154,21 @@ fn byte(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 
+/// 0–1 to 0–65535, rounded.
+fn word(value: f32) -> u16 {
+    (value * 65_535.0 + 0.5) as u16
+}
+
 #[derive(Clone, Copy)]
 struct Pixel {
     color: [u8; 3],
     normal: [u8; 3],
     orm: [u8; 3],
+    height: u16,
 }
 
 /// What a strip shows where no chart is near in the row.
-const BLANK: Pixel = Pixel { color: [128; 3], normal: [128, 128, 255], orm: [255, 255, 0] };
+const BLANK: Pixel = Pixel { color: [128; 3], normal: [128, 128, 255], orm: [255, 255, 0], height: 1 << 15 };
 
 /// A strip of pixels, lowest row first.
 struct Pixels {
@@ -189,12 +198,13 @@ impl Pixels {
         }
     }
 
-    fn into_maps(self) -> Maps<Vec<u8>> {
+    fn into_maps(self, wants_height: bool) -> Maps<Vec<u8>> {
         Maps {
             base_color: self.channels(|pixel| pixel.color),
             normal: self.channels(|pixel| pixel.normal),
             orm: self.channels(|pixel| pixel.orm),
             roughness: self.channels(|pixel| [pixel.orm[1]]),
+            height: wants_height.then(|| self.channels(|pixel| pixel.height.to_be_bytes())),
         }
     }
 
@@ -227,35 +237,33 @@ fn fill_gap(row: &mut [Pixel], left: Option<usize>, right: Option<usize>) {
     }
 }
 
-/// The four encoders.
+/// The encoders.
 struct Writers<W: Write>(Maps<MapWriter<W>>);
 
 impl<W: Write + Send> Writers<W> {
     fn new(sinks: Maps<W>, size_px: u32, format: ImageFormat) -> io::Result<Self> {
         let start = |sink, channels| MapWriter::new(sink, channels, size_px, format);
+        let start_height = |sink| MapWriter::new(sink, Channels::Grey16, size_px, ImageFormat::Png);
         Ok(Self(Maps {
             base_color: start(sinks.base_color, Channels::Srgb)?,
             normal: start(sinks.normal, Channels::LinearRgb)?,
             orm: start(sinks.orm, Channels::LinearRgb)?,
             roughness: start(sinks.roughness, Channels::Grey)?,
+            height: sinks.height.map(start_height).transpose()?,
         }))
     }
 
     /// Appends strips, each map on a thread of its own.
     fn write(&mut self, strips: &[Maps<Vec<u8>>]) -> io::Result<()> {
-        type Channel = fn(&Maps<Vec<u8>>) -> &Vec<u8>;
-        let maps: [(&mut MapWriter<W>, Channel); 4] = [
-            (&mut self.0.base_color, |maps| &maps.base_color),
-            (&mut self.0.normal, |maps| &maps.normal),
-            (&mut self.0.orm, |maps| &maps.orm),
-            (&mut self.0.roughness, |maps| &maps.roughness),
-        ];
-        maps.into_par_iter()
-            .try_for_each(|(writer, channel)| strips.iter().try_for_each(|strip| writer.write(channel(strip))))
+        let pixels: Vec<Vec<&Vec<u8>>> = strips.iter().map(|strip| strip.as_ref().into_iter().collect()).collect();
+        let writers: Vec<&mut MapWriter<W>> = self.0.as_mut().into_iter().collect();
+        let write =
+            |(map, writer): (usize, &mut MapWriter<W>)| pixels.iter().try_for_each(|strip| writer.write(strip[map]));
+        writers.into_par_iter().enumerate().try_for_each(write)
     }
 
     fn finish(self) -> io::Result<()> {
-        let Maps { base_color, normal, orm, roughness } = self.0;
-        [base_color, normal, orm, roughness].into_par_iter().try_for_each(MapWriter::finish)
+        let writers: Vec<MapWriter<W>> = self.0.into_iter().collect();
+        writers.into_par_iter().try_for_each(MapWriter::finish)
     }
 }

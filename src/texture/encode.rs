@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-use jpeg_encoder::{ColorType, Encoder as JpgEncoder, SamplingFactor};
+use image_webp::{ColorType as WebpColor, WebPEncoder};
+use jpeg_encoder::{ColorType as JpgColor, Encoder as JpgEncoder, SamplingFactor};
 use png::{BitDepth, Compression, Encoder as PngEncoder, Filter, SrgbRenderingIntent, StreamWriter};
 
 use super::settings::ImageFormat;
@@ -22,26 +23,29 @@ pub enum Channels {
     LinearRgb,
     /// One linear quantity.
     Grey,
+    /// One linear quantity of 16 bits, the high byte first. Only PNG holds it.
+    Grey16,
 }
 
 impl Channels {
     /// Bytes per pixel.
-    pub fn count(self) -> usize {
+    pub fn bytes(self) -> usize {
         match self {
             Self::Srgb | Self::LinearRgb => 3,
             Self::Grey => 1,
+            Self::Grey16 => 2,
         }
     }
 }
 
 /// A square map being written, top row first. The bytes depend on the pixels alone, not on how they are handed over.
 ///
-/// PNG streams; JPG keeps the pixels until [`MapWriter::finish`].
+/// PNG streams; JPG and WebP keep the pixels until [`MapWriter::finish`].
 pub struct MapWriter<W: Write>(Inner<W>);
 
 enum Inner<W: Write> {
     Png { sink: W, stream: Box<StreamWriter<'static, Spill>>, spill: Spill },
-    Jpg { sink: W, pixels: Vec<u8>, channels: Channels, size_px: u16 },
+    Whole { sink: W, picture: Picture, encode: fn(W, Picture) -> io::Result<()> },
 }
 
 impl<W: Write> MapWriter<W> {
@@ -56,10 +60,8 @@ impl<W: Write> MapWriter<W> {
                 let stream = Box::new(png_stream(spill.clone(), channels, size_px)?);
                 Inner::Png { sink, stream, spill }
             }
-            ImageFormat::Jpg => {
-                let pixels = Vec::with_capacity(size_px as usize * size_px as usize * channels.count());
-                Inner::Jpg { sink, pixels, channels, size_px: size_px as u16 }
-            }
+            ImageFormat::Jpg => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_jpg },
+            ImageFormat::Webp => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_webp },
         };
         Ok(Self(inner))
     }
@@ -74,8 +76,8 @@ impl<W: Write> MapWriter<W> {
                 stream.write_all(bytes)?;
                 spill.pour(sink)
             }
-            Inner::Jpg { pixels, .. } => {
-                pixels.extend_from_slice(bytes);
+            Inner::Whole { picture, .. } => {
+                picture.pixels.extend_from_slice(bytes);
                 Ok(())
             }
         }
@@ -91,14 +93,35 @@ impl<W: Write> MapWriter<W> {
                 stream.finish()?;
                 spill.pour(&mut sink)
             }
-            Inner::Jpg { sink, pixels, channels, size_px } => {
-                let mut encoder = JpgEncoder::new(sink, JPG_QUALITY);
-                encoder.set_sampling_factor(SamplingFactor::F_1_1);
-                let color = if channels.count() == 1 { ColorType::Luma } else { ColorType::Rgb };
-                encoder.encode(&pixels, size_px, size_px, color).map_err(io::Error::other)
-            }
+            Inner::Whole { sink, picture, encode } => encode(sink, picture),
         }
     }
+}
+
+/// The pixels of a map of 8 bits a channel.
+struct Picture {
+    pixels: Vec<u8>,
+    channels: Channels,
+    size_px: u32,
+}
+
+impl Picture {
+    fn new(channels: Channels, size_px: u32) -> Self {
+        let pixels = Vec::with_capacity(size_px as usize * size_px as usize * channels.bytes());
+        Self { pixels, channels, size_px }
+    }
+}
+
+fn encode_jpg<W: Write>(sink: W, Picture { pixels, channels, size_px }: Picture) -> io::Result<()> {
+    let mut encoder = JpgEncoder::new(sink, JPG_QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
+    let color = if channels == Channels::Grey { JpgColor::Luma } else { JpgColor::Rgb };
+    encoder.encode(&pixels, size_px as u16, size_px as u16, color).map_err(io::Error::other)
+}
+
+fn encode_webp<W: Write>(sink: W, Picture { pixels, channels, size_px }: Picture) -> io::Result<()> {
+    let color = if channels == Channels::Grey { WebpColor::L8 } else { WebpColor::Rgb8 };
+    WebPEncoder::new(sink).encode(&pixels, size_px, size_px, color).map_err(io::Error::other)
 }
 
 /// Compressed bytes on their way to a sink: the stream of `png` can only own what lives forever.
@@ -127,9 +150,13 @@ impl Write for Spill {
 
 fn png_stream(spill: Spill, channels: Channels, size_px: u32) -> io::Result<StreamWriter<'static, Spill>> {
     let mut encoder = PngEncoder::new(spill, size_px, size_px);
-    let color = if channels.count() == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
+    let (color, depth) = match channels {
+        Channels::Srgb | Channels::LinearRgb => (png::ColorType::Rgb, BitDepth::Eight),
+        Channels::Grey => (png::ColorType::Grayscale, BitDepth::Eight),
+        Channels::Grey16 => (png::ColorType::Grayscale, BitDepth::Sixteen),
+    };
     encoder.set_color(color);
-    encoder.set_depth(BitDepth::Eight);
+    encoder.set_depth(depth);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Paeth);
     if channels == Channels::Srgb {

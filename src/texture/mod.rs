@@ -1,7 +1,7 @@
 //! Bakes any [`crate::field::Surface`] over any chunk.
 //!
 //! [`texture`] cuts and flattens the chunk ([`unwrap`]), gives it tangents ([`tangent`]), looks at the surface once per
-//! texel ([`bake`]) and writes four maps as it goes. Everything that is baked comes from the position in the cave, so
+//! texel ([`bake`]) and writes the maps as it goes. Everything that is baked comes from the position in the cave, so
 //! neighbouring chunks agree in colour at their border whatever their atlases look like.
 
 mod adjacency;
@@ -10,6 +10,7 @@ mod chart;
 mod charts;
 pub mod encode;
 mod lod;
+mod maps;
 mod owners;
 mod pack;
 mod patch;
@@ -26,6 +27,7 @@ use std::io::{self, Write};
 use crate::field::Surface;
 use crate::mesh::Mesh;
 pub use lod::{Level, LodSettings, levels};
+pub use maps::{HEIGHT_AMPLITUDE_M, Maps};
 pub use settings::{ImageFormat, TextureSettings};
 
 /// A chunk ready for a renderer. Its vertices are those of the mesh, copied along seams.
@@ -51,19 +53,6 @@ pub struct Textured {
     pub size_px: u32,
     /// Share of the maps that charts cover, 0–1.
     pub utilisation: f32,
-}
-
-/// One thing per map of a chunk: sinks, bytes, file names.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Maps<T> {
-    /// Base colour, sRGB.
-    pub base_color: T,
-    /// Tangent-space normal, +Y up (OpenGL, glTF).
-    pub normal: T,
-    /// Occlusion, roughness and metalness (none) in red, green and blue.
-    pub orm: T,
-    /// Roughness alone, grey: the green of `orm`.
-    pub roughness: T,
 }
 
 /// Why a chunk could not be textured.

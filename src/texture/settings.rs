@@ -18,13 +18,16 @@ pub struct TextureSettings {
     /// Overrides `density_px_per_m`.
     #[schemars(range(min = 256, max = 16384))]
     pub size_px: Option<u32>,
-    /// File format of the maps. JPG is smaller and lossy, and needs each whole map in memory; MuJoCo reads PNG only.
+    /// File format of the maps. Every target reads PNG. JPG is smaller and lossy. WebP is lossless, as large as PNG on the
+    /// whole (colours a third smaller, normals larger), and read by glTF only. JPG and WebP need each whole map in memory.
     pub format: ImageFormat,
+    /// Whether to bake a height map as well, for renderers that displace: a PNG of 16 bits.
+    pub height: bool,
 }
 
 impl Default for TextureSettings {
     fn default() -> Self {
-        Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png }
+        Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png, height: false }
     }
 }
 
@@ -37,6 +40,8 @@ pub enum ImageFormat {
     Png,
     /// Quality 90, no chroma subsampling.
     Jpg,
+    /// Lossless.
+    Webp,
 }
 
 impl ImageFormat {
@@ -45,6 +50,7 @@ impl ImageFormat {
         match self {
             Self::Png => "png",
             Self::Jpg => "jpg",
+            Self::Webp => "webp",
         }
     }
 }

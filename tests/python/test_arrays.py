@@ -74,7 +74,7 @@ def test_arrays_are_handed_over_without_a_copy(cave: plume.Cave) -> None:
     assert chunk.positions.base is not None and chunk.positions.flags.c_contiguous and chunk.positions.flags.writeable
 
 
-@pytest.mark.parametrize("form", ["png", "jpg"])
+@pytest.mark.parametrize("form", ["png", "jpg", "webp"])
 def test_textures_are_what_another_reader_sees(form: str, cave: plume.Cave) -> None:
     with plume.generate(cave.recipe.replace({"texture.format": form})) as cave:
         chunk = cave.chunks[0]
@@ -86,9 +86,21 @@ def test_textures_are_what_another_reader_sees(form: str, cave: plume.Cave) -> N
         ]:
             ours = getattr(chunk.textures, name)
             theirs = np.asarray(Image.open(cave.folder / "textures" / f"{chunk.name}_{name}.{form}")).reshape(shape)
-            # Decoders of JPEG may round differently by a few levels; PNG leaves no choice.
+            # Decoders of JPEG may round differently by a few levels; PNG and WebP leave no choice.
             difference = np.abs(ours.astype(int) - theirs.astype(int)).max()
-            assert ours.shape == shape and ours.dtype == np.uint8 and difference <= (0 if form == "png" else 8)
+            assert ours.shape == shape and ours.dtype == np.uint8 and difference <= (8 if form == "jpg" else 0)
+
+
+def test_heights_are_what_another_reader_sees(cave: plume.Cave) -> None:
+    assert cave.chunks[0].textures.height_m is None
+    with plume.generate(cave.recipe.replace({"texture.height": True})) as cave:
+        chunk = cave.chunks[0]
+        with Image.open(cave.folder / "textures" / f"{chunk.name}_height.png") as image:
+            assert image.mode == "I;16"
+            theirs = np.asarray(image) / 65535 * 0.5 - 0.25
+        ours = chunk.textures.height_m
+        assert ours is not None and ours.shape == (256, 256) and ours.dtype == np.float32
+        assert np.abs(ours - theirs).max() < 1e-6 and 0.005 < ours.std() < 0.2
 
 
 def test_the_graph_is_that_of_the_folder(cave: plume.Cave) -> None:

@@ -125,7 +125,7 @@ def test_ctrl_c_leaves_a_whole_package_or_none(target: str, whole: plume.Cave, t
     assert said.split() == ["interrupted", "True"], faults
     assert [path.name for path in tmp_path.iterdir() if path.name != "package"] == []
     if (tmp_path / "package").exists():
-        listed = json.loads((tmp_path / "package" / "manifest.json").read_text())
+        listed = json.loads((tmp_path / "package" / "manifest.json").read_text())["files"]
         found = hashes(tmp_path / "package")
         del found["manifest.json"]
         assert {path: entry["sha256"] for path, entry in listed.items()} == found

@@ -99,6 +99,10 @@ impl Gradient {
         p.map(|c| 0.5 + 0.4 * libm::sinf(0.8 * c))
     }
 
+    pub fn height_at(p: [f32; 3]) -> f32 {
+        0.2 * libm::sinf(0.8 * p[0])
+    }
+
     pub fn leaning(&self, normal: [f32; 3]) -> [f32; 3] {
         unit([0, 1, 2].map(|k| f64::from(normal[k] + self.tilt[k]))).map(|c| c as f32)
     }
@@ -112,7 +116,8 @@ impl Surface for Gradient {
             assert!((0..3).all(inside));
             let color = Self::color_at(*point);
             let normal = self.leaning(normal);
-            *texel = Texel { color, normal, roughness: color[0], occlusion: color[1] };
+            *texel =
+                Texel { color, normal, roughness: color[0], occlusion: color[1], height_m: Self::height_at(*point) };
         }
     }
 }

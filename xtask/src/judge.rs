@@ -26,7 +26,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
     if arguments.is_empty() {
         let sample = export_sample()?;
         let judges = ready(&JUDGES.iter().collect::<Vec<_>>(), &mut tally);
-        SAMPLE_PACKAGES.iter().for_each(|package| judge(&judges, &sample.join(package), &mut tally));
+        for package in SAMPLE_PACKAGES {
+            judge(&judges, &sample.join(package), &mut tally);
+        }
         judge(&judges, &sample, &mut tally);
         judge(&judges, &formats::shelve(&sample)?, &mut tally);
         spoil::run(&judges, &sample, &mut tally)?;
@@ -211,7 +213,11 @@ fn export_sample() -> Result<PathBuf> {
 }
 
 /// Packages of the sample that are judged as they are.
-const SAMPLE_PACKAGES: [&str; 16] = [
+const SAMPLE_PACKAGES: [&str; 18] = [
+    "fbx",
+    "fbx_chunks",
+    "fbx_pieces",
+    "fbx_y",
     "gazebo",
     "gazebo_pieces",
     "glb",
@@ -219,13 +225,11 @@ const SAMPLE_PACKAGES: [&str; 16] = [
     "glb_lods",
     "glb_meshopt",
     "glb_pieces",
+    "glb_webp",
     "gltf",
     "gltf_meshopt",
     "gltf_pieces",
-    "fbx",
-    "fbx_chunks",
-    "fbx_pieces",
-    "fbx_y",
+    "gltf_webp",
     "urdf",
     "urdf_pieces",
 ];
@@ -239,10 +243,10 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     let mut packages = Vec::new();
     for name in SAMPLES {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (simulators, cave) = ("gazebo,glb,gltf,fbx,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
-        let targets = format!("{simulators},{}", formats::TARGETS.join(","));
+        let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+        let targets = format!("{opened},obj,ply,stl");
         plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
-        packages.extend(simulators.split(',').map(|target| root().join(&output).join(target)));
+        packages.extend(opened.split(',').map(|target| root().join(&output).join(target)));
         packages.push(root().join(&output));
     }
     packages.extend(export_pieces(&plume)?);

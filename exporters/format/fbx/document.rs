@@ -10,9 +10,9 @@ use nalgebra::Isometry3;
 use super::head::{self, Counts, Kind};
 use super::node::{Nodes, Property, Value, Written, full_name};
 use super::window::Window;
-use super::{Head, Maps, Part, Up, geometry, material};
+use super::{Head, Maps, Part, geometry, material};
 use crate::error::{ExportError, at};
-use crate::frame;
+use crate::frame::{self, Up};
 use crate::scene::{Light, Mesh};
 
 /// The node that all others hang on.

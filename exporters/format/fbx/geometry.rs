@@ -4,9 +4,8 @@ use std::io::{Seek, Write};
 
 use nalgebra::Vector3;
 
-use super::Up;
 use super::node::{Nodes, Value, Written};
-use crate::frame;
+use crate::frame::{self, Up};
 use crate::scene::Mesh;
 
 /// The name of the texture coordinates, to which textures refer.

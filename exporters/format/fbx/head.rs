@@ -2,8 +2,9 @@
 
 use std::io::{Seek, Write};
 
+use super::Head;
 use super::node::{CREATED, FILE_ID, Nodes, Property, Value, Written};
-use super::{Head, Up};
+use crate::frame::Up;
 
 /// Kinds of objects, in the order in which they are counted.
 #[derive(Clone, Copy)]

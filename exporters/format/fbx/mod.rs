@@ -7,10 +7,8 @@
 //! Memory: one part. How many objects there are stands before them, so the head is written twice, the second time when
 //! they are counted.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::error::ExportError;
+use crate::frame::Up;
 use crate::package::Package;
 use crate::scene::Mesh;
 pub use document::Document;
@@ -21,17 +19,6 @@ mod head;
 mod material;
 mod node;
 mod window;
-
-/// Which axis points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Up {
-    /// The third, as in the scene.
-    #[default]
-    Z,
-    /// The second: everything is turned as for glTF.
-    Y,
-}
 
 /// What a file says of itself.
 #[derive(Clone, Copy, Debug)]

@@ -24,6 +24,7 @@ const SIZE_PX: u32 = 64;
 /// The chunks of the chamber, one on either side of x = 0.
 pub struct Chamber {
     textures: PathBuf,
+    format: ImageFormat,
 }
 
 impl Chamber {
@@ -40,7 +41,20 @@ impl Chamber {
                 write_png(&path, [SIZE_PX; 2], |x, y| pixel(chunk, x, y))?;
             }
         }
-        Ok(Self { textures: folder.to_owned() })
+        Ok(Self { textures: folder.to_owned(), format: ImageFormat::Png })
+    }
+
+    /// The same with textures in WebP, of the same pixels.
+    #[allow(dead_code, reason = "few tests ask for it")]
+    pub fn in_webp(folder: &Path) -> io::Result<Self> {
+        let chamber = Self::new(folder)?;
+        for entry in std::fs::read_dir(folder)? {
+            let path = entry?.path();
+            if path.extension().is_some_and(|extension| extension == "png") {
+                write_webp(&path, &path.with_extension("webp"))?;
+            }
+        }
+        Ok(Self { format: ImageFormat::WebP, ..chamber })
     }
 
     /// A scene around the chunks.
@@ -65,8 +79,8 @@ impl Chamber {
     }
 
     fn image(&self, chunk: usize, role: &str) -> Image {
-        let path = self.textures.join(format!("{chunk}_{role}.png"));
-        Image { path, format: ImageFormat::Png }
+        let path = self.textures.join(format!("{chunk}_{role}.{}", self.format.extension()));
+        Image { path, format: self.format }
     }
 }
 
@@ -225,6 +239,14 @@ fn normal_map(_: usize, x: u32, y: u32) -> [u8; 3] {
     let up = (1.0 - 0.3 * (x * x + y * y)).sqrt();
     let length = (0.09 * (x * x + y * y) + up * up).sqrt();
     [0.3 * x, 0.3 * y, up].map(|part| libm::round(127.5 + 127.5 * part / length) as u8)
+}
+
+fn write_webp(png: &Path, webp: &Path) -> io::Result<()> {
+    let mut reader = png::Decoder::new(io::BufReader::new(File::open(png)?)).read_info()?;
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a tiny image fits into memory")];
+    let info = reader.next_frame(&mut pixels)?;
+    let encoder = image_webp::WebPEncoder::new(File::create(webp)?);
+    encoder.encode(&pixels, info.width, info.height, image_webp::ColorType::Rgb8).map_err(io::Error::other)
 }
 
 /// Writes an image of `size` pixels across and down, each being what `pixel` says of its place from the upper left.

@@ -99,7 +99,7 @@ fn meshes(scene: &ufbx::Scene) -> impl Iterator<Item = (String, usize)> {
 
 /// The colliders of the ledger that stands in for USD.
 fn colliders(bytes: &[u8]) -> Vec<usize> {
-    let text = std::str::from_utf8(bytes).unwrap();
+    let text = String::from_utf8_lossy(bytes);
     let sizes = text.lines().filter_map(|line| line.strip_prefix("Collision")?.split_once(".points "));
     sizes.map(|(_, size)| size.parse().unwrap()).collect()
 }

@@ -231,12 +231,12 @@ def every_file_is_used(package, root):
     layers, assets, _ = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(str(root)))
     used = {PurePosixPath(path) for path in [layer.realPath for layer in layers] + list(assets)}
     for file in sorted(package.resolve().rglob("*")):
-        if file.is_file() and file not in used and file.name not in {"README.md", "manifest.json"}:
+        if file.is_file() and file not in used and file.name not in {"README.md", "LICENSE.md", "manifest.json"}:
             yield f"{file.name} is used by nothing"
 
 
 def the_manifest_lists_the_files(package, root):
-    listed = set(json.loads((package / "manifest.json").read_text()))
+    listed = set(json.loads((package / "manifest.json").read_text())["files"])
     there = {file.relative_to(package).as_posix() for file in package.rglob("*") if file.is_file()}
     yield from sorted(listed ^ (there - {"manifest.json"}))
 

@@ -1,0 +1,226 @@
+//! Whether a package is whole: what `plume check` asks.
+//!
+//! Every file is there with the size and hash that the manifest says, and no other; every file parses as what its name says;
+//! every reference leads to a file of the package. Nothing is unpacked to the disk, and nothing is trusted ([`contents`]).
+//! Not asked: who made it (the seal is no signature), and whether a simulator likes it.
+//!
+//! [`contents`]: crate::contents
+
+use std::collections::BTreeSet;
+use std::io::{self, Read};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::contents::{Contents, Visitor, WHOLE};
+use crate::manifest::{self, FORMAT, Head, Manifest};
+use crate::package::MANIFEST;
+
+use self::content::Content;
+use self::found::Found;
+
+mod chunks;
+mod content;
+mod found;
+mod readers;
+
+/// Faults that are told; a package that has more is beyond repair.
+const MOST_FAULTS: usize = 1000;
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Report {
+    /// What the package says that it is for; empty if its manifest cannot be read.
+    pub target: String,
+    /// What the package says that made it.
+    pub generator: String,
+    /// Number of files, the manifest among them.
+    pub files: usize,
+    /// Size of its files together, as they should be.
+    pub bytes: u64,
+    /// What is wrong, by path; none if the package is whole.
+    pub faults: Vec<Fault>,
+}
+
+/// Something that is wrong with a package.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Fault {
+    /// The path in the package; `.` for the package itself.
+    pub path: String,
+    /// What is wrong, as the end of a sentence about the path.
+    pub what: String,
+}
+
+/// Why nothing was checked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// It cannot be read.
+    #[error("{}: {source}", path.display())]
+    Unreadable {
+        /// The folder or file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// It is something else.
+    #[error("{}: holds no manifest of a package", path.display())]
+    NotAPackage {
+        /// The folder or archive.
+        path: PathBuf,
+    },
+    /// A later version has made it.
+    #[error("{}: {generator} has made this package; its manifest has format {format}, this program knows {FORMAT}", path.display())]
+    Newer {
+        /// The folder or archive.
+        path: PathBuf,
+        /// What made it.
+        generator: String,
+        /// Format of its manifest.
+        format: u32,
+    },
+    /// An earlier version has made it.
+    #[error("{}: an earlier version has made this package, whose manifest says too little", path.display())]
+    Older {
+        /// The folder or archive.
+        path: PathBuf,
+    },
+}
+
+impl CheckError {
+    /// What to do about it.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::Unreadable { .. } => {
+                "name a folder that `plume export` has written, or a zip, mjz, tar.zst or tgz of one"
+            }
+            Self::NotAPackage { .. } => "name a package that `plume export` has written",
+            Self::Newer { .. } => "upgrade plume",
+            Self::Older { .. } => "export the package again",
+        }
+    }
+}
+
+/// Checks the package at `path`, a folder or an archive.
+///
+/// # Errors
+/// When it is not a package of this version; a package with faults is no error.
+pub fn check(path: &Path) -> Result<Report, CheckError> {
+    let unreadable = |source| CheckError::Unreadable { path: path.to_owned(), source };
+    let contents = Contents::open(path).map_err(unreadable)?;
+    let text = match contents.text_of(MANIFEST) {
+        Ok(text) => text.ok_or_else(|| CheckError::NotAPackage { path: path.to_owned() })?,
+        Err(error) if is_of_the_system(&error) => return Err(unreadable(error)),
+        Err(error) => return Ok(Report::broken(WHOLE, format!("cannot be read: {error}"))),
+    };
+    check_version(path, &text)?;
+    let manifest = match Manifest::from_text(&text) {
+        Ok(manifest) => manifest,
+        Err(what) => return Ok(Report::broken(MANIFEST, what)),
+    };
+    let mut inspection = Inspection::new(&manifest);
+    if let Err(error) = contents.read(&mut inspection) {
+        inspection.fault(WHOLE, &format!("cannot be read: {error}"));
+    }
+    Ok(inspection.report())
+}
+
+fn is_of_the_system(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
+}
+
+/// A manifest of another version says so; one that is damaged still looks like ours.
+fn check_version(path: &Path, text: &[u8]) -> Result<(), CheckError> {
+    let path = path.to_owned();
+    match serde_json::from_slice::<Head>(text) {
+        Ok(Head { format, generator, .. }) if format > FORMAT => Err(CheckError::Newer { path, generator, format }),
+        Ok(Head { format, .. }) if format < FORMAT => Err(CheckError::Older { path }),
+        Ok(_) => Ok(()),
+        Err(_) if manifest::is_of_first_format(text) => Err(CheckError::Older { path }),
+        Err(_) if manifest::looks_sealed(text) => Ok(()),
+        Err(_) => Err(CheckError::NotAPackage { path }),
+    }
+}
+
+impl Report {
+    /// Whether nothing is wrong.
+    pub fn is_whole(&self) -> bool {
+        self.faults.is_empty()
+    }
+
+    /// Of a package of which nothing can be said but one fault.
+    fn broken(path: &str, what: String) -> Self {
+        let faults = vec![Fault { path: path.to_owned(), what }];
+        Self { target: String::new(), generator: String::new(), files: 0, bytes: 0, faults }
+    }
+}
+
+/// A check under way.
+struct Inspection<'a> {
+    manifest: &'a Manifest,
+    seen: BTreeSet<String>,
+    found: Found,
+    faults: BTreeSet<Fault>,
+}
+
+impl<'a> Inspection<'a> {
+    fn new(manifest: &'a Manifest) -> Self {
+        Self { manifest, seen: BTreeSet::new(), found: Found::default(), faults: BTreeSet::new() }
+    }
+
+    /// Reads a file as what it is, and compares it with the manifest.
+    fn inspect(&mut self, content: &mut Content<'_>, sha256: &str) -> Result<(), String> {
+        let parsed = readers::read(content, &mut self.found);
+        let (bytes, found) = content.finish().map_err(|error| format!("cannot be read: {error}"))?;
+        if bytes > content.size() {
+            return Err(format!("has more than the {} bytes that the manifest says", content.size()));
+        }
+        if bytes < content.size() {
+            return Err(format!("has {bytes} bytes, not the {} that the manifest says", content.size()));
+        }
+        if found != sha256 {
+            self.fault(content.path(), "is not the file that the manifest tells of: its SHA-256 is another");
+        }
+        parsed.map_err(|unfit| unfit.0)
+    }
+
+    fn report(mut self) -> Report {
+        for path in self.manifest.files.0.keys().filter(|path| !self.seen.contains(*path)) {
+            self.faults.insert(Fault { path: path.clone(), what: "is missing".to_owned() });
+        }
+        self.faults.extend(chunks::faults(self.manifest));
+        self.faults.extend(self.found.faults(&self.manifest.files));
+        Report {
+            target: self.manifest.target.clone(),
+            generator: self.manifest.generator.clone(),
+            files: self.manifest.files.0.len() + 1,
+            bytes: self.manifest.files.bytes(),
+            faults: self.faults.into_iter().take(MOST_FAULTS).collect(),
+        }
+    }
+}
+
+impl Visitor for Inspection<'_> {
+    fn file(&mut self, path: &str, bytes: &mut dyn Read) -> ControlFlow<()> {
+        if path == MANIFEST {
+            return ControlFlow::Continue(());
+        }
+        let Some(entry) = self.manifest.files.0.get(path) else {
+            self.fault(path, "is not in the manifest");
+            return ControlFlow::Continue(());
+        };
+        self.seen.insert(path.to_owned());
+        let mut content = Content::new(path, entry.bytes, bytes);
+        if let Err(what) = self.inspect(&mut content, &entry.sha256) {
+            self.fault(path, &what);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn fault(&mut self, path: &str, what: &str) {
+        if self.faults.len() < MOST_FAULTS {
+            self.faults.insert(Fault { path: path.to_owned(), what: what.to_owned() });
+        }
+    }
+}

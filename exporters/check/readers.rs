@@ -1,0 +1,67 @@
+//! What files are, by their extension, and what they name.
+//!
+//! A reader parses as much as tells a whole file from a broken one, and notes every other file that is named. A new format is
+//! a row of [`READERS`]; a file with another extension is hashed only.
+
+use super::content::{Content, Unfit};
+use super::found::Found;
+
+mod fbx;
+mod gltf;
+mod image;
+mod json;
+mod msh;
+mod obj;
+mod ply;
+mod stl;
+mod unity;
+mod usd;
+mod usdz;
+mod xml;
+
+type Reader = fn(&mut Content<'_>, &mut Found) -> Result<(), Unfit>;
+
+/// Extensions, and what reads such files.
+static READERS: &[(&[&str], Reader)] = &[
+    (&["fbx"], fbx::read),
+    (&["glb"], gltf::read_binary),
+    (&["gltf"], gltf::read_text),
+    (&["jpg", "jpeg"], image::read_jpeg),
+    (&["json", "asmdef", "asmref", "uplugin"], json::read),
+    (&["ktx2"], image::read_ktx2),
+    (&["md", "txt", "py", "cs"], read_plain),
+    (&["meta", "prefab", "mat", "asset", "unity"], unity::read),
+    (&["msh"], msh::read),
+    (&["mtl"], obj::read_materials),
+    (&["obj"], obj::read),
+    (&["ply"], ply::read),
+    (&["png"], image::read_png),
+    (&["stl"], stl::read),
+    (&["usda"], usd::read_text),
+    (&["usdc"], usd::read_crate),
+    (&["usdz"], usdz::read),
+    (&["webp"], image::read_webp),
+    (&["xml", "sdf", "urdf", "xacro", "world", "config", "mjcf", "dae", "x3d"], xml::read),
+];
+
+/// Reads a file as what its name says.
+pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
+    match reader(content.path()) {
+        Some(read) => read(content, found),
+        None => Ok(()),
+    }
+}
+
+/// Whether a text ends like the name of a file that has a reader.
+pub fn is_file_name(text: &str) -> bool {
+    reader(text).is_some()
+}
+
+fn reader(path: &str) -> Option<Reader> {
+    let extension = path.rsplit('/').next()?.rsplit_once('.')?.1.to_ascii_lowercase();
+    READERS.iter().find(|(extensions, _)| extensions.contains(&&*extension)).map(|(_, read)| *read)
+}
+
+fn read_plain(content: &mut Content<'_>, _: &mut Found) -> Result<(), Unfit> {
+    content.text().map(drop)
+}

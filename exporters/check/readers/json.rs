@@ -1,0 +1,37 @@
+//! JSON. The keys `file` and `uri` name files beside it, in texts of ours as in those of others.
+
+use serde_json::Value;
+
+use super::{Content, Found, Unfit};
+
+/// The longest text that is taken apart, which takes some ten times its size.
+const MOST_BYTES: usize = 1 << 25;
+
+/// Reads any JSON.
+pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
+    let value = parse(&content.rest()?)?;
+    let mut left = vec![&value];
+    while let Some(value) = left.pop() {
+        match value {
+            Value::Array(items) => left.extend(items),
+            Value::Object(members) => {
+                for (key, value) in members {
+                    match value {
+                        Value::String(to) if key == "file" || key == "uri" => found.reference(content.path(), to),
+                        value => left.push(value),
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Any JSON in memory.
+pub fn parse(text: &[u8]) -> Result<Value, Unfit> {
+    if text.len() > MOST_BYTES {
+        return Err("is larger than what is read at once".into());
+    }
+    serde_json::from_slice(text).map_err(|error| Unfit(format!("is no JSON: {error}")))
+}

@@ -1,0 +1,76 @@
+//! XML of all kinds: SDF, URDF, MJCF, ROS and Gazebo manifests, COLLADA, X3D.
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use super::{Content, Found, Unfit};
+
+/// The longest text that is taken apart, which takes up to ten times its size. A convex piece takes about a kilobyte.
+const MOST_BYTES: u64 = 1 << 26;
+/// Elements and texts that a file may have: a cave of 100,000 convex pieces has a fifth.
+const MOST_NODES: u32 = 2_000_000;
+/// Attributes that an element may have. Their names are compared with each other.
+const MOST_ATTRIBUTES: usize = 1000;
+/// Attributes that name files, as they begin.
+const FILE_ATTRIBUTES: [&str; 1] = ["file"];
+/// Elements whose text is a file.
+const FILE_ELEMENTS: [&str; 10] = [
+    "uri",
+    "sdf",
+    "init_from",
+    "albedo_map",
+    "normal_map",
+    "roughness_map",
+    "metalness_map",
+    "emissive_map",
+    "light_map",
+    "ambient_occlusion_map",
+];
+
+/// Reads any XML.
+pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
+    let text = String::from_utf8(content.rest_up_to(MOST_BYTES)?).map_err(|_| Unfit::from("is no UTF-8"))?;
+    if text.split('<').any(|tag| tag.bytes().filter(|&byte| byte == b'=').count() > MOST_ATTRIBUTES) {
+        return Err(Unfit(format!("has an element with more than {MOST_ATTRIBUTES} attributes")));
+    }
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    let document =
+        Document::parse_with_options(&text, options).map_err(|error| Unfit(format!("is no XML: {error}")))?;
+    for node in document.descendants().filter(Node::is_element) {
+        read_element(node, &document, content.path(), found);
+    }
+    Ok(())
+}
+
+fn read_element(node: Node<'_, '_>, document: &Document<'_>, path: &str, found: &mut Found) {
+    let name = node.tag_name().name();
+    // A plugin is a library of the simulator, and the root of an SDF is no file.
+    if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) {
+        return;
+    }
+    let folder = asset_folder(name, document);
+    for attribute in node.attributes().filter(|attribute| is_file(attribute.name())) {
+        found.reference(path, format!("{folder}{}", attribute.value()));
+    }
+    if FILE_ELEMENTS.contains(&name)
+        && let Some(to) = node.text().map(str::trim).filter(|to| !to.is_empty())
+    {
+        found.reference(path, to);
+    }
+}
+
+fn is_file(attribute: &str) -> bool {
+    FILE_ATTRIBUTES.iter().any(|start| attribute.starts_with(start))
+}
+
+/// Where MJCF looks for the files of an element, with a slash at its end.
+fn asset_folder(element: &str, document: &Document<'_>) -> String {
+    let key = match element {
+        "mesh" | "hfield" | "skin" => "meshdir",
+        "texture" => "texturedir",
+        _ => return String::new(),
+    };
+    let compilers = document.root_element().children().filter(|node| node.has_tag_name("compiler"));
+    // The last one rules.
+    let folder = compilers.rev().find_map(|node| node.attribute(key).or(node.attribute("assetdir")));
+    folder.map_or_else(String::new, |folder| format!("{}/", folder.trim_end_matches('/')))
+}

@@ -1,0 +1,191 @@
+//! What a folder or an archive holds, file by file, without putting anything on the disk.
+//!
+//! Nothing that is read is trusted: names that lead out, links, devices, doubles and what unpacks to far more than it takes
+//! are told, not followed. Memory: the list of names, one file at a time as a stream, and the window of the compression.
+
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, Read};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use crate::package::path_fault;
+
+mod folder;
+mod tar;
+mod zip;
+
+/// Where everything in a `tgz` lies.
+pub const TGZ_ROOT: &str = "package/";
+
+/// The path of what holds the files, in faults.
+pub const WHOLE: &str = ".";
+
+/// Files that a package may hold.
+const MOST_FILES: usize = 200_000;
+/// An archive may unpack to this many times its size. Meshes as text take a tenth, seldom a fiftieth.
+const MOST_TIMES: u64 = 200;
+/// And to this much more, because small archives are mostly heads.
+const MOST_BYTES_MORE: u64 = 1 << 24;
+/// The longest text that is read into memory.
+const MOST_TEXT_BYTES: u64 = 1 << 26;
+
+/// A folder or an archive.
+pub struct Contents {
+    path: PathBuf,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Folder,
+    Zip,
+    Tar(tar::Compression),
+}
+
+/// Gets what is in a folder or an archive.
+pub trait Visitor {
+    /// A file. Its path is one that fits into a package, and comes once; its bytes need not be read to the end.
+    fn file(&mut self, path: &str, bytes: &mut dyn Read) -> ControlFlow<()>;
+
+    /// Something that has no place in a package: where, and what is wrong.
+    fn fault(&mut self, path: &str, what: &str);
+}
+
+impl Contents {
+    /// Looks at what is at `path`: a folder, or by its first bytes a zip, `tar.zst` or `tgz`.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::InvalidInput`] for any other file; those of the system.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let kind = if path.is_dir() { Kind::Folder } else { kind(&head(path)?)? };
+        Ok(Self { path: path.to_owned(), kind })
+    }
+
+    /// Shows `visitor` everything, in the order in which it lies there, until it breaks off.
+    ///
+    /// # Errors
+    /// When an archive is damaged, ends early, or unpacks to more than an honest one would; those of the system.
+    pub fn read(&self, visitor: &mut dyn Visitor) -> io::Result<()> {
+        let gate = Gate { visitor, names: BTreeSet::new() };
+        match self.kind {
+            Kind::Folder => folder::read(&self.path, gate),
+            Kind::Zip => zip::read(File::open(&self.path)?, self.most_bytes()?, gate),
+            Kind::Tar(compression) => tar::read(File::open(&self.path)?, compression, self.most_bytes()?, gate),
+        }
+    }
+
+    /// The bytes of one file, if it is there.
+    ///
+    /// # Errors
+    /// As [`Contents::read`]; when the file has more than 64 MiB.
+    pub fn text_of(&self, path: &str) -> io::Result<Option<Vec<u8>>> {
+        let mut wanted = Wanted { path, found: None };
+        self.read(&mut wanted)?;
+        wanted.found.transpose()
+    }
+
+    fn most_bytes(&self) -> io::Result<u64> {
+        Ok(File::open(&self.path)?.metadata()?.len().saturating_mul(MOST_TIMES).saturating_add(MOST_BYTES_MORE))
+    }
+}
+
+/// The first bytes of a file, which tell what it is.
+fn head(path: &Path) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    File::open(path)?.take(4).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+fn kind(head: &[u8]) -> io::Result<Kind> {
+    match head {
+        [b'P', b'K', ..] => Ok(Kind::Zip),
+        [0x28, 0xb5, 0x2f, 0xfd] => Ok(Kind::Tar(tar::Compression::Zstd)),
+        [0x1f, 0x8b, ..] => Ok(Kind::Tar(tar::Compression::Gzip)),
+        _ => Err(io::Error::new(io::ErrorKind::InvalidInput, "is neither a folder nor a zip, tar.zst or tgz")),
+    }
+}
+
+/// Looks for one file.
+struct Wanted<'a> {
+    path: &'a str,
+    found: Option<io::Result<Vec<u8>>>,
+}
+
+impl Visitor for Wanted<'_> {
+    fn file(&mut self, path: &str, bytes: &mut dyn Read) -> ControlFlow<()> {
+        if path != self.path {
+            return ControlFlow::Continue(());
+        }
+        let mut text = Vec::new();
+        let read = bytes.take(MOST_TEXT_BYTES + 1).read_to_end(&mut text);
+        self.found = Some(match read {
+            Ok(count) if count as u64 > MOST_TEXT_BYTES => Err(too_much()),
+            read => read.map(|_| text),
+        });
+        ControlFlow::Break(())
+    }
+
+    fn fault(&mut self, _: &str, _: &str) {}
+}
+
+/// Lets through what fits into a package.
+struct Gate<'a> {
+    visitor: &'a mut dyn Visitor,
+    names: BTreeSet<String>,
+}
+
+impl Gate<'_> {
+    /// The path of a file or folder, if it is one; else that is told.
+    fn path(&mut self, raw: &[u8]) -> Option<String> {
+        let Ok(path) = std::str::from_utf8(raw) else {
+            self.fault(&String::from_utf8_lossy(raw), "has a name that is no UTF-8");
+            return None;
+        };
+        let bare = path.strip_suffix('/').unwrap_or(path);
+        if let Some(fault) = path_fault(bare) {
+            self.fault(path, fault);
+            return None;
+        }
+        Some(bare.to_owned())
+    }
+
+    fn file(&mut self, path: String, bytes: &mut dyn Read) -> io::Result<ControlFlow<()>> {
+        if self.names.len() >= MOST_FILES {
+            return Err(invalid(format!("holds more than {MOST_FILES} files")));
+        }
+        if self.names.contains(&path) {
+            self.fault(&path, "is there twice");
+            return Ok(ControlFlow::Continue(()));
+        }
+        let flow = self.visitor.file(&path, bytes);
+        self.names.insert(path);
+        Ok(flow)
+    }
+
+    fn fault(&mut self, path: &str, what: &str) {
+        self.visitor.fault(path, what);
+    }
+}
+
+/// Ends in an error where more comes than may.
+struct Limited<R> {
+    inner: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        self.left = self.left.checked_sub(count as u64).ok_or_else(too_much)?;
+        Ok(count)
+    }
+}
+
+fn too_much() -> io::Error {
+    invalid("unpacks to more than a package would".to_owned())
+}
+
+fn invalid(what: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
+}

@@ -1,0 +1,77 @@
+//! Files of a compressed tar.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+
+use flate2::bufread::MultiGzDecoder;
+use tar::{Archive, EntryType};
+
+use super::{Gate, Limited, TGZ_ROOT, WHOLE};
+
+/// The largest window that Zstandard may ask for: 32 MiB, four times what level 19 uses.
+const WINDOW_LOG: u32 = 25;
+
+/// How a tar is compressed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Compression {
+    Zstd,
+    Gzip,
+}
+
+/// Shows the files. Heads that give the next entry another name or size are not read but told, as links are.
+pub fn read(file: File, compression: Compression, most_bytes: u64, mut gate: Gate<'_>) -> io::Result<()> {
+    let mut archive = Archive::new(Limited { inner: unpacker(file, compression)?, left: most_bytes });
+    for entry in archive.entries()?.raw(true) {
+        let mut entry = entry?;
+        let Some(path) = gate.path(&entry.path_bytes()) else { continue };
+        match entry.header().entry_type() {
+            EntryType::Directory => {}
+            EntryType::Regular => {
+                let Some(path) = below_root(&path, compression) else {
+                    gate.fault(&path, "is not below `package/`");
+                    continue;
+                };
+                if gate.file(path, &mut entry)?.is_break() {
+                    return Ok(());
+                }
+            }
+            EntryType::Symlink | EntryType::Link => gate.fault(&path, "is a link"),
+            other => gate.fault(&path, &format!("is neither a file nor a folder: tar calls it {other:?}")),
+        }
+    }
+    if !is_blank(archive.into_inner())? {
+        gate.fault(WHOLE, "goes on after its end");
+    }
+    Ok(())
+}
+
+fn unpacker(file: File, compression: Compression) -> io::Result<Box<dyn Read>> {
+    let file = BufReader::new(file);
+    Ok(match compression {
+        Compression::Gzip => Box::new(MultiGzDecoder::new(file)),
+        Compression::Zstd => {
+            let mut decoder = zstd::Decoder::with_buffer(file)?;
+            decoder.window_log_max(WINDOW_LOG)?;
+            Box::new(decoder)
+        }
+    })
+}
+
+fn below_root(path: &str, compression: Compression) -> Option<String> {
+    match compression {
+        Compression::Zstd => Some(path.to_owned()),
+        Compression::Gzip => path.strip_prefix(TGZ_ROOT).map(str::to_owned),
+    }
+}
+
+/// Whether nothing but zeros is left.
+fn is_blank(mut rest: impl Read) -> io::Result<bool> {
+    let mut buffer = [0; 1 << 14];
+    loop {
+        match rest.read(&mut buffer)? {
+            0 => return Ok(true),
+            count if buffer[..count].iter().any(|&byte| byte != 0) => return Ok(false),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Watches chunks pass from a scene to a target, so that nothing is loaded twice for the manifest.
+
+use std::io;
+use std::sync::{Mutex, PoisonError};
+
+use crate::error::ExportError;
+use crate::scene::{Chunk, Chunks, Material, Piece, Scene};
+
+use super::LodEntry;
+
+/// What a manifest tells of a chunk.
+#[derive(Clone)]
+pub struct Seen {
+    pub name: String,
+    pub bounds: [[f32; 3]; 2],
+    pub triangles: u64,
+    pub lods: Vec<LodEntry>,
+    pub collision_triangles: u64,
+    pub pieces: Option<u64>,
+    pub material: Material,
+    /// Indices of chunks.
+    pub neighbors: Vec<usize>,
+}
+
+/// Hands chunks on and notes what they were like.
+pub struct Witness<'a> {
+    inner: &'a dyn Chunks,
+    seen: Mutex<Vec<Notes>>,
+}
+
+#[derive(Clone, Default)]
+struct Notes {
+    chunk: Option<Seen>,
+    pieces: Option<u64>,
+}
+
+impl<'a> Witness<'a> {
+    /// Watches the chunks of a scene.
+    pub fn new(scene: &Scene<'a>) -> Self {
+        Self { inner: scene.chunks, seen: Mutex::new(vec![Notes::default(); scene.chunks.len()]) }
+    }
+
+    /// What passed. A chunk that the target had no use for is loaded now.
+    ///
+    /// # Errors
+    /// As [`Scene::chunk`].
+    pub fn seen(&self, scene: &Scene) -> Result<Vec<Seen>, ExportError> {
+        (0..self.len()).map(|index| self.one(index, scene)).collect()
+    }
+
+    fn one(&self, index: usize, scene: &Scene) -> Result<Seen, ExportError> {
+        let notes = self.note(index, |notes| notes.clone());
+        let chunk = match notes.chunk {
+            Some(chunk) => chunk,
+            None => self.describe(index, &scene.chunk(index)?),
+        };
+        Ok(Seen { pieces: notes.pieces, ..chunk })
+    }
+
+    fn note<T>(&self, index: usize, write: impl FnOnce(&mut Notes) -> T) -> T {
+        write(&mut self.seen.lock().unwrap_or_else(PoisonError::into_inner)[index])
+    }
+
+    fn describe(&self, index: usize, chunk: &Chunk) -> Seen {
+        let lod = |lod: &crate::scene::Lod| LodEntry { triangles: lod.mesh.triangles(), error_m: lod.error_m };
+        Seen {
+            name: chunk.name.clone(),
+            bounds: chunk.visual.bounds(),
+            triangles: chunk.visual.triangles(),
+            lods: chunk.lods.iter().map(lod).collect(),
+            collision_triangles: chunk.collision.triangles(),
+            pieces: None,
+            material: chunk.material.clone(),
+            neighbors: self.inner.neighbors(index),
+        }
+    }
+}
+
+impl Chunks for Witness<'_> {
+    fn len(&self) -> usize {
+        self.inner.len()
+    }
+
+    fn load(&self, index: usize) -> io::Result<Chunk> {
+        let chunk = self.inner.load(index)?;
+        let seen = self.describe(index, &chunk);
+        self.note(index, |notes| notes.chunk = Some(seen));
+        Ok(chunk)
+    }
+
+    fn neighbors(&self, index: usize) -> Vec<usize> {
+        self.inner.neighbors(index)
+    }
+
+    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
+        let pieces = self.inner.pieces(index)?;
+        self.note(index, |notes| notes.pieces = Some(pieces.len() as u64));
+        Ok(pieces)
+    }
+}

@@ -1,0 +1,230 @@
+//! What is said of archives that were made to do harm, and that nothing of them is believed.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+#[path = "sample/forge.rs"]
+mod forge;
+mod sample;
+
+use std::io::Write;
+
+use forge::{Forged, amend, package_of, tar, verdict, zip, zstd};
+use plume_exporters::package::MANIFEST;
+use tar::{EntryType, Header};
+use zip::write::SimpleFileOptions;
+
+/// A package that is small and whole.
+fn innocent() -> Forged {
+    package_of(&[("README.md", b"# A cave\n"), ("notes.txt", b"Mind your head.\n")])
+}
+
+/// What is said of a zip with one entry more.
+fn with_entry(name: &str) -> String {
+    verdict(&zip(&innocent(), |zip| {
+        zip.start_file(name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(b"evil").unwrap();
+    }))
+}
+
+/// The bytes with one text in the place of another of the same length, everywhere.
+fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut replaced = bytes.to_vec();
+    for at in (0..=bytes.len() - from.len()).filter(|&at| bytes[at..].starts_with(from)) {
+        replaced[at..at + from.len()].copy_from_slice(to);
+    }
+    assert_ne!(replaced, bytes);
+    replaced
+}
+
+#[test]
+fn names_that_lead_out_of_a_zip_are_told() {
+    assert_eq!(verdict(&zip(&innocent(), |_| ())), "whole");
+    let names = ["../evil", "a/../../evil", "/etc/evil", "c:/evil", "a\\evil", "a//evil", "more.txt"];
+    insta::assert_snapshot!(names.map(with_entry).join("\n"), @r"
+    ../evil: has an empty, `.` or `..` part
+    a/../../evil: has an empty, `.` or `..` part
+    /etc/evil: is not relative with forward slashes
+    c:/evil: is not relative with forward slashes
+    a\evil: is not relative with forward slashes
+    a//evil: has an empty, `.` or `..` part
+    more.txt: is not in the manifest
+    ");
+    let with_odd_name = zip(&innocent(), |zip| zip.start_file("caf_.txt", SimpleFileOptions::default()).unwrap());
+    insta::assert_snapshot!(verdict(&replaced(&with_odd_name, b"caf_", b"caf\xe9")), @"caf�.txt: has a name that is no UTF-8");
+}
+
+#[test]
+fn what_is_no_file_in_a_zip_is_told() {
+    let link = zip(&innocent(), |zip| {
+        zip.add_symlink("link", "/etc/passwd", SimpleFileOptions::default()).unwrap();
+    });
+    insta::assert_snapshot!(verdict(&link), @"link: is a link");
+    let twice = zip(&innocent(), |zip| zip.start_file("READMY.md", SimpleFileOptions::default()).unwrap());
+    insta::assert_snapshot!(verdict(&replaced(&twice, b"READMY.md", b"README.md")), @r"
+    .: contradicts itself: invalid Zip archive: header inconsistency detected: duplicate file names in central directory
+    README.md: has 0 bytes, not the 9 that the manifest says
+    ");
+}
+
+#[test]
+fn a_zip_that_contradicts_itself_is_told() {
+    let whole = zip(&innocent(), |_| ());
+    insta::assert_snapshot!(verdict(&[b"PK=1; exec sh\n", &whole[..]].concat()), @".: begins with something that is no zip");
+    let local = whole.windows(9).position(|name| name == b"notes.txt").unwrap();
+    let mut other_name = whole.clone();
+    other_name[local] = b'v';
+    insta::assert_snapshot!(verdict(&other_name), @".: contradicts itself: invalid Zip archive: header inconsistency detected: Local file header filename mismatch (does not match central directory)");
+    insta::assert_snapshot!(verdict(&whole[..whole.len() / 2]), @".: cannot be read: invalid Zip archive: Could not find EOCD");
+    insta::assert_snapshot!(verdict(b"PK"), @".: cannot be read: invalid Zip archive: Could not find EOCD");
+}
+
+#[test]
+fn a_zip_that_holds_more_than_it_says_is_told() {
+    let mut bomb = innocent();
+    bomb.insert("notes.txt".to_owned(), vec![0; 32 << 20]);
+    insta::assert_snapshot!(verdict(&zip(&bomb, |_| ())), @"notes.txt: has more than the 16 bytes that the manifest says");
+    // The heads say what the manifest says; the stream goes on.
+    let sizes = [(32_u32 << 20).to_le_bytes(), 16_u32.to_le_bytes()];
+    let lying = replaced(&zip(&bomb, |_| ()), &sizes[0], &sizes[1]);
+    insta::assert_snapshot!(verdict(&lying), @"notes.txt: cannot be read: File is larger than its declared uncompressed size");
+    // A manifest may promise anything.
+    amend(&mut bomb, |manifest| manifest.files.0.get_mut("notes.txt").unwrap().bytes = u64::MAX);
+    insta::assert_snapshot!(verdict(&zip(&bomb, |_| ())), @"notes.txt: cannot be read: unpacks to more than a package would");
+}
+
+fn header(name: &str, kind: EntryType, size: u64) -> Header {
+    let mut header = Header::new_ustar();
+    header.as_ustar_mut().unwrap().name[..name.len()].copy_from_slice(name.as_bytes());
+    header.set_entry_type(kind);
+    header.set_size(size);
+    header.set_cksum();
+    header
+}
+
+/// What is said of a tar with one entry more.
+fn with_tar_entry(name: &str, kind: EntryType) -> String {
+    let tar = tar(&innocent(), |tar| tar.append(&header(name, kind, 0), &b""[..]).unwrap());
+    verdict(&zstd(&tar))
+}
+
+#[test]
+fn what_is_no_file_in_a_tar_is_told() {
+    assert_eq!(verdict(&zstd(&tar(&innocent(), |_| ()))), "whole");
+    let entries = [
+        ("../evil", EntryType::Regular),
+        ("/etc/evil", EntryType::Regular),
+        ("folder/", EntryType::Directory),
+        ("link", EntryType::Symlink),
+        ("hard", EntryType::Link),
+        ("pipe", EntryType::Fifo),
+        ("disk", EntryType::Block),
+        ("tty", EntryType::Char),
+        ("long", EntryType::GNULongName),
+        ("head", EntryType::XHeader),
+        ("holes", EntryType::GNUSparse),
+        ("README.md", EntryType::Regular),
+        ("more.txt", EntryType::Regular),
+    ];
+    let said = entries.map(|(name, kind)| with_tar_entry(name, kind));
+    insta::assert_snapshot!(said.join("\n"), @r"
+    ../evil: has an empty, `.` or `..` part
+    /etc/evil: is not relative with forward slashes
+    whole
+    link: is a link
+    hard: is a link
+    pipe: is neither a file nor a folder: tar calls it Fifo
+    disk: is neither a file nor a folder: tar calls it Block
+    tty: is neither a file nor a folder: tar calls it Char
+    long: is neither a file nor a folder: tar calls it GNULongName
+    head: is neither a file nor a folder: tar calls it XHeader
+    holes: is neither a file nor a folder: tar calls it GNUSparse
+    README.md: is there twice
+    more.txt: is not in the manifest
+    ");
+}
+
+#[test]
+fn a_tar_that_is_not_what_it_says_is_told() {
+    let whole = zstd(&tar(&innocent(), |_| ()));
+    insta::assert_snapshot!(verdict(&whole[..whole.len() / 2]), @".: cannot be read: incomplete frame");
+    insta::assert_snapshot!(verdict(&[&whole[..], b"more"].concat()), @".: cannot be read: Unknown frame descriptor");
+    let hidden = [tar(&innocent(), |_| ()), tar(&Forged::from([("evil".to_owned(), Vec::new())]), |_| ())].concat();
+    insta::assert_snapshot!(verdict(&zstd(&hidden)), @".: goes on after its end");
+    let bomb = tar(&innocent(), |tar| {
+        let size = 64 << 20;
+        tar.append(&header("zeros", EntryType::Regular, size), std::io::Read::take(std::io::repeat(0), size)).unwrap();
+    });
+    insta::assert_snapshot!(verdict(&zstd(&bomb)), @r"
+    .: cannot be read: unpacks to more than a package would
+    zeros: is not in the manifest
+    ");
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gzip.write_all(&tar(&innocent(), |_| ())).unwrap();
+    insta::assert_snapshot!(verdict(&gzip.finish().unwrap()), @"ARCHIVE: holds no manifest of a package");
+}
+
+#[test]
+fn a_manifest_with_wild_paths_is_told() {
+    let mut wild = innocent();
+    amend(&mut wild, |manifest| {
+        for path in ["../../etc/passwd", "/etc/shadow", "a//b"] {
+            manifest.files.0.insert(path.to_owned(), forge::entry(b"root"));
+        }
+        manifest.chunks[0].textures.insert("normal".to_owned(), "/dev/zero".to_owned());
+        manifest.chunks[1].neighbors = vec!["nowhere".to_owned()];
+    });
+    insta::assert_snapshot!(verdict(&zip(&wild, |_| ())), @r"
+    ../../etc/passwd: is missing
+    /etc/shadow: is missing
+    a//b: is missing
+    manifest.json: gives chunk `chunk_0_0_0` the image `/dev/zero`, which it does not list
+    manifest.json: lists `../../etc/passwd`, which has an empty, `.` or `..` part
+    manifest.json: lists `/etc/shadow`, which is not relative with forward slashes
+    manifest.json: lists `a//b`, which has an empty, `.` or `..` part
+    manifest.json: says that chunk `chunk_0_0_0` lies next to `chunk_1_0_0`, but not the other way round
+    manifest.json: says that chunk `chunk_1_0_0` lies next to `nowhere`, but not the other way round
+    ");
+}
+
+#[test]
+fn other_versions_and_other_things_are_told() {
+    let text = |text: &str| zip(&Forged::from([(MANIFEST.to_owned(), text.as_bytes().to_vec())]), |_| ());
+    let newer = r#"{"format": 3, "generator": "plume 9.1.0", "target": "gltf", "files": {}, "moons": 2}"#;
+    let said = [
+        verdict(&text(newer)),
+        verdict(&text(r#"{"a.txt": {"bytes": 1, "sha256": "0"}}"#)),
+        verdict(&text(r#"{"name": "of a browser"}"#)),
+        verdict(&text("no JSON")),
+        verdict(&zip(&Forged::from([("a.txt".to_owned(), Vec::new())]), |_| ())),
+        verdict(b"dear diary"),
+        verdict(b""),
+    ];
+    insta::assert_snapshot!(said.join("\n"), @r"
+    ARCHIVE: plume 9.1.0 has made this package; its manifest has format 3, this program knows 2
+    ARCHIVE: an earlier version has made this package, whose manifest says too little
+    ARCHIVE: holds no manifest of a package
+    ARCHIVE: holds no manifest of a package
+    ARCHIVE: holds no manifest of a package
+    ARCHIVE: is neither a folder nor a zip, tar.zst or tgz
+    ARCHIVE: is neither a folder nor a zip, tar.zst or tgz
+    ");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_in_a_folder_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for (path, bytes) in innocent() {
+        std::fs::write(folder.path().join(path), bytes).unwrap();
+    }
+    std::os::unix::fs::symlink("/etc/passwd", folder.path().join("link")).unwrap();
+    std::fs::rename(folder.path().join("notes.txt"), folder.path().join("elsewhere")).unwrap();
+    std::os::unix::fs::symlink("elsewhere", folder.path().join("notes.txt")).unwrap();
+    insta::assert_snapshot!(forge::told(folder.path()), @r"
+    elsewhere: is not in the manifest
+    link: is a link
+    notes.txt: is a link
+    notes.txt: is missing
+    ");
+}

@@ -1,0 +1,212 @@
+//! Target `unreal`: meshes, textures and a Python script that makes a level of them in Unreal Engine 5.3 and later.
+//!
+//! ```text
+//! README.md
+//! import_cave.py   run inside the editor
+//! scene.json       what it reads: chunks, spawn poses, lights and friction in Unreal's frame
+//! meshes/<chunk>.fbx, <chunk>_collision.fbx
+//! textures/<chunk>_{base_color,normal,orm}.*
+//! ```
+//! FBX is metres, right-handed, Z up, its front −Y: Unreal's importer then only changes the unit and mirrors y
+//! ([`frame::unreal_from_scene`](crate::frame::unreal_from_scene)). Every chunk stays at the origin of the cave. Normal maps
+//! have the green channel of DirectX; the other images are those of the scene. Heights are left out.
+//!
+//! Unreal looks for convex pieces by the name of a mesh and not of its group of levels: those of `<chunk>` are called
+//! `UCX_<chunk>_LOD0_<NN>`. With triangles, bodies touch a collision mesh of its own ("complex collision mesh"), because what
+//! Nanite leaves of the visual mesh for physics is a coarse stand-in.
+//!
+//! Nothing here has been seen in Unreal, which no test can open. The script runs under a stub that knows the documented
+//! names only, and compares in Unreal what was imported with what was meant.
+
+use minijinja::context;
+use minijinja::value::Serde;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::collision::Collision;
+use crate::error::ExportError;
+use crate::format::{fbx, pixels};
+use crate::frame::{Axes, Up, micro};
+use crate::package::Package;
+use crate::scene::{Chunk, ImageFormat, Mesh, Piece, Scene};
+use crate::{Build, Summary, Target, TargetRow, settings, template};
+use index::{Entry, Textures};
+
+mod index;
+
+/// The row of this target.
+pub const ROW: TargetRow = TargetRow {
+    name: "unreal",
+    summary: "FBX with levels of detail and collision, textures, and a script that imports them",
+    opened_by: "Unreal Engine 5.3 and later",
+    bundles: &[],
+    settings: || schemars::schema_for!(UnrealSettings),
+    build: Build::Plain(|table| Ok(Box::new(Unreal(settings("unreal", table)?)))),
+};
+
+/// Settings of target `unreal`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct UnrealSettings {
+    /// What bodies touch. All of it has the friction of the floor, because Unreal knows one physical material per mesh.
+    pub collision: Collision,
+    /// Whether Nanite shows the chunks; where it does not run, Unreal falls back on levels of detail.
+    pub nanite: bool,
+    /// Whether chunks carry their coarser levels of detail. Each shows where it is less than a pixel off, on a screen of
+    /// 1920 × 1080 that shows 90°.
+    pub lods: bool,
+    /// Whether the level carries the lights of the scene; without them only the robot's own lamps shine.
+    pub lights: bool,
+}
+
+impl Default for UnrealSettings {
+    fn default() -> Self {
+        Self { collision: Collision::Triangles, nanite: true, lods: true, lights: true }
+    }
+}
+
+/// The target.
+pub struct Unreal(
+    /// Its settings.
+    pub UnrealSettings,
+);
+
+impl Target for Unreal {
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+        scene.check()?;
+        let mut entries = Vec::new();
+        for index in 0..scene.chunks.len() {
+            entries.push(self.write_chunk(scene, index, out)?);
+        }
+        index::write(scene, &self.0, &entries, out)?;
+        out.text("import_cave.py", include_str!("../templates/unreal/import_cave.py"))?;
+        out.text("README.md", &self.readme(scene, &entries))?;
+        Ok(Summary {
+            visual_triangles: entries.iter().map(Entry::visual_triangles).sum(),
+            collision_triangles: entries.iter().map(|entry| entry.collision_triangles).sum(),
+            open: "in Unreal's command box: py <this folder>/import_cave.py".to_owned(),
+        })
+    }
+
+    fn axes(&self) -> Axes {
+        Axes::SCENE
+    }
+
+    fn wants_pieces(&self) -> bool {
+        self.0.collision == Collision::Pieces
+    }
+}
+
+impl Unreal {
+    fn write_chunk(&self, scene: &Scene, index: usize, out: &mut dyn Package) -> Result<Entry, ExportError> {
+        let chunk = scene.chunk(index)?;
+        chunk.material.refuse_unless("unreal", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        let textures = write_textures(&chunk, out)?;
+        let mut entry = Entry::new(&chunk, textures);
+        let levels = self.levels(&chunk);
+        entry.set_levels(&levels);
+        let head = fbx::Head { generator: &scene.generator, up: Up::Z };
+        match self.0.collision {
+            Collision::Triangles => {
+                write_visual(&head, &chunk, &entry, levels, Vec::new(), out)?;
+                write_collision(&head, &chunk, &mut entry, out)?;
+            }
+            Collision::Pieces => {
+                let pieces = scene.pieces(index)?;
+                entry.set_pieces(&pieces);
+                write_visual(&head, &chunk, &entry, levels, colliders(&chunk.name, &pieces), out)?;
+            }
+        }
+        Ok(entry)
+    }
+
+    /// The full detail and, if they are wanted, the coarser levels.
+    fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<fbx::Level<'a>> {
+        let level = |number: usize, mesh: &'a Mesh, error_m: f32| fbx::Level {
+            name: level_name(&chunk.name, number),
+            mesh,
+            error_m,
+        };
+        let coarser = chunk.lods.iter().enumerate().filter(|_| self.0.lods);
+        let coarser = coarser.map(|(number, lod)| level(number + 1, &lod.mesh, lod.error_m));
+        std::iter::once(level(0, &chunk.visual, 0.0)).chain(coarser).collect()
+    }
+
+    fn readme(&self, scene: &Scene, entries: &[Entry]) -> String {
+        let values = context! {
+            name => &scene.name,
+            description => &scene.description,
+            generator => &scene.generator,
+            settings => Serde(&self.0),
+            chunks => entries.len(),
+            pieces => entries.iter().map(|entry| entry.convex_pieces).sum::<usize>(),
+            friction => micro(scene.friction.floor),
+            collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
+            spawns => scene.spawns.len(),
+            lights => if self.0.lights { scene.lights.len() } else { 0 },
+        };
+        template::fill("README.md", include_str!("../templates/unreal/README.md.jinja"), &values)
+    }
+}
+
+fn level_name(chunk: &str, number: usize) -> String {
+    format!("{chunk}_LOD{number}")
+}
+
+fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, ExportError> {
+    let path = |role: &str, extension: &str| format!("textures/{}_{role}.{extension}", chunk.name);
+    let material = &chunk.material;
+    let textures = Textures {
+        base_color: path("base_color", material.base_color.format.extension()),
+        normal: path("normal", "png"),
+        orm: path("orm", material.orm.format.extension()),
+    };
+    out.copy(&textures.base_color, &material.base_color.path)?;
+    out.write(&textures.normal, |file| pixels::remap(&material.normal, file, |[r, g, b]| [r, 255 - g, b]))?;
+    out.copy(&textures.orm, &material.orm.path)?;
+    Ok(textures)
+}
+
+fn write_visual(
+    head: &fbx::Head,
+    chunk: &Chunk,
+    entry: &Entry,
+    levels: Vec<fbx::Level>,
+    colliders: Vec<fbx::Collider>,
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
+    let maps = entry.textures.maps();
+    fbx::write(out, &entry.mesh, head, |document, _| {
+        document.add(&fbx::Part { name: &chunk.name, levels, colliders, material: &chunk.name, maps: &maps })
+    })
+}
+
+/// The mesh that bodies touch, in a file of its own: Unreal takes it for a mesh like any other.
+fn write_collision(
+    head: &fbx::Head,
+    chunk: &Chunk,
+    entry: &mut Entry,
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
+    let name = format!("{}_collision", chunk.name);
+    let path = format!("meshes/{name}.fbx");
+    let colliders = vec![fbx::Collider { name: name.clone(), mesh: &chunk.collision }];
+    fbx::write(out, &path, head, |document, _| {
+        document.add(&fbx::Part {
+            name: &name,
+            levels: Vec::new(),
+            colliders,
+            material: &name,
+            maps: &fbx::Maps::default(),
+        })
+    })?;
+    entry.collision_triangles = chunk.collision.triangles();
+    entry.collision_mesh = Some(path);
+    Ok(())
+}
+
+/// Convex pieces under names by which Unreal finds the mesh that they belong to.
+fn colliders<'a>(chunk: &str, pieces: &'a [Piece]) -> Vec<fbx::Collider<'a>> {
+    let name = |number: usize| format!("UCX_{}_{number:02}", level_name(chunk, 0));
+    pieces.iter().enumerate().map(|(number, piece)| fbx::Collider { name: name(number), mesh: &piece.mesh }).collect()
+}

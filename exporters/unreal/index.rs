@@ -1,0 +1,201 @@
+//! `scene.json`: what the import script has to know, in Unreal's frame and units.
+
+use nalgebra::{Isometry3, Point3};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::UnrealSettings;
+use crate::error::ExportError;
+use crate::format::fbx;
+use crate::frame::{unreal_from_scene, unreal_pose_from_scene};
+use crate::package::Package;
+use crate::scene::{Chunk, Light, Mesh, Piece, Scene};
+
+/// Width and height of the screen that levels of detail are chosen for, in pixels; it shows 90° across.
+const SCREEN_PX: [f64; 2] = [1920.0, 1080.0];
+
+/// A chunk as the script sees it.
+#[derive(Serialize)]
+pub(super) struct Entry {
+    name: String,
+    /// Path of the visual mesh.
+    pub mesh: String,
+    /// Path of the mesh that bodies touch, unless they touch pieces.
+    pub collision_mesh: Option<String>,
+    /// Paths of the images.
+    pub textures: Textures,
+    /// Number of convex pieces.
+    pub convex_pieces: usize,
+    lods: Vec<Level>,
+    min_cm: [f64; 3],
+    max_cm: [f64; 3],
+    /// Triangles that bodies touch.
+    #[serde(skip)]
+    pub collision_triangles: u64,
+}
+
+/// Images of a chunk.
+#[derive(Serialize)]
+pub(super) struct Textures {
+    /// Base colour.
+    pub base_color: String,
+    /// Tangent-space normals, green as in DirectX.
+    pub normal: String,
+    /// Occlusion, roughness and metalness.
+    pub orm: String,
+}
+
+/// A level of detail.
+#[derive(Serialize)]
+struct Level {
+    triangles: u64,
+    error_m: f64,
+    screen_size: f64,
+}
+
+impl Textures {
+    /// The same, as seen from an FBX in a folder beside theirs.
+    pub fn maps(&self) -> fbx::Maps {
+        let beside = |path: &str| format!("../{path}");
+        fbx::Maps {
+            base_color: beside(&self.base_color),
+            normal: beside(&self.normal),
+            roughness: None,
+            occlusion_roughness_metalness: Some(beside(&self.orm)),
+        }
+    }
+}
+
+impl Entry {
+    /// A chunk that nobody can touch yet.
+    pub fn new(chunk: &Chunk, textures: Textures) -> Self {
+        let [min, max] = chunk.visual.bounds().map(|corner| unreal_from_scene(corner.map(f64::from)));
+        let corner = |pick: fn(f64, f64) -> f64| [0, 1, 2].map(|axis| micro(pick(min[axis], max[axis])));
+        Self {
+            name: chunk.name.clone(),
+            mesh: format!("meshes/{}.fbx", chunk.name),
+            collision_mesh: None,
+            textures,
+            convex_pieces: 0,
+            lods: Vec::new(),
+            min_cm: corner(f64::min),
+            max_cm: corner(f64::max),
+            collision_triangles: 0,
+        }
+    }
+
+    /// Says which levels of detail there are, and where each takes over.
+    pub fn set_levels(&mut self, levels: &[fbx::Level]) {
+        let radius_m = levels.first().map_or(0.0, |full| radius_m(full.mesh));
+        let level = |level: &fbx::Level| Level {
+            triangles: level.mesh.triangles(),
+            error_m: micro(f64::from(level.error_m)),
+            screen_size: micro(screen_size(radius_m, f64::from(level.error_m))),
+        };
+        self.lods = levels.iter().map(level).collect();
+    }
+
+    /// Counts what bodies touch.
+    pub fn set_pieces(&mut self, pieces: &[Piece]) {
+        self.convex_pieces = pieces.len();
+        self.collision_triangles = pieces.iter().map(|piece| piece.mesh.triangles()).sum();
+    }
+
+    /// Triangles in full detail.
+    pub fn visual_triangles(&self) -> u64 {
+        self.lods.first().map_or(0, |level| level.triangles)
+    }
+}
+
+/// Radius of the ball round a mesh whose centre is that of its box, as Unreal has it.
+fn radius_m(mesh: &Mesh) -> f64 {
+    let point = |position: [f32; 3]| Point3::from(position.map(f64::from));
+    let [min, max] = mesh.bounds().map(point);
+    let centre = nalgebra::center(&min, &max);
+    mesh.positions.iter().map(|&position| nalgebra::distance(&centre, &point(position))).fold(0.0, f64::max)
+}
+
+/// The part of the screen that the ball round a chunk may cover at most where a level of detail shows.
+///
+/// Unreal measures from the centre of the ball, and whoever stands in a cave sees its near side: at the point of the ball
+/// that is nearest to the camera, the level is a pixel off.
+fn screen_size(radius_m: f64, error_m: f64) -> f64 {
+    let [width_px, height_px] = SCREEN_PX;
+    // Of something as high as it is far away: what part of half the screen, and how many pixels.
+    let (high, high_px) = (width_px / height_px, width_px / 2.0);
+    high * radius_m / (radius_m + error_m * high_px)
+}
+
+/// Writes the file.
+///
+/// # Errors
+/// Those of `out`.
+pub(super) fn write(
+    scene: &Scene,
+    settings: &UnrealSettings,
+    entries: &[Entry],
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
+    let lights: &[Light] = if settings.lights { &scene.lights } else { &[] };
+    let index = json!({
+        "name": scene.name,
+        "description": scene.description,
+        "generator": scene.generator,
+        "frame": "left-handed, X forward, Y right, Z up, centimetres; rotations are those of a rotator, degrees",
+        "friction": scene.friction.floor,
+        "nanite": settings.nanite,
+        "chunks": entries,
+        "spawns": scene.spawns.iter().enumerate().map(spawn).collect::<Vec<_>>(),
+        "lights": lights.iter().map(light).collect::<Vec<_>>(),
+    });
+    let mut text = serde_json::to_string_pretty(&index).map_err(std::io::Error::from)?;
+    text.push('\n');
+    out.text("scene.json", &text)
+}
+
+fn spawn((number, pose): (usize, &Isometry3<f64>)) -> Value {
+    let (location, angles) = unreal_pose_from_scene(pose);
+    let [roll, pitch, yaw] = angles.map(micro);
+    json!({
+        "name": format!("spawn_{number}"),
+        "location_cm": location.map(micro),
+        "rotation_deg": { "roll": roll, "pitch": pitch, "yaw": yaw },
+    })
+}
+
+fn light(light: &Light) -> Value {
+    json!({
+        "name": light.name,
+        "location_cm": unreal_from_scene(light.position.into()).map(micro),
+        "color": light.color,
+        "intensity_cd": light.intensity_cd,
+        "attenuation_radius_cm": micro(100.0 * light.range_m),
+    })
+}
+
+/// A number to six decimals, without minus zero.
+fn micro(number: f64) -> f64 {
+    libm::round(number * 1e6) / 1e6 + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_off_by_a_pixel_at_the_near_side_of_the_ball() {
+        let (radius_m, error_m) = (8.0, 0.02);
+        let size = screen_size(radius_m, error_m);
+        // Unreal's ComputeBoundsScreenSize, with the projection of a camera that sees 90° across.
+        let vertical = 1920.0 / 1080.0;
+        let distance_m = vertical * radius_m / size;
+        let seen_px = error_m / (distance_m - radius_m) * vertical * 1080.0 / 2.0;
+        assert!((seen_px - 1.0).abs() < 1e-12, "{seen_px}");
+    }
+
+    #[test]
+    fn coarser_levels_show_when_smaller() {
+        let sizes = [0.0, 0.001, 0.01, 0.1].map(|error_m| screen_size(5.0, error_m));
+        assert!(sizes.is_sorted_by(|a, b| a > b));
+    }
+}

@@ -1,0 +1,249 @@
+"""Imports a cave into an Unreal Engine project: textures, materials, meshes, collision and a level.
+
+In the editor's command box: `py <this folder>/import_cave.py`, or without a window:
+`UnrealEditor-Cmd Project.uproject -run=pythonscript -script=<this folder>/import_cave.py`. Needs the plugin Python Editor
+Script Plugin. Assets land in `/Game/Plume/<name>`, or in the content folder that is given as an argument. A second run
+replaces what the first has made, and leaves alone what you have put into the level yourself.
+"""
+
+from __future__ import annotations  # Unreal 5.3 brings Python 3.9
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import unreal
+
+PACKAGE = Path(__file__).resolve().parent
+TAG = "plume"  # Of our actors: the next run replaces them.
+#: Half the height of the capsule of a PlayerStart, whose origin is its middle.
+PLAYER_START_CM = 92.0
+#: How far the box round an imported mesh may lie from that in scene.json. Wrong units or axes are off by metres.
+BOX_TOLERANCE_CM = 10.0
+
+PACKED = unreal.TextureCompressionSettings
+GROUP = unreal.TextureGroup
+#: sRGB, compression and group of each image. Normal maps have the green channel of DirectX, so nothing flips it.
+TEXTURES = {
+    "base_color": (True, PACKED.TC_DEFAULT, GROUP.TEXTUREGROUP_WORLD),
+    "normal": (False, PACKED.TC_NORMALMAP, GROUP.TEXTUREGROUP_WORLD_NORMAL_MAP),
+    "orm": (False, PACKED.TC_MASKS, GROUP.TEXTUREGROUP_WORLD_SPECULAR),
+}
+SAMPLER = unreal.MaterialSamplerType
+INPUT = unreal.MaterialProperty
+#: The texture parameters of the material, and where their channels go.
+PARAMETERS = {
+    "base_color": (SAMPLER.SAMPLERTYPE_COLOR, {"RGB": INPUT.MP_BASE_COLOR}),
+    "normal": (SAMPLER.SAMPLERTYPE_NORMAL, {"RGB": INPUT.MP_NORMAL}),
+    "orm": (
+        SAMPLER.SAMPLERTYPE_MASKS,
+        {"R": INPUT.MP_AMBIENT_OCCLUSION, "G": INPUT.MP_ROUGHNESS, "B": INPUT.MP_METALLIC},
+    ),
+}
+
+
+def main(root: str | None) -> None:
+    """Imports the package into the content folder `root`."""
+    scene = json.loads((PACKAGE / "scene.json").read_text(encoding="utf-8"))
+    name = scene["name"]
+    root = (root or f"/Game/Plume/{name}").rstrip("/")
+    # Without a window nobody has looked for the assets of an earlier run.
+    unreal.AssetRegistryHelpers.get_asset_registry().scan_paths_synchronous([root], True)
+    rock = make_asset(f"{root}/Materials/PM_{name}", unreal.PhysicalMaterial, unreal.PhysicalMaterialFactoryNew())
+    change(rock, friction=scene["friction"], restitution=0.0)
+    material = None
+    meshes = {}
+    for chunk in scene["chunks"]:
+        textures = {role: import_texture(path, role, root) for role, path in chunk["textures"].items()}
+        material = material or make_material(f"{root}/Materials/M_{name}", textures, rock)
+        instance = make_instance(f"{root}/Materials/MI_{chunk['name']}", textures, material)
+        meshes[chunk["name"]] = mesh = import_chunk(chunk, f"{root}/Meshes/SM_{chunk['name']}", scene["nanite"])
+        mesh.set_material(0, instance)
+        set_collision(chunk, mesh, rock, f"{root}/Meshes/SM_{chunk['name']}_collision")
+    for folder in ("Textures", "Materials", "Meshes"):
+        assets = unreal.get_editor_subsystem(unreal.EditorAssetSubsystem)
+        check(assets.save_directory(f"{root}/{folder}", True, True), f"{root}/{folder} was not saved")
+    make_level(f"{root}/L_{name}", scene, meshes)
+    unreal.log(f"plume: {len(meshes)} chunks of {name} are in {root}")
+
+
+def check(result: Any, otherwise: str) -> Any:
+    """What Unreal gave, if it gave anything."""
+    if not result:
+        raise RuntimeError(f"plume: {otherwise}")
+    return result
+
+
+def change(thing: Any, **properties: Any) -> Any:
+    """Sets several properties at once, so that Unreal makes the thing anew only once."""
+    thing.set_editor_properties(properties)
+    return thing
+
+
+def import_file(path: str, place: str, **how: Any) -> Any:
+    """Imports a file of the package as the asset `place`, replacing an older one."""
+    folder, name = place.rsplit("/", 1)
+    task = change(unreal.AssetImportTask(), destination_path=folder, destination_name=name, automated=True)
+    change(task, filename=str(PACKAGE / path), replace_existing=True, replace_existing_settings=True, **how)
+    unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
+    return check(unreal.load_asset(place), f"{path} was not imported: the log above says why")
+
+
+def import_texture(path: str, role: str, root: str) -> unreal.Texture2D:
+    """Imports an image and says what it holds."""
+    # Newer engines call an image after its file, whatever name they are told.
+    texture = import_file(path, f"{root}/Textures/{Path(path).stem}")
+    srgb, compression, group = TEXTURES[role]
+    # A project may make large images virtual textures, which the samplers of our material cannot read.
+    change(texture, virtual_texture_streaming=False, srgb=srgb, compression_settings=compression, lod_group=group)
+    return texture
+
+
+def exists(place: str) -> bool:
+    """Whether there is an asset or a level."""
+    return bool(unreal.AssetRegistryHelpers.get_asset_registry().get_assets_by_package_name(place))
+
+
+def make_asset(place: str, kind: type, factory: unreal.Factory) -> Any:
+    """The asset `place`, a new one if there is none."""
+    if exists(place):
+        return check(unreal.load_asset(place), f"{place} cannot be loaded")
+    folder, name = place.rsplit("/", 1)
+    tools = unreal.AssetToolsHelpers.get_asset_tools()
+    return check(tools.create_asset(name, folder, kind, factory), f"{place} cannot be made")
+
+
+def make_material(place: str, textures: dict[str, Any], rock: unreal.PhysicalMaterial) -> unreal.Material:
+    """The material of which every chunk has an instance; `textures` stand for those of the chunks."""
+    library = unreal.MaterialEditingLibrary
+    material = make_asset(place, unreal.Material, unreal.MaterialFactoryNew())
+    library.delete_all_material_expressions(material)
+    change(material, phys_material=rock, used_with_nanite=True)
+    for row, (role, (sampler, pins)) in enumerate(PARAMETERS.items()):
+        kind = unreal.MaterialExpressionTextureSampleParameter2D
+        node = library.create_material_expression(material, kind, -400, 300 * row)
+        change(node, parameter_name=role, texture=textures[role], sampler_type=sampler)
+        for pin, target in pins.items():
+            check(library.connect_material_property(node, pin, target), f"{role}.{pin} cannot be connected")
+    library.recompile_material(material)
+    return material
+
+
+def make_instance(place: str, textures: dict[str, Any], material: unreal.Material) -> unreal.MaterialInstanceConstant:
+    """The material of a chunk."""
+    library = unreal.MaterialEditingLibrary
+    instance = make_asset(place, unreal.MaterialInstanceConstant, unreal.MaterialInstanceConstantFactoryNew())
+    library.set_material_instance_parent(instance, material)
+    for role, texture in textures.items():
+        library.set_material_instance_texture_parameter_value(instance, role, texture)
+        is_set = library.get_material_instance_texture_parameter_value(instance, role) == texture
+        check(is_set, f"{place} does not take {role}")
+    library.update_material_instance(instance)
+    return instance
+
+
+def import_mesh(path: str, place: str, *, nanite: bool, lods: bool, normals: unreal.FBXNormalImportMethod) -> Any:
+    """Imports an FBX as one static mesh whose origin is that of the cave."""
+    kind = unreal.FBXImportType.FBXIT_STATIC_MESH
+    options = change(unreal.FbxImportUI(), automated_import_should_detect_type=False, import_mesh=True)
+    change(options, mesh_type_to_import=kind, import_as_skeletal=False, import_animations=False)
+    change(options, import_materials=False, import_textures=False, auto_compute_lod_distances=False)
+    data = options.get_editor_property("static_mesh_import_data")
+    change(data, convert_scene=True, convert_scene_unit=True, force_front_x_axis=False)
+    change(data, combine_meshes=True, transform_vertex_to_absolute=True, import_mesh_lo_ds=lods, build_nanite=nanite)
+    change(data, normal_import_method=normals, normal_generation_method=unreal.FBXNormalGenerationMethod.MIKK_T_SPACE)
+    # Removing degenerate triangles, of which we have none, is also what makes the importer let triangles collide.
+    change(data, generate_lightmap_u_vs=False, remove_degenerates=True)
+    change(data, auto_generate_collision=False, one_convex_hull_per_ucx=True)
+    # Newer engines would import FBX by Interchange, which reads other options, if no factory were named.
+    return import_file(path, place, factory=unreal.FbxFactory(), options=options)
+
+
+def import_chunk(chunk: dict[str, Any], place: str, nanite: bool) -> unreal.StaticMesh:
+    """Imports a chunk with its levels of detail, and warns when it has not become what was meant."""
+    levels = chunk["lods"]
+    normals = unreal.FBXNormalImportMethod.FBXNIM_IMPORT_NORMALS_AND_TANGENTS
+    mesh = import_mesh(chunk["mesh"], place, nanite=nanite, lods=len(levels) > 1, normals=normals)
+    editor = unreal.get_editor_subsystem(unreal.StaticMeshEditorSubsystem)
+    editor.set_lod_screen_sizes(mesh, [level["screen_size"] for level in levels])
+    # A mesh that is imported again keeps the Nanite settings it had.
+    editor.set_nanite_settings(mesh, change(editor.get_nanite_settings(mesh), enabled=nanite), True)
+    box = mesh.get_bounding_box()
+    is_now = [box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z]
+    # Without `strict`, which Python 3.9 has not.
+    off_cm = max(abs(a - b) for a, b in zip(is_now, chunk["min_cm"] + chunk["max_cm"]))  # noqa: B905
+    if off_cm > BOX_TOLERANCE_CM:
+        unreal.log_warning(f"plume: {chunk['name']} lies {off_cm:.0f} cm beside its place: other units or axes?")
+    for what, is_now, meant in (
+        ("levels of detail", editor.get_lod_count(mesh), len(levels)),
+        ("convex pieces", editor.get_convex_collision_count(mesh), chunk["convex_pieces"]),
+    ):
+        if is_now != meant:
+            unreal.log_warning(f"plume: {chunk['name']} has {is_now} {what} instead of {meant}")
+    return mesh
+
+
+def set_collision(chunk: dict[str, Any], mesh: unreal.StaticMesh, rock: unreal.PhysicalMaterial, place: str) -> None:
+    """Bodies touch the triangles of the collision mesh, or the convex pieces that have come with the chunk."""
+    body = check(mesh.get_editor_property("body_setup"), f"{chunk['name']} has no body")
+    flags = unreal.CollisionTraceFlag
+    touched = None
+    if chunk["collision_mesh"]:
+        normals = unreal.FBXNormalImportMethod.FBXNIM_COMPUTE_NORMALS
+        touched = import_mesh(chunk["collision_mesh"], place, nanite=False, lods=False, normals=normals)
+    flag = flags.CTF_USE_COMPLEX_AS_SIMPLE if touched else flags.CTF_USE_DEFAULT
+    change(body, collision_trace_flag=flag, phys_material=rock)
+    change(mesh, complex_collision_mesh=touched)
+
+
+def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.StaticMesh]) -> None:
+    """A level with the chunks, the lights and a PlayerStart at each pose."""
+    open_level(place)
+    for name, mesh in meshes.items():
+        actor = spawn(unreal.StaticMeshActor, name, [0.0, 0.0, 0.0])
+        component = actor.get_component_by_class(unreal.StaticMeshComponent)
+        component.set_static_mesh(mesh)
+        component.set_collision_profile_name("BlockAll")
+    for pose in scene["spawns"]:
+        x, y, z = pose["location_cm"]
+        turn = unreal.Rotator(**pose["rotation_deg"])
+        start = spawn(unreal.PlayerStart, pose["name"], [x, y, z + PLAYER_START_CM], turn)
+        change(start, player_start_tag=pose["name"])
+    for light in scene["lights"]:
+        add_light(light)
+    check(unreal.get_editor_subsystem(unreal.LevelEditorSubsystem).save_current_level(), f"{place} was not saved")
+
+
+def open_level(place: str) -> None:
+    """Opens the level of an earlier run without what we had put into it, or a new one."""
+    levels = unreal.get_editor_subsystem(unreal.LevelEditorSubsystem)
+    check(levels.load_level(place) if exists(place) else levels.new_level(place), f"{place} cannot be opened")
+    actors = unreal.get_editor_subsystem(unreal.EditorActorSubsystem)
+    for actor in actors.get_all_level_actors():
+        if actor.actor_has_tag(TAG):
+            actors.destroy_actor(actor)
+
+
+def spawn(kind: type, label: str, location_cm: list[float], turn: unreal.Rotator | None = None) -> unreal.Actor:
+    """A new actor of ours."""
+    actors = unreal.get_editor_subsystem(unreal.EditorActorSubsystem)
+    location = unreal.Vector(*location_cm)
+    actor = check(actors.spawn_actor_from_class(kind, location, turn or unreal.Rotator()), f"{label} cannot be placed")
+    actor.set_actor_label(label)
+    return change(actor, tags=[TAG])
+
+
+def add_light(light: dict[str, Any]) -> None:
+    """A point light that need not be baked."""
+    lamp = spawn(unreal.PointLight, light["name"], light["location_cm"])
+    component = lamp.get_component_by_class(unreal.PointLightComponent)
+    component.set_mobility(unreal.ComponentMobility.MOVABLE)
+    component.set_intensity_units(unreal.LightUnits.CANDELAS)
+    component.set_intensity(light["intensity_cd"])
+    component.set_attenuation_radius(light["attenuation_radius_cm"])
+    component.set_light_color(unreal.LinearColor(*light["color"], 1.0))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else None)
