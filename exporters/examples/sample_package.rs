@@ -67,7 +67,7 @@ fn write_chambers(folder: &Path) -> Result<()> {
     // `FOLDER/<target>_webp`, where WebP is written.
     let webp = sample::Chamber::in_webp(textures.path())?;
     for name in ["glb", "gltf"] {
-        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp)?;
+        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp.scene(), &None)?;
     }
     Ok(())
 }
