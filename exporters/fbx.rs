@@ -130,7 +130,9 @@ struct Loaded {
 impl Loaded {
     fn new(target: &Fbx, scene: &Scene, index: usize) -> Result<Self, ExportError> {
         let pieces = if target.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
-        Ok(Self { chunk: scene.chunk(index)?, pieces })
+        let chunk = scene.chunk(index)?;
+        chunk.material.refuse_unless("fbx", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        Ok(Self { chunk, pieces })
     }
 }
 

@@ -185,6 +185,7 @@ impl Sheaf for ObjFiles<'_> {
         chunk: &Chunk,
         out: &mut dyn Package,
     ) -> Result<Triangles, ExportError> {
+        chunk.material.refuse_unless("obj", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         self.add_material(chunk, out)?;
         self.add_levels(chunk)?;
         Ok([chunk.visual.triangles(), self.add_collision(scene, index, chunk)?])

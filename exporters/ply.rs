@@ -110,6 +110,7 @@ impl Cloud<'_> {
 
 impl Sheaf for Cloud<'_> {
     fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
+        chunk.material.refuse_unless("ply", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let mesh = &chunk.visual;
         let before = self.counts[0];
         self.counts = [before + mesh.positions.len() as u64, self.counts[1] + mesh.triangles()];

@@ -100,6 +100,7 @@ impl Target for Unreal {
 impl Unreal {
     fn write_chunk(&self, scene: &Scene, index: usize, out: &mut dyn Package) -> Result<Entry, ExportError> {
         let chunk = scene.chunk(index)?;
+        chunk.material.refuse_unless("unreal", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let textures = write_textures(&chunk, out)?;
         let mut entry = Entry::new(&chunk, textures);
         let levels = self.levels(&chunk);

@@ -328,10 +328,11 @@ fn webp_images_are_written_or_refused_in_words() {
     let written = |row: &'static TargetRow| {
         let mut package = Memory::default();
         let exported = row.build(json!({}), ledger().as_ref()).unwrap().export(&scene, &mut package);
-        let has_webp = |package: &Memory| package.bytes.values().any(|bytes| holds(bytes, b"image/webp"));
-        exported.map(|_| assert!(has_webp(&package) || row.name == "stl", "{}", row.name))
+        exported.map(|_| assert!(package.bytes.values().any(|bytes| holds(bytes, b"image/webp")), "{}", row.name))
     };
+    // STL has no images.
     let texts: Vec<String> = complete()
+        .filter(|row| row.name != "stl")
         .map(|row| match written(row) {
             Ok(()) => format!("{}: written", row.name),
             Err(error) => told(&error).replace(place, "DIR"),
@@ -351,7 +352,6 @@ fn webp_images_are_written_or_refused_in_words() {
     usage: target `fbx` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
     usage: target `obj` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
     usage: target `ply` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    stl: written
     ");
 }
 

@@ -2,7 +2,7 @@
 
     assimp.py SAMPLE_DIR|CAVE_PACKAGES_DIR
 
-assimp leaves glTF as it is, Y up, and turns FBX by the node that it puts above all others.
+assimp turns nothing: glTF is Y up, and of FBX it tells the axes and the unit that the file has.
 """
 
 import sys
@@ -23,15 +23,29 @@ FILES = {"*": MESHES, "obj": ["**/*.obj"], "gazebo": [], "urdf": []}
 
 
 def by_assimp(path):
-    made = joined(triangles(mesh, place) for mesh, place in meshes(path))
+    scene = open_scene(path)
+    made = joined(triangles(mesh, place) for mesh, place in meshes(scene))
     if path.suffix == ".stl":
         made.normal = None  # they are those of the triangles
-    return made.turned(Z_UP_FROM_Y_UP) if path.suffix in Y_UP else made
+    return made.turned(Z_UP_FROM_Y_UP) if path.suffix in Y_UP else in_axes(made, scene.metadata or {})
 
 
-def meshes(path):
+def open_scene(path):
+    return load(str(path), processing=ProcessingStep.Triangulate)
+
+
+def in_axes(made, told):
+    """From the axes of an FBX: to the right is x, up is z, and away from who looks is y."""
+    if "UpAxis" not in told:
+        return made
+    right, up, front = (np.eye(3)[told[axis]] * told[f"{axis}Sign"] for axis in ("CoordAxis", "UpAxis", "FrontAxis"))
+    made.position = made.position * told["UnitScaleFactor"] / 100  # centimetres are the unit of FBX
+    return made.turned([right, -front, up])
+
+
+def meshes(scene):
     """What is drawn, each with its place in the scene of the file."""
-    yield from below(load(str(path), processing=ProcessingStep.Triangulate).root_node, np.eye(4))
+    yield from below(scene.root_node, np.eye(4))
 
 
 def below(node, world_from_parent):
@@ -64,7 +78,7 @@ def materials(path):
     if path.suffix in (".ply", ".stl"):
         return None
     found = {}
-    for mesh, _ in meshes(path):
+    for mesh, _ in meshes(open_scene(path)):
         properties = dict(mesh.material)
         name, image = properties[NAME], properties.get(COLOR_IMAGE)
         require(image, f"{path.name}: material {name} has no image")

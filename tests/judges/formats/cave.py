@@ -7,6 +7,8 @@ from packages import packages_in, require
 
 PLACE_M = 1e-3
 AREA = 1e-3
+# Their materials are assets of their own beside the meshes.
+ENGINES = {"unity", "unreal"}
 
 
 @dataclass
@@ -46,7 +48,7 @@ def figures(reader, package):
         low, high = np.minimum(low, corners.min(axis=(0, 1))), np.maximum(high, corners.max(axis=(0, 1)))
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         area_m2 += np.linalg.norm(across, axis=1).sum() / 2
-        seen = reader.look(path) if reader.look else None
+        seen = reader.look(path) if reader.look and package.name not in ENGINES else None
         materials = materials if seen is None else (materials or 0) + seen
     return Figures(triangles, np.array([low, high]), area_m2, materials)
 

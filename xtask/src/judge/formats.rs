@@ -7,8 +7,8 @@ use super::spoil::copy_folder;
 use crate::tools::{Result, ensure_debian, root};
 use crate::venv::Environment;
 
-/// Formats that any program opens.
-pub(super) const TARGETS: [&str; 4] = ["fbx", "obj", "ply", "stl"];
+/// Formats that any program opens and that no other judge is for.
+pub(super) const TARGETS: [&str; 3] = ["obj", "ply", "stl"];
 
 /// Whether the samples of the exporters lie in a folder, the marker among them.
 pub(super) fn is_marked(folder: &Path) -> bool {
@@ -23,7 +23,7 @@ pub(super) fn is_shelf(folder: &Path) -> bool {
 /// Copies the packages of the chamber that anyone here reads, beside each other.
 pub(super) fn shelve(sample: &Path) -> Result<PathBuf> {
     let shelf = sample.join("formats");
-    for target in TARGETS.iter().chain(&["gltf", "glb", "gazebo", "urdf"]) {
+    for target in TARGETS.iter().chain(&["fbx", "glb", "gltf", "gazebo", "unity", "unreal", "urdf"]) {
         let package = sample.join(target);
         if package.is_dir() {
             copy_folder(&package, &shelf.join(target)).map_err(|error| error.to_string())?;
