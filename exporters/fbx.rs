@@ -222,7 +222,6 @@ impl Fbx {
 }
 
 fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Result<Maps, ExportError> {
-    chunk.material.refuse_unless("fbx", &[ImageFormat::Png, ImageFormat::Jpeg])?;
     let mut copy = |role: &str, image: &Image| {
         let path = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
         out.copy(&path, &image.path)?;

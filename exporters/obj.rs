@@ -156,7 +156,6 @@ impl<'a> ObjFiles<'a> {
     }
 
     fn add_material(&mut self, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
-        chunk.material.refuse_unless("obj", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let mut copy = |role, image: &Image| {
             let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
             out.copy(&format!("{}{file}", self.stem.folder), &image.path)?;

@@ -118,7 +118,6 @@ impl Sheaf for Cloud<'_> {
         if i32::try_from(self.counts[0]).is_err() {
             return Err(self.too_large());
         }
-        chunk.material.refuse_unless("ply", &[ImageFormat::Png, ImageFormat::Jpeg])?;
         let colors = Sampler::open(&chunk.material.base_color)?;
         let colors: Vec<[u8; 3]> = mesh.uvs.iter().map(|&uv| colors.at(uv)).collect();
         let labels: Vec<u8> = mesh.normals.iter().map(|&normal| ply::label(slope::zone(normal))).collect();

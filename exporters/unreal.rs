@@ -156,7 +156,6 @@ fn level_name(chunk: &str, number: usize) -> String {
 fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, ExportError> {
     let path = |role: &str, extension: &str| format!("textures/{}_{role}.{extension}", chunk.name);
     let material = &chunk.material;
-    material.refuse_unless("unreal", &[ImageFormat::Png, ImageFormat::Jpeg])?;
     let textures = Textures {
         base_color: path("base_color", material.base_color.format.extension()),
         normal: path("normal", "png"),
