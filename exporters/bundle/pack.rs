@@ -15,17 +15,20 @@ use super::Bundle;
 
 /// The file that an archive grows in.
 ///
-/// After its first error it takes whatever comes and fails at the end: a zip that is given up writes its directory all the same, and
-/// would print that it cannot.
-pub struct Sink {
-    file: BufWriter<File>,
+/// After its first error it takes whatever comes, as if it were written at its end, and fails when it is finished: a zip that is
+/// given up writes its directory all the same, would print that it cannot, and fall over if it stood before what it has written.
+pub struct Sink<F = BufWriter<File>> {
+    file: F,
+    at: u64,
+    /// The furthest that it ever was.
+    end: u64,
     has_failed: bool,
 }
 
 impl Sink {
     /// An empty file.
     pub fn new(file: File) -> Self {
-        Self { file: BufWriter::new(file), has_failed: false }
+        Self { file: BufWriter::new(file), at: 0, end: 0, has_failed: false }
     }
 
     /// Writes what is left.
@@ -35,38 +38,38 @@ impl Sink {
             false => self.file.flush(),
         }
     }
+}
 
+impl<F> Sink<F> {
     fn note<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
         self.has_failed |= result.is_err();
         result
     }
 }
 
-impl Write for Sink {
+impl<F: Write> Write for Sink<F> {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        if self.has_failed {
-            return Ok(buffer.len());
-        }
-        let written = self.file.write(buffer);
-        self.note(written)
+        let written = if self.has_failed { Ok(buffer.len()) } else { self.file.write(buffer) };
+        let count = self.note(written)?;
+        self.at += count as u64;
+        self.end = self.end.max(self.at);
+        Ok(count)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if self.has_failed {
-            return Ok(());
-        }
-        let flushed = self.file.flush();
+        let flushed = if self.has_failed { Ok(()) } else { self.file.flush() };
         self.note(flushed)
     }
 }
 
-impl Seek for Sink {
+impl<F: Seek> Seek for Sink<F> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        if self.has_failed {
-            return Ok(0);
-        }
-        let place = self.file.seek(to);
-        self.note(place)
+        let sought = match to {
+            to if !self.has_failed => self.file.seek(to),
+            _ => Ok(self.end),
+        };
+        self.at = self.note(sought)?;
+        Ok(self.at)
     }
 }
 
@@ -197,5 +200,49 @@ fn plain(error: ZipError) -> io::Error {
     match error {
         ZipError::Io(error) => error,
         other => other.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+
+    /// A disk that is full after some bytes.
+    struct Full(Cursor<Vec<u8>>, usize);
+
+    impl Write for Full {
+        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+            if self.0.get_ref().len() + buffer.len() > self.1 {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            self.0.write(buffer)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for Full {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    #[test]
+    fn a_zip_is_given_up_wherever_the_disk_is_full() {
+        for room in 0..600 {
+            let file = Full(Cursor::new(Vec::new()), room);
+            let mut zip = ZipWriter::new(Sink { file, at: 0, end: 0, has_failed: false });
+            let written = ["a.png", "b.png", "c.png"].into_iter().try_for_each(|path| {
+                zip.start_file(path, zip_options().compression_method(zip_method(path))).map_err(plain)?;
+                zip.write_all(&[7; 100])
+            });
+            let finished = written.and_then(|()| zip.finish().map_err(plain).map(drop));
+            let kind = finished.map_err(|error| error.kind());
+            assert!(matches!(kind, Ok(()) | Err(io::ErrorKind::StorageFull)), "{room}: {kind:?}");
+        }
     }
 }
