@@ -89,8 +89,8 @@ def open(folder: str | PathLike[str]) -> Cave:
 def targets() -> dict[str, str]:
     """Targets of `Cave.export`, by name, with what each writes.
 
-    >>> sorted(plume.targets())
-    ['assimp:<id>', 'gazebo', 'glb', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
+    >>> " ".join(sorted(plume.targets()))
+    'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl unity unreal urdf usd usdz'
     """
 
 def generators() -> dict[str, str]:

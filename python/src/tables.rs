@@ -9,8 +9,8 @@ use pyo3::types::PyDict;
 
 /// Targets of `Cave.export`, by name, with what each writes.
 ///
-/// >>> sorted(plume.targets())
-/// ['assimp:<id>', 'gazebo', 'glb', 'gltf', 'isaac', 'mujoco', 'urdf', 'usd', 'usdz']
+/// >>> " ".join(sorted(plume.targets()))
+/// 'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl unity unreal urdf usd usdz'
 #[pyfunction]
 pub fn targets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, TARGETS.iter().map(|row| (row.usage(), row.summary)))

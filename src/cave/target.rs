@@ -36,11 +36,7 @@ pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     let mut rows = choices.iter().map(|choice| choice.row);
     let Some(row) = rows.find(|row| !row.has(bundle)) else { return Ok(bundle) };
     let able = TARGETS.iter().filter(|row| row.has(bundle));
-    let able: Vec<&str> = able.map(|row| row.name).collect();
-    let hint = match able.is_empty() {
-        true => "no target has it".to_owned(),
-        false => format!("targets that have it: {}", able.join(", ")),
-    };
+    let hint = format!("targets that have it: {}", able.map(|row| row.name).collect::<Vec<_>>().join(", "));
     Err(CaveError::Usage { message: format!("target `{}` has no bundle `{name}`", row.name), hint })
 }
 
