@@ -4,6 +4,7 @@
 
 use std::fs;
 use std::process::Command;
+use std::time::Instant;
 
 use crate::plume::Plume;
 use crate::tools::{Result, root, run as run_program};
@@ -33,10 +34,13 @@ const ROWS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD.
+/// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD, `targets` how fast a package is
+/// by every target that needs nothing else.
 pub fn run(chosen: &[String]) -> Result<()> {
-    if chosen.iter().any(|name| name == "usd") {
-        return usd();
+    match chosen.first().map(String::as_str) {
+        Some("usd") => return usd(),
+        Some("targets") => return targets(),
+        _ => {}
     }
     let plume = Plume::build()?;
     println!("row | graph | mesh | texture | sum, CPU s | floor (PNG), CPU s | ratio | peak MB | paper, wall");
@@ -53,6 +57,44 @@ fn usd() -> Result<()> {
     let python = Environment::of_project()?.python();
     println!("{}", run_program(Command::new(python).arg(root().join("python/benches/write_chunk.py")))?);
     Ok(())
+}
+
+/// Runs of each target, of which the fastest counts.
+const RUNS: usize = 5;
+
+/// The default cave, once made.
+fn targets() -> Result<()> {
+    let plume = Plume::build()?;
+    let (cave, package) = ("target/bench-cave", "target/bench-package");
+    plume.output(&["generate", "--output", cave, "--force", "--quiet"])?;
+    println!("target | files | MB | CPU s | MB/s | writing as many bytes, s | ratio");
+    for target in ["gazebo", "mujoco", "unity", "unreal", "urdf", "glb", "gltf", "fbx", "obj", "ply", "stl"] {
+        let export = ["export", cave, "--target", target, "--output", package, "--force", "--json", "--quiet"];
+        let mut runs = (0..RUNS).map(|_| plume.output(&export)).collect::<Result<Vec<_>>>()?;
+        runs.sort_by(|a, b| field(a, target, "cpu_s").total_cmp(&field(b, target, "cpu_s")));
+        let [files, bytes, cpu_s] = ["files", "bytes", "cpu_s"].map(|key| field(&runs[0], target, key));
+        let floor_s = floor(bytes as usize).map_err(|error| error.to_string())?;
+        let megabytes = bytes / 1e6;
+        println!(
+            "{target} | {files} | {megabytes:.1} | {cpu_s:.3} | {:.0} | {floor_s:.3} | {:.1}",
+            megabytes / cpu_s,
+            cpu_s / floor_s
+        );
+    }
+    [cave, package].iter().try_for_each(|folder| fs::remove_dir_all(root().join(folder))).map_err(|e| e.to_string())
+}
+
+/// Seconds to write so many bytes into one file, the least of several runs.
+fn floor(bytes: usize) -> std::io::Result<f64> {
+    let (path, content) = (root().join("target/bench-bytes"), vec![7; bytes]);
+    let mut fastest = f64::INFINITY;
+    for _ in 0..RUNS {
+        let start = Instant::now();
+        fs::write(&path, &content)?;
+        fastest = fastest.min(start.elapsed().as_secs_f64());
+    }
+    fs::remove_file(path)?;
+    Ok(fastest)
 }
 
 fn row(plume: &Plume, name: &str, arguments: &[&str], paper: &str) -> Result<()> {
