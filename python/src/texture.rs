@@ -30,12 +30,16 @@ impl Textures {
         Self { cave, material }
     }
 
-    fn array<'py>(&self, py: Python<'py>, image: &Image) -> PyResult<Bound<'py, PyArray3<u8>>> {
+    /// Grey with one channel, red, green and blue with three, whatever the file has: WebP knows no grey.
+    fn array<'py>(&self, py: Python<'py>, image: &Image, channels: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.cave.get().open(py)?;
         let decoded = work::briefly(py, || decoded(&image.path))?;
         let [height, width] = [decoded.height() as usize, decoded.width() as usize];
-        let channels = usize::from(decoded.color().channel_count());
-        array::block(py, decoded.into_bytes(), [height, width, channels])
+        let pixels = match channels {
+            1 => decoded.into_luma8().into_raw(),
+            _ => decoded.into_rgb8().into_raw(),
+        };
+        array::block(py, pixels, [height, width, channels])
     }
 }
 
@@ -44,25 +48,25 @@ impl Textures {
     /// Base colour: red, green, blue in sRGB.
     #[getter]
     fn base_color<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        self.array(py, &self.material.base_color)
+        self.array(py, &self.material.base_color, 3)
     }
 
     /// Normals in tangent space, +Y up (OpenGL): x, y, z from -1 at 0 to 1 at 255.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        self.array(py, &self.material.normal)
+        self.array(py, &self.material.normal, 3)
     }
 
     /// Occlusion, roughness and metalness (0); linear.
     #[getter]
     fn orm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        self.array(py, &self.material.orm)
+        self.array(py, &self.material.orm, 3)
     }
 
     /// Roughness alone, one channel; linear.
     #[getter]
     fn roughness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        self.array(py, &self.material.roughness)
+        self.array(py, &self.material.roughness, 1)
     }
 
     /// How far the rock lies before the mesh, metres along its normal, (height, width) float32; None unless the recipe asks
