@@ -86,7 +86,7 @@ pub struct Unity(
 impl Target for Unity {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let name = package_name(&scene.name);
+        let (name, bundle) = (package_name(&scene.name), out.bundle());
         let mut writer = Writer {
             settings: &self.0,
             scene,
@@ -98,10 +98,11 @@ impl Target for Unity {
         (0..scene.chunks.len()).try_for_each(|index| writer.write_chunk(index))?;
         let [visual_triangles, collision_triangles] = writer.triangles;
         writer.finish(&name)?;
-        let open = format!(
-            "copy the folder to Packages/{name} of a Unity project, then drag Runtime/{}.prefab into a scene",
-            scene.name
-        );
+        let install = match bundle {
+            Some(Bundle::Tgz) => "in Unity: Package Manager, +, Add package from tarball".to_owned(),
+            _ => format!("copy the folder to Packages/{name} of a Unity project"),
+        };
+        let open = format!("{install}; then drag Runtime/{}.prefab into a scene", scene.name);
         Ok(Summary { visual_triangles, collision_triangles, open })
     }
 

@@ -10,9 +10,11 @@ use std::path::Path;
 use image::RgbImage;
 use nalgebra::Vector3;
 use plume_exporters::Target;
+use plume_exporters::bundle::Bundle;
 use plume_exporters::collision::Collision;
 use plume_exporters::frame::unity_from_scene;
-use plume_exporters::package::Memory;
+use plume_exporters::package::{Existing, Memory};
+use plume_exporters::place::Place;
 use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Mesh, Piece, Scene};
 use plume_exporters::unity::material::Pipeline;
 use plume_exporters::unity::{Unity, UnitySettings, identity};
@@ -45,6 +47,20 @@ fn guids(package: &Memory) -> BTreeMap<String, String> {
     metas
         .map(|path| (path.to_owned(), values(text(package, &format!("{path}.meta")), "\nguid: ")[0].to_owned()))
         .collect()
+}
+
+#[test]
+fn a_folder_and_a_tarball_are_installed_each_in_its_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let how = |bundle: Option<Bundle>| {
+        let path = folder.path().join(bundle.map_or("folder", Bundle::name));
+        let place = Place { path, bundle, existing: Existing::Keep };
+        place.write("unity", &Unity(UnitySettings::default()), &chamber.scene()).unwrap().0.open
+    };
+    let drag = "; then drag Runtime/chamber.prefab into a scene";
+    assert_eq!(how(None), format!("copy the folder to Packages/com.plume.chamber of a Unity project{drag}"));
+    assert_eq!(how(Some(Bundle::Tgz)), format!("in Unity: Package Manager, +, Add package from tarball{drag}"));
 }
 
 #[test]

@@ -78,7 +78,7 @@ impl Summary {
             json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
         self.row(&order.choice.name(), &text, cpu_s, numbers);
-        self.lines.push(format!("  {:9} {open}", "open with"));
+        self.lines.push(format!("  {:9} {open}", "to open:"));
     }
 
     /// A cave folder was made.
