@@ -37,6 +37,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
             tally.enter("physx", usd::spoil());
         }
         for package in export_caves()? {
+            if package.join("manifest.json").is_file() {
+                tally.enter("check", check(&package));
+            }
             judge(&judges, &package, &mut tally);
             if Kind::of(&package) == Some(Kind::Mujoco) {
                 tally.enter("drive", mujoco::drive(&package));
@@ -271,6 +274,11 @@ fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
     export.extend(options.iter().flat_map(|option| ["--option", option]));
     plume.output(&export)?;
     Ok(targets.map(|target| root().join(output).join(target)).into())
+}
+
+/// Not a reader of others: whether ours says of a package that these take that it is whole.
+fn check(package: &Path) -> Result<String> {
+    tools::run(Command::new(Environment::of_project()?.program("plume")).arg("check").arg(package))
 }
 
 fn make_venv() -> Result<()> {
