@@ -1,6 +1,7 @@
 //! usd-core as the library that writes stages.
 
 use std::ffi::CString;
+use std::sync::{Mutex, PoisonError};
 
 use numpy::PyArray1;
 use plume_exporters::ExportError;
@@ -17,6 +18,16 @@ const REQUIREMENT: &str = "usd-core>=25.11,<27";
 /// Versions that write what is tested: from the first, before the second.
 const VERSIONS: [(u32, u32); 2] = [(25, 11), (27, 0)];
 
+/// usd-core lets go of Python's lock while it sets itself up, so that two threads inside of it wait for each other for ever:
+/// targets are written side by side, and take turns here.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+/// Runs `call` when nobody else is in usd-core. The caller must not hold Python's lock, which whoever is may need.
+fn alone<T>(call: impl FnOnce(Python<'_>) -> T) -> T {
+    let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    Python::attach(call)
+}
+
 /// The Python package usd-core, loaded when first needed: that takes a second.
 pub struct UsdCore {
     script: PyOnceLock<Py<PyModule>>,
@@ -30,7 +41,7 @@ impl Default for UsdCore {
 
 impl Library for UsdCore {
     fn check(&self) -> Result<(), ExportError> {
-        Python::attach(|py| {
+        alone(|py| {
             let version = version(py).map_err(|error| missing(&format!("cannot be loaded: {error}")))?;
             if version < VERSIONS[0] || version >= VERSIONS[1] {
                 return Err(missing(&format!("is version {}.{:02} here", version.0, version.1)));
@@ -40,7 +51,7 @@ impl Library for UsdCore {
     }
 
     fn call(&self, function: &'static str, spec: &Value, arrays: Vec<(String, Array)>) -> Result<(), ExportError> {
-        Python::attach(|py| self.call_script(py, function, spec, arrays)).map_err(|error| ExportError::Library {
+        alone(|py| self.call_script(py, function, spec, arrays)).map_err(|error| ExportError::Library {
             library: "usd-core",
             path: spec["path"].as_str().unwrap_or_default().to_owned(),
             message: error.to_string(),
