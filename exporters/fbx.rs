@@ -28,7 +28,7 @@ use crate::error::ExportError;
 use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part};
 use crate::frame::{Axes, Up};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, ImageFormat, Piece, Scene};
+use crate::scene::{Chunk, ImageFormat, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -222,11 +222,7 @@ impl Fbx {
 }
 
 fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Result<Maps, ExportError> {
-    let mut copy = |role: &str, image: &Image| {
-        let path = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
-        out.copy(&path, &image.path)?;
-        Ok::<_, ExportError>(format!("{to_package}{path}"))
-    };
+    let mut copy = |role, image| out.texture("", &chunk.name, role, image).map(|path| format!("{to_package}{path}"));
     let material = &chunk.material;
     Ok(Maps {
         base_color: copy("base_color", &material.base_color)?,

@@ -22,7 +22,7 @@ use crate::error::ExportError;
 use crate::format::obj::{self, Maps};
 use crate::frame::{Axes, sdf_pose};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
+use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
 use crate::sheaf::{self, Growing, Sheaf, Stem, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
@@ -156,11 +156,7 @@ impl<'a> ObjFiles<'a> {
     }
 
     fn add_material(&mut self, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
-        let mut copy = |role, image: &Image| {
-            let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
-            out.copy(&format!("{}{file}", self.stem.folder), &image.path)?;
-            Ok::<String, ExportError>(file)
-        };
+        let mut copy = |role, image| out.texture(self.stem.folder, &chunk.name, role, image);
         let base_color = copy("base_color", &chunk.material.base_color)?;
         let normal = copy("normal", &chunk.material.normal)?;
         let roughness = copy("roughness", &chunk.material.roughness)?;

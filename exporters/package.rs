@@ -15,6 +15,7 @@ use tempfile::TempDir;
 use crate::bundle::Bundle;
 use crate::error::{ExportError, at};
 use crate::manifest;
+use crate::scene::Image;
 
 /// Name of the [manifest](crate::manifest).
 pub const MANIFEST: &str = "manifest.json";
@@ -84,6 +85,17 @@ impl dyn Package + '_ {
         self.write(path, |file| Ok(io::copy(&mut source, file).map(drop)?))?;
         self.files().0.entry(path.to_owned()).and_modify(|entry| entry.source = Some(from.to_owned()));
         Ok(())
+    }
+
+    /// Copies an image of a chunk into `textures/` below `folder`, which is empty or ends with a slash; gives its path from
+    /// there.
+    ///
+    /// # Errors
+    /// As [`copy`](#method.copy).
+    pub fn texture(&mut self, folder: &str, chunk: &str, role: &str, image: &Image) -> Result<String, ExportError> {
+        let file = format!("textures/{chunk}_{role}.{}", image.format.extension());
+        self.copy(&format!("{folder}{file}"), &image.path)?;
+        Ok(file)
     }
 
     /// Writes a text.

@@ -200,8 +200,7 @@ fn write_chunk(
     for (role, image) in
         [("base_color", &chunk.material.base_color), ("normal", &chunk.material.normal), ("orm", &chunk.material.orm)]
     {
-        let file = format!("textures/{}_{role}.{}", chunk.name, image.format.extension());
-        out.copy(&format!("chunks/{file}"), &image.path)?;
+        let file = out.texture("chunks/", &chunk.name, role, image)?;
         textures.insert(role.to_owned(), format!("./{file}").into());
     }
     let mut spec = json!({ "path": path, "textures": textures, "zones": zones });

@@ -23,7 +23,7 @@ use crate::error::ExportError;
 use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
-use crate::scene::{Chunk, Image, ImageFormat, Mesh, Scene};
+use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -145,11 +145,7 @@ fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(
     let name = &chunk.name;
     chunk.material.refuse_unless("urdf", &[ImageFormat::Png, ImageFormat::Jpeg])?;
     let meshes = format!("{package}/meshes");
-    let mut copy = |role, image: &Image| {
-        let texture = format!("textures/{name}_{role}.{}", image.format.extension());
-        out.copy(&format!("{meshes}/{texture}"), &image.path)?;
-        Ok::<String, ExportError>(texture)
-    };
+    let mut copy = |role, image| out.texture(&format!("{meshes}/"), name, role, image);
     let base_color = copy("base_color", &chunk.material.base_color)?;
     let normal = copy("normal", &chunk.material.normal)?;
     let roughness = copy("roughness", &chunk.material.roughness)?;
