@@ -44,7 +44,9 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
 fn read_element(node: Node<'_, '_>, document: &Document<'_>, path: &str, found: &mut Found) {
     let name = node.tag_name().name();
     // A plugin is a library of the simulator, and the root of an SDF is no file.
-    if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) {
+    let is_below = |parent| node.parent_element().is_some_and(|above| above.has_tag_name(parent));
+    // What a surface of COLLADA begins from is an image by its identity.
+    if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) || is_below("surface") {
         return;
     }
     let folder = asset_folder(name, document);
