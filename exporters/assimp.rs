@@ -93,7 +93,7 @@ impl Assimp {
         for index in chunks {
             let chunk = scene.chunk(index)?;
             // Its reader of GLB does not know EXT_texture_webp, and would leave the images out.
-            chunk.material.refuse_unless("assimp", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+            chunk.material.refuse_unless("assimp", &ImageFormat::COMMON)?;
             for (image_path, image) in image_files(&chunk) {
                 out.copy(image_path_in(folder, &image_path).as_str(), &image.path)?;
             }

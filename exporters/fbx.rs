@@ -131,7 +131,7 @@ impl Loaded {
     fn new(target: &Fbx, scene: &Scene, index: usize) -> Result<Self, ExportError> {
         let pieces = if target.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
         let chunk = scene.chunk(index)?;
-        chunk.material.refuse_unless("fbx", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        chunk.material.refuse_unless("fbx", &ImageFormat::COMMON)?;
         Ok(Self { chunk, pieces })
     }
 }
@@ -169,26 +169,19 @@ impl Fbx {
     }
 
     fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<Level<'a>> {
-        let lods = if self.0.lods { &chunk.lods[..] } else { &[] };
-        if lods.is_empty() {
-            return vec![Level { name: chunk.name.clone(), mesh: &chunk.visual, error_m: 0.0 }];
+        match self.0.lods && !chunk.lods.is_empty() {
+            true => fbx::levels(chunk).collect(),
+            false => vec![Level { name: chunk.name.clone(), mesh: &chunk.visual, error_m: 0.0 }],
         }
-        let coarser = lods.iter().map(|lod| (&lod.mesh, lod.error_m));
-        let levels = std::iter::once((&chunk.visual, 0.0)).chain(coarser).enumerate();
-        levels.map(|(n, (mesh, error_m))| Level { name: format!("{}_LOD{n}", chunk.name), mesh, error_m }).collect()
     }
 
     fn colliders<'a>(&self, chunk: &'a Loaded, full_detail: &str) -> Vec<Collider<'a>> {
-        let name = |number| format!("UCX_{full_detail}_{number:02}");
         match self.0.collision {
             FbxCollision::None => Vec::new(),
             FbxCollision::Triangles => {
                 vec![Collider { name: format!("{}_collision", chunk.chunk.name), mesh: &chunk.chunk.collision }]
             }
-            FbxCollision::Pieces => {
-                let pieces = chunk.pieces.iter().enumerate();
-                pieces.map(|(number, piece)| Collider { name: name(number), mesh: &piece.mesh }).collect()
-            }
+            FbxCollision::Pieces => fbx::convex_pieces(full_detail, &chunk.pieces),
         }
     }
 

@@ -76,7 +76,7 @@ impl Target for Gazebo {
         let (mut parts, mut triangles) = (Vec::new(), [0, 0]);
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
-            chunk.material.refuse_unless("gazebo", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+            chunk.material.refuse_unless("gazebo", &ImageFormat::COMMON)?;
             let mut part = write_visual(&model, &chunk, out)?;
             part.collisions = match self.0.collision {
                 Collision::Triangles => vec![write_triangles(&model, scene, &chunk, out)?],

@@ -20,7 +20,7 @@ use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
 use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer};
 use crate::frame::Axes;
-use crate::package::Package;
+use crate::package::{Package, pretty};
 use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings};
 
@@ -146,9 +146,7 @@ impl Documents {
 
     fn write(self, out: &mut dyn Package) -> Result<(), ExportError> {
         for Document { layout, path } in [Some(self.full), self.lods].into_iter().flatten() {
-            let mut text = layout.finish().to_string_pretty().map_err(std::io::Error::from)?;
-            text.push('\n');
-            out.text(&path, &text)?;
+            out.text(&path, &pretty(&layout.finish())?)?;
         }
         Ok(())
     }

@@ -1,4 +1,5 @@
-//! Names that are safe everywhere: SDF and URDF elements, USD prims, glTF nodes and file names on every system.
+//! Names that are safe everywhere: SDF and URDF elements, USD prims, glTF nodes and file names on every system; and those by
+//! which importers know what a mesh is for.
 
 /// Whether `name` is `[a-z][a-z0-9_]*`.
 pub fn is_safe(name: &str) -> bool {
@@ -20,6 +21,16 @@ pub fn safe(text: &str) -> String {
         true => name.to_owned(),
         false => format!("scene_{name}").trim_end_matches('_').to_owned(),
     }
+}
+
+/// Of a level of detail, 0 being the full one: what engines know levels by.
+pub fn level(chunk: &str, number: usize) -> String {
+    format!("{chunk}_LOD{number}")
+}
+
+/// Of a convex piece of the mesh called `mesh`: what Unreal knows collision by.
+pub fn convex_piece(mesh: &str, number: usize) -> String {
+    format!("UCX_{mesh}_{number:02}")
 }
 
 fn is_safe_char(letter: char) -> bool {

@@ -73,10 +73,7 @@ impl Target for Obj {
         let comment = format!("{}, made by {}; metres, right-handed, Z up", scene.name, scene.generator);
         let [visual_triangles, collision_triangles] =
             sheaf::write(scene, self.0.per_chunk, out, |stem| ObjFiles::start(&self.0, &comment, stem))?;
-        let open = match self.0.per_chunk {
-            true => "open the files of chunks/ together".to_owned(),
-            false => format!("open {}.obj", scene.name),
-        };
+        let open = sheaf::how_to_open(scene, self.0.per_chunk, "obj");
         let values = context! {
             name => &scene.name,
             description => &scene.description,
@@ -180,7 +177,7 @@ impl Sheaf for ObjFiles<'_> {
         chunk: &Chunk,
         out: &mut dyn Package,
     ) -> Result<Triangles, ExportError> {
-        chunk.material.refuse_unless("obj", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        chunk.material.refuse_unless("obj", &ImageFormat::COMMON)?;
         self.add_material(chunk, out)?;
         self.add_levels(chunk)?;
         Ok([chunk.visual.triangles(), self.add_collision(scene, index, chunk)?])

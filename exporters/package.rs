@@ -314,6 +314,13 @@ fn is_package(path: &Path) -> bool {
     fs::read(path.join(MANIFEST)).is_ok_and(|text| manifest::is_ours(&text))
 }
 
+/// JSON for people to read, with a newline at its end.
+pub(crate) fn pretty(value: &impl Serialize) -> Result<String, ExportError> {
+    let mut text = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
+    text.push('\n');
+    Ok(text)
+}
+
 /// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.
 fn place(path: &Path) -> io::Result<PathBuf> {
     match path.canonicalize() {

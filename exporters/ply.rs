@@ -57,10 +57,7 @@ impl Target for Ply {
             let (body, faces) = (stem.grow(".ply")?, stem.grow(".faces")?);
             Ok(Cloud { comments: &comments, body, faces, counts: [0, 0] })
         })?;
-        let open = match self.0.per_chunk {
-            true => "open the files of chunks/ together".to_owned(),
-            false => format!("open {}.ply", scene.name),
-        };
+        let open = sheaf::how_to_open(scene, self.0.per_chunk, "ply");
         let values = context! {
             name => &scene.name,
             description => &scene.description,
@@ -110,7 +107,7 @@ impl Cloud<'_> {
 
 impl Sheaf for Cloud<'_> {
     fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
-        chunk.material.refuse_unless("ply", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        chunk.material.refuse_unless("ply", &ImageFormat::COMMON)?;
         let mesh = &chunk.visual;
         let before = self.counts[0];
         self.counts = [before + mesh.positions.len() as u64, self.counts[1] + mesh.triangles()];

@@ -146,6 +146,14 @@ pub struct Chunk {
     pub material: Material,
 }
 
+impl Chunk {
+    /// Every level of detail, the full one first, with how far it lies from the full one at most, in metres.
+    pub fn levels(&self) -> impl Iterator<Item = (&Mesh, f32)> {
+        let coarser = self.lods.iter().map(|lod| (&lod.mesh, lod.error_m));
+        std::iter::once((&self.visual, 0.0)).chain(coarser)
+    }
+}
+
 /// A coarser level of detail of a visual mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lod {
@@ -344,6 +352,9 @@ pub enum ImageFormat {
 }
 
 impl ImageFormat {
+    /// Those that nearly every program reads.
+    pub const COMMON: [Self; 2] = [Self::Png, Self::Jpeg];
+
     /// File name extension.
     pub fn extension(self) -> &'static str {
         match self {

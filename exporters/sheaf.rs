@@ -56,6 +56,14 @@ pub(crate) fn write<S: Sheaf>(
     Ok(triangles)
 }
 
+/// How the files are opened that end in `extension`.
+pub(crate) fn how_to_open(scene: &Scene, per_chunk: bool, extension: &str) -> String {
+    match per_chunk {
+        true => "open the files of chunks/ together".to_owned(),
+        false => format!("open {}.{extension}", scene.name),
+    }
+}
+
 /// How the files of a sheaf are called, and where they grow.
 #[derive(Clone)]
 pub(crate) struct Stem {

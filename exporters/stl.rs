@@ -63,10 +63,7 @@ impl Target for Stl {
         let [visual_triangles, collision_triangles] = sheaf::write(scene, self.0.per_chunk, out, |stem| {
             Ok(Solid { shape: self.0.mesh, comment: &comment, body: stem.grow(".stl")?, triangles: 0 })
         })?;
-        let open = match self.0.per_chunk {
-            true => "open the files of chunks/ together".to_owned(),
-            false => format!("open {}.stl", scene.name),
-        };
+        let open = sheaf::how_to_open(scene, self.0.per_chunk, "stl");
         let triangles = visual_triangles + collision_triangles;
         let values = context! {
             name => &scene.name,

@@ -32,7 +32,7 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{Axes, Up, micro};
-use crate::package::Package;
+use crate::package::{Package, pretty};
 use crate::scene::{Chunk, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
@@ -151,7 +151,7 @@ impl Writer<'_> {
         };
         let textures = texture::write(&chunk, &mut self.assets)?;
         let material = material::write(&chunk.name, self.settings.pipeline, &textures, &mut self.assets)?;
-        let names: Vec<String> = (0..=chunk.lods.len()).map(|level| format!("{}_LOD{level}", chunk.name)).collect();
+        let names: Vec<String> = fbx::levels(&chunk).map(|level| level.name).collect();
         let model = Model { guid: self.write_model(&chunk, &names, &shapes, &textures, material)?, material };
         let group = self.prefab.add_chunk(&chunk, &names, model);
         for zone in Zone::ALL {
@@ -180,11 +180,9 @@ impl Writer<'_> {
             roughness: None,
             occlusion_roughness_metalness: None,
         };
-        let meshes = [(&chunk.visual, 0.0)].into_iter().chain(chunk.lods.iter().map(|lod| (&lod.mesh, lod.error_m)));
-        let levels = names.iter().zip(meshes);
         let part = fbx::Part {
             name: &chunk.name,
-            levels: levels.map(|(name, (mesh, error_m))| fbx::Level { name: name.clone(), mesh, error_m }).collect(),
+            levels: fbx::levels(chunk).collect(),
             colliders: shapes
                 .iter()
                 .map(|shape| fbx::Collider { name: shape.name.clone(), mesh: &shape.mesh })
@@ -301,7 +299,5 @@ fn manifest(scene: &Scene, name: &str) -> Result<String, ExportError> {
         "keywords": ["cave", "environment", "robotics"],
         "hideInEditor": false,
     });
-    let mut text = serde_json::to_string_pretty(&manifest).map_err(std::io::Error::from)?;
-    text.push('\n');
-    Ok(text)
+    pretty(&manifest)
 }

@@ -28,8 +28,8 @@ use crate::error::ExportError;
 use crate::format::{fbx, pixels};
 use crate::frame::{Axes, Up, micro};
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Mesh, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::scene::{Chunk, ImageFormat, Piece, Scene};
+use crate::{Build, Summary, Target, TargetRow, names, settings, template};
 use index::{Entry, Textures};
 
 mod index;
@@ -100,7 +100,7 @@ impl Target for Unreal {
 impl Unreal {
     fn write_chunk(&self, scene: &Scene, index: usize, out: &mut dyn Package) -> Result<Entry, ExportError> {
         let chunk = scene.chunk(index)?;
-        chunk.material.refuse_unless("unreal", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+        chunk.material.refuse_unless("unreal", &ImageFormat::COMMON)?;
         let textures = write_textures(&chunk, out)?;
         let mut entry = Entry::new(&chunk, textures);
         let levels = self.levels(&chunk);
@@ -122,14 +122,8 @@ impl Unreal {
 
     /// The full detail and, if they are wanted, the coarser levels.
     fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<fbx::Level<'a>> {
-        let level = |number: usize, mesh: &'a Mesh, error_m: f32| fbx::Level {
-            name: level_name(&chunk.name, number),
-            mesh,
-            error_m,
-        };
-        let coarser = chunk.lods.iter().enumerate().filter(|_| self.0.lods);
-        let coarser = coarser.map(|(number, lod)| level(number + 1, &lod.mesh, lod.error_m));
-        std::iter::once(level(0, &chunk.visual, 0.0)).chain(coarser).collect()
+        let wanted = if self.0.lods { usize::MAX } else { 1 };
+        fbx::levels(chunk).take(wanted).collect()
     }
 
     fn readme(&self, scene: &Scene, entries: &[Entry]) -> String {
@@ -147,10 +141,6 @@ impl Unreal {
         };
         template::fill("README.md", include_str!("../templates/unreal/README.md.jinja"), &values)
     }
-}
-
-fn level_name(chunk: &str, number: usize) -> String {
-    format!("{chunk}_LOD{number}")
 }
 
 fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, ExportError> {
@@ -207,6 +197,5 @@ fn write_collision(
 
 /// Convex pieces under names by which Unreal finds the mesh that they belong to.
 fn colliders<'a>(chunk: &str, pieces: &'a [Piece]) -> Vec<fbx::Collider<'a>> {
-    let name = |number: usize| format!("UCX_{}_{number:02}", level_name(chunk, 0));
-    pieces.iter().enumerate().map(|(number, piece)| fbx::Collider { name: name(number), mesh: &piece.mesh }).collect()
+    fbx::convex_pieces(&names::level(chunk, 0), pieces)
 }

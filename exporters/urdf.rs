@@ -143,7 +143,7 @@ impl Origin {
 
 fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
     let name = &chunk.name;
-    chunk.material.refuse_unless("urdf", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+    chunk.material.refuse_unless("urdf", &ImageFormat::COMMON)?;
     let meshes = format!("{package}/meshes");
     let mut copy = |role, image| out.texture(&format!("{meshes}/"), name, role, image);
     let base_color = copy("base_color", &chunk.material.base_color)?;

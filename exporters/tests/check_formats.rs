@@ -70,6 +70,7 @@ fn markup_is_read() {
         ("a.urdf", b"<robot><mesh filename=\"package://cave/meshes/a.obj\"/><mesh filename=\"file:///a.obj\"/></robot>"),
         ("a.xml", b"<mujoco><compiler texturedir=\"images\"/><asset><texture file=\"rock.png\"/></asset></mujoco>"),
         ("b.xml", b"<!DOCTYPE a [<!ENTITY b SYSTEM \"file:///etc/passwd\">]><a>&b;</a>"),
+        ("a.dae", b"<COLLADA xmlns=\"a\"><image><init_from>gone.png</init_from></image><surface file=\"b.png\"><init_from>image-1</init_from></surface></COLLADA>"),
         ("deep.xml", deep.as_bytes()),
         ("many.xml", many.as_bytes()),
         ("a.usda", b"#usda 1.0\n(doc = \"mail me @home\") # not @this@\nasset a = @./rock.png@\nasset b = @gone.usdc@\n"),
@@ -83,6 +84,8 @@ fn markup_is_read() {
     a.urdf: names `package://cave/meshes/a.obj`, which is not here
     a.xml: names `images/rock.png`, which is not here
     b.xml: is no XML: XML with DTD detected
+    a.dae: names `b.png`, which is not here
+    a.dae: names `gone.png`, which is not here
     deep.xml: is no XML: the root node was opened but never closed
     many.xml: has an element with more than 1000 attributes
     a.usda: names `gone.usdc`, which is not here

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "sample/changed.rs"]
+mod changed;
 #[path = "sample/ledger.rs"]
 mod ledger;
 mod sample;
@@ -19,6 +21,7 @@ use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, Target, TargetRow, target};
 use serde_json::json;
 
+use changed::Changed;
 use ledger::{complete, ledger};
 use told::told;
 use touched::touched;
@@ -81,7 +84,7 @@ fn a_failed_export_leaves_nothing_behind() {
     for image in missing {
         fs::remove_file(folder.path().join(image)).unwrap();
     }
-    let unreadable = Spoiled { inner: &chamber, spoil: |_| Err(io::Error::other("chunks/1.bin: ends early")) };
+    let unreadable = Changed { inner: &chamber, change: second(|_| Err(io::Error::other("chunks/1.bin: ends early"))) };
     for row in complete() {
         // STL has no images that could be missing.
         let (chunks, names): (&dyn Chunks, &[&str]) = match row.name {
@@ -257,29 +260,9 @@ fn a_full_disk_is_told_with_the_file() {
     ");
 }
 
-/// Replaces the second chunk by whatever `spoil` makes of it.
-struct Spoiled<'a> {
-    inner: &'a sample::Chamber,
-    spoil: fn(Chunk) -> io::Result<Chunk>,
-}
-
-impl Chunks for Spoiled<'_> {
-    fn len(&self) -> usize {
-        self.inner.len()
-    }
-
-    fn load(&self, index: usize) -> io::Result<Chunk> {
-        let chunk = self.inner.load(index)?;
-        if index == 1 { (self.spoil)(chunk) } else { Ok(chunk) }
-    }
-
-    fn neighbors(&self, index: usize) -> Vec<usize> {
-        self.inner.neighbors(index)
-    }
-
-    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
-        self.inner.pieces(index)
-    }
+/// Spoils the second chunk.
+fn second(spoil: fn(Chunk) -> io::Result<Chunk>) -> impl Fn(usize, Chunk) -> io::Result<Chunk> {
+    move |index, chunk| if index == 1 { spoil(chunk) } else { Ok(chunk) }
 }
 
 #[test]
@@ -304,7 +287,7 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
     ];
     let mut texts = Vec::new();
     for spoil in spoilers {
-        let spoiled = Spoiled { inner: &chamber, spoil };
+        let spoiled = Changed { inner: &chamber, change: second(spoil) };
         let scene = Scene { chunks: &spoiled, ..chamber.scene() };
         let mut errors = complete().map(|row| {
             let target = row.build(json!({}), ledger().as_ref()).unwrap();

@@ -2,19 +2,23 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "sample/changed.rs"]
+mod changed;
 mod sample;
 
 use std::collections::HashMap;
 use std::f32::consts::FRAC_1_SQRT_2;
-use std::io::{self, BufReader, Cursor};
+use std::io::{BufReader, Cursor};
 
 use plume_exporters::format::obj;
 use plume_exporters::package::Memory;
-use plume_exporters::scene::{Chunk, Chunks, Height, Mesh, Piece, Scene, Zone};
+use plume_exporters::scene::{Chunk, Chunks, Height, Mesh, Scene, Zone};
 use plume_exporters::target;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Property};
 use serde_json::{Value, json};
+
+use changed::Changed;
 
 fn export(name: &str, settings: Value) -> (Memory, sample::Chamber, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
@@ -47,34 +51,16 @@ fn corners_of(models: &[tobj::Model]) -> Vec<[f32; 3]> {
     models.iter().flat_map(|model| model.mesh.indices.iter().map(|&v| corner(&model.mesh, v as usize))).collect()
 }
 
-/// The chamber with its roughness for heights.
-struct High<'a>(&'a sample::Chamber);
-
-impl Chunks for High<'_> {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn load(&self, index: usize) -> io::Result<Chunk> {
-        let mut chunk = self.0.load(index)?;
-        chunk.material.height = Some(Height { image: chunk.material.roughness.clone(), amplitude_m: 0.25 });
-        Ok(chunk)
-    }
-
-    fn neighbors(&self, index: usize) -> Vec<usize> {
-        self.0.neighbors(index)
-    }
-
-    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
-        self.0.pieces(index)
-    }
-}
-
 #[test]
 fn the_material_of_an_obj_names_its_heights_and_how_high_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let scene = Scene { chunks: &High(&chamber), ..chamber.scene() };
+    let roughness_for_height = |_, mut chunk: Chunk| {
+        chunk.material.height = Some(Height { image: chunk.material.roughness.clone(), amplitude_m: 0.25 });
+        Ok(chunk)
+    };
+    let high = Changed { inner: &chamber, change: roughness_for_height };
+    let scene = Scene { chunks: &high, ..chamber.scene() };
     let mut memory = Memory::default();
     target("obj").unwrap().build(json!({}), None).unwrap().export(&scene, &mut memory).unwrap();
     for material in read_obj(&memory, "chamber.obj").1 {

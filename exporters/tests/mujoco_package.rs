@@ -2,20 +2,26 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "sample/changed.rs"]
+mod changed;
 mod sample;
+#[path = "sample/told.rs"]
+mod told;
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io;
 
 use plume_exporters::bundle::{Archive, Bundle};
 use plume_exporters::mujoco::{self, Collision, Mujoco, MujocoSettings};
 use plume_exporters::package::{Existing, Memory, Package};
 use plume_exporters::place::Place;
-use plume_exporters::scene::{Chunk, Chunks, ImageFormat, Piece, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Scene};
 use plume_exporters::{ExportError, Target, target};
 use roxmltree::{Document, Node};
 use serde_json::json;
+
+use changed::Changed;
+use told::told;
 
 fn export(settings: MujocoSettings) -> Memory {
     let folder = tempfile::tempdir().unwrap();
@@ -187,7 +193,7 @@ fn an_archive_is_the_same_each_time_and_its_model_stands_alone() {
     archive(&again, Existing::Keep).unwrap();
     assert!(fs::read(&first).unwrap() == fs::read(&again).unwrap());
     let mut zip = zip::ZipArchive::new(File::open(&first).unwrap()).unwrap();
-    let model = io::read_to_string(zip.by_name("model.xml").unwrap()).unwrap();
+    let model = std::io::read_to_string(zip.by_name("model.xml").unwrap()).unwrap();
     let names: Vec<String> = zip.file_names().map(|name| name.unwrap().into_owned()).collect();
     // MjSpec.from_zip takes the last one for the model.
     assert_eq!(names.iter().rfind(|name| name.ends_with(".xml")).unwrap(), "model.xml");
@@ -233,35 +239,15 @@ fn a_failed_archive_leaves_nothing_behind() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Chunks with images that MuJoCo does not read.
-struct Jpegs<'a>(&'a sample::Chamber);
-
-impl Chunks for Jpegs<'_> {
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    fn load(&self, index: usize) -> io::Result<Chunk> {
-        let mut chunk = self.0.load(index)?;
-        chunk.material.base_color.format = ImageFormat::Jpeg;
-        chunk.material.base_color.path = "0_base_color.jpg".into();
-        Ok(chunk)
-    }
-
-    fn neighbors(&self, index: usize) -> Vec<usize> {
-        self.0.neighbors(index)
-    }
-
-    fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {
-        self.0.pieces(index)
-    }
-}
-
 #[test]
 fn what_cannot_be_is_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let jpegs = Jpegs(&chamber);
+    let jpeg = |_, mut chunk: Chunk| {
+        chunk.material.base_color = Image { path: "0_base_color.jpg".into(), format: ImageFormat::Jpeg };
+        Ok(chunk)
+    };
+    let jpegs = Changed { inner: &chamber, change: jpeg };
     let scene = Scene { chunks: &jpegs, ..chamber.scene() };
     let image = Mujoco(MujocoSettings::default()).export(&scene, &mut Memory::default()).unwrap_err();
     let called_rover = Scene { name: "rover".to_owned(), ..chamber.scene() };
@@ -274,12 +260,6 @@ fn what_cannot_be_is_refused_in_words() {
     usage: settings of target `mujoco`: unknown variant `hulls`, expected one of `pieces`, `flex`, `floor_field`
     usage: settings of target `mujoco`: invalid value: integer `-1`, expected u32
     ");
-}
-
-fn told(error: &ExportError) -> String {
-    let kind = if error.is_usage() { "usage" } else { "system" };
-    let hint = error.hint().map(|hint| format!(" (hint: {hint})")).unwrap_or_default();
-    format!("{kind}: {error}{hint}")
 }
 
 /// The whole text, so that a change of it is seen in review.

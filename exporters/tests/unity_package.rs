@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "sample/changed.rs"]
+mod changed;
 mod sample;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,9 +17,11 @@ use plume_exporters::collision::Collision;
 use plume_exporters::frame::unity_from_scene;
 use plume_exporters::package::{Existing, Memory};
 use plume_exporters::place::Place;
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Mesh, Piece, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Mesh, Scene};
 use plume_exporters::unity::material::Pipeline;
 use plume_exporters::unity::{Unity, UnitySettings, identity};
+
+use changed::Changed;
 
 fn export(settings: UnitySettings, scene: &Scene) -> Memory {
     let mut memory = Memory::default();
@@ -84,39 +88,17 @@ fn the_same_cave_has_the_same_identities_and_another_one_others() {
     let of = |scene: &Scene| guids(&export(UnitySettings::default(), scene));
     let first = of(&chamber.scene());
     assert_eq!(first, of(&chamber.scene()));
-    let changed = Altered { inner: &chamber, alter: |chunk| chunk.collision.positions[0][0] += 1.0 };
+    let moved = |_, mut chunk: Chunk| {
+        chunk.collision.positions[0][0] += 1.0;
+        Ok(chunk)
+    };
+    let changed = Changed { inner: &chamber, change: moved };
     let others = [Scene { name: "hall".to_owned(), ..chamber.scene() }, Scene { chunks: &changed, ..chamber.scene() }];
     for other in &others {
         let other = of(other);
         for path in ["Runtime", "Runtime/Meshes/chunk_0_0_0.fbx", "manifest.json"] {
             assert_ne!(first[path], other[path]);
         }
-    }
-}
-
-/// The chamber, every chunk of it changed a little.
-struct Altered<'a> {
-    inner: &'a sample::Chamber,
-    alter: fn(&mut Chunk),
-}
-
-impl Chunks for Altered<'_> {
-    fn len(&self) -> usize {
-        self.inner.len()
-    }
-
-    fn load(&self, index: usize) -> std::io::Result<Chunk> {
-        let mut chunk = self.inner.load(index)?;
-        (self.alter)(&mut chunk);
-        Ok(chunk)
-    }
-
-    fn neighbors(&self, index: usize) -> Vec<usize> {
-        self.inner.neighbors(index)
-    }
-
-    fn pieces(&self, index: usize) -> std::io::Result<Vec<Piece>> {
-        self.inner.pieces(index)
     }
 }
 
@@ -242,14 +224,14 @@ fn images_may_be_jpeg() {
             image::open(&png).unwrap().save(png.with_extension("jpg")).unwrap();
         }
     }
-    let jpeg = Altered {
-        inner: &chamber,
-        alter: |Chunk { material, .. }| {
-            for image in [&mut material.base_color, &mut material.normal, &mut material.orm] {
-                *image = Image { path: image.path.with_extension("jpg"), format: ImageFormat::Jpeg };
-            }
-        },
+    let as_jpeg = |_, mut chunk: Chunk| {
+        let material = &mut chunk.material;
+        for image in [&mut material.base_color, &mut material.normal, &mut material.orm] {
+            *image = Image { path: image.path.with_extension("jpg"), format: ImageFormat::Jpeg };
+        }
+        Ok(chunk)
     };
+    let jpeg = Changed { inner: &chamber, change: as_jpeg };
     let package = export(UnitySettings::default(), &Scene { chunks: &jpeg, ..chamber.scene() });
     let orm = image::open(folder.path().join("0_orm.jpg")).unwrap().into_rgb8();
     check_mask(&package, "chunk_0_0_0", &orm);

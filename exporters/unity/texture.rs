@@ -56,7 +56,7 @@ impl Kind {
 /// When an image cannot be read, or a file not be written.
 pub fn write(chunk: &Chunk, assets: &mut Assets) -> Result<Textures, ExportError> {
     let material = &chunk.material;
-    material.refuse_unless("unity", &[ImageFormat::Png, ImageFormat::Jpeg])?;
+    material.refuse_unless("unity", &ImageFormat::COMMON)?;
     Ok(Textures {
         base_color: copy(chunk, Kind::Color, &material.base_color, assets)?,
         normal: copy(chunk, Kind::Normal, &material.normal, assets)?,

@@ -8,7 +8,7 @@ use super::UnrealSettings;
 use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{unreal_from_scene, unreal_pose_from_scene};
-use crate::package::Package;
+use crate::package::{Package, pretty};
 use crate::scene::{Chunk, Light, Mesh, Piece, Scene};
 
 /// Width and height of the screen that levels of detail are chosen for, in pixels; it shows 90° across.
@@ -148,9 +148,7 @@ pub(super) fn write(
         "spawns": scene.spawns.iter().enumerate().map(spawn).collect::<Vec<_>>(),
         "lights": lights.iter().map(light).collect::<Vec<_>>(),
     });
-    let mut text = serde_json::to_string_pretty(&index).map_err(std::io::Error::from)?;
-    text.push('\n');
-    out.text("scene.json", &text)
+    out.text("scene.json", &pretty(&index)?)
 }
 
 fn spawn((number, pose): (usize, &Isometry3<f64>)) -> Value {

@@ -44,20 +44,25 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
 fn read_element(node: Node<'_, '_>, document: &Document<'_>, path: &str, found: &mut Found) {
     let name = node.tag_name().name();
     // A plugin is a library of the simulator, and the root of an SDF is no file.
-    let is_below = |parent| node.parent_element().is_some_and(|above| above.has_tag_name(parent));
-    // What a surface of COLLADA begins from is an image by its identity.
-    if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) || is_below("surface") {
+    if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) {
         return;
     }
     let folder = asset_folder(name, document);
     for attribute in node.attributes().filter(|attribute| is_file(attribute.name())) {
         found.reference(path, format!("{folder}{}", attribute.value()));
     }
-    if FILE_ELEMENTS.contains(&name)
+    if is_file_element(node)
         && let Some(to) = node.text().map(str::trim).filter(|to| !to.is_empty())
     {
         found.reference(path, to);
     }
+}
+
+/// In COLLADA an image begins from a file, but a surface from an image, by its identity.
+fn is_file_element(node: Node<'_, '_>) -> bool {
+    let is_of_surface = || node.parent_element().is_some_and(|parent| parent.tag_name().name() == "surface");
+    let name = node.tag_name().name();
+    FILE_ELEMENTS.contains(&name) && !(name == "init_from" && is_of_surface())
 }
 
 fn is_file(attribute: &str) -> bool {

@@ -9,8 +9,9 @@
 
 use crate::error::ExportError;
 use crate::frame::Up;
+use crate::names;
 use crate::package::Package;
-use crate::scene::Mesh;
+use crate::scene::{Chunk, Mesh, Piece};
 pub use document::Document;
 
 mod document;
@@ -61,6 +62,19 @@ pub struct Collider<'a> {
     pub name: String,
     /// Positions and triangles.
     pub mesh: &'a Mesh,
+}
+
+/// The levels of detail of a chunk, under the names by which engines know them.
+pub fn levels(chunk: &Chunk) -> impl Iterator<Item = Level<'_>> {
+    let levels = chunk.levels().enumerate();
+    levels.map(|(number, (mesh, error_m))| Level { name: names::level(&chunk.name, number), mesh, error_m })
+}
+
+/// Convex pieces of the mesh called `mesh`, under the names by which Unreal knows them.
+pub fn convex_pieces<'a>(mesh: &str, pieces: &'a [Piece]) -> Vec<Collider<'a>> {
+    let collider =
+        |(number, piece): (usize, &'a Piece)| Collider { name: names::convex_piece(mesh, number), mesh: &piece.mesh };
+    pieces.iter().enumerate().map(collider).collect()
 }
 
 /// A part of the world with one material.

@@ -4,11 +4,10 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::geometry::bounds;
-use super::layout::level_name;
 use crate::error::ExportError;
-use crate::frame;
-use crate::package::Package;
+use crate::package::{Package, pretty};
 use crate::scene::{Chunk, Light, Piece, Scene};
+use crate::{frame, names};
 
 /// A chunk as the index tells of it.
 #[derive(Serialize)]
@@ -51,7 +50,7 @@ impl Entry {
     /// The same with the coarser levels of the chunk.
     pub fn with_levels(self, chunk: &Chunk) -> Self {
         let levels = (1..).zip(&chunk.lods).map(|(number, lod)| Level {
-            node: level_name(&chunk.name, number),
+            node: names::level(&chunk.name, number),
             triangles: lod.mesh.triangles(),
             error_m: lod.error_m,
         });
@@ -79,9 +78,7 @@ pub fn write(scene: &Scene, entries: &[Entry], out: &mut dyn Package) -> Result<
         "spawns": scene.spawns.iter().map(spawn).collect::<Vec<_>>(),
         "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
     });
-    let mut text = serde_json::to_string_pretty(&index).map_err(std::io::Error::from)?;
-    text.push('\n');
-    out.text("scene.json", &text)
+    out.text("scene.json", &pretty(&index)?)
 }
 
 fn spawn(pose: &nalgebra::Isometry3<f64>) -> Value {

@@ -12,6 +12,7 @@ use super::Style;
 use super::geometry::VERTEX;
 use super::payload::Payload;
 use crate::error::ExportError;
+use crate::names;
 use crate::scene::{self, Chunk, Piece, Scene};
 
 /// The screen of [`screen_coverage`], pixels.
@@ -69,7 +70,7 @@ impl Layout {
             .enumerate()
             .map(|(number, piece)| {
                 let primitive = self.primitive(&piece.mesh, &VERTEX[..1], &mut payload);
-                let child = self.node(format!("UCX_{}_{number:02}", chunk.name), primitive);
+                let child = self.node(names::convex_piece(&chunk.name, number), primitive);
                 self.root.push(child)
             })
             .collect();
@@ -90,7 +91,7 @@ impl Layout {
         for (number, lod) in (1..).zip(&chunk.lods) {
             let primitive = self.primitive(&lod.mesh, &VERTEX, &mut payload);
             let primitive = Primitive { material: Some(placed.material), ..primitive };
-            let node = self.node(level_name(&chunk.name, number), primitive);
+            let node = self.node(names::level(&chunk.name, number), primitive);
             ids.push(self.root.push(Node { extras: extras(&json!({ "error_m": lod.error_m })), ..node }));
         }
         self.use_extension("MSFT_lod");
@@ -138,11 +139,6 @@ fn add_once(names: &mut Vec<String>, name: &str) {
     if !names.iter().any(|known| known == name) {
         names.push(name.to_owned());
     }
-}
-
-/// The name of a coarser level of a chunk, counted from one.
-pub(super) fn level_name(chunk: &str, number: usize) -> String {
-    format!("{chunk}_LOD{number}")
 }
 
 /// The name of the buffer of all coarser levels of a chunk.
