@@ -2,19 +2,17 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
+#[path = "common/world.rs"]
+mod world;
 
 use common::{assert_lawful, chunks, triangle_set, visuals};
 use nalgebra::Point3;
 use plume::field::{CaveField, PassageSettings};
-use plume::graph::{GENERATORS, GeneratorRow, Graph, Node};
+use plume::graph::{GENERATORS, Graph, Node};
 use plume::material::{Look, MATERIALS, MaterialRow};
 use plume::mesh::MeshSettings;
 use serde_json::json;
-
-fn graph(row: &GeneratorRow, nodes: u32, seed: u64) -> Graph {
-    let generator = (row.read)(json!({ "nodes": nodes })).unwrap();
-    generator.generate(seed).unwrap()
-}
+use world::small;
 
 fn field(graph: &Graph, row: &MaterialRow, seed: u64) -> CaveField {
     let material = (row.read)(json!({})).unwrap();
@@ -31,7 +29,7 @@ fn whole(voxel_m: f32, chunk_m: f32) -> MeshSettings {
 fn every_generator_in_every_rock_is_lawful() {
     for (generator, material) in GENERATORS.iter().flat_map(|g| MATERIALS.iter().map(move |m| (g, m))) {
         for (seed, voxel_m, chunk_m) in [(1, 0.2, 16.0), (2, 0.25, 8.0), (3, 0.3, 32.0)] {
-            let field = field(&graph(generator, 10, seed), material, seed);
+            let field = field(&small(generator, 10, seed), material, seed);
             let settings = MeshSettings { voxel_m, chunk_m: [chunk_m; 3], ..MeshSettings::default() };
             let made = chunks(&field, field.bounds(), &settings);
             let report = assert_lawful(&visuals(&made));
@@ -44,7 +42,7 @@ fn every_generator_in_every_rock_is_lawful() {
 #[test]
 fn chunk_size_changes_no_triangle() {
     for material in MATERIALS {
-        let field = field(&graph(&GENERATORS[0], 8, 5), material, 5);
+        let field = field(&small(&GENERATORS[0], 8, 5), material, 5);
         let [small, middle, large] =
             [8.0, 16.0, 32.0].map(|chunk_m| chunks(&field, field.bounds(), &whole(0.25, chunk_m)));
         let triangles = triangle_set(&visuals(&small));

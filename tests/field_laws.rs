@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 use plume::field::{Bounds, CaveField, Field, PassageSettings, Region, Surface, Texel};
-use plume::graph::{Graph, Node, Section};
+use plume::graph::{Graph, Node, Section, Shape};
 use plume::material::{Look, MATERIALS};
 use proptest::prelude::*;
 
@@ -32,7 +32,7 @@ fn graph() -> Graph {
         node(8, [-18.0, 2.0, 0.0], 3.0),
     ];
     for drift in &mut nodes[7..] {
-        drift.section = Some(Section { width_m: 3.5, height_m: 3.0 });
+        drift.section = Some(Section { width_m: 3.5, height_m: 3.0, shape: Shape::Drift });
     }
     let edges = vec![[0, 1], [0, 4], [0, 7], [1, 2], [2, 3], [2, 5], [2, 6], [3, 4], [7, 8]];
     Graph { nodes, edges }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::fs;
 
-use plume::graph::json::{Document, ReadError, read, write};
+use plume::graph::format::json::{Document, ReadError, read, write};
 use plume::graph::{Graph, Node};
 use proptest::prelude::*;
 use serde_json::json;

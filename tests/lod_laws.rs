@@ -3,6 +3,8 @@
 
 mod common;
 mod texture_support;
+#[path = "common/world.rs"]
+mod world;
 
 use std::collections::BTreeSet;
 use std::io;
@@ -18,6 +20,7 @@ use plume::texture::{Level, LodSettings, Maps, TextureSettings, Textured, levels
 use rayon::prelude::*;
 use serde_json::json;
 use texture_support::Gradient;
+use world::small;
 
 /// A chunk and its levels.
 struct Detailed {
@@ -46,7 +49,7 @@ impl Detailed {
 }
 
 fn cave(generator: &GeneratorRow, material: &MaterialRow, seed: u64, chunk_m: f32) -> Vec<Mesh> {
-    let graph = (generator.read)(json!({ "nodes": 10 })).unwrap().generate(seed).unwrap();
+    let graph = small(generator, 10, seed);
     let rock = (material.read)(json!({})).unwrap();
     let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
     let settings = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };

@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
+#[path = "common/world.rs"]
+mod world;
 
 use common::chunks;
 use common::distance::{Near, corners, spread};
@@ -15,6 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::json;
+use world::small;
 
 type Point = Vector3<f64>;
 
@@ -32,7 +35,7 @@ struct Cave {
 
 impl Cave {
     fn new(generator: &GeneratorRow, material: &MaterialRow, seed: u64, chunk_m: f32) -> Self {
-        let graph = (generator.read)(json!({ "nodes": 6 })).unwrap().generate(seed).unwrap();
+        let graph = small(generator, 6, seed);
         let rock = (material.read)(json!({})).unwrap();
         let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
         let mesh = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };

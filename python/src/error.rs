@@ -39,7 +39,7 @@ fn class(error: &CaveError) -> &'static str {
             | ExportError::Io(_),
         ) => "StorageError",
         CaveError::Usage { .. }
-        | CaveError::Pipeline(PipelineError::Generate(_) | PipelineError::GraphFile { .. } | PipelineError::Grid(_))
+        | CaveError::Pipeline(PipelineError::Generate(_) | PipelineError::GraphFile(_) | PipelineError::Grid(_))
         | CaveError::Export(
             ExportError::UnknownTarget { .. } | ExportError::Settings { .. } | ExportError::TooLarge { .. },
         ) => "InputError",

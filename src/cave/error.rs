@@ -87,7 +87,7 @@ impl CaveError {
 fn pipeline_hint(error: &PipelineError) -> String {
     match error {
         PipelineError::Generate(error) => error.hint.clone(),
-        PipelineError::GraphFile { source, .. } => source.hint().to_owned(),
+        PipelineError::GraphFile(error) => error.hint.clone(),
         PipelineError::Grid(error) => error.hint().to_owned(),
         PipelineError::OtherCave { .. } => "give another folder, or --force to make it anew".into(),
         PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),

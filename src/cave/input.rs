@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::CaveError;
 use crate::graph::Graph;
+use crate::graph::format::{Parts, format_of};
 use crate::pipeline;
 use crate::preset::{PRESETS, Preset};
 use crate::recipe::Recipe;
@@ -36,7 +37,7 @@ impl Input {
         if path.is_dir() {
             return cave_folder(path, overrides);
         }
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        if format_of(path, |row| row.read.is_some()).is_some() {
             return graph_file(path, overrides);
         }
         Ok(Self::of(Recipe::from_toml(&read(path)?, path, overrides)?))
@@ -66,14 +67,14 @@ fn kept_graph(path: &Path, recipe: &Value) -> Result<Option<Graph>, CaveError> {
     if !path.exists() {
         return Ok(None);
     }
-    let document = pipeline::read_graph(path)?;
+    let document = pipeline::read_graph(path, Parts::Refuse)?;
     let is_of = |made: &Value| ["graph", "seed"].iter().all(|key| made[key] == recipe[key]);
     Ok(document.recipe.as_ref().is_some_and(is_of).then_some(document.graph))
 }
 
 /// A graph of ours brings its recipe. One of the original PLUME gets the default recipe round it.
 fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
-    let document = pipeline::read_graph(path)?;
+    let document = pipeline::read_graph(path, Parts::Refuse)?;
     let Some(recipe) = document.recipe else {
         let name = path.to_str().ok_or_else(|| CaveError::Usage {
             message: format!("{}: a recipe cannot hold this path", path.display()),

@@ -3,7 +3,7 @@
 //! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
 //! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
 
-use crate::graph::{Graph, Node};
+use crate::graph::{Graph, Node, Section, Shape};
 use crate::material::{BLOCK, Sites, Stored, Wander};
 use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
 use fearless_simd::Simd;
@@ -69,7 +69,10 @@ struct Profile {
 impl Profile {
     fn at(node: &Node, settings: &PassageSettings) -> Self {
         match node.section {
-            Some(section) => Self::drift(section.width_m as f32, section.height_m as f32),
+            Some(Section { width_m, height_m, shape: Shape::Drift }) => Self::drift(width_m as f32, height_m as f32),
+            Some(Section { width_m, height_m, shape: Shape::Cave }) => {
+                Self::measured(width_m as f32, height_m as f32, settings)
+            }
             None => Self::cave(node.radius as f32, settings),
         }
     }
@@ -85,6 +88,13 @@ impl Profile {
         let half_height = height / (1.0 + Self::DRIFT_DROP);
         let drop = half_height * Self::DRIFT_DROP;
         Self { half_width: width / 2.0, half_height, drop, square: 1.0 }
+    }
+
+    /// A natural passage of known size: the height is that above the floor.
+    fn measured(width: f32, height: f32, settings: &PassageSettings) -> Self {
+        let half_height = height.max(settings.width_min_m) / (1.0 + settings.floor_drop);
+        let half_width = width.max(settings.width_min_m) / 2.0;
+        Self { half_width, half_height, drop: half_height * settings.floor_drop, square: 0.0 }
     }
 
     const DRIFT_DROP: f32 = 0.8;
@@ -104,8 +114,8 @@ pub(super) struct Capsule {
     half_width: [f32; 2],
     /// Depth of the floor below the axis at both ends.
     drop: [f32; 2],
-    /// Width over height.
-    squash: f32,
+    /// Width over height at both ends.
+    squash: [f32; 2],
     square: f32,
     /// How much of the rock's wander it follows, 0–1.
     sway: f32,
@@ -137,14 +147,13 @@ impl Capsule {
         let [start, end] = ends.map(|node| node.position.coords.map(|c| c as f32));
         let span = end - start;
         let length_squared = span.norm_squared();
-        let ratio = profiles.map(|profile| profile.half_width / profile.half_height);
         Self {
             start: start.into(),
             span: span.into(),
             inverse: if length_squared > 1e-6 { 1.0 / length_squared } else { 0.0 },
             half_width: profiles.map(|profile| profile.half_width),
             drop: profiles.map(|profile| profile.drop),
-            squash: (ratio[0] + ratio[1]) / 2.0,
+            squash: profiles.map(|profile| profile.half_width / profile.half_height),
             square: profiles[0].square.min(profiles[1].square),
             sway: sway(profiles, wander),
         }
@@ -153,10 +162,15 @@ impl Capsule {
     /// Corners of a box that holds its wall.
     pub fn corners(&self) -> [[f32; 3]; 2] {
         let wide = self.widest_m();
-        let reach = [wide, wide, wide / self.squash];
+        let reach = [wide, wide, wide / self.flattest()];
         let low = |i: usize| self.start[i] + self.span[i].min(0.0) - reach[i];
         let high = |i: usize| self.start[i] + self.span[i].max(0.0) + reach[i];
         [[low(0), low(1), low(2)], [high(0), high(1), high(2)]]
+    }
+
+    /// The least width over height.
+    fn flattest(&self) -> f32 {
+        self.squash[0].min(self.squash[1])
     }
 
     /// Half the width at the wider end, metres.
@@ -181,10 +195,10 @@ impl Capsule {
         let floors = [along(share - spread), along(share + spread)];
         let [narrow, wide] = [self.half_width[0].min(self.half_width[1]), self.widest_m()];
         // The fourth-power norm is at least 2^-1/4 of the Euclidean one.
-        let shrink = self.squash.min(1.0) * (1.0 - 0.16 * self.square);
+        let shrink = self.flattest().min(1.0) * (1.0 - 0.16 * self.square);
         Range {
             nearest: (distance - radius).max(0.0) * shrink - wide - Self::ROUNDING_M,
-            furthest: (distance + radius) * self.squash.max(1.0) - narrow + Self::ROUNDING_M,
+            furthest: (distance + radius) * self.squash[0].max(self.squash[1]).max(1.0) - narrow + Self::ROUNDING_M,
             floor_low: floors[0].min(floors[1]) - Self::ROUNDING_M,
             floor_high: floors[0].max(floors[1]) + Self::ROUNDING_M,
             widest: wide,
@@ -277,7 +291,8 @@ impl<T> Sums<T> {
         let share = (away.along(capsule.span) * capsule.inverse).within(0.0, 1.0);
         let [dx, dy, dz] = capsule.span;
         let off = vec3(away.x - share * dx, away.y - share * dy, away.z - share * dz);
-        let rise = off.z * capsule.squash;
+        let squash = share * (capsule.squash[1] - capsule.squash[0]) + capsule.squash[0];
+        let rise = off.z * squash;
         let half_width = share * (capsule.half_width[1] - capsule.half_width[0]) + capsule.half_width[0];
         let flat = off.x.squared() + off.y.squared();
         let round = (flat + rise.squared() + 1e-4).sqrt();

@@ -1,24 +1,23 @@
 //! Where the passages go.
 //!
-//! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes and no files.
-//! A [`Generator`] makes one from a seed; [`GENERATORS`] lists them all.
+//! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes, and files only by what
+//! [`Outside`] lets it read. A [`Generator`] makes one from a seed ([`GENERATORS`] lists them all), a
+//! [`format`](mod@format) reads one.
 
 mod dice;
-pub mod gaussian_perlin;
-pub mod json;
+pub mod format;
+pub mod generator;
 pub mod metrics;
-pub mod mine;
+mod outside;
 mod reduced;
 mod shape;
+mod sketch;
 
 use nalgebra::Point3;
-use schemars::JsonSchema;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde::{Deserialize, Serialize};
 
-pub use gaussian_perlin::GaussianPerlin;
-pub use mine::Mine;
+pub use generator::{GENERATORS, GenerateError, Generator, GeneratorRow, generator};
+pub use outside::{Nowhere, Outside, Task};
 use shape::millimetres;
 
 /// A station: a point on the centreline of a passage.
@@ -26,7 +25,7 @@ use shape::millimetres;
 pub struct Node {
     /// Name of the station in files; unique in its graph.
     pub id: u64,
-    /// Index of the node it grew from; `None` for the origin.
+    /// Index of the node it grew from; `None` for the origin of each part.
     pub parent: Option<usize>,
     /// Position in metres, rounded to 1 mm.
     pub position: Point3<f64>,
@@ -45,8 +44,28 @@ pub struct Node {
 pub struct Section {
     /// Full width.
     pub width_m: f64,
-    /// Full height.
+    /// From floor to ceiling, in the middle.
     pub height_m: f64,
+    /// Its outline.
+    #[serde(skip_serializing_if = "Shape::is_drift")]
+    pub shape: Shape,
+}
+
+/// The outline of a passage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// Nearly a rectangle, as mined.
+    #[default]
+    Drift,
+    /// An ellipse over a floor, as in nature.
+    Cave,
+}
+
+impl Shape {
+    fn is_drift(&self) -> bool {
+        *self == Self::Drift
+    }
 }
 
 /// Stations and the passages between them.
@@ -56,60 +75,4 @@ pub struct Graph {
     pub nodes: Vec<Node>,
     /// Passages as pairs of indices into `nodes`, smaller first, sorted, unique.
     pub edges: Vec<[usize; 2]>,
-}
-
-/// Makes a graph from a seed. Its settings are its fields.
-pub trait Generator: std::fmt::Debug + Send + Sync {
-    /// The graph of this seed: the same for the same settings and seed on every machine.
-    ///
-    /// # Errors
-    /// When the settings leave no room for the asked number of nodes.
-    fn generate(&self, seed: u64) -> Result<Graph, GenerateError>;
-}
-
-/// A generator could not reach what was asked.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{message}")]
-#[non_exhaustive]
-pub struct GenerateError {
-    /// What could not be reached, lower case.
-    pub message: String,
-    /// What to change.
-    pub hint: String,
-}
-
-/// A row of [`GENERATORS`].
-#[derive(Debug)]
-pub struct GeneratorRow {
-    /// Name in recipes.
-    pub name: &'static str,
-    /// One line for `plume list`.
-    pub summary: &'static str,
-    /// JSON Schema of the settings: descriptions, ranges, defaults.
-    pub schema: fn() -> schemars::Schema,
-    /// Reads settings (an object holding a subset of the keys).
-    pub read: fn(Value) -> Result<Box<dyn Generator>, serde_json::Error>,
-}
-
-/// Every generator, the default first.
-pub static GENERATORS: &[GeneratorRow] = &[
-    row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
-    row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
-];
-
-/// The generator that recipes call `name`.
-pub fn generator(name: &str) -> Option<&'static GeneratorRow> {
-    GENERATORS.iter().find(|row| row.name == name)
-}
-
-const fn row<G>(name: &'static str, summary: &'static str) -> GeneratorRow
-where
-    G: Generator + DeserializeOwned + JsonSchema + 'static,
-{
-    GeneratorRow {
-        name,
-        summary,
-        schema: || schemars::schema_for!(G),
-        read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
-    }
 }

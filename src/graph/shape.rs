@@ -82,6 +82,7 @@ impl Node {
             section: self.section.map(|section| Section {
                 width_m: millimetres(section.width_m * factor),
                 height_m: millimetres(section.height_m * factor),
+                ..section
             }),
             ..self.clone()
         }

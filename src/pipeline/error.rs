@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
-use crate::graph::{self, GenerateError};
+use crate::graph::GenerateError;
+use crate::graph::format::ReadError;
 use crate::mesh::GridError;
 use crate::store::{ChunkError, StoreError};
 
@@ -15,13 +16,8 @@ pub enum PipelineError {
     #[error("graph: {0}")]
     Generate(#[from] GenerateError),
     /// A graph file is faulty.
-    #[error("{}: {source}", path.display())]
-    GraphFile {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: graph::json::ReadError,
-    },
+    #[error(transparent)]
+    GraphFile(#[from] ReadError),
     /// No grid of chunks fits.
     #[error("mesh: {0}")]
     Grid(#[from] GridError),

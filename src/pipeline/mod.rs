@@ -4,6 +4,7 @@
 //! already finished. Chunks are worked on by all threads; memory is a few chunks per thread, however many there are.
 
 mod error;
+mod outside;
 mod pieces;
 
 use std::path::Path;
@@ -13,11 +14,13 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 pub use self::error::PipelineError;
+pub use self::outside::Disk;
 use crate::field::{Bounds, CaveField};
-use crate::graph::{self, Graph};
+use crate::graph::Graph;
+use crate::graph::format::{self, Import, Parts};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
-use crate::recipe::{GraphSource, Recipe};
-use crate::store::{self, CaveFolder, FileRecord, Stage, StoreError, Unit, sha256};
+use crate::recipe::Recipe;
+use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, sha256};
 
 /// Watches the work and may stop it.
 pub trait Observer: Sync {
@@ -287,7 +290,7 @@ pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
 
 /// The text of the cave's graph file.
 pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
-    graph::json::write(graph, crate::VERSION, recipe.to_json())
+    format::json::write(graph, crate::VERSION, recipe.to_json())
 }
 
 /// Name of a chunk: its index in the grid.
@@ -327,22 +330,17 @@ fn station_bounds(graph: &Graph, width_per_radius: f32) -> Bounds {
 
 /// The graph without its recipe: what the shape of the rock depends on.
 fn stations(graph: &Graph) -> String {
-    graph::json::write(graph, "", &Value::Null)
+    format::json::write(graph, "", &Value::Null)
 }
 
 fn graph_of(recipe: &Recipe) -> Result<Graph, PipelineError> {
-    match &recipe.graph {
-        GraphSource::Grown(generator) => Ok(generator.generate(recipe.seed)?),
-        GraphSource::File { path, scale } => Ok(read_graph(path)?.graph.scaled(*scale)),
-    }
+    Ok(recipe.graph.generate(recipe.seed, &Disk)?)
 }
 
 /// Reads a graph file.
 ///
 /// # Errors
 /// When it cannot be read or is no graph.
-pub fn read_graph(path: &Path) -> Result<graph::json::Document, PipelineError> {
-    let text = std::fs::read_to_string(path).map_err(|e| StoreError::io(path, e))?;
-    let text = text.trim_start_matches('\u{feff}');
-    graph::json::read(text).map_err(|source| PipelineError::GraphFile { path: path.to_path_buf(), source })
+pub fn read_graph(path: &Path, parts: Parts) -> Result<Import, PipelineError> {
+    Ok(format::read(path, parts, &Disk)?)
 }

@@ -10,7 +10,7 @@ mod read;
 mod schema;
 mod world;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use serde::de::DeserializeOwned;
@@ -26,9 +26,6 @@ use crate::material::{self, Look, Material};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
 
-/// Name of the `graph.generator` that reads a file instead of growing a graph.
-pub const FILE_GENERATOR: &str = "file";
-
 /// A whole recipe: every key has a value, every value is in range.
 #[derive(Debug)]
 pub struct Recipe {
@@ -36,8 +33,8 @@ pub struct Recipe {
     pub name: String,
     /// The seed everything random follows from.
     pub seed: u64,
-    /// Where the graph comes from.
-    pub graph: GraphSource,
+    /// What lays out the passages.
+    pub graph: Box<dyn Generator>,
     /// How wide and high the passages are.
     pub passage: PassageSettings,
     /// Shape of the rock.
@@ -55,20 +52,6 @@ pub struct Recipe {
     /// Light, friction, gravity.
     pub world: WorldSettings,
     resolved: Value,
-}
-
-/// Where a graph comes from.
-#[derive(Debug)]
-pub enum GraphSource {
-    /// Grown from the seed.
-    Grown(Box<dyn Generator>),
-    /// Read from a graph file.
-    File {
-        /// The file: graph JSON or a `data.json` of the original PLUME.
-        path: PathBuf,
-        /// Factor on every length of it.
-        scale: f64,
-    },
 }
 
 impl Recipe {
@@ -104,7 +87,7 @@ impl Recipe {
         let schema = schema::of(&draft.value);
         check::against(&schema, &draft)?;
         let resolved = schema::filled(&schema, &draft.value);
-        let graph = graph_source(&resolved["graph"], &draft)?;
+        let graph = generator(&resolved["graph"], &draft)?;
         let rock = rock(&resolved["rock"], &draft)?;
         Ok(Self {
             name: typed(&resolved, "name", &draft)?,
@@ -145,15 +128,16 @@ pub fn options(schema: &Value, pairs: &[String]) -> Result<Value, Faults> {
     Ok(schema::filled(&schema, &draft.value))
 }
 
-fn graph_source(section: &Value, draft: &read::Draft) -> Result<GraphSource, Faults> {
-    let (name, settings) = split_choice(section, "generator");
-    if name == FILE_GENERATOR {
-        let path = settings["path"].as_str().unwrap_or_default();
-        return Ok(GraphSource::File { path: draft.beside(path), scale: settings["scale"].as_f64().unwrap_or(1.0) });
-    }
+fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>, Faults> {
+    let (name, mut settings) = split_choice(section, "generator");
     let row = graph::generator(name).expect("the schema admits only rows of the table");
-    let grown = (row.read)(Value::Object(settings));
-    grown.map(GraphSource::Grown).map_err(|e| draft.fault("graph", e.to_string()))
+    let schema = (row.schema)().to_value();
+    for (key, setting) in &mut settings {
+        if let (Some("path"), Some(path)) = (schema["properties"][key]["format"].as_str(), setting.as_str()) {
+            *setting = draft.beside(&format!("graph.{key}"), path)?.into();
+        }
+    }
+    (row.read)(Value::Object(settings)).map_err(|e| draft.fault("graph", e.to_string()))
 }
 
 fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {

@@ -42,12 +42,13 @@ impl Draft {
         Fault { origin: self.origin(key), message, hint: String::new() }.into()
     }
 
-    /// A path written in the recipe, which is meant relative to the recipe.
-    pub fn beside(&self, path: &str) -> PathBuf {
-        match self.file.parent() {
-            Some(folder) if self.origin("graph.path") != Origin::File(self.file.clone()) => folder.join(path),
-            _ => PathBuf::from(path),
-        }
+    /// The path at `key`, which is meant relative to the recipe where it stands in one.
+    pub fn beside(&self, key: &str, path: &str) -> Result<String, Faults> {
+        let Some(folder) = self.file.parent().filter(|_| matches!(self.origin(key), Origin::Line(..))) else {
+            return Ok(path.to_owned());
+        };
+        let joined = folder.join(path).into_os_string().into_string();
+        joined.map_err(|_| self.fault(key, "lies in a folder whose name is not UTF-8".to_owned()))
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 
-use super::{FILE_GENERATOR, WorldSettings};
+use super::WorldSettings;
 use crate::field::PassageSettings;
 use crate::graph::{self, GENERATORS};
 use crate::material::{self, Look, MATERIALS};
@@ -14,10 +14,8 @@ use crate::texture::{LodSettings, TextureSettings};
 pub fn of(recipe: &Value) -> Value {
     let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS[0].name);
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS[0].name);
-    let settings = match graph::generator(generator) {
-        _ if generator == FILE_GENERATOR => file_schema(),
-        row => plain((row.unwrap_or(&GENERATORS[0]).schema)().to_value()),
-    };
+    let row = graph::generator(generator).unwrap_or(&GENERATORS[0]);
+    let settings = plain((row.schema)().to_value());
     let graph = choice("generator", generator, &generator_names(), "How the passages grow.", settings);
     let rock_row = material::material(kind).unwrap_or(&MATERIALS[0]);
     let rock = choice("kind", kind, &rock_names(), "Which rock.", plain((rock_row.schema)().to_value()));
@@ -51,7 +49,7 @@ fn only(variants: impl Iterator<Item = Value>, key: &str, names: &[&str]) -> Vec
 }
 
 fn generator_names() -> Vec<&'static str> {
-    GENERATORS.iter().map(|row| row.name).chain([FILE_GENERATOR]).collect()
+    GENERATORS.iter().map(|row| row.name).collect()
 }
 
 fn rock_names() -> Vec<&'static str> {
@@ -82,22 +80,6 @@ fn whole(graph: Value, rock: Value) -> Value {
             "lod": schema_of::<LodSettings>(),
             "pieces": schema_of::<PieceSettings>(),
             "world": schema_of::<WorldSettings>(),
-        }
-    })
-}
-
-/// Settings of `generator = "file"`.
-fn file_schema() -> Value {
-    json!({
-        "type": "object",
-        "additionalProperties": false,
-        "description": "Reads the graph from a file.",
-        "required": ["path"],
-        "properties": {
-            "path": {"type": "string", "default": "graph.json", "minLength": 1, "description":
-                "Graph JSON, or data.json of the original PLUME; relative to the recipe."},
-            "scale": {"type": "number", "default": 1.0, "minimum": 0.001, "maximum": 1000.0, "description":
-                "Factor on every length of the file. Passages of the original PLUME are about 1 m: 2 to 3 suits robots."},
         }
     })
 }

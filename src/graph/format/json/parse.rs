@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use super::error::ReadError;
-use crate::graph::{Section, millimetres};
+use crate::graph::{Section, Shape, millimetres};
 
 /// More nodes than this are refused while reading.
 const MAX_NODES: usize = 1_000_000;
@@ -305,7 +305,16 @@ impl Fields {
         Ok(Some(Section {
             width_m: self.length("section.width_m", width)?,
             height_m: self.length("section.height_m", height)?,
+            shape: self.shape(value.get("shape"))?,
         }))
+    }
+
+    fn shape(&self, value: Option<&Value>) -> Result<Shape, ReadError> {
+        let read = |value: &Value| {
+            let shape = Shape::deserialize(value);
+            shape.map_err(|_| self.unexpected("section.shape", "`drift` or `cave`", value))
+        };
+        value.map_or(Ok(Shape::Drift), read)
     }
 
     fn unexpected(&self, key: &'static str, expected: &str, found: &Value) -> ReadError {

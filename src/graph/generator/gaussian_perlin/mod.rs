@@ -5,7 +5,7 @@
 //! a Perlin term over the sections; an arc behind without children; several children; branches that die; bounds; one
 //! or several layers. Added here: log-normal branch lengths, two preferred azimuths, a clearance law, lawful loops,
 //! relief, and a gate that grows the graph anew until its metrics lie inside the range of real caves (Collon et al.
-//! 2017, see [`metrics`](super::metrics)).
+//! 2017, see [`metrics`](crate::graph::metrics)).
 //!
 //! Promised: exactly the asked number of nodes, one component, at most four passages at a node, no passage through
 //! another (see `clearance` for what that means). Not promised: that the gate is passed. With default settings it was
@@ -30,9 +30,11 @@ mod tuning;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::dice::Dice;
-use super::metrics::Metrics;
-use super::{GenerateError, Generator, Graph};
+use super::{GenerateError, Generator};
+use crate::graph::Graph;
+use crate::graph::dice::Dice;
+use crate::graph::metrics::Metrics;
+use crate::graph::outside::Outside;
 use crate::seed;
 
 /// Fewer nodes than this cannot pass the gate: too few branches.
@@ -147,7 +149,7 @@ impl Default for GaussianPerlin {
 }
 
 impl Generator for GaussianPerlin {
-    fn generate(&self, seed: u64) -> Result<Graph, GenerateError> {
+    fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         self.check()?;
         let graph = self.best(seed)?;
         Ok(graph.scaled(self.scale))

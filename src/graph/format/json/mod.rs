@@ -22,7 +22,8 @@ use serde_json::Value;
 pub use error::ReadError;
 pub use write::write;
 
-use super::Graph;
+use super::{Import, Parts, Source, Tally, Written};
+use crate::graph::Graph;
 
 /// What a graph file holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,4 +43,20 @@ pub struct Document {
 pub fn read(text: &str) -> Result<Document, ReadError> {
     let file = parse::parse(text)?;
     Ok(Document { graph: join::join(&file.stations)?, recipe: file.recipe, original: file.version.is_none() })
+}
+
+/// Reads a file as a row of [`FORMATS`](super::FORMATS) does.
+pub(super) fn import(source: &Source, _: Parts) -> Result<Import, super::ReadError> {
+    let text = str::from_utf8(source.bytes);
+    let text = text.map_err(|error| {
+        super::ReadError::byte(source.path, error.valid_up_to(), "is not UTF-8 text", "save the file as UTF-8")
+    })?;
+    let document = read(text.trim_start_matches('\u{feff}'));
+    let document = document.map_err(|error| super::ReadError::whole(source.path, error.to_string(), error.hint()))?;
+    Ok(Import { graph: document.graph, recipe: document.recipe, tally: Tally::default() })
+}
+
+/// Writes a graph without its recipe, as a row of [`FORMATS`](super::FORMATS) does.
+pub(super) fn export(graph: &Graph) -> Vec<Written> {
+    vec![Written { suffix: "", bytes: write(graph, crate::VERSION, &Value::Null).into_bytes() }]
 }

@@ -12,8 +12,10 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::dice::Dice;
-use super::{GenerateError, Generator, Graph, Node, Section, millimetres};
+use super::{GenerateError, Generator};
+use crate::graph::dice::Dice;
+use crate::graph::outside::Outside;
+use crate::graph::{Graph, Node, Section, Shape, millimetres};
 use crate::seed;
 
 /// Probability that a drift stops at the end of a bay, per probability that a cross-cut is left out.
@@ -101,7 +103,7 @@ impl Default for Mine {
 }
 
 impl Generator for Mine {
-    fn generate(&self, seed: u64) -> Result<Graph, GenerateError> {
+    fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         self.check_rock()?;
         let shares = self.shares()?;
         let mut survey = Survey::new(self, Dice::new(seed::stream(seed, "mine", 0)));
@@ -208,6 +210,7 @@ impl<'a> Survey<'a> {
             section: Some(Section {
                 width_m: millimetres(self.mine.drift_width_m),
                 height_m: millimetres(self.mine.drift_height_m),
+                shape: Shape::Drift,
             }),
         });
         index
@@ -321,6 +324,7 @@ impl<'a> Survey<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::Nowhere;
 
     fn perfect() -> Mine {
         Mine { irregularity: 0.0, jitter_m: 0.0, ..Default::default() }
@@ -329,7 +333,7 @@ mod tests {
     #[test]
     fn without_irregularity_every_pillar_stands() {
         let mine = Mine { nodes: 17 + 5 * (5 * 4 + 4 * 3), ..perfect() };
-        let graph = mine.generate(1).expect("one level fits");
+        let graph = mine.generate(1, &Nowhere).expect("one level fits");
         assert_eq!(graph.loops(), 5 * 4);
     }
 
@@ -337,7 +341,7 @@ mod tests {
     fn ramps_keep_their_inclination_and_shafts_are_vertical() {
         for (access, steepest) in [(Access::Ramp, 8.0), (Access::Shaft, 90.0)] {
             let mine = Mine { levels: 3, access, ..Default::default() };
-            let graph = mine.generate(5).expect("three levels fit");
+            let graph = mine.generate(5, &Nowhere).expect("three levels fit");
             let [low, high] = graph.bounds().expect("it has nodes");
             assert_eq!(high.z - low.z, 2.0 * mine.level_spacing_m);
             for &[a, b] in &graph.edges {
@@ -353,14 +357,14 @@ mod tests {
     #[test]
     fn too_many_levels_are_refused_with_the_number_they_take() {
         let mine = Mine { nodes: 20, levels: 2, ..Default::default() };
-        let error = mine.generate(1).expect_err("the ramp alone takes more");
+        let error = mine.generate(1, &Nowhere).expect_err("the ramp alone takes more");
         assert_eq!(error.message, "no room for 2 levels in 20 nodes");
     }
 
     #[test]
     fn drifts_too_near_each_other_are_refused() {
         let mine = Mine { drift_spacing_m: 5.0, ..Default::default() };
-        let error = mine.generate(1).expect_err("9 m are needed");
+        let error = mine.generate(1, &Nowhere).expect_err("9 m are needed");
         assert!(error.message.contains("drift_spacing_m"), "{error}");
     }
 }

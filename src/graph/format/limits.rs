@@ -1,0 +1,14 @@
+//! What no file may exceed, so that reading it takes bounded time and memory.
+
+/// Stations of a graph or survey.
+pub const MAX_STATIONS: usize = 1_000_000;
+/// Passages or legs.
+pub const MAX_LEGS: usize = 4_000_000;
+/// Distance of a coordinate from the origin, and any other length, in metres.
+pub const MAX_LENGTH_M: f64 = 1e6;
+/// Files that one file leads to.
+pub const MAX_FILES: usize = 1_000;
+/// Depth of anything that nests: elements, blocks, files that name files.
+pub const MAX_DEPTH: usize = 64;
+/// Bytes of one line of a text.
+pub const MAX_LINE: usize = 64 * 1024;

@@ -1,0 +1,87 @@
+//! Every way to lay out a cave: one file and one row each.
+
+mod file;
+pub mod gaussian_perlin;
+pub mod mine;
+
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+pub use file::File;
+pub use gaussian_perlin::GaussianPerlin;
+pub use mine::Mine;
+
+use super::Graph;
+use super::outside::Outside;
+
+/// Makes a graph from a seed. Its settings are its fields.
+pub trait Generator: std::fmt::Debug + Send + Sync {
+    /// The graph of this seed: the same for the same settings, seed and answers from outside on every machine.
+    ///
+    /// # Errors
+    /// When the settings leave no room for what was asked, or the outside refuses a file or a program.
+    fn generate(&self, seed: u64, outside: &dyn Outside) -> Result<Graph, GenerateError>;
+}
+
+/// A generator could not reach what was asked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+#[non_exhaustive]
+pub struct GenerateError {
+    /// What could not be reached, lower case.
+    pub message: String,
+    /// What to change.
+    pub hint: String,
+}
+
+impl GenerateError {
+    /// What could not be reached, and what to change.
+    pub fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: hint.into() }
+    }
+}
+
+/// A row of [`GENERATORS`].
+#[derive(Debug)]
+pub struct GeneratorRow {
+    /// Name in recipes.
+    pub name: &'static str,
+    /// One line for `plume list`.
+    pub summary: &'static str,
+    /// JSON Schema of the settings: descriptions, ranges, defaults. A text with `"format": "path"` names a file, which a
+    /// recipe means relative to itself.
+    pub schema: fn() -> schemars::Schema,
+    /// Reads settings (an object holding a subset of the keys).
+    pub read: fn(Value) -> Result<Box<dyn Generator>, serde_json::Error>,
+}
+
+/// Every generator, the default first.
+pub static GENERATORS: &[GeneratorRow] = &[
+    row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
+    row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
+    row::<File>("file", "a graph or a cave survey from a file"),
+];
+
+/// The generator that recipes call `name`.
+pub fn generator(name: &str) -> Option<&'static GeneratorRow> {
+    GENERATORS.iter().find(|row| row.name == name)
+}
+
+fn inlined<G: JsonSchema>() -> schemars::Schema {
+    let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<G>()
+}
+
+const fn row<G>(name: &'static str, summary: &'static str) -> GeneratorRow
+where
+    G: Generator + DeserializeOwned + JsonSchema + 'static,
+{
+    GeneratorRow {
+        name,
+        summary,
+        schema: || inlined::<G>(),
+        read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
+    }
+}
