@@ -15,7 +15,7 @@ use world::{World, has, sized};
 
 const SEEDS: u64 = 12;
 /// Generators that are told what to make, whatever the seed.
-const FIXED: &[&str] = &["file"];
+const FIXED: &[&str] = &["external", "file"];
 /// Settings that every generator takes, under the names it has for them.
 const SIZES: [(u32, u32); 6] = [(2, 1), (7, 1), (50, 1), (120, 1), (120, 3), (400, 2)];
 

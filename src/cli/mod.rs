@@ -47,6 +47,9 @@ pub struct Common {
     /// Number of threads [default: all cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Let recipes run programs, as the generator `external` does
+    #[arg(long, global = true)]
+    allow_run: bool,
 }
 
 /// What a cave is made from.
@@ -144,7 +147,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
             return usage.exit_code() as u8;
         }
     };
-    let console = Console::new(cli.common.quiet, cli.common.json);
+    let console = Console::new(&cli.common);
     if let Some(threads) = cli.common.threads {
         // Fails only if a pool exists already, as in a host program; then that pool serves.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::Common;
 use super::fault::CliError;
 use crate::pipeline::Observer;
 use crate::store::Stage;
@@ -18,19 +19,20 @@ static STOP: AtomicBool = AtomicBool::new(false);
 pub struct Console {
     quiet: bool,
     json: bool,
+    allow_run: bool,
     bar: Mutex<Option<(ProgressBar, Instant)>>,
 }
 
 impl Console {
     /// A console; the first one also starts to listen for Ctrl-C.
-    pub fn new(quiet: bool, json: bool) -> Self {
+    pub fn new(common: &Common) -> Self {
         // A host program may have its own handler; then it decides.
         let _ = ctrlc::set_handler(|| {
             if STOP.swap(true, Ordering::Relaxed) {
                 std::process::exit(130);
             }
         });
-        Self { quiet, json, bar: Mutex::new(None) }
+        Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, bar: Mutex::new(None) }
     }
 
     /// Whether results are asked for as JSON.
@@ -98,5 +100,9 @@ impl Observer for Console {
 
     fn stop(&self) -> &AtomicBool {
         &STOP
+    }
+
+    fn allows_programs(&self) -> bool {
+        self.allow_run
     }
 }

@@ -17,7 +17,7 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 pub use generator::{GENERATORS, GenerateError, Generator, GeneratorRow, generator};
-pub use outside::{Nowhere, Outside, Task};
+pub use outside::{Nowhere, Outside, RunError, Task};
 use shape::millimetres;
 
 /// A station: a point on the centreline of a passage.

@@ -15,8 +15,8 @@ pub trait Outside: Sync {
     /// Runs a program to its end and gives what it wrote to standard output.
     ///
     /// # Errors
-    /// When programs are not allowed, it does not start, fails, takes too long or writes too much; the text says which.
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String>;
+    /// When programs are not allowed, it does not start, fails, takes too long or writes too much.
+    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError>;
 }
 
 /// A program to be run.
@@ -26,12 +26,24 @@ pub struct Task {
     pub program: PathBuf,
     /// Its arguments.
     pub arguments: Vec<String>,
+    /// The folder it runs in.
+    pub folder: PathBuf,
     /// What it reads on standard input.
     pub input: Vec<u8>,
     /// How long it may take.
     pub limit: Duration,
     /// How much it may write to standard output.
     pub most_bytes: usize,
+}
+
+/// A program did not do what it was asked to.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct RunError {
+    /// What went wrong, lower case, with the last words of the program where it had any.
+    pub message: String,
+    /// What to do.
+    pub hint: String,
 }
 
 /// No files and no programs.
@@ -43,7 +55,7 @@ impl Outside for Nowhere {
         Err(io::Error::new(io::ErrorKind::Unsupported, "files cannot be read here"))
     }
 
-    fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
-        Err("programs cannot be run here".to_owned())
+    fn run(&self, _: &Task) -> Result<Vec<u8>, RunError> {
+        Err(RunError { message: "programs cannot be run here".to_owned(), hint: String::new() })
     }
 }

@@ -6,6 +6,7 @@
 mod error;
 mod outside;
 mod pieces;
+mod program;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,10 +15,10 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 pub use self::error::PipelineError;
-pub use self::outside::Disk;
+pub use self::outside::{Disk, Machine};
 use crate::field::{Bounds, CaveField};
-use crate::graph::Graph;
 use crate::graph::format::{self, Import, Parts};
+use crate::graph::{Graph, Outside};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, sha256};
@@ -32,6 +33,10 @@ pub trait Observer: Sync {
     fn end(&self, stage: Stage);
     /// Set to stop after the units in work.
     fn stop(&self) -> &AtomicBool;
+    /// Whether recipes may run programs.
+    fn allows_programs(&self) -> bool {
+        false
+    }
 }
 
 /// One cave in the making.
@@ -82,7 +87,7 @@ impl<'a> Pipeline<'a> {
     ) -> Result<Self, PipelineError> {
         let graph = match given {
             Some(graph) => graph,
-            None => graph_of(recipe)?,
+            None => graph_of(recipe, observer)?,
         };
         let text = graph_text(recipe, &graph);
         let graph_fingerprint = sha256(format!("{}\n{}", crate::VERSION, text).as_bytes());
@@ -333,8 +338,14 @@ fn stations(graph: &Graph) -> String {
     format::json::write(graph, "", &Value::Null)
 }
 
-fn graph_of(recipe: &Recipe) -> Result<Graph, PipelineError> {
-    Ok(recipe.graph.generate(recipe.seed, &Disk)?)
+fn graph_of(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
+    let machine = Machine { stop: observer.stop() };
+    let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &Disk };
+    let graph = recipe.graph.generate(recipe.seed, outside);
+    graph.map_err(|error| match observer.stop().load(Ordering::Relaxed) {
+        true => PipelineError::Interrupted,
+        false => error.into(),
+    })
 }
 
 /// Reads a graph file.

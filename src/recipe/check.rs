@@ -47,6 +47,9 @@ impl Checker<'_> {
             return self.mistyped("a section", value, key);
         };
         let known = &schema["properties"];
+        if known.is_null() && schema["additionalProperties"] != false {
+            return;
+        }
         for (name, value) in map {
             let path = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
             match known.get(name) {

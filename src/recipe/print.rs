@@ -57,7 +57,11 @@ fn about(schema: &Value) -> String {
 
 fn literal(value: &Value) -> Option<String> {
     match value {
-        Value::Null | Value::Object(_) => None,
+        Value::Null => None,
+        Value::Object(table) => {
+            let entry = |(key, value): (&String, &Value)| Some(format!("{} = {}", quoted(key), literal(value)?));
+            Some(format!("{{ {} }}", table.iter().filter_map(entry).collect::<Vec<_>>().join(", ")))
+        }
         Value::Number(n) if n.is_f64() => n.as_f64().map(float),
         Value::Array(items) => {
             let items: Vec<String> = items.iter().filter_map(literal).collect();
@@ -65,6 +69,11 @@ fn literal(value: &Value) -> Option<String> {
         }
         other => Some(other.to_string()),
     }
+}
+
+/// A key in quotes, which any key may have.
+fn quoted(key: &str) -> String {
+    Value::from(key).to_string()
 }
 
 /// A decimal that TOML takes for a float, not an integer.

@@ -4,7 +4,7 @@
 use std::io;
 use std::path::Path;
 
-use plume::graph::{GeneratorRow, Graph, Outside, Task};
+use plume::graph::{GeneratorRow, Graph, Outside, RunError, Task};
 use serde_json::{Value, json};
 
 /// Answers with small files of its own.
@@ -18,8 +18,8 @@ impl Outside for World {
         }
     }
 
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
-        Err(format!("there is no {}", task.program.display()))
+    fn run(&self, _: &Task) -> Result<Vec<u8>, RunError> {
+        Ok(LOOP.as_bytes().to_vec())
     }
 }
 

@@ -1,0 +1,77 @@
+//! Graphs by foreign programs: run on request only, told what they did wrong, never waited for.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "common/command.rs"]
+mod command;
+
+use std::fs;
+
+use command::Desk;
+
+/// A recipe whose program is this shell script.
+fn desk(script: &str) -> Desk {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("recipes")).unwrap();
+    desk.file("recipes/make.sh", script);
+    desk.file(
+        "recipes/cave.toml",
+        "seed = 5\n[graph]\ngenerator = \"external\"\ncommand = [\"sh\", \"make.sh\"]\ntime_limit_s = 5.0\n\
+         size_limit_mb = 0.01\nsettings = { stations = 3, \"a.b\" = [1.5, \"x\"] }\n",
+    );
+    desk
+}
+
+/// Writes a row of three stations, and what it was told to `told.json`.
+const ROW: &str = r#"cat > told.json; echo '{"nodes": [
+{"id": 0, "edges": [1], "coordinates": {"x": 0, "y": 0, "z": 0}},
+{"id": 1, "edges": [2], "coordinates": {"x": 5, "y": 0, "z": 0}},
+{"id": 2, "edges": [], "coordinates": {"x": 9, "y": 3, "z": 0}}]}'"#;
+
+#[test]
+fn a_program_is_told_seed_and_settings_and_gives_the_graph() {
+    let desk = desk(ROW);
+    let made = desk.run(&["graph", "recipes/cave.toml", "-o", "cave", "--allow-run"]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let told: serde_json::Value = serde_json::from_slice(&fs::read(desk.path("recipes/told.json")).unwrap()).unwrap();
+    assert_eq!(told["seed"], 5);
+    assert_eq!(told["settings"], serde_json::json!({"stations": 3, "a.b": [1.5, "x"]}));
+    let graph = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    assert_eq!(graph.matches("\"coordinates\"").count(), 3);
+    // The folder goes on without the program, and its recipe reads back.
+    fs::remove_dir_all(desk.path("recipes")).unwrap();
+    assert!(desk.run(&["graph", "cave"]).status.success());
+}
+
+#[test]
+fn no_program_runs_unasked() {
+    let desk = desk(ROW);
+    insta::assert_snapshot!(desk.fault(&["graph", "recipes/cave.toml", "-o", "cave"]));
+    assert!(!desk.path("recipes/told.json").exists());
+    assert!(!desk.path("cave").exists());
+}
+
+#[test]
+fn programs_that_fail_hang_flood_or_lie_are_told_off() {
+    let cases = [
+        ("fails", "echo the rock is too hard >&2; exit 7"),
+        ("hangs", "sleep 60"),
+        ("floods", "yes"),
+        ("says nothing", "true"),
+        (
+            "lies",
+            r#"echo '{"nodes": [{"id": 0, "edges": [4], "coordinates": {"x": 0, "y": 0}}, {"id": 1, "coordinates": {"x": 1, "y": 0}}]}'"#,
+        ),
+        ("is no text", r"printf '\377\376'"),
+    ];
+    let told: String = cases
+        .map(|(name, script)| {
+            let desk = desk(script);
+            let fast = if name == "hangs" { "graph.time_limit_s=0.3" } else { "graph.time_limit_s=20" };
+            let fault = desk.fault(&["graph", "recipes/cave.toml", "-o", "cave", "--allow-run", "--set", fast]);
+            assert!(!desk.path("cave").exists(), "{name} left a folder");
+            format!("{name}: {fault}\n")
+        })
+        .concat();
+    insta::assert_snapshot!(told);
+}
