@@ -5,6 +5,7 @@
 
 pub mod json;
 pub mod limits;
+mod parts;
 mod survey;
 
 use std::fmt;

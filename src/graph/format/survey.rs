@@ -5,21 +5,28 @@ use nalgebra::Point3;
 use super::{Import, Parts, ReadError, Source};
 use crate::graph::sketch::{Knot, Sketch};
 
-/// Distances from a station to the walls, in metres, as surveyors note them (LRUD). Left and right as one looks along the
-/// passage.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Walls {
-    pub(super) left_m: f64,
-    pub(super) right_m: f64,
-    pub(super) up_m: f64,
-    pub(super) down_m: f64,
-}
-
 /// A surveyed point.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Station {
+    /// In metres, east, north, up, as the file counts them; national grids are welcome.
     pub(super) position: Point3<f64>,
-    pub(super) walls: Option<Walls>,
+    /// Whether the cave opens to the surface here.
+    pub(super) entrance: bool,
+}
+
+/// Distances from a station to the walls, as surveyors note them (LRUD). What was not noted is `None`.
+///
+/// A station has one for each passage that was looked along.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Walls {
+    pub(super) station: usize,
+    /// The stations between which the surveyor looked: left and right are as one looks from the first to the second.
+    /// Often one of them is the station itself.
+    pub(super) looking: [usize; 2],
+    pub(super) left_m: Option<f64>,
+    pub(super) right_m: Option<f64>,
+    pub(super) up_m: Option<f64>,
+    pub(super) down_m: Option<f64>,
 }
 
 /// What was measured between two stations.
@@ -35,15 +42,16 @@ pub(super) enum Leg {
     Surface,
 }
 
-/// Stations and legs.
+/// Stations, legs and cross-sections, each in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Survey {
     pub(super) stations: Vec<Station>,
     pub(super) legs: Vec<([usize; 2], Leg)>,
+    pub(super) walls: Vec<Walls>,
 }
 
 /// What reading a survey left out or filled in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Shots at walls that were dropped.
     pub splays: usize,
@@ -53,12 +61,15 @@ pub struct Tally {
     pub surface: usize,
     /// Stations whose section was interpolated.
     pub interpolated: usize,
-    /// Legs without length whose stations became one.
+    /// Legs too short to matter whose stations became one.
     pub welded: usize,
     /// Passages added to join parts.
     pub joined: usize,
     /// Stations of parts that were left out.
     pub left_out: usize,
+    /// Where the origin of the graph lies in the coordinates of the file, in metres: a survey is moved so that its first
+    /// entrance, or else its first station, is the origin.
+    pub origin_m: [f64; 3],
 }
 
 impl Survey {

@@ -1,0 +1,144 @@
+//! A k-d tree (Bentley 1975) that finds the nearest point of another part.
+//!
+//! Each branch knows the box round its points and the part they are all of, if they are of one: a search goes past what is
+//! its own part in one step, however many points that has.
+
+use nalgebra::Point3;
+
+/// Points in a leaf. Tuned.
+const LEAF: usize = 8;
+/// Branches that one search looks into. Real caves need some dozens; points on a sphere round the one that asks would need
+/// all, and then the nearest found so far is taken. Tuned.
+const MOST_VISITS: usize = 1024;
+/// The points of a branch are of several parts.
+const MIXED: usize = usize::MAX;
+
+/// The points of a graph, by place.
+pub(super) struct Tree<'a> {
+    places: &'a [Point3<f64>],
+    /// Points in the order of the leaves.
+    points: Vec<usize>,
+    /// Each before its children; a first child follows its parent at once.
+    branches: Vec<Branch>,
+}
+
+struct Branch {
+    low: Point3<f64>,
+    high: Point3<f64>,
+    /// Its points, as a range of the tree's.
+    start: usize,
+    end: usize,
+    /// Its second child; `None` in a leaf.
+    second: Option<usize>,
+    part: usize,
+}
+
+/// The nearest that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Near {
+    pub(super) point: usize,
+    pub(super) squared: f64,
+}
+
+impl<'a> Tree<'a> {
+    /// The tree of these of the points; there is at least one.
+    pub(super) fn new(places: &'a [Point3<f64>], points: Vec<usize>) -> Self {
+        let mut tree = Self { places, branches: Vec::with_capacity(points.len() / 2), points };
+        tree.grow(0, tree.points.len());
+        tree
+    }
+
+    /// Halves of equal count, across the longest side of the box: the depth is the logarithm of the count.
+    fn grow(&mut self, start: usize, end: usize) {
+        let places = self.places;
+        let points = &mut self.points[start..end];
+        let first = places[points[0]];
+        let (low, high) = points
+            .iter()
+            .fold((first, first), |(low, high), &point| (low.inf(&places[point]), high.sup(&places[point])));
+        let at = self.branches.len();
+        self.branches.push(Branch { low, high, start, end, second: None, part: MIXED });
+        if points.len() <= LEAF {
+            return;
+        }
+        let axis = (high - low).imax();
+        let middle = points.len() / 2;
+        points.select_nth_unstable_by(middle, |&a, &b| places[a][axis].total_cmp(&places[b][axis]).then(a.cmp(&b)));
+        self.grow(start, start + middle);
+        self.branches[at].second = Some(self.branches.len());
+        self.grow(start + middle, end);
+    }
+
+    /// Tells the branches the part of each point.
+    pub(super) fn set_parts(&mut self, part_of: &[usize]) {
+        for at in (0..self.branches.len()).rev() {
+            let branch = &self.branches[at];
+            self.branches[at].part = match branch.second {
+                Some(second) if self.branches[at + 1].part == self.branches[second].part => self.branches[second].part,
+                Some(_) => MIXED,
+                None => {
+                    let mut parts = self.points[branch.start..branch.end].iter().map(|&point| part_of[point]);
+                    let first = parts.next().unwrap_or(MIXED);
+                    if parts.all(|part| part == first) { first } else { MIXED }
+                }
+            };
+        }
+    }
+
+    /// The point of another part that is nearest to this one, and nearer than a squared distance. Of equals, the lowest.
+    pub(super) fn nearest(&self, from: usize, part_of: &[usize], within: f64) -> Option<Near> {
+        let mut search = Search { from, part_of, within, best: None };
+        let mut ahead = vec![(0, 0.0)];
+        let mut visits = 0;
+        while let Some((at, squared)) = ahead.pop() {
+            // What is as near may hold a lower point; the first way down is always gone to its end.
+            if squared > search.within || (visits > MOST_VISITS && search.within.is_finite()) {
+                continue;
+            }
+            visits += 1;
+            let branch = &self.branches[at];
+            let Some(second) = branch.second else {
+                search.look(self.places, &self.points[branch.start..branch.end]);
+                continue;
+            };
+            let mut children = [at + 1, second].map(|child| (child, self.squared(child, from)));
+            if children[0].1 < children[1].1 {
+                children.swap(0, 1);
+            }
+            ahead.extend(children.into_iter().filter(|&(child, _)| self.branches[child].part != part_of[from]));
+        }
+        search.best
+    }
+
+    /// From a point to the box of a branch.
+    fn squared(&self, branch: usize, from: usize) -> f64 {
+        let Branch { low, high, .. } = &self.branches[branch];
+        let place = self.places[from];
+        let out = |axis: usize| (low[axis] - place[axis]).max(place[axis] - high[axis]).max(0.0);
+        out(0) * out(0) + out(1) * out(1) + out(2) * out(2)
+    }
+}
+
+/// A search while it goes on.
+struct Search<'a> {
+    from: usize,
+    part_of: &'a [usize],
+    within: f64,
+    best: Option<Near>,
+}
+
+impl Search<'_> {
+    fn look(&mut self, places: &[Point3<f64>], points: &[usize]) {
+        for &point in points {
+            let squared = (places[point] - places[self.from]).norm_squared();
+            let is_nearer = match self.best {
+                Some(best) => (squared, point) < (best.squared, best.point),
+                None => squared <= self.within,
+            };
+            if is_nearer && self.part_of[point] != self.part_of[self.from] {
+                self.within = squared;
+                self.best = Some(Near { point, squared });
+            }
+        }
+    }
+}
