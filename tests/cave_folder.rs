@@ -214,7 +214,7 @@ fn one_run_at_a_time_works_in_a_folder() {
 }
 
 #[test]
-fn an_edited_recipe_or_graph_is_refused_or_followed_but_never_passed_over() {
+fn an_edited_recipe_or_graph_is_followed() {
     let desk = Desk::new();
     desk.make(&["graph", "--output", "cave"]);
     let nodes = || fs::read_to_string(desk.path("cave/graph.json")).unwrap().matches("\"id\"").count();
@@ -224,17 +224,69 @@ fn an_edited_recipe_or_graph_is_refused_or_followed_but_never_passed_over() {
         desk.file(file, &text.replacen(from, to, 1));
     };
     edit("cave/cave.toml", "\nnodes = 12", "\nnodes = 9");
-    assert_eq!(desk.run(&["mesh", "cave"]).status.code(), Some(2));
-    assert!(desk.run(&["mesh", "cave", "--force"]).status.success());
+    assert!(desk.run(&["mesh", "cave"]).status.success());
     assert_eq!(nodes(), 9);
     edit("cave/graph.json", "\"radius\":", "\"radius\":1");
     let edited = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
-    assert_eq!(desk.run(&["graph", "cave"]).status.code(), Some(2));
-    assert!(desk.run(&["graph", "cave", "--force"]).status.success());
+    assert!(desk.run(&["graph", "cave"]).status.success());
     assert_eq!(edited, fs::read_to_string(desk.path("cave/graph.json")).unwrap());
     fs::remove_file(desk.path("cave/graph.json")).unwrap();
-    assert!(desk.run(&["graph", "cave", "--force"]).status.success());
+    assert!(desk.run(&["graph", "cave"]).status.success());
     assert_eq!(nodes(), 9);
+}
+
+/// Moves the last station of a graph file; what else stands there stays.
+fn edit_graph(desk: &Desk) -> String {
+    let text = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    let (before, after) = text.rsplit_once("\"radius\":").unwrap();
+    let edited = format!("{before}\"radius\":1{after}");
+    desk.file("cave/graph.json", &edited);
+    edited
+}
+
+#[test]
+fn an_edited_graph_is_not_written_over() {
+    let desk = Desk::new();
+    desk.make(&["graph", "--output", "cave"]);
+    let edited = edit_graph(&desk);
+    let kept = || edited == fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    let fault = |arguments: &[&str]| desk.fault(&[arguments, &SMALL].concat());
+    insta::assert_snapshot!(fault(&["graph", "--output", "cave"]));
+    assert!(kept());
+    assert!(fault(&["graph", "cave", "--seed", "3"]).contains("edited by hand"));
+    assert!(kept());
+    desk.make(&["graph", "cave", "--seed", "3", "--force"]);
+    assert!(!kept());
+}
+
+#[test]
+fn texture_settings_make_textures_only_anew() {
+    let desk = Desk::new();
+    desk.make(&["generate", "--output", "cave"]);
+    let meshed = desk.times("cave/chunks");
+    desk.make(&["generate", "cave", "--set", "texture.format=jpg"]);
+    assert_eq!(meshed, desk.times("cave/chunks"));
+    let images = desk.hashes("cave/textures");
+    assert!(images.iter().any(|(path, _)| path.ends_with(".jpg")));
+    assert!(!images.iter().any(|(path, _)| path.ends_with(".png")));
+}
+
+#[test]
+fn status_tells_how_far_a_folder_is() {
+    let desk = Desk::new();
+    let status = || String::from_utf8(desk.run(&["status", "cave"]).stdout).unwrap();
+    desk.make(&["mesh", "--output", "cave"]);
+    let mut told = status();
+    desk.make(&["generate", "cave"]);
+    told += &status();
+    fs::remove_file(desk.path("cave/chunks/chunk_0_0_0.ply")).unwrap();
+    told += &status();
+    edit_graph(&desk);
+    told += &status();
+    insta::assert_snapshot!(told);
+    let busy = CaveFolder::open(&desk.path("cave")).unwrap();
+    busy.begin().unwrap();
+    assert!(status().contains("a run is at work here"));
 }
 
 /// A file-size limit stands in for a full disk: the same path through the code, without a disk to fill.

@@ -90,6 +90,9 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::GraphFile(error) => error.hint.clone(),
         PipelineError::Grid(error) => error.hint().to_owned(),
         PipelineError::OtherCave { .. } => "give another folder, or --force to make it anew".into(),
+        PipelineError::EditedGraph { .. } => {
+            "to go on with it, name the cave folder and leave `graph` and `seed` as they were; --force drops it".into()
+        }
         PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),
         PipelineError::Store(StoreError::InUse { .. }) => "wait for it to end, or give another folder".into(),
         PipelineError::Store(StoreError::Damaged { .. }) => "delete the folder and make it again".into(),

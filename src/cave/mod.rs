@@ -17,7 +17,7 @@ pub use self::input::{Input, preset, read};
 pub use self::target::{Exported, Order, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;
-use crate::pipeline::{self, Observer, Pipeline, PipelineError};
+use crate::pipeline::{self, Observer, Other, Pipeline, PipelineError};
 use crate::recipe::Recipe;
 use crate::store::{CaveFolder, Stage, Unit};
 
@@ -120,7 +120,8 @@ impl Cave {
     }
 }
 
-/// Makes the stage `last` and those it follows from in `folder`, tells `done` after each, and settles the folder.
+/// Makes the stage `last` and those it follows from in `folder`, tells `done` after each, and settles the folder. Where
+/// the folder is the input, what its recipe and graph now say is followed; `force` replaces another cave.
 ///
 /// # Errors
 /// A graph that cannot be, another cave in the folder, the disk, the observer's stop.
@@ -132,7 +133,13 @@ pub fn make<'a>(
     observer: &'a dyn Observer,
     done: &mut dyn FnMut(Stage, &Pipeline),
 ) -> Result<Pipeline<'a>, PipelineError> {
-    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, force, observer)?;
+    let is_own = input.folder.as_deref() == Some(folder.root());
+    let other = match (force, is_own) {
+        (true, _) => Other::Replace,
+        (false, true) => Other::Renew,
+        (false, false) => Other::Refuse,
+    };
+    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, other, observer)?;
     done(Stage::Graph, &pipeline);
     let stages: &[Stage] = match last {
         Stage::Graph => &[],

@@ -11,7 +11,8 @@ use super::summary::Summary;
 use crate::cave;
 use crate::store::{CaveFolder, Stage};
 
-/// Makes a cave folder; stopped or killed, the same command goes on where it stopped.
+/// Makes a cave folder; stopped or killed, the same command goes on where it stopped. Named itself, a cave folder follows
+/// the changes in its recipe and graph.
 #[derive(Args)]
 pub struct Generate {
     #[command(flatten)]

@@ -11,6 +11,7 @@ mod list;
 mod measure;
 mod new;
 mod progress;
+mod status;
 mod summary;
 
 use std::ffi::OsString;
@@ -104,6 +105,8 @@ enum Command {
     List(list::List),
     /// Check that a package is whole and names nothing outside itself
     Check(check::Check),
+    /// Say how far a cave folder is and what is left to do
+    Status(status::Status),
     /// Check the mesh of a cave folder: closed, manifold, consistent
     Measure(measure::Measure),
 }
@@ -176,6 +179,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Schema => console.result(&format!("{:#}\n", crate::recipe::editor_schema())),
         Command::List(list) => list.run(console),
         Command::Check(check) => check.run(console),
+        Command::Status(status) => status.run(console),
         Command::Measure(measure) => measure.run(console),
     }
 }

@@ -29,6 +29,12 @@ pub enum PipelineError {
         /// The first stage that differs.
         stage: &'static str,
     },
+    /// The folder's graph was edited, and the recipe asks for another.
+    #[error("{}: was edited by hand, and the recipe now makes another graph", path.display())]
+    EditedGraph {
+        /// The graph file.
+        path: PathBuf,
+    },
     /// A chunk could not be textured.
     #[error("texture: {0}")]
     Texture(ChunkError),

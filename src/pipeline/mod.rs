@@ -7,6 +7,7 @@ mod error;
 mod outside;
 mod pieces;
 mod program;
+mod status;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,6 +17,7 @@ use serde_json::{Value, json};
 
 pub use self::error::PipelineError;
 pub use self::outside::{Disk, Machine};
+pub use self::status::{StageStatus, State};
 use crate::field::{Bounds, CaveField};
 use crate::graph::format::{self, Import, Parts};
 use crate::graph::{Graph, Outside};
@@ -39,6 +41,17 @@ pub trait Observer: Sync {
     }
 }
 
+/// What becomes of another cave in the folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Other {
+    /// It is an error.
+    Refuse,
+    /// It is this cave, whose recipe or graph has changed: what follows from the change is made anew.
+    Renew,
+    /// It makes room.
+    Replace,
+}
+
 /// One cave in the making.
 pub struct Pipeline<'a> {
     recipe: &'a Recipe,
@@ -55,18 +68,22 @@ impl<'a> Pipeline<'a> {
     /// Makes or reads the graph and writes recipe and graph into the folder. `given` replaces the recipe's own graph.
     ///
     /// # Errors
-    /// When there can be no such graph, or the folder holds another cave and `force` is not set.
+    /// When there can be no such graph, or the folder holds what may not be replaced.
     pub fn start(
         recipe: &'a Recipe,
         given: Option<Graph>,
         folder: &'a CaveFolder,
-        force: bool,
+        other: Other,
         observer: &'a dyn Observer,
     ) -> Result<Self, PipelineError> {
         observer.begin(Stage::Graph, 1);
+        let is_given = given.is_some();
         let pipeline = Self::plan(recipe, given, folder, observer)?;
-        if !force {
+        if other == Other::Refuse {
             pipeline.refuse_other_cave()?;
+        }
+        if other != Other::Replace && !is_given {
+            pipeline.refuse_to_lose_edits()?;
         }
         folder.begin()?;
         pipeline.write_graph()?;
@@ -228,6 +245,19 @@ impl<'a> Pipeline<'a> {
             let is_other = |unit: &Unit| unit.fingerprint != self.fingerprint(stage);
             if self.folder.units(stage).iter().any(is_other) {
                 return Err(PipelineError::OtherCave { path: self.folder.root().to_path_buf(), stage: name });
+            }
+        }
+        Ok(())
+    }
+
+    /// A graph that was edited by hand is not written over by a generated one.
+    fn refuse_to_lose_edits(&self) -> Result<(), PipelineError> {
+        let path = self.folder.root().join(store::GRAPH);
+        let units = self.folder.units(Stage::Graph);
+        for record in units.iter().flat_map(|unit| &unit.files).filter(|file| file.path == store::GRAPH) {
+            let is_edited = !record.is_intact(self.folder.root())? && read_graph(&path, Parts::Keep).is_ok();
+            if is_edited {
+                return Err(PipelineError::EditedGraph { path });
             }
         }
         Ok(())

@@ -188,6 +188,12 @@ impl CaveFolder {
         Ok(())
     }
 
+    /// Whether another run is at work in the folder, as far as the file system can tell.
+    pub fn is_in_use(&self) -> bool {
+        let journal = OpenOptions::new().append(true).open(self.root.join(JOURNAL));
+        journal.is_ok_and(|journal| matches!(journal.try_lock(), Err(TryLockError::WouldBlock)))
+    }
+
     /// Opens the cave folder at `root`.
     ///
     /// # Errors

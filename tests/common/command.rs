@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::SystemTime;
 
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
@@ -65,6 +66,14 @@ impl Desk {
         let output = self.run(arguments);
         let stderr = String::from_utf8(output.stderr).unwrap();
         format!("exit {}\n{stderr}", output.status.code().unwrap())
+    }
+
+    /// Names and times of change of all files below a folder of the desk.
+    pub fn times(&self, name: &str) -> Vec<(PathBuf, SystemTime)> {
+        let changed = |path: PathBuf| (path.clone(), fs::metadata(path).unwrap().modified().unwrap());
+        let mut times: Vec<_> = files(&self.path(name)).into_iter().map(changed).collect();
+        times.sort();
+        times
     }
 
     /// Names and hashes of all files below a folder of the desk.

@@ -1,0 +1,82 @@
+//! How far a cave folder is, and what the next run would do there.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Pipeline, PipelineError, chunk_name};
+use crate::mesh::Grid;
+use crate::store::Stage;
+
+/// How far a stage is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// Nothing of it is there.
+    Missing,
+    /// Some of it is there.
+    Partial,
+    /// What is there follows from another recipe, graph or version, and will be made anew.
+    Outdated,
+    /// All of it is there.
+    Done,
+}
+
+/// A stage of a cave folder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageStatus {
+    /// Which stage.
+    pub stage: Stage,
+    /// How far it is.
+    pub state: State,
+    /// Units that are whole and follow from what the folder's recipe and graph say now.
+    pub done: usize,
+    /// Units there will be; `None` while an earlier stage has to tell.
+    pub total: Option<usize>,
+    /// Units of another recipe, graph or version.
+    pub outdated: usize,
+    /// Units whose files are missing or changed.
+    pub damaged: Vec<String>,
+}
+
+impl Pipeline<'_> {
+    /// How far each stage is; reads every file of the folder, and writes nothing.
+    ///
+    /// # Errors
+    /// When a file cannot be read.
+    pub fn status(&self) -> Result<Vec<StageStatus>, PipelineError> {
+        let graph = self.stage_status(Stage::Graph, Some(vec!["cave".to_owned()]))?;
+        let grid = Grid::new(self.field().bounds(), &self.recipe.mesh).ok();
+        let mesh = self.stage_status(Stage::Mesh, grid.map(|grid| grid.indices().map(chunk_name).collect()))?;
+        let walls = || self.walls().into_iter().map(|unit| unit.name).collect();
+        let walls: Option<Vec<String>> = (mesh.state == State::Done).then(walls);
+        let texture = self.stage_status(Stage::Texture, walls.clone())?;
+        let pieces = self.stage_status(Stage::Pieces, walls)?;
+        Ok(vec![graph, mesh, texture, pieces])
+    }
+
+    fn stage_status(&self, stage: Stage, wanted: Option<Vec<String>>) -> Result<StageStatus, PipelineError> {
+        let units = self.units(stage);
+        let outdated = self.folder.units(stage).len() - units.len();
+        let total = wanted.as_ref().map(Vec::len);
+        let counts = |name: &str| wanted.as_ref().is_none_or(|wanted| wanted.iter().any(|other| other == name));
+        let whole: Result<Vec<bool>, _> = units
+            .par_iter()
+            .map(|unit| Ok(self.folder.finished(stage, &unit.name, self.fingerprint(stage))?.is_some()))
+            .collect::<Result<_, PipelineError>>();
+        let (mut done, mut damaged) = (0, Vec::new());
+        for (unit, whole) in units.iter().zip(whole?).filter(|(unit, _)| counts(&unit.name)) {
+            if whole {
+                done += 1;
+            } else {
+                damaged.push(unit.name.clone());
+            }
+        }
+        let state = match (done, total) {
+            (done, Some(total)) if done == total => State::Done,
+            (0, _) if outdated > 0 => State::Outdated,
+            (0, _) if damaged.is_empty() => State::Missing,
+            _ => State::Partial,
+        };
+        Ok(StageStatus { stage, state, done, total, outdated, damaged })
+    }
+}
