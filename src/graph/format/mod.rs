@@ -3,10 +3,12 @@
 //! A reader takes what it is given for hostile: it holds to the limits in [`limits`], follows no link that the format does
 //! not need, and says where a fault is.
 
+mod draft;
 pub mod json;
 pub mod limits;
 mod parts;
 mod survey;
+mod text;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
