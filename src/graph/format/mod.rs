@@ -7,6 +7,7 @@ pub mod json;
 pub mod limits;
 mod parts;
 mod survey;
+mod traverse;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
