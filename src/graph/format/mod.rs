@@ -9,6 +9,7 @@ pub mod limits;
 mod parts;
 mod survey;
 mod text;
+mod traverse;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
