@@ -7,9 +7,8 @@
 mod dice;
 pub mod format;
 pub mod generator;
-pub mod metrics;
 mod outside;
-mod reduced;
+pub mod realism;
 mod shape;
 mod sketch;
 

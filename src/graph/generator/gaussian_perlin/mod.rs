@@ -5,7 +5,7 @@
 //! a Perlin term over the sections; an arc behind without children; several children; branches that die; bounds; one
 //! or several layers. Added here: log-normal branch lengths, two preferred azimuths, a clearance law, lawful loops,
 //! relief, and a gate that grows the graph anew until its metrics lie inside the range of real caves (Collon et al.
-//! 2017, see [`metrics`](crate::graph::metrics)).
+//! 2017, see [`realism`](crate::graph::realism)).
 //!
 //! Promised: exactly the asked number of nodes, one component, at most four passages at a node, no passage through
 //! another (see `clearance` for what that means). Not promised: that the gate is passed. With default settings it was
@@ -33,12 +33,10 @@ use serde::{Deserialize, Serialize};
 use super::{GenerateError, Generator};
 use crate::graph::Graph;
 use crate::graph::dice::Dice;
-use crate::graph::metrics::Metrics;
 use crate::graph::outside::Outside;
+use crate::graph::realism::{LEAST_STATIONS, Metrics};
 use crate::seed;
 
-/// Fewer nodes than this cannot pass the gate: too few branches.
-const GATE_FROM: u32 = 25;
 /// More nodes than this are not measured: betweenness takes the square of their number.
 const GATE_TO: u32 = 20_000;
 /// Nodes that all attempts together may place, which bounds the time a graph takes.
@@ -159,7 +157,7 @@ impl Generator for GaussianPerlin {
 impl GaussianPerlin {
     /// The first attempt that passes the gate, or the one that came nearest to it.
     fn best(&self, seed: u64) -> Result<Graph, GenerateError> {
-        let gated = (GATE_FROM..=GATE_TO).contains(&self.nodes);
+        let gated = (LEAST_STATIONS as u32..=GATE_TO).contains(&self.nodes);
         let attempts = (EFFORT / self.nodes).clamp(ATTEMPTS[0], ATTEMPTS[1]);
         let mut best: Option<(f64, Graph)> = None;
         let mut most = 0;

@@ -2,9 +2,16 @@
 
 use rustc_hash::FxHashMap;
 
-use super::Graph;
+use super::metrics::Sampling;
+use crate::graph::Graph;
+use crate::graph::dice::Dice;
+use crate::seed;
 
-/// The branches of a graph: paths of stations whose ends do not have exactly two passages, and whose inner ones do.
+/// Sources sampled at least.
+const FEWEST_SOURCES: usize = 64;
+
+/// The branches of a graph: paths of stations whose ends do not have exactly two passages, and whose inner ones do. A
+/// ring without junctions is a branch from one of its stations to itself.
 pub(super) struct Branches {
     stations: Vec<usize>,
     /// Where each branch starts in `stations`, and the end of the last one.
@@ -28,14 +35,28 @@ impl Branches {
                 }
             }
         }
+        branches.add_rings(&neighbors);
         branches
+    }
+
+    /// Adds what no branch has reached.
+    fn add_rings(&mut self, neighbors: &[Vec<usize>]) {
+        let mut seen = vec![false; neighbors.len()];
+        self.stations.iter().for_each(|&station| seen[station] = true);
+        for start in 0..neighbors.len() {
+            if !seen[start] && neighbors[start].len() == 2 {
+                let from = self.stations.len();
+                self.walk(neighbors, start, neighbors[start][0]);
+                self.stations[from..].iter().for_each(|&station| seen[station] = true);
+            }
+        }
     }
 
     /// Follows a branch to its end and returns the station before that.
     fn walk(&mut self, neighbors: &[Vec<usize>], knot: usize, first: usize) -> usize {
         let (mut before, mut at) = (knot, first);
         self.stations.extend([before, at]);
-        while let &[a, b] = neighbors[at].as_slice() {
+        while let (&[a, b], true) = (neighbors[at].as_slice(), at != knot) {
             let next = if a == before { b } else { a };
             (before, at) = (at, next);
             self.stations.push(at);
@@ -103,21 +124,80 @@ impl Reduced {
         self.neighbors.iter().enumerate().flat_map(of_one)
     }
 
-    /// The part of shortest paths between other nodes that lead over each node (Brandes 2001).
-    pub(super) fn betweenness(&self) -> Vec<f64> {
+    /// What the shortest paths say: from every node where there are at most `exact_to`, else from as many as make about
+    /// this number of visits.
+    pub(super) fn paths(&self, exact_to: usize, visits: usize) -> Paths {
         let len = self.neighbors.len();
-        let mut between = vec![0.0; len];
-        let mut search = Search::new(len);
-        for source in 0..len {
-            search.run(&self.neighbors, source);
-            search.add_to(&self.neighbors, source, &mut between);
+        if len <= exact_to {
+            return self.paths_from(&(0..len).collect::<Vec<_>>());
         }
-        let pairs = match len {
-            0..=2 => 1.0,
-            _ => ((len - 1) * (len - 2)) as f64,
-        };
-        between.iter().map(|b| b / pairs).collect()
+        let count = (visits / len).clamp(FEWEST_SOURCES, len);
+        // One source from each of `count` stretches of the list; the same for the same graph.
+        let mut dice = Dice::new(seed::stream(0, "path-sources", len as u64));
+        let starts: Vec<usize> = (0..=count).map(|i| i * len / count).collect();
+        let sources: Vec<usize> = starts.windows(2).map(|pair| pair[0] + dice.index(pair[1] - pair[0])).collect();
+        self.paths_from(&sources)
     }
+
+    fn paths_from(&self, sources: &[usize]) -> Paths {
+        let len = self.neighbors.len();
+        let mut tally = Tally { between: vec![0.0; len], squares: vec![0.0; len] };
+        let mut search = Search::new(len);
+        let mut means = Vec::with_capacity(sources.len());
+        for &source in sources {
+            search.run(&self.neighbors, source);
+            means.push(search.mean_distance());
+            search.add_to(&self.neighbors, source, &mut tally);
+        }
+        let count = sources.len() as f64;
+        // Each source stands for its share of all nodes.
+        let pairs = count / len as f64 * (len.max(3) - 1) as f64 * (len.max(3) - 2) as f64;
+        let central = tally.most_central();
+        let sampling = (sources.len() < len).then(|| Sampling {
+            sources: sources.len(),
+            average_path_error: standard_error(count, means.iter().sum(), means.iter().map(|m| m * m).sum()),
+            dominance_error: standard_error(count, tally.between[central], tally.squares[central]) * count / pairs,
+        });
+        Paths {
+            average: means.iter().sum::<f64>() / count,
+            dominance: dominance(&tally.between, tally.between[central]) / pairs,
+            sampling,
+        }
+    }
+}
+
+/// What shortest paths say of a reduced graph.
+pub(super) struct Paths {
+    /// Mean over the nodes of the mean distance to the others of their part, in branches.
+    pub(super) average: f64,
+    /// Freeman's centralization of betweenness.
+    pub(super) dominance: f64,
+    pub(super) sampling: Option<Sampling>,
+}
+
+/// Shortest paths over each node, summed over sources (Brandes 2001), and the squares of what each source adds.
+struct Tally {
+    between: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Tally {
+    fn most_central(&self) -> usize {
+        let by = |a: &usize, b: &usize| self.between[*a].total_cmp(&self.between[*b]);
+        (0..self.between.len()).max_by(by).unwrap_or_default()
+    }
+}
+
+/// By how much the most central node stands out, on average.
+fn dominance(between: &[f64], most: f64) -> f64 {
+    let others = between.len().max(2) - 1;
+    between.iter().map(|b| most - b).sum::<f64>() / others as f64
+}
+
+/// Of the mean of `count` numbers with this sum and this sum of squares.
+fn standard_error(count: f64, sum: f64, squares: f64) -> f64 {
+    let mean = sum / count;
+    ((squares / count - mean * mean).max(0.0) / count).sqrt()
 }
 
 fn ends(branch: &[usize]) -> [usize; 2] {
@@ -190,7 +270,13 @@ impl Search {
         }
     }
 
-    fn add_to(&mut self, neighbors: &[Vec<usize>], source: usize, between: &mut [f64]) {
+    /// Mean distance of the other nodes that can be reached.
+    fn mean_distance(&self) -> f64 {
+        let sum: f64 = self.order.iter().map(|&node| f64::from(self.distance[node])).sum();
+        sum / (self.order.len().max(2) - 1) as f64
+    }
+
+    fn add_to(&mut self, neighbors: &[Vec<usize>], source: usize, tally: &mut Tally) {
         for &node in self.order.iter().rev() {
             let share = (1.0 + self.dependency[node]) / self.paths[node];
             for &other in &neighbors[node] {
@@ -199,8 +285,32 @@ impl Search {
                 }
             }
             if node != source {
-                between[node] += self.dependency[node];
+                tally.between[node] += self.dependency[node];
+                tally.squares[node] += self.dependency[node] * self.dependency[node];
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::generator::{Generator, Mine};
+    use crate::graph::outside::Nowhere;
+
+    #[test]
+    fn a_sample_is_near_the_whole() {
+        let mine = Mine { nodes: 6000, drifts: 20, ..Mine::default() };
+        let graph = mine.generate(1, &Nowhere).expect("there is room");
+        let reduced = Reduced::of(&Branches::of(&graph));
+        let len = reduced.neighbors.len();
+        let (whole, sample) = (reduced.paths(len, 0), reduced.paths(0, 200 * len));
+        assert_eq!(whole.sampling, None);
+        let said = sample.sampling.expect("it was sampled");
+        assert_eq!(said.sources, 200);
+        let off = (sample.average - whole.average).abs();
+        assert!(off <= 3.0 * said.average_path_error && said.average_path_error < 0.05 * whole.average, "{off}");
+        let off = (sample.dominance - whole.dominance).abs();
+        assert!(off <= 4.0 * said.dominance_error && said.dominance_error < 0.05, "{off}");
     }
 }

@@ -1,0 +1,157 @@
+//! How like a real cave a graph is.
+//!
+//! [`Metrics`] measures what Collon et al. 2017 measured on real caves, [`METRICS`] holds their ranges, and [`Likeness`] says
+//! where a graph lies in them. A graph is like a real cave if all eight metrics that do not depend on size lie between the least
+//! and the greatest value of any cave, and six of them between the tenth and the ninetieth percentile. The rule is ours, and
+//! asks more than being a cave: of the 31 caves that have all eight metrics it takes 21, and calls ten unusual. It judges how
+//! passages run, not what their walls are like.
+
+mod metrics;
+mod reduced;
+mod reference;
+
+use serde::Serialize;
+
+pub use metrics::{EXACT_TO, Metrics, Sampling};
+pub use reference::{CAVES, METRICS, Metric, Range, SCALE_FREE, percentile};
+
+use super::Graph;
+
+/// Stations below which a graph has too few branches for statistics.
+pub const LEAST_STATIONS: usize = 25;
+/// Metrics between the tenth and the ninetieth percentile that a cave needs.
+pub const CORE_NEEDED: usize = 6;
+/// Place of the mean degree in [`METRICS`]: a ratio of whole numbers that needs no inset.
+const MEAN_DEGREE: usize = 4;
+
+impl Metrics {
+    /// How many metrics lie in the range of real caves, each range shortened at both ends by `inset` of its length.
+    pub fn realism(&self, inset: f64) -> Realism {
+        let mut realism = Realism { inside: 0, core: 0 };
+        for (place, (value, Metric { range, .. })) in self.scale_free().into_iter().zip(&METRICS).enumerate() {
+            let hold = if place == MEAN_DEGREE { 0.0 } else { inset * (range.max - range.min) };
+            let within = |low: f64, high: f64| (low + hold..=high - hold).contains(&value);
+            realism.inside += usize::from(within(range.min, range.max));
+            realism.core += usize::from(within(range.p10, range.p90));
+        }
+        realism
+    }
+
+    /// How far the metrics lie outside, 0 when all are in the core; for choosing the least unreal of several graphs.
+    pub fn distance(&self) -> f64 {
+        let excess = |value: f64, low: f64, high: f64| (low - value).max(value - high).max(0.0);
+        let of_one = |(value, Metric { range, .. }): (f64, &Metric)| {
+            let core = excess(value, range.p10, range.p90);
+            let whole = excess(value, range.min, range.max);
+            (core + 10.0 * whole) / (range.p90 - range.p10)
+        };
+        self.scale_free().into_iter().zip(&METRICS).map(of_one).sum()
+    }
+}
+
+/// How many of the eight metrics are like those of real caves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Realism {
+    /// Metrics between the least and the greatest value of any real cave.
+    pub inside: usize,
+    /// Metrics between the tenth and the ninetieth percentile.
+    pub core: usize,
+}
+
+impl Realism {
+    /// Whether the graph passes for a real cave.
+    pub fn is_real(self) -> bool {
+        self.inside == SCALE_FREE && self.core >= CORE_NEEDED
+    }
+}
+
+/// What is to be said of a graph as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It has the statistics of a real cave.
+    Real,
+    /// Some real cave has as little and some as much of everything, but few have so much that is out of the ordinary.
+    Unusual,
+    /// No real cave has so little or so much of something.
+    Unreal,
+    /// It has fewer than [`LEAST_STATIONS`], or no junction: such a graph has no statistics.
+    TooSmall,
+}
+
+/// Where a value lies among the real caves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standing {
+    /// Between the tenth and the ninetieth percentile.
+    Core,
+    /// Between the least and the greatest.
+    Inside,
+    /// Beyond every one of them.
+    Outside,
+}
+
+/// A graph among the real caves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Likeness {
+    /// What was measured.
+    pub metrics: Metrics,
+    /// Stations.
+    pub stations: usize,
+    /// What it comes to.
+    pub verdict: Verdict,
+}
+
+/// One metric of a graph among the real caves.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Which.
+    pub metric: &'static Metric,
+    /// Of the graph.
+    pub value: f64,
+    /// The share of real caves that have less, 0 to 100.
+    pub percentile: f64,
+    /// Where that is.
+    pub standing: Standing,
+    /// Whether it counts for the verdict.
+    pub counts: bool,
+}
+
+impl Likeness {
+    /// Measures a graph and judges it; `None` if it has no passage.
+    pub fn of(graph: &Graph) -> Option<Self> {
+        let metrics = Metrics::of(graph)?;
+        let stations = graph.nodes.len();
+        let realism = metrics.realism(0.0);
+        let verdict = match realism {
+            _ if stations < LEAST_STATIONS || metrics.max_degree < 3 => Verdict::TooSmall,
+            _ if realism.is_real() => Verdict::Real,
+            Realism { inside: SCALE_FREE, .. } => Verdict::Unusual,
+            _ => Verdict::Unreal,
+        };
+        Some(Self { metrics, stations, verdict })
+    }
+
+    /// Every metric, in the order of [`METRICS`].
+    pub fn rows(&self) -> impl Iterator<Item = Row> {
+        METRICS.iter().enumerate().map(|(place, metric)| {
+            let value = (metric.of)(&self.metrics);
+            let standing = match metric.range {
+                range if range.has_in_core(value) => Standing::Core,
+                range if range.holds(value) => Standing::Inside,
+                _ => Standing::Outside,
+            };
+            Row { metric, value, percentile: percentile(place, value), standing, counts: place < SCALE_FREE }
+        })
+    }
+
+    /// Names of the metrics that keep it from being like a real cave: those beyond every cave, or if there are none, those
+    /// outside the core.
+    pub fn failing(&self) -> Vec<&'static str> {
+        let those = |wanted: Standing| {
+            self.rows().filter(move |row| row.counts && row.standing == wanted).map(|row| row.metric.name)
+        };
+        let outside: Vec<_> = those(Standing::Outside).collect();
+        if outside.is_empty() && self.verdict != Verdict::Real { those(Standing::Inside).collect() } else { outside }
+    }
+}
