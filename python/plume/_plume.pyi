@@ -45,6 +45,7 @@ def generate(
     force: bool = False,
     threads: int | None = None,
     progress: Callable[[str, int, int], object] | None = None,
+    allow_run: bool = False,
 ) -> Cave:
     """Makes a cave: graph, triangles and images.
 
@@ -62,6 +63,7 @@ def generate(
         threads: How many threads work; left out, one per core.
         progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "mesh" or "texture"
             and the numbers count chunks. What it raises stops the work.
+        allow_run: Let the recipe run a program, as the generator "external" does.
 
     Raises:
         RecipeError: The recipe has faults.

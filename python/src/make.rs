@@ -29,6 +29,7 @@ use crate::work;
 ///     threads: How many threads work; left out, one per core.
 ///     progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "mesh" or "texture"
 ///         and the numbers count chunks. What it raises stops the work.
+///     allow_run: Let the recipe run a program, as the generator "external" does.
 ///
 /// Raises:
 ///     RecipeError: The recipe has faults.
@@ -41,7 +42,7 @@ use crate::work;
 /// ...     len(cave.graph.positions), cave.chunks[0].positions.dtype, seen[-1][0]
 /// (3, dtype('float32'), 'texture')
 #[pyfunction]
-#[pyo3(signature = (recipe=None, seed=None, *, folder=None, force=false, threads=None, progress=None))]
+#[pyo3(signature = (recipe=None, seed=None, *, folder=None, force=false, threads=None, progress=None, allow_run=false))]
 pub fn generate<'py>(
     py: Python<'py>,
     recipe: Option<&Bound<'py, PyAny>>,
@@ -50,6 +51,7 @@ pub fn generate<'py>(
     force: bool,
     threads: Option<NonZeroUsize>,
     progress: Option<&Bound<'py, PyAny>>,
+    allow_run: bool,
 ) -> PyResult<Bound<'py, Cave>> {
     let input = input(py, recipe, seed)?;
     let (path, temporary) = match folder.or_else(|| input.folder.clone()) {
@@ -58,6 +60,7 @@ pub fn generate<'py>(
     };
     let cave = work::run(py, progress, |watch| {
         let folder = CaveFolder::open_or_new(&path)?;
+        watch.allow_programs(allow_run);
         work::on_threads(threads, || cave::Cave::make(input, folder, force, watch, &mut |_, _| ()))
     })?;
     Cave::new(py, cave, temporary.map(TempDir::keep))

@@ -93,6 +93,7 @@ impl Drop for Wake<'_> {
 #[derive(Default)]
 pub struct Watch {
     stop: AtomicBool,
+    programs: AtomicBool,
     progress: Mutex<Option<Progress>>,
 }
 
@@ -104,6 +105,11 @@ struct Progress {
 }
 
 impl Watch {
+    /// Says whether recipes may run programs.
+    pub fn allow_programs(&self, allowed: bool) {
+        self.programs.store(allowed, Ordering::Relaxed);
+    }
+
     fn set(&self, change: impl FnOnce(&mut Option<Progress>)) {
         change(&mut self.progress.lock().unwrap_or_else(PoisonError::into_inner));
     }
@@ -135,6 +141,10 @@ impl Observer for Watch {
 
     fn stop(&self) -> &AtomicBool {
         &self.stop
+    }
+
+    fn allows_programs(&self) -> bool {
+        self.programs.load(Ordering::Relaxed)
     }
 }
 

@@ -264,6 +264,22 @@ def test_progress_is_told_and_may_stop_the_work(tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.partial"))
 
 
+def test_a_program_lays_out_a_cave_if_it_may(tmp_path: Path) -> None:
+    program = tmp_path / "row.py"
+    program.write_text(
+        "import json, sys\n"
+        "count = json.load(sys.stdin)['settings']['count']\n"
+        "node = lambda i: {'id': i, 'edges': [i - 1] if i else [], 'coordinates': {'x': 4 * i, 'y': 0, 'z': 0}}\n"
+        "print(json.dumps({'nodes': [node(i) for i in range(count)]}))\n"
+    )
+    graph = {"generator": "external", "command": [sys.executable, str(program)], "settings": {"count": 3}}
+    recipe = {**SMALL, "graph": graph}
+    with pytest.raises(plume.InputError, match="not allowed"):
+        plume.generate(recipe, folder=tmp_path / "refused")
+    with plume.generate(recipe, folder=tmp_path / "made", allow_run=True) as cave:
+        assert np.ptp(cave.graph.positions[:, 0]) == 8
+
+
 def test_a_failed_cave_leaves_no_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     with pytest.raises(plume.InputError):

@@ -6,7 +6,7 @@ use std::fs;
 use std::process::Command;
 use std::time::Instant;
 
-use crate::plume::Plume;
+use crate::plume::{Plume, cargo};
 use crate::tools::{Result, root, run as run_program};
 use crate::venv::Environment;
 
@@ -35,11 +35,12 @@ const ROWS: [(&str, &[&str], &str); 3] = [
 ];
 
 /// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD, `targets` how fast a package is
-/// by every target that needs nothing else.
+/// by every target that needs nothing else, `graph` how fast graphs are laid out.
 pub fn run(chosen: &[String]) -> Result<()> {
     match chosen.first().map(String::as_str) {
         Some("usd") => return usd(),
         Some("targets") => return targets(),
+        Some("graph") => return graph(),
         _ => {}
     }
     let plume = Plume::build()?;
@@ -49,6 +50,13 @@ pub fn run(chosen: &[String]) -> Result<()> {
             row(&plume, name, arguments, paper)?;
         }
     }
+    Ok(())
+}
+
+/// A million nodes of every generator.
+fn graph() -> Result<()> {
+    let mut cargo = cargo();
+    println!("{}", run_program(cargo.args(["run", "--release", "--quiet", "--example", "graph_speed"]))?);
     Ok(())
 }
 

@@ -64,8 +64,9 @@ impl Generator for External {
             GenerateError::new(format!("{} wrote no graph: {what}", self.command[0]), hint.to_owned())
         };
         let text = String::from_utf8(told).map_err(|_| misled("it is not UTF-8 text".to_owned(), "write JSON"))?;
-        let document = json::read(&text);
-        Ok(document.map_err(|error| misled(error.to_string(), &error.hint()))?.graph)
+        let read = json::read_parts(&text, self.parts);
+        let (document, _) = read.map_err(|error| misled(error.to_string(), error.hint()))?;
+        Ok(document.graph)
     }
 }
 

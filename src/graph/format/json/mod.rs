@@ -45,7 +45,10 @@ pub fn read(text: &str) -> Result<Document, ReadError> {
 }
 
 /// The same with parts as asked, and what that took.
-fn read_parts(text: &str, parts: Parts) -> Result<(Document, Tally), ReadError> {
+///
+/// # Errors
+/// As [`read`].
+pub fn read_parts(text: &str, parts: Parts) -> Result<(Document, Tally), ReadError> {
     let file = parse::parse(text)?;
     let finished = join::join(&file.stations)?.finished(parts);
     let name = |station: usize| format!("node {}", file.stations[station].id);
