@@ -8,6 +8,7 @@ pub mod limits;
 mod parts;
 mod survex3d;
 mod survey;
+mod traverse;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

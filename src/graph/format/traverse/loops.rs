@@ -1,0 +1,278 @@
+//! Closing loops: sparse weighted least squares.
+//!
+//! Stations on dead ends move with what they hang on. What is left is reduced as one reduces a network of resistors: a
+//! station with few neighbours is replaced by direct ways between these (series, parallel and star to mesh, with
+//! matrices for resistances), which is Gaussian elimination and exact. Of most caves that leaves nothing; a dense rest
+//! is solved by conjugate gradients, whose residual is checked.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Shot, Tree, stars};
+
+/// Stations with at most so many neighbours are eliminated. Tuned: with fewer, mazes take many rounds of gradients, with
+/// more, memory grows.
+const MOST_NEIGHBORS: usize = 6;
+/// How often all stations are looked over for such that have become eliminable.
+const SWEEPS: usize = 32;
+/// Rounds of conjugate gradients at most. Tuned: a grid of 100,000 stations takes a tenth.
+const ROUNDS: usize = 5_000;
+/// The norm of what is left over, by that of what there was, at which the gradients may stop.
+const GOAL: f64 = 1e-12;
+/// The same, with which they may be stopped: a millimetre in a kilometre.
+const BEARABLE: f64 = 1e-6;
+
+impl Shot {
+    fn other_end(&self, station: usize) -> usize {
+        if self.ends[0] == station { self.ends[1] } else { self.ends[0] }
+    }
+}
+
+/// The stations that loops can move, and the shots between them and to those that stay where they are.
+pub(super) struct Core {
+    /// Where a station stands among those that can be moved.
+    place: Vec<Option<usize>>,
+    count: usize,
+    shots: Vec<usize>,
+}
+
+impl Core {
+    /// `None` if all shots are part of the tree.
+    pub(super) fn of(shots: &[Shot], tree: &Tree) -> Option<Self> {
+        let count = tree.positions.len();
+        let loose = shots.iter().filter(|shot| shot.ends[0] != shot.ends[1]).count();
+        if loose == tree.reached_by.iter().flatten().count() {
+            return None;
+        }
+        let at = stars(count, shots);
+        let mut degree: Vec<usize> = at.iter().map(Vec::len).collect();
+        let mut gone = vec![false; shots.len()];
+        let is_end = |degree: &[usize], station: usize| degree[station] == 1 && !tree.is_root(station);
+        let mut ends: Vec<usize> = (0..count).filter(|&station| is_end(&degree, station)).collect();
+        while let Some(end) = ends.pop() {
+            let Some(&index) = at[end].iter().find(|&&index| !gone[index]) else { continue };
+            gone[index] = true;
+            degree[end] = 0;
+            let foot = shots[index].other_end(end);
+            degree[foot] -= 1;
+            if is_end(&degree, foot) {
+                ends.push(foot);
+            }
+        }
+        let mut core = Self { place: vec![None; count], count: 0, shots: Vec::new() };
+        core.shots =
+            (0..shots.len()).filter(|&index| !gone[index] && shots[index].ends[0] != shots[index].ends[1]).collect();
+        for station in (0..count).filter(|&station| degree[station] > 0 && !tree.is_root(station)) {
+            core.place[station] = Some(core.count);
+            core.count += 1;
+        }
+        Some(core)
+    }
+
+    /// How far each station has to be moved so that the loops close, `None` if they cannot be closed.
+    pub(super) fn moves(&self, shots: &[Shot], tree: &Tree) -> Option<Vec<Vector3<f64>>> {
+        let mut network = Network::of(self, shots, tree)?;
+        network.eliminate();
+        let rest = network.solve()?;
+        let mut moves = vec![Vector3::zeros(); tree.positions.len()];
+        for &station in &tree.order {
+            let Some(index) = tree.reached_by[station] else { continue };
+            moves[station] = match self.place[station] {
+                Some(place) => rest[place],
+                None => moves[shots[index].other_end(station)],
+            };
+        }
+        Some(moves)
+    }
+}
+
+/// A way to another station, and how firmly it holds.
+type Hold = (usize, Matrix3<f64>);
+
+/// The normal equations: each station is held by others, and drawn.
+///
+/// The hold of `a` on `b` is the transpose of that of `b` on `a`. The sum of the holds on a station is its diagonal
+/// block, so that no difference of large numbers is ever taken.
+struct Network {
+    holds: Vec<Vec<Hold>>,
+    draws: Vec<Vector3<f64>>,
+    /// Neighbours at most; parallel ways count apart.
+    degree: Vec<usize>,
+    /// Inverse of the diagonal block of those that are eliminated, and their order.
+    inverse: Vec<Option<Matrix3<f64>>>,
+    order: Vec<usize>,
+}
+
+impl Network {
+    fn of(core: &Core, shots: &[Shot], tree: &Tree) -> Option<Self> {
+        let count = core.count;
+        let mut network = Self {
+            holds: vec![Vec::new(); count],
+            draws: vec![Vector3::zeros(); count],
+            degree: vec![0; count],
+            inverse: vec![None; count],
+            order: Vec::new(),
+        };
+        for &index in &core.shots {
+            let shot = &shots[index];
+            let weight = shot.covariance.try_inverse()?;
+            let [from, to] = shot.ends;
+            let misses = shot.vector - (tree.positions[to] - tree.positions[from]);
+            let draw = weight * misses;
+            // What stays where it is stands behind all others.
+            let places = [from, to].map(|end| core.place[end].unwrap_or(count));
+            for (here, there, draw) in [(places[0], places[1], -draw), (places[1], places[0], draw)] {
+                if here < count {
+                    network.holds[here].push((there, weight));
+                    network.draws[here] += draw;
+                    network.degree[here] += 1;
+                }
+            }
+        }
+        Some(network)
+    }
+
+    /// Drops what is eliminated from the holds on a station and adds up those by the same one.
+    fn tidy(&mut self, station: usize) {
+        let mut holds = std::mem::take(&mut self.holds[station]);
+        holds.retain(|&(other, _)| other == self.inverse.len() || self.inverse[other].is_none());
+        holds.sort_by_key(|&(other, _)| other);
+        holds.dedup_by(|(other, more), (kept, hold)| {
+            let same = other == kept;
+            if same {
+                *hold += *more;
+            }
+            same
+        });
+        self.degree[station] = holds.len();
+        self.holds[station] = holds;
+    }
+
+    /// Those that are not eliminated.
+    fn left(&self) -> Vec<usize> {
+        (0..self.holds.len()).filter(|&station| self.inverse[station].is_none()).collect()
+    }
+
+    fn diagonal(&self, station: usize) -> Matrix3<f64> {
+        self.holds[station].iter().map(|(_, hold)| hold).sum()
+    }
+
+    /// Eliminates stations with few neighbours, those with fewest first, as long as there are any.
+    fn eliminate(&mut self) {
+        for _ in 0..SWEEPS {
+            let mut queues = vec![Vec::new(); MOST_NEIGHBORS + 1];
+            for station in
+                (0..self.holds.len()).rev().filter(|&station| self.inverse[station].is_none()).collect::<Vec<_>>()
+            {
+                self.tidy(station);
+                self.enqueue(station, &mut queues);
+            }
+            if queues.iter().all(Vec::is_empty) {
+                return;
+            }
+            while let Some(queue) = queues.iter().position(|queue| !queue.is_empty()) {
+                let Some(station) = queues[queue].pop() else { continue };
+                if self.inverse[station].is_some() {
+                    continue;
+                }
+                self.tidy(station);
+                if self.degree[station] > queue {
+                    self.enqueue(station, &mut queues);
+                } else {
+                    self.drop(station, &mut queues);
+                }
+            }
+        }
+    }
+
+    fn enqueue(&self, station: usize, queues: &mut [Vec<usize>]) {
+        if let Some(queue) = queues.get_mut(self.degree[station]) {
+            queue.push(station);
+        }
+    }
+
+    /// Replaces a station by ways between its neighbours.
+    fn drop(&mut self, station: usize, queues: &mut [Vec<usize>]) {
+        let Some(inverse) = self.diagonal(station).try_inverse() else { return };
+        let holds = std::mem::take(&mut self.holds[station]);
+        let count = self.inverse.len();
+        for &(here, hold) in holds.iter().filter(|&&(here, _)| here < count) {
+            let passed_on = hold.transpose() * inverse;
+            let draw = passed_on * self.draws[station];
+            self.draws[here] += draw;
+            self.make_room(here, holds.len());
+            let through = holds.iter().filter(|&&(there, _)| there != here);
+            self.holds[here].extend(through.map(|&(there, hold)| (there, passed_on * hold)));
+            self.degree[here] = self.degree[here] + holds.len() - 2;
+            self.enqueue(here, queues);
+        }
+        self.holds[station] = holds;
+        self.inverse[station] = Some(inverse);
+        self.order.push(station);
+    }
+
+    /// Makes room for more holds, by tidying where that is enough, so that memory follows from what is still there.
+    fn make_room(&mut self, station: usize, more: usize) {
+        if self.holds[station].len() + more > self.holds[station].capacity() {
+            self.tidy(station);
+            let now = self.holds[station].len();
+            self.holds[station].reserve(now + more);
+        }
+    }
+
+    /// Where everything comes to rest.
+    fn solve(mut self) -> Option<Vec<Vector3<f64>>> {
+        let count = self.holds.len();
+        let mut rest = vec![Vector3::zeros(); count + 1];
+        let left = self.left();
+        for &station in &left {
+            self.tidy(station);
+        }
+        self.descend(&left, &mut rest)?;
+        for &station in self.order.iter().rev() {
+            let held: Vector3<f64> = self.holds[station].iter().map(|(other, hold)| hold * rest[*other]).sum();
+            rest[station] = self.inverse[station]? * (self.draws[station] + held);
+        }
+        rest.iter().all(|by| by.iter().all(|x| x.is_finite())).then_some(rest)
+    }
+
+    /// Conjugate gradients (Hestenes & Stiefel 1952) for the stations that are left, preconditioned by their diagonal
+    /// blocks.
+    fn descend(&self, left: &[usize], rest: &mut [Vector3<f64>]) -> Option<()> {
+        let diagonals: Vec<Matrix3<f64>> = left.iter().map(|&station| self.diagonal(station)).collect();
+        let inverses: Option<Vec<Matrix3<f64>>> = diagonals.iter().map(|block| block.try_inverse()).collect();
+        let inverses = inverses?;
+        let eased = |residual: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            inverses.iter().zip(residual).map(|(inverse, residual)| inverse * residual).collect()
+        };
+        let mut residual: Vec<Vector3<f64>> = left.iter().map(|&station| self.draws[station]).collect();
+        let mut way = eased(&residual);
+        let mut error = dot(&residual, &way);
+        let start = error;
+        let mut ahead = vec![Vector3::zeros(); rest.len()];
+        for _ in 0..ROUNDS {
+            if error <= GOAL * GOAL * start {
+                return Some(());
+            }
+            left.iter().zip(&way).for_each(|(&station, way)| ahead[station] = *way);
+            let pull = |(&station, diagonal): (&usize, &Matrix3<f64>)| {
+                let held: Vector3<f64> = self.holds[station].iter().map(|(other, hold)| hold * ahead[*other]).sum();
+                diagonal * ahead[station] - held
+            };
+            let pulls: Vec<Vector3<f64>> = left.iter().zip(&diagonals).map(pull).collect();
+            let step = error / dot(&way, &pulls);
+            for (index, &station) in left.iter().enumerate() {
+                rest[station] += way[index] * step;
+                residual[index] -= pulls[index] * step;
+            }
+            let next = eased(&residual);
+            let before = std::mem::replace(&mut error, dot(&residual, &next));
+            let share = error / before;
+            way.iter_mut().zip(next).for_each(|(way, next)| *way = next + *way * share);
+        }
+        (error <= BEARABLE * BEARABLE * start).then_some(())
+    }
+}
+
+fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

@@ -1,0 +1,318 @@
+//! From measured shots to the positions of stations.
+//!
+//! Every piece of a survey is laid out along a tree from what is fixed, or from its first station where nothing is. What
+//! the other shots miss their ends by is then shared out by least squares, each shot giving way as far as its covariance
+//! allows, which is how Survex closes loops (Betts: "Loop closure", Compass Points 1995–2000). [`loops`] solves that.
+//!
+//! Promised: a shot that is part of no loop and of no way between two fixed stations keeps its vector; a survey whose
+//! shots agree is left as it is; the same bits for the same shots. Blunders are not looked for.
+
+mod loops;
+
+use std::collections::VecDeque;
+
+use loops::Core;
+use nalgebra::{Matrix3, Point3, Vector3};
+
+/// A measured way from one station to another.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Shot {
+    pub(super) ends: [usize; 2],
+    /// East, north, up, in metres.
+    pub(super) vector: Vector3<f64>,
+    /// Of the vector, in square metres.
+    pub(super) covariance: Matrix3<f64>,
+}
+
+/// A station of which it is known where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Fix {
+    pub(super) station: usize,
+    pub(super) position: Point3<f64>,
+    /// Of the position, in square metres; `None` where it is exact.
+    pub(super) covariance: Option<Matrix3<f64>>,
+}
+
+/// Standard deviations of what a shot is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Accuracy {
+    pub(super) length_m: f64,
+    pub(super) bearing_rad: f64,
+    pub(super) gradient_rad: f64,
+    /// Of plumbed shots, from the vertical.
+    pub(super) plumb_rad: f64,
+    /// How far the instrument is from the station.
+    pub(super) position_m: f64,
+}
+
+/// BCRA grade 5, which Survex assumes where nothing is said: its limits are taken as two standard deviations.
+impl Default for Accuracy {
+    fn default() -> Self {
+        Self {
+            length_m: 0.05,
+            bearing_rad: 0.5_f64.to_radians(),
+            gradient_rad: 0.5_f64.to_radians(),
+            plumb_rad: 0.5_f64.to_radians(),
+            position_m: 0.05,
+        }
+    }
+}
+
+/// Smallest standard deviation that a shot is trusted with, in metres: with less, loops could not be solved.
+const LEAST_SPREAD_M: f64 = 1e-3;
+
+impl Accuracy {
+    /// The covariance of a shot by tape, compass and clino that came out as this vector.
+    pub(super) fn covariance(&self, vector: &Vector3<f64>) -> Matrix3<f64> {
+        let (length, plan) = (vector.norm(), vector.xy().norm());
+        let station = self.station();
+        if plan <= 1e-6 * length || length == 0.0 {
+            let aside = square(length * self.plumb_rad);
+            return station + Matrix3::from_diagonal(&Vector3::new(aside, aside, square(self.length_m)));
+        }
+        let along = vector / length * self.length_m;
+        let across = Vector3::new(vector.y, -vector.x, 0.0) * self.bearing_rad;
+        let sine = vector.z / plan;
+        let over = Vector3::new(-vector.x * sine, -vector.y * sine, plan) * self.gradient_rad;
+        station + along * along.transpose() + across * across.transpose() + over * over.transpose()
+    }
+
+    /// What is due to the stations themselves, equally in all directions.
+    pub(super) fn station(&self) -> Matrix3<f64> {
+        Matrix3::identity() * (square(self.position_m) / 3.0).max(square(LEAST_SPREAD_M))
+    }
+}
+
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+/// Stations, and what is known of where they are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Traverse {
+    pub(super) stations: usize,
+    pub(super) shots: Vec<Shot>,
+    /// At most one for each station.
+    pub(super) fixes: Vec<Fix>,
+}
+
+/// Where the stations are.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Placed {
+    pub(super) positions: Vec<Point3<f64>>,
+    /// The first station of each piece that no fix holds; it is the origin of that piece.
+    pub(super) adrift: Vec<usize>,
+}
+
+/// The stations as a tree: each after the one it is reached from.
+struct Tree {
+    order: Vec<usize>,
+    /// The shot by which a station is reached; none for those that stay where they are.
+    reached_by: Vec<Option<usize>>,
+    positions: Vec<Vector3<f64>>,
+    adrift: Vec<usize>,
+}
+
+impl Traverse {
+    /// Where the stations are, or `None` if the loops cannot be closed, which takes weights that differ beyond all measure.
+    pub(super) fn place(mut self) -> Option<Placed> {
+        self.tie_soft_fixes();
+        let mut tree = self.tree();
+        if let Some(core) = Core::of(&self.shots, &tree) {
+            let moves = core.moves(&self.shots, &tree)?;
+            tree.positions.iter_mut().zip(moves).for_each(|(position, by)| *position += by);
+        }
+        tree.positions.truncate(self.stations);
+        let positions = tree.positions.into_iter().map(Point3::from).collect();
+        Some(Placed { positions, adrift: tree.adrift })
+    }
+
+    /// Adds a shot from a ground station, which comes after all others, to each station that is fixed inexactly.
+    fn tie_soft_fixes(&mut self) {
+        let soft = self.fixes.iter().filter_map(|fix| {
+            let covariance = fix.covariance?;
+            Some(Shot { ends: [self.stations, fix.station], vector: fix.position.coords, covariance })
+        });
+        self.shots.extend(soft);
+    }
+
+    fn tree(&self) -> Tree {
+        let count = self.stations + 1;
+        let at = stars(count, &self.shots);
+        let mut tree = Tree {
+            order: Vec::with_capacity(count),
+            reached_by: vec![None; count],
+            positions: vec![Vector3::zeros(); count],
+            adrift: Vec::new(),
+        };
+        let mut seen = vec![false; count];
+        let mut roots: VecDeque<usize> = VecDeque::new();
+        for fix in self.fixes.iter().filter(|fix| fix.covariance.is_none()) {
+            tree.positions[fix.station] = fix.position.coords;
+            roots.push_back(fix.station);
+        }
+        roots.push_back(self.stations);
+        roots.iter().for_each(|&root| seen[root] = true);
+        tree.grow(roots, &self.shots, &at, &mut seen);
+        for root in 0..self.stations {
+            if !seen[root] {
+                seen[root] = true;
+                tree.adrift.push(root);
+                tree.grow(VecDeque::from([root]), &self.shots, &at, &mut seen);
+            }
+        }
+        tree
+    }
+}
+
+impl Tree {
+    /// Reaches all that can be reached from these stations.
+    fn grow(&mut self, mut tips: VecDeque<usize>, shots: &[Shot], at: &[Vec<usize>], seen: &mut [bool]) {
+        while let Some(tip) = tips.pop_front() {
+            self.order.push(tip);
+            for &index in &at[tip] {
+                let Shot { ends: [from, to], vector, .. } = shots[index];
+                let (next, way) = if from == tip { (to, vector) } else { (from, -vector) };
+                if !seen[next] {
+                    seen[next] = true;
+                    self.reached_by[next] = Some(index);
+                    self.positions[next] = self.positions[tip] + way;
+                    tips.push_back(next);
+                }
+            }
+        }
+    }
+
+    fn is_root(&self, station: usize) -> bool {
+        self.reached_by[station].is_none()
+    }
+}
+
+/// The shots at each station.
+fn stars(count: usize, shots: &[Shot]) -> Vec<Vec<usize>> {
+    let mut at = vec![Vec::new(); count];
+    for (index, shot) in shots.iter().enumerate() {
+        shot.ends.iter().for_each(|&end| at[end].push(index));
+    }
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shot(from: usize, to: usize, vector: [f64; 3]) -> Shot {
+        let vector = Vector3::from(vector);
+        Shot { ends: [from, to], vector, covariance: Accuracy::default().covariance(&vector) }
+    }
+
+    fn exactly(station: usize, position: [f64; 3]) -> Fix {
+        Fix { station, position: position.into(), covariance: None }
+    }
+
+    /// What least squares makes zero: the pull on each station, by the greatest of its parts.
+    fn residual(traverse: &Traverse, placed: &Placed) -> f64 {
+        let mut pulls = vec![Vector3::zeros(); traverse.stations];
+        let mut greatest: f64 = 0.0;
+        for shot in &traverse.shots {
+            let [from, to] = shot.ends;
+            let misses = shot.vector - (placed.positions[to] - placed.positions[from]);
+            let pull = shot.covariance.try_inverse().unwrap() * misses;
+            greatest = greatest.max(pull.norm());
+            pulls[from] -= pull;
+            pulls[to] += pull;
+        }
+        traverse.fixes.iter().for_each(|fix| pulls[fix.station] = Vector3::zeros());
+        placed.adrift.iter().for_each(|&station| pulls[station] = Vector3::zeros());
+        pulls.iter().fold(0.0_f64, |most, pull| most.max(pull.norm())) / greatest.max(1e-300)
+    }
+
+    /// A maze of `side` by `side` junctions, measured with errors that repeat themselves.
+    fn maze(side: usize) -> Traverse {
+        let mut traverse = Traverse { stations: side * side, ..Traverse::default() };
+        let error = |n: usize| (n * 7919 % 101) as f64 / 500.0 - 0.1;
+        for station in 0..side * side {
+            if station % side + 1 < side {
+                traverse.shots.push(shot(station, station + 1, [10.0 + error(station), error(station + 1), error(3)]));
+            }
+            if station / side + 1 < side {
+                traverse.shots.push(shot(station + side, station, [error(station), -8.0, error(station + 2)]));
+            }
+        }
+        traverse
+    }
+
+    #[test]
+    fn dead_ends_and_agreeing_loops_are_exact() {
+        let shots = vec![
+            shot(0, 1, [3.0, 0.0, 0.0]),
+            shot(2, 1, [0.0, -4.0, 0.0]),
+            shot(2, 0, [-3.0, -4.0, 0.0]),
+            shot(3, 2, [0.25, 0.5, 8.0]),
+        ];
+        let traverse = Traverse { stations: 4, shots, fixes: vec![exactly(3, [100.0, 200.0, 300.0])] };
+        let placed = traverse.place().unwrap();
+        assert_eq!(placed.positions[2], Point3::new(100.25, 200.5, 308.0));
+        assert_eq!(placed.positions[0], Point3::new(97.25, 196.5, 308.0));
+        assert!(placed.adrift.is_empty());
+    }
+
+    /// The figures are those of cavern 1.4.4 for the same shots between two fixed stations.
+    #[test]
+    fn a_misclosure_is_shared_out_as_by_survex() {
+        let polar = |length: f64, bearing: f64, gradient: f64| {
+            let (bearing, gradient) = (bearing.to_radians(), gradient.to_radians());
+            let plan = length * libm::cos(gradient);
+            [plan * libm::sin(bearing), plan * libm::cos(bearing), length * libm::sin(gradient)]
+        };
+        let shots = vec![shot(0, 1, polar(100.0, 30.0, 20.0)), shot(1, 2, polar(80.0, 130.0, -10.0))];
+        let fixes = vec![exactly(0, [0.0; 3]), exactly(2, [150.0, 20.0, 30.0])];
+        let placed = Traverse { stations: 3, shots, fixes }.place().unwrap();
+        let off = placed.positions[1] - Point3::new(80.08, 61.80, 35.52);
+        assert!(off.amax() < 0.0051, "{off}");
+    }
+
+    #[test]
+    fn every_station_of_a_maze_comes_to_rest() {
+        for side in [3, 12, 60] {
+            let traverse = maze(side);
+            let placed = traverse.clone().place().unwrap();
+            let residual = residual(&traverse, &placed);
+            assert!(residual < 1e-9, "{side}: {residual}");
+        }
+    }
+
+    #[test]
+    fn a_soft_fix_gives_way_and_a_hard_one_does_not() {
+        let way = shot(0, 1, [10.0, 0.0, 0.0]);
+        let soft = Fix { station: 1, position: [10.4, 0.0, 0.0].into(), covariance: Some(way.covariance) };
+        let fixes = vec![exactly(0, [0.0; 3]), soft];
+        let placed = Traverse { stations: 2, shots: vec![way], fixes }.place().unwrap();
+        assert_eq!(placed.positions[0], Point3::origin());
+        assert!((placed.positions[1].x - 10.2).abs() < 1e-9, "{}", placed.positions[1]);
+    }
+
+    #[test]
+    fn pieces_that_nothing_fixes_have_an_origin_each() {
+        let shots = vec![shot(1, 0, [1.0, 2.0, 3.0]), shot(3, 2, [4.0, 5.0, 6.0]), shot(2, 2, [1.0, 0.0, 0.0])];
+        let placed = Traverse { stations: 4, shots, fixes: vec![exactly(0, [9.0; 3])] }.place().unwrap();
+        assert_eq!(placed.positions[1], Point3::new(8.0, 7.0, 6.0));
+        assert_eq!(placed.positions[2..], [Point3::origin(), Point3::new(-4.0, -5.0, -6.0)]);
+        assert_eq!(placed.adrift, [2]);
+    }
+
+    /// Hubs with many ways between them, which naive elimination takes quadratic time for.
+    #[test]
+    fn hubs_are_solved() {
+        let many = 20_000;
+        let mut traverse = Traverse { stations: many + 2, ..Traverse::default() };
+        for way in 0..many {
+            let out = way as f64 / many as f64;
+            traverse.shots.push(shot(0, way + 2, [5.0, out, 0.0]));
+            traverse.shots.push(shot(1, way + 2, [-5.0, out, 0.1]));
+        }
+        let placed = traverse.clone().place().unwrap();
+        assert!((placed.positions[1] - Point3::new(10.0, 0.0, -0.1)).norm() < 1e-9, "{}", placed.positions[1]);
+        assert!(residual(&traverse, &placed) < 1e-9);
+    }
+}
