@@ -7,6 +7,7 @@ mod draft;
 pub mod json;
 pub mod limits;
 mod parts;
+mod survex3d;
 mod survey;
 mod text;
 mod traverse;
@@ -83,13 +84,22 @@ pub struct FormatRow {
 }
 
 /// Every format, the one that holds all of a graph first.
-pub static FORMATS: &[FormatRow] = &[FormatRow {
-    name: "json",
-    endings: &[".json"],
-    summary: "graph JSON, or data.json of the original PLUME",
-    read: Some(json::import),
-    write: Some(json::export),
-}];
+pub static FORMATS: &[FormatRow] = &[
+    FormatRow {
+        name: "json",
+        endings: &[".json"],
+        summary: "graph JSON, or data.json of the original PLUME",
+        read: Some(json::import),
+        write: Some(json::export),
+    },
+    FormatRow {
+        name: "survex-3d",
+        endings: &[".3d"],
+        summary: "a survey that Survex has processed, with its cross-sections",
+        read: Some(survex3d::import),
+        write: None,
+    },
+];
 
 /// The format called `name`.
 pub fn format(name: &str) -> Option<&'static FormatRow> {

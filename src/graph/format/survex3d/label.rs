@@ -1,0 +1,50 @@
+//! The name that items of a `.3d` file change by a few bytes each.
+
+use super::super::ReadError;
+use super::bytes::Bytes;
+
+/// A prime, so that names which differ hash apart.
+const FACTOR: u64 = 0x0000_0100_0000_01b3;
+const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// A name as the hashes (FNV-1a) of its beginnings: changing it takes as long as the change, however long the name is, and
+/// a file cannot claim more memory than it has bytes. Two names of one cave hash alike once in 10⁷ caves of a million stations; then
+/// a cross-section is mistaken for another, and no more.
+#[derive(Default)]
+pub(super) struct Label {
+    hashes: Vec<u64>,
+}
+
+impl Label {
+    /// Drops bytes from the end and adds others, as the file says next.
+    pub(super) fn read(&mut self, bytes: &mut Bytes) -> Result<(), ReadError> {
+        let at = bytes.at();
+        let (dropped, added) = match bytes.u8()? {
+            0 => (count(bytes)?, count(bytes)?),
+            both => (usize::from(both >> 4), usize::from(both & 0x0f)),
+        };
+        let added = bytes.take(added)?;
+        let Some(kept) = self.hashes.len().checked_sub(dropped) else {
+            let message = format!("drops {dropped} bytes of a name of {}", self.hashes.len());
+            return Err(bytes.fault_at(at, message, "process the survey anew with `cavern`"));
+        };
+        self.hashes.truncate(kept);
+        for &byte in added {
+            self.hashes.push((self.hash() ^ u64::from(byte)).wrapping_mul(FACTOR));
+        }
+        Ok(())
+    }
+
+    /// The hash of the whole name.
+    pub(super) fn hash(&self) -> u64 {
+        self.hashes.last().copied().unwrap_or(EMPTY)
+    }
+}
+
+/// A count in one byte, or in four after a byte of ones.
+fn count(bytes: &mut Bytes) -> Result<usize, ReadError> {
+    match bytes.u8()? {
+        0xff => Ok(bytes.u32()? as usize),
+        count => Ok(usize::from(count)),
+    }
+}

@@ -1,0 +1,194 @@
+//! Survex `.3d` files, version 8: what `cavern` writes when it has processed a survey.
+//!
+//! Read after the published description of the format (survex.com/docs/3dformat.htm, 2016). A header of four lines is
+//! followed by items of one byte code each: moves and lines in centimetres, names of stations, cross-sections. A name is told
+//! by what changes in the one before. Loops are closed already. Stations with the same coordinates are one, as the
+//! format has it; names serve only to say where a cross-section was measured.
+//!
+//! Not read are other versions (`survexport --3d` makes version 8 of older ones), extended elevations, which are no caves,
+//! and dates and errors of closure, which are skipped.
+
+mod bytes;
+mod label;
+
+use nalgebra::Point3;
+use rustc_hash::FxHashMap;
+
+use self::bytes::Bytes;
+use self::label::Label;
+use super::survey::{Leg, Station, Survey, Walls};
+use super::{Import, Parts, ReadError, Source};
+
+const FILE_ID: &[u8] = b"Survex 3D Image File";
+/// Says of the whole file that it is an extended elevation.
+const EXTENDED: u8 = 0x80;
+/// Bits of a line's code.
+const LINE_SURFACE: u8 = 0x01;
+const LINE_DUPLICATE: u8 = 0x02;
+const LINE_SPLAY: u8 = 0x04;
+const LINE_SAME_LABEL: u8 = 0x20;
+/// Bit of a label's code: the cave opens to the surface here.
+const LABEL_ENTRANCE: u8 = 0x04;
+
+/// Reads a file as a row of [`FORMATS`](super::FORMATS) does.
+pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
+    let mut bytes = Bytes::new(source.path, source.bytes);
+    header(&mut bytes)?;
+    let mut reader = Reader { bytes, ..Reader::new(source) };
+    while reader.item()? {}
+    reader.end_passage();
+    reader.survey.into_import(source, parts)
+}
+
+/// Checks the four lines before the items.
+fn header(bytes: &mut Bytes) -> Result<(), ReadError> {
+    if bytes.line().ok() != Some(FILE_ID) {
+        return Err(bytes.fault_at(0, "is no Survex 3D file", "process the survey with `cavern`"));
+    }
+    let at = bytes.at();
+    let version = bytes.line()?;
+    if version != b"v8" {
+        let version = String::from_utf8_lossy(&version[..version.len().min(8)]).into_owned();
+        let message = format!("is version `{}` of the format, not v8", version.escape_debug());
+        let hint = "process the survey with a current `cavern`, or convert the file: `survexport --3d OLD.3d NEW.3d`";
+        return Err(bytes.fault_at(at, message, hint));
+    }
+    let _title = bytes.line()?;
+    let _time = bytes.line()?;
+    let at = bytes.at();
+    if bytes.u8()? & EXTENDED != 0 {
+        let hint = "name the .3d file that it was made of";
+        return Err(bytes.fault_at(at, "is an extended elevation, which is flat", hint));
+    }
+    Ok(())
+}
+
+/// Coordinates in centimetres: what tells stations from each other.
+type Place = [i32; 3];
+
+/// What the items so far have said.
+struct Reader<'a> {
+    bytes: Bytes<'a>,
+    survey: Survey,
+    of_place: FxHashMap<Place, usize>,
+    /// The station of each name, by the name's hash.
+    of_label: FxHashMap<u64, usize>,
+    label: Label,
+    /// Where the next line starts.
+    here: Option<Place>,
+    /// Whether legs are said to be measured by tape, compass and clino: saying so again ends the file.
+    is_style_normal: bool,
+    /// Where the cross-sections of the passage that is being told start in the survey's.
+    passage: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn new(source: &Source<'a>) -> Self {
+        Self {
+            bytes: Bytes::new(source.path, source.bytes),
+            survey: Survey::default(),
+            of_place: FxHashMap::default(),
+            of_label: FxHashMap::default(),
+            label: Label::default(),
+            here: None,
+            is_style_normal: false,
+            passage: 0,
+        }
+    }
+
+    /// Reads an item; `false` after the last.
+    fn item(&mut self) -> Result<bool, ReadError> {
+        let at = self.bytes.at();
+        match self.bytes.u8()? {
+            0x00 if self.is_style_normal => return Ok(false),
+            code @ 0x00..=0x04 => self.is_style_normal = code == 0x00,
+            0x0f => self.here = Some(self.place()?),
+            0x10 => {}
+            0x11 => self.bytes.skip(2)?,
+            0x12 => self.bytes.skip(3)?,
+            0x13 => self.bytes.skip(4)?,
+            0x1f => self.bytes.skip(20)?,
+            code @ 0x30..=0x33 => self.cross_section(at, code)?,
+            code @ 0x40..=0x7f => self.line(at, code)?,
+            code @ 0x80..=0xff => self.station(code)?,
+            code => {
+                let message = format!("has an item of the unknown kind {code:#04x}");
+                return Err(self.bytes.fault_at(at, message, "process the survey anew with `cavern`"));
+            }
+        }
+        Ok(true)
+    }
+
+    fn place(&mut self) -> Result<Place, ReadError> {
+        Ok([self.bytes.i32()?, self.bytes.i32()?, self.bytes.i32()?])
+    }
+
+    /// The station at a place.
+    fn at(&mut self, place: Place) -> usize {
+        let stations = &mut self.survey.stations;
+        *self.of_place.entry(place).or_insert_with(|| {
+            let position = Point3::from(place.map(|x_cm| f64::from(x_cm) / 100.0));
+            stations.push(Station { position, entrance: false });
+            stations.len() - 1
+        })
+    }
+
+    fn line(&mut self, at: usize, code: u8) -> Result<(), ReadError> {
+        if code & LINE_SAME_LABEL == 0 {
+            self.label.read(&mut self.bytes)?;
+        }
+        let to = self.place()?;
+        let Some(from) = self.here.replace(to) else {
+            return Err(self.bytes.fault_at(at, "has a leg that starts nowhere", "process the survey with `cavern`"));
+        };
+        let kind = match code {
+            code if code & LINE_SPLAY != 0 => Leg::Splay,
+            code if code & LINE_SURFACE != 0 => Leg::Surface,
+            code if code & LINE_DUPLICATE != 0 => Leg::Duplicate,
+            _ => Leg::Passage,
+        };
+        let ends = [self.at(from), self.at(to)];
+        self.survey.legs.push((ends, kind));
+        Ok(())
+    }
+
+    fn station(&mut self, code: u8) -> Result<(), ReadError> {
+        self.label.read(&mut self.bytes)?;
+        let place = self.place()?;
+        let station = self.at(place);
+        self.survey.stations[station].entrance |= code & LABEL_ENTRANCE != 0;
+        self.of_label.insert(self.label.hash(), station);
+        Ok(())
+    }
+
+    fn cross_section(&mut self, at: usize, code: u8) -> Result<(), ReadError> {
+        self.label.read(&mut self.bytes)?;
+        let is_wide = code & 0x02 != 0;
+        let mut sides = [None; 4];
+        for side in &mut sides {
+            let length_cm = if is_wide { self.bytes.i32()? } else { i32::from(self.bytes.i16()?) };
+            *side = (length_cm >= 0).then(|| f64::from(length_cm) / 100.0);
+        }
+        let Some(&station) = self.of_label.get(&self.label.hash()) else {
+            let message = "has a cross-section at a station that it did not name before";
+            return Err(self.bytes.fault_at(at, message, "process the survey anew with `cavern`"));
+        };
+        let [left_m, right_m, up_m, down_m] = sides;
+        self.survey.walls.push(Walls { station, looking: [station; 2], left_m, right_m, up_m, down_m });
+        if code & 0x01 != 0 {
+            self.end_passage();
+        }
+        Ok(())
+    }
+
+    /// Tells each cross-section of a passage which way one looks: from the one before to the next.
+    fn end_passage(&mut self) {
+        let passage = &mut self.survey.walls[self.passage..];
+        for index in 1..passage.len() {
+            let (before, here) = (passage[index - 1].station, passage[index].station);
+            passage[index - 1].looking[1] = here;
+            passage[index].looking[0] = before;
+        }
+        self.passage = self.survey.walls.len();
+    }
+}
