@@ -7,6 +7,7 @@ mod export;
 mod fault;
 mod generate;
 mod handover;
+mod likeness;
 mod list;
 mod measure;
 mod new;
@@ -101,7 +102,7 @@ enum Command {
     List(list::List),
     /// Check that a package is whole and names nothing outside itself
     Check(check::Check),
-    /// Check the mesh of a cave folder: closed, manifold, consistent
+    /// Tell how like a real cave a graph is; check the mesh of a cave folder: closed, manifold, consistent
     Measure(measure::Measure),
 }
 
