@@ -1,59 +1,102 @@
-//! `plume measure`: are the mesh of a cave and its convex pieces what they should be.
+//! `plume measure`: is a graph like a real cave; are a cave's mesh and its convex pieces what they should be.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::fault::CliError;
+use super::likeness;
 use super::progress::Console;
 use crate::cave::Input;
+use crate::graph::Graph;
+use crate::graph::format::Parts;
+use crate::graph::realism::{Likeness, Verdict};
 use crate::mesh::PieceReport;
 use crate::mesh::measure::{Report, weld};
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Pipeline, read_graph};
 use crate::store::{self, CaveFolder, Stage};
 
-/// Welds the chunks of a cave folder and checks the whole; measures the convex pieces, if there are any.
+/// Tells how like a real cave a graph is. Of a cave folder it also welds the chunks, if there are any, and checks the whole, and
+/// measures the convex pieces.
 #[derive(Args)]
 pub struct Measure {
-    /// A cave folder with a finished mesh
-    #[arg(value_name = "CAVE_DIR")]
-    folder: PathBuf,
+    /// A graph or cave survey (`plume list formats`), or a cave folder
+    #[arg(value_name = "GRAPH|CAVE_DIR")]
+    path: PathBuf,
+    /// What becomes of parts of a graph that no passage joins: refuse, join, keep or longest
+    #[arg(long, value_name = "WHAT", default_value = "keep", value_parser = parts)]
+    parts: Parts,
+    /// Fail unless the graph is like a real cave
+    #[arg(long)]
+    gate: bool,
 }
 
 impl Measure {
     /// Prints the report on stdout.
     ///
     /// # Errors
-    /// When there is no mesh, or it is not clean.
+    /// When there is nothing to measure, the mesh is not clean, or the gate does not open.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
-        let folder = CaveFolder::open(&self.folder)?;
+        let file = if self.path.is_dir() { self.path.join(store::GRAPH) } else { self.path.clone() };
+        let folder = self.path.is_dir().then(|| CaveFolder::open(&self.path)).transpose()?;
+        let graph = read_graph(&file, self.parts)?.graph;
+        let likeness = self.judged(&graph)?;
+        let mesh = folder.map_or(Ok(None), |folder| self.mesh(&folder, console))?;
+        console.result(&said(console, &likeness, &graph, mesh.as_ref().map(|(_, report)| report)))?;
+        if mesh.is_some_and(|(is_clean, _)| !is_clean) {
+            return Err(CliError::Failed("the mesh is not clean".into()));
+        }
+        if self.gate && likeness.verdict != Verdict::Real {
+            return Err(CliError::Failed(likeness::complaint(&likeness)));
+        }
+        Ok(())
+    }
+
+    fn judged(&self, graph: &Graph) -> Result<Likeness, CliError> {
+        Likeness::of(graph).ok_or_else(|| CliError::Usage {
+            message: format!("{}: has no passage to measure", self.path.display()),
+            hint: "a graph needs two stations and a passage between them".into(),
+        })
+    }
+
+    /// The report of the mesh and of its convex pieces, and whether the mesh is clean; `None` without a mesh.
+    fn mesh(&self, folder: &CaveFolder, console: &Console) -> Result<Option<(bool, Value)>, CliError> {
         let walls = folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty());
-        let meshes = walls.map(|unit| store::read_mesh(&folder, &unit.name)).collect::<Result<Vec<_>, _>>()?;
+        let meshes = walls.map(|unit| store::read_mesh(folder, &unit.name)).collect::<Result<Vec<_>, _>>()?;
         if meshes.is_empty() {
-            let message = format!("{}: there is no mesh to measure", self.folder.display());
-            return Err(CliError::Usage { message, hint: "make one with `plume mesh -o CAVE_DIR`".into() });
+            return Ok(None);
         }
         let report = Report::of(&weld(&meshes));
         let mut json = serde_json::to_value(&report).expect("a report is plain data");
         if !folder.units(Stage::Pieces).is_empty() {
-            append(&mut json, &self.pieces(&folder, console)?);
+            append(&mut json, &self.pieces(folder, console)?);
         }
-        if console.is_json() {
-            console.result(&format!("{json:#}\n"))?;
-        } else {
-            let lines = json.as_object().into_iter().flatten().map(|(key, value)| format!("  {key:28} {value}\n"));
-            console.result(&lines.collect::<String>())?;
-        }
-        if report.is_clean() { Ok(()) } else { Err(CliError::Failed("the mesh is not clean".into())) }
+        Ok(Some((report.is_clean(), json)))
     }
 
     /// Measures the convex pieces.
     fn pieces(&self, folder: &CaveFolder, console: &Console) -> Result<PieceReport, CliError> {
-        let Input { recipe, graph, .. } = Input::read(Some(&self.folder), &[])?;
+        let Input { recipe, graph, .. } = Input::read(Some(&self.path), &[])?;
         let pipeline = Pipeline::plan(&recipe, graph, folder, console)?;
         Ok(PieceReport::of(&pipeline.measure_pieces()?))
     }
+}
+
+/// Both reports, as the console wants them.
+fn said(console: &Console, likeness: &Likeness, graph: &Graph, mesh: Option<&Value>) -> String {
+    let mesh = mesh.and_then(Value::as_object);
+    if console.is_json() {
+        let mut all = json!({"graph": likeness::json(likeness, graph)});
+        if let (Some(all), Some(mesh)) = (all.as_object_mut(), mesh) {
+            all.extend(mesh.clone());
+        }
+        return format!("{all:#}\n");
+    }
+    let lines = mesh.into_iter().flatten().map(|(key, value)| format!("  {key:28} {value}\n"));
+    let lines: String = lines.collect();
+    let title = if lines.is_empty() { "" } else { "\nmesh\n" };
+    format!("{}{title}{lines}", likeness::text(likeness, graph))
 }
 
 fn append(report: &mut Value, more: &PieceReport) {
@@ -61,4 +104,9 @@ fn append(report: &mut Value, more: &PieceReport) {
     if let (Some(report), Value::Object(more)) = (report.as_object_mut(), more) {
         report.extend(more);
     }
+}
+
+/// Reads what recipes call `parts`.
+fn parts(word: &str) -> Result<Parts, String> {
+    serde_json::from_value(word.into()).map_err(|_| "known: refuse, join, keep, longest".to_owned())
 }

@@ -7,6 +7,7 @@ mod export;
 mod fault;
 mod generate;
 mod handover;
+mod likeness;
 mod list;
 mod measure;
 mod new;
@@ -107,7 +108,7 @@ enum Command {
     Check(check::Check),
     /// Say how far a cave folder is and what is left to do
     Status(status::Status),
-    /// Check the mesh of a cave folder: closed, manifold, consistent
+    /// Tell how like a real cave a graph is; check the mesh of a cave folder: closed, manifold, consistent
     Measure(measure::Measure),
 }
 

@@ -15,6 +15,7 @@ use crate::venv::Environment;
 mod assimp;
 mod blender;
 mod formats;
+mod karstnet;
 pub mod mujoco;
 mod spoil;
 mod unity;
@@ -47,6 +48,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
         }
         tally.enter("husky", urdf::spoil());
         tally.enter("unity", unity::spoil());
+        tally.enter("karstnet", karstnet::agree());
         return tally.result();
     }
     let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();

@@ -30,6 +30,11 @@ impl Plume {
         Ok(Self { program: environment.program("plume") })
     }
 
+    /// Where it is.
+    pub fn program(&self) -> &Path {
+        &self.program
+    }
+
     /// Runs it in the workspace, its progress visible.
     pub fn show(&self, arguments: &[&str]) -> Result<()> {
         let status = Command::new(&self.program).args(arguments).current_dir(root()).status();

@@ -14,7 +14,7 @@ use crate::graph::Graph;
 /// Nodes of the reduced graph up to which every shortest path is counted.
 pub const EXACT_TO: usize = 20_000;
 /// Nodes that the searches of a sample visit together, which bounds their time to seconds.
-const VISITS: usize = 100_000_000;
+const VISITS: usize = 40_000_000;
 
 /// The metrics of one graph. A branch runs between two stations that do not have exactly two passages; the reduced graph
 /// has those stations as nodes and the branches as edges. Those without unit, but for counts, do not depend on the size.
