@@ -4,12 +4,15 @@
 //! [`Outside`] lets it read. A [`Generator`] makes one from a seed ([`GENERATORS`] lists them all), a
 //! [`format`](mod@format) reads one.
 
+pub mod clearance;
 mod dice;
 pub mod format;
 pub mod generator;
 pub mod metrics;
 mod outside;
+mod ramp;
 mod reduced;
+mod segment;
 mod shape;
 mod sketch;
 
