@@ -4,11 +4,14 @@
 //! [`Outside`] lets it read. A [`Generator`] makes one from a seed ([`GENERATORS`] lists them all), a
 //! [`format`](mod@format) reads one.
 
+pub mod clearance;
 mod dice;
 pub mod format;
 pub mod generator;
 mod outside;
+mod ramp;
 pub mod realism;
+mod segment;
 mod shape;
 mod sketch;
 

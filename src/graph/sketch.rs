@@ -108,6 +108,24 @@ fn rounded(section: Section) -> Section {
     Section { width_m: millimetres(section.width_m), height_m: millimetres(section.height_m), ..section }
 }
 
+/// A graph of these stations and the neighbours of each, numbered by breadth from the first one, so that parents come before
+/// their children. Stations without neighbours are left out; those with several are not active.
+pub(super) fn rooted(nodes: Vec<Node>, mut neighbors: Vec<Vec<usize>>) -> Graph {
+    neighbors.iter_mut().for_each(|others| others.sort_unstable());
+    let (order, parents) = by_breadth(&neighbors);
+    let mut place = vec![usize::MAX; nodes.len()];
+    order.iter().enumerate().for_each(|(new, &old)| place[old] = new);
+    let node = |(id, &old): (usize, &usize)| Node {
+        id: id as u64,
+        parent: parents[old].map(|parent: usize| place[parent]),
+        active: nodes[old].active && neighbors[old].len() == 1,
+        ..nodes[old].clone()
+    };
+    let edges = order.iter().flat_map(|&old| neighbors[old].iter().map(move |&other| [old, other]));
+    let edges = edges.map(|ends| ends.map(|old| place[old])).collect();
+    Graph::new(order.iter().enumerate().map(node).collect(), edges)
+}
+
 /// Knots that have neighbours, each after the one it was reached from, and that one.
 fn by_breadth(neighbors: &[Vec<usize>]) -> (Vec<usize>, Vec<Option<usize>>) {
     let mut order = Vec::with_capacity(neighbors.len());

@@ -3,6 +3,7 @@
 mod external;
 mod file;
 pub mod gaussian_perlin;
+pub mod layers;
 pub mod mine;
 
 use schemars::JsonSchema;
@@ -13,6 +14,7 @@ use serde_json::Value;
 pub use external::External;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
+pub use layers::Layers;
 pub use mine::Mine;
 
 use super::Graph;
@@ -64,6 +66,10 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
     row::<External>("external", "any program that writes graph JSON"),
+    row::<Layers>(
+        "layers",
+        "layers of other generators, one below the other, joined by links within a range of slopes",
+    ),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -4,10 +4,11 @@
 //! space. Passages that share a node are exempt (angles keep them apart), and so are those one passage apart, which
 //! may meet like a small room but never cross.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use super::cave::{Cave, half_width};
 use super::tuning::{CROSSING, MARGIN_M, ROUNDING_M};
+use crate::graph::segment::segment_distance;
 
 /// What a passage under test is on its way to.
 #[derive(Clone, Copy, PartialEq)]
@@ -86,51 +87,5 @@ impl Cave<'_> {
     /// How far off passages can matter to one of this half width.
     fn reach_of(&self, width: f64, margin: f64) -> f64 {
         width + half_width(self.settings.reach_max_m) + margin
-    }
-}
-
-/// Least distance between two segments (Ericson, Real-Time Collision Detection, 2005, §5.1.9).
-pub(super) fn segment_distance(first: [&Point3<f64>; 2], second: [&Point3<f64>; 2]) -> f64 {
-    const SHORT: f64 = 1e-12;
-    let along: Vector3<f64> = first[1] - first[0];
-    let other: Vector3<f64> = second[1] - second[0];
-    let between = first[0] - second[0];
-    let (a, e) = (along.norm_squared(), other.norm_squared());
-    let (b, c, f) = (along.dot(&other), along.dot(&between), other.dot(&between));
-    let on_first = |s: f64| {
-        if a > SHORT { (s / a).clamp(0.0, 1.0) } else { 0.0 }
-    };
-    let slant = a * e - b * b;
-    let mut s = if slant > SHORT { ((b * f - c * e) / slant).clamp(0.0, 1.0) } else { 0.0 };
-    let mut t = if e > SHORT { (b * s + f) / e } else { 0.0 };
-    if t < 0.0 {
-        (s, t) = (on_first(-c), 0.0);
-    } else if t > 1.0 {
-        (s, t) = (on_first(b - c), 1.0);
-    } else if e <= SHORT {
-        s = on_first(-c);
-    }
-    (between + along * s - other * t).norm()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn distance(first: [[f64; 3]; 2], second: [[f64; 3]; 2]) -> f64 {
-        let [a, b] = first.map(Point3::from);
-        let [c, d] = second.map(Point3::from);
-        segment_distance([&a, &b], [&c, &d])
-    }
-
-    #[test]
-    fn distances_of_segments() {
-        let x = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
-        assert_eq!(distance(x, [[1.0, -1.0, 3.0], [1.0, 1.0, 3.0]]), 3.0);
-        assert_eq!(distance(x, [[5.0, 4.0, 0.0], [5.0, 9.0, 0.0]]), 5.0);
-        assert_eq!(distance(x, [[1.0, 2.0, 0.0], [3.0, 2.0, 0.0]]), 2.0);
-        assert_eq!(distance(x, [[1.0, 2.0, 0.0]; 2]), 2.0);
-        assert_eq!(distance([[1.0, 2.0, 0.0]; 2], x), 2.0);
-        assert_eq!(distance([[0.0; 3]; 2], [[3.0, 4.0, 0.0]; 2]), 5.0);
     }
 }
