@@ -7,7 +7,7 @@ use std::path::Path;
 
 use nalgebra::{Point3, Vector3};
 use plume::graph::format::{Import, Parts, ReadError, read};
-use plume::graph::{Graph, Outside, Task};
+use plume::graph::{Graph, Nowhere, Outside, RunError, Task};
 
 /// Files by name.
 #[derive(Default)]
@@ -25,8 +25,8 @@ impl Outside for Files {
         found.cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
-        Err(format!("there is no {}", task.program.display()))
+    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
+        Nowhere.run(task)
     }
 }
 
