@@ -2,7 +2,9 @@
 
 mod file;
 pub mod gaussian_perlin;
+pub mod grown_tunnels;
 pub mod mine;
+mod network;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -11,6 +13,7 @@ use serde_json::Value;
 
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
+pub use grown_tunnels::GrownTunnels;
 pub use mine::Mine;
 
 use super::Graph;
@@ -61,6 +64,7 @@ pub struct GeneratorRow {
 pub static GENERATORS: &[GeneratorRow] = &[
     row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
+    row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -90,7 +90,7 @@ impl Cave<'_> {
 }
 
 /// Least distance between two segments (Ericson, Real-Time Collision Detection, 2005, §5.1.9).
-pub(super) fn segment_distance(first: [&Point3<f64>; 2], second: [&Point3<f64>; 2]) -> f64 {
+pub(in crate::graph::generator) fn segment_distance(first: [&Point3<f64>; 2], second: [&Point3<f64>; 2]) -> f64 {
     const SHORT: f64 = 1e-12;
     let along: Vector3<f64> = first[1] - first[0];
     let other: Vector3<f64> = second[1] - second[0];

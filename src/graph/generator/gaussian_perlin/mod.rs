@@ -16,14 +16,14 @@
 mod branches;
 mod cave;
 mod circle;
-mod clearance;
+pub(super) mod clearance;
 mod grid;
 mod growth;
 mod hops;
 mod layers;
 mod lengths;
 mod loops;
-mod perlin;
+pub(super) mod perlin;
 mod step;
 mod tuning;
 
