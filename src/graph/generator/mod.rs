@@ -3,8 +3,10 @@
 mod external;
 mod file;
 pub mod gaussian_perlin;
+pub mod grown_tunnels;
 pub mod layers;
 pub mod mine;
+mod network;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -14,6 +16,7 @@ use serde_json::Value;
 pub use external::External;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
+pub use grown_tunnels::GrownTunnels;
 pub use layers::Layers;
 pub use mine::Mine;
 
@@ -70,6 +73,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
         "layers",
         "layers of other generators, one below the other, joined by links within a range of slopes",
     ),
+    row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
