@@ -8,10 +8,13 @@ mod dice;
 pub mod format;
 pub mod generator;
 pub mod metrics;
+mod neighbors;
 mod outside;
+mod raster;
 mod reduced;
 mod shape;
 mod sketch;
+mod tidy;
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};

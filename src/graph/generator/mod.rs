@@ -1,5 +1,6 @@
 //! Every way to lay out a cave: one file and one row each.
 
+mod cellular;
 mod file;
 pub mod gaussian_perlin;
 pub mod mine;
@@ -9,6 +10,7 @@ use schemars::generate::SchemaSettings;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
+pub use cellular::Cellular;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
 pub use mine::Mine;
@@ -61,6 +63,7 @@ pub struct GeneratorRow {
 pub static GENERATORS: &[GeneratorRow] = &[
     row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
+    row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
