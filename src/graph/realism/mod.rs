@@ -6,12 +6,15 @@
 //! asks more than being a cave: of the 31 caves that have all eight metrics it takes 21, and calls ten unusual. It judges how
 //! passages run, not what their walls are like.
 
+mod gate;
 mod metrics;
 mod reduced;
 mod reference;
+mod repair;
 
 use serde::Serialize;
 
+pub use gate::{Gate, RealismSettings};
 pub use metrics::{EXACT_TO, Metrics, Sampling};
 pub use reference::{CAVES, METRICS, Metric, Range, SCALE_FREE, percentile};
 
