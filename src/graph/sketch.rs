@@ -105,8 +105,10 @@ fn rounded(section: Section) -> Section {
 
 /// A graph of these stations and the neighbours of each, numbered by breadth from the first one, so that parents come before
 /// their children. Stations without neighbours are left out; those with several are not active.
-pub(super) fn rooted(nodes: Vec<Node>, mut neighbors: Vec<Vec<usize>>) -> Graph {
-    neighbors.iter_mut().for_each(|others| others.sort_unstable());
+pub(super) fn rooted(nodes: Vec<Node>, neighbors: Vec<Vec<usize>>) -> Graph {
+    let edges = neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| [a, b]));
+    let edges: Vec<[usize; 2]> = edges.filter(|[a, b]| a < b).collect();
+    let neighbors = Neighbors::of(nodes.len(), &edges);
     let (order, parents) = by_breadth(&neighbors);
     let mut place = vec![usize::MAX; nodes.len()];
     order.iter().enumerate().for_each(|(new, &old)| place[old] = new);
@@ -116,8 +118,7 @@ pub(super) fn rooted(nodes: Vec<Node>, mut neighbors: Vec<Vec<usize>>) -> Graph 
         active: nodes[old].active && neighbors[old].len() == 1,
         ..nodes[old].clone()
     };
-    let edges = order.iter().flat_map(|&old| neighbors[old].iter().map(move |&other| [old, other]));
-    let edges = edges.map(|ends| ends.map(|old| place[old])).collect();
+    let edges = edges.into_iter().map(|ends| ends.map(|old| place[old])).collect();
     Graph::new(order.iter().enumerate().map(node).collect(), edges)
 }
 
