@@ -3,6 +3,7 @@
 //! A reader takes what it is given for hostile: it holds to the limits in [`limits`], follows no link that the format does
 //! not need, and says where a fault is.
 
+mod compass;
 mod csv;
 mod dot;
 mod draft;
@@ -130,6 +131,13 @@ pub static FORMATS: &[FormatRow] = &[
         endings: &[".3d"],
         summary: "a survey that Survex has processed, with its cross-sections",
         read: Some(survex3d::import),
+        write: None,
+    },
+    FormatRow {
+        name: "compass",
+        endings: &[".dat", ".mak"],
+        summary: "survey books of Compass and their projects",
+        read: Some(compass::import),
         write: None,
     },
 ];
