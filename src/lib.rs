@@ -13,6 +13,7 @@ pub mod pipeline;
 
 pub mod assemble;
 pub mod preset;
+pub mod preview;
 pub mod recipe;
 pub mod store;
 

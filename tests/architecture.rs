@@ -14,13 +14,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("mesh", &["field"]),
     ("texture", &["field", "mesh"]),
     ("truth", &["field", "graph"]),
+    ("preview", &["field", "graph", "material", "mesh", "truth"]),
     ("recipe", &["field", "graph", "material", "mesh", "texture"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture"]),
     ("assemble", &["field", "graph", "mesh", "recipe", "store", "texture", "truth"]),
     ("pipeline", &["field", "graph", "mesh", "recipe", "store"]),
-    ("cave", &["assemble", "graph", "pipeline", "preset", "recipe", "store"]),
-    ("cli", &["cave", "graph", "material", "mesh", "pipeline", "preset", "recipe", "store"]),
+    ("cave", &["assemble", "graph", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("cli", &["cave", "graph", "material", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -6,7 +6,7 @@ use std::{fs, io};
 
 use plume::graph::format::json::{Document, ReadError, read, write};
 use plume::graph::format::{self, Import, Parts};
-use plume::graph::{Graph, Node, Outside, Task};
+use plume::graph::{Graph, Node, Nowhere, Outside, RunError, Task};
 use proptest::prelude::*;
 use serde_json::json;
 
@@ -98,8 +98,8 @@ impl Outside for OneFile {
         Ok(self.0.as_bytes().to_vec())
     }
 
-    fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
-        Err("there is none".to_owned())
+    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
+        Nowhere.run(task)
     }
 }
 

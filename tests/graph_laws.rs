@@ -1,15 +1,17 @@
 //! The laws of a graph, held by every generator of the table.
 
+#[path = "common/segment.rs"]
+mod segment;
 #[path = "common/world.rs"]
 mod world;
 
 use std::collections::BTreeSet;
 
-use nalgebra::Point3;
 use plume::graph::format::json::{read, write};
 use plume::graph::realism::{Likeness, Verdict};
 use plume::graph::{GENERATORS, Generator, GeneratorRow, Graph, generator};
 use proptest::prelude::*;
+use segment::distance;
 use serde_json::{Value, json};
 use world::{World, has, sized};
 
@@ -382,28 +384,6 @@ fn nearest_excess(graph: &Graph) -> f64 {
         }
     }
     least
-}
-
-/// Distance of two segments by ternary search on the one for the point nearest to the other: slow, and unlike the
-/// generator's own way.
-fn distance(first: [Point3<f64>; 2], second: [Point3<f64>; 2]) -> f64 {
-    let at = |t: f64| first[0] + (first[1] - first[0]) * t;
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let third = (high - low) / 3.0;
-        if to_segment(at(low + third), second) < to_segment(at(high - third), second) {
-            high -= third;
-        } else {
-            low += third;
-        }
-    }
-    to_segment(at(0.5 * (low + high)), second)
-}
-
-fn to_segment(point: Point3<f64>, [a, b]: [Point3<f64>; 2]) -> f64 {
-    let along = b - a;
-    let t = ((point - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-    (point - (a + along * t)).norm()
 }
 
 /// Drift between platforms or by accident shows here; a wanted change is accepted with `cargo insta`.

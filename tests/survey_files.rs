@@ -6,8 +6,11 @@ use std::io;
 use std::path::Path;
 
 use nalgebra::{Point3, Vector3};
+use plume::field::{Bounds, CaveField, Field, PassageSettings};
 use plume::graph::format::{Import, Parts, ReadError, read};
-use plume::graph::{Graph, Outside, Task};
+use plume::graph::{Graph, Nowhere, Outside, RunError, Task};
+use plume::material::{Look, MATERIALS};
+use serde_json::json;
 
 /// Files by name.
 #[derive(Default)]
@@ -25,8 +28,8 @@ impl Outside for Files {
         found.cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
-        Err(format!("there is no {}", task.program.display()))
+    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
+        Nowhere.run(task)
     }
 }
 
@@ -145,19 +148,96 @@ fn what_is_wrong_with_a_3d_file_is_told() {
     insta::assert_snapshot!("survex-3d-faults", told.concat());
 }
 
-/// A passage of several cross-sections, from the smaller and the larger kind of item.
+/// Of 3, which has two cross-sections, the wider counts; 7 has neither a left wall nor a ceiling.
 #[test]
-fn cross_sections_become_sections_with_the_floor_where_it_was() {
-    let graph = parsed("hollow.3d", &hollow(), Parts::Refuse).unwrap().graph;
-    let sections: Vec<_> = graph.nodes.iter().map(|node| (node.position, node.section)).collect();
-    insta::assert_snapshot!(
-        "hollow",
-        sections
-            .iter()
-            .map(|(at, section)| {
-                let section = section.map(|section| [section.width_m, section.height_m]);
-                format!("{:?} {section:?}\n", at.coords.data.0[0])
-            })
-            .collect::<String>()
-    );
+fn cross_sections_become_sections_and_gaps_are_filled() {
+    let Import { graph, tally, .. } = parsed("hollow.3d", &hollow(), Parts::Refuse).unwrap();
+    let node = |node: &plume::graph::Node| {
+        let section = node.section.expect("something was measured in this part");
+        let [x, y, z] = node.position.into();
+        format!("{x:8.3} {y:8.3} {z:8.3}  {:6.3} wide {:6.3} high\n", section.width_m, section.height_m)
+    };
+    insta::assert_snapshot!("hollow", graph.nodes.iter().map(node).collect::<String>());
+    assert_eq!(tally.interpolated, 6);
+}
+
+/// How far one can go straight through air from a point, in metres.
+fn clear_m(field: &CaveField, from: Point3<f64>, way: Vector3<f64>) -> f64 {
+    const STEP_M: f64 = 0.01;
+    let point = |step: u32| (from + way * (STEP_M * f64::from(step))).coords.map(|x| x as f32).into();
+    let points: Vec<[f32; 3]> = (0..1000).map(point).collect();
+    let steps = distances(field, &points).iter().take_while(|&&distance| distance < 0.0).count();
+    STEP_M * steps as f64
+}
+
+fn distances(field: &CaveField, points: &[[f32; 3]]) -> Vec<f32> {
+    let mut distances = vec![f32::NAN; points.len()];
+    field.distances(Bounds::around(points), points, &mut distances);
+    distances
+}
+
+/// Station 8 touches the wall, and rock stands in a little here and there.
+const AT_WALL_M: f32 = 0.1;
+
+#[test]
+fn every_surveyed_station_is_in_the_open_in_every_rock() {
+    let dump = String::from_utf8(data("surveys/hollow.dump")).unwrap();
+    let Import { graph, tally, .. } = parsed("hollow.3d", &hollow(), Parts::Refuse).unwrap();
+    let stations = dumped_passages(&dump).into_iter().flatten().map(|place| place - Vector3::from(tally.origin_m));
+    let stations: Vec<[f32; 3]> = stations.map(|place| place.coords.map(|x| x as f32).into()).collect();
+    for (row, seed) in MATERIALS.iter().flat_map(|row| (0..8).map(move |seed| (row, seed))) {
+        let rock = (row.read)(json!({})).unwrap();
+        let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
+        for (station, distance) in stations.iter().zip(distances(&field, &stations)) {
+            assert!(distance < AT_WALL_M, "{} seed {seed}: {station:?} is {distance} m in the rock", row.name);
+        }
+    }
+}
+
+/// A station that no side passage leaves, as `hollow.svx` has it: where it is, the stations before and after it, and left,
+/// right, up and down.
+struct Measured {
+    place: [f64; 3],
+    looking: [[f64; 2]; 2],
+    walls: [f64; 4],
+}
+
+/// Two passages that meet at a station bulge by a fifth of what a wall is felt at; see `field/passage.rs`.
+const BULGE_M: f64 = 0.25;
+
+#[test]
+fn smooth_walls_stand_where_they_were_measured() {
+    let Import { graph, tally, .. } = parsed("hollow.3d", &hollow(), Parts::Refuse).unwrap();
+    let entrance = [500_000.25, 4_600_000.50];
+    let measured = [
+        Measured {
+            place: [500_000.25, 4_600_000.50, 1234.56],
+            looking: [entrance, [500_001.30, 4_600_006.47]],
+            walls: [1.0, 1.5, 0.8, 1.2],
+        },
+        Measured {
+            place: [500_001.30, 4_600_006.47, 1233.27],
+            looking: [entrance, [500_005.07, 4_600_014.93]],
+            walls: [0.6, 2.2, 2.0, 1.1],
+        },
+    ];
+    let settings = PassageSettings { floor_roughness_m: 0.0, floor_flatness: 1.0, ..Default::default() };
+    let rock = (MATERIALS[0].read)(json!({"relief": 0.0, "wander_m": 0.0, "rubble": -0.5})).unwrap();
+    let field = CaveField::new(&graph, &settings, rock, Look::default(), 3);
+    for Measured { place, looking: [from, to], walls } in measured {
+        let station = Point3::from(place) - Vector3::from(tally.origin_m);
+        let ahead = Vector3::new(to[0] - from[0], to[1] - from[1], 0.0).normalize();
+        let left = Vector3::new(-ahead.y, ahead.x, 0.0);
+        let axis = graph.nodes.iter().map(|node| node.position);
+        let axis = axis.min_by(|a, b| (a - station).norm().total_cmp(&(b - station).norm())).unwrap();
+        let beside = Point3::new(station.x, station.y, axis.z);
+        let above = Point3::new(axis.x, axis.y, station.z);
+        let found = [(beside, left), (beside, -left), (above, Vector3::z()), (above, -Vector3::z())];
+        let found = found.map(|(from, way)| clear_m(&field, from, way));
+        let (sides, floor) = (found.iter().zip(walls).take(3), found[3] - walls[3]);
+        assert!(floor.abs() < 0.03, "{station}: the floor is {} m down, not {} m", found[3], walls[3]);
+        for (found, wall) in sides {
+            assert!((wall - 0.01..wall + BULGE_M).contains(found), "{station}: a wall is {found} m off, not {wall} m");
+        }
+    }
 }

@@ -5,6 +5,7 @@
 
 mod error;
 mod input;
+mod preview;
 mod target;
 
 use std::path::Path;
@@ -14,6 +15,7 @@ use plume_exporters::scene::Scene;
 
 pub use self::error::CaveError;
 pub use self::input::{Input, preset, read};
+pub use self::preview::{preview, view_row};
 pub use self::target::{Exported, Order, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;

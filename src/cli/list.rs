@@ -9,8 +9,9 @@ use super::progress::Console;
 use crate::graph::GENERATORS;
 use crate::material::MATERIALS;
 use crate::preset::PRESETS;
+use crate::preview::VIEWS;
 
-/// Lists targets, generators, materials and presets.
+/// Lists targets, generators, materials, presets and views.
 #[derive(Args)]
 pub struct List {
     /// Which table [default: all]
@@ -23,6 +24,7 @@ enum Table {
     Generators,
     Materials,
     Presets,
+    Views,
 }
 
 type Rows = Vec<(String, &'static str)>;
@@ -38,6 +40,7 @@ impl List {
             (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
             (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
             (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
+            (Table::Views, VIEWS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
         ];
         let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
         if console.is_json() {

@@ -11,6 +11,7 @@ mod likeness;
 mod list;
 mod measure;
 mod new;
+mod preview;
 mod progress;
 mod status;
 mod summary;
@@ -98,11 +99,13 @@ enum Command {
     Texture(generate::Generate),
     /// Make the graph, the mesh and the convex pieces of a cave folder
     Pieces(generate::Generate),
+    /// Show a cave in seconds, before it is made
+    Preview(preview::Preview),
     /// Print a commented recipe
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
-    /// List targets, generators, materials and presets
+    /// List targets, generators, materials, presets and views
     List(list::List),
     /// Check that a package is whole and names nothing outside itself
     Check(check::Check),
@@ -176,6 +179,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Graph(stage) => stage.run(Stage::Graph, console),
         Command::Mesh(stage) => stage.run(Stage::Mesh, console),
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
+        Command::Preview(preview) => preview.run(console),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", crate::recipe::editor_schema())),
         Command::List(list) => list.run(console),

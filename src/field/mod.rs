@@ -8,7 +8,7 @@ mod index;
 mod passage;
 
 pub use cave::CaveField;
-pub use passage::PassageSettings;
+pub use passage::{PassageSettings, Reach};
 
 /// An axis-aligned box in metres, cave frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -55,6 +55,25 @@ impl Default for PassageSettings {
     }
 }
 
+/// How far the smooth passage reaches from its axis, in metres. Rooms and the rock add to it and take from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// To either side.
+    pub aside_m: f32,
+    /// Up to the ceiling.
+    pub up_m: f32,
+    /// Down to the floor.
+    pub down_m: f32,
+}
+
+impl PassageSettings {
+    /// How far the passage reaches at a station.
+    pub fn reach(&self, node: &Node) -> Reach {
+        let Profile { half_width, half_height, drop, .. } = Profile::at(node, self);
+        Reach { aside_m: half_width, up_m: half_height, down_m: drop }
+    }
+}
+
 /// Section of a passage at a station.
 #[derive(Clone, Copy)]
 struct Profile {

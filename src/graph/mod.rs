@@ -8,12 +8,15 @@ pub mod clearance;
 mod dice;
 pub mod format;
 pub mod generator;
+mod neighbors;
 mod outside;
 mod ramp;
+mod raster;
 pub mod realism;
 mod segment;
 mod shape;
 mod sketch;
+mod tidy;
 
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};

@@ -8,6 +8,7 @@ use std::collections::BinaryHeap;
 use nalgebra::Point3;
 use rustc_hash::FxHashMap;
 
+use super::neighbors::Neighbors;
 use super::shape::millimetres;
 use super::{Graph, Node, Section};
 
@@ -89,17 +90,11 @@ impl Sketch {
     }
 
     /// The knots that lines join to each knot, ascending.
-    pub(crate) fn neighbors(&self) -> Vec<Vec<usize>> {
-        let mut neighbors = vec![Vec::new(); self.knots.len()];
-        for &[a, b] in &self.lines {
-            neighbors[a].push(b);
-            neighbors[b].push(a);
-        }
-        neighbors.iter_mut().for_each(|others| others.sort_unstable());
-        neighbors
+    pub(crate) fn neighbors(&self) -> Neighbors {
+        Neighbors::of(self.knots.len(), &self.lines)
     }
 
-    fn distance(&self, a: usize, b: usize) -> f64 {
+    pub(super) fn distance(&self, a: usize, b: usize) -> f64 {
         (self.knots[a].position - self.knots[b].position).norm()
     }
 }
@@ -110,8 +105,10 @@ fn rounded(section: Section) -> Section {
 
 /// A graph of these stations and the neighbours of each, numbered by breadth from the first one, so that parents come before
 /// their children. Stations without neighbours are left out; those with several are not active.
-pub(super) fn rooted(nodes: Vec<Node>, mut neighbors: Vec<Vec<usize>>) -> Graph {
-    neighbors.iter_mut().for_each(|others| others.sort_unstable());
+pub(super) fn rooted(nodes: Vec<Node>, neighbors: Vec<Vec<usize>>) -> Graph {
+    let edges = neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| [a, b]));
+    let edges: Vec<[usize; 2]> = edges.filter(|[a, b]| a < b).collect();
+    let neighbors = Neighbors::of(nodes.len(), &edges);
     let (order, parents) = by_breadth(&neighbors);
     let mut place = vec![usize::MAX; nodes.len()];
     order.iter().enumerate().for_each(|(new, &old)| place[old] = new);
@@ -121,13 +118,12 @@ pub(super) fn rooted(nodes: Vec<Node>, mut neighbors: Vec<Vec<usize>>) -> Graph 
         active: nodes[old].active && neighbors[old].len() == 1,
         ..nodes[old].clone()
     };
-    let edges = order.iter().flat_map(|&old| neighbors[old].iter().map(move |&other| [old, other]));
-    let edges = edges.map(|ends| ends.map(|old| place[old])).collect();
+    let edges = edges.into_iter().map(|ends| ends.map(|old| place[old])).collect();
     Graph::new(order.iter().enumerate().map(node).collect(), edges)
 }
 
 /// Knots that have neighbours, each after the one it was reached from, and that one.
-fn by_breadth(neighbors: &[Vec<usize>]) -> (Vec<usize>, Vec<Option<usize>>) {
+fn by_breadth(neighbors: &Neighbors) -> (Vec<usize>, Vec<Option<usize>>) {
     let mut order = Vec::with_capacity(neighbors.len());
     let mut parents = vec![None; neighbors.len()];
     let mut seen = vec![false; neighbors.len()];
@@ -166,9 +162,9 @@ fn with_reaches(mut graph: Graph) -> Graph {
 }
 
 /// A run of lines between two knots that do not have exactly two neighbours.
-struct Strand {
-    knots: Vec<usize>,
-    length: f64,
+pub(super) struct Strand {
+    pub(super) knots: Vec<usize>,
+    pub(super) length: f64,
 }
 
 /// A strand on the way to its share of stations, the one that lacks most first.
@@ -197,8 +193,12 @@ impl Sketch {
     }
 
     /// Strands in order of their first knot. A ring without junctions is a strand from its lowest knot to itself.
-    fn strands(&self) -> Vec<Strand> {
-        let neighbors = self.neighbors();
+    pub(super) fn strands(&self) -> Vec<Strand> {
+        self.strands_among(&self.neighbors())
+    }
+
+    /// [`strands`](Self::strands) of a sketch whose neighbours are known.
+    pub(super) fn strands_among(&self, neighbors: &Neighbors) -> Vec<Strand> {
         let mut seen = vec![false; self.knots.len()];
         let mut strands = Vec::new();
         let is_end = |knot: usize| neighbors[knot].len() != 2;
@@ -208,22 +208,22 @@ impl Sketch {
                 if seen[first] || (is_end(first) && first < start) {
                     continue;
                 }
-                strands.push(self.walk(&neighbors, &mut seen, start, first));
+                strands.push(self.walk(neighbors, &mut seen, start, first));
             }
         }
         for start in 0..self.knots.len() {
             if !is_end(start) && !seen[start] {
                 seen[start] = true;
-                strands.push(self.walk(&neighbors, &mut seen, start, neighbors[start][0]));
+                strands.push(self.walk(neighbors, &mut seen, start, neighbors[start][0]));
             }
         }
         strands
     }
 
-    fn walk(&self, neighbors: &[Vec<usize>], seen: &mut [bool], start: usize, first: usize) -> Strand {
+    fn walk(&self, neighbors: &Neighbors, seen: &mut [bool], start: usize, first: usize) -> Strand {
         let mut strand = Strand { knots: vec![start, first], length: self.distance(start, first) };
         let (mut before, mut at) = (start, first);
-        while let (&[a, b], true) = (neighbors[at].as_slice(), at != start) {
+        while let (&[a, b], true) = (&neighbors[at], at != start) {
             seen[at] = true;
             (before, at) = (at, if a == before { b } else { a });
             strand.length += self.distance(before, at);
@@ -322,11 +322,11 @@ impl Sketch {
 }
 
 impl Strand {
-    fn first(&self) -> usize {
+    pub(super) fn first(&self) -> usize {
         self.knots[0]
     }
 
-    fn last(&self) -> usize {
+    pub(super) fn last(&self) -> usize {
         self.knots[self.knots.len() - 1]
     }
 }

@@ -19,6 +19,11 @@ pub(super) struct Draft {
     pub(super) edges: Vec<[usize; 2]>,
 }
 
+/// A node of which no more than its place is known.
+pub(super) fn node_at(id: u64, position: Point3<f64>) -> Node {
+    Node { id, parent: None, position, radius: 0.0, active: false, level: 0, section: None }
+}
+
 /// Why no graph came of a draft.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum DraftError {

@@ -3,8 +3,13 @@
 //! A reader takes what it is given for hostile: it holds to the limits in [`limits`], follows no link that the format does
 //! not need, and says where a fault is.
 
+mod csv;
+mod dot;
 mod draft;
+mod fields;
+mod graphml;
 pub mod json;
+mod karst;
 pub mod limits;
 mod parts;
 mod survex3d;
@@ -83,7 +88,7 @@ pub struct FormatRow {
     pub write: Option<fn(&Graph) -> Vec<Written>>,
 }
 
-/// Every format, the one that holds all of a graph first.
+/// Every format, the one that holds all of a graph first. Endings that others end with come before them.
 pub static FORMATS: &[FormatRow] = &[
     FormatRow {
         name: "json",
@@ -91,6 +96,34 @@ pub static FORMATS: &[FormatRow] = &[
         summary: "graph JSON, or data.json of the original PLUME",
         read: Some(json::import),
         write: Some(json::export),
+    },
+    FormatRow {
+        name: "graphml",
+        endings: &[".graphml"],
+        summary: "GraphML of networkx, igraph, Gephi, yEd",
+        read: Some(graphml::import),
+        write: Some(graphml::export),
+    },
+    FormatRow {
+        name: "karstnet",
+        endings: &["_nodes.dat", "_links.dat"],
+        summary: "karstnet's pair of X_nodes.dat and X_links.dat",
+        read: Some(karst::import),
+        write: Some(karst::export),
+    },
+    FormatRow {
+        name: "csv",
+        endings: &[".csv"],
+        summary: "a table of passages: x1,y1,z1,x2,y2,z2",
+        read: Some(csv::import),
+        write: Some(csv::export),
+    },
+    FormatRow {
+        name: "dot",
+        endings: &[".dot", ".gv"],
+        summary: "the plan for Graphviz: neato -n -Tsvg",
+        read: None,
+        write: Some(dot::export),
     },
     FormatRow {
         name: "survex-3d",

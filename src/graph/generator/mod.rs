@@ -1,19 +1,24 @@
 //! Every way to lay out a cave: one file and one row each.
 
+mod cellular;
 mod external;
 mod file;
 pub mod gaussian_perlin;
+pub mod grown_tunnels;
 pub mod layers;
 pub mod mine;
+mod network;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
+pub use cellular::Cellular;
 pub use external::External;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
+pub use grown_tunnels::GrownTunnels;
 pub use layers::Layers;
 pub use mine::Mine;
 
@@ -70,6 +75,8 @@ pub static GENERATORS: &[GeneratorRow] = &[
         "layers",
         "layers of other generators, one below the other, joined by links within a range of slopes",
     ),
+    row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
+    row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -58,7 +58,7 @@ pub fn read_parts(text: &str, parts: Parts) -> Result<(Document, Tally), ReadErr
 
 /// Reads a file as a row of [`FORMATS`](super::FORMATS) does.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, super::ReadError> {
-    let read = read_parts(super::text::utf8(source)?, parts);
+    let read = read_parts(super::text::utf8(source.path, source.bytes)?, parts);
     let (document, tally) =
         read.map_err(|error| super::ReadError::whole(source.path, error.to_string(), error.hint()))?;
     Ok(Import { graph: document.graph, recipe: document.recipe, tally })

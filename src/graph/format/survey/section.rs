@@ -8,6 +8,9 @@
 //! along the passages ([`spread`](super::spread)). A width or height of zero was not noted, for somebody passed. Where a
 //! part knows only its width or only its height, its passages are as high as they are wide. Where it knows nothing,
 //! stations have no section.
+//!
+//! Where a ceiling or a floor was measured up or down a shaft that a leg follows, the leg makes the shaft, and the
+//! passage that leads there does not get as high: that distance counts as not noted.
 
 use std::path::Path;
 
@@ -26,6 +29,11 @@ const BELOW_AXIS: f64 = 1.0 / 3.0;
 const LEAST_HEIGHT_M: f64 = 1.4;
 /// Nobody can say what is left between two stations nearer to each other in plan than this, in metres.
 const LEAST_VIEW_M: f64 = 0.1;
+
+/// A leg that is steeper than this, as rise by plan, is a shaft: 63°. Tuned.
+const SHAFT_SLOPE: f64 = 2.0;
+/// A ceiling as far away as this share of a shaft's height was measured in the shaft. Tuned.
+const SHAFT_SHARE: f64 = 0.5;
 
 /// A passage at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,8 +57,8 @@ pub(super) fn check(walls: &[Walls], path: &Path) -> Result<(), ReadError> {
 
 /// The passage at each station as far as it is known, and how many of those that stand on lines had to be interpolated.
 pub(super) fn rooms(survey: &Survey, welds: &[usize], lines: &[[usize; 2]]) -> (Vec<Option<Room>>, usize) {
-    let measured = measured(survey, welds);
     let places: Vec<Point3<f64>> = survey.stations.iter().map(|station| station.position).collect();
+    let measured = measured(survey, welds, &shafts(&places, lines));
     let ways = Ways::new(&places, lines);
     let spread_of = |value: fn(&Measured) -> Option<f64>| {
         let values: Vec<Option<f64>> = measured.iter().map(value).collect();
@@ -96,24 +104,47 @@ impl Measured {
         self.down_m = farther(self.down_m, walls.down_m);
     }
 
-    fn without_zero_height(self) -> Self {
-        if self.up_m == Some(0.0) && self.down_m == Some(0.0) {
+    /// Without what was measured in a shaft, and without a height of zero.
+    fn of_passage(self, shaft: Shaft) -> Self {
+        let outside = |shaft_m: f64| move |far_m: &f64| shaft_m == 0.0 || *far_m < SHAFT_SHARE * shaft_m;
+        let (up_m, down_m) = (self.up_m.filter(outside(shaft.up_m)), self.down_m.filter(outside(shaft.down_m)));
+        if up_m == Some(0.0) && down_m == Some(0.0) {
             return Self { up_m: None, down_m: None, ..self };
         }
-        self
+        Self { up_m, down_m, ..self }
     }
+}
+
+/// How far steep legs lead from a station.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shaft {
+    up_m: f64,
+    down_m: f64,
+}
+
+fn shafts(places: &[Point3<f64>], lines: &[[usize; 2]]) -> Vec<Shaft> {
+    let mut shafts = vec![Shaft::default(); places.len()];
+    for &[a, b] in lines {
+        let way = places[b] - places[a];
+        if way.z.abs() > SHAFT_SLOPE * way.xy().norm() {
+            let [low, high] = if way.z > 0.0 { [a, b] } else { [b, a] };
+            shafts[low].up_m = shafts[low].up_m.max(way.z.abs());
+            shafts[high].down_m = shafts[high].down_m.max(way.z.abs());
+        }
+    }
+    shafts
 }
 
 fn farther(one_m: Option<f64>, other_m: Option<f64>) -> Option<f64> {
     one_m.into_iter().chain(other_m).reduce(f64::max)
 }
 
-fn measured(survey: &Survey, welds: &[usize]) -> Vec<Measured> {
+fn measured(survey: &Survey, welds: &[usize], shafts: &[Shaft]) -> Vec<Measured> {
     let mut measured = vec![Measured::default(); survey.stations.len()];
     for walls in &survey.walls {
         measured[welds[walls.station]].add(walls, survey);
     }
-    measured.into_iter().map(Measured::without_zero_height).collect()
+    measured.into_iter().zip(shafts).map(|(station, &shaft)| station.of_passage(shaft)).collect()
 }
 
 /// One metre to the left in plan; nothing where one looks up or down a shaft.
@@ -161,6 +192,24 @@ mod tests {
         let room = middle_room([Some(3.0), Some(1.0), Some(5.0), Some(1.0)]).expect("measured");
         assert_eq!(room.section, Section { width_m: 4.0, height_m: 6.0, shape: Shape::Cave });
         assert_eq!(room.middle, Vector3::new(-1.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn a_shaft_that_a_leg_follows_is_no_ceiling() {
+        let places = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 1.0, 12.0]];
+        let stations = places.map(|place| Station { position: place.into(), entrance: false }).to_vec();
+        let walls = |station: usize, up_m: f64| Walls {
+            station,
+            looking: [0, 1],
+            left_m: Some(1.0),
+            right_m: Some(1.0),
+            up_m: Some(up_m),
+            down_m: Some(1.0),
+        };
+        let survey = Survey { stations, legs: Vec::new(), walls: vec![walls(0, 2.0), walls(1, 11.0)] };
+        let (rooms, interpolated) = rooms(&survey, &[0, 1, 2], &[[0, 1], [1, 2]]);
+        let heights = rooms.into_iter().map(|room| room.expect("the walls are known").section.height_m);
+        assert_eq!((heights.collect::<Vec<_>>(), interpolated), (vec![3.0; 3], 2));
     }
 
     #[test]

@@ -23,7 +23,7 @@ mod hops;
 mod layers;
 mod lengths;
 mod loops;
-mod perlin;
+pub(super) mod perlin;
 mod step;
 mod tuning;
 

@@ -1,0 +1,160 @@
+//! `plume preview`: what a cave will be like, in seconds.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use serde_json::json;
+
+use super::Source;
+use super::fault::CliError;
+use super::progress::Console;
+use crate::cave;
+use crate::pipeline::Observer;
+use crate::preview::{self, Format, Order, Size, ViewRow};
+use crate::store::StoreError;
+
+/// Shows a cave from its graph and its field alone, before there are triangles.
+#[derive(Args)]
+pub struct Preview {
+    #[command(flatten)]
+    source: Source,
+    /// What to show; `plume list views` names them [default: what FILE can hold]
+    #[arg(long)]
+    view: Option<String>,
+    /// What maps are drawn on
+    #[arg(long, value_enum, default_value_t = Theme::Light)]
+    theme: Theme,
+    /// Width and height in pixels, for example 1280x720 [default: of the view]
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Where to look from inside, metres [default: the first start pose]
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    at: Vec<f32>,
+    /// Where to look to, degrees from +x to +y and up [default: where the passage is open furthest]
+    #[arg(long, value_name = "YAW,PITCH", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    look: Vec<f32>,
+    /// Show the file with the program that the system has for it
+    #[arg(long)]
+    open: bool,
+    /// The file to write; its ending says as what [default: NAME-VIEW]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// The themes, as the command line names them.
+#[derive(Clone, Copy, ValueEnum)]
+enum Theme {
+    Light,
+    Dark,
+}
+
+impl Preview {
+    /// Draws the view and writes it.
+    ///
+    /// # Errors
+    /// Bad input, nothing to see, the disk, Ctrl-C.
+    pub fn run(&self, console: &Console) -> Result<(), CliError> {
+        let start = Instant::now();
+        let row = self.row()?;
+        let format = self.format(row)?;
+        let size = self.size.as_deref().map(str::parse::<Size>).transpose()?;
+        let input = self.source.resolve()?;
+        let theme = match self.theme {
+            Theme::Light => preview::Theme::Light,
+            Theme::Dark => preview::Theme::Dark,
+        };
+        let look = numbers("--look", &self.look)?.map(|angles: [f32; 2]| angles.map(f32::to_radians));
+        let order = Order { format, theme, size, at: numbers("--at", &self.at)?, look, stop: console.stop() };
+        let bytes = cave::preview(&input, row, &order)?;
+        let named = format!("{}-{}.{}", input.recipe.name, row.name, format.ending());
+        let output = self.output.clone().unwrap_or_else(|| named.into());
+        write(&output, &bytes)?;
+        report(console, row, &output, bytes.len(), start)?;
+        if self.open { open(&output) } else { Ok(()) }
+    }
+
+    /// The view that was named, or the first that the file can hold.
+    fn row(&self) -> Result<&'static ViewRow, CliError> {
+        if let Some(name) = &self.view {
+            return cave::view_row(name);
+        }
+        let ending = self.ending();
+        let fits = |row: &&ViewRow| ending.as_ref().is_none_or(|ending| format_called(row, ending).is_some());
+        preview::VIEWS.iter().find(fits).ok_or_else(|| {
+            let mut known: Vec<&str> = Vec::new();
+            for format in preview::VIEWS.iter().flat_map(|row| row.formats) {
+                if !known.contains(&format.ending()) {
+                    known.push(format.ending());
+                }
+            }
+            self.unfit("no view", &known)
+        })
+    }
+
+    fn format(&self, row: &ViewRow) -> Result<Format, CliError> {
+        let Some(ending) = self.ending() else {
+            return Ok(row.formats[0]);
+        };
+        let known: Vec<&str> = row.formats.iter().map(|format| format.ending()).collect();
+        format_called(row, &ending).ok_or_else(|| self.unfit(&format!("the view {}", row.name), &known))
+    }
+
+    /// The ending of the file, lower case; `None` where no file was named.
+    fn ending(&self) -> Option<String> {
+        let output = self.output.as_ref()?;
+        Some(output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default())
+    }
+
+    fn unfit(&self, what: &str, known: &[&str]) -> CliError {
+        let output = self.output.as_deref().unwrap_or(Path::new(""));
+        let message = format!("{}: {what} makes such a file", output.display());
+        CliError::Usage { message, hint: format!("it may end with .{}", known.join(", .")) }
+    }
+}
+
+/// As many finite numbers as an option wants, or none.
+fn numbers<const N: usize>(option: &str, given: &[f32]) -> Result<Option<[f32; N]>, CliError> {
+    if given.is_empty() {
+        return Ok(None);
+    }
+    let wanted: Option<[f32; N]> = given.try_into().ok().filter(|all: &[f32; N]| all.iter().all(|one| one.is_finite()));
+    wanted.map(Some).ok_or_else(|| CliError::Usage {
+        message: format!("{option} wants {N} numbers"),
+        hint: format!("separate them by commas, for example {option} {}", ["1.5"; N].join(",")),
+    })
+}
+
+fn format_called(row: &ViewRow, ending: &str) -> Option<Format> {
+    row.formats.iter().copied().find(|format| format.ending() == ending)
+}
+
+/// Writes the file whole or not at all.
+fn write(output: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    let partial = output.with_added_extension("partial");
+    let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, output));
+    written.map_err(|source| {
+        // What is left of it helps nobody.
+        let _ = fs::remove_file(&partial);
+        StoreError::Io { path: output.to_path_buf(), source }.into()
+    })
+}
+
+fn report(console: &Console, row: &ViewRow, output: &Path, bytes: usize, start: Instant) -> Result<(), CliError> {
+    let wall_s = start.elapsed().as_secs_f64();
+    if console.is_json() {
+        let path = output.to_string_lossy();
+        return console
+            .result(&format!("{:#}\n", json!({"view": row.name, "path": path, "bytes": bytes, "wall_s": wall_s})));
+    }
+    console.note(&format!("  {:9} {}  {} kB  {wall_s:.1} s", row.name, output.display(), bytes.div_ceil(1000)));
+    Ok(())
+}
+
+fn open(output: &Path) -> Result<(), CliError> {
+    open::that_detached(output).map_err(|error| CliError::Usage {
+        message: format!("{}: it was written, but cannot be shown: {error}", output.display()),
+        hint: "open it by hand".into(),
+    })
+}

@@ -1,0 +1,280 @@
+//! Rough centrelines made fit to be a cave: spurs dropped, crowded junctions made one, bends smoothed, cut to length.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::Graph;
+use super::neighbors::Neighbors;
+use super::sketch::{Knot, Sketch, Strand};
+
+/// Most passages at a node; no real cave has more (Collon et al. 2017).
+const MOST_PASSAGES: usize = 5;
+/// A spur whose end reaches less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
+const SPUR_REACH: f64 = 0.7;
+
+impl Knot {
+    fn half_width_m(&self) -> f64 {
+        self.section.map_or(0.0, |section| 0.5 * section.width_m)
+    }
+}
+
+impl Sketch {
+    /// Without dead ends that are mere bumps in the wall of the passage they leave. A junction keeps two passages.
+    pub(crate) fn without_spurs(mut self) -> Self {
+        loop {
+            let neighbors = self.neighbors();
+            let strands = self.strands_among(&neighbors);
+            let is_bump = |strand: &&Strand| {
+                let [foot, tip] = foot_and_tip(strand, &neighbors);
+                if neighbors[tip].len() != 1 || neighbors[foot].len() < 3 {
+                    return false;
+                }
+                let [foot, tip] = [foot, tip].map(|end| self.knots[end].half_width_m());
+                strand.length + tip < foot + SPUR_REACH * foot.max(tip)
+            };
+            let mut bumps: Vec<&Strand> = strands.iter().filter(is_bump).collect();
+            bumps.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
+            let mut left: Vec<usize> = neighbors.degrees().collect();
+            let mut gone = vec![false; self.knots.len()];
+            let mut lost = false;
+            for bump in bumps {
+                let [foot, _] = foot_and_tip(bump, &neighbors);
+                if left[foot] > 2 {
+                    left[foot] -= 1;
+                    lost = true;
+                    bump.knots.iter().filter(|&&knot| knot != foot).for_each(|&knot| gone[knot] = true);
+                }
+            }
+            if !lost {
+                return self;
+            }
+            self = self.without(&gone);
+        }
+    }
+
+    /// Junctions joined by a passage shorter than `part` of the width there made one, as long as no more than five
+    /// passages meet at it.
+    pub(crate) fn with_junctions_merged(self, part: f64) -> Self {
+        let neighbors = self.neighbors();
+        let mut strands = self.strands_among(&neighbors);
+        strands.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
+        let mut degrees: Vec<usize> = neighbors.degrees().collect();
+        let mut into: Vec<usize> = (0..self.knots.len()).collect();
+        let mut gone = vec![false; self.knots.len()];
+        for strand in &strands {
+            let [a, b] = [strand.first(), strand.last()].map(|end| root(&into, end));
+            let width = 2.0 * self.knots[a].half_width_m().min(self.knots[b].half_width_m());
+            let sum = degrees[a] + degrees[b];
+            let crowded = degrees[a] > 2 && degrees[b] > 2 && strand.length < part * width;
+            if !crowded || a == b || sum - 2 > MOST_PASSAGES {
+                continue;
+            }
+            let [kept, lost] =
+                if self.knots[b].half_width_m() > self.knots[a].half_width_m() { [b, a] } else { [a, b] };
+            into[lost] = kept;
+            degrees[kept] = sum - 2;
+            strand.knots[1..strand.knots.len() - 1].iter().for_each(|&knot| gone[knot] = true);
+        }
+        let lines = self.lines.iter().filter(|line| line.iter().all(|&knot| !gone[knot]));
+        let lines = lines.map(|line| line.map(|knot| root(&into, knot))).filter(|[a, b]| a != b).collect();
+        Self { lines, knots: self.knots }
+    }
+
+    /// Each bend rounded: so many times, every knot between junctions moves to the middle of itself and its neighbours,
+    /// and takes the width there. Junctions and dead ends stay.
+    pub(crate) fn smoothed(mut self, rounds: usize) -> Self {
+        for strand in self.strands() {
+            let mut knots: Vec<Knot> = strand.knots.iter().map(|&knot| self.knots[knot]).collect();
+            for _ in 0..rounds {
+                let mut before = knots[0];
+                for at in 1..knots.len() - 1 {
+                    let here = knots[at];
+                    knots[at] = middle(&before, &here, &knots[at + 1]);
+                    before = here;
+                }
+            }
+            let inner = 1..knots.len() - 1;
+            strand.knots[inner.clone()].iter().zip(&knots[inner]).for_each(|(&at, knot)| self.knots[at] = *knot);
+        }
+        self
+    }
+
+    /// With every so many of the knots between junctions, and without those that no line joins.
+    pub(crate) fn with_every(self, step: usize) -> Self {
+        let mut sparse = Self::default();
+        let mut new = vec![usize::MAX; self.knots.len()];
+        for strand in self.strands() {
+            let last = strand.knots.len() - 1;
+            // A ring keeps two knots between its ends, which are one.
+            let step = step.min(last / 3).max(1);
+            let kept = (0..last).step_by(step).chain([last]);
+            let mut before = None;
+            for old in kept.map(|place| strand.knots[place]) {
+                if new[old] == usize::MAX {
+                    new[old] = sparse.add(self.knots[old]);
+                }
+                if let Some(before) = before.replace(new[old]) {
+                    sparse.join(before, new[old]);
+                }
+            }
+        }
+        sparse
+    }
+
+    /// With this knot as the first one: the root of the graph, if stations are put where it is.
+    pub(crate) fn rooted(mut self, root: usize) -> Self {
+        let moved = |knot: usize| {
+            if knot == root {
+                0
+            } else if knot == 0 {
+                root
+            } else {
+                knot
+            }
+        };
+        self.lines.iter_mut().for_each(|line| *line = line.map(moved));
+        self.knots.swap(0, root);
+        self
+    }
+
+    /// What lies nearest to the first knot along the passages, up to `most_m` of them. What hangs not together with the
+    /// first knot is left out.
+    pub(crate) fn cut_to(self, most_m: f64) -> Self {
+        let neighbors = self.neighbors();
+        let mut distances = vec![f64::INFINITY; self.knots.len()];
+        let mut near = vec![false; self.knots.len()];
+        // Distances are not negative, so their bits are in their order.
+        let mut front = BinaryHeap::from([Reverse((0_u64, 0_usize))]);
+        distances[0] = 0.0;
+        let mut sum_m = 0.0;
+        while let Some(Reverse((bits, knot))) = front.pop() {
+            if near[knot] || sum_m > most_m {
+                continue;
+            }
+            near[knot] = true;
+            for &other in &neighbors[knot] {
+                let length = self.distance(knot, other);
+                if near[other] {
+                    sum_m += length;
+                } else if f64::from_bits(bits) + length < distances[other] {
+                    distances[other] = f64::from_bits(bits) + length;
+                    front.push(Reverse((distances[other].to_bits(), other)));
+                }
+            }
+        }
+        let gone: Vec<bool> = near.into_iter().map(|near| !near).collect();
+        self.without(&gone)
+    }
+
+    /// Without these knots and what hangs on them.
+    fn without(self, gone: &[bool]) -> Self {
+        let lines = self.lines.into_iter().filter(|line| line.iter().all(|&knot| !gone[knot])).collect();
+        Self { knots: self.knots, lines }
+    }
+
+    /// A graph of exactly `nodes` nodes, or `None` if there is nothing to put them on. Where too few nodes are asked to
+    /// tell all loops apart, loops are opened.
+    pub(crate) fn with_nodes(self, nodes: usize) -> Option<Graph> {
+        let fit = |sketch: Self| {
+            let graph = sketch.with_stations(nodes)?.into_graph();
+            (graph.nodes.len() == nodes).then_some(graph)
+        };
+        fit(self.clone()).or_else(|| fit(self.opened()))
+    }
+
+    /// A tree of the same passages: breadth first from the first knot.
+    fn opened(mut self) -> Self {
+        let neighbors = self.neighbors();
+        let mut seen = vec![false; self.knots.len()];
+        self.lines.clear();
+        for start in 0..self.knots.len() {
+            let mut found = if std::mem::replace(&mut seen[start], true) { vec![] } else { vec![start] };
+            let mut next = 0;
+            while let Some(&knot) = found.get(next) {
+                next += 1;
+                for &other in &neighbors[knot] {
+                    if !std::mem::replace(&mut seen[other], true) {
+                        self.lines.push([knot, other]);
+                        found.push(other);
+                    }
+                }
+            }
+        }
+        self
+    }
+}
+
+/// The ends of a strand, the one with fewer passages last.
+fn foot_and_tip(strand: &Strand, neighbors: &Neighbors) -> [usize; 2] {
+    let [first, last] = [strand.first(), strand.last()];
+    if neighbors[first].len() < neighbors[last].len() { [last, first] } else { [first, last] }
+}
+
+fn root(into: &[usize], mut knot: usize) -> usize {
+    while into[knot] != knot {
+        knot = into[knot];
+    }
+    knot
+}
+
+/// A knot drawn half way to the middle of its neighbours.
+fn middle(before: &Knot, here: &Knot, after: &Knot) -> Knot {
+    let blend = |a: f64, b: f64, c: f64| 0.25 * a + 0.5 * b + 0.25 * c;
+    let coords = before.position.coords.zip_zip_map(&here.position.coords, &after.position.coords, blend);
+    let mut knot = Knot { position: coords.into(), ..*here };
+    if let (Some(a), Some(b), Some(c)) = (before.section, &mut knot.section, after.section) {
+        b.width_m = blend(a.width_m, b.width_m, c.width_m);
+        b.height_m = blend(a.height_m, b.height_m, c.height_m);
+    }
+    knot
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point3;
+
+    use super::*;
+    use crate::graph::{Section, Shape};
+
+    fn sketch(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Sketch {
+        let section = Section { width_m: 4.0, height_m: 3.0, shape: Shape::Cave };
+        let knot = |&[x, y]: &[f64; 2]| Knot { position: Point3::new(x, y, 0.0), section: Some(section), level: 0 };
+        Sketch { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
+    }
+
+    #[test]
+    fn bumps_go_and_side_passages_stay() {
+        let places = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [10.0, 1.0], [30.0, 0.0], [20.0, 9.0]];
+        let rough = sketch(&places, &[[0, 1], [1, 2], [1, 3], [2, 4], [2, 5]]);
+        assert_eq!(rough.without_spurs().lines, [[0, 1], [1, 2], [2, 4], [2, 5]]);
+    }
+
+    #[test]
+    fn crowded_junctions_are_one() {
+        let places = [[0.0, 0.0], [1.0, 0.0], [-9.0, 5.0], [-9.0, -5.0], [9.0, 5.0], [9.0, -5.0]];
+        let lines = [[0, 1], [0, 2], [0, 3], [1, 4], [1, 5]];
+        let degrees = |sketch: Sketch| sketch.neighbors().degrees().max();
+        assert_eq!(degrees(sketch(&places, &lines).with_junctions_merged(0.5)), Some(4));
+        assert_eq!(degrees(sketch(&places, &lines).with_junctions_merged(0.1)), Some(3));
+    }
+
+    #[test]
+    fn what_is_cut_is_farthest_from_the_first_knot() {
+        let chain = sketch(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [-4.0, 0.0], [50.0, 0.0]], &[[0, 1], [1, 2], [0, 3]]);
+        assert_eq!(chain.cut_to(7.0).lines, [[0, 1], [0, 3]]);
+    }
+
+    #[test]
+    fn a_bend_is_rounded_and_its_ends_stay() {
+        let bend = sketch(&[[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]], &[[0, 1], [1, 2]]).smoothed(1);
+        assert_eq!(bend.knots[1].position, Point3::new(3.75, 1.25, 0.0));
+        assert_eq!(bend.knots[2].position, Point3::new(5.0, 5.0, 0.0));
+    }
+
+    #[test]
+    fn loops_that_too_few_nodes_cannot_tell_are_opened() {
+        let square = sketch(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]], &[[0, 1], [1, 2], [2, 3], [0, 3]]);
+        let two = square.with_nodes(2).expect("a line is left");
+        assert_eq!((two.nodes.len(), two.edges.len()), (2, 1));
+    }
+}

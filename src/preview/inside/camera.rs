@@ -1,0 +1,102 @@
+//! A pinhole camera, and the light it has on its head.
+
+use crate::preview::Size;
+
+/// Half the width of the view, as a tangent: 80° wide.
+const HALF_WIDTH: f32 = 0.839_1;
+
+/// Where to look from and where to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// The eye, metres.
+    pub eye: [f32; 3],
+    /// Direction, radians anticlockwise from +x.
+    pub yaw: f32,
+    /// How far up, radians.
+    pub pitch: f32,
+}
+
+impl Pose {
+    /// Unit vector ahead.
+    pub fn ahead(&self) -> [f32; 3] {
+        let level = libm::cosf(self.pitch);
+        [level * libm::cosf(self.yaw), level * libm::sinf(self.yaw), libm::sinf(self.pitch)]
+    }
+}
+
+/// A half line: all points `start + t · along`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it begins.
+    pub from: [f32; 3],
+    /// Unit vector.
+    pub along: [f32; 3],
+    /// Up to here there is air, metres.
+    pub start: f32,
+}
+
+impl Ray {
+    /// The point at `t` metres.
+    pub fn at(&self, t: f32) -> [f32; 3] {
+        std::array::from_fn(|i| self.from[i] + t * self.along[i])
+    }
+}
+
+/// Rays through pixels.
+pub struct Camera {
+    eye: [f32; 3],
+    ahead: [f32; 3],
+    right: [f32; 3],
+    up: [f32; 3],
+    size: Size,
+    /// Width of a pixel at one metre.
+    pub pixel: f32,
+}
+
+impl Camera {
+    /// A camera for images of this size.
+    pub fn new(pose: Pose, size: Size) -> Self {
+        let ahead = pose.ahead();
+        let right = [libm::sinf(pose.yaw), -libm::cosf(pose.yaw), 0.0];
+        let up = cross(right, ahead);
+        Self { eye: pose.eye, ahead, right, up, size, pixel: 2.0 * HALF_WIDTH / size.width as f32 }
+    }
+
+    /// The ray through a point of the image; pixels from its upper left corner.
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        let across = (x - self.size.width as f32 / 2.0) * self.pixel;
+        let down = (y - self.size.height as f32 / 2.0) * self.pixel;
+        let along = std::array::from_fn(|i| self.ahead[i] + across * self.right[i] - down * self.up[i]);
+        Ray { from: self.eye, along: unit(along), start: 0.0 }
+    }
+
+    /// Where the lamp on its head is: a little above the eye and to its left, so that relief throws shade.
+    pub fn lamp(&self) -> [f32; 3] {
+        std::array::from_fn(|i| self.eye[i] + 0.18 * self.up[i] - 0.22 * self.right[i])
+    }
+
+    /// How far off the middle of the view a direction points, as a cosine.
+    pub fn centred(&self, along: [f32; 3]) -> f32 {
+        dot(along, self.ahead)
+    }
+}
+
+/// The scalar product.
+pub fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The vector of length 1 in this direction; as it is, if it has none.
+pub fn unit(v: [f32; 3]) -> [f32; 3] {
+    let length = dot(v, v).sqrt();
+    if length > 1e-9 { v.map(|c| c / length) } else { v }
+}
+
+/// From one point to another.
+pub fn between(from: [f32; 3], to: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| to[i] - from[i])
+}
+
+fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,144 @@
+//! The view from inside: the field seen by rays, in the colours of its rock, by the light of its lamps.
+//!
+//! Shown are the shape with all detail, base colour, roughness and occlusion as textures will have them, the lamps of the
+//! world and one on the head of the camera, with shadows of the former. Light that has been reflected before is a guess.
+//!
+//! A square of the image is worked on at a time: 8 × 8 wide cones first find how far there is air for all of their
+//! pixels, then the pixels of each cone go on from there together.
+
+mod camera;
+mod light;
+mod march;
+mod stance;
+mod tone;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+pub use self::camera::Pose;
+use self::camera::{Camera, Ray};
+use self::light::{Lamp, Sight};
+use self::march::{Arrival, FAR_M};
+use super::image::Image;
+use super::{Order, PreviewError, Size, Subject};
+use crate::field::{Bounds, CaveField, Field, Surface, Texel};
+
+/// Pixels along the edge of a cone.
+const CONE: usize = 8;
+/// Cones along the edge of a square.
+const SQUARE: usize = 8;
+
+/// The picture from a pose.
+pub fn inside(subject: &Subject, order: &Order, size: Size) -> Result<Vec<u8>, PreviewError> {
+    let pose = pose(subject, order)?;
+    let lamps = light::lamps(subject, pose.eye);
+    let light = light_of(subject.field, &lamps, pose, size, order.stop)?;
+    Ok(image_of(&light, size, tone::exposure(&light)).png())
+}
+
+/// The pose that was asked for, or one that shows most.
+fn pose(subject: &Subject, order: &Order) -> Result<Pose, PreviewError> {
+    let eye = match order.at {
+        Some(eye) if !stance::is_air(subject.field, eye) => return Err(PreviewError::InRock(eye)),
+        at => at,
+    };
+    let mut pose = match eye {
+        Some(eye) => Pose { eye, yaw: stance::widest(subject.field, eye), pitch: 0.0 },
+        None => stance::first(subject)?,
+    };
+    if let Some([yaw, pitch]) = order.look {
+        (pose.yaw, pose.pitch) = (yaw, pitch);
+    }
+    Ok(pose)
+}
+
+fn image_of(light: &[[f32; 3]], size: Size, exposure: f32) -> Image {
+    Image { size, rgb: light.iter().flat_map(|&light| tone::pixel(light, exposure)).collect() }
+}
+
+/// The light that comes to every pixel, rows from the top.
+fn light_of(
+    field: &CaveField,
+    lamps: &[Lamp],
+    pose: Pose,
+    size: Size,
+    stop: &AtomicBool,
+) -> Result<Vec<[f32; 3]>, PreviewError> {
+    let camera = Camera::new(pose, size);
+    let lamps: Vec<Lamp> = lamps.iter().copied().chain([light::headlamp(&camera)]).collect();
+    let edge = CONE * SQUARE;
+    let (width, height) = (size.width as usize, size.height as usize);
+    let [across, down] = [width.div_ceil(edge), height.div_ceil(edge)];
+    let squares: Option<Vec<Vec<Pixel>>> = (0..across * down)
+        .into_par_iter()
+        .map(|square| {
+            let corner = [square % across * edge, square / across * edge];
+            (!stop.load(Ordering::Relaxed)).then(|| square_of(field, &lamps, &camera, size, corner))
+        })
+        .collect();
+    let mut light = vec![[0.0; 3]; width * height];
+    for Pixel { at: [x, y], rgb } in squares.ok_or(PreviewError::Stopped)?.into_iter().flatten() {
+        light[y * width + x] = rgb;
+    }
+    Ok(light)
+}
+
+struct Pixel {
+    at: [usize; 2],
+    rgb: [f32; 3],
+}
+
+fn square_of(field: &CaveField, lamps: &[Lamp], camera: &Camera, size: Size, corner: [usize; 2]) -> Vec<Pixel> {
+    let corners: Vec<[usize; 2]> = (0..SQUARE * SQUARE)
+        .map(|cone| [corner[0] + cone % SQUARE * CONE, corner[1] + cone / SQUARE * CONE])
+        .filter(|[x, y]| *x < size.width as usize && *y < size.height as usize)
+        .collect();
+    let half = CONE as f32 / 2.0;
+    let cones: Vec<Ray> = corners.iter().map(|[x, y]| camera.ray(*x as f32 + half, *y as f32 + half)).collect();
+    // Half the diagonal of a cone, and half of that again.
+    let starts = march::march(field, &cones, Arrival { share: 1.06 * CONE as f32 * camera.pixel, least_m: 0.02 });
+    corners.iter().zip(starts).flat_map(|(&corner, start)| cone_of(field, lamps, camera, size, corner, start)).collect()
+}
+
+fn cone_of(
+    field: &CaveField,
+    lamps: &[Lamp],
+    camera: &Camera,
+    size: Size,
+    corner: [usize; 2],
+    start: f32,
+) -> Vec<Pixel> {
+    let pixels: Vec<[usize; 2]> = (0..CONE * CONE)
+        .map(|pixel| [corner[0] + pixel % CONE, corner[1] + pixel / CONE])
+        .filter(|[x, y]| *x < size.width as usize && *y < size.height as usize)
+        .collect();
+    let ray = |[x, y]: &[usize; 2]| Ray { start, ..camera.ray(*x as f32 + 0.5, *y as f32 + 0.5) };
+    let rays: Vec<Ray> = pixels.iter().map(ray).collect();
+    let ends = march::march(field, &rays, Arrival { share: 0.5 * camera.pixel, least_m: 0.001 });
+    let hits: Vec<(usize, [f32; 3])> =
+        (0..rays.len()).filter(|&i| ends[i] < FAR_M).map(|i| (i, rays[i].at(ends[i]))).collect();
+    let points: Vec<[f32; 3]> = hits.iter().map(|(_, point)| *point).collect();
+    let mean_m = hits.iter().map(|(i, _)| ends[*i]).sum::<f32>() / hits.len().max(1) as f32;
+    let texels = texels(field, &points, mean_m * camera.pixel);
+    let sight = |((i, point), texel): (&(usize, [f32; 3]), Texel)| Sight {
+        point: *point,
+        to_eye: rays[*i].along.map(|c| -c),
+        texel,
+    };
+    let sights: Vec<Sight> = hits.iter().zip(texels).map(sight).collect();
+    let light = light::radiance(field, lamps, &sights);
+    hits.iter().zip(light).map(|((i, _), rgb)| Pixel { at: pixels[*i], rgb }).collect()
+}
+
+/// What the wall is like at points near each other, to the detail that pixels of this size show.
+fn texels(field: &CaveField, points: &[[f32; 3]], texel_m: f32) -> Vec<Texel> {
+    let mut texels = vec![Texel::default(); points.len()];
+    if !points.is_empty() {
+        let bounds = Bounds::around(points);
+        let mut normals = vec![[0.0; 3]; points.len()];
+        field.normals(bounds, points, &mut normals);
+        field.texels(bounds, texel_m, points, &normals, &mut texels);
+    }
+    texels
+}

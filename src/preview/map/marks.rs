@@ -1,0 +1,114 @@
+//! Where a cave begins and ends, and where it runs round.
+
+use super::frame::Frame;
+use super::sheet::{Panel, Sheet};
+use crate::graph::Graph;
+use crate::preview::svg::{Spot, Svg};
+use crate::preview::theme::Palette;
+
+/// A mark nearer to another than this is left out, in units of the paper.
+const APART: f64 = 9.0;
+
+/// What a mark says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A station that a part of the cave grew from.
+    Origin,
+    /// A station with one passage.
+    DeadEnd,
+    /// A passage that closes a loop.
+    Loop,
+}
+
+/// The marks of a cave.
+pub struct Marks {
+    /// Each with the stations it stands between, twice the same where it stands at one.
+    marks: Vec<(Mark, [usize; 2])>,
+}
+
+impl Marks {
+    /// Origins first, then loops, then dead ends.
+    pub fn of(graph: &Graph) -> Self {
+        let mut degree = vec![0_usize; graph.nodes.len()];
+        graph.edges.iter().flatten().for_each(|&end| degree[end] += 1);
+        let stations = 0..graph.nodes.len();
+        let is_origin = |station: &usize| graph.nodes[*station].parent.is_none();
+        let origins = stations.clone().filter(is_origin).map(|station| (Mark::Origin, [station; 2]));
+        let loops = closing(graph).into_iter().map(|edge| (Mark::Loop, edge));
+        let is_end = |station: &usize| degree[*station] == 1 && !is_origin(station);
+        let ends = stations.filter(is_end).map(|station| (Mark::DeadEnd, [station; 2]));
+        Self { marks: origins.chain(loops).chain(ends).collect() }
+    }
+
+    /// How many there are of a kind.
+    pub fn count(&self, kind: Mark) -> usize {
+        self.marks.iter().filter(|(mark, _)| *mark == kind).count()
+    }
+
+    /// Draws those of a panel, the earlier where two are too near each other.
+    pub fn draw(&self, svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
+        let mut taken = std::collections::BTreeSet::new();
+        let is_here = |end: &usize| panel.level.is_none_or(|level| sheet.stations[*end].level == level);
+        for (mark, ends) in &self.marks {
+            if !ends.iter().any(is_here) {
+                continue;
+            }
+            let [a, b] = ends.map(|end| frame.spot(sheet.stations[end].at));
+            let spot = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+            if taken.insert(spot.map(|pixel| (pixel / (APART * frame.line_px)) as i64)) {
+                draw(svg, palette, *mark, spot, frame.line_px);
+            }
+        }
+    }
+}
+
+/// Draws a mark; `unit` is the width of a thin line.
+pub fn draw(svg: &mut Svg, palette: &Palette, mark: Mark, at: Spot, unit: f64) {
+    let round = |radius: f64| {
+        let corner = |i: usize| {
+            let angle = std::f64::consts::TAU * i as f64 / 20.0;
+            [at[0] + radius * unit * libm::cos(angle), at[1] + radius * unit * libm::sin(angle)]
+        };
+        (0..20).map(corner).collect::<Vec<Spot>>()
+    };
+    match mark {
+        Mark::Origin => {
+            svg.fill(&[round(6.5)], palette.paper);
+            svg.outline(&[round(6.5)], palette.ink, 2.0 * unit);
+            svg.fill(&[round(2.8)], palette.ink);
+        }
+        Mark::Loop => {
+            svg.fill(&[round(3.6)], palette.paper);
+            svg.outline(&[round(3.6)], palette.ink, 1.5 * unit);
+        }
+        Mark::DeadEnd => {
+            let square = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+            let square = square.map(|[x, y]| [at[0] + 2.6 * unit * x, at[1] + 2.6 * unit * y]).to_vec();
+            svg.outline(std::slice::from_ref(&square), palette.paper, 2.5 * unit);
+            svg.fill(&[square], palette.ink);
+        }
+    }
+}
+
+/// Passages that close a loop when they are added in their order: as many as there are loops.
+fn closing(graph: &Graph) -> Vec<[usize; 2]> {
+    let mut heads: Vec<usize> = (0..graph.nodes.len()).collect();
+    let mut closing = Vec::new();
+    for &[a, b] in &graph.edges {
+        let (one, other) = (head(&mut heads, a), head(&mut heads, b));
+        if one == other {
+            closing.push([a, b]);
+        }
+        heads[one.max(other)] = one.min(other);
+    }
+    closing
+}
+
+/// The station that stands for all that are joined with this one.
+fn head(heads: &mut [usize], mut station: usize) -> usize {
+    while heads[station] != station {
+        heads[station] = heads[heads[station]];
+        station = heads[station];
+    }
+    station
+}

@@ -1,0 +1,192 @@
+//! A graph as it lies on paper, still in metres.
+
+use crate::graph::{Graph, Node};
+use crate::preview::Subject;
+
+/// More storeys than this are drawn over each other.
+const MOST_PANELS: usize = 12;
+/// A profile is stretched until it is this high, as a share of the paper. Tuned.
+const LEAST_HEIGHT: f64 = 0.2;
+/// By how much it may be stretched.
+const STRETCHES: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
+
+/// A station as it lies on paper, in metres; stretched, if the sheet is.
+pub struct Station {
+    /// To the right and up.
+    pub at: [f64; 2],
+    /// How near the viewer it is.
+    pub depth: f64,
+    /// Elevation, not stretched.
+    pub height_m: f64,
+    /// How far the passage reaches aside, up and down.
+    pub reach: [f64; 3],
+    /// Its storey.
+    pub level: u32,
+}
+
+impl Station {
+    /// A place on the straight way to another.
+    pub fn towards(&self, other: &Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        Self {
+            at: [0, 1].map(|i| mix(self.at[i], other.at[i])),
+            depth: mix(self.depth, other.depth),
+            height_m: mix(self.height_m, other.height_m),
+            reach: [0, 1, 2].map(|i| mix(self.reach[i], other.reach[i])),
+            level: self.level,
+        }
+    }
+}
+
+/// Passages that are drawn together.
+pub struct Panel {
+    /// What stands over it; may be empty.
+    pub label: String,
+    /// The storey it shows; `None` for all.
+    pub level: Option<u32>,
+    /// Passages, as pairs of stations.
+    pub edges: Vec<[usize; 2]>,
+}
+
+/// A map before it is scaled.
+pub struct Sheet {
+    /// Which map it is.
+    pub what: &'static str,
+    /// How it is to be read.
+    pub note: String,
+    /// Whether up on paper is up in the cave.
+    pub is_upright: bool,
+    /// How much larger heights are drawn than lengths.
+    pub stretch: f64,
+    /// Every station of the graph.
+    pub stations: Vec<Station>,
+    /// What is drawn, side by side.
+    pub panels: Vec<Panel>,
+    /// All of it over each other.
+    pub everything: Panel,
+    /// Lowest and highest station.
+    pub heights_m: [f64; 2],
+}
+
+impl Sheet {
+    /// Seen from above.
+    pub fn plan(subject: &Subject) -> Self {
+        let station = |node: &Node| {
+            let aside = f64::from(subject.passage.reach(node).aside_m);
+            let [x, y, z] = node.position.coords.into();
+            Station { at: [x, y], depth: z, height_m: z, reach: [aside; 3], level: node.level }
+        };
+        let stations = subject.graph.nodes.iter().map(station).collect();
+        let panels = storeys(subject.graph);
+        Self { panels, ..Self::new("plan", subject.graph, stations) }
+    }
+
+    /// Seen from the side, on paper that is `ratio` times as high as wide.
+    pub fn profile(subject: &Subject, ratio: f64) -> Self {
+        let [along_x, along_y] = longest_axis(subject.graph);
+        let station = |node: &Node| {
+            let reach = subject.passage.reach(node);
+            let [x, y, z] = node.position.coords.into();
+            Station {
+                at: [x * along_x + y * along_y, z],
+                depth: x * along_y - y * along_x,
+                height_m: z,
+                reach: [reach.aside_m, reach.up_m, reach.down_m].map(f64::from),
+                level: node.level,
+            }
+        };
+        let stations = subject.graph.nodes.iter().map(station).collect();
+        let azimuth_deg = libm::round(azimuth_deg(along_x, along_y));
+        let note = format!("towards {azimuth_deg:03}° on the right");
+        Self { is_upright: true, note, ..Self::new("profile", subject.graph, stations) }.stretched(ratio)
+    }
+
+    fn new(what: &'static str, graph: &Graph, stations: Vec<Station>) -> Self {
+        let heights = stations.iter().map(|station| station.height_m);
+        let heights_m = [heights.clone().fold(f64::INFINITY, f64::min), heights.fold(f64::NEG_INFINITY, f64::max)];
+        let everything = || Panel { label: String::new(), level: None, edges: graph.edges.clone() };
+        Self {
+            what,
+            note: String::new(),
+            is_upright: false,
+            stretch: 1.0,
+            stations,
+            panels: vec![everything()],
+            everything: everything(),
+            heights_m,
+        }
+    }
+
+    /// Stretches heights until they can be read.
+    fn stretched(mut self, ratio: f64) -> Self {
+        let [[left, low], [right, high]] = self.corners();
+        let flatness = (high - low) / (right - left) / ratio;
+        let enough = STRETCHES.into_iter().find(|stretch| stretch * flatness >= LEAST_HEIGHT);
+        self.stretch = enough.unwrap_or(STRETCHES[STRETCHES.len() - 1]);
+        for station in &mut self.stations {
+            station.at[1] *= self.stretch;
+            station.reach[1] *= self.stretch;
+            station.reach[2] *= self.stretch;
+        }
+        self
+    }
+
+    /// Lowest and highest corner of a box round everything.
+    pub fn corners(&self) -> [[f64; 2]; 2] {
+        let mut corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for Station { at, reach: [aside, up, down], .. } in &self.stations {
+            corners[0] = [corners[0][0].min(at[0] - aside), corners[0][1].min(at[1] - down)];
+            corners[1] = [corners[1][0].max(at[0] + aside), corners[1][1].max(at[1] + up)];
+        }
+        corners
+    }
+
+    /// How far up between the lowest and the highest station, 0–1.
+    pub fn share(&self, height_m: f64) -> f64 {
+        let [low, high] = self.heights_m;
+        if high > low { ((height_m - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 }
+    }
+}
+
+/// A panel for each storey. A passage between two is drawn in both.
+fn storeys(graph: &Graph) -> Vec<Panel> {
+    let mut levels: Vec<u32> = graph.nodes.iter().map(|node| node.level).collect();
+    levels.sort_unstable();
+    levels.dedup();
+    if levels.len() < 2 || levels.len() > MOST_PANELS {
+        return vec![Panel { label: String::new(), level: None, edges: graph.edges.clone() }];
+    }
+    levels.into_iter().map(|level| storey(graph, level)).collect()
+}
+
+fn storey(graph: &Graph, level: u32) -> Panel {
+    let is_here = |edge: &&[usize; 2]| edge.iter().any(|&end| graph.nodes[end].level == level);
+    let heights = graph.nodes.iter().filter(|node| node.level == level).map(|node| node.position.z);
+    let (low, high) = (heights.clone().fold(f64::INFINITY, f64::min), heights.fold(f64::NEG_INFINITY, f64::max));
+    let label = format!("storey {level}, {} to {} m", whole(low), whole(high));
+    Panel { label, level: Some(level), edges: graph.edges.iter().filter(is_here).copied().collect() }
+}
+
+/// A whole number as people write it.
+pub fn whole(number: f64) -> String {
+    // Adding zero turns -0.0 into 0.0.
+    format!("{}", libm::round(number) + 0.0).replace('-', "−")
+}
+
+/// Unit vector along the first principal axis of the stations, horizontal, pointing east if it can.
+fn longest_axis(graph: &Graph) -> [f64; 2] {
+    let count = graph.nodes.len() as f64;
+    let sum = |of: &dyn Fn(&Node) -> f64| graph.nodes.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (sum(&|node| node.position.x), sum(&|node| node.position.y));
+    let xx = sum(&|node| (node.position.x - x) * (node.position.x - x));
+    let yy = sum(&|node| (node.position.y - y) * (node.position.y - y));
+    let xy = sum(&|node| (node.position.x - x) * (node.position.y - y));
+    let angle = libm::atan2(2.0 * xy, xx - yy) / 2.0;
+    [libm::cos(angle), libm::sin(angle)]
+}
+
+/// Clockwise from north (+y), 0–360.
+fn azimuth_deg(x: f64, y: f64) -> f64 {
+    let degrees = libm::atan2(x, y).to_degrees();
+    if degrees < 0.0 { degrees + 360.0 } else { degrees }
+}

@@ -1,0 +1,126 @@
+//! The laws of networks that are dug passage by passage, held by every generator that does.
+
+#[path = "common/segment.rs"]
+mod segment;
+#[path = "common/world.rs"]
+mod world;
+
+use plume::graph::{Graph, Node, generator};
+use segment::distance;
+use serde_json::{Value, json};
+use world::World;
+
+/// A generator, settings that stress it, and what they mean for its law.
+struct Case {
+    name: &'static str,
+    settings: Value,
+    rock_m: f64,
+    steepest_deg: f64,
+    junction_deg: f64,
+}
+
+fn case(name: &'static str, settings: Value, [rock_m, steepest_deg, junction_deg]: [f64; 3]) -> Case {
+    Case { name, settings, rock_m, steepest_deg, junction_deg }
+}
+
+fn cases() -> Vec<Case> {
+    vec![
+        case("grown-tunnels", json!({"nodes": 300}), [6.0, 20.0, 50.0]),
+        case("grown-tunnels", json!({"nodes": 200, "rock_m": 1.0, "connectors": 2.0}), [1.0, 20.0, 50.0]),
+        case("grown-tunnels", json!({"nodes": 200, "max_inclination_deg": 8.0}), [6.0, 8.0, 50.0]),
+    ]
+}
+
+fn hold(law: impl Fn(&Case, &Graph, &str)) {
+    for case in cases() {
+        let row = generator(case.name).unwrap();
+        let made = (row.read)(case.settings.clone()).unwrap();
+        for seed in 0..5 {
+            let graph = made.generate(seed, &World).unwrap();
+            law(&case, &graph, &format!("{} {} seed {seed}", case.name, case.settings));
+        }
+    }
+}
+
+#[test]
+fn no_passage_is_steeper_than_asked() {
+    hold(|case, graph, name| {
+        for &[a, b] in &graph.edges {
+            let way = graph.nodes[b].position - graph.nodes[a].position;
+            // Two millimetres are what rounding both ends may add.
+            let rise = way.z.abs() - 0.003;
+            assert!(rise.atan2(way.xy().norm()).to_degrees() <= case.steepest_deg, "{name} {a}-{b}");
+        }
+    });
+}
+
+#[test]
+fn passages_at_a_station_stand_apart() {
+    hold(|case, graph, name| {
+        for (node, others) in graph.neighbors().iter().enumerate() {
+            assert!(others.len() <= 4, "{name} {node}");
+            let way = |other: usize| graph.nodes[other].position - graph.nodes[node].position;
+            for (place, &a) in others.iter().enumerate() {
+                for &b in &others[place + 1..] {
+                    assert!(way(a).angle(&way(b)).to_degrees() > case.junction_deg - 0.1, "{name} {node}");
+                }
+            }
+        }
+    });
+}
+
+/// Where the rock between two passages is thin, a short way joins them.
+#[test]
+fn no_passage_runs_through_another() {
+    hold(|case, graph, name| {
+        let neighbors = graph.neighbors();
+        for (place, &first) in graph.edges.iter().enumerate() {
+            for &second in &graph.edges[place + 1..] {
+                let need = half_girth(graph, first) + half_girth(graph, second) + case.rock_m;
+                let ends = |[a, b]: [usize; 2]| [graph.nodes[a].position, graph.nodes[b].position];
+                let apart = distance(ends(first), ends(second));
+                if apart < need - 0.01 && !is_joined(graph, &neighbors, first, second, 2.0 * need) {
+                    panic!("{name}: {first:?} and {second:?} are {apart} m apart");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn loops_come_when_they_are_asked_for() {
+    for (name, key) in [("grown-tunnels", "connectors")] {
+        let loops = |closure: f64| {
+            let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
+            (0..6).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
+        };
+        assert_eq!(loops(0.0), 0, "{name}");
+        assert!(loops(1.0) > 6 && loops(2.0) > loops(1.0), "{name}");
+    }
+}
+
+fn half_girth(graph: &Graph, ends: [usize; 2]) -> f64 {
+    let of = |node: &Node| {
+        let section = node.section.expect("what is dug has a size");
+        (section.width_m / 2.0).max(section.height_m / 1.5)
+    };
+    ends.map(|end| of(&graph.nodes[end])).into_iter().fold(0.0, f64::max)
+}
+
+/// Whether a way of at most this length leads from an end of one passage to an end of the other.
+fn is_joined(graph: &Graph, neighbors: &[Vec<usize>], from: [usize; 2], to: [usize; 2], most_m: f64) -> bool {
+    let mut open: Vec<(usize, f64)> = from.map(|end| (end, 0.0)).into();
+    let mut least = vec![f64::INFINITY; graph.nodes.len()];
+    while let Some((node, walked)) = open.pop() {
+        if to.contains(&node) {
+            return true;
+        }
+        if walked >= least[node] {
+            continue;
+        }
+        least[node] = walked;
+        let onward = neighbors[node].iter().map(|&other| (other, walked + graph.distance_m(node, other)));
+        open.extend(onward.filter(|(_, walked)| *walked <= most_m));
+    }
+    false
+}
