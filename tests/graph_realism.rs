@@ -2,8 +2,10 @@
 
 use std::fs;
 
-use plume::graph::realism::{CAVES, Likeness, METRICS, Metrics, Verdict, percentile};
-use plume::graph::{Graph, Node};
+use plume::graph::clearance::{Girth, thin_rock};
+use plume::graph::generator::{GaussianPerlin, Layers, Mine};
+use plume::graph::realism::{CAVES, Gate, Likeness, METRICS, Metrics, RealismSettings, Verdict, percentile};
+use plume::graph::{Generator, Graph, Node, Nowhere};
 
 fn numbers<const N: usize>(file: &str) -> Vec<[f64; N]> {
     let text = fs::read_to_string(format!("tests/data/sakany/{file}")).expect(file);
@@ -152,4 +154,60 @@ fn rings_and_parallel_branches_do_not_collapse() {
     let metrics = Metrics::of(&graph(&places, &eyes)).unwrap();
     // Degrees 1, 3, 3, 1 and 2 for the middle of each parallel branch.
     assert_eq!(metrics.mean_degree, 2.0);
+}
+
+/// Drifts at right angles: nothing is further from a cave.
+fn mine(nodes: u32) -> Mine {
+    Mine { nodes, ..Mine::default() }
+}
+
+fn gate(gate: Gate, tries: u32) -> RealismSettings {
+    RealismSettings { gate, tries }
+}
+
+#[test]
+fn an_open_gate_changes_nothing() {
+    let straight = mine(120).generate(5, &Nowhere);
+    assert_eq!(RealismSettings::default().generate(&mine(120), 5, &Nowhere), straight);
+    let cave = GaussianPerlin::default();
+    for kind in [Gate::Reject, Gate::Repair] {
+        assert_eq!(gate(kind, 3).generate(&cave, 5, &Nowhere), cave.generate(5, &Nowhere));
+    }
+}
+
+#[test]
+fn a_gate_that_rejects_tries_other_seeds_and_tells_what_fails() {
+    let loose = Layers::default();
+    let judged = |graph: &Graph| Likeness::of(graph).unwrap().verdict;
+    let unlike = (0..60).find(|&seed| judged(&loose.generate(seed, &Nowhere).unwrap()) != Verdict::Real);
+    let seed = unlike.expect("some seed makes another graph");
+    let graph = gate(Gate::Reject, 200).generate(&loose, seed, &Nowhere).unwrap();
+    assert_eq!(judged(&graph), Verdict::Real);
+    assert_eq!(gate(Gate::Reject, 200).generate(&loose, seed, &Nowhere).unwrap(), graph);
+    let error = gate(Gate::Reject, 3).generate(&mine(120), 5, &Nowhere).unwrap_err();
+    insta::assert_snapshot!("none_passes", format!("{error}\n{}", error.hint));
+    let error = gate(Gate::Repair, 3).generate(&mine(20), 5, &Nowhere).unwrap_err();
+    insta::assert_snapshot!("too_small", format!("{error}\n{}", error.hint));
+}
+
+#[test]
+fn repaired_mines_are_like_caves_and_keep_their_laws() {
+    for (nodes, levels, seed) in [(120, 1, 1), (120, 1, 2), (250, 1, 3), (250, 3, 4)] {
+        let mine = Mine { levels, ..mine(nodes) };
+        let before = mine.generate(seed, &Nowhere).unwrap();
+        let graph = gate(Gate::Repair, 2).generate(&mine, seed, &Nowhere).unwrap();
+        let name = format!("{nodes} nodes, {levels} levels, seed {seed}");
+        let likeness = Likeness::of(&graph).unwrap();
+        assert_eq!(likeness.verdict, Verdict::Real, "{name}: {:?}", likeness.failing());
+        assert_eq!(gate(Gate::Repair, 2).generate(&mine, seed, &Nowhere).unwrap(), graph, "{name}");
+        assert_eq!(graph.components().len(), 1, "{name}");
+        assert!(graph.neighbors().iter().all(|others| (1..=4).contains(&others.len())), "{name}");
+        assert!((6 * before.nodes.len() / 10..=16 * before.nodes.len() / 10).contains(&graph.nodes.len()), "{name}");
+        assert!(graph.nodes.iter().all(|node| node.section == before.nodes[0].section), "{name}");
+        assert!((0..levels).all(|level| graph.nodes.iter().any(|node| node.level == level)), "{name}");
+        let parents = graph.nodes.iter().enumerate().skip(1);
+        assert!(parents.into_iter().all(|(i, node)| node.parent.is_some_and(|parent| parent < i)), "{name}");
+        let thin = |graph: &Graph| thin_rock(graph, Girth::default(), 0.8).len();
+        assert!(thin(&graph) <= thin(&before), "{name}");
+    }
 }

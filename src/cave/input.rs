@@ -57,18 +57,22 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
     }
     let path = folder.join(store::RECIPE);
     let recipe = Recipe::from_toml(&read(&path)?, &path, overrides)?;
-    let graph = kept_graph(&folder.join(store::GRAPH), recipe.to_json())?;
+    let graph = kept_graph(&folder.join(store::GRAPH), &recipe)?;
     Ok(Input { recipe, graph, folder: Some(folder.to_path_buf()) })
 }
 
 /// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
 /// another or it is gone.
-fn kept_graph(path: &Path, recipe: &Value) -> Result<Option<Graph>, CaveError> {
+fn kept_graph(path: &Path, recipe: &Recipe) -> Result<Option<Graph>, CaveError> {
     if !path.exists() {
         return Ok(None);
     }
     let document = pipeline::read_graph(path, Parts::Refuse)?;
-    let is_of = |made: &Value| ["graph", "seed"].iter().all(|key| made[key] == recipe[key]);
+    // A graph of a version without the gate has gone through none.
+    let gate = |made: &Value| serde_json::from_value(made["realism"].clone()).unwrap_or_default();
+    let is_of = |made: &Value| {
+        ["graph", "seed"].iter().all(|key| made[key] == recipe.to_json()[key]) && recipe.realism == gate(made)
+    };
     Ok(document.recipe.as_ref().is_some_and(is_of).then_some(document.graph))
 }
 

@@ -371,7 +371,7 @@ fn stations(graph: &Graph) -> String {
 fn graph_of(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
     let machine = Machine { stop: observer.stop() };
     let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &Disk };
-    let graph = recipe.graph.generate(recipe.seed, outside);
+    let graph = recipe.realism.generate(recipe.graph.as_ref(), recipe.seed, outside);
     graph.map_err(|error| match observer.stop().load(Ordering::Relaxed) {
         true => PipelineError::Interrupted,
         false => error.into(),

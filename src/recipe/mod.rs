@@ -21,6 +21,7 @@ pub use self::fault::{Fault, Faults, Origin};
 pub use self::schema::editor_schema;
 pub use self::world::WorldSettings;
 use crate::field::PassageSettings;
+use crate::graph::realism::RealismSettings;
 use crate::graph::{self, Generator};
 use crate::material::{self, Look, Material};
 use crate::mesh::{MeshSettings, PieceSettings};
@@ -35,6 +36,8 @@ pub struct Recipe {
     pub seed: u64,
     /// What lays out the passages.
     pub graph: Box<dyn Generator>,
+    /// Whether they have to run as in real caves.
+    pub realism: RealismSettings,
     /// How wide and high the passages are.
     pub passage: PassageSettings,
     /// Shape of the rock.
@@ -93,6 +96,7 @@ impl Recipe {
             name: typed(&resolved, "name", &draft)?,
             seed: typed(&resolved, "seed", &draft)?,
             graph,
+            realism: typed(&resolved, "realism", &draft)?,
             passage: typed(&resolved, "passage", &draft)?,
             rock,
             look: typed(&resolved, "look", &draft)?,

@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::WorldSettings;
 use crate::field::PassageSettings;
+use crate::graph::realism::RealismSettings;
 use crate::graph::{self, GENERATORS};
 use crate::material::{self, Look, MATERIALS};
 use crate::mesh::{MeshSettings, PieceSettings};
@@ -72,6 +73,7 @@ fn whole(graph: Value, rock: Value) -> Value {
             "name": name,
             "seed": seed,
             "graph": graph,
+            "realism": schema_of::<RealismSettings>(),
             "passage": schema_of::<PassageSettings>(),
             "rock": rock,
             "look": schema_of::<Look>(),

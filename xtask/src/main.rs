@@ -8,18 +8,20 @@ mod demo;
 mod gallery;
 mod judge;
 mod plume;
+mod realism;
 mod test;
 mod tools;
 mod venv;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 5] = [
+const TASKS: [(&str, &str, Task); 6] = [
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("judge", "[PACKAGE_DIR...] open packages with foreign readers", judge::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
+    ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
 ];
 
 fn main() -> ExitCode {

@@ -54,10 +54,10 @@ struct Attempt {
 }
 
 impl RealismSettings {
-    /// The graph of this seed that the gate lets through.
+    /// The graph of this seed that the gate lets through. A seed after the first that makes no graph is passed over.
     ///
     /// # Errors
-    /// When the generator makes none, none passes, or the graphs are too small or too large for the gate.
+    /// When the generator makes none of the first seed, none passes, or the graphs are too small or too large for the gate.
     pub fn generate(
         &self,
         generator: &dyn Generator,
@@ -82,14 +82,11 @@ impl RealismSettings {
     /// The first graph that passes, or the nearest. A generator that heeds no seed is asked no further.
     fn search(&self, generator: &dyn Generator, seed: u64, outside: &dyn Outside) -> Result<Found, GenerateError> {
         let mut nearest: Option<Attempt> = None;
-        let mut fault = None;
         for place in 0..self.tries {
             let graph = match generator.generate(seed_of(seed, place), outside) {
                 Ok(graph) => graph,
-                Err(error) => {
-                    fault.get_or_insert(error);
-                    continue;
-                }
+                Err(error) if place == 0 => return Err(error),
+                Err(_) => continue,
             };
             let Some(likeness) = Likeness::of(&graph) else { continue };
             if likeness.verdict == Verdict::Real {
@@ -103,7 +100,7 @@ impl RealismSettings {
                 nearest = Some(Attempt { graph, likeness, place });
             }
         }
-        let none = || fault.unwrap_or_else(|| GenerateError::new("there is no passage to judge", "ask for more nodes"));
+        let none = || GenerateError::new("there is no passage to judge", "ask for more nodes");
         nearest.map(Found::Nearest).ok_or_else(none)
     }
 
@@ -111,7 +108,7 @@ impl RealismSettings {
         let failing = nearest.likeness.failing().join(", ");
         GenerateError::new(
             format!(
-                "none of {} graphs is like a real cave; the nearest, number {}, is not by its {failing}",
+                "none of {} graphs is like a real cave; the nearest, number {}, differs in {failing}",
                 self.tries,
                 nearest.place + 1
             ),

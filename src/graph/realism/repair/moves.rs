@@ -146,13 +146,15 @@ fn close_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
     Some(inserted(plan.graph.clone(), from, to, legs - 1).0)
 }
 
-/// Cuts a loop at one passage, or takes a whole branch of it away.
+/// Takes a third of a branch on a loop away, or more, up to all of it.
 fn open_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
     let branch = drawn(plan, dice);
-    let leg = dice.index(branch.len() - 1);
-    let cut = &branch[leg..leg + 2];
-    let gone = if dice.chance(0.3) { branch } else { cut };
-    plan.are_joined(cut[0], cut[1], usize::MAX).then(|| without(plan, gone))
+    let legs = branch.len() - 1;
+    let least = legs.div_ceil(3);
+    let taken = least + dice.index(legs - least + 1);
+    let first = dice.index(legs - taken + 1);
+    let is_on_loop = plan.are_joined(branch[first], branch[first + 1], usize::MAX);
+    is_on_loop.then(|| without(plan, &branch[first..=first + taken]))
 }
 
 fn drawn<'a>(plan: &'a Plan, dice: &mut Dice) -> &'a [usize] {

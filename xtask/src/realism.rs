@@ -1,0 +1,14 @@
+//! `cargo xtask realism [SEEDS]`: how like real caves the graphs of every generator are, as the tables of the README.
+
+use crate::plume::cargo;
+use crate::tools::Result;
+
+/// Prints the tables.
+pub fn run(arguments: &[String]) -> Result<()> {
+    let example = ["run", "--release", "--quiet", "--package", "plume", "--example", "realism", "--"];
+    match cargo().args(example).args(arguments).status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("the example `realism`: {status}")),
+        Err(error) => Err(format!("cannot run cargo: {error}")),
+    }
+}
