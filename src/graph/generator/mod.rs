@@ -5,6 +5,7 @@ pub mod gaussian_perlin;
 pub mod grown_tunnels;
 pub mod mine;
 mod network;
+pub mod worms;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -15,6 +16,7 @@ pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
 pub use grown_tunnels::GrownTunnels;
 pub use mine::Mine;
+pub use worms::Worms;
 
 use super::Graph;
 use super::outside::Outside;
@@ -65,6 +67,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
     row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
+    row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
