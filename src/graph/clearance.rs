@@ -219,12 +219,7 @@ pub(super) struct Rock {
 impl Rock {
     /// The rock round a graph.
     pub(super) fn new(graph: &Graph, girth: Girth) -> Self {
-        let mut rock = Self {
-            girth,
-            nodes: graph.nodes.clone(),
-            neighbors: graph.neighbors(),
-            bodies: RTree::new(),
-        };
+        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors: graph.neighbors(), bodies: RTree::new() };
         let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
         rock.bodies = RTree::bulk_load(entries);
         rock

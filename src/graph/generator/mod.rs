@@ -63,7 +63,10 @@ pub struct GeneratorRow {
 pub static GENERATORS: &[GeneratorRow] = &[
     row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
-    row::<Layers>("layers", "layers of other generators, one below the other, joined by links within a range of slopes"),
+    row::<Layers>(
+        "layers",
+        "layers of other generators, one below the other, joined by links within a range of slopes",
+    ),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -76,18 +76,23 @@ impl JsonSchema for Layer {
 fn variant(row: &GeneratorRow, is_first: bool) -> Value {
     let mut schema = (row.schema)().to_value();
     let mut properties = Map::new();
-    properties.insert("generator".into(), json!({
-        "type": "string", "enum": [row.name], "default": row.name,
-        "description": "How the passages of this layer grow."
-    }));
+    properties.insert(
+        "generator".into(),
+        json!({
+            "type": "string", "enum": [row.name], "default": row.name,
+            "description": "How the passages of this layer grow."
+        }),
+    );
     properties.insert("depth_m".into(), json!({
         "type": ["number", "null"], "default": null, "minimum": 0.0, "maximum": 10_000.0,
         "description": "Depth of the layer's origin below that of the first layer, in metres; where it is left out, the \
                         layer lies as near below the one above as the rock between them allows."
     }));
-    let aside = |about: &str| json!({
-        "type": "number", "default": 0.0, "minimum": -10_000.0, "maximum": 10_000.0, "description": about
-    });
+    let aside = |about: &str| {
+        json!({
+            "type": "number", "default": 0.0, "minimum": -10_000.0, "maximum": 10_000.0, "description": about
+        })
+    };
     let east = "How far east of the middle of the first layer the middle of this one lies, in metres.";
     properties.insert("east_m".into(), aside(east));
     properties.insert("north_m".into(), aside("How far north of it, likewise."));

@@ -194,7 +194,8 @@ impl Stack {
         let mut stations = vec![head];
         stations.extend((len..self.rock.nodes.len()).filter(|&station| station != head && station != foot));
         stations.push(foot);
-        let passages: Vec<[usize; 2]> = stations.windows(2).map(|leg| [leg[0].min(leg[1]), leg[0].max(leg[1])]).collect();
+        let passages: Vec<[usize; 2]> =
+            stations.windows(2).map(|leg| [leg[0].min(leg[1]), leg[0].max(leg[1])]).collect();
         if !self.has_rock(&passages, rock_m) {
             self.rock.part(before, foot);
             self.rock.truncate(len);
