@@ -30,7 +30,9 @@ pub fn run(_arguments: &[String]) -> Result<()> {
 
 /// The plans of the samples that have no picture of their rock.
 fn plans(plume: &Plume) -> Result<()> {
-    for recipe in recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml")))) {
+    for recipe in
+        recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml"))))
+    {
         let (recipe, picture) = (recipe.display().to_string(), recipe.with_extension("png").display().to_string());
         plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture, "--force"])?;
         println!("{picture}");
