@@ -46,6 +46,38 @@ fn faulty_words_are_told() {
 }
 
 #[test]
+fn faulty_previews_are_told() {
+    let desk = Desk::new();
+    desk.file("file", "a file");
+    for (name, arguments) in [
+        ("preview_no_such_view", &["--view", "plam"][..]),
+        ("preview_wrong_ending", &["--view", "plan", "--output", "cave.gif"]),
+        ("preview_of_no_view", &["--output", "cave.bmp"]),
+        ("preview_size", &["--size", "10x10"]),
+        ("preview_pace", &["--view", "flight", "--fps", "90"]),
+        ("preview_in_rock", &["--view", "inside", "--at", "0,0,-500"]),
+        ("preview_look", &["--view", "inside", "--look", "90"]),
+        ("preview_unwritable", &["--output", "file/plan.png"]),
+        ("preview_of_nothing", &["nowhere.toml"]),
+    ] {
+        let arguments: Vec<&str> = ["preview"].iter().chain(arguments).copied().collect();
+        assert_snapshot!(name, desk.fault(&arguments));
+    }
+    assert_eq!(files(&desk.path("")).len(), 1);
+}
+
+#[test]
+fn a_preview_is_named_by_its_view() {
+    let desk = Desk::new();
+    assert!(desk.run(&["preview", "--size", "320x240"]).status.success());
+    assert!(desk.run(&["preview", "--size", "320x240", "--output", "cave.svg"]).status.success());
+    let flight = ["--view", "flight", "--size", "32x24", "--fps", "2", "--seconds", "1", "--output", "frames"];
+    assert!(desk.run(&[&["preview"][..], &flight].concat()).status.success());
+    let names: Vec<String> = desk.hashes("").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["cave-plan.png", "cave.svg", "frames/00000.png", "frames/00001.png"]);
+}
+
+#[test]
 fn a_missing_assimp_is_told() {
     let desk = Desk::new();
     let mut command = desk.command(&["export", "--target", "assimp:collada"]);
