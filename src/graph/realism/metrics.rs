@@ -7,7 +7,7 @@
 
 use serde::Serialize;
 
-use super::reduced::{Branches, Reduced};
+use super::reduced::{Branches, Paths, Reduced};
 use super::{METRICS, SCALE_FREE};
 use crate::graph::Graph;
 
@@ -15,6 +15,9 @@ use crate::graph::Graph;
 pub const EXACT_TO: usize = 20_000;
 /// Nodes that the searches of a sample visit together, which bounds their time to seconds.
 const VISITS: usize = 40_000_000;
+
+/// Place of the central point dominance in [`METRICS`].
+const DOMINANCE: usize = 7;
 
 /// The metrics of one graph. A branch runs between two stations that do not have exactly two passages; the reduced graph
 /// has those stations as nodes and the branches as edges. Those without unit, but for counts, do not depend on the size.
@@ -65,13 +68,18 @@ pub struct Sampling {
 impl Metrics {
     /// Measures a graph; `None` if it has no passage.
     pub fn of(graph: &Graph) -> Option<Self> {
+        Self::of_nearer(graph, f64::INFINITY)
+    }
+
+    /// Measures a graph, but gives up before the shortest paths, which take longest, where [`distance`](Self::distance) cannot
+    /// be less than `most`.
+    pub(super) fn of_nearer(graph: &Graph, most: f64) -> Option<Self> {
         let branches = Branches::of(graph);
         let lengths = branches.lengths(graph);
         let longest = lengths.iter().copied().reduce(f64::max)?;
         let reduced = Reduced::of(&branches);
         let degrees: Vec<f64> = reduced.degrees().map(|degree| degree as f64).collect();
-        let paths = reduced.paths(EXACT_TO, VISITS);
-        Some(Self {
+        let pathless = Self {
             length_entropy: length_entropy(&lengths, longest),
             length_variation: variation(&lengths),
             tortuosity: tortuosity(&branches, &lengths, graph),
@@ -79,14 +87,20 @@ impl Metrics {
             mean_degree: mean(&degrees),
             degree_variation: variation(&degrees),
             degree_correlation: degree_correlation(&reduced),
-            central_point_dominance: paths.dominance,
+            // No distance at all.
+            central_point_dominance: METRICS[DOMINANCE].range.median,
             mean_length_m: mean(&lengths),
-            average_path: paths.average,
+            average_path: 0.0,
             loops: graph.loops(),
             branches: lengths.len(),
             max_degree: max_degree(graph),
-            sampling: paths.sampling,
-        })
+            sampling: None,
+        };
+        (pathless.distance() < most).then(|| pathless.with(&reduced.paths(EXACT_TO, VISITS)))
+    }
+
+    fn with(self, paths: &Paths) -> Self {
+        Self { central_point_dominance: paths.dominance, average_path: paths.average, sampling: paths.sampling, ..self }
     }
 
     /// The metrics that do not depend on size, in the order of [`METRICS`].

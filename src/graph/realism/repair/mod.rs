@@ -75,7 +75,7 @@ impl State {
 
     /// The state with this graph, if it is better; what is cheap is asked first.
     fn better(&self, graph: Graph) -> Option<Self> {
-        let metrics = Metrics::of(&graph)?;
+        let metrics = Metrics::of_nearer(&graph, self.metrics.distance())?;
         if metrics.distance() >= self.metrics.distance() || metrics.max_degree > MAX_DEGREE.max(self.metrics.max_degree)
         {
             return None;
