@@ -62,6 +62,57 @@ fn a_faulty_graph_is_told() {
     assert_snapshot!("graph_syntax", desk.fault(&["generate", "graph.json"]));
 }
 
+/// Two parts and a station alone.
+const IN_PARTS: &str = r#"{"nodes": [
+    {"id": 1, "edges": [2], "coordinates": {"x": 0, "y": 0}},
+    {"id": 2, "coordinates": {"x": 5, "y": 0}},
+    {"id": 3, "edges": [4], "coordinates": {"x": 9, "y": 0}},
+    {"id": 4, "coordinates": {"x": 14, "y": 0}},
+    {"id": 5, "coordinates": {"x": 30, "y": 0}}
+]}"#;
+
+#[test]
+fn graphs_come_in_and_go_out() {
+    let desk = Desk::new();
+    desk.file("parts.json", IN_PARTS);
+    assert_snapshot!("import_in_parts", desk.fault(&["graph", "import", "parts.json", "-o", "graph.json"]));
+    assert_snapshot!("generate_in_parts", desk.fault(&["graph", "parts.json", "-o", "cave"]));
+    let join = ["graph", "import", "parts.json", "-o", "graph.json", "--parts", "join", "--scale", "2"];
+    assert_snapshot!("import_joined", desk.fault(&join));
+    assert_snapshot!("import_over_another", desk.fault(&join));
+    assert_snapshot!("export_pair", desk.fault(&["graph", "export", "graph.json", "-o", "out/my_nodes.dat"]));
+    assert_snapshot!("import_pair", desk.fault(&["graph", "import", "out/my_links.dat", "-o", "back.json"]));
+    fs::remove_file(desk.path("out/my_links.dat")).unwrap();
+    assert_snapshot!("import_half_a_pair", desk.fault(&["graph", "import", "out/my_nodes.dat", "-o", "no.json"]));
+    desk.make(&["graph", "graph.json", "-o", "cave"]);
+    let json = desk.run(&["graph", "export", "cave", "-o", "cave.graphml", "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!((&told["graph"]["nodes"], &told["graph"]["length_m"]), (&json!(4), &json!(28.0)));
+    desk.make(&["graph", "cave.graphml", "-o", "again"]);
+    desk.make(&["graph", "parts.json", "-o", "kept", "--set", "graph.parts=keep"]);
+    desk.make(&["graph", "kept"]);
+}
+
+#[test]
+fn faulty_exchanges_are_told() {
+    let desk = Desk::new();
+    desk.file("parts.json", IN_PARTS);
+    fs::create_dir(desk.path("empty")).unwrap();
+    for (name, arguments) in [
+        ("no_such_format", "graph import parts.json -o graph.json --format graphmll"),
+        ("format_not_read", "graph import parts.json -o graph.json --format dot"),
+        ("import_to_another_format", "graph import parts.json -o graph.csv --parts join"),
+        ("import_too_large", "graph import parts.json -o graph.json --parts keep --scale 1000000"),
+        ("export_to_no_format", "graph export parts.json -o cave.xyz"),
+        ("export_of_no_cave", "graph export empty -o cave.csv"),
+        ("no_such_parts", "graph import parts.json -o graph.json --parts glue"),
+    ] {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        assert_snapshot!(name, desk.fault(&arguments));
+    }
+    assert_eq!(files(&desk.path("")).len(), 1);
+}
+
 #[test]
 fn folders_of_others_are_left_alone() {
     let desk = Desk::new();

@@ -1,10 +1,12 @@
 //! Graph files: those of the original script, those of anyone, and those with something wrong.
 
 use std::fmt::Write;
-use std::fs;
+use std::path::Path;
+use std::{fs, io};
 
 use plume::graph::format::json::{Document, ReadError, read, write};
-use plume::graph::{Graph, Node};
+use plume::graph::format::{self, Import, Parts};
+use plume::graph::{Graph, Node, Outside, Task};
 use proptest::prelude::*;
 use serde_json::json;
 
@@ -76,6 +78,48 @@ fn stations_in_one_place_are_one_node() {
     assert_eq!(graph.loops(), 1);
     let parents: Vec<_> = graph.nodes.iter().map(|node| node.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(0)]);
+}
+
+/// Two parts of two and three nodes and a node alone.
+const PARTS: &str = r#"{"nodes": [
+    {"id": 8, "coordinates": {"x": 50, "y": 9}},
+    {"id": 4, "coordinates": {"x": 0, "y": 0}},
+    {"id": 5, "parent": 4, "coordinates": {"x": 5, "y": 0}, "radius": 2},
+    {"id": 6, "coordinates": {"x": 9, "y": 0}, "section": {"width_m": 2, "height_m": 1}},
+    {"id": 7, "parent": 6, "coordinates": {"x": 9, "y": 4}},
+    {"id": 9, "parent": 7, "coordinates": {"x": 9, "y": 8}}
+]}"#;
+
+/// A file system of one file.
+struct OneFile(&'static str);
+
+impl Outside for OneFile {
+    fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
+        Ok(self.0.as_bytes().to_vec())
+    }
+
+    fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
+        Err("there is none".to_owned())
+    }
+}
+
+#[test]
+fn parts_are_done_with_as_asked() {
+    let import = |parts| format::read("parts.json".as_ref(), parts, &OneFile(PARTS));
+    let told = |import: Result<Import, format::ReadError>| {
+        let Import { graph, tally, .. } = import.unwrap();
+        let ids = |node: Option<usize>| node.map(|node| graph.nodes[node].id);
+        let parents: Vec<_> =
+            (0..graph.nodes.len()).map(|node| (ids(Some(node)), ids(graph.nodes[node].parent))).collect();
+        let edges: Vec<_> = graph.edges.iter().map(|edge| edge.map(|node| graph.nodes[node].id)).collect();
+        format!("joined {} left out {}\n{parents:?}\n{edges:?}", tally.joined, tally.left_out)
+    };
+    insta::assert_snapshot!("parts_refused", import(Parts::Refuse).unwrap_err());
+    insta::assert_snapshot!("parts_joined", told(import(Parts::Join)));
+    insta::assert_snapshot!("parts_kept", told(import(Parts::Keep)));
+    insta::assert_snapshot!("parts_longest", told(import(Parts::Longest)));
+    let lone = PARTS.replace(r#""id": 6,"#, r#""id": 6, "parent": 5,"#);
+    assert_eq!(read(&lone).unwrap_err(), ReadError::Lone { node: "node 8".to_owned() });
 }
 
 #[test]

@@ -7,10 +7,11 @@ use serde_json::{Value, json};
 use super::fault::CliError;
 use super::progress::Console;
 use crate::graph::GENERATORS;
+use crate::graph::format::{FORMATS, FormatRow};
 use crate::material::MATERIALS;
 use crate::preset::PRESETS;
 
-/// Lists targets, generators, materials and presets.
+/// Lists targets, generators, formats, materials and presets.
 #[derive(Args)]
 pub struct List {
     /// Which table [default: all]
@@ -21,11 +22,12 @@ pub struct List {
 enum Table {
     Targets,
     Generators,
+    Formats,
     Materials,
     Presets,
 }
 
-type Rows = Vec<(String, &'static str)>;
+type Rows = Vec<(String, String)>;
 
 impl List {
     /// Prints the tables on stdout.
@@ -34,10 +36,11 @@ impl List {
     /// None; commands can fail.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let tables: Vec<(Table, Rows)> = vec![
-            (Table::Targets, TARGETS.iter().map(|row| (row.usage(), row.summary)).collect()),
-            (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
-            (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
-            (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
+            (Table::Targets, TARGETS.iter().map(|row| (row.usage(), row.summary.to_owned())).collect()),
+            (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
+            (Table::Formats, FORMATS.iter().map(|row| (row.name.to_owned(), format_summary(row))).collect()),
+            (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
+            (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
         ];
         let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
         if console.is_json() {
@@ -47,6 +50,16 @@ impl List {
         let text: Vec<String> = asked.map(|(table, rows)| rows_text(&title(table), &rows)).collect();
         console.result(&text.join("\n"))
     }
+}
+
+/// What it is, whether it is read and written, and by which names.
+fn format_summary(row: &FormatRow) -> String {
+    let ways = match (row.read, row.write) {
+        (Some(_), Some(_)) => "read and written",
+        (Some(_), None) => "read",
+        _ => "written",
+    };
+    format!("{} ({ways}: {})", row.summary, row.endings.join(" "))
 }
 
 fn title(table: Table) -> String {

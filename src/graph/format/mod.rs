@@ -4,11 +4,18 @@
 //! not need, and says where a fault is.
 
 mod compass;
+mod csv;
+mod dot;
+mod draft;
+mod fields;
+mod graphml;
 pub mod json;
+mod karst;
 pub mod limits;
 mod parts;
 mod survex3d;
 mod survey;
+mod text;
 mod traverse;
 
 use std::fmt;
@@ -20,8 +27,9 @@ use serde_json::Value;
 
 pub use survey::Tally;
 
-use super::Graph;
+use self::draft::Draft;
 use super::outside::Outside;
+use super::{Graph, Node};
 
 /// What becomes of parts of a graph that no passage joins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -47,6 +55,25 @@ pub struct Import {
     pub recipe: Option<Value>,
     /// What was left out or filled in.
     pub tally: Tally,
+}
+
+impl Import {
+    /// The same with every length times a factor. What comes to lie in one place, to 1 mm, is welded.
+    ///
+    /// # Errors
+    /// When nothing is left of it, or it reaches too far from the origin.
+    pub fn scaled(self, factor: f64, path: &Path) -> Result<Self, ReadError> {
+        let Self { graph, recipe, tally } = self;
+        let Graph { nodes, edges } = graph.scaled(factor);
+        let is_near = |node: &Node| node.position.iter().all(|x| x.abs() <= limits::MAX_LENGTH_M);
+        if !nodes.iter().all(is_near) {
+            return Err(ReadError::whole(path, "is too far away, scaled", text::LENGTH_HINT));
+        }
+        let finished = Draft { nodes, edges }.finished(Parts::Keep);
+        let name = |node: usize| format!("node {node}");
+        let (graph, lost) = finished.map_err(|error| error.into_error(path, name))?;
+        Ok(Self { graph, recipe, tally: Tally { left_out: tally.left_out + lost.left_out, ..tally } })
+    }
 }
 
 /// A file to be read, and the world it may ask for others.
@@ -82,7 +109,7 @@ pub struct FormatRow {
     pub write: Option<fn(&Graph) -> Vec<Written>>,
 }
 
-/// Every format, the one that holds all of a graph first.
+/// Every format, the one that holds all of a graph first. Endings that others end with come before them.
 pub static FORMATS: &[FormatRow] = &[
     FormatRow {
         name: "json",
@@ -90,6 +117,27 @@ pub static FORMATS: &[FormatRow] = &[
         summary: "graph JSON, or data.json of the original PLUME",
         read: Some(json::import),
         write: Some(json::export),
+    },
+    FormatRow {
+        name: "graphml",
+        endings: &[".graphml"],
+        summary: "GraphML of networkx, igraph, Gephi, yEd",
+        read: Some(graphml::import),
+        write: Some(graphml::export),
+    },
+    FormatRow {
+        name: "karstnet",
+        endings: &["_nodes.dat", "_links.dat"],
+        summary: "karstnet's pair of X_nodes.dat and X_links.dat",
+        read: Some(karst::import),
+        write: Some(karst::export),
+    },
+    FormatRow {
+        name: "csv",
+        endings: &[".csv"],
+        summary: "a table of passages: x1,y1,z1,x2,y2,z2",
+        read: Some(csv::import),
+        write: Some(csv::export),
     },
     FormatRow {
         name: "survex-3d",
@@ -104,6 +152,13 @@ pub static FORMATS: &[FormatRow] = &[
         summary: "survey books of Compass and their projects",
         read: Some(compass::import),
         write: None,
+    },
+    FormatRow {
+        name: "dot",
+        endings: &[".dot", ".gv"],
+        summary: "the plan for Graphviz: neato -n -Tsvg",
+        read: None,
+        write: Some(dot::export),
     },
 ];
 

@@ -1,5 +1,8 @@
 //! What can be wrong with a graph file.
 
+use crate::graph::format::draft::{self, DraftError};
+use crate::graph::format::parts;
+
 /// A graph file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -64,17 +67,29 @@ pub enum ReadError {
         /// One of them.
         id: u64,
     },
+    /// A node that no passage leads to.
+    #[error("{node} is on no passage")]
+    Lone {
+        /// `node` and its id.
+        node: String,
+    },
     /// Parts that no passage joins.
-    #[error("the graph is in {parts} parts, with nodes {members}")]
+    #[error("{what}")]
     Disconnected {
-        /// Number of parts.
-        parts: usize,
-        /// A node of each, at most ten.
-        members: String,
+        /// Number of parts and a node of each, at most ten.
+        what: String,
     },
 }
 
 impl ReadError {
+    pub(super) fn of_draft(error: DraftError, name: impl Fn(usize) -> String) -> Self {
+        match error {
+            DraftError::TooFew(nodes) => Self::TooFew { nodes },
+            DraftError::Lone(node) => Self::Lone { node: name(node) },
+            DraftError::Disconnected(error) => Self::Disconnected { what: error.message(name) },
+        }
+    }
+
     /// What to do about it.
     pub fn hint(&self) -> &'static str {
         match self {
@@ -85,10 +100,11 @@ impl ReadError {
             Self::Shape { .. } => "a graph file is an object with a list of nodes under `nodes`",
             Self::Node { key, .. } => node_hint(key),
             Self::DuplicateId { .. } => "give every node an id of its own",
-            Self::TooFew { .. } => "a cave takes two nodes and a passage between them",
+            Self::TooFew { .. } => draft::TOO_FEW_HINT,
             Self::TooMany { .. } => "split the graph into several caves",
             Self::ParentCircle { .. } => "`parent` is the node it grew from, and null at the origin",
-            Self::Disconnected { .. } => "add the edges that are missing, or drop all parts but one",
+            Self::Lone { .. } => draft::LONE_HINT,
+            Self::Disconnected { .. } => parts::HINT,
         }
     }
 }

@@ -28,7 +28,7 @@ use crate::graph::Graph;
 /// What a graph file holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
-    /// The graph: connected, at least two nodes, unique ids, all lengths finite.
+    /// The graph: in one part, at least two nodes, unique ids, all lengths finite.
     pub graph: Graph,
     /// The recipe it was made from, where the file has one.
     pub recipe: Option<Value>,
@@ -41,19 +41,24 @@ pub struct Document {
 /// # Errors
 /// When it is no JSON, no graph, or a graph of which no cave can be made; each error has a hint.
 pub fn read(text: &str) -> Result<Document, ReadError> {
+    read_parts(text, Parts::Refuse).map(|(document, _)| document)
+}
+
+/// The same with parts as asked, and what that took.
+fn read_parts(text: &str, parts: Parts) -> Result<(Document, Tally), ReadError> {
     let file = parse::parse(text)?;
-    Ok(Document { graph: join::join(&file.stations)?, recipe: file.recipe, original: file.version.is_none() })
+    let finished = join::join(&file.stations)?.finished(parts);
+    let name = |station: usize| format!("node {}", file.stations[station].id);
+    let (graph, tally) = finished.map_err(|error| ReadError::of_draft(error, name))?;
+    Ok((Document { graph, recipe: file.recipe, original: file.version.is_none() }, tally))
 }
 
 /// Reads a file as a row of [`FORMATS`](super::FORMATS) does.
-pub(super) fn import(source: &Source, _: Parts) -> Result<Import, super::ReadError> {
-    let text = str::from_utf8(source.bytes);
-    let text = text.map_err(|error| {
-        super::ReadError::byte(source.path, error.valid_up_to(), "is not UTF-8 text", "save the file as UTF-8")
-    })?;
-    let document = read(text.trim_start_matches('\u{feff}'));
-    let document = document.map_err(|error| super::ReadError::whole(source.path, error.to_string(), error.hint()))?;
-    Ok(Import { graph: document.graph, recipe: document.recipe, tally: Tally::default() })
+pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, super::ReadError> {
+    let read = read_parts(super::text::utf8(source.path, source.bytes)?, parts);
+    let (document, tally) =
+        read.map_err(|error| super::ReadError::whole(source.path, error.to_string(), error.hint()))?;
+    Ok(Import { graph: document.graph, recipe: document.recipe, tally })
 }
 
 /// Writes a graph without its recipe, as a row of [`FORMATS`](super::FORMATS) does.

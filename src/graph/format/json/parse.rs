@@ -8,12 +8,8 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use super::error::ReadError;
+use crate::graph::format::limits::{MAX_LENGTH_M, MAX_STATIONS};
 use crate::graph::{Section, Shape, millimetres};
-
-/// More nodes than this are refused while reading.
-const MAX_NODES: usize = 1_000_000;
-/// No coordinate, radius or section exceeds this.
-const MAX_LENGTH_M: f64 = 1e6;
 
 /// A node as the file has it.
 pub(super) struct Station {
@@ -118,8 +114,8 @@ impl Nodes {
         if self.fault.is_some() {
             return;
         }
-        if self.stations.len() == MAX_NODES {
-            self.fault = Some(ReadError::TooMany { most: MAX_NODES });
+        if self.stations.len() == MAX_STATIONS {
+            self.fault = Some(ReadError::TooMany { most: MAX_STATIONS });
             return;
         }
         match station(place, keyed, node) {

@@ -22,8 +22,8 @@ use crate::graph::sketch::Sketch;
 /// Members named when a graph falls apart.
 const NAMED: usize = 10;
 /// What to do about a graph in several parts.
-pub(super) const HINT: &str = "add the passages that are missing, or say what becomes of parts: \
-     `--set graph.parts=join`, `keep` or `longest` in a recipe, `--parts` at an import";
+pub(super) const HINT: &str = "add the passages that are missing, or `--set graph.parts=join` (or `keep`, or `longest`); \
+     at an import `--parts join`";
 
 /// A sketch whose parts are as they were asked.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +90,8 @@ pub(super) struct Fate {
     pub(super) stays: Vec<bool>,
     /// Points of parts that go.
     pub(super) left_out: usize,
+    /// Parts at the end.
+    pub(super) parts: usize,
 }
 
 impl Fate {
@@ -156,7 +158,8 @@ impl Pieces {
     }
 
     fn kept(self, joins: Vec<[usize; 2]>) -> Fate {
-        Fate { joins, stays: self.of_point.iter().map(|&part| part != NONE).collect(), left_out: 0 }
+        let stays = self.of_point.iter().map(|&part| part != NONE).collect();
+        Fate { parts: self.lengths_m.len() - joins.len(), joins, stays, left_out: 0 }
     }
 
     /// The part with the longest passages alone; of equals the first.
@@ -165,12 +168,12 @@ impl Pieces {
         let longest = parts.rev().max_by(|&a, &b| self.lengths_m[a].total_cmp(&self.lengths_m[b]));
         let stays = self.of_point.iter().map(|&part| part != NONE && Some(part) == longest);
         let gone = self.of_point.iter().filter(|&&part| part != NONE && Some(part) != longest);
-        Fate { joins: Vec::new(), stays: stays.collect(), left_out: gone.count() }
+        Fate { joins: Vec::new(), stays: stays.collect(), left_out: gone.count(), parts: self.lengths_m.len().min(1) }
     }
 }
 
 /// The first point in the place of each, to 1 mm.
-fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
+pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
     let mut of_place: FxHashMap<[u64; 3], usize> = FxHashMap::default();
     let key = |place: &Point3<f64>| place.map(millimetres).coords.map(f64::to_bits).into();
     places.iter().enumerate().map(|(point, place)| *of_place.entry(key(place)).or_insert(point)).collect()

@@ -1,0 +1,316 @@
+//! The laws of formats, held by every row of the table that reads or writes.
+//!
+//! A row is tried with the files in `tests/data/formats/<its name>`, as soon as there are any: each is read, then cut off and
+//! changed byte by byte; those under `bad` are refused, with the errors that the snapshots hold.
+
+#[path = "common/world.rs"]
+mod world;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use nalgebra::Vector3;
+use plume::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, read_as};
+use plume::graph::{GENERATORS, Graph, Node, Outside, Section, Shape, Task};
+use world::small;
+
+const ALL_PARTS: [Parts; 4] = [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest];
+/// Rows whose files hold radii and sections as they are.
+const HOLD_SECTIONS: &[&str] = &["json", "graphml", "csv"];
+
+/// Files by name, nothing else.
+#[derive(Clone, Default)]
+struct Files(BTreeMap<PathBuf, Vec<u8>>);
+
+impl Files {
+    fn one(path: &str, bytes: Vec<u8>) -> Self {
+        Self(BTreeMap::from([(path.into(), bytes)]))
+    }
+
+    /// What is in a folder, by path from there; other than `bad`.
+    fn folder(folder: &Path) -> Self {
+        let mut files = Self::default();
+        let mut folders = vec![folder.to_path_buf()];
+        while let Some(next) = folders.pop() {
+            for entry in fs::read_dir(&next).into_iter().flatten() {
+                let path = entry.unwrap().path();
+                if path.is_dir() && !path.ends_with("bad") {
+                    folders.push(path);
+                } else if path.is_file() {
+                    files.0.insert(path.strip_prefix(folder).unwrap().into(), fs::read(&path).unwrap());
+                }
+            }
+        }
+        files
+    }
+
+    /// Those that a row reads.
+    fn of(&self, row: &FormatRow) -> Vec<PathBuf> {
+        self.0.keys().filter(|path| ends_as(row, path)).cloned().collect()
+    }
+
+    fn written(row: &FormatRow, graph: &Graph) -> Self {
+        let write = row.write.expect("it is written");
+        let extension = row.endings[0].rsplit('.').next().expect("there is a last part");
+        let name = |suffix: &str| PathBuf::from(format!("cave{suffix}.{extension}"));
+        Self(write(graph).into_iter().map(|file| (name(file.suffix), file.bytes)).collect())
+    }
+}
+
+impl Outside for Files {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
+    }
+
+    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
+        Err(format!("there is no {}", task.program.display()))
+    }
+}
+
+fn ends_as(row: &FormatRow, path: &Path) -> bool {
+    let name = path.to_string_lossy().to_lowercase();
+    row.endings.iter().any(|ending| name.ends_with(ending))
+}
+
+fn folder(row: &FormatRow) -> PathBuf {
+    Path::new("tests/data/formats").join(row.name)
+}
+
+fn readers() -> impl Iterator<Item = &'static FormatRow> {
+    FORMATS.iter().filter(|row| row.read.is_some())
+}
+
+fn read(row: &FormatRow, path: &Path, parts: Parts, files: &Files) -> Result<Import, ReadError> {
+    read_as(row, path, parts, files)
+}
+
+/// What any graph keeps, wherever it comes from.
+fn keeps_the_laws(graph: &Graph, parts: Parts) {
+    assert!(graph.nodes.len() >= 2);
+    let ids: BTreeSet<u64> = graph.nodes.iter().map(|node| node.id).collect();
+    assert_eq!(ids.len(), graph.nodes.len());
+    assert!(graph.edges.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(graph.edges.iter().all(|[a, b]| a < b && *b < graph.nodes.len()));
+    let neighbors = graph.neighbors();
+    assert!(neighbors.iter().all(|others| !others.is_empty()));
+    let components = graph.components().len();
+    assert!(parts == Parts::Keep || components == 1);
+    for (node, others) in graph.nodes.iter().zip(&neighbors) {
+        let section = node.section.iter().flat_map(|section| [section.width_m, section.height_m]);
+        for length in section.chain([node.radius]) {
+            assert!(length > 0.0 && length.is_finite(), "{length} m");
+            assert_eq!((length * 1000.0).round() / 1000.0, length);
+        }
+        assert!(node.position.iter().all(|x| x.abs() <= 1e6 && (x * 1000.0).round() / 1000.0 == *x));
+        assert!(node.parent.is_none_or(|parent| others.contains(&parent)));
+    }
+    let places: BTreeSet<[u64; 3]> =
+        graph.nodes.iter().map(|node| node.position.coords.map(f64::to_bits).into()).collect();
+    assert_eq!(places.len(), graph.nodes.len());
+    assert_eq!(graph.nodes.iter().filter(|node| node.parent.is_none()).count(), components);
+    assert!((0..graph.nodes.len()).all(|node| leads_to_an_origin(graph, node)));
+}
+
+fn leads_to_an_origin(graph: &Graph, node: usize) -> bool {
+    std::iter::successors(Some(node), |&node| graph.nodes[node].parent).take(graph.nodes.len() + 1).count()
+        <= graph.nodes.len()
+}
+
+/// A graph of the laws, or an error that says something.
+fn is_read_or_refused(row: &FormatRow, path: &Path, parts: Parts, files: &Files) {
+    match read(row, path, parts, files) {
+        Ok(import) => keeps_the_laws(&import.graph, parts),
+        Err(error) => assert!(!error.place.to_string().is_empty() && !error.message.is_empty()),
+    }
+}
+
+/// Graphs of every generator, one with sections of both shapes, and one in two parts.
+fn graphs() -> Vec<Graph> {
+    let mut graphs: Vec<Graph> = GENERATORS.iter().map(|row| small(row, 40, 3)).collect();
+    let mut shaped = graphs[0].clone();
+    for (index, node) in shaped.nodes.iter_mut().enumerate().skip(1) {
+        let shape = if index % 2 == 0 { Shape::Drift } else { Shape::Cave };
+        node.section = Some(Section { width_m: 1.5 + index as f64 / 8.0, height_m: 2.001, shape });
+        node.level = index as u32 / 9;
+    }
+    let mut two = graphs[1].clone();
+    let count = two.nodes.len();
+    for index in 0..count {
+        let node = &mut two.nodes[index];
+        node.id = 3 * node.id + 7;
+        let far = Node { id: node.id + 1, parent: node.parent.map(|parent| parent + count), ..node.clone() };
+        two.nodes.push(Node { position: far.position + Vector3::new(500.0, 0.0, -3.5), ..far });
+    }
+    two.edges.extend_from_within(..);
+    let edges = two.edges.len();
+    two.edges[edges / 2..].iter_mut().flatten().for_each(|end| *end += count);
+    graphs.extend([shaped, two]);
+    graphs
+}
+
+/// Places by their coordinates in whole millimetres, and the passages between them.
+fn geometry(graph: &Graph) -> (BTreeSet<[i64; 3]>, BTreeSet<[[i64; 3]; 2]>) {
+    let place = |node: &Node| node.position.coords.map(|x| (x * 1000.0).round() as i64).into();
+    let places: Vec<[i64; 3]> = graph.nodes.iter().map(place).collect();
+    let passage = |&[a, b]: &[usize; 2]| [places[a].min(places[b]), places[a].max(places[b])];
+    (places.iter().copied().collect(), graph.edges.iter().map(passage).collect())
+}
+
+type Widths = BTreeMap<[i64; 3], (Option<Section>, f64, u32)>;
+
+fn widths(graph: &Graph) -> Widths {
+    let place = |node: &Node| node.position.coords.map(|x| (x * 1000.0).round() as i64).into();
+    graph.nodes.iter().map(|node| (place(node), (node.section, node.radius, node.level))).collect()
+}
+
+#[test]
+fn what_is_written_reads_back() {
+    for row in readers().filter(|row| row.write.is_some()) {
+        for (index, graph) in graphs().into_iter().enumerate() {
+            let name = format!("{} graph {index}", row.name);
+            let files = Files::written(row, &graph);
+            for path in files.of(row) {
+                let import = read(row, &path, Parts::Keep, &files).expect(&name);
+                keeps_the_laws(&import.graph, Parts::Keep);
+                assert_eq!(geometry(&import.graph), geometry(&graph), "{name}");
+                assert_eq!((import.tally.joined, import.tally.left_out), (0, 0), "{name}");
+                if HOLD_SECTIONS.contains(&row.name) {
+                    assert_eq!(widths(&import.graph), widths(&graph), "{name}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_written_is_the_same_every_time() {
+    for row in FORMATS.iter().filter(|row| row.write.is_some()) {
+        for graph in graphs() {
+            assert_eq!(Files::written(row, &graph).0, Files::written(row, &graph.clone()).0, "{}", row.name);
+        }
+    }
+}
+
+#[test]
+fn names_and_endings_lead_to_their_rows() {
+    for row in FORMATS {
+        assert!(std::ptr::eq(format::format(row.name).unwrap(), row));
+        assert!(!row.summary.is_empty() && (row.read.is_some() || row.write.is_some()));
+        for ending in row.endings {
+            assert_eq!(*ending, ending.to_lowercase());
+            let path = PathBuf::from(format!("Cave{}", ending.to_uppercase()));
+            let of = |has: fn(&FormatRow) -> bool| format::format_of(&path, has).map(|row| row.name);
+            assert!(row.read.is_none() || of(|row| row.read.is_some()) == Some(row.name), "{} {ending}", row.name);
+            assert!(row.write.is_none() || of(|row| row.write.is_some()) == Some(row.name), "{} {ending}", row.name);
+        }
+    }
+}
+
+#[test]
+fn small_files_are_read() {
+    for row in readers() {
+        let files = Files::folder(&folder(row));
+        for path in files.of(row) {
+            for parts in ALL_PARTS {
+                let import = read(row, &path, parts, &files);
+                let import = import.unwrap_or_else(|error| panic!("{} {parts:?}: {error}", row.name));
+                keeps_the_laws(&import.graph, parts);
+            }
+        }
+    }
+}
+
+/// Every way to damage a file a little.
+fn damaged(bytes: &[u8]) -> impl Iterator<Item = (String, Vec<u8>)> + '_ {
+    let cut = (0..bytes.len()).map(|length| (format!("cut off at {length}"), bytes[..length].to_vec()));
+    let changed = (0..bytes.len()).flat_map(move |place| {
+        let others = [b'9', b'\n', bytes[place] ^ 1, bytes[place] ^ 0x80, 0];
+        others.into_iter().map(move |byte| {
+            let mut bytes = bytes.to_vec();
+            bytes[place] = byte;
+            (format!("byte {place} is {byte}"), bytes)
+        })
+    });
+    cut.chain(changed)
+}
+
+#[test]
+fn damaged_files_are_read_or_refused() {
+    for row in readers() {
+        let whole = Files::folder(&folder(row));
+        for path in whole.of(row) {
+            let mut files = whole.clone();
+            for (how, bytes) in damaged(&whole.0[&path]) {
+                files.0.insert(path.clone(), bytes);
+                for parts in [Parts::Refuse, Parts::Join] {
+                    let read = AssertUnwindSafe(|| is_read_or_refused(row, &path, parts, &files));
+                    assert!(catch_unwind(read).is_ok(), "{} {} {how}", row.name, path.display());
+                }
+            }
+        }
+    }
+}
+
+/// What a user is told about each bad file: one golden text for each format.
+#[test]
+fn bad_files_are_told_what_is_wrong_with_them() {
+    for row in readers() {
+        let files = Files::folder(&folder(row).join("bad"));
+        let mut told = String::new();
+        for path in files.of(row) {
+            let name = path.display();
+            let error = read(row, &path, Parts::Refuse, &files).expect_err(&format!("{} {name}", row.name));
+            let error = format!("{error}\n  hint: {}\n", error.hint);
+            // Either file of a pair may be named.
+            if !told.ends_with(&error) {
+                told += &error;
+            }
+        }
+        if !told.is_empty() {
+            insta::assert_snapshot!(format!("bad_{}", row.name), told);
+        }
+    }
+}
+
+/// Files that grow where a reader is careless, and the words of their refusal.
+fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
+    let graphml = |inside: String| format!("<graphml><graph>{inside}</graph></graphml>");
+    let nodes = |count: usize| {
+        (0..count).map(|node| format!(r#"<node id="{node}"><data key="x">{node}</data><data key="y">0</data></node>"#))
+    };
+    let attributes: String = (0..300_000).map(|attribute| format!(" a{attribute}=''")).collect();
+    vec![
+        ("graphml", "deep.graphml", "<graphml>".repeat(500_000), "deeper than 64"),
+        ("graphml", "wide.graphml", graphml(format!("<node{attributes}/>")), "no id"),
+        ("graphml", "long.graphml", graphml(format!("<node id='a'><data key='x'>{}", "1".repeat(1 << 22))), "too long"),
+        ("graphml", "many.graphml", graphml(nodes(1_000_001).collect()), "more than 1000000 nodes"),
+        (
+            "graphml",
+            "keys.graphml",
+            (0..2000).fold("<graphml>".into(), |all, key| format!("{all}<key id='{key}'/>")),
+            "keys",
+        ),
+        ("karstnet", "many_nodes.dat", "0 0 0\n".repeat(1_000_001), "more than 1000000 nodes"),
+        ("karstnet", "long_nodes.dat", "0 ".repeat(1 << 20), "too long a line"),
+        (
+            "csv",
+            "many.csv",
+            (0..500_001).fold("x1,y1,x2,y2\n".into(), |all, row| all + &format!("{row},0,{row},5\n")),
+            "more than 1000000 stations",
+        ),
+    ]
+}
+
+#[test]
+fn files_made_to_waste_are_refused() {
+    for (name, path, text, words) in wasteful() {
+        let row = format::format(name).unwrap();
+        let mut files = Files::one(path, text.into_bytes());
+        files.0.insert("many_links.dat".into(), b"1 2\n".to_vec());
+        files.0.insert("long_links.dat".into(), b"1 2\n".to_vec());
+        let error = read(row, path.as_ref(), Parts::Join, &files).expect_err(path);
+        assert!(error.to_string().contains(words), "{path}: {error}");
+    }
+}
