@@ -140,13 +140,6 @@ pub static FORMATS: &[FormatRow] = &[
         write: Some(csv::export),
     },
     FormatRow {
-        name: "dot",
-        endings: &[".dot", ".gv"],
-        summary: "the plan for Graphviz: neato -n -Tsvg",
-        read: None,
-        write: Some(dot::export),
-    },
-    FormatRow {
         name: "survex-3d",
         endings: &[".3d"],
         summary: "a survey that Survex has processed, with its cross-sections",
@@ -159,6 +152,13 @@ pub static FORMATS: &[FormatRow] = &[
         summary: "survey books of Compass and their projects",
         read: Some(compass::import),
         write: None,
+    },
+    FormatRow {
+        name: "dot",
+        endings: &[".dot", ".gv"],
+        summary: "the plan for Graphviz: neato -n -Tsvg",
+        read: None,
+        write: Some(dot::export),
     },
 ];
 

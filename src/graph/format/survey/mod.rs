@@ -118,10 +118,11 @@ impl Survey {
 
         let first = self.first(source.path, &welds, &fate.stays)?;
         tally.origin_m = places[first].into();
-        check_extent(source.path, &places, &fate.stays, first)?;
         let (rooms, interpolated) = section::rooms(&self, &welds, &lines);
         tally.interpolated = interpolated;
-        Ok(Import { graph: graph(&places, lines, &rooms, first), recipe: None, tally })
+        let graph = graph(&places, lines, &rooms, first);
+        check_graph(source.path, &graph)?;
+        Ok(Import { graph, recipe: None, tally })
     }
 
     fn check(&self, path: &Path) -> Result<(), ReadError> {
@@ -158,23 +159,27 @@ impl Survey {
     fn first(&self, path: &Path, welds: &[usize], stays: &[bool]) -> Result<usize, ReadError> {
         let entrances = (0..welds.len()).filter(|&station| self.stations[station].entrance);
         let first = entrances.chain(0..welds.len()).map(|station| welds[station]).find(|&station| stays[station]);
-        first.ok_or_else(|| {
-            let hint = "a cave takes legs that are no splays, no duplicates and not over the ground";
-            ReadError::whole(path, "has no passages", hint)
-        })
+        first.ok_or_else(|| no_passages(path))
     }
 }
 
-fn check_extent(path: &Path, places: &[Point3<f64>], stays: &[bool], first: usize) -> Result<(), ReadError> {
-    let away = |station: usize| (places[station] - places[first]).amax();
-    match (0..places.len()).find(|&station| stays[station] && away(station) > MAX_LENGTH_M) {
-        None => Ok(()),
-        Some(station) => {
-            let (far_km, most_km) = (away(station) / 1000.0, MAX_LENGTH_M / 1000.0);
-            let message = format!("has stations {far_km:.0} km from each other, and {most_km:.0} km is the most");
-            Err(ReadError::whole(path, message, "fix all stations in one coordinate system"))
-        }
+fn no_passages(path: &Path) -> ReadError {
+    let hint = "a cave takes legs that are no splays, no duplicates and not over the ground";
+    ReadError::whole(path, "has no passages", hint)
+}
+
+/// Stations may have come too far apart, or to lie in one place.
+fn check_graph(path: &Path, graph: &Graph) -> Result<(), ReadError> {
+    if graph.nodes.len() < 2 {
+        return Err(no_passages(path));
     }
+    let away_m = graph.nodes.iter().map(|node| node.position.coords.amax()).fold(0.0, f64::max);
+    if away_m > MAX_LENGTH_M {
+        let (far_km, most_km) = (away_m / 1000.0, MAX_LENGTH_M / 1000.0);
+        let message = format!("has stations {far_km:.0} km from each other, and {most_km:.0} km is the most");
+        return Err(ReadError::whole(path, message, "fix all stations in one coordinate system"));
+    }
+    Ok(())
 }
 
 /// The graph with `first` as its first node and the origin of its frame.

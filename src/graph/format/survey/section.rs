@@ -163,7 +163,7 @@ fn room(width_m: Option<f64>, up_m: Option<f64>, down_m: Option<f64>, aside: Vec
     let (up_m, down_m) = (up_m.unwrap_or(half_m), down_m.unwrap_or(half_m));
     let height_m = up_m + down_m;
     let width_m = width_m.unwrap_or(height_m);
-    if width_m <= 0.0 || height_m <= 0.0 {
+    if width_m.min(height_m) < 0.001 {
         return None;
     }
     let rise = BELOW_AXIS * height_m.max(LEAST_HEIGHT_M) - down_m;
