@@ -94,6 +94,41 @@ fn links_are_counted_and_spaced_and_keep_their_slopes() {
     }
 }
 
+#[test]
+fn links_within_a_cave_are_counted_and_spaced_and_keep_their_slopes() {
+    for (links, least, greatest, spacing_m) in [
+        (2, 10.0, 28.0, 15.0),
+        (3, 80.0, 90.0, 10.0),
+        (3, 12.0, 16.0, 0.0),
+        (1, 90.0, 90.0, 10.0),
+        (2, 40.0, 60.0, 12.0),
+    ] {
+        let settings = json!({"nodes": 150, "layers": 3, "relief_m": 0.0, "links": links, "ramp_min_deg": least,
+                              "ramp_max_deg": greatest, "link_spacing_m": spacing_m});
+        for seed in 0..SEEDS {
+            let graph = make("gaussian-perlin", &settings, seed);
+            let is_steep = |edge: &&[usize; 2]| slope_deg(&graph, **edge) > 0.0;
+            let steep: Vec<[usize; 2]> = graph.edges.iter().filter(is_steep).copied().collect();
+            for &edge in &steep {
+                let slope = slope_deg(&graph, edge);
+                assert!((least - 0.05..=greatest + 0.05).contains(&slope), "{settings} seed {seed}: {slope}");
+            }
+            for pair in 1..3 {
+                let leads_to = |edge: &&[usize; 2]| edge.iter().map(|&end| graph.nodes[end].level).max() == Some(pair);
+                let these: Vec<[usize; 2]> = steep.iter().filter(leads_to).copied().collect();
+                let found = runs(&graph, &these);
+                assert_eq!(found.len(), links, "{settings} seed {seed}");
+                for (place, link) in found.iter().enumerate() {
+                    for (end, other) in found[..place].iter().flat_map(|other| [0, 1].map(|end| (end, other))) {
+                        let [a, b] = [link[end], other[end]].map(|station| graph.nodes[station].position.xy());
+                        assert!((a - b).norm() >= spacing_m - 0.002, "{settings} seed {seed}: {}", (a - b).norm());
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Half the width and height of the passage at a station, by the formulas of the recipe's [passage] section.
 fn half([a, b]: [&Node; 2]) -> [f64; 2] {
     let of = |node: &Node| match node.section {
@@ -203,6 +238,10 @@ fn what_finds_no_room_is_told_with_what_to_change() {
     insta::assert_snapshot!("one_layer", refused(json!({"layer": [flat_cave()]})));
     let deep = json!({"generator": "mine", "depth_m": 20.0});
     insta::assert_snapshot!("depths_the_wrong_way_round", refused(json!({"layer": [deep, deep]})));
+    let crowded = json!({"nodes": 40, "layers": 2, "links": 20});
+    let row = generator("gaussian-perlin").unwrap();
+    let error = (row.read)(crowded).unwrap().generate(1, &World).unwrap_err();
+    insta::assert_snapshot!("too_many_links_in_a_cave", format!("{error}\n{}", error.hint));
     let nested = json!({"generator": "layers"});
     insta::assert_snapshot!("layers_in_layers", refused(json!({"layer": [flat_cave(), nested]})));
     let mistyped = json!({"generator": "mine", "drifs": 3});

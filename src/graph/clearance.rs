@@ -104,7 +104,7 @@ pub fn thin_rock(graph: &Graph, girth: Girth, least_m: f64) -> Vec<Thin> {
     let rock = Rock::new(graph, girth);
     let bodies = rock.all_bodies();
     let of_one = |&body: &[usize; 2]| {
-        let mut thin = rock.thin(body, least_m, |other| other > body);
+        let mut thin: Vec<Thin> = rock.thin(body, least_m).filter(|thin| thin.passages[0] == body).collect();
         thin.sort_by(|a, b| a.rock_m.total_cmp(&b.rock_m).then(a.passages.cmp(&b.passages)));
         thin.truncate(MOST_OF_ONE);
         thin
@@ -289,13 +289,11 @@ impl Rock {
         Body { ends: [a, b].map(|node| self.nodes[node].position), profile }
     }
 
-    /// Where one passage or room has too little rock to those settled ones that are `asked` about.
-    pub(super) fn thin(&self, body: [usize; 2], least_m: f64, asked: impl Fn([usize; 2]) -> bool) -> Vec<Thin> {
+    /// Where one passage or room has too little rock to those that are settled.
+    pub(super) fn thin(&self, body: [usize; 2], least_m: f64) -> impl Iterator<Item = Thin> {
         let hull = self.body(body).hull(least_m.max(0.0) + ROUNDING_M);
         let near = self.bodies.locate_in_envelope_intersecting(hull).map(|entry| entry.data);
-        near.filter(|&other| other != body && asked(other))
-            .filter_map(|other| self.thin_between(body, other, least_m))
-            .collect()
+        near.filter(move |&other| other != body).filter_map(move |other| self.thin_between(body, other, least_m))
     }
 
     /// The least rock between a hull that is not part of the graph and what is settled, if it is less than `least_m`.

@@ -1,7 +1,7 @@
 //! Ways down at a slope: straight ones, and arcs of a helix where a straight one would be too steep.
 //!
 //! A helix through two points keeps one slope all the way, and its curve is as wide as the ground allows. Promised: every
-//! step of a way keeps the asked slopes, after rounding to 1 mm, or there is no way.
+//! step of a way keeps the asked slopes, after rounding to 1 mm, or there is no way; nor is there one of over 200 steps.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -17,6 +17,8 @@ const LONGEST_ARC: f64 = 0.95 * TAU;
 const SHARPEST: f64 = FRAC_PI_4;
 /// Halvings in search of a radius or an angle: to the last bits of a metre.
 const HALVINGS: usize = 60;
+/// Most steps of a way: at 4 m each, what climbs 50 m at 4 degrees.
+const MOST_STEPS: f64 = 200.0;
 /// Rounds in which an arc is lengthened by what its chords cut short.
 const CHORD_ROUNDS: usize = 4;
 
@@ -63,7 +65,7 @@ pub(super) fn way_down(
     step_m: f64,
 ) -> Option<Vec<Point3<f64>>> {
     let way = match course {
-        Course::Straight => straight(&top, &foot, step_m),
+        Course::Straight => straight(&top, &foot, step_m)?,
         Course::Arc { slope, turns, side, bearing } => {
             let arc = Arc::between([top, foot], turns, [slope, side, bearing], step_m)?;
             arc.stations([top, foot])
@@ -72,10 +74,10 @@ pub(super) fn way_down(
     way.windows(2).all(|step| slopes.hold(&step[0], &step[1])).then_some(way)
 }
 
-fn straight(top: &Point3<f64>, foot: &Point3<f64>, step_m: f64) -> Vec<Point3<f64>> {
-    let steps = ((foot - top).norm() / step_m).ceil().max(1.0) as usize;
-    let at = |step: usize| (top + (foot - top) * (step as f64 / steps as f64)).map(millimetres);
-    (0..=steps).map(at).collect()
+fn straight(top: &Point3<f64>, foot: &Point3<f64>, step_m: f64) -> Option<Vec<Point3<f64>>> {
+    let steps = ((foot - top).norm() / step_m).ceil().max(1.0);
+    let at = |step: usize| (top + (foot - top) * (step as f64 / steps)).map(millimetres);
+    (steps <= MOST_STEPS).then(|| (0..=steps as usize).map(at).collect())
 }
 
 /// An arc in the plan.
@@ -99,6 +101,9 @@ impl Arc {
         for _ in 0..CHORD_ROUNDS {
             let (radius, turn) = if turns == 0 { bow(chord, arc_length)? } else { coil(chord, arc_length, turns)? };
             let fine = (arc_length / libm::cos(slope) / step_m).ceil().max((turn / SHARPEST).ceil()).max(2.0);
+            if fine > MOST_STEPS {
+                return None;
+            }
             let half_step = 0.5 * turn / fine;
             arc_length = length * half_step / libm::sin(half_step);
             found = Some((radius, turn, fine as usize));

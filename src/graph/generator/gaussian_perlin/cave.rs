@@ -6,6 +6,7 @@ use super::GaussianPerlin;
 use super::circle::Compass;
 use super::grid::Grid;
 use super::lengths::Lengths;
+use super::links::Link;
 use super::perlin::Perlin;
 use super::tuning::{
     EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK, SPREAD,
@@ -115,6 +116,8 @@ pub(super) struct Cave<'a> {
     /// Stations with one passage.
     pub(super) tips: Vec<usize>,
     pub(super) deepest: u32,
+    /// Links below each layer.
+    pub(super) links: Vec<Vec<Link>>,
     mean_degree: f64,
     /// Stations of the reduced graph: those without exactly two passages.
     knots: usize,
@@ -137,6 +140,7 @@ impl<'a> Cave<'a> {
             grid: Grid::default(),
             tips: Vec::new(),
             deepest: 0,
+            links: Vec::new(),
             knots: 0,
             knot_ends: 0,
         }

@@ -20,13 +20,23 @@ const WAKE_DRAWS: usize = 64;
 /// Loops closed at the end, when no node is left.
 const LAST_LOOPS: usize = 6;
 
-/// Grows one graph; the number of nodes that found room, if not all of them (in all layers) did.
-pub(super) fn grow(settings: &GaussianPerlin, dice: Dice) -> Result<Graph, usize> {
+/// What found room, if not all did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Shortfall {
+    /// Nodes, in all layers that could be opened.
+    pub(super) placed: usize,
+    /// Links between layers.
+    pub(super) links: usize,
+}
+
+/// Grows one graph.
+pub(super) fn grow(settings: &GaussianPerlin, dice: Dice) -> Result<Graph, Shortfall> {
     let mut growth = Growth::new(Cave::new(settings, dice));
     growth.run();
     let cave = growth.cave;
-    if cave.room() > 0 || cave.deepest + 1 < settings.layers {
-        return Err(cave.stations.len());
+    let is_whole = cave.room() == 0 && cave.deepest + 1 >= settings.layers;
+    if !is_whole || (settings.has_links() && !cave.is_linked()) {
+        return Err(Shortfall { placed: cave.stations.len(), links: cave.links.iter().map(Vec::len).sum() });
     }
     Ok(cave.into_graph())
 }
@@ -43,6 +53,8 @@ struct Growth<'a> {
     layer_start: usize,
     /// Rounds until another loop is tried.
     pause: u32,
+    /// Number of stations when a link was last tried.
+    linked_at: usize,
 }
 
 impl<'a> Growth<'a> {
@@ -55,6 +67,7 @@ impl<'a> Growth<'a> {
             hops: Hops::default(),
             layer_start: 0,
             pause: 0,
+            linked_at: 0,
         }
     }
 
@@ -62,7 +75,7 @@ impl<'a> Growth<'a> {
         self.plant();
         let mut idle = 0;
         while self.cave.room() > 0 && idle < PATIENCE {
-            let progress = self.open_layer() | self.advance();
+            let progress = self.open_layer() | self.link_layers() | self.advance();
             idle = if progress { 0 } else { idle + 1 };
         }
         for _ in 0..LAST_LOOPS {
@@ -111,6 +124,16 @@ impl<'a> Growth<'a> {
         self.bud(foot, heading - 50.0 * DEGREE, true);
         self.bud(foot, heading + 50.0 * DEGREE, true);
         true
+    }
+
+    /// Makes a link between layers where one is asked for and lacking.
+    fn link_layers(&mut self) -> bool {
+        if !self.cave.settings.has_links() || self.linked_at == self.cave.stations.len() {
+            return false;
+        }
+        self.linked_at = self.cave.stations.len();
+        let upper = self.cave.unlinked(self.layer_start);
+        upper.is_some_and(|upper| self.cave.link(upper, &mut self.hops))
     }
 
     /// Closes a loop where one is due, or grows a branch.

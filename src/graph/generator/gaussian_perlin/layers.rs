@@ -32,7 +32,10 @@ impl Cave<'_> {
             let head = start + self.dice.index(self.stations.len() - start);
             let station = &self.stations[head];
             let fits = station.level == self.deepest && station.degree() <= 2 && station.kind != Kind::Ramp;
-            fits.then(|| self.grow_ramp(head)).flatten()
+            if !fits {
+                return None;
+            }
+            if self.settings.has_links() { self.sink(head) } else { self.grow_ramp(head) }
         })
     }
 

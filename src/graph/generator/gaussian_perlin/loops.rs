@@ -87,12 +87,12 @@ impl Cave<'_> {
     }
 
     /// Whether a connector between the two could be lawful and has nodes enough left.
-    fn is_joinable(&self, from: usize, to: usize) -> bool {
+    pub(super) fn is_joinable(&self, from: usize, to: usize) -> bool {
         let (a, b) = (&self.stations[from], &self.stations[to]);
         let apart = self.distance(from, to);
         b.degree() <= 2
             && b.kind != Kind::Ramp
-            && a.level.abs_diff(b.level) <= 1
+            && a.level.abs_diff(b.level) <= u32::from(!self.settings.has_links())
             && apart <= self.lot.join_distance
             && apart >= LAST_LEG * self.settings.reach_min_m
             && (a.level == b.level || self.is_walkable(from, to, Kind::Ramp))
@@ -104,7 +104,7 @@ impl Cave<'_> {
         0.75 * distance / self.lot.spur_reach
     }
 
-    fn connect(&mut self, from: usize, to: usize) -> bool {
+    pub(super) fn connect(&mut self, from: usize, to: usize) -> bool {
         let start = self.stations.len();
         let (radius, alive) = (self.stations[from].radius, self.stations[from].alive);
         if self.is_childless(from) {

@@ -22,6 +22,7 @@ mod growth;
 mod hops;
 mod layers;
 mod lengths;
+mod links;
 mod loops;
 pub(super) mod perlin;
 mod step;
@@ -36,6 +37,7 @@ use crate::graph::dice::Dice;
 use crate::graph::outside::Outside;
 use crate::graph::realism::{LEAST_STATIONS, Metrics};
 use crate::seed;
+use growth::Shortfall;
 
 /// More nodes than this are not measured: betweenness takes the square of their number.
 const GATE_TO: u32 = 20_000;
@@ -74,8 +76,18 @@ pub struct GaussianPerlin {
     /// Vertical distance between layers, in metres.
     #[schemars(range(min = 4.0, max = 40.0))]
     pub layer_spacing_m: f64,
-    /// Greatest inclination of a passage between layers, in degrees: the paper's interconnection angle.
-    #[schemars(range(min = 5.0, max = 60.0))]
+    /// Number of links between each pair of neighbouring layers. 1 is the way down, beside which loops may join layers;
+    /// more are counted, and then nothing else joins layers.
+    #[schemars(range(min = 1, max = 20))]
+    pub links: u32,
+    /// Least distance in the plan between the heads of two links of a pair of layers, and between their feet, in metres.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub link_spacing_m: f64,
+    /// Least inclination of a passage between layers, in degrees; 0 leaves it to the walk.
+    #[schemars(range(min = 0.0, max = 90.0))]
+    pub ramp_min_deg: f64,
+    /// Greatest inclination of a passage between layers, in degrees: the paper's interconnection angle. 90 sinks shafts.
+    #[schemars(range(min = 5.0, max = 90.0))]
     pub ramp_max_deg: f64,
     /// Greatest inclination of any other passage, in degrees.
     #[schemars(range(min = 2.0, max = 45.0))]
@@ -127,6 +139,9 @@ impl Default for GaussianPerlin {
             nodes: 50,
             layers: 1,
             layer_spacing_m: 7.5,
+            links: 1,
+            link_spacing_m: 10.0,
+            ramp_min_deg: 0.0,
             ramp_max_deg: 28.0,
             max_slope_deg: 20.0,
             reach_min_m: 1.5,
@@ -160,13 +175,13 @@ impl GaussianPerlin {
         let gated = (LEAST_STATIONS as u32..=GATE_TO).contains(&self.nodes);
         let attempts = (EFFORT / self.nodes).clamp(ATTEMPTS[0], ATTEMPTS[1]);
         let mut best: Option<(f64, Graph)> = None;
-        let mut most = 0;
+        let mut most = Shortfall::default();
         for attempt in 0..attempts {
             let graph = match self.attempt(seed, attempt) {
                 Ok(graph) if gated => graph,
                 Ok(graph) => return Ok(graph),
-                Err(placed) => {
-                    most = placed.max(most);
+                Err(shortfall) => {
+                    most = shortfall.max(most);
                     if best.is_none() && attempt > attempts / CROWDED {
                         break;
                     }
@@ -186,8 +201,8 @@ impl GaussianPerlin {
         best.ok_or_else(|| self.too_tight(most))
     }
 
-    /// Grows one graph; the number of nodes that found room, if not all did.
-    fn attempt(&self, seed: u64, attempt: u32) -> Result<Graph, usize> {
+    /// Grows one graph.
+    fn attempt(&self, seed: u64, attempt: u32) -> Result<Graph, Shortfall> {
         let stream = seed::stream(seed, "graph", u64::from(attempt));
         growth::grow(self, Dice::new(stream))
     }
@@ -200,6 +215,12 @@ impl GaussianPerlin {
                 hint: "the least radius may not exceed the greatest".to_owned(),
             });
         }
+        if self.ramp_min_deg > self.ramp_max_deg {
+            return Err(GenerateError {
+                message: format!("`ramp_min_deg` is {} but `ramp_max_deg` is {}", self.ramp_min_deg, self.ramp_max_deg),
+                hint: "the least inclination may not exceed the greatest".to_owned(),
+            });
+        }
         if self.children_min > self.children_max {
             return Err(GenerateError {
                 message: format!("`children_min` is {} but `children_max` is {}", self.children_min, self.children_max),
@@ -209,7 +230,15 @@ impl GaussianPerlin {
         Ok(())
     }
 
-    fn too_tight(&self, placed: usize) -> GenerateError {
+    fn too_tight(&self, Shortfall { placed, links }: Shortfall) -> GenerateError {
+        let asked = (self.links * (self.layers - 1)) as usize;
+        if self.has_links() && placed >= self.nodes as usize && links < asked {
+            return GenerateError::new(
+                format!("{links} of {asked} links between {} layers found room", self.layers),
+                "ask for fewer by `links`, lower `link_spacing_m`, widen the range from `ramp_min_deg` to `ramp_max_deg`, or \
+                 ask for more nodes",
+            );
+        }
         let layers = if self.layers > 1 { format!(" in {} layers", self.layers) } else { String::new() };
         GenerateError {
             message: format!("no room for {} nodes{layers}", self.nodes),

@@ -120,6 +120,14 @@ pub(super) const LAST_LEG: f64 = 0.8;
 pub(super) const GENTLEST_RAMP: f64 = 12.0 / 28.0;
 /// Part of a layer's share of nodes after which the next one is opened.
 pub(super) const LAYER_SHARE: f64 = 0.92;
+/// Part of a layer's share of nodes after which links lead to it.
+pub(super) const LINK_SHARE: f64 = 0.5;
+/// Passages tried as the end of a link.
+pub(super) const LINK_GOALS: usize = 6;
+/// Slope from which a link is a shaft, which may start beside a passage.
+pub(super) const SHAFT: f64 = 60.0 * DEGREE;
+/// Rounds in search of where a link meets the layer below.
+pub(super) const SINK_ROUNDS: usize = 24;
 /// Nodes tried as the head of a ramp.
 pub(super) const RAMP_HEADS: usize = 24;
 /// Height of the relief noise that makes its range about the setting.

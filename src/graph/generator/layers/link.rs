@@ -22,9 +22,9 @@ pub(super) type Link = [Point3<f64>; 2];
 /// Stations drawn before the one farthest from other links is tried, and times that is done. Tuned: at the defaults one time
 /// in a hundred takes more than two.
 const DRAWN: usize = 32;
-const DRAWS: usize = 24;
+const DRAWS: usize = 8;
 /// Stations of the other layer that are tried for one of this.
-const GOALS: usize = 6;
+const GOALS: usize = 4;
 /// Least cosine between a link and a passage at its ends: 50 degrees.
 const SHARPEST_COS: f64 = 0.643;
 /// Slopes from which shafts are sunk where passages cross above each other: 75 degrees.
@@ -36,7 +36,7 @@ const LEAST_DROP_M: f64 = 1.0;
 /// Most passages at a station that a link may come to.
 const MOST_PASSAGES: usize = 3;
 /// Most whole turns of a helix.
-const MOST_TURNS: u32 = 6;
+const MOST_TURNS: u32 = 4;
 /// Distances between stations of a link, in metres.
 const STEP_M: Range<f64> = 2.0..6.0;
 
@@ -212,7 +212,7 @@ impl Stack {
     /// Whether passages that are not settled keep their distance from those that are, and from each other.
     fn has_rock(&self, passages: &[[usize; 2]], rock_m: f64) -> bool {
         let apart = |one: [usize; 2], other: [usize; 2]| self.rock.thin_between(one, other, rock_m).is_none();
-        passages.iter().all(|&passage| self.rock.thin(passage, rock_m, |_| true).is_empty())
+        passages.iter().all(|&passage| self.rock.thin(passage, rock_m).next().is_none())
             && (passages.iter().enumerate())
                 .all(|(place, &one)| passages[..place].iter().all(|&other| apart(one, other)))
     }

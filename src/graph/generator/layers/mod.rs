@@ -53,7 +53,7 @@ pub enum ThinRock {
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct Layers {
     /// Number of links between each pair of neighbouring layers.
-    #[schemars(range(min = 1, max = 100))]
+    #[schemars(range(min = 1, max = 50))]
     pub link_count: u32,
     /// Least inclination of a link, in degrees.
     #[schemars(range(min = 1.0, max = 90.0))]
@@ -66,7 +66,7 @@ pub struct Layers {
     pub link_spacing_m: f64,
     /// Least rock between passages of different layers, and between links and passages they do not meet, in metres; the
     /// roughness of the rock takes a part of it.
-    #[schemars(range(min = 0.0, max = 100.0))]
+    #[schemars(range(min = 0.0, max = 20.0))]
     pub rock_min_m: f64,
     /// What becomes of rock between layers that is thinner: `avoid` moves layers down until there is none, `allow` leaves
     /// them at their depth. Links avoid it always.
