@@ -3,6 +3,7 @@
 mod cellular;
 mod file;
 pub mod gaussian_perlin;
+mod karst;
 pub mod mine;
 
 use schemars::JsonSchema;
@@ -13,6 +14,7 @@ use serde_json::Value;
 pub use cellular::Cellular;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
+pub use karst::Karst;
 pub use mine::Mine;
 
 use super::Graph;
@@ -64,6 +66,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
     row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
+    row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
