@@ -12,6 +12,9 @@ const MOST_PASSAGES: usize = 5;
 /// A spur whose end reaches less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
 const SPUR_REACH: f64 = 0.7;
 
+/// Rounds over all lines that are too steep; each reaches a few lines further.
+const SLOPE_ROUNDS: usize = 300;
+
 impl Knot {
     fn half_width_m(&self) -> f64 {
         self.section.map_or(0.0, |section| 0.5 * section.width_m)
@@ -99,6 +102,28 @@ impl Sketch {
         self
     }
 
+    /// With ups and downs evened out until hardly a line rises more than `most` per metre of plan: each one that does draws
+    /// its ends towards each other, in turn.
+    fn with_slopes_under(mut self, most: f64) -> Self {
+        for _ in 0..SLOPE_ROUNDS {
+            let mut steep = false;
+            for &[a, b] in &self.lines {
+                let way = self.knots[b].position - self.knots[a].position;
+                let excess = way.z.abs() - most * way.xy().norm();
+                if excess > 0.001 {
+                    steep = true;
+                    let each = 0.5 * excess.copysign(way.z);
+                    self.knots[a].position.z += each;
+                    self.knots[b].position.z -= each;
+                }
+            }
+            if !steep {
+                break;
+            }
+        }
+        self
+    }
+
     /// With every so many of the knots between junctions, and without those that no line joins.
     pub(crate) fn with_every(self, step: usize) -> Self {
         let mut sparse = Self::default();
@@ -121,8 +146,8 @@ impl Sketch {
         sparse
     }
 
-    /// With this knot as the first one: the root of the graph, if stations are put where it is.
-    pub(crate) fn rooted(mut self, root: usize) -> Self {
+    /// With this knot as the first one.
+    fn rooted(mut self, root: usize) -> Self {
         let moved = |knot: usize| {
             if knot == root {
                 0
@@ -137,6 +162,17 @@ impl Sketch {
         self
     }
 
+    /// With the knot nearest to the origin as the first one, among those where passages meet or end.
+    pub(crate) fn rooted_in_the_middle(self) -> Self {
+        let neighbors = self.neighbors();
+        let away = |&knot: &usize| {
+            let passages = neighbors[knot].len();
+            (passages == 0, passages == 2, self.knots[knot].position.coords.norm_squared().to_bits())
+        };
+        let root = (0..self.knots.len()).min_by_key(away);
+        root.map_or(Self::default(), |root| self.rooted(root))
+    }
+
     /// What lies nearest to the first knot along the passages, up to `most_m` of them. What hangs not together with the
     /// first knot is left out.
     pub(crate) fn cut_to(self, most_m: f64) -> Self {
@@ -144,8 +180,8 @@ impl Sketch {
         let mut distances = vec![f64::INFINITY; self.knots.len()];
         let mut near = vec![false; self.knots.len()];
         // Distances are not negative, so their bits are in their order.
-        let mut front = BinaryHeap::from([Reverse((0_u64, 0_usize))]);
-        distances[0] = 0.0;
+        let mut front: BinaryHeap<_> = self.knots.iter().take(1).map(|_| Reverse((0_u64, 0_usize))).collect();
+        distances.iter_mut().take(1).for_each(|first| *first = 0.0);
         let mut sum_m = 0.0;
         while let Some(Reverse((bits, knot))) = front.pop() {
             if near[knot] || sum_m > most_m {
@@ -172,11 +208,16 @@ impl Sketch {
         Self { knots: self.knots, lines }
     }
 
-    /// A graph of exactly `nodes` nodes, or `None` if there is nothing to put them on. Where too few nodes are asked to
-    /// tell all loops apart, loops are opened.
-    pub(crate) fn with_nodes(self, nodes: usize) -> Option<Graph> {
+    /// A graph of exactly `nodes` nodes, the first one nearest to the first knot, no passage rising more than
+    /// `slope_max` per metre as far as that can be had; `None` if there is nothing to put them on. Where too few nodes are
+    /// asked to tell all loops apart, loops are opened.
+    pub(crate) fn with_nodes(self, nodes: usize, slope_max: f64) -> Option<Graph> {
+        let root = self.knots.first()?.position;
         let fit = |sketch: Self| {
-            let graph = sketch.with_stations(nodes)?.into_graph();
+            let stations = sketch.with_stations(nodes)?;
+            let away = |&knot: &usize| (stations.knots[knot].position - root).norm_squared().to_bits();
+            let first = (0..stations.knots.len()).min_by_key(away)?;
+            let graph = stations.rooted(first).with_slopes_under(slope_max).into_graph();
             (graph.nodes.len() == nodes).then_some(graph)
         };
         fit(self.clone()).or_else(|| fit(self.opened()))
@@ -274,7 +315,7 @@ mod tests {
     #[test]
     fn loops_that_too_few_nodes_cannot_tell_are_opened() {
         let square = sketch(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]], &[[0, 1], [1, 2], [2, 3], [0, 3]]);
-        let two = square.with_nodes(2).expect("a line is left");
+        let two = square.with_nodes(2, 1.0).expect("a line is left");
         assert_eq!((two.nodes.len(), two.edges.len()), (2, 1));
     }
 }

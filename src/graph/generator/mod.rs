@@ -5,6 +5,7 @@ mod external;
 mod file;
 pub mod gaussian_perlin;
 pub mod grown_tunnels;
+mod karst;
 pub mod layers;
 pub mod mine;
 mod network;
@@ -20,6 +21,7 @@ pub use external::External;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
 pub use grown_tunnels::GrownTunnels;
+pub use karst::Karst;
 pub use layers::Layers;
 pub use mine::Mine;
 pub use worms::Worms;
@@ -80,6 +82,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
     row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
     row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
+    row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -49,7 +49,7 @@ pub struct Cellular {
     /// Vertical distance between layers, in metres.
     #[schemars(range(min = 4.0, max = 100.0))]
     pub layer_spacing_m: f64,
-    /// Greatest inclination of the ramp between two layers, in degrees.
+    /// Greatest inclination of floors and of the ramps between layers, in degrees.
     #[schemars(range(min = 3.0, max = 30.0))]
     pub ramp_max_deg: f64,
     /// Side of a cell in metres.
@@ -117,12 +117,12 @@ impl Generator for Cellular {
         let length_m = f64::from(self.nodes) * self.station_spacing_m / f64::from(self.layers);
         let layers = (0..self.layers).map(|level| {
             let mask = self.plan(length_m, Dice::new(seed::stream(seed, "cellular", u64::from(level))));
-            let sketch = raster::traced(&mask, self.cell_m);
-            let root = nearest_to_middle(&sketch);
-            self.shaped(sketch.rooted(root).cut_to(length_m).without_spurs(), level, &relief)
+            let sketch = raster::traced(&mask, self.cell_m).rooted_in_the_middle();
+            self.shaped(sketch.cut_to(length_m).without_spurs(), level, &relief)
         });
         let sketch = layers::joined(self, layers.collect());
-        sketch.with_nodes(self.nodes as usize).ok_or_else(|| self.no_room())
+        let slope_max = libm::tan(self.ramp_max_deg.to_radians());
+        sketch.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| self.no_room())
     }
 }
 
@@ -185,16 +185,6 @@ impl Cellular {
         let height_m = (width_m * self.height_ratio).min(self.height_max_m);
         Knot { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level }
     }
-}
-
-/// The knot nearest to the middle of the plan at which a station will be: where passages meet or end.
-fn nearest_to_middle(sketch: &Sketch) -> usize {
-    let neighbors = sketch.neighbors();
-    let away = |&knot: &usize| {
-        let is_end = [1, 3, 4, 5].contains(&neighbors[knot].len());
-        (neighbors[knot].is_empty(), !is_end, sketch.knots[knot].position.coords.norm_squared().to_bits())
-    };
-    (0..sketch.knots.len()).min_by_key(away).unwrap_or(0)
 }
 
 /// The hills and hollows that all layers follow, so that the rock between two of them is as thick everywhere.
