@@ -27,4 +27,9 @@ pub static PRESETS: &[Preset] = &[
         summary: "drifts and cross-cuts on two levels joined by a ramp",
         text: include_str!("../samples/mine.toml"),
     },
+    Preset {
+        name: "layers",
+        summary: "a mine over a cave, joined by two ramps for wheels",
+        text: include_str!("../samples/layers.toml"),
+    },
 ];

@@ -46,6 +46,38 @@ fn faulty_words_are_told() {
 }
 
 #[test]
+fn faulty_previews_are_told() {
+    let desk = Desk::new();
+    desk.file("file", "a file");
+    for (name, arguments) in [
+        ("preview_no_such_view", &["--view", "plam"][..]),
+        ("preview_wrong_ending", &["--view", "plan", "--output", "cave.gif"]),
+        ("preview_of_no_view", &["--output", "cave.bmp"]),
+        ("preview_size", &["--size", "10x10"]),
+        ("preview_pace", &["--view", "flight", "--fps", "90"]),
+        ("preview_in_rock", &["--view", "inside", "--at", "0,0,-500"]),
+        ("preview_look", &["--view", "inside", "--look", "90"]),
+        ("preview_unwritable", &["--output", "file/plan.png"]),
+        ("preview_of_nothing", &["nowhere.toml"]),
+    ] {
+        let arguments: Vec<&str> = ["preview"].iter().chain(arguments).copied().collect();
+        assert_snapshot!(name, desk.fault(&arguments));
+    }
+    assert_eq!(files(&desk.path("")).len(), 1);
+}
+
+#[test]
+fn a_preview_is_named_by_its_view() {
+    let desk = Desk::new();
+    assert!(desk.run(&["preview", "--size", "320x240"]).status.success());
+    assert!(desk.run(&["preview", "--size", "320x240", "--output", "cave.svg"]).status.success());
+    let flight = ["--view", "flight", "--size", "32x24", "--fps", "2", "--seconds", "1", "--output", "frames"];
+    assert!(desk.run(&[&["preview"][..], &flight].concat()).status.success());
+    let names: Vec<String> = desk.hashes("").into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, ["cave-plan.png", "cave.svg", "frames/00000.png", "frames/00001.png"]);
+}
+
+#[test]
 fn a_missing_assimp_is_told() {
     let desk = Desk::new();
     let mut command = desk.command(&["export", "--target", "assimp:collada"]);
@@ -60,6 +92,57 @@ fn a_faulty_graph_is_told() {
     let desk = Desk::new();
     desk.file("graph.json", "{\"nodes\": [");
     assert_snapshot!("graph_syntax", desk.fault(&["generate", "graph.json"]));
+}
+
+/// Two parts and a station alone.
+const IN_PARTS: &str = r#"{"nodes": [
+    {"id": 1, "edges": [2], "coordinates": {"x": 0, "y": 0}},
+    {"id": 2, "coordinates": {"x": 5, "y": 0}},
+    {"id": 3, "edges": [4], "coordinates": {"x": 9, "y": 0}},
+    {"id": 4, "coordinates": {"x": 14, "y": 0}},
+    {"id": 5, "coordinates": {"x": 30, "y": 0}}
+]}"#;
+
+#[test]
+fn graphs_come_in_and_go_out() {
+    let desk = Desk::new();
+    desk.file("parts.json", IN_PARTS);
+    assert_snapshot!("import_in_parts", desk.fault(&["graph", "import", "parts.json", "-o", "graph.json"]));
+    assert_snapshot!("generate_in_parts", desk.fault(&["graph", "parts.json", "-o", "cave"]));
+    let join = ["graph", "import", "parts.json", "-o", "graph.json", "--parts", "join", "--scale", "2"];
+    assert_snapshot!("import_joined", desk.fault(&join));
+    assert_snapshot!("import_over_another", desk.fault(&join));
+    assert_snapshot!("export_pair", desk.fault(&["graph", "export", "graph.json", "-o", "out/my_nodes.dat"]));
+    assert_snapshot!("import_pair", desk.fault(&["graph", "import", "out/my_links.dat", "-o", "back.json"]));
+    fs::remove_file(desk.path("out/my_links.dat")).unwrap();
+    assert_snapshot!("import_half_a_pair", desk.fault(&["graph", "import", "out/my_nodes.dat", "-o", "no.json"]));
+    desk.make(&["graph", "graph.json", "-o", "cave"]);
+    let json = desk.run(&["graph", "export", "cave", "-o", "cave.graphml", "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!((&told["graph"]["nodes"], &told["graph"]["length_m"]), (&json!(4), &json!(28.0)));
+    desk.make(&["graph", "cave.graphml", "-o", "again"]);
+    desk.make(&["graph", "parts.json", "-o", "kept", "--set", "graph.parts=keep"]);
+    desk.make(&["graph", "kept"]);
+}
+
+#[test]
+fn faulty_exchanges_are_told() {
+    let desk = Desk::new();
+    desk.file("parts.json", IN_PARTS);
+    fs::create_dir(desk.path("empty")).unwrap();
+    for (name, arguments) in [
+        ("no_such_format", "graph import parts.json -o graph.json --format graphmll"),
+        ("format_not_read", "graph import parts.json -o graph.json --format dot"),
+        ("import_to_another_format", "graph import parts.json -o graph.csv --parts join"),
+        ("import_too_large", "graph import parts.json -o graph.json --parts keep --scale 1000000"),
+        ("export_to_no_format", "graph export parts.json -o cave.xyz"),
+        ("export_of_no_cave", "graph export empty -o cave.csv"),
+        ("no_such_parts", "graph import parts.json -o graph.json --parts glue"),
+    ] {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        assert_snapshot!(name, desk.fault(&arguments));
+    }
+    assert_eq!(files(&desk.path("")).len(), 1);
 }
 
 #[test]

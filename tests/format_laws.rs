@@ -13,7 +13,7 @@ use std::{fs, io};
 
 use nalgebra::Vector3;
 use plume::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, read_as};
-use plume::graph::{GENERATORS, Graph, Node, Outside, Section, Shape, Task};
+use plume::graph::{GENERATORS, Graph, Node, Nowhere, Outside, RunError, Section, Shape, Task};
 use world::small;
 
 const ALL_PARTS: [Parts; 4] = [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest];
@@ -64,8 +64,8 @@ impl Outside for Files {
         self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
-        Err(format!("there is no {}", task.program.display()))
+    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
+        Nowhere.run(task)
     }
 }
 

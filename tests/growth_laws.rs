@@ -28,6 +28,13 @@ fn cases() -> Vec<Case> {
         case("grown-tunnels", json!({"nodes": 300}), [6.0, 20.0, 50.0]),
         case("grown-tunnels", json!({"nodes": 200, "rock_m": 1.0, "connectors": 2.0}), [1.0, 20.0, 50.0]),
         case("grown-tunnels", json!({"nodes": 200, "max_inclination_deg": 8.0}), [6.0, 8.0, 50.0]),
+        case("worms", json!({"nodes": 300}), [1.0, 20.0, 50.0]),
+        case("worms", json!({"nodes": 200, "depth_m": 60.0, "rock_m": 3.0}), [3.0, 20.0, 50.0]),
+        case(
+            "worms",
+            json!({"nodes": 200, "step_m": 2.0, "max_slope_deg": 5.0, "loop_closure": 2.0}),
+            [1.0, 5.0, 50.0],
+        ),
     ]
 }
 
@@ -89,13 +96,24 @@ fn no_passage_runs_through_another() {
 
 #[test]
 fn loops_come_when_they_are_asked_for() {
-    for (name, key) in [("grown-tunnels", "connectors")] {
+    for (name, key) in [("grown-tunnels", "connectors"), ("worms", "loop_closure")] {
         let loops = |closure: f64| {
             let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
             (0..6).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
         };
         assert_eq!(loops(0.0), 0, "{name}");
         assert!(loops(1.0) > 6 && loops(2.0) > loops(1.0), "{name}");
+    }
+}
+
+#[test]
+fn worms_stay_within_their_depths_and_widths() {
+    let made = (generator("worms").unwrap().read)(json!({"nodes": 400, "depth_m": 6.0})).unwrap();
+    for seed in 0..5 {
+        for node in made.generate(seed, &World).unwrap().nodes {
+            assert!(node.position.z.abs() <= 3.001, "seed {seed}: {}", node.position);
+            assert!((2.0..=5.0).contains(&node.section.unwrap().width_m), "seed {seed}");
+        }
     }
 }
 

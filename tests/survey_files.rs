@@ -241,3 +241,136 @@ fn smooth_walls_stand_where_they_were_measured() {
         }
     }
 }
+
+/// Holds the passages of a file to those that Survex lists.
+fn assert_is_as_dumped(name: &str, outside: &Files, dump: &str, tolerance_m: f64) {
+    let Import { graph, tally, .. } = read(Path::new(name), Parts::Refuse, outside).unwrap();
+    let dump = String::from_utf8(data(dump)).unwrap();
+    let passages = dumped_passages(&dump);
+    for ends in &passages {
+        let [a, b] = ends.map(|end| {
+            let place = end - Vector3::from(tally.origin_m);
+            let away = |node: &usize| (graph.nodes[*node].position - place).norm();
+            let node = (0..graph.nodes.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+            assert!(away(&node) < tolerance_m, "{name}: {place} is {} m off", away(&node));
+            node
+        });
+        assert!(graph.edges.contains(&[a.min(b), a.max(b)]), "{name}: {ends:?}");
+    }
+    assert_eq!(graph.edges.len(), passages.len(), "{name}");
+}
+
+fn burrow() -> Files {
+    let names = ["burrow.mak", "bare-burrow.dat", "shaft.dat"];
+    Files(names.map(|name| (name.to_owned(), data(&format!("surveys/{name}")))).into())
+}
+
+/// Two centimetres: Survex rounds stations to one, and its loops give way by other weights.
+#[test]
+fn compass_books_and_projects_read_as_survex_reads_them() {
+    assert_is_as_dumped("bare-burrow.dat", &burrow(), "surveys/bare-burrow.dump", 0.02);
+    assert_is_as_dumped("burrow.mak", &burrow(), "surveys/burrow-project.dump", 0.02);
+}
+
+/// A book with these shots, of which each has a station more than the one before.
+fn book(header: &str, shots: &str) -> Vec<u8> {
+    let table = "FROM TO LENGTH BEARING INC LEFT UP DOWN RIGHT FLAGS COMMENTS\r\n\r\n";
+    format!(
+        "CAVE\r\nSURVEY NAME: A\r\nSURVEY DATE: 0 0 0\r\nSURVEY TEAM:\r\n\r\n{header}\r\n\r\n{table}{shots}\x0c\r\n\x1a"
+    )
+    .into()
+}
+
+/// Where the second station is, in feet.
+fn second_ft(header: &str, shot: &str) -> [f64; 3] {
+    let graph = parsed("a.dat", &book(header, shot), Parts::Refuse).unwrap().graph;
+    (graph.nodes[1].position / 0.3048).coords.map(|x| (100.0 * x).round() / 100.0 + 0.0).into()
+}
+
+/// Survex 1.4.4 takes the correction of lengths for metres and leaves that of backsights out, against the description.
+#[test]
+fn calibrations_and_backsights_of_compass_are_applied() {
+    let shot = "A1 A2 10.0 80.0 20.0 -1 -1 -1 -1 266.0 -18.0\r\n";
+    let plain = "DECLINATION: 4.0 FORMAT: DDDDLUDRADLNF CORRECTIONS: 6.0 -20.0 90.0 CORRECTIONS2: 1.0 2.0";
+    assert_eq!(second_ft(plain, shot), [100.0, 0.0, 0.0]);
+    let both = "DECLINATION: 5.0 FORMAT: DDDDLUDRADLadBF CORRECTIONS: 6.0 -20.0 90.0 CORRECTIONS2: -2.0 18.0";
+    assert_eq!(second_ft(both, shot), [100.0, 0.0, 0.0]);
+    let back = shot.replace(" 80.0 20.0 ", " -999.0 -999.0 ");
+    assert_eq!(
+        second_ft("DECLINATION: 4.0 FORMAT: DDDDLUDRADLBF CORRECTIONS: 0 0 0 CORRECTIONS2: 0 18.0", &back),
+        [10.0, 0.0, 0.0]
+    );
+    assert_eq!(second_ft("DECLINATION: 4.0", "A1 A2 10.0 -999 90 -1 -1 -1 -1\r\n"), [0.0, 0.0, 10.0]);
+}
+
+#[test]
+fn flags_of_compass_are_counted() {
+    let flags = ["L", "S", "P", "PL", "X", "C", ""];
+    let shot = |(index, flag): (usize, &&str)| format!("A1 B{index} 10 {index}0 0 1 1 1 1 #|{flag}# note\n");
+    let shots: String = flags.iter().enumerate().map(shot).collect();
+    let Import { graph, tally, .. } = parsed("a.dat", &book("DECLINATION: 0", &shots), Parts::Refuse).unwrap();
+    assert_eq!((tally.duplicates, tally.splays, tally.surface, graph.edges.len()), (1, 1, 2, 2));
+}
+
+/// Looking east, left is north; walls at the end of a shot are those of the station it leads to.
+#[test]
+fn walls_of_compass_belong_to_the_station_that_the_format_says() {
+    let shots = "A1 A2 100 90 0 9 10 0 1\nA2 A3 100 90 0 3 10 0 3\n";
+    for (end, expected) in [("F", [4.0, 0.0, 0.0]), ("T", [0.0, 4.0, 0.0])] {
+        let bytes = book(&format!("DECLINATION: 0 FORMAT: DDDDLUDRADLN{end}"), shots);
+        let graph = parsed("a.dat", &bytes, Parts::Refuse).unwrap().graph;
+        let found: Vec<f64> = graph.nodes.iter().map(|node| (node.position.y / 0.3048).round()).collect();
+        assert_eq!(found, expected, "{end}");
+    }
+}
+
+#[test]
+fn compass_files_with_any_byte_changed_or_cut_are_read_or_refused() {
+    let whole = data("formats/compass/burrow.dat");
+    let project = data("surveys/burrow.mak");
+    let law = |name: &str, bytes: Vec<u8>| {
+        let mut outside = burrow();
+        outside.0.insert(name.to_owned(), bytes);
+        if let Err(error) = read(Path::new(name), Parts::Longest, &outside) {
+            assert!(!error.hint.is_empty(), "{error}");
+        }
+    };
+    for (name, whole) in [("odd.dat", whole), ("odd.mak", project)] {
+        for at in 0..whole.len() {
+            law(name, whole[..at].to_vec());
+            for other in [whole[at] ^ 0x01, whole[at] ^ 0x80, b'\n', b'-', b'9', b'#'] {
+                let mut bytes = whole.clone();
+                bytes[at] = other;
+                law(name, bytes);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_compass_files_is_told() {
+    let one = |shot: &str| ("a.dat", book("DECLINATION: 0 FORMAT: DDDDLUDRADLNF", shot));
+    let faults = [
+        ("no book", ("a.dat", b"1 2 3\n4 5 6\n".to_vec())),
+        ("no declination", ("a.dat", book("DECLINATION: FORMAT:", ""))),
+        ("no shots", one("")),
+        ("one name", one("A1\n")),
+        ("cut shot", one("A1 A2 10 20\n")),
+        ("no number", one("A1 A2 10 20 0 NaN 1 1 1\n")),
+        ("negative length", one("A1 A2 -10 20 0 1 1 1 1\n")),
+        ("no bearing", one("A1 A2 10 -999 0 1 1 1 1\n")),
+        ("no inclination", one("A1 A2 10 20 -999 1 1 1 1\n")),
+        ("far wall", one("A1 A2 10 20 0 9999 1 1 1\n")),
+        ("pieces", one("A1 A2 10 20 0 1 1 1 1\nB1 B2 10 20 0 1 1 1 1\n")),
+        ("empty project", ("a.mak", b"/ nothing\n".to_vec())),
+        ("open end", ("a.mak", b"\n#a.dat\n".to_vec())),
+        ("no file", ("a.mak", b"#sub\\A.DAT;".to_vec())),
+        ("bad fix", ("a.mak", b"#a.dat,A1[K,1,2,3];".to_vec())),
+        ("open fix", ("a.mak", b"#a.dat,A1[M,1,2,3;".to_vec())),
+    ];
+    let told = faults.map(|(case, (name, bytes))| {
+        let error = parsed(name, &bytes, Parts::Join).unwrap_err();
+        format!("{case}\n  {error}\n  {}\n", error.hint)
+    });
+    insta::assert_snapshot!("compass-faults", told.concat());
+}

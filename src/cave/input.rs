@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::CaveError;
@@ -25,7 +26,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Reads what is named, a recipe (TOML), a graph (JSON) or a cave folder, or takes the default recipe; `overrides`
+    /// Reads what is named, a recipe (TOML), a graph or survey, or a cave folder, or takes the default recipe; `overrides`
     /// are `key=value` pairs that win over it.
     ///
     /// # Errors
@@ -67,7 +68,7 @@ fn kept_graph(path: &Path, recipe: &Recipe) -> Result<Option<Graph>, CaveError> 
     if !path.exists() {
         return Ok(None);
     }
-    let document = pipeline::read_graph(path, Parts::Refuse)?;
+    let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
     // A graph of a version without the gate has gone through none.
     let gate = |made: &Value| serde_json::from_value(made["realism"].clone()).unwrap_or_default();
     let is_of = |made: &Value| {
@@ -76,9 +77,14 @@ fn kept_graph(path: &Path, recipe: &Recipe) -> Result<Option<Graph>, CaveError> 
     Ok(document.recipe.as_ref().is_some_and(is_of).then_some(document.graph))
 }
 
-/// A graph of ours brings its recipe. One of the original PLUME gets the default recipe round it.
+/// What becomes of the parts of a graph that this recipe is of; only that of a file may have several.
+fn parts_of(recipe: &Value) -> Parts {
+    Parts::deserialize(&recipe["graph"]["parts"]).unwrap_or_default()
+}
+
+/// A graph of ours brings its recipe. One of others gets the default recipe round it, which reads it as it says of parts.
 fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
-    let document = pipeline::read_graph(path, Parts::Refuse)?;
+    let document = pipeline::read_graph(path, Parts::Keep)?;
     let Some(recipe) = document.recipe else {
         let name = path.to_str().ok_or_else(|| CaveError::Usage {
             message: format!("{}: a recipe cannot hold this path", path.display()),
@@ -89,6 +95,7 @@ fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
         return Ok(Input::of(recipe));
     };
     let recipe = Recipe::from_json(recipe, path, overrides)?;
+    let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
     Ok(Input { recipe, graph: Some(document.graph), folder: None })
 }
 

@@ -2,7 +2,7 @@
 
 use super::{CaveError, Input};
 use crate::pipeline::{self, Disk, PipelineError};
-use crate::preview::{Order, PreviewError, Subject, VIEWS, ViewRow, view};
+use crate::preview::{Drawn, Order, PreviewError, Subject, VIEWS, ViewRow, view};
 
 /// The view called `name`.
 ///
@@ -16,7 +16,7 @@ pub fn view_row(name: &str) -> Result<&'static ViewRow, CaveError> {
 ///
 /// # Errors
 /// A graph that cannot be, nothing to see, the order's stop.
-pub fn preview(input: &Input, row: &ViewRow, order: &Order) -> Result<Vec<u8>, CaveError> {
+pub fn preview(input: &Input, row: &ViewRow, order: &Order) -> Result<Drawn, CaveError> {
     let recipe = &input.recipe;
     let made = match &input.graph {
         Some(_) => None,

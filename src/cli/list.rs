@@ -7,11 +7,12 @@ use serde_json::{Value, json};
 use super::fault::CliError;
 use super::progress::Console;
 use crate::graph::GENERATORS;
+use crate::graph::format::{FORMATS, FormatRow};
 use crate::material::MATERIALS;
 use crate::preset::PRESETS;
 use crate::preview::VIEWS;
 
-/// Lists targets, generators, materials, presets and views.
+/// Lists targets, generators, formats, materials, presets and views.
 #[derive(Args)]
 pub struct List {
     /// Which table [default: all]
@@ -22,12 +23,13 @@ pub struct List {
 enum Table {
     Targets,
     Generators,
+    Formats,
     Materials,
     Presets,
     Views,
 }
 
-type Rows = Vec<(String, &'static str)>;
+type Rows = Vec<(String, String)>;
 
 impl List {
     /// Prints the tables on stdout.
@@ -36,11 +38,12 @@ impl List {
     /// None; commands can fail.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let tables: Vec<(Table, Rows)> = vec![
-            (Table::Targets, TARGETS.iter().map(|row| (row.usage(), row.summary)).collect()),
-            (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
-            (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
-            (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
-            (Table::Views, VIEWS.iter().map(|row| (row.name.to_owned(), row.summary)).collect()),
+            (Table::Targets, TARGETS.iter().map(|row| (row.usage(), row.summary.to_owned())).collect()),
+            (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
+            (Table::Formats, FORMATS.iter().map(|row| (row.name.to_owned(), format_summary(row))).collect()),
+            (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
+            (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
+            (Table::Views, VIEWS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
         ];
         let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
         if console.is_json() {
@@ -50,6 +53,16 @@ impl List {
         let text: Vec<String> = asked.map(|(table, rows)| rows_text(&title(table), &rows)).collect();
         console.result(&text.join("\n"))
     }
+}
+
+/// What it is, whether it is read and written, and by which names.
+fn format_summary(row: &FormatRow) -> String {
+    let ways = match (row.read, row.write) {
+        (Some(_), Some(_)) => "read and written",
+        (Some(_), None) => "read",
+        _ => "written",
+    };
+    format!("{} ({ways}: {})", row.summary, row.endings.join(" "))
 }
 
 fn title(table: Table) -> String {

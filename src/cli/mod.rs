@@ -6,6 +6,7 @@ mod check;
 mod export;
 mod fault;
 mod generate;
+mod graph;
 mod handover;
 mod likeness;
 mod list;
@@ -58,7 +59,7 @@ pub struct Common {
 /// What a cave is made from.
 #[derive(Args)]
 pub struct Source {
-    /// A recipe (TOML), a graph (JSON, also the original PLUME's data.json) or a cave folder [default: the default cave]
+    /// A recipe (TOML), a graph or survey (`plume list formats`) or a cave folder [default: the default cave]
     #[arg(value_name = "RECIPE|GRAPH|CAVE_DIR")]
     input: Option<PathBuf>,
     /// Set a key of the recipe, for example --set graph.nodes=100
@@ -91,8 +92,8 @@ enum Command {
     Export(export::Export),
     /// Make a cave folder: graph, mesh and textures
     Generate(generate::Generate),
-    /// Make or renew the graph of a cave folder
-    Graph(generate::Generate),
+    /// Make or renew the graph of a cave folder; import and export graphs
+    Graph(graph::GraphCommand),
     /// Make the graph and the mesh of a cave folder
     Mesh(generate::Generate),
     /// Make the graph, the mesh and the textures of a cave folder
@@ -105,7 +106,7 @@ enum Command {
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
-    /// List targets, generators, materials, presets and views
+    /// List targets, generators, formats, materials, presets and views
     List(list::List),
     /// Check that a package is whole and names nothing outside itself
     Check(check::Check),
@@ -176,7 +177,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
     match command {
         Command::Export(export) => export.run(console, host),
         Command::Generate(stage) | Command::Texture(stage) => stage.run(Stage::Texture, console),
-        Command::Graph(stage) => stage.run(Stage::Graph, console),
+        Command::Graph(graph) => graph.run(console),
         Command::Mesh(stage) => stage.run(Stage::Mesh, console),
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
         Command::Preview(preview) => preview.run(console),

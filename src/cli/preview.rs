@@ -12,7 +12,7 @@ use super::fault::CliError;
 use super::progress::Console;
 use crate::cave;
 use crate::pipeline::Observer;
-use crate::preview::{self, Format, Order, Size, ViewRow};
+use crate::preview::{self, Drawn, Format, Order, Pace, Size, ViewRow};
 use crate::store::StoreError;
 
 /// Shows a cave from its graph and its field alone, before there are triangles.
@@ -35,10 +35,16 @@ pub struct Preview {
     /// Where to look to, degrees from +x to +y and up [default: where the passage is open furthest]
     #[arg(long, value_name = "YAW,PITCH", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     look: Vec<f32>,
+    /// Frames of a flight in a second
+    #[arg(long, value_name = "N", default_value_t = Pace::default().fps)]
+    fps: u32,
+    /// Seconds of a flight
+    #[arg(long, value_name = "S", default_value_t = Pace::default().seconds)]
+    seconds: f64,
     /// Show the file with the program that the system has for it
     #[arg(long)]
     open: bool,
-    /// The file to write; its ending says as what [default: NAME-VIEW]
+    /// The file to write; its ending says as what, and none means a folder of frames [default: NAME-VIEW]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -66,12 +72,15 @@ impl Preview {
             Theme::Dark => preview::Theme::Dark,
         };
         let look = numbers("--look", &self.look)?.map(|angles: [f32; 2]| angles.map(f32::to_radians));
-        let order = Order { format, theme, size, at: numbers("--at", &self.at)?, look, stop: console.stop() };
-        let bytes = cave::preview(&input, row, &order)?;
-        let named = format!("{}-{}.{}", input.recipe.name, row.name, format.ending());
-        let output = self.output.clone().unwrap_or_else(|| named.into());
-        write(&output, &bytes)?;
-        report(console, row, &output, bytes.len(), start)?;
+        let pace = Pace::new(self.fps, self.seconds)?;
+        let order = Order { format, theme, size, at: numbers("--at", &self.at)?, look, pace, stop: console.stop() };
+        let drawn = cave::preview(&input, row, &order)?;
+        let output = self.output.clone().unwrap_or_else(|| {
+            let dot = if format.ending().is_empty() { "" } else { "." };
+            format!("{}-{}{dot}{}", input.recipe.name, row.name, format.ending()).into()
+        });
+        let bytes = save(&output, &drawn)?;
+        report(console, row, &output, bytes, start)?;
         if self.open { open(&output) } else { Ok(()) }
     }
 
@@ -89,7 +98,7 @@ impl Preview {
                     known.push(format.ending());
                 }
             }
-            self.unfit("no view", &known)
+            self.unfit("no view makes", &known)
         })
     }
 
@@ -98,7 +107,7 @@ impl Preview {
             return Ok(row.formats[0]);
         };
         let known: Vec<&str> = row.formats.iter().map(|format| format.ending()).collect();
-        format_called(row, &ending).ok_or_else(|| self.unfit(&format!("the view {}", row.name), &known))
+        format_called(row, &ending).ok_or_else(|| self.unfit(&format!("the view {} does not make", row.name), &known))
     }
 
     /// The ending of the file, lower case; `None` where no file was named.
@@ -109,8 +118,9 @@ impl Preview {
 
     fn unfit(&self, what: &str, known: &[&str]) -> CliError {
         let output = self.output.as_deref().unwrap_or(Path::new(""));
-        let message = format!("{}: {what} makes such a file", output.display());
-        CliError::Usage { message, hint: format!("it may end with .{}", known.join(", .")) }
+        let message = format!("{}: {what} such a file", output.display());
+        let endings: Vec<String> = known.iter().filter(|one| !one.is_empty()).map(|one| format!(".{one}")).collect();
+        CliError::Usage { message, hint: format!("it may end with {}", endings.join(", ")) }
     }
 }
 
@@ -130,9 +140,27 @@ fn format_called(row: &ViewRow, ending: &str) -> Option<Format> {
     row.formats.iter().copied().find(|format| format.ending() == ending)
 }
 
+/// Writes what was drawn; gives its size.
+fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
+    let frames = match drawn {
+        Drawn::File(bytes) => {
+            write(output, bytes)?;
+            return Ok(bytes.len());
+        }
+        Drawn::Frames(frames) => frames,
+    };
+    fs::create_dir_all(output).map_err(|source| StoreError::Io { path: output.to_path_buf(), source })?;
+    for (number, frame) in frames.iter().enumerate() {
+        write(&output.join(format!("{number:05}.png")), frame)?;
+    }
+    Ok(frames.iter().map(Vec::len).sum())
+}
+
 /// Writes the file whole or not at all.
 fn write(output: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    let partial = output.with_added_extension("partial");
+    let mut partial = output.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = PathBuf::from(partial);
     let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, output));
     written.map_err(|source| {
         // What is left of it helps nobody.

@@ -3,6 +3,7 @@
 //! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
 //! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
 
+use crate::graph::clearance::Girth;
 use crate::graph::{Graph, Node, Section, Shape};
 use crate::material::{BLOCK, Sites, Stored, Wander};
 use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
@@ -71,6 +72,17 @@ impl PassageSettings {
     pub fn reach(&self, node: &Node) -> Reach {
         let Profile { half_width, half_height, drop, .. } = Profile::at(node, self);
         Reach { aside_m: half_width, up_m: half_height, down_m: drop }
+    }
+
+    /// The same for questions about the graph.
+    pub fn girth(&self) -> Girth {
+        Girth {
+            width_per_radius: self.width_per_radius.into(),
+            width_min_m: self.width_min_m.into(),
+            height_ratio: self.height_ratio.into(),
+            floor_drop: self.floor_drop.into(),
+            room_factor: self.room_factor.into(),
+        }
     }
 }
 
@@ -341,5 +353,23 @@ impl<T> Sums<T> {
         sites.height.store(at, self.height / total);
         sites.up.store(at, self.up / total);
         sites.half_width.store(at, self.half_width / total);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The graph reckons with passages that the field knows.
+    #[test]
+    fn passages_have_one_default_size() {
+        let (field, graph) = (PassageSettings::default().girth(), Girth::default());
+        let sizes = |girth: Girth| {
+            let Girth { width_per_radius, width_min_m, height_ratio, floor_drop, room_factor } = girth;
+            [width_per_radius, width_min_m, height_ratio, floor_drop, room_factor]
+        };
+        for (field, graph) in sizes(field).into_iter().zip(sizes(graph)) {
+            assert!((field - graph).abs() < 1e-6, "{field} {graph}");
+        }
     }
 }

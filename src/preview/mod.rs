@@ -6,9 +6,11 @@
 //! Maps are drawn once, as SVG; a PNG of a map is that SVG in pixels. Not promised: that a preview looks as a simulator
 //! will show the cave.
 
+mod flight;
 mod image;
 mod inside;
 mod map;
+mod page;
 mod svg;
 mod theme;
 
@@ -19,6 +21,7 @@ use std::sync::atomic::AtomicBool;
 use crate::field::{CaveField, PassageSettings};
 use crate::graph::Graph;
 
+pub use self::flight::Pace;
 pub use self::image::Image;
 pub use self::theme::Theme;
 
@@ -48,6 +51,8 @@ pub struct Order<'a> {
     pub at: Option<[f32; 3]>,
     /// Yaw and pitch in radians, from +x to +y and up; `None` to look where the passage is open furthest.
     pub look: Option<[f32; 2]>,
+    /// How long a flight takes.
+    pub pace: Pace,
     /// Set to stop.
     pub stop: &'a AtomicBool,
 }
@@ -96,16 +101,34 @@ impl fmt::Display for Size {
 pub enum Format {
     /// Outlines.
     Svg,
-    /// Pixels.
+    /// Pixels; animated where the view moves.
     Png,
+    /// Pixels that move, in 256 colours.
+    Gif,
+    /// A folder of numbered PNGs.
+    Frames,
+    /// A page for a browser.
+    Html,
+}
+
+/// What was drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// The bytes of a file.
+    File(Vec<u8>),
+    /// The bytes of a PNG for each frame.
+    Frames(Vec<Vec<u8>>),
 }
 
 impl Format {
-    /// What the names of such files end with.
+    /// What the names of such files end with; nothing for a folder.
     pub fn ending(self) -> &'static str {
         match self {
             Self::Svg => "svg",
             Self::Png => "png",
+            Self::Gif => "gif",
+            Self::Frames => "",
+            Self::Html => "html",
         }
     }
 }
@@ -120,7 +143,7 @@ pub struct ViewRow {
     pub formats: &'static [Format],
     /// How large it is unless another size is asked for.
     pub size: Size,
-    draw: fn(&Subject, &Order, Size) -> Result<Vec<u8>, PreviewError>,
+    draw: fn(&Subject, &Order, Size) -> Result<Drawn, PreviewError>,
 }
 
 impl ViewRow {
@@ -128,7 +151,7 @@ impl ViewRow {
     ///
     /// # Errors
     /// When there is nothing to see, or the order was stopped.
-    pub fn draw(&self, subject: &Subject, order: &Order) -> Result<Vec<u8>, PreviewError> {
+    pub fn draw(&self, subject: &Subject, order: &Order) -> Result<Drawn, PreviewError> {
         if subject.graph.nodes.is_empty() {
             return Err(PreviewError::NoPassages);
         }
@@ -161,6 +184,20 @@ pub static VIEWS: &[ViewRow] = &[
         size: Size { width: 960, height: 540 },
         draw: inside::inside,
     },
+    ViewRow {
+        name: "flight",
+        summary: "flight from the entrance along the longest passages",
+        formats: &[Format::Gif, Format::Png, Format::Frames],
+        size: Size { width: 400, height: 225 },
+        draw: flight::flight,
+    },
+    ViewRow {
+        name: "page",
+        summary: "page for a browser, in which the cave can be turned about and cut open",
+        formats: &[Format::Html],
+        size: MAP,
+        draw: page::page,
+    },
 ];
 
 /// The view called `name`.
@@ -178,6 +215,9 @@ pub enum PreviewError {
     /// Of a size out of reach.
     #[error("a size is WIDTHxHEIGHT, each from {} to {} pixels", Size::LEAST, Size::MOST)]
     Size,
+    /// At a pace out of reach.
+    #[error("a flight has 1 to 50 frames in a second, and takes up to 600 seconds")]
+    Pace,
     /// Of a cave that is all rock, from inside.
     #[error("there is no air at any station, so there is nothing to see from inside")]
     NoAir,
@@ -195,6 +235,7 @@ impl PreviewError {
         match self {
             Self::NoPassages => "give the graph at least one station",
             Self::Size => "for example --size 1280x720",
+            Self::Pace => "for example --fps 10 --seconds 6",
             Self::NoAir => "make the passages wider, see `passage` in the recipe",
             Self::InRock(_) => "give a point in a passage, or leave --at out",
             Self::Stopped => "",

@@ -1,12 +1,14 @@
 //! Checks a draft against a JSON Schema and says what is wrong in words.
 //!
 //! Covers the part of JSON Schema that settings structs use: objects with known keys, numbers in ranges, strings out of
-//! a list or of a pattern, booleans, arrays of fixed length, and `null` for what may be left out.
+//! a list or of a pattern, booleans, arrays of so many values, `null` for what may be left out, and objects whose keys depend
+//! on what one of them says.
 
 use serde_json::Value;
 
 use super::fault::{Fault, Faults};
 use super::read::Draft;
+use super::schema::{choosing_key, chosen};
 
 /// Checks the whole draft.
 ///
@@ -29,6 +31,9 @@ impl Checker<'_> {
         if value.is_null() && optional {
             return;
         }
+        if let (Some(by), true) = (choosing_key(schema), value.is_object()) {
+            return self.choice(schema, by, value, key);
+        }
         if let Some(words) = words(schema) {
             return self.word(&words, value, key);
         }
@@ -40,6 +45,18 @@ impl Checker<'_> {
             "string" => self.string(schema, value, key),
             _ => {}
         }
+    }
+
+    /// An object whose keys depend on what one of them says.
+    fn choice(&mut self, schema: &Value, by: &str, value: &Value, key: &str) {
+        let variants = schema["oneOf"].as_array().into_iter().flatten();
+        let names: Vec<&str> = variants.filter_map(|variant| variant["properties"][by]["default"].as_str()).collect();
+        match &value[by] {
+            Value::Null => {}
+            Value::String(name) if names.contains(&name.as_str()) => {}
+            other => return self.word(&names, other, &format!("{key}.{by}")),
+        }
+        self.object(chosen(schema, value), value, key);
     }
 
     fn object(&mut self, schema: &Value, value: &Value, key: &str) {
@@ -68,11 +85,14 @@ impl Checker<'_> {
             return self.mistyped("a list", value, key);
         };
         let length = items.len() as u64;
-        if let Some(want) = schema["minItems"].as_u64().filter(|want| length != *want) {
+        let least = schema["minItems"].as_u64().unwrap_or(0);
+        let most = schema["maxItems"].as_u64().unwrap_or(u64::MAX);
+        if !(least..=most).contains(&length) {
+            let want = if least == most { least.to_string() } else { format!("{least} to {most}") };
             return self.fault(key, format!("{key} must have {want} values, found {length}"), String::new());
         }
-        for item in items {
-            self.check(&schema["items"], item, key);
+        for (place, item) in items.iter().enumerate() {
+            self.check(&schema["items"], item, &format!("{key}[{place}]"));
         }
     }
 

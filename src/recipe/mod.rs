@@ -137,11 +137,29 @@ fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>,
     let row = graph::generator(name).expect("the schema admits only rows of the table");
     let schema = (row.schema)().to_value();
     for (key, setting) in &mut settings {
-        if let (Some("path"), Some(path)) = (schema["properties"][key]["format"].as_str(), setting.as_str()) {
-            *setting = draft.beside(&format!("graph.{key}"), path)?.into();
-        }
+        anchor(&schema["properties"][key], setting, &format!("graph.{key}"), draft)?;
     }
     (row.read)(Value::Object(settings)).map_err(|e| draft.fault("graph", e.to_string()))
+}
+
+/// Takes the paths in settings relative to the recipe.
+fn anchor(schema: &Value, settings: &mut Value, key: &str, draft: &read::Draft) -> Result<(), Faults> {
+    let schema = schema::chosen(schema, settings);
+    match settings {
+        Value::String(path) if schema["format"] == "path" => *path = draft.beside(key, path)?,
+        Value::Array(items) => {
+            for (place, item) in items.iter_mut().enumerate() {
+                anchor(&schema["items"], item, &format!("{key}[{place}]"), draft)?;
+            }
+        }
+        Value::Object(map) => {
+            for (name, setting) in map {
+                anchor(&schema["properties"][name], setting, &format!("{key}.{name}"), draft)?;
+            }
+        }
+        _ => {}
+    }
+    Ok(())
 }
 
 fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::Value;
 
 use super::check::words;
+use super::schema::chosen;
 
 const WIDTH: usize = 96;
 
@@ -18,23 +19,49 @@ pub fn commented(schema: &Value, value: &Value) -> String {
         entry(&mut out, key, schema, &value[key.as_str()]);
     }
     for (section, schema) in sections {
-        let _ = writeln!(out, "\n[{section}]");
-        for (key, schema) in schema["properties"].as_object().into_iter().flatten() {
-            entry(&mut out, key, schema, &value[section.as_str()][key.as_str()]);
-        }
+        table(&mut out, &format!("[{section}]"), section, schema, &value[section.as_str()]);
     }
     out
 }
 
-fn entry(out: &mut String, key: &str, schema: &Value, value: &Value) {
-    for line in wrapped(&about(schema)) {
-        let _ = writeln!(out, "# {line}");
+/// A section, and after its own keys the lists of sections in it.
+fn table(out: &mut String, heading: &str, path: &str, schema: &Value, value: &Value) {
+    let _ = writeln!(out, "\n{heading}");
+    let properties = chosen(schema, value)["properties"].as_object();
+    let (lists, keys): (Vec<_>, Vec<_>) =
+        properties.into_iter().flatten().partition(|(_, schema)| is_list_of_sections(schema));
+    for (key, schema) in keys {
+        entry(out, key, schema, &value[key.as_str()]);
     }
+    for (key, schema) in lists {
+        let path = format!("{path}.{key}");
+        for (place, item) in value[key.as_str()].as_array().into_iter().flatten().enumerate() {
+            if place == 0 {
+                out.push('\n');
+                comment(out, &about(schema));
+            }
+            table(out, &format!("[[{path}]]"), &path, &schema["items"], item);
+        }
+    }
+}
+
+fn is_list_of_sections(schema: &Value) -> bool {
+    chosen(&schema["items"], &Value::Null)["properties"].is_object()
+}
+
+fn entry(out: &mut String, key: &str, schema: &Value, value: &Value) {
+    comment(out, &about(schema));
     match literal(value) {
         Some(text) => writeln!(out, "{key} = {text}"),
         None => writeln!(out, "# {key} ="),
     }
     .expect("writing to a string cannot fail");
+}
+
+fn comment(out: &mut String, text: &str) {
+    for line in wrapped(text) {
+        let _ = writeln!(out, "# {line}");
+    }
 }
 
 fn about(schema: &Value) -> String {
@@ -49,7 +76,7 @@ fn about(schema: &Value) -> String {
         (None, None) => Ok(()),
     }
     .expect("writing to a string cannot fail");
-    if let Some(default) = literal(&schema["default"]) {
+    if let Some(default) = literal(&schema["default"]).filter(|_| !is_list_of_sections(schema)) {
         let _ = write!(text, " Default {default}.");
     }
     text

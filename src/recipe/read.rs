@@ -1,10 +1,11 @@
 //! From text to a draft: a JSON value that remembers where each key was written.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value};
-use toml_edit::{Document, Item, TableLike};
+use toml_edit::{ArrayOfTables, Document, Item, Table, TableLike};
 
 use super::fault::{Fault, Faults, Origin};
 
@@ -29,8 +30,8 @@ impl Draft {
             if let Some(origin) = self.origins.get(key) {
                 return origin.clone();
             }
-            match key.rfind('.') {
-                Some(dot) => key = &key[..dot],
+            match key.rfind(['.', '[']) {
+                Some(end) => key = &key[..end],
                 None => return Origin::File(self.file.clone()),
             }
         }
@@ -83,23 +84,35 @@ impl Lines<'_> {
         for (key, item) in table.iter() {
             let path = join(path, key);
             let span = table.key(key).and_then(|k| k.span()).or_else(|| item.span());
-            let line = span.map_or(1, |span| (self.line_at)(span.start));
-            let origin = Origin::Line(self.draft.file.clone(), line);
-            self.draft.origins.insert(path.clone(), origin);
+            self.note(&path, span);
             let value = self.item(item, &path);
             map.insert(key.to_owned(), value);
         }
         Value::Object(map)
     }
 
+    fn note(&mut self, path: &str, span: Option<Range<usize>>) {
+        let line = span.map_or(1, |span| (self.line_at)(span.start));
+        self.draft.origins.insert(path.to_owned(), Origin::Line(self.draft.file.clone(), line));
+    }
+
     fn item(&mut self, item: &Item, path: &str) -> Value {
         if let Some(table) = item.as_table_like() {
             return self.table(table, path);
         }
-        match item.as_value() {
-            Some(value) => self.value(value, path),
-            None => self.refuse(path, "must be a value, not a list of tables"),
+        if let Some(tables) = item.as_array_of_tables() {
+            return self.tables(tables, path);
         }
+        item.as_value().map_or(Value::Null, |value| self.value(value, path))
+    }
+
+    fn tables(&mut self, tables: &ArrayOfTables, path: &str) -> Value {
+        let table = |(place, table): (usize, &Table)| {
+            let path = format!("{path}[{place}]");
+            self.note(&path, table.span());
+            self.table(table, &path)
+        };
+        tables.iter().enumerate().map(table).collect()
     }
 
     fn value(&mut self, value: &toml_edit::Value, path: &str) -> Value {
@@ -111,7 +124,10 @@ impl Lines<'_> {
             Toml::Float(x) if x.value().is_finite() => Value::from(*x.value()),
             Toml::Float(_) => self.refuse(path, "must be a finite number"),
             Toml::Datetime(_) => self.refuse(path, "must not be a date"),
-            Toml::Array(items) => items.iter().map(|item| self.value(item, path)).collect(),
+            Toml::Array(items) => {
+                let value = |(place, item)| self.value(item, &format!("{path}[{place}]"));
+                items.iter().enumerate().map(value).collect()
+            }
             Toml::InlineTable(table) => self.table(table, path),
         }
     }
@@ -134,12 +150,12 @@ pub fn overrides(draft: &mut Draft, pairs: &[String]) -> Result<(), Faults> {
             }
             .into());
         };
-        let key = key.trim();
+        let key = key.trim().replace('[', ".").replace(']', "");
         let value = override_value(text.trim(), pair)?;
-        note_origin(draft, key, pair);
-        put(&mut draft.value, key, value).map_err(|at| Fault {
+        note_origin(draft, &key, pair);
+        put(&mut draft.value, &key, value).map_err(|Obstacle { at, what }| Fault {
             origin: Origin::Override(pair.clone()),
-            message: format!("{at} is a value and holds no keys"),
+            message: format!("{at} {what}"),
             hint: format!("set {at} itself, or mend it where it is written"),
         })?;
     }
@@ -164,28 +180,56 @@ fn override_value(text: &str, pair: &str) -> Result<Value, Faults> {
 /// The pair is the origin of its key and of every section that exists through it alone.
 fn note_origin(draft: &mut Draft, key: &str, pair: &str) {
     let origin = || Origin::Override(pair.to_owned());
-    draft.origins.retain(|other, _| !other.starts_with(&format!("{key}.")));
-    draft.origins.insert(key.to_owned(), origin());
+    let path = path_of(&draft.value, key);
+    draft.origins.retain(|other, _| !other.starts_with(&path) || !other[path.len()..].starts_with(['.', '[']));
+    draft.origins.insert(path, origin());
     for (dot, _) in key.match_indices('.') {
         if draft.value.pointer(&format!("/{}", key[..dot].replace('.', "/"))).is_none() {
-            draft.origins.entry(key[..dot].to_owned()).or_insert_with(origin);
+            draft.origins.entry(path_of(&draft.value, &key[..dot])).or_insert_with(origin);
         }
     }
 }
 
-/// Sets a key, making the sections above it; `Err` is the key of a value that stands in the way.
-fn put(value: &mut Value, key: &str, new: Value) -> Result<(), String> {
+/// The name of a key in faults: numbers that follow a list in brackets.
+fn path_of(value: &Value, key: &str) -> String {
+    let (mut at, mut path) = (value, String::new());
+    for part in key.split('.') {
+        if at.is_array() {
+            path = format!("{path}[{part}]");
+            at = part.parse().map_or(&Value::Null, |place: usize| &at[place]);
+        } else {
+            path = join(&path, part);
+            at = &at[part];
+        }
+    }
+    path
+}
+
+/// What keeps a key from being set.
+struct Obstacle {
+    at: String,
+    what: &'static str,
+}
+
+/// Sets a key, making the sections above it.
+fn put(value: &mut Value, key: &str, new: Value) -> Result<(), Obstacle> {
     let mut at = value;
     let mut end = 0;
     for part in key.split('.') {
         if at.is_null() {
             *at = Value::Object(Map::new());
         }
-        if !at.is_object() {
-            return Err(if end == 0 { "the recipe".to_owned() } else { key[..end - 1].to_owned() });
-        }
+        let held = if end == 0 { "the recipe" } else { &key[..end - 1] };
+        let obstacle = |what| Obstacle { at: held.to_owned(), what };
         end += part.len() + 1;
-        at = &mut at[part];
+        at = match at {
+            Value::Object(map) => map.entry(part).or_insert(Value::Null),
+            Value::Array(items) => {
+                let item = part.parse().ok().and_then(|place: usize| items.get_mut(place));
+                item.ok_or_else(|| obstacle("has no item of this number; they are counted from 0"))?
+            }
+            _ => return Err(obstacle("is a value and holds no keys")),
+        };
     }
     *at = new;
     Ok(())

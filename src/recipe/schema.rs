@@ -121,10 +121,27 @@ fn choice(key: &str, chosen: &str, names: &[&str], about: &str, settings: Value)
     schema
 }
 
+/// The variant that a value has chosen by the key that tells them apart, or else the first; a schema without variants itself.
+pub fn chosen<'a>(schema: &'a Value, value: &Value) -> &'a Value {
+    let Some(key) = choosing_key(schema) else { return schema };
+    let variants = schema["oneOf"].as_array().map_or(&[][..], Vec::as_slice);
+    let is_chosen = |variant: &&Value| variant["properties"][key]["default"] == value[key];
+    variants.iter().find(is_chosen).or(variants.first()).unwrap_or(schema)
+}
+
+/// The key that tells the variants of a schema apart, where it has variants with keys of their own.
+pub fn choosing_key(schema: &Value) -> Option<&str> {
+    schema["discriminator"]["propertyName"].as_str()
+}
+
 /// `value` with the default of every key it leaves out, in the order of the schema.
 pub fn filled(schema: &Value, value: &Value) -> Value {
+    let schema = chosen(schema, value);
     let Some(properties) = schema["properties"].as_object() else {
-        return if value.is_null() { schema["default"].clone() } else { value.clone() };
+        let value = if value.is_null() { &schema["default"] } else { value };
+        let items = value.as_array().filter(|_| schema["items"].is_object());
+        return items
+            .map_or_else(|| value.clone(), |items| items.iter().map(|item| filled(&schema["items"], item)).collect());
     };
     let fill = |(key, schema): (&String, &Value)| (key.clone(), filled(schema, &value[key]));
     Value::Object(properties.iter().map(fill).collect())

@@ -34,7 +34,7 @@ pub use self::chunk::{
     ChunkError, IMAGES, LodFacts, Written, adjacent, image_path, lod_path, read_mesh, read_ply, textured_path,
     write_mesh, write_textured,
 };
-pub use self::file::{FileRecord, Sink, sha256};
+pub use self::file::{FileRecord, Sink, sha256, write as write_file};
 pub use self::piece::{read_pieces, write_pieces};
 
 const MANIFEST: &str = "manifest.json";

@@ -1,4 +1,8 @@
-//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB.
+//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB, or the plan where the sample is about
+//! a generator.
+
+use std::fs;
+use std::path::PathBuf;
 
 use crate::judge::{self, SAMPLES};
 use crate::plume::Plume;
@@ -19,5 +23,28 @@ pub fn run(_arguments: &[String]) -> Result<()> {
         let picture = root().join(format!("samples/{name}.png"));
         println!("{}", judge::shoot(&root().join(output), &picture, spawn)?);
     }
+    plans(&plume)?;
+    let inside = ["preview", "samples/cave.toml", "--view", "inside", "--size", "960x540"];
+    plume.output(&[&inside[..], &["--output", "samples/inside.png", "--force"]].concat()).map(drop)
+}
+
+/// The plans of the samples that have no picture of their rock.
+fn plans(plume: &Plume) -> Result<()> {
+    for recipe in
+        recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml"))))
+    {
+        let (recipe, picture) = (recipe.display().to_string(), recipe.with_extension("png").display().to_string());
+        plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture, "--force"])?;
+        println!("{picture}");
+    }
     Ok(())
+}
+
+/// The recipes among the samples, relative to the workspace, in order.
+fn recipes() -> Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(root().join("samples")).map_err(|error| error.to_string())?;
+    let names = entries.filter_map(|entry| Some(PathBuf::from("samples").join(entry.ok()?.file_name())));
+    let mut recipes: Vec<PathBuf> = names.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
+    recipes.sort();
+    Ok(recipes)
 }

@@ -17,6 +17,7 @@ mod blender;
 mod formats;
 mod karstnet;
 pub mod mujoco;
+mod page;
 mod spoil;
 mod unity;
 pub mod urdf;
@@ -44,6 +45,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
             judge(&judges, &package, &mut tally);
             if Kind::of(&package) == Some(Kind::Mujoco) {
                 tally.enter("drive", mujoco::drive(&package));
+            }
+            if Kind::of(&package) == Some(Kind::Page) && judges.iter().any(|judge| judge.name == "page") {
+                tally.enter("page", page::spoil(&package));
             }
         }
         tally.enter("husky", urdf::spoil());
@@ -79,12 +83,13 @@ struct Judge {
     command: fn(&Path) -> Result<Command>,
 }
 
-const JUDGES: [Judge; 23] = [
+const JUDGES: [Judge; 24] = [
     Judge { name: "pybullet", of: Kind::Gazebo, prepare: make_venv, command: drop_pybullet },
     Judge { name: "gazebo", of: Kind::Gazebo, prepare: build_gazebo, command: open_gazebo },
     Judge { name: "validator", of: Kind::Gltf, prepare: install_node, command: validate_gltf },
     Judge { name: "three", of: Kind::Gltf, prepare: install_browser, command: shoot_package },
     Judge { name: "three-fbx", of: Kind::Fbx, prepare: install_browser, command: shoot_package },
+    Judge { name: "page", of: Kind::Page, prepare: page::make, command: page::open },
     Judge { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
     Judge { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
     Judge { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
@@ -120,6 +125,8 @@ enum Kind {
     /// The samples of the exporters.
     Marker,
     Assimp,
+    /// A page for a browser.
+    Page,
 }
 
 impl Kind {
@@ -135,6 +142,7 @@ impl Kind {
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
             _ if assimp::is_package(package) => Some(Self::Assimp),
+            _ if page::is_page(package) => Some(Self::Page),
             _ => None,
         }
     }
@@ -263,6 +271,7 @@ fn export_caves() -> Result<Vec<PathBuf>> {
     }
     packages.extend(export_pieces(&plume)?);
     packages.extend(assimp::export(&plume)?);
+    packages.push(page::write(&plume)?);
     Ok(packages)
 }
 

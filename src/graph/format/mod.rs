@@ -3,6 +3,7 @@
 //! A reader takes what it is given for hostile: it holds to the limits in [`limits`], follows no link that the format does
 //! not need, and says where a fault is.
 
+mod compass;
 mod csv;
 mod dot;
 mod draft;
@@ -26,8 +27,9 @@ use serde_json::Value;
 
 pub use survey::Tally;
 
-use super::Graph;
+use self::draft::Draft;
 use super::outside::Outside;
+use super::{Graph, Node};
 
 /// What becomes of parts of a graph that no passage joins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -53,6 +55,25 @@ pub struct Import {
     pub recipe: Option<Value>,
     /// What was left out or filled in.
     pub tally: Tally,
+}
+
+impl Import {
+    /// The same with every length times a factor. What comes to lie in one place, to 1 mm, is welded.
+    ///
+    /// # Errors
+    /// When nothing is left of it, or it reaches too far from the origin.
+    pub fn scaled(self, factor: f64, path: &Path) -> Result<Self, ReadError> {
+        let Self { graph, recipe, tally } = self;
+        let Graph { nodes, edges } = graph.scaled(factor);
+        let is_near = |node: &Node| node.position.iter().all(|x| x.abs() <= limits::MAX_LENGTH_M);
+        if !nodes.iter().all(is_near) {
+            return Err(ReadError::whole(path, "is too far away, scaled", text::LENGTH_HINT));
+        }
+        let finished = Draft { nodes, edges }.finished(Parts::Keep);
+        let name = |node: usize| format!("node {node}");
+        let (graph, lost) = finished.map_err(|error| error.into_error(path, name))?;
+        Ok(Self { graph, recipe, tally: Tally { left_out: tally.left_out + lost.left_out, ..tally } })
+    }
 }
 
 /// A file to be read, and the world it may ask for others.
@@ -130,6 +151,13 @@ pub static FORMATS: &[FormatRow] = &[
         endings: &[".3d"],
         summary: "a survey that Survex has processed, with its cross-sections",
         read: Some(survex3d::import),
+        write: None,
+    },
+    FormatRow {
+        name: "compass",
+        endings: &[".dat", ".mak"],
+        summary: "survey books of Compass and their projects",
+        read: Some(compass::import),
         write: None,
     },
 ];

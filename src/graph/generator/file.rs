@@ -33,8 +33,9 @@ impl Default for File {
 
 impl Generator for File {
     fn generate(&self, _: u64, outside: &dyn Outside) -> Result<Graph, GenerateError> {
-        let import = format::read(&self.path, self.parts, outside);
+        let import =
+            format::read(&self.path, self.parts, outside).and_then(|import| import.scaled(self.scale, &self.path));
         let import = import.map_err(|error| GenerateError::new(error.to_string(), error.hint))?;
-        Ok(import.graph.scaled(self.scale))
+        Ok(import.graph)
     }
 }

@@ -17,7 +17,7 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::network::{self, Growth, Network, Rules, Size, Spot};
+use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
 use super::{GenerateError, Generator};
 use crate::graph::Graph;
 use crate::graph::dice::Dice;
@@ -132,7 +132,8 @@ impl Default for GrownTunnels {
 
 impl Generator for GrownTunnels {
     fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
-        self.check()?;
+        in_order(["length_min_m", "length_max_m"], [self.length_min_m, self.length_max_m])?;
+        in_order(["width_min_m", "width_max_m"], [self.width_min_m, self.width_max_m])?;
         network::grown(&self.rules(), seed, "grown-tunnels", |dice, _| {
             let tunnels = Tunnels { settings: self, connectors_due: 0.0 };
             (self.spot(Point3::origin(), self.draw_width(dice)), tunnels)
@@ -141,22 +142,6 @@ impl Generator for GrownTunnels {
 }
 
 impl GrownTunnels {
-    fn check(&self) -> Result<(), GenerateError> {
-        let least_most = [
-            ("length_min_m", self.length_min_m, "length_max_m", self.length_max_m),
-            ("width_min_m", self.width_min_m, "width_max_m", self.width_max_m),
-        ];
-        for (least, low, most, high) in least_most {
-            if low > high {
-                return Err(GenerateError::new(
-                    format!("`{least}` is {low} but `{most}` is {high}"),
-                    "the least may not exceed the greatest",
-                ));
-            }
-        }
-        Ok(())
-    }
-
     fn rules(&self) -> Rules {
         Rules {
             nodes: self.nodes as usize,
@@ -283,12 +268,6 @@ impl Tunnels<'_> {
         corners.push(to);
         corners
     }
-}
-
-/// The direction of this yaw and inclination, of length 1.
-fn ahead(yaw: f64, pitch: f64) -> Vector3<f64> {
-    let level = libm::cos(pitch);
-    Vector3::new(level * libm::cos(yaw), level * libm::sin(yaw), libm::sin(pitch))
 }
 
 /// Points on the Catmull-Rom spline through these, the first and the last included (Catmull & Rom 1974).

@@ -8,6 +8,7 @@ pub mod grown_tunnels;
 pub mod layers;
 pub mod mine;
 mod network;
+pub mod worms;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -21,6 +22,7 @@ pub use gaussian_perlin::GaussianPerlin;
 pub use grown_tunnels::GrownTunnels;
 pub use layers::Layers;
 pub use mine::Mine;
+pub use worms::Worms;
 
 use super::Graph;
 use super::outside::Outside;
@@ -77,6 +79,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     ),
     row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
     row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
+    row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -20,21 +20,25 @@ pub use self::camera::Pose;
 use self::camera::{Camera, Ray};
 use self::light::{Lamp, Sight};
 use self::march::{Arrival, FAR_M};
+pub use self::stance::{is_air, raised};
+pub use self::tone::exposure as mean_exposure;
 use super::image::Image;
-use super::{Order, PreviewError, Size, Subject};
+use super::{Drawn, Order, PreviewError, Size, Subject};
 use crate::field::{Bounds, CaveField, Field, Surface, Texel};
 
 /// Pixels along the edge of a cone.
 const CONE: usize = 8;
 /// Cones along the edge of a square.
 const SQUARE: usize = 8;
+/// Cones keep this far from rock, metres. Tuned: with less, ledges are passed by in squares.
+const LIP_M: f32 = 0.2;
+/// Pixels of a cone that are this much further away than the next nearer ones lie on another surface. Tuned.
+const ONE_SURFACE: f32 = 1.1;
 
 /// The picture from a pose.
-pub fn inside(subject: &Subject, order: &Order, size: Size) -> Result<Vec<u8>, PreviewError> {
-    let pose = pose(subject, order)?;
-    let lamps = light::lamps(subject, pose.eye);
-    let light = light_of(subject.field, &lamps, pose, size, order.stop)?;
-    Ok(image_of(&light, size, tone::exposure(&light)).png())
+pub fn inside(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
+    let light = lit(subject, pose(subject, order)?, size, order.stop)?;
+    Ok(Drawn::File(exposed(&light, size, mean_exposure(&light)).png()))
 }
 
 /// The pose that was asked for, or one that shows most.
@@ -53,20 +57,17 @@ fn pose(subject: &Subject, order: &Order) -> Result<Pose, PreviewError> {
     Ok(pose)
 }
 
-fn image_of(light: &[[f32; 3]], size: Size, exposure: f32) -> Image {
+/// Light as pixels.
+pub fn exposed(light: &[[f32; 3]], size: Size, exposure: f32) -> Image {
     Image { size, rgb: light.iter().flat_map(|&light| tone::pixel(light, exposure)).collect() }
 }
 
 /// The light that comes to every pixel, rows from the top.
-fn light_of(
-    field: &CaveField,
-    lamps: &[Lamp],
-    pose: Pose,
-    size: Size,
-    stop: &AtomicBool,
-) -> Result<Vec<[f32; 3]>, PreviewError> {
+pub fn lit(subject: &Subject, pose: Pose, size: Size, stop: &AtomicBool) -> Result<Vec<[f32; 3]>, PreviewError> {
     let camera = Camera::new(pose, size);
-    let lamps: Vec<Lamp> = lamps.iter().copied().chain([light::headlamp(&camera)]).collect();
+    let field = subject.field;
+    let mut lamps = light::lamps(subject, pose.eye);
+    lamps.push(light::headlamp(&camera));
     let edge = CONE * SQUARE;
     let (width, height) = (size.width as usize, size.height as usize);
     let [across, down] = [width.div_ceil(edge), height.div_ceil(edge)];
@@ -96,8 +97,9 @@ fn square_of(field: &CaveField, lamps: &[Lamp], camera: &Camera, size: Size, cor
         .collect();
     let half = CONE as f32 / 2.0;
     let cones: Vec<Ray> = corners.iter().map(|[x, y]| camera.ray(*x as f32 + half, *y as f32 + half)).collect();
-    // Half the diagonal of a cone, and half of that again.
-    let starts = march::march(field, &cones, Arrival { share: 1.06 * CONE as f32 * camera.pixel, least_m: 0.02 });
+    // Twice the half diagonal of a cone, since the field is no exact distance; and it jumps at the lips of ledges.
+    let arrival = Arrival { share: 1.42 * CONE as f32 * camera.pixel, least_m: LIP_M };
+    let starts = march::march(field, &cones, arrival);
     corners.iter().zip(starts).flat_map(|(&corner, start)| cone_of(field, lamps, camera, size, corner, start)).collect()
 }
 
@@ -116,29 +118,34 @@ fn cone_of(
     let ray = |[x, y]: &[usize; 2]| Ray { start, ..camera.ray(*x as f32 + 0.5, *y as f32 + 0.5) };
     let rays: Vec<Ray> = pixels.iter().map(ray).collect();
     let ends = march::march(field, &rays, Arrival { share: 0.5 * camera.pixel, least_m: 0.001 });
-    let hits: Vec<(usize, [f32; 3])> =
-        (0..rays.len()).filter(|&i| ends[i] < FAR_M).map(|i| (i, rays[i].at(ends[i]))).collect();
-    let points: Vec<[f32; 3]> = hits.iter().map(|(_, point)| *point).collect();
-    let mean_m = hits.iter().map(|(i, _)| ends[*i]).sum::<f32>() / hits.len().max(1) as f32;
-    let texels = texels(field, &points, mean_m * camera.pixel);
-    let sight = |((i, point), texel): (&(usize, [f32; 3]), Texel)| Sight {
-        point: *point,
-        to_eye: rays[*i].along.map(|c| -c),
-        texel,
-    };
-    let sights: Vec<Sight> = hits.iter().zip(texels).map(sight).collect();
+    let mut hits: Vec<usize> = (0..rays.len()).filter(|&ray| ends[ray] < FAR_M).collect();
+    // What lies behind an edge is seen in the detail of its own distance.
+    hits.sort_by(|&one, &other| ends[one].total_cmp(&ends[other]));
+    let surfaces = hits.chunk_by(|&near, &next| ends[next] < ONE_SURFACE * ends[near]);
+    let sights: Vec<Sight> = surfaces.flat_map(|hits| sights(field, camera, &rays, &ends, hits)).collect();
     let light = light::radiance(field, lamps, &sights);
-    hits.iter().zip(light).map(|((i, _), rgb)| Pixel { at: pixels[*i], rgb }).collect()
+    hits.iter().zip(light).map(|(&ray, rgb)| Pixel { at: pixels[ray], rgb }).collect()
 }
 
-/// What the wall is like at points near each other, to the detail that pixels of this size show.
+/// What is seen of a surface where these rays hit it.
+fn sights(field: &CaveField, camera: &Camera, rays: &[Ray], ends: &[f32], hits: &[usize]) -> Vec<Sight> {
+    let points: Vec<[f32; 3]> = hits.iter().map(|&ray| rays[ray].at(ends[ray])).collect();
+    let mean_m = hits.iter().map(|&ray| ends[ray]).sum::<f32>() / hits.len() as f32;
+    let texels = texels(field, &points, mean_m * camera.pixel);
+    let sight = |((&ray, point), texel): ((&usize, &[f32; 3]), Texel)| Sight {
+        point: *point,
+        to_eye: rays[ray].along.map(|c| -c),
+        texel,
+    };
+    hits.iter().zip(&points).zip(texels).map(sight).collect()
+}
+
+/// What the wall is like at points near each other, of which there is one, to the detail that pixels of this size show.
 fn texels(field: &CaveField, points: &[[f32; 3]], texel_m: f32) -> Vec<Texel> {
+    let bounds = Bounds::around(points);
+    let mut normals = vec![[0.0; 3]; points.len()];
+    field.normals(bounds, points, &mut normals);
     let mut texels = vec![Texel::default(); points.len()];
-    if !points.is_empty() {
-        let bounds = Bounds::around(points);
-        let mut normals = vec![[0.0; 3]; points.len()];
-        field.normals(bounds, points, &mut normals);
-        field.texels(bounds, texel_m, points, &normals, &mut texels);
-    }
+    field.texels(bounds, texel_m, points, &normals, &mut texels);
     texels
 }

@@ -42,7 +42,7 @@ fn eye(subject: &Subject) -> Option<[f32; 3]> {
 pub fn raised(field: &dyn Field, ground: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = ground;
     let up = Ray { from: [x, y, z + BLIND_M], along: [0.0, 0.0, 1.0], start: 0.0 };
-    let room_m = march(field, &[up], GLANCE)[0];
+    let room_m = march(field, &[up], Arrival { share: 0.0, least_m: 0.005 })[0];
     [x, y, z + EYE_M.min(EYE_SHARE * room_m).max(BLIND_M)]
 }
 

@@ -21,27 +21,27 @@ use self::sheet::{Panel, Sheet, Station};
 use super::image::Image;
 use super::svg::{Anchor, Spot, Svg};
 use super::theme::{Palette, class_color, elevation_class};
-use super::{Format, Order, PreviewError, Size, Subject};
+use super::{Drawn, Format, Order, PreviewError, Size, Subject};
 
 /// Colours along one passage.
 const MOST_STEPS: usize = 8;
 
 /// The map seen from above.
-pub fn plan(subject: &Subject, order: &Order, size: Size) -> Result<Vec<u8>, PreviewError> {
+pub fn plan(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
     Ok(file(&drawing(subject, order, size, &Sheet::plan(subject)), order.format, size))
 }
 
 /// The map seen from the side.
-pub fn profile(subject: &Subject, order: &Order, size: Size) -> Result<Vec<u8>, PreviewError> {
+pub fn profile(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
     let area = Area::of(size);
     let sheet = Sheet::profile(subject, area.height() / area.width());
     Ok(file(&drawing(subject, order, size, &sheet), order.format, size))
 }
 
-fn file(svg: &str, format: Format, size: Size) -> Vec<u8> {
+fn file(svg: &str, format: Format, size: Size) -> Drawn {
     match format {
-        Format::Png => Image::of_svg(svg, size).png(),
-        _ => svg.as_bytes().to_vec(),
+        Format::Png => Drawn::File(Image::of_svg(svg, size).png()),
+        _ => Drawn::File(svg.as_bytes().to_vec()),
     }
 }
 

@@ -31,13 +31,17 @@ impl Default for Stack {
 }
 
 impl Stack {
-    /// Puts a layer below those that are there: at its depth, or as far below it as `rock_m` of rock to all of them asks.
-    pub(super) fn lay(&mut self, mut graph: Graph, layer: &Layer, rock_m: Option<f64>) {
+    /// Puts a layer below those that are there: at its depth, or as far below it as `rock_m` of rock to all of them asks. One
+    /// without a depth lies so much deeper still.
+    pub(super) fn lay(&mut self, mut graph: Graph, layer: &Layer, rock_m: Option<f64>, deeper_m: f64) {
         let own = Rock::new(&graph, Girth::default());
         let bodies: Vec<Body> = own.all_bodies().into_iter().map(|body| own.body(body)).collect();
         let mut by = self.start(&graph, layer);
         while let Some(lacking_m) = rock_m.and_then(|rock_m| self.lacking(&bodies, &by, rock_m)) {
             by.z = millimetres(by.z - lacking_m.max(LEAST_MOVE_M));
+        }
+        if layer.depth_m.is_none() && !self.layers.is_empty() {
+            by.z -= deeper_m;
         }
         for node in &mut graph.nodes {
             node.position = (node.position + by).map(millimetres);

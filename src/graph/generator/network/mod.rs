@@ -11,14 +11,16 @@ mod ways;
 
 use nalgebra::{Point3, Vector3};
 
-use super::GenerateError;
 use cells::Cells;
 
+use super::GenerateError;
 use crate::graph::dice::Dice;
 use crate::graph::sketch::{Knot, Sketch};
 use crate::graph::{Graph, Section, Shape, millimetres};
 use crate::seed;
 
+/// Least angle between passages at a station where no setting says it: 50 degrees.
+pub(super) const JUNCTION: f64 = 50.0 * std::f64::consts::PI / 180.0;
 /// Most passages at a station.
 pub(super) const DEGREE: usize = 4;
 /// Times that a network is begun before its settings are found too tight.
@@ -268,4 +270,21 @@ impl Network {
         self.close_loops(dice);
         growth.dig(self, dice);
     }
+}
+
+/// The direction of this yaw and inclination, of length 1.
+pub(super) fn ahead(yaw: f64, pitch: f64) -> Vector3<f64> {
+    let level = libm::cos(pitch);
+    Vector3::new(level * libm::cos(yaw), level * libm::sin(yaw), libm::sin(pitch))
+}
+
+/// Refuses two settings of which the least exceeds the greatest.
+pub(super) fn in_order([least, most]: [&str; 2], [low, high]: [f64; 2]) -> Result<(), GenerateError> {
+    if low <= high {
+        return Ok(());
+    }
+    Err(GenerateError::new(
+        format!("`{least}` is {low} but `{most}` is {high}"),
+        "the least may not exceed the greatest",
+    ))
 }

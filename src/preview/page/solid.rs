@@ -1,0 +1,105 @@
+//! The wall of a cave in few triangles.
+
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::packed;
+use crate::field::Reach;
+use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings, QUANTA_PER_M};
+use crate::preview::{PreviewError, Subject};
+
+/// Triangles before they are simplified. Tuned: about a second's work on two cores.
+const TRIANGLES: f64 = 120_000.0;
+/// Edge of a lattice cell, metres: finer than the least shows nothing more, and coarser than the most closes passages.
+const LEAST_VOXEL_M: f64 = 0.25;
+const MOST_VOXEL_M: f64 = 0.6;
+/// How far simplification may move the wall, in cells.
+const ERROR_CELLS: f32 = 0.2;
+/// Edge of a chunk in cells.
+const CHUNK_CELLS: f32 = 48.0;
+
+/// The wall, chunk by chunk.
+pub struct Solid {
+    chunks: Vec<Mesh>,
+}
+
+impl Solid {
+    /// The wall; `None` where it is too large to be made on the spot.
+    pub fn of(subject: &Subject, stop: &AtomicBool) -> Result<Option<Self>, PreviewError> {
+        let voxel_m = (2.0 * area_m2(subject) / TRIANGLES).sqrt().max(LEAST_VOXEL_M);
+        if voxel_m > MOST_VOXEL_M {
+            return Ok(None);
+        }
+        let voxel_m = voxel_m as f32;
+        let settings = MeshSettings {
+            voxel_m,
+            chunk_m: [voxel_m * CHUNK_CELLS; 3],
+            simplify_error_m: voxel_m * ERROR_CELLS,
+            // What wheels touch is not shown.
+            collision_error_m: 0.0,
+            ..MeshSettings::default()
+        };
+        let Ok(grid) = Grid::new(subject.field.bounds(), &settings) else {
+            return Ok(None);
+        };
+        let indices: Vec<ChunkIndex> = grid.indices().collect();
+        let chunk = |&index: &ChunkIndex| {
+            if stop.load(Ordering::Relaxed) {
+                return Err(PreviewError::Stopped);
+            }
+            Ok(mesh::chunk(subject.field, &grid, index, &settings).map(|meshes| meshes.visual))
+        };
+        let chunks = indices.par_iter().map(chunk).collect::<Result<Vec<Option<Mesh>>, _>>()?;
+        Ok(Some(Self { chunks: chunks.into_iter().flatten().collect() }))
+    }
+
+    /// As arrays: positions in steps from a corner, normals in 127ths.
+    pub fn to_json(&self) -> Value {
+        let positions = || self.chunks.iter().flat_map(|chunk| &chunk.positions);
+        let ends = |axis: usize| {
+            let along = || positions().map(|position| position[axis]);
+            [along().min().unwrap_or(0), along().max().unwrap_or(0)]
+        };
+        let [x, y, z] = [0, 1, 2].map(ends);
+        let corner = [x[0], y[0], z[0]];
+        let widest = [x, y, z].into_iter().map(|[low, high]| high - low).max().unwrap_or(0);
+        // As many quanta as let the widest side fit into 16 bits.
+        let step = widest / i32::from(u16::MAX) + 1;
+        let steps = positions().flat_map(|at| [0, 1, 2].map(|i| ((at[i] - corner[i]) / step) as u16));
+        let normals = self.chunks.iter().flat_map(|chunk| &chunk.normals).flatten();
+        let quantum_m = 1.0 / f64::from(QUANTA_PER_M);
+        json!({
+            "corner": corner.map(|quanta| f64::from(quanta) * quantum_m),
+            "step": f64::from(step) * quantum_m,
+            "positions": packed(steps.flat_map(u16::to_le_bytes)),
+            "normals": packed(normals.flat_map(|c| ((c * 127.0).round() as i8).to_le_bytes())),
+            "triangles": packed(self.triangles().flatten().flat_map(u32::to_le_bytes)),
+        })
+    }
+
+    /// The triangles of all chunks, as indices into the vertices of all.
+    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        let starts = self.chunks.iter().scan(0_u32, |next, chunk| {
+            let start = *next;
+            *next += chunk.positions.len() as u32;
+            Some(start)
+        });
+        let moved = |(chunk, start): (&Mesh, u32)| -> Vec<[u32; 3]> {
+            chunk.triangles.iter().map(|triangle| triangle.map(|corner| corner + start)).collect()
+        };
+        self.chunks.iter().zip(starts).flat_map(moved)
+    }
+}
+
+/// About how large the wall is: every passage as a tube.
+fn area_m2(subject: &Subject) -> f64 {
+    let around_m = |station: usize| {
+        let Reach { aside_m, up_m, down_m } = subject.passage.reach(&subject.graph.nodes[station]);
+        PI * f64::from(aside_m + (up_m + down_m) / 2.0)
+    };
+    let tube = |&[a, b]: &[usize; 2]| subject.graph.distance_m(a, b) * (around_m(a) + around_m(b)) / 2.0;
+    subject.graph.edges.iter().map(tube).sum()
+}
