@@ -162,7 +162,7 @@ def shapes():
             drawing.branch(a, b, 2 * branch - 1)
         drawing.branch(a, None, 2)
         yield f"{parallels} parallels, one of them short", drawing
-    for size in (5, 20, 80):
+    for size in (5, 10, 20, 40, 80):
         drawing = Drawing(size)
         drawing.tree(size)
         yield f"tree of {size}", drawing
@@ -204,9 +204,9 @@ def grown(judge):
         for seed in SEEDS:
             folder = judge.folder / f"{row['name']}-{seed}"
             size = SIZES[seed % len(SIZES)]
-            choice = ["--set", f"graph.generator={row['name']}", "--set", f"graph.nodes={size}"]
-            made = judge.run("graph", "--quiet", "--seed", seed, "--output", folder, *choice)
-            if made.returncode == 0:
+            make = ["graph", "--quiet", "--seed", seed, "--output", folder, "--set", f"graph.generator={row['name']}"]
+            # Layers have no number of nodes of their own.
+            if any(judge.run(*make, *more).returncode == 0 for more in (["--set", f"graph.nodes={size}"], [])):
                 yield folder / "graph.json"
 
 
