@@ -181,7 +181,8 @@ fn faulty(error: ReadError) -> CliError {
     CliError::Pipeline(PipelineError::GraphFile(error))
 }
 
-fn parts(name: &str) -> Result<Parts, String> {
+/// Reads what recipes call `parts`.
+pub fn parts(name: &str) -> Result<Parts, String> {
     serde_json::from_value(Value::from(name)).map_err(|_| "is none of refuse, join, keep, longest".to_owned())
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::fault::CliError;
+use super::graph::parts;
 use super::likeness;
 use super::progress::Console;
 use crate::cave::Input;
@@ -24,8 +25,8 @@ pub struct Measure {
     /// A graph or cave survey (`plume list formats`), or a cave folder
     #[arg(value_name = "GRAPH|CAVE_DIR")]
     path: PathBuf,
-    /// What becomes of parts of a graph that no passage joins: refuse, join, keep or longest
-    #[arg(long, value_name = "WHAT", default_value = "keep", value_parser = parts)]
+    /// What becomes of parts of the graph that no passage joins
+    #[arg(long, value_name = "refuse|join|keep|longest", default_value = "keep", value_parser = parts)]
     parts: Parts,
     /// Fail unless the graph is like a real cave
     #[arg(long)]
@@ -104,9 +105,4 @@ fn append(report: &mut Value, more: &PieceReport) {
     if let (Some(report), Value::Object(more)) = (report.as_object_mut(), more) {
         report.extend(more);
     }
-}
-
-/// Reads what recipes call `parts`.
-fn parts(word: &str) -> Result<Parts, String> {
-    serde_json::from_value(word.into()).map_err(|_| "known: refuse, join, keep, longest".to_owned())
 }
