@@ -22,7 +22,6 @@ use crate::field::{CaveField, PassageSettings};
 use crate::graph::Graph;
 
 pub use self::flight::Pace;
-pub use self::image::Image;
 pub use self::theme::Theme;
 
 /// A cave to be shown.

@@ -76,12 +76,11 @@ pub fn radiance(field: &dyn Field, lamps: &[Lamp], sights: &[Sight]) -> Vec<[f32
     for lamp in lamps {
         let shares: Vec<f32> = sights.iter().map(|sight| share(lamp, sight)).collect();
         let open = openness(field, lamp, sights, &shares);
-        for (((light, sight), share), open) in light.iter_mut().zip(sights).zip(shares).zip(open) {
+        for ((light, sight), open) in light.iter_mut().zip(sights).zip(open) {
             let direct = reflected(lamp, sight);
             let bounced = falloff(lamp, sight.point) * BOUNCED * sight.texel.occlusion;
             for i in 0..3 {
-                let shade = if share > 0.0 { direct[i] * open } else { 0.0 };
-                light[i] += lamp.color[i] * (shade + bounced * sight.texel.color[i]);
+                light[i] += lamp.color[i] * (direct[i] * open + bounced * sight.texel.color[i]);
             }
         }
     }
