@@ -58,6 +58,7 @@ fn faulty_previews_are_told() {
         ("preview_in_rock", &["--view", "inside", "--at", "0,0,-500"]),
         ("preview_look", &["--view", "inside", "--look", "90"]),
         ("preview_unwritable", &["--output", "file/plan.png"]),
+        ("preview_unheeded", &["--view", "plan", "--look", "90,0"]),
         ("preview_of_nothing", &["nowhere.toml"]),
     ] {
         let arguments: Vec<&str> = ["preview"].iter().chain(arguments).copied().collect();

@@ -42,6 +42,9 @@ pub enum CaveError {
         /// What to do.
         hint: String,
     },
+    /// The user stopped work that leaves nothing behind to go on from.
+    #[error("interrupted")]
+    Interrupted,
     /// A check that did not pass.
     #[error("{0}")]
     Failed(String),

@@ -32,7 +32,7 @@ pub fn preview(input: &Input, row: &ViewRow, order: &Order) -> Result<Drawn, Cav
 impl From<PreviewError> for CaveError {
     fn from(error: PreviewError) -> Self {
         if error == PreviewError::Stopped {
-            return Self::Pipeline(PipelineError::Interrupted);
+            return Self::Interrupted;
         }
         Self::Usage { message: error.to_string(), hint: error.hint().to_owned() }
     }

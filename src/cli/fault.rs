@@ -13,7 +13,7 @@ pub fn exit_code(error: &CliError) -> u8 {
     match error {
         CliError::Export(ExportError::MissingPart { .. }) => 69,
         CliError::Export(ExportError::Library { .. }) => 1,
-        CliError::Pipeline(PipelineError::Interrupted) => 130,
+        CliError::Interrupted | CliError::Pipeline(PipelineError::Interrupted) => 130,
         CliError::Pipeline(PipelineError::Store(StoreError::Io { source, .. })) => io_exit_code(source),
         CliError::Export(ExportError::Io(source) | ExportError::Load { source, .. }) => io_exit_code(source),
         CliError::Failed(_) => 1,

@@ -1,6 +1,7 @@
 //! `plume preview`: what a cave will be like, in seconds.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -23,9 +24,9 @@ pub struct Preview {
     /// What to show; `plume list views` names them [default: what FILE can hold]
     #[arg(long)]
     view: Option<String>,
-    /// What maps are drawn on
-    #[arg(long, value_enum, default_value_t = Theme::Light)]
-    theme: Theme,
+    /// What maps are drawn on [default: light]
+    #[arg(long, value_enum)]
+    theme: Option<Theme>,
     /// Width and height in pixels, for example 1280x720 [default: of the view]
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
@@ -35,12 +36,12 @@ pub struct Preview {
     /// Where to look to, degrees from +x to +y and up [default: where the passage is open furthest]
     #[arg(long, value_name = "YAW,PITCH", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     look: Vec<f32>,
-    /// Frames of a flight in a second
-    #[arg(long, value_name = "N", default_value_t = Pace::default().fps)]
-    fps: u32,
-    /// Seconds of a flight
-    #[arg(long, value_name = "S", default_value_t = Pace::default().seconds)]
-    seconds: f64,
+    /// Frames of a flight in a second [default: 10]
+    #[arg(long, value_name = "N")]
+    fps: Option<u32>,
+    /// Seconds of a flight [default: 6]
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
     /// Show the file with the program that the system has for it
     #[arg(long)]
     open: bool,
@@ -65,23 +66,53 @@ impl Preview {
         let start = Instant::now();
         let row = self.row()?;
         let format = self.format(row)?;
-        let size = self.size.as_deref().map(str::parse::<Size>).transpose()?;
+        self.refuse_unheeded(row)?;
         let input = self.source.resolve()?;
-        let theme = match self.theme {
-            Theme::Light => preview::Theme::Light,
-            Theme::Dark => preview::Theme::Dark,
-        };
-        let look = numbers("--look", &self.look)?.map(|angles: [f32; 2]| angles.map(f32::to_radians));
-        let pace = Pace::new(self.fps, self.seconds)?;
-        let order = Order { format, theme, size, at: numbers("--at", &self.at)?, look, pace, stop: console.stop() };
-        let drawn = cave::preview(&input, row, &order)?;
+        let order = self.order(format, console)?;
         let output = self.output.clone().unwrap_or_else(|| {
             let dot = if format.ending().is_empty() { "" } else { "." };
             format!("{}-{}{dot}{}", input.recipe.name, row.name, format.ending()).into()
         });
+        refuse_nowhere(&output)?;
+        let drawn = cave::preview(&input, row, &order)?;
         let bytes = save(&output, &drawn)?;
         report(console, row, &output, bytes, start)?;
         if self.open { open(&output) } else { Ok(()) }
+    }
+
+    fn order<'a>(&self, format: Format, console: &'a Console) -> Result<Order<'a>, CliError> {
+        let usual = Pace::default();
+        Ok(Order {
+            format,
+            theme: match self.theme {
+                None | Some(Theme::Light) => preview::Theme::Light,
+                Some(Theme::Dark) => preview::Theme::Dark,
+            },
+            size: self.size.as_deref().map(str::parse::<Size>).transpose()?,
+            at: numbers("--at", &self.at)?,
+            look: numbers("--look", &self.look)?.map(|angles: [f32; 2]| angles.map(f32::to_radians)),
+            pace: Pace::new(self.fps.unwrap_or(usual.fps), self.seconds.unwrap_or(usual.seconds))?,
+            stop: console.stop(),
+        })
+    }
+
+    /// Refuses options that would change nothing.
+    fn refuse_unheeded(&self, row: &ViewRow) -> Result<(), CliError> {
+        let given = [
+            ("theme", self.theme.is_some()),
+            ("size", self.size.is_some()),
+            ("at", !self.at.is_empty()),
+            ("look", !self.look.is_empty()),
+            ("fps", self.fps.is_some()),
+            ("seconds", self.seconds.is_some()),
+        ];
+        let Some((option, _)) = given.into_iter().find(|(option, given)| *given && !row.heeds.contains(option)) else {
+            return Ok(());
+        };
+        let heeding = preview::VIEWS.iter().filter(|row| row.heeds.contains(&option));
+        let names: Vec<&str> = heeding.map(|row| row.name).collect();
+        let message = format!("--{option} changes nothing in the view {}", row.name);
+        Err(CliError::Usage { message, hint: format!("it is for --view {}", names.join(", ")) })
     }
 
     /// The view that was named, or the first that the file can hold.
@@ -140,6 +171,19 @@ fn format_called(row: &ViewRow, ending: &str) -> Option<Format> {
     row.formats.iter().copied().find(|format| format.ending() == ending)
 }
 
+/// Says that there is no such folder before the work and not after it.
+fn refuse_nowhere(output: &Path) -> Result<(), CliError> {
+    let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) else {
+        return Ok(());
+    };
+    let fault = match fs::metadata(folder) {
+        Ok(found) if found.is_dir() => return Ok(()),
+        Ok(_) => ErrorKind::NotADirectory.into(),
+        Err(source) => source,
+    };
+    Err(StoreError::io(folder, fault).into())
+}
+
 /// Writes what was drawn; gives its size.
 fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
     let frames = match drawn {
@@ -149,7 +193,7 @@ fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
         }
         Drawn::Frames(frames) => frames,
     };
-    fs::create_dir_all(output).map_err(|source| StoreError::Io { path: output.to_path_buf(), source })?;
+    fs::create_dir_all(output).map_err(|source| StoreError::io(output, source))?;
     for (number, frame) in frames.iter().enumerate() {
         write(&output.join(format!("{number:05}.png")), frame)?;
     }
@@ -165,7 +209,7 @@ fn write(output: &Path, bytes: &[u8]) -> Result<(), CliError> {
     written.map_err(|source| {
         // What is left of it helps nobody.
         let _ = fs::remove_file(&partial);
-        StoreError::Io { path: output.to_path_buf(), source }.into()
+        StoreError::io(output, source).into()
     })
 }
 

@@ -22,7 +22,6 @@ use crate::field::{CaveField, PassageSettings};
 use crate::graph::Graph;
 
 pub use self::flight::Pace;
-pub use self::image::Image;
 pub use self::theme::Theme;
 
 /// A cave to be shown.
@@ -143,6 +142,8 @@ pub struct ViewRow {
     pub formats: &'static [Format],
     /// How large it is unless another size is asked for.
     pub size: Size,
+    /// What of an order it heeds besides the format.
+    pub heeds: &'static [&'static str],
     draw: fn(&Subject, &Order, Size) -> Result<Drawn, PreviewError>,
 }
 
@@ -168,6 +169,7 @@ pub static VIEWS: &[ViewRow] = &[
         summary: "map seen from above, storeys side by side",
         formats: &[Format::Png, Format::Svg],
         size: MAP,
+        heeds: &["size", "theme"],
         draw: map::plan,
     },
     ViewRow {
@@ -175,6 +177,7 @@ pub static VIEWS: &[ViewRow] = &[
         summary: "map seen from the side, along the longest axis of the cave",
         formats: &[Format::Png, Format::Svg],
         size: Size { height: 640, ..MAP },
+        heeds: &["size", "theme"],
         draw: map::profile,
     },
     ViewRow {
@@ -182,6 +185,7 @@ pub static VIEWS: &[ViewRow] = &[
         summary: "what a robot's camera will see, with the rock and the lamps of the cave",
         formats: &[Format::Png],
         size: Size { width: 960, height: 540 },
+        heeds: &["size", "at", "look"],
         draw: inside::inside,
     },
     ViewRow {
@@ -189,6 +193,7 @@ pub static VIEWS: &[ViewRow] = &[
         summary: "flight from the entrance along the longest passages",
         formats: &[Format::Gif, Format::Png, Format::Frames],
         size: Size { width: 400, height: 225 },
+        heeds: &["size", "fps", "seconds"],
         draw: flight::flight,
     },
     ViewRow {
@@ -196,6 +201,7 @@ pub static VIEWS: &[ViewRow] = &[
         summary: "page for a browser, in which the cave can be turned about and cut open",
         formats: &[Format::Html],
         size: MAP,
+        heeds: &[],
         draw: page::page,
     },
 ];

@@ -1,10 +1,7 @@
 //! Colours: of paper and ink, and of elevations.
 
-use serde::{Deserialize, Serialize};
-
 /// What a map is drawn on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {
     /// White paper.
     #[default]
@@ -19,7 +16,7 @@ pub struct Palette {
     pub paper: &'static str,
     /// Text and marks.
     pub ink: &'static str,
-    /// Lesser text, and axes.
+    /// Lesser text.
     pub faint: &'static str,
     /// Lines that help to read heights.
     pub grid: &'static str,

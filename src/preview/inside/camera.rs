@@ -74,11 +74,6 @@ impl Camera {
     pub fn lamp(&self) -> [f32; 3] {
         std::array::from_fn(|i| self.eye[i] + 0.18 * self.up[i] - 0.22 * self.right[i])
     }
-
-    /// How far off the middle of the view a direction points, as a cosine.
-    pub fn centred(&self, along: [f32; 3]) -> f32 {
-        dot(along, self.ahead)
-    }
 }
 
 /// The scalar product.

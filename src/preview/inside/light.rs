@@ -25,6 +25,8 @@ const LAMP_RADIUS_M: f32 = 0.5;
 /// How hard the edge of a shadow is. Tuned.
 const HARDNESS: f32 = 9.0;
 const SHADOW_STEPS: usize = 18;
+/// Spread of the gloss at least. Tuned: with less, wet rock glitters, since a pixel is one ray.
+const LEAST_SPREAD: f32 = 0.06;
 /// A lamp that adds less to a point than this share of its light throws no shadow there. Tuned.
 const LEAST_SHARE: f32 = 0.002;
 
@@ -74,12 +76,11 @@ pub fn radiance(field: &dyn Field, lamps: &[Lamp], sights: &[Sight]) -> Vec<[f32
     for lamp in lamps {
         let shares: Vec<f32> = sights.iter().map(|sight| share(lamp, sight)).collect();
         let open = openness(field, lamp, sights, &shares);
-        for (((light, sight), share), open) in light.iter_mut().zip(sights).zip(shares).zip(open) {
+        for ((light, sight), open) in light.iter_mut().zip(sights).zip(open) {
             let direct = reflected(lamp, sight);
             let bounced = falloff(lamp, sight.point) * BOUNCED * sight.texel.occlusion;
             for i in 0..3 {
-                let shade = if share > 0.0 { direct[i] * open } else { 0.0 };
-                light[i] += lamp.color[i] * (shade + bounced * sight.texel.color[i]);
+                light[i] += lamp.color[i] * (direct[i] * open + bounced * sight.texel.color[i]);
             }
         }
     }
@@ -132,7 +133,7 @@ fn reflected(lamp: &Lamp, sight: &Sight) -> [f32; 3] {
     let half = unit(std::array::from_fn(|i| to_lamp[i] + sight.to_eye[i]));
     let lit = dot(normal, to_lamp).max(0.0);
     let seen = dot(normal, sight.to_eye).max(0.05);
-    let spread = (roughness * roughness).max(0.03);
+    let spread = (roughness * roughness).max(LEAST_SPREAD);
     let facing = dot(normal, half).max(0.0);
     let peak = facing * facing * (spread * spread - 1.0) + 1.0;
     let facets = spread * spread / (std::f32::consts::PI * peak * peak);

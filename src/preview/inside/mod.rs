@@ -19,7 +19,7 @@ use rayon::prelude::*;
 pub use self::camera::Pose;
 use self::camera::{Camera, Ray};
 use self::light::{Lamp, Sight};
-use self::march::{Arrival, FAR_M};
+use self::march::{Approach, BRISK, CAREFUL, FAR_M};
 pub use self::stance::{is_air, raised};
 pub use self::tone::exposure as mean_exposure;
 use super::image::Image;
@@ -31,7 +31,7 @@ const CONE: usize = 8;
 /// Cones along the edge of a square.
 const SQUARE: usize = 8;
 /// Cones keep this far from rock, metres. Tuned: with less, ledges are passed by in squares.
-const LIP_M: f32 = 0.2;
+const LIP_M: f32 = 0.3;
 /// Pixels of a cone that are this much further away than the next nearer ones lie on another surface. Tuned.
 const ONE_SURFACE: f32 = 1.1;
 
@@ -98,8 +98,8 @@ fn square_of(field: &CaveField, lamps: &[Lamp], camera: &Camera, size: Size, cor
     let half = CONE as f32 / 2.0;
     let cones: Vec<Ray> = corners.iter().map(|[x, y]| camera.ray(*x as f32 + half, *y as f32 + half)).collect();
     // Twice the half diagonal of a cone, since the field is no exact distance; and it jumps at the lips of ledges.
-    let arrival = Arrival { share: 1.42 * CONE as f32 * camera.pixel, least_m: LIP_M };
-    let starts = march::march(field, &cones, arrival);
+    let approach = Approach { share: 1.42 * CONE as f32 * camera.pixel, least_m: LIP_M, step: CAREFUL };
+    let starts = march::march(field, &cones, approach);
     corners.iter().zip(starts).flat_map(|(&corner, start)| cone_of(field, lamps, camera, size, corner, start)).collect()
 }
 
@@ -117,7 +117,7 @@ fn cone_of(
         .collect();
     let ray = |[x, y]: &[usize; 2]| Ray { start, ..camera.ray(*x as f32 + 0.5, *y as f32 + 0.5) };
     let rays: Vec<Ray> = pixels.iter().map(ray).collect();
-    let ends = march::march(field, &rays, Arrival { share: 0.5 * camera.pixel, least_m: 0.001 });
+    let ends = march::march(field, &rays, Approach { share: 0.5 * camera.pixel, least_m: 0.001, step: BRISK });
     let mut hits: Vec<usize> = (0..rays.len()).filter(|&ray| ends[ray] < FAR_M).collect();
     // What lies behind an edge is seen in the detail of its own distance.
     hits.sort_by(|&one, &other| ends[one].total_cmp(&ends[other]));

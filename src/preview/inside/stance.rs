@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use super::camera::{Pose, Ray};
-use super::march::{Arrival, march};
+use super::march::{Approach, BRISK, march};
 use crate::field::Field;
 use crate::graph::Graph;
 use crate::preview::{PreviewError, Subject};
@@ -17,7 +17,7 @@ const EYE_SHARE: f32 = 0.6;
 const DIRECTIONS: usize = 32;
 /// Stations that are tried for level ground, the first of the graph.
 const MOST_STATIONS: usize = 400;
-const GLANCE: Arrival = Arrival { share: 0.0, least_m: 0.05 };
+const GLANCE: Approach = Approach { share: 0.0, least_m: 0.05, step: BRISK };
 /// A look that ends nearer than this shows nothing, metres.
 const BLIND_M: f32 = 0.05;
 
@@ -42,7 +42,7 @@ fn eye(subject: &Subject) -> Option<[f32; 3]> {
 pub fn raised(field: &dyn Field, ground: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = ground;
     let up = Ray { from: [x, y, z + BLIND_M], along: [0.0, 0.0, 1.0], start: 0.0 };
-    let room_m = march(field, &[up], Arrival { share: 0.0, least_m: 0.005 })[0];
+    let room_m = march(field, &[up], Approach { share: 0.0, least_m: 0.005, step: BRISK })[0];
     [x, y, z + EYE_M.min(EYE_SHARE * room_m).max(BLIND_M)]
 }
 

@@ -1,5 +1,8 @@
 //! Where a cave begins and ends, and where it runs round.
 
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+
 use super::frame::Frame;
 use super::sheet::{Panel, Sheet};
 use crate::graph::Graph;
@@ -8,6 +11,9 @@ use crate::preview::theme::Palette;
 
 /// A mark nearer to another than this is left out, in units of the paper.
 const APART: f64 = 9.0;
+
+/// Corners of what looks round.
+const CORNERS: usize = 20;
 
 /// What a mark says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +53,7 @@ impl Marks {
 
     /// Draws those of a panel, the earlier where two are too near each other.
     pub fn draw(&self, svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
-        let mut taken = std::collections::BTreeSet::new();
+        let mut taken = BTreeSet::new();
         let is_here = |end: &usize| panel.level.is_none_or(|level| sheet.stations[*end].level == level);
         for (mark, ends) in &self.marks {
             if !ends.iter().any(is_here) {
@@ -66,10 +72,10 @@ impl Marks {
 pub fn draw(svg: &mut Svg, palette: &Palette, mark: Mark, at: Spot, unit: f64) {
     let round = |radius: f64| {
         let corner = |i: usize| {
-            let angle = std::f64::consts::TAU * i as f64 / 20.0;
+            let angle = TAU * i as f64 / CORNERS as f64;
             [at[0] + radius * unit * libm::cos(angle), at[1] + radius * unit * libm::sin(angle)]
         };
-        (0..20).map(corner).collect::<Vec<Spot>>()
+        (0..CORNERS).map(corner).collect::<Vec<Spot>>()
     };
     match mark {
         Mark::Origin => {

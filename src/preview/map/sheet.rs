@@ -97,7 +97,7 @@ impl Sheet {
         };
         let stations = subject.graph.nodes.iter().map(station).collect();
         let azimuth_deg = libm::round(azimuth_deg(along_x, along_y));
-        let note = format!("towards {azimuth_deg:03}° on the right");
+        let note = format!("right is {azimuth_deg:03}°");
         Self { is_upright: true, note, ..Self::new("profile", subject.graph, stations) }.stretched(ratio)
     }
 
@@ -163,7 +163,9 @@ fn storey(graph: &Graph, level: u32) -> Panel {
     let is_here = |edge: &&[usize; 2]| edge.iter().any(|&end| graph.nodes[end].level == level);
     let heights = graph.nodes.iter().filter(|node| node.level == level).map(|node| node.position.z);
     let (low, high) = (heights.clone().fold(f64::INFINITY, f64::min), heights.fold(f64::NEG_INFINITY, f64::max));
-    let label = format!("storey {level}, {} to {} m", whole(low), whole(high));
+    let (low, high) = (whole(low), whole(high));
+    let heights = if low == high { low } else { format!("{low} to {high}") };
+    let label = format!("storey {level}, {heights} m");
     Panel { label, level: Some(level), edges: graph.edges.iter().filter(is_here).copied().collect() }
 }
 
