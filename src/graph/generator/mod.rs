@@ -3,6 +3,7 @@
 mod cellular;
 mod file;
 pub mod gaussian_perlin;
+mod heightmap;
 mod karst;
 pub mod mine;
 
@@ -14,6 +15,7 @@ use serde_json::Value;
 pub use cellular::Cellular;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
+pub use heightmap::Heightmap;
 pub use karst::Karst;
 pub use mine::Mine;
 
@@ -67,6 +69,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
     row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
     row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
+    row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
