@@ -6,6 +6,7 @@ pub mod gaussian_perlin;
 mod heightmap;
 mod karst;
 pub mod mine;
+mod tiles;
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
@@ -18,6 +19,7 @@ pub use gaussian_perlin::GaussianPerlin;
 pub use heightmap::Heightmap;
 pub use karst::Karst;
 pub use mine::Mine;
+pub use tiles::Tiles;
 
 use super::Graph;
 use super::outside::Outside;
@@ -70,6 +72,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
     row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
     row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
+    row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
