@@ -5,10 +5,12 @@ mod external;
 mod file;
 pub mod gaussian_perlin;
 pub mod grown_tunnels;
+mod heightmap;
 mod karst;
 pub mod layers;
 pub mod mine;
 mod network;
+mod tiles;
 pub mod worms;
 
 use schemars::JsonSchema;
@@ -21,9 +23,11 @@ pub use external::External;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
 pub use grown_tunnels::GrownTunnels;
+pub use heightmap::Heightmap;
 pub use karst::Karst;
 pub use layers::Layers;
 pub use mine::Mine;
+pub use tiles::Tiles;
 pub use worms::Worms;
 
 use super::Graph;
@@ -83,6 +87,8 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
     row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
     row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
+    row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
+    row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

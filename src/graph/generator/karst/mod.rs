@@ -174,7 +174,7 @@ impl Karst {
         }
         let reach_m = 0.5 * self.side_m();
         for (key, points) in [("sinks", &self.sinks), ("springs", &self.springs)] {
-            if points.iter().flatten().any(|at| !(at.abs() <= reach_m)) {
+            if !points.iter().flatten().all(|at| at.abs() <= reach_m) {
                 let hint = format!("with {} nodes it reaches {reach_m:.0} m each way from the middle", self.nodes);
                 return Err(wrong(key, "holds a point outside of the rock", &hint));
             }
