@@ -12,3 +12,5 @@ pub const MAX_FILES: usize = 1_000;
 pub const MAX_DEPTH: usize = 64;
 /// Bytes of one line of a text.
 pub const MAX_LINE: usize = 64 * 1024;
+/// Bytes of all files that one file leads to.
+pub const MAX_BYTES: usize = 256 << 20;

@@ -3,19 +3,24 @@
 //! A reader takes what it is given for hostile: it holds to the limits in [`limits`], follows no link that the format does
 //! not need, and says where a fault is.
 
+mod centreline;
 mod compass;
 mod csv;
 mod dot;
 mod draft;
 mod fields;
+mod files;
 mod graphml;
 pub mod json;
 mod karst;
 pub mod limits;
+mod measure;
 mod parts;
 mod survex3d;
 mod survey;
+mod svx;
 mod text;
+mod therion;
 mod traverse;
 
 use std::fmt;
@@ -144,6 +149,20 @@ pub static FORMATS: &[FormatRow] = &[
         endings: &[".3d"],
         summary: "a survey that Survex has processed, with its cross-sections",
         read: Some(survex3d::import),
+        write: None,
+    },
+    FormatRow {
+        name: "svx",
+        endings: &[".svx"],
+        summary: "survey data of Survex, as it was measured",
+        read: Some(svx::import),
+        write: None,
+    },
+    FormatRow {
+        name: "therion",
+        endings: &[".th"],
+        summary: "the centreline of a Therion survey, as it was measured",
+        read: Some(therion::import),
         write: None,
     },
     FormatRow {

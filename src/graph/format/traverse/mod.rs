@@ -52,7 +52,7 @@ impl Default for Accuracy {
             length_m: 0.05,
             bearing_rad: 0.5_f64.to_radians(),
             gradient_rad: 0.5_f64.to_radians(),
-            plumb_rad: 0.5_f64.to_radians(),
+            plumb_rad: 0.25_f64.to_radians(),
             position_m: 0.05,
         }
     }

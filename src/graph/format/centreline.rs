@@ -1,0 +1,349 @@
+//! Stations by name, and what text files say of them, until all of it is known.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::files::{Files, Spot};
+use super::limits::{MAX_LEGS, MAX_STATIONS};
+use super::measure::Measured;
+use super::survey::{Leg, Station, Survey, Walls};
+use super::traverse::{Fix, Shot, Traverse};
+use super::{Import, Parts, ReadError, Source};
+
+/// A name within a survey: index into [`Names`].
+pub(super) type Name = usize;
+
+/// The surveys and stations that names lead to, as a tree.
+#[derive(Debug)]
+pub(super) struct Names {
+    below: Vec<BTreeMap<Box<str>, Name>>,
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self { below: vec![BTreeMap::new()] }
+    }
+}
+
+impl Names {
+    /// What all names are below.
+    pub(super) const ROOT: Name = 0;
+
+    /// What is called so below another, new or known.
+    pub(super) fn below(&mut self, above: Name, name: &str) -> Name {
+        if let Some(&known) = self.below[above].get(name) {
+            return known;
+        }
+        let new = self.add();
+        self.below[above].insert(name.into(), new);
+        new
+    }
+
+    /// Something without a name.
+    pub(super) fn add(&mut self) -> Name {
+        self.below.push(BTreeMap::new());
+        self.below.len() - 1
+    }
+}
+
+/// A station that is said to be somewhere.
+struct Claim {
+    name: Name,
+    position: Point3<f64>,
+    covariance: Option<Matrix3<f64>>,
+    spot: Spot,
+}
+
+/// A cross-section, by names.
+pub(super) struct Section {
+    pub(super) station: Name,
+    pub(super) looking: [Name; 2],
+    /// Left, right, up and down in metres.
+    pub(super) walls_m: [Option<f64>; 4],
+}
+
+/// What shots are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Flags {
+    surface: bool,
+    duplicate: bool,
+    splay: bool,
+}
+
+impl Flags {
+    /// Sets flags as they are written: those behind `not` are off, others stay.
+    pub(super) fn read(&mut self, words: &[&str]) -> Result<(), String> {
+        let mut on = true;
+        for word in words {
+            let flag = match word.to_ascii_lowercase().as_str() {
+                "not" => {
+                    on = false;
+                    continue;
+                }
+                "surface" => &mut self.surface,
+                "duplicate" => &mut self.duplicate,
+                "splay" => &mut self.splay,
+                "approx" | "approximate" => {
+                    on = true;
+                    continue;
+                }
+                _ => return Err(format!("`{}` is no flag", word.escape_default())),
+            };
+            *flag = on;
+            on = true;
+        }
+        Ok(())
+    }
+
+    /// What a shot is, which may end at a wall.
+    pub(super) fn leg(self, at_wall: bool) -> Leg {
+        if self.splay || at_wall {
+            Leg::Splay
+        } else if self.surface {
+            Leg::Surface
+        } else if self.duplicate {
+            Leg::Duplicate
+        } else {
+            Leg::Passage
+        }
+    }
+}
+
+/// What was read so far.
+#[derive(Default)]
+pub(super) struct Centreline {
+    pub(super) names: Names,
+    /// What is the same station as another, and what leads on to that.
+    same: BTreeMap<Name, Name>,
+    legs: Vec<([Name; 2], Leg)>,
+    shots: Vec<([Name; 2], Measured)>,
+    /// How often the last shot was measured in a row.
+    repeats: usize,
+    sections: Vec<Section>,
+    claims: Vec<Claim>,
+    entrances: Vec<Name>,
+    /// The cross-sections of the tube that is being read.
+    tube: Vec<(Name, [Option<f64>; 4])>,
+    /// The coordinate system.
+    system: Option<String>,
+}
+
+impl Centreline {
+    /// Adds a leg.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn leg(&mut self, ends: [Name; 2], leg: Leg, measured: Measured) -> Result<(), String> {
+        if self.legs.len() >= MAX_LEGS || self.names.below.len() > 2 * MAX_STATIONS {
+            return Err(format!("the survey has more than {MAX_LEGS} legs or {MAX_STATIONS} stations"));
+        }
+        if ends[0] == ends[1] {
+            return Err("the shot ends at the station where it begins".to_owned());
+        }
+        if self.repeat(ends, &measured) {
+            return Ok(());
+        }
+        self.repeats = 1;
+        match measured {
+            Measured::Nothing => self.equate(ends[0], ends[1]),
+            Measured::Way => self.legs.push((ends, leg)),
+            Measured::Shot { .. } => {
+                self.legs.push((ends, leg));
+                self.shots.push((ends, measured));
+            }
+        }
+        Ok(())
+    }
+
+    /// A shot that was just measured the same way counts as one, which is their mean.
+    fn repeat(&mut self, ends: [Name; 2], measured: &Measured) -> bool {
+        let (Measured::Shot { vector: again, .. }, Some((last, Measured::Shot { vector, .. }))) =
+            (measured, self.shots.last_mut())
+        else {
+            return false;
+        };
+        let again = match *last {
+            known if known == ends => *again,
+            [from, to] if [to, from] == ends => -again,
+            _ => return false,
+        };
+        self.repeats += 1;
+        *vector += (again - *vector) / self.repeats as f64;
+        true
+    }
+
+    /// Says that two stations are one.
+    pub(super) fn equate(&mut self, a: Name, b: Name) {
+        let (a, b) = (self.found(a), self.found(b));
+        if a != b {
+            self.same.insert(a.max(b), a.min(b));
+        }
+    }
+
+    /// The first name of a station.
+    fn found(&mut self, name: Name) -> Name {
+        let mut at = name;
+        while let Some(&next) = self.same.get(&at) {
+            at = next;
+        }
+        // Shortened, so that chains of equates are walked once.
+        let mut walked = name;
+        while let Some(next) = self.same.get_mut(&walked).filter(|next| **next != at) {
+            walked = std::mem::replace(next, at);
+        }
+        at
+    }
+
+    /// Says where a station is; without covariance, exactly.
+    pub(super) fn fix(&mut self, name: Name, position: Point3<f64>, covariance: Option<Matrix3<f64>>, spot: Spot) {
+        self.claims.push(Claim { name, position, covariance, spot });
+    }
+
+    pub(super) fn entrance(&mut self, name: Name) {
+        self.entrances.push(name);
+    }
+
+    pub(super) fn section(&mut self, section: Section) {
+        if section.walls_m.iter().any(Option::is_some) {
+            self.sections.push(section);
+        }
+    }
+
+    /// Adds a cross-section to a tube.
+    pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) {
+        self.tube.push((station, walls_m));
+    }
+
+    /// Notes the cross-sections of the tube: at its ends one looks along its first and last leg, between them from the
+    /// station before to that behind.
+    pub(super) fn end_tube(&mut self) {
+        let tube = std::mem::take(&mut self.tube);
+        for (place, &(station, walls_m)) in tube.iter().enumerate() {
+            let before = tube[place.saturating_sub(1)].0;
+            let behind = tube[(place + 1).min(tube.len() - 1)].0;
+            self.section(Section { station, looking: [before, behind], walls_m });
+        }
+    }
+
+    /// Counts coordinates in this system, which has to be the only one.
+    ///
+    /// # Errors
+    /// When positions would have to be projected or turned.
+    pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
+        let system = system.to_ascii_lowercase();
+        if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
+            return Err(format!("coordinates in `{system}` would have to be projected"));
+        }
+        match &self.system {
+            Some(known) if *known != system => Err(format!(
+                "coordinates in `{}` besides `{known}` would have to be projected",
+                system.escape_default()
+            )),
+            _ => {
+                self.system = Some(system);
+                Ok(())
+            }
+        }
+    }
+
+    /// The graph of it all.
+    pub(super) fn into_import(mut self, source: &Source, parts: Parts, files: &Files) -> Result<Import, ReadError> {
+        self.end_tube();
+        let mut numbers = Numbers { of: vec![None; self.names.below.len()], count: 0 };
+        let legs: Vec<([Name; 2], Leg)> = std::mem::take(&mut self.legs);
+        let legs: Vec<([usize; 2], Leg)> =
+            legs.into_iter().map(|(ends, leg)| (ends.map(|end| numbers.of(self.found(end))), leg)).collect();
+        if legs.is_empty() {
+            return Err(ReadError::whole(
+                source.path,
+                "has no legs",
+                "a cave takes two stations and a shot between them",
+            ));
+        }
+        let shots = std::mem::take(&mut self.shots).into_iter().filter_map(|(ends, measured)| {
+            let Measured::Shot { vector, covariance } = measured else { return None };
+            Some(Shot { ends: ends.map(|end| numbers.of(self.found(end))), vector, covariance })
+        });
+        let shots = shots.collect();
+        let fixes = self.fixes(&mut numbers, files)?;
+        let traverse = Traverse { stations: numbers.count, shots, fixes };
+        let Some(placed) = traverse.place() else {
+            let hint = "its errors or standard deviations are beyond all measure; check the largest";
+            return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
+        };
+        let station = |position| Station { position, entrance: false };
+        let mut survey =
+            Survey { stations: placed.positions.into_iter().map(station).collect(), legs, walls: Vec::new() };
+        for entrance in std::mem::take(&mut self.entrances) {
+            if let Some(number) = numbers.of[self.found(entrance)] {
+                survey.stations[number].entrance = true;
+            }
+        }
+        survey.walls = self.walls(&numbers);
+        survey.into_import(source, parts)
+    }
+
+    /// One fix for each station, an exact one where there are several.
+    fn fixes(&mut self, numbers: &mut Numbers, files: &Files) -> Result<Vec<Fix>, ReadError> {
+        let mut fixes: BTreeMap<usize, Fix> = BTreeMap::new();
+        for claim in std::mem::take(&mut self.claims) {
+            // A benchmark that no leg leads to is no part of the survey.
+            let Some(station) = numbers.of[self.found(claim.name)] else { continue };
+            let fix = Fix { station, position: claim.position, covariance: claim.covariance };
+            match fixes.get(&station) {
+                Some(known) if known.covariance.is_none() && fix.covariance.is_none() => {
+                    if known.position != fix.position {
+                        let message = "the station is fixed at another place, too";
+                        return Err(files.fault(claim.spot, message, "fix it once, or look for an equate too many"));
+                    }
+                }
+                Some(known) if known.covariance.is_none() || fix.covariance.is_some() => {}
+                _ => {
+                    fixes.insert(station, fix);
+                }
+            }
+        }
+        Ok(fixes.into_values().collect())
+    }
+
+    fn walls(&mut self, numbers: &Numbers) -> Vec<Walls> {
+        let sections = std::mem::take(&mut self.sections);
+        let walls = sections.into_iter().filter_map(|section| {
+            let [left_m, right_m, up_m, down_m] = section.walls_m;
+            let mut number = |name| numbers.of[self.found(name)];
+            let station = number(section.station)?;
+            let looking = [number(section.looking[0])?, number(section.looking[1])?];
+            Some(Walls { station, looking, left_m, right_m, up_m, down_m })
+        });
+        walls.collect()
+    }
+}
+
+/// Numbers of the stations that legs lead to.
+struct Numbers {
+    of: Vec<Option<usize>>,
+    count: usize,
+}
+
+impl Numbers {
+    fn of(&mut self, name: Name) -> usize {
+        *self.of[name].get_or_insert_with(|| {
+            self.count += 1;
+            self.count - 1
+        })
+    }
+}
+
+/// The covariance of a fix by its standard deviations in metres: one for all axes, one for the plan and one for the
+/// height, or one for each axis. None where it is exact.
+pub(super) fn spread(spreads_m: &[f64]) -> Option<Matrix3<f64>> {
+    let spreads = match *spreads_m {
+        [] => return None,
+        [all] => [all; 3],
+        [plan, height] => [plan, plan, height],
+        [east, north, height, ..] => [east, north, height],
+    };
+    let variances = Vector3::from(spreads).map(|spread| (spread * spread).clamp(1e-6, 1e8));
+    spreads.iter().any(|&spread| spread > 0.0).then(|| Matrix3::from_diagonal(&variances))
+}

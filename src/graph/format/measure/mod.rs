@@ -1,0 +1,302 @@
+//! What surveyors measure, with what, and how a shot follows from it.
+//!
+//! Survex and Therion mean the same by the same words, so both readers share this: [`Instruments`] are the settings that
+//! hold for the lines that follow, an [`Order`] says what stands in which column, [`Columns`] puts the lines together,
+//! and [`Instruments::shot`] makes a vector of the readings (Survex manual 1.4, chapter 4; Therion book 6.1, `centreline`).
+
+mod columns;
+mod order;
+mod shot;
+mod words;
+
+use std::f64::consts::PI;
+
+pub(super) use columns::{Cell, Columns, Row};
+pub(super) use order::{Order, Reading, Style};
+pub(super) use shot::Measured;
+
+/// Something that an instrument reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Length,
+    BackLength,
+    Bearing,
+    BackBearing,
+    Gradient,
+    BackGradient,
+    Count,
+    Depth,
+    Declination,
+    East,
+    North,
+    Altitude,
+    Left,
+    Right,
+    Up,
+    Down,
+    Level,
+    Plumb,
+    Position,
+}
+
+/// Quantities in the order of the enum.
+const QUANTITIES: usize = Quantity::Position as usize + 1;
+
+/// What the quantities are called.
+const NAMES: &[(&str, Quantity)] = &[
+    ("length", Quantity::Length),
+    ("tape", Quantity::Length),
+    ("backlength", Quantity::BackLength),
+    ("backtape", Quantity::BackLength),
+    ("bearing", Quantity::Bearing),
+    ("compass", Quantity::Bearing),
+    ("backbearing", Quantity::BackBearing),
+    ("backcompass", Quantity::BackBearing),
+    ("gradient", Quantity::Gradient),
+    ("clino", Quantity::Gradient),
+    ("backgradient", Quantity::BackGradient),
+    ("backclino", Quantity::BackGradient),
+    ("count", Quantity::Count),
+    ("counter", Quantity::Count),
+    ("depth", Quantity::Depth),
+    ("declination", Quantity::Declination),
+    ("easting", Quantity::East),
+    ("dx", Quantity::East),
+    ("northing", Quantity::North),
+    ("dy", Quantity::North),
+    ("altitude", Quantity::Altitude),
+    ("dz", Quantity::Altitude),
+    ("left", Quantity::Left),
+    ("right", Quantity::Right),
+    ("up", Quantity::Up),
+    ("ceiling", Quantity::Up),
+    ("down", Quantity::Down),
+    ("floor", Quantity::Down),
+    ("level", Quantity::Level),
+    ("plumb", Quantity::Plumb),
+    ("position", Quantity::Position),
+];
+
+impl Quantity {
+    /// The quantity of this name, in any case.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|&(_, quantity)| quantity)
+    }
+
+    fn is_angle(self) -> bool {
+        matches!(
+            self,
+            Self::Bearing
+                | Self::BackBearing
+                | Self::Gradient
+                | Self::BackGradient
+                | Self::Declination
+                | Self::Level
+                | Self::Plumb
+        )
+    }
+
+    fn is_gradient(self) -> bool {
+        matches!(self, Self::Gradient | Self::BackGradient)
+    }
+}
+
+/// What a number on paper means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Unit {
+    /// So many metres.
+    Length(f64),
+    /// So many radians.
+    Angle(f64),
+    /// The slope as a percentage.
+    Percent,
+    /// A bearing as surveyors on land write it: `S34E`.
+    Quadrants,
+}
+
+const UNITS: &[(&str, Unit)] = &[
+    ("metres", Unit::Length(1.0)),
+    ("metre", Unit::Length(1.0)),
+    ("meters", Unit::Length(1.0)),
+    ("meter", Unit::Length(1.0)),
+    ("metric", Unit::Length(1.0)),
+    ("m", Unit::Length(1.0)),
+    ("centimetres", Unit::Length(0.01)),
+    ("centimetre", Unit::Length(0.01)),
+    ("centimeters", Unit::Length(0.01)),
+    ("centimeter", Unit::Length(0.01)),
+    ("cm", Unit::Length(0.01)),
+    ("inches", Unit::Length(0.0254)),
+    ("inch", Unit::Length(0.0254)),
+    ("in", Unit::Length(0.0254)),
+    ("feet", Unit::Length(0.3048)),
+    ("foot", Unit::Length(0.3048)),
+    ("ft", Unit::Length(0.3048)),
+    ("yards", Unit::Length(0.9144)),
+    ("yard", Unit::Length(0.9144)),
+    ("yd", Unit::Length(0.9144)),
+    ("degrees", Unit::Angle(PI / 180.0)),
+    ("degree", Unit::Angle(PI / 180.0)),
+    ("degs", Unit::Angle(PI / 180.0)),
+    ("deg", Unit::Angle(PI / 180.0)),
+    ("minutes", Unit::Angle(PI / 10_800.0)),
+    ("minute", Unit::Angle(PI / 10_800.0)),
+    ("min", Unit::Angle(PI / 10_800.0)),
+    ("grads", Unit::Angle(PI / 200.0)),
+    ("grad", Unit::Angle(PI / 200.0)),
+    // Survex calls them so, and Therion after it.
+    ("mils", Unit::Angle(PI / 200.0)),
+    ("mil", Unit::Angle(PI / 200.0)),
+    ("percentage", Unit::Percent),
+    ("percent", Unit::Percent),
+    ("quadrants", Unit::Quadrants),
+    ("quads", Unit::Quadrants),
+];
+
+impl Unit {
+    /// The unit of this name, in any case.
+    fn named(name: &str) -> Option<Self> {
+        UNITS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|&(_, unit)| unit)
+    }
+
+    fn times(self, factor: f64) -> Self {
+        match self {
+            Self::Length(metres) => Self::Length(metres * factor),
+            Self::Angle(radians) => Self::Angle(radians * factor),
+            Self::Percent | Self::Quadrants => self,
+        }
+    }
+
+    fn measures(self, quantity: Quantity) -> bool {
+        match self {
+            Self::Length(_) => !quantity.is_angle(),
+            Self::Angle(_) => quantity.is_angle(),
+            Self::Percent => quantity.is_gradient(),
+            Self::Quadrants => matches!(quantity, Quantity::Bearing | Quantity::BackBearing),
+        }
+    }
+
+    /// A number in this unit, in metres or radians.
+    fn of(self, number: f64) -> f64 {
+        match self {
+            Self::Length(factor) | Self::Angle(factor) => number * factor,
+            Self::Percent => libm::atan(number / 100.0),
+            Self::Quadrants => number.to_radians(),
+        }
+    }
+}
+
+/// How one quantity is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gauge {
+    unit: Unit,
+    /// What is read where there is nothing, in metres or radians.
+    zero: f64,
+    scale: f64,
+    /// Standard deviation, in metres or radians.
+    spread: f64,
+}
+
+/// The instruments in use, and how readings are taken.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Instruments {
+    gauges: [Gauge; QUANTITIES],
+    /// Gradients of 90° are plumbed.
+    infer_plumbs: bool,
+    /// Shots without length say that two stations are one.
+    infer_equates: bool,
+}
+
+/// What is taken where nothing is said: metres, degrees, and BCRA grade 5 for what they are worth, as Survex has it.
+impl Default for Instruments {
+    fn default() -> Self {
+        let length = Gauge { unit: Unit::Length(1.0), zero: 0.0, scale: 1.0, spread: 0.05 };
+        let angle = Gauge { unit: Unit::Angle(PI / 180.0), zero: 0.0, scale: 1.0, spread: 0.5_f64.to_radians() };
+        let mut instruments = Self { gauges: [length; QUANTITIES], infer_plumbs: false, infer_equates: false };
+        for &(_, quantity) in NAMES.iter().filter(|(_, quantity)| quantity.is_angle()) {
+            instruments.gauges[quantity as usize] = angle;
+        }
+        for plumb in [Quantity::Level, Quantity::Plumb] {
+            instruments.gauges[plumb as usize].spread = 0.25_f64.to_radians();
+        }
+        instruments
+    }
+}
+
+/// Settings beyond these are typing errors, and would make loops insoluble.
+const FACTORS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
+impl Instruments {
+    /// Reads these quantities in this unit from now on.
+    fn set_unit(&mut self, of: &[Quantity], factor: f64, unit: Unit) -> Result<(), String> {
+        if !FACTORS.contains(&factor.abs()) {
+            return Err(format!("a unit cannot be {factor} of another"));
+        }
+        self.set(of, unit, |gauge| gauge.unit = unit.times(factor))
+    }
+
+    /// From now on these quantities are (reading − zero) · scale, where the zero is read in the unit of the quantity; or
+    /// reading · scale − zero, where it comes in a unit of its own.
+    fn calibrate(&mut self, of: &[Quantity], zero: f64, own: Option<Unit>, scale: f64) -> Result<(), String> {
+        if !FACTORS.contains(&scale.abs()) {
+            return Err(format!("a scale of {scale} leaves nothing to measure with"));
+        }
+        for &quantity in of {
+            let gauge = &mut self.gauges[quantity as usize];
+            if own.is_some_and(|own| !own.measures(quantity)) {
+                return Err("this unit does not go with what is calibrated".to_owned());
+            }
+            gauge.scale = scale;
+            gauge.zero = own.map_or_else(|| gauge.unit.of(zero), |own| own.of(zero) / scale);
+        }
+        Ok(())
+    }
+
+    /// Trusts these quantities to within this standard deviation.
+    fn set_spread(&mut self, of: &[Quantity], spread: f64, unit: Unit) -> Result<(), String> {
+        let spread = unit.of(spread);
+        if !(0.0..=1e4).contains(&spread) {
+            return Err("this is no standard deviation".to_owned());
+        }
+        self.set(of, unit, |gauge| gauge.spread = spread)
+    }
+
+    /// Adds this to every bearing, in radians.
+    pub(super) fn set_declination(&mut self, declination: f64) {
+        self.gauges[Quantity::Declination as usize].zero = -declination;
+    }
+
+    /// What is added to every bearing, in radians.
+    pub(super) fn declination(&self) -> f64 {
+        -self.gauges[Quantity::Declination as usize].zero
+    }
+
+    /// Forgets zeros and scales.
+    pub(super) fn reset_calibration(&mut self) {
+        self.gauges.iter_mut().for_each(|gauge| (gauge.zero, gauge.scale) = (0.0, 1.0));
+    }
+
+    /// Forgets units.
+    pub(super) fn reset_units(&mut self) {
+        let usual = Self::default();
+        self.gauges.iter_mut().zip(usual.gauges).for_each(|(gauge, usual)| gauge.unit = usual.unit);
+    }
+
+    fn set(&mut self, of: &[Quantity], unit: Unit, change: impl Fn(&mut Gauge)) -> Result<(), String> {
+        if of.iter().any(|&quantity| !unit.measures(quantity)) {
+            return Err("this unit does not go with what is measured".to_owned());
+        }
+        of.iter().for_each(|&quantity| change(&mut self.gauges[quantity as usize]));
+        Ok(())
+    }
+
+    /// What a reading says, in metres or radians.
+    fn value(&self, quantity: Quantity, number: f64) -> f64 {
+        let gauge = &self.gauges[quantity as usize];
+        (gauge.unit.of(number) - gauge.zero) * gauge.scale
+    }
+
+    fn spread(&self, quantity: Quantity) -> f64 {
+        self.gauges[quantity as usize].spread
+    }
+}
