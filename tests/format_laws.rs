@@ -13,7 +13,7 @@ use std::{fs, io};
 
 use nalgebra::Vector3;
 use plume::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, read_as};
-use plume::graph::{GENERATORS, Graph, Node, Nowhere, Outside, RunError, Section, Shape, Task};
+use plume::graph::{GENERATORS, Graph, Node, Outside, Section, Shape};
 use world::small;
 
 const ALL_PARTS: [Parts; 4] = [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest];
@@ -62,10 +62,6 @@ impl Files {
 impl Outside for Files {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-
-    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
-        Nowhere.run(task)
     }
 }
 

@@ -6,7 +6,7 @@ use std::{fs, io};
 
 use plume::graph::format::json::{Document, ReadError, read, write};
 use plume::graph::format::{self, Import, Parts};
-use plume::graph::{Graph, Node, Nowhere, Outside, RunError, Task};
+use plume::graph::{Graph, Node, Outside};
 use proptest::prelude::*;
 use serde_json::json;
 
@@ -96,10 +96,6 @@ struct OneFile(&'static str);
 impl Outside for OneFile {
     fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
         Ok(self.0.as_bytes().to_vec())
-    }
-
-    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
-        Nowhere.run(task)
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use nalgebra::{Point3, Vector3};
 use plume::field::{Bounds, CaveField, Field, PassageSettings};
 use plume::graph::format::{Import, Parts, ReadError, read};
-use plume::graph::{Graph, Nowhere, Outside, RunError, Task};
+use plume::graph::{Graph, Outside};
 use plume::material::{Look, MATERIALS};
 use serde_json::json;
 
@@ -27,10 +27,6 @@ impl Outside for Files {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         let found = path.to_str().and_then(|name| self.0.get(name));
         found.cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-
-    fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {
-        Nowhere.run(task)
     }
 }
 

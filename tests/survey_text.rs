@@ -1,13 +1,12 @@
 //! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use nalgebra::{Point3, Vector3};
+use plume::graph::Outside;
 use plume::graph::format::{Import, Parts, ReadError, read};
-use plume::graph::{Outside, Task};
 
 /// The files of a folder, or such as are made up.
 #[derive(Default)]
@@ -23,10 +22,6 @@ impl Outside for Files {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
     }
-
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
-        Err(format!("there is no {}", task.program.display()))
-    }
 }
 
 /// The disk.
@@ -35,10 +30,6 @@ struct Disk;
 impl Outside for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         fs::read(path)
-    }
-
-    fn run(&self, task: &Task) -> Result<Vec<u8>, String> {
-        Err(format!("there is no {}", task.program.display()))
     }
 }
 
