@@ -2,9 +2,10 @@
 //!
 //! It looks at finished graphs and so knows nothing of how they were made. `reject` promises: what it lets through is like a
 //! real cave, or there is an error, so that a data set of thousands of worlds holds no stranger; a world that cannot be
-//! had is one number to leave out. `repair` promises a graph, and nothing of its likeness: it is made as like as
-//! the search gets it, which `plume measure` tells. Of 250 nodes it got every one of 20 mines, grown tunnels and cellular caves
-//! to pass; of 1000 nodes every mine and grown tunnel, but few cellular caves, whose branches are many and near each other. Both keep to the seed: same recipe, same graph.
+//! had is one number to leave out. `repair` promises a graph, and nothing of its likeness: it is made as like as the search
+//! gets it, which `plume measure` tells. Of 250 nodes it got every one of 20 mines, grown tunnels and cellular caves to
+//! pass; of 1000 nodes every mine and grown tunnel, but few cellular caves, whose branches are many and near each other.
+//! Both keep to the seed: same recipe, same graph.
 
 use rand::Rng;
 use schemars::JsonSchema;
