@@ -14,6 +14,8 @@ const SPUR_REACH: f64 = 0.7;
 
 /// Rounds over all lines that are too steep; each reaches a few lines further.
 const SLOPE_ROUNDS: usize = 300;
+/// What a line that is too steep gets of the greatest slope.
+const GENTLER: f64 = 0.95;
 
 impl Knot {
     fn half_width_m(&self) -> f64 {
@@ -107,11 +109,13 @@ impl Sketch {
     fn with_slopes_under(mut self, most: f64) -> Self {
         for _ in 0..SLOPE_ROUNDS {
             let mut steep = false;
+            // What is too steep is made gentler than it must be, or the rounds would only come near the end.
             for &[a, b] in &self.lines {
                 let way = self.knots[b].position - self.knots[a].position;
-                let excess = way.z.abs() - most * way.xy().norm();
-                if excess > 0.001 {
+                let plan = way.xy().norm();
+                if way.z.abs() > most * plan + 0.001 {
                     steep = true;
+                    let excess = way.z.abs() - GENTLER * most * plan;
                     let each = 0.5 * excess.copysign(way.z);
                     self.knots[a].position.z += each;
                     self.knots[b].position.z -= each;
@@ -310,6 +314,15 @@ mod tests {
         let bend = sketch(&[[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]], &[[0, 1], [1, 2]]).smoothed(1);
         assert_eq!(bend.knots[1].position, Point3::new(3.75, 1.25, 0.0));
         assert_eq!(bend.knots[2].position, Point3::new(5.0, 5.0, 0.0));
+    }
+
+    #[test]
+    fn steep_passages_are_evened_out() {
+        let mut stairs = sketch(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [12.0, 0.0]], &[[0, 1], [1, 2], [2, 3]]);
+        stairs.knots[2].position.z = 3.0;
+        let graph = stairs.with_nodes(4, 0.25).expect("there is a line");
+        let way = |&[a, b]: &[usize; 2]| graph.nodes[b].position - graph.nodes[a].position;
+        assert!(graph.edges.iter().map(way).all(|way| way.z.abs() <= 0.25 * way.x.abs() + 0.003), "{:?}", graph.nodes);
     }
 
     #[test]

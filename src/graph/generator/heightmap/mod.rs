@@ -166,3 +166,46 @@ impl Heights {
         self.values[cell(-point.y, rows) * self.columns + cell(point.x, self.columns)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+    use std::io;
+    use std::path::Path;
+
+    use super::*;
+    use crate::graph::outside::Task;
+
+    /// A grid with a ring that stands 5 m high.
+    struct Ring;
+
+    impl Outside for Ring {
+        fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
+            let mut grid = "ncols 40\nnrows 40\ncellsize 1\n".to_owned();
+            for cell in 0..1600 {
+                let [x, y] = [cell % 40, cell / 40].map(|at| f64::from(at) - 19.5);
+                let away = (x * x + y * y).sqrt();
+                let _ = write!(grid, "{} ", if (10.0..16.0).contains(&away) { 5 } else { 0 });
+            }
+            Ok(grid.into_bytes())
+        }
+
+        fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
+            Err("there are none".to_owned())
+        }
+    }
+
+    #[test]
+    fn a_ring_is_a_loop_as_wide_and_as_high() {
+        let settings = Heightmap { path: Some("ring.asc".into()), nodes: 20, threshold: 0.6, ..Heightmap::default() };
+        let graph = settings.generate(1, &Ring).expect("a ring is open");
+        assert_eq!((graph.nodes.len(), graph.loops()), (20, 1));
+        for node in &graph.nodes {
+            let section = node.section.expect("relief has sections");
+            assert!((4.5..=6.5).contains(&section.width_m), "{}", section.width_m);
+            assert_eq!(section.height_m, 4.0);
+            assert!((12.0..=14.0).contains(&node.position.coords.norm()), "{}", node.position);
+        }
+        assert!(Heightmap { invert: true, ..settings }.generate(1, &Ring).is_ok());
+    }
+}

@@ -227,3 +227,62 @@ impl Karst {
 fn or_drawn(given: &[[f64; 2]], count: usize, mut draw: impl FnMut() -> [f64; 2]) -> Vec<[f64; 2]> {
     if given.is_empty() { (0..count).map(|_| draw()).collect() } else { given.to_vec() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Nowhere;
+
+    fn graphs(settings: Karst) -> impl Iterator<Item = Graph> {
+        (0..6).map(move |seed| settings.generate(seed, &Nowhere).expect("the rock has ways"))
+    }
+
+    #[test]
+    fn passages_keep_to_the_horizons_and_to_the_fractures() {
+        let off = |horizon_weight: f64| {
+            let settings = Karst { horizon_weight, dip_deg: 0.0, ..Karst::default() };
+            let away = |z: f64| {
+                [0.0, -12.0, -26.0].map(|horizon: f64| (z - horizon).abs()).into_iter().fold(f64::MAX, f64::min)
+            };
+            graphs(settings).flat_map(|graph| graph.nodes).map(|node| away(node.position.z)).sum::<f64>()
+        };
+        assert!(off(6.0) < 0.8 * off(0.0));
+        let across = |fracture_weight: f64| {
+            let settings =
+                Karst { fracture_weight, fracture_azimuths_deg: vec![0.0, 90.0], roughness: 0.0, ..Karst::default() };
+            let sine = |graph: Graph| {
+                let way = |&[a, b]: &[usize; 2]| (graph.nodes[b].position - graph.nodes[a].position).xy();
+                graph.edges.iter().map(way).map(|way| way.x.abs().min(way.y.abs())).sum::<f64>() / graph.length_m()
+            };
+            graphs(settings).map(sine).sum::<f64>()
+        };
+        let [with, without] = [8.0, 0.0].map(across);
+        assert!(with < 0.9 * without, "{with} {without}");
+    }
+
+    #[test]
+    fn a_low_gamma_makes_spongework() {
+        let loops = |gamma: f64| {
+            graphs(Karst { gamma, nodes: 800, ..Karst::default() }).map(|graph| graph.loops()).sum::<usize>()
+        };
+        let [many, few] = [1.05, 4.0].map(loops);
+        assert!(many > few + few / 4, "{many} {few}");
+    }
+
+    #[test]
+    fn given_springs_and_sinks_are_reached() {
+        let settings =
+            Karst { springs: vec![[60.0, 0.0]], sinks: vec![[-50.0, 40.0], [-40.0, -50.0]], ..Karst::default() };
+        for graph in graphs(settings.clone()) {
+            let from = |[x, y]: [f64; 2]| {
+                move |node: &crate::graph::Node| libm::hypot(node.position.x - x, node.position.y - y)
+            };
+            assert!(from([60.0, 0.0])(&graph.nodes[0]) < 15.0);
+            for sink in &settings.sinks {
+                assert!(graph.nodes.iter().map(from(*sink)).fold(f64::MAX, f64::min) < 20.0);
+            }
+        }
+        let outside = Karst { sinks: vec![[1e6, 0.0]], ..Karst::default() };
+        assert!(outside.generate(1, &Nowhere).is_err());
+    }
+}

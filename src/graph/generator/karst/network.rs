@@ -16,6 +16,8 @@ use crate::graph::{Section, Shape};
 /// Passages fork at this angle or a wider one.
 const LEAST_FORK: f64 = FRAC_PI_6;
 const FORK_ROUNDS: usize = 64;
+/// What opens a fork may cross something else.
+const CROSSING_ROUNDS: usize = 2;
 /// Most passages at a point.
 const MOST_PASSAGES: usize = 5;
 /// Rock between passages that do not meet, beside what winding takes, in metres.
@@ -47,8 +49,10 @@ pub(super) fn drawn(
     sketch.lines = lines.iter().map(|line| line.map(|point| knots[&point])).collect();
     open_all_forks(&mut sketch);
     let apart_m = settings.width_m + ROCK_M + settings.roughness * settings.sample_spacing_m;
-    join_crossings(&mut sketch, apart_m);
-    open_all_forks(&mut sketch);
+    for _ in 0..CROSSING_ROUNDS {
+        join_crossings(&mut sketch, apart_m);
+        open_all_forks(&mut sketch);
+    }
     shorten_tips(&mut sketch, dice);
     let mut winding = wound(settings, sketch, dice).smoothed(1);
     for knot in &mut winding.knots {

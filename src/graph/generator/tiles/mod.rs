@@ -204,3 +204,45 @@ impl Tiles {
         Ok(board)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Nowhere;
+
+    #[test]
+    fn connectors_that_meet_close_loops() {
+        let loops = |loop_closure: f64| {
+            let settings = Tiles { nodes: 600, loop_closure, ..Tiles::default() };
+            (0..4).map(|seed| settings.generate(seed, &Nowhere).expect("there is room").loops()).sum::<usize>()
+        };
+        assert_eq!(loops(0.0), 0);
+        assert!(loops(1.0) > 10);
+    }
+
+    #[test]
+    fn weights_choose_the_tiles() {
+        let straight =
+            Tiles { bends: 0.0, tees: 0.0, crosses: 0.0, rooms: 0.0, dead_ends: 0.0, wobble: 0.0, ..Tiles::default() };
+        let graph = straight.generate(1, &Nowhere).expect("there is room");
+        let bounds = graph.bounds().expect("it has nodes");
+        assert!((bounds[1] - bounds[0]).xy().min() < 0.001);
+    }
+
+    #[test]
+    fn shafts_are_upright_and_ramps_are_not_too_steep() {
+        let slope = |access: Access| {
+            let settings = Tiles { nodes: 300, levels: 3, access, ..Tiles::default() };
+            let graph = settings.generate(1, &Nowhere).expect("there is room");
+            let way = |&[a, b]: &[usize; 2]| graph.nodes[b].position - graph.nodes[a].position;
+            graph
+                .edges
+                .iter()
+                .map(way)
+                .map(|way| libm::atan2(way.z.abs(), way.xy().norm()).to_degrees())
+                .fold(0.0, f64::max)
+        };
+        assert!(slope(Access::Ramp) <= 15.1);
+        assert!(slope(Access::Shaft) > 45.0);
+    }
+}
