@@ -5,6 +5,7 @@ pub mod gaussian_perlin;
 pub mod grown_tunnels;
 pub mod mine;
 mod network;
+pub mod space_colonization;
 pub mod worms;
 
 use schemars::JsonSchema;
@@ -16,6 +17,7 @@ pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
 pub use grown_tunnels::GrownTunnels;
 pub use mine::Mine;
+pub use space_colonization::SpaceColonization;
 pub use worms::Worms;
 
 use super::Graph;
@@ -68,6 +70,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
     row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
     row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
+    row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
