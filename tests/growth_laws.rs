@@ -19,6 +19,13 @@ struct Case {
     junction_deg: f64,
 }
 
+impl Case {
+    /// Distance that axes keep while they are dug. Colonies are dug as wide as they may become.
+    fn dug_m(&self) -> f64 {
+        if self.name == "space-colonization" { 5.0 + self.rock_m } else { 0.0 }
+    }
+}
+
 fn case(name: &'static str, settings: Value, [rock_m, steepest_deg, junction_deg]: [f64; 3]) -> Case {
     Case { name, settings, rock_m, steepest_deg, junction_deg }
 }
@@ -35,6 +42,9 @@ fn cases() -> Vec<Case> {
             json!({"nodes": 200, "step_m": 2.0, "max_slope_deg": 5.0, "loop_closure": 2.0}),
             [1.0, 5.0, 50.0],
         ),
+        case("space-colonization", json!({"nodes": 300}), [1.0, 20.0, 50.0]),
+        case("space-colonization", json!({"nodes": 200, "height_m": 60.0, "rock_m": 2.0}), [2.0, 20.0, 50.0]),
+        case("space-colonization", json!({"nodes": 200, "region": "box", "loop_closure": 2.0}), [1.0, 20.0, 50.0]),
     ]
 }
 
@@ -86,7 +96,7 @@ fn no_passage_runs_through_another() {
                 let need = half_girth(graph, first) + half_girth(graph, second) + case.rock_m;
                 let ends = |[a, b]: [usize; 2]| [graph.nodes[a].position, graph.nodes[b].position];
                 let apart = distance(ends(first), ends(second));
-                if apart < need - 0.01 && !is_joined(graph, &neighbors, first, second, 2.0 * need) {
+                if apart < need - 0.01 && !is_joined(graph, &neighbors, first, second, 2.0 * need.max(case.dug_m())) {
                     panic!("{name}: {first:?} and {second:?} are {apart} m apart");
                 }
             }
@@ -96,7 +106,9 @@ fn no_passage_runs_through_another() {
 
 #[test]
 fn loops_come_when_they_are_asked_for() {
-    for (name, key) in [("grown-tunnels", "connectors"), ("worms", "loop_closure")] {
+    for (name, key) in
+        [("grown-tunnels", "connectors"), ("worms", "loop_closure"), ("space-colonization", "loop_closure")]
+    {
         let loops = |closure: f64| {
             let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
             (0..6).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
@@ -114,6 +126,22 @@ fn worms_stay_within_their_depths_and_widths() {
             assert!(node.position.z.abs() <= 3.001, "seed {seed}: {}", node.position);
             assert!((2.0..=5.0).contains(&node.section.unwrap().width_m), "seed {seed}");
         }
+    }
+}
+
+/// Where passages join, their widths to the exponent add up, as long as none is the widest.
+#[test]
+fn widths_follow_the_pipe_model() {
+    let lengths = json!({"step_m": 8.0, "kill_m": 16.0, "influence_m": 60.0, "width_max_m": 9.0});
+    let mut settings = json!({"nodes": 200, "loop_closure": 0.0, "pipe_exponent": 2.0});
+    settings.as_object_mut().unwrap().extend(lengths.as_object().unwrap().clone());
+    let made = (generator("space-colonization").unwrap().read)(settings).unwrap();
+    let graph = made.generate(1, &World).unwrap();
+    let area = |node: usize| graph.nodes[node].section.unwrap().width_m.powi(2);
+    for node in 0..graph.nodes.len() {
+        let children = (0..graph.nodes.len()).filter(|&child| graph.nodes[child].parent == Some(node));
+        let fed = children.map(area).sum::<f64>().max(4.0);
+        assert!((area(node) / fed.min(81.0) - 1.0).abs() < 0.01, "{node}: {} of {fed}", area(node));
     }
 }
 

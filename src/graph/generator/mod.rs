@@ -11,6 +11,7 @@ pub mod layers;
 pub mod mine;
 mod network;
 mod tiles;
+pub mod space_colonization;
 pub mod worms;
 
 use schemars::JsonSchema;
@@ -28,6 +29,7 @@ pub use karst::Karst;
 pub use layers::Layers;
 pub use mine::Mine;
 pub use tiles::Tiles;
+pub use space_colonization::SpaceColonization;
 pub use worms::Worms;
 
 use super::Graph;
@@ -89,6 +91,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
     row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
     row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
+    row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 

@@ -11,7 +11,7 @@ mod ways;
 
 use nalgebra::{Point3, Vector3};
 
-use cells::Cells;
+pub(super) use cells::Cells;
 
 use super::GenerateError;
 use crate::graph::dice::Dice;
@@ -215,6 +215,16 @@ impl Network {
         self.stations.truncate(first);
     }
 
+    /// The station that this one was laid from; none for the first.
+    pub(super) fn parent(&self, station: usize) -> Option<usize> {
+        self.neighbors(station).next().filter(|&other| other < station)
+    }
+
+    /// Gives every passage the size that is told for its station.
+    pub(super) fn resize(&mut self, size: impl Fn(usize) -> Size) {
+        self.stations.iter_mut().enumerate().for_each(|(index, station)| station.spot.size = size(index));
+    }
+
     fn into_graph(self) -> Graph {
         let knot = |station: &Station| {
             let Spot { position, size: Size { width_m, height_m } } = station.spot;
@@ -233,6 +243,9 @@ impl Network {
 pub(super) trait Growth {
     /// Digs until there is no room or nowhere to go on.
     fn dig(&mut self, network: &mut Network, dice: &mut Dice);
+
+    /// What is left to do when the network has all its stations.
+    fn finish(&self, _network: &mut Network) {}
 }
 
 /// The first network that grows to all its nodes: dug, its loops closed, and dug on with what the loops left.
@@ -252,6 +265,7 @@ pub(super) fn grown<G: Growth>(
         let mut network = Network::new(rules.clone(), first);
         network.fill(&mut growth, &mut dice);
         if network.room() == 0 {
+            growth.finish(&mut network);
             return Ok(network.into_graph());
         }
         most = most.max(network.len());
