@@ -218,6 +218,38 @@ fn small_files_are_read() {
     }
 }
 
+/// The counts are those of karstnet itself.
+#[test]
+fn a_real_cave_is_read_from_either_file_of_its_pair() {
+    let files = Files::folder(Path::new("tests/data/sakany"));
+    let import = |name: &str| format::read(name.as_ref(), Parts::Refuse, &files).unwrap();
+    let graph = import("Sakany_nodes.dat").graph;
+    assert_eq!((graph.nodes.len(), graph.edges.len(), graph.loops()), (1716, 1784, 69));
+    assert_eq!(import("Sakany_links.dat").graph, graph);
+}
+
+#[test]
+fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
+    let table = "x1,y1,x2,y2,width1,height1\n0,0,0.4,0,2,1\n0.4,0,900,0,,\n";
+    let files = Files::one("cave.csv", table.into());
+    let import = || format::read("cave.csv".as_ref(), Parts::Refuse, &files).unwrap();
+    let small = import().scaled(0.001, "cave.csv".as_ref()).unwrap().graph;
+    keeps_the_laws(&small, Parts::Refuse);
+    assert_eq!((small.nodes.len(), small.length_m()), (2, 0.9));
+    assert_eq!(small.nodes[0].section.map(|section| section.width_m), Some(0.002));
+    assert_eq!(import().scaled(1.0, "cave.csv".as_ref()).unwrap(), import());
+    let error = import().scaled(5000.0, "cave.csv".as_ref()).unwrap_err();
+    assert_eq!(error.to_string(), "cave.csv: is too far away, scaled");
+}
+
+#[test]
+fn a_drawing_of_yed_is_where_it_is_drawn() {
+    let files = Files::folder(Path::new("tests/data/formats/graphml"));
+    let graph = format::read("yed.graphml".as_ref(), Parts::Refuse, &files).unwrap().graph;
+    let places: Vec<[f64; 3]> = graph.nodes.iter().map(|node| node.position.coords.into()).collect();
+    assert_eq!(places, [[140.0, -115.0, -2.0], [155.0, -95.0, 1.5]]);
+}
+
 /// Every way to damage a file a little.
 fn damaged(bytes: &[u8]) -> impl Iterator<Item = (String, Vec<u8>)> + '_ {
     let cut = (0..bytes.len()).map(|length| (format!("cut off at {length}"), bytes[..length].to_vec()));

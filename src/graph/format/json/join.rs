@@ -1,6 +1,6 @@
 //! From stations to a draft: ids become indices.
 
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 
 use super::error::ReadError;
 use super::parse::Station;
@@ -30,9 +30,9 @@ pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// Where the station of each id stands.
-fn indices(stations: &[Station]) -> Result<FxHashMap<u64, usize>, ReadError> {
-    let mut indices = FxHashMap::default();
+/// Where the station of each id stands, hashed at random: no file can make its ids collide.
+fn indices(stations: &[Station]) -> Result<HashMap<u64, usize>, ReadError> {
+    let mut indices = HashMap::new();
     for (index, station) in stations.iter().enumerate() {
         if indices.insert(station.id, index).is_some() {
             return Err(ReadError::DuplicateId { id: station.id });

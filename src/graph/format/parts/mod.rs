@@ -8,11 +8,11 @@ mod joins;
 mod sets;
 mod tree;
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
 use nalgebra::Point3;
-use rustc_hash::FxHashMap;
 
 use self::sets::Sets;
 use super::{Parts, ReadError};
@@ -172,9 +172,9 @@ impl Pieces {
     }
 }
 
-/// The first point in the place of each, to 1 mm.
+/// The first point in the place of each, to 1 mm. Places are hashed at random: no file can make them collide.
 pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
-    let mut of_place: FxHashMap<[u64; 3], usize> = FxHashMap::default();
+    let mut of_place: HashMap<[u64; 3], usize> = HashMap::new();
     let key = |place: &Point3<f64>| place.map(millimetres).coords.map(f64::to_bits).into();
     places.iter().enumerate().map(|(point, place)| *of_place.entry(key(place)).or_insert(point)).collect()
 }
