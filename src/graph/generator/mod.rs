@@ -10,8 +10,8 @@ mod karst;
 pub mod layers;
 pub mod mine;
 mod network;
-mod tiles;
 pub mod space_colonization;
+mod tiles;
 pub mod worms;
 
 use schemars::JsonSchema;
@@ -28,8 +28,8 @@ pub use heightmap::Heightmap;
 pub use karst::Karst;
 pub use layers::Layers;
 pub use mine::Mine;
-pub use tiles::Tiles;
 pub use space_colonization::SpaceColonization;
+pub use tiles::Tiles;
 pub use worms::Worms;
 
 use super::Graph;

@@ -189,10 +189,6 @@ mod tests {
             }
             Ok(grid.into_bytes())
         }
-
-        fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
-            Err("there are none".to_owned())
-        }
     }
 
     #[test]
