@@ -173,7 +173,7 @@ fn another_cave_is_not_overwritten() {
 #[test]
 fn the_printed_recipe_reads_back_as_itself() {
     let desk = Desk::new();
-    for preset in ["cave", "lava-tube", "mine"] {
+    for preset in ["cave", "lava-tube", "mine", "layers"] {
         let printed = String::from_utf8(desk.run(&["new", "--preset", preset]).stdout).unwrap();
         desk.file("printed.toml", &printed);
         let made = desk.run(&["graph", "printed.toml", "--output", preset, "--json"]);

@@ -81,7 +81,7 @@ def sealed(manifest: dict[str, Any]) -> str:
     return before + hashlib.sha256(before.encode()).hexdigest() + '"\n}\n'
 
 
-@pytest.mark.parametrize("name", ["cave", "lava-tube", "mine"])
+@pytest.mark.parametrize("name", ["cave", "lava-tube", "mine", "layers"])
 def test_presets_are_those_of_the_command(name: str, tmp_path: Path) -> None:
     printed = command(tmp_path, "new", "--preset", name)
     assert plume.Recipe.preset(name).to_toml() == printed and name in plume.presets()

@@ -80,7 +80,7 @@ fn variant(row: &GeneratorRow, is_first: bool) -> Value {
         "generator".into(),
         json!({
             "type": "string", "enum": [row.name], "default": row.name,
-            "description": "How the passages of this layer grow."
+            "description": "How the passages of this layer grow: any generator but `layers`."
         }),
     );
     properties.insert("depth_m".into(), json!({
