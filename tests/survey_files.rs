@@ -191,8 +191,8 @@ fn every_surveyed_station_is_in_the_open_in_every_rock() {
     }
 }
 
-/// A station that no side passage leaves, as `hollow.svx` has it: where it is, the stations before and after it, and left,
-/// right, up and down.
+/// A station that no side passage leaves, as `hollow.svx` has it: where it is, the stations before and after it, and
+/// left, right, up and down.
 struct Measured {
     place: [f64; 3],
     looking: [[f64; 2]; 2],

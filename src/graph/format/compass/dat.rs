@@ -1,7 +1,7 @@
 //! The survey books themselves: a header and a line per shot, surveys parted by form feeds.
 //!
-//! Lengths are in feet and angles in degrees whatever the survey's `FORMAT` says; that tells how the notebook had them, and
-//! whether there are backsights and at which end of a shot the walls were measured.
+//! Lengths are in feet and angles in degrees whatever the survey's `FORMAT` says; that tells how the notebook had
+//! them, and whether there are backsights and at which end of a shot the walls were measured.
 
 use std::path::Path;
 

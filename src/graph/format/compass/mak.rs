@@ -44,8 +44,8 @@ pub(super) fn books(path: &Path, bytes: &[u8]) -> Result<Vec<Book>, ReadError> {
     Ok(books)
 }
 
-/// What stands between each `#` and its semicolon, without blanks and comments, and the line where it starts; `None` where
-/// the semicolon is missing. Comments reach from a slash to the next or to the end of the line.
+/// What stands between each `#` and its semicolon, without blanks and comments, and the line where it starts; `None`
+/// where the semicolon is missing. Comments reach from a slash to the next or to the end of the line.
 fn entries(bytes: &[u8]) -> Vec<(usize, Option<Vec<u8>>)> {
     let mut entries = Vec::new();
     let (mut line, mut in_comment) = (1, false);

@@ -1,12 +1,13 @@
 //! Survey books of Compass (Fish: fountainware.com/compass): `.dat`, and the projects `.mak` that put several together.
 //!
-//! Shots are turned into vectors ([`dat`]) and closed by least squares ([`traverse`](super::traverse)). Left, right, up and
-//! down come along. Shots flagged `X` do not exist, `S` are splays, `L` (not counted in the length) are duplicates, `P` (not
-//! plotted) are taken to lead over the ground, `C` (not adjusted) hardly give way when loops close. Calibrations,
-//! declinations and redundant backsights are applied; the convergence of a grid and the project's own settings are not.
+//! Shots are turned into vectors ([`dat`]) and closed by least squares ([`traverse`](super::traverse)). Left, right,
+//! up and down come along. Shots flagged `X` do not exist, `S` are splays, `L` (not counted in the length) are
+//! duplicates, `P` (not plotted) are taken to lead over the ground, `C` (not adjusted) hardly give way when loops
+//! close. Calibrations, declinations and redundant backsights are applied; the convergence of a grid and the
+//! project's own settings are not.
 //!
-//! The crate `compass_data` 0.0.7 reads these files too, but panics at a date that does not exist, which books with unknown
-//! dates have, drops flags and backsights, and takes the first line that it cannot read for the end.
+//! The crate `compass_data` 0.0.7 reads these files too, but panics at a date that does not exist, which books with
+//! unknown dates have, drops flags and backsights, and takes the first line that it cannot read for the end.
 
 mod dat;
 mod mak;

@@ -7,9 +7,9 @@ use super::bytes::Bytes;
 const FACTOR: u64 = 0x0000_0100_0000_01b3;
 const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// A name as the hashes (FNV-1a) of its beginnings: changing it takes as long as the change, however long the name is, and
-/// a file cannot claim more memory than it has bytes. Two names of one cave hash alike once in 10⁷ caves of a million stations; then
-/// a cross-section is mistaken for another, and no more.
+/// A name as the hashes (FNV-1a) of its beginnings: changing it takes as long as the change, however long the name
+/// is, and a file cannot claim more memory than it has bytes. Two names of one cave hash alike once in 10⁷ caves of a
+/// million stations; then a cross-section is mistaken for another, and no more.
 #[derive(Default)]
 pub(super) struct Label {
     hashes: Vec<u64>,

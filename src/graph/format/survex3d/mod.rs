@@ -1,12 +1,12 @@
 //! Survex `.3d` files, version 8: what `cavern` writes when it has processed a survey.
 //!
 //! Read after the published description of the format (survex.com/docs/3dformat.htm, 2016). A header of four lines is
-//! followed by items of one byte code each: moves and lines in centimetres, names of stations, cross-sections. A name is told
-//! by what changes in the one before. Loops are closed already. Stations with the same coordinates are one, as the
-//! format has it; names serve only to say where a cross-section was measured.
+//! followed by items of one byte code each: moves and lines in centimetres, names of stations, cross-sections. A name
+//! is told by what changes in the one before. Loops are closed already. Stations with the same coordinates are one,
+//! as the format has it; names serve only to say where a cross-section was measured.
 //!
-//! Not read are other versions (`survexport --3d` makes version 8 of older ones), extended elevations, which are no caves,
-//! and dates and errors of closure, which are skipped.
+//! Not read are other versions (`survexport --3d` makes version 8 of older ones), extended elevations, which are no
+//! caves, and dates and errors of closure, which are skipped.
 
 mod bytes;
 mod label;

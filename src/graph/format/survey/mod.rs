@@ -1,12 +1,13 @@
 //! A cave as surveyors have it: stations, legs and distances to walls, and how they become a graph.
 //!
-//! Readers fill in a [`Survey`]; what follows is the same for all of them. Splays, duplicates and legs over the ground go
-//! ([`Leg`]), stations in one place become one ([`weld`]), parts that no passage joins are settled as asked, and each
-//! station gets a section from what was measured there or near it ([`section`]). Loops stay as they are: readers close them.
+//! Readers fill in a [`Survey`]; what follows is the same for all of them. Splays, duplicates and legs over the
+//! ground go ([`Leg`]), stations in one place become one ([`weld`]), parts that no passage joins are settled as
+//! asked, and each station gets a section from what was measured there or near it ([`section`]). Loops stay as they
+//! are: readers close them.
 //!
-//! Stations may have any coordinates, such as those of a national grid. The graph has its first entrance, or else its first
-//! station, as its first node and near its origin, because caves are exact only near that; [`Tally::origin_m`] leads back.
-//! Memory and time grow with the number of stations and legs.
+//! Stations may have any coordinates, such as those of a national grid. The graph has its first entrance, or else its
+//! first station, as its first node and near its origin, because caves are exact only near that; [`Tally::origin_m`]
+//! leads back. Memory and time grow with the number of stations and legs.
 
 mod section;
 mod spread;
@@ -24,8 +25,8 @@ use crate::graph::Graph;
 use crate::graph::sketch::{Knot, Sketch};
 
 /// The least and the greatest reach of a station near which nothing was measured, in metres. Legs are as long as
-/// the view was, up to 30 m and more, and passages are not as wide as that: with the default width of 0.6 reaches these are
-/// 1.5 to 3.6 m. Tuned.
+/// the view was, up to 30 m and more, and passages are not as wide as that: with the default width of 0.6 reaches
+/// these are 1.5 to 3.6 m. Tuned.
 const REACH_M: [f64; 2] = [2.5, 6.0];
 
 /// A surveyed point.
@@ -90,8 +91,8 @@ pub struct Tally {
     pub joined: usize,
     /// Stations of parts that were left out.
     pub left_out: usize,
-    /// Where the origin of the graph lies in the coordinates of the file, in metres: a survey is moved so that its first
-    /// entrance, or else its first station, is the origin.
+    /// Where the origin of the graph lies in the coordinates of the file, in metres: a survey is moved so that its
+    /// first entrance, or else its first station, is the origin.
     pub origin_m: [f64; 3],
 }
 

@@ -1,13 +1,14 @@
 //! Sections of passages from the distances to walls that surveyors note.
 //!
-//! The passage is as wide as left and right together and as high as up and down; its axis moves to the middle, sideways as
-//! seen along the passage and up or down so that the floor lies where the surveyor found it. A station with several
-//! cross-sections takes the widest, the highest ceiling and the lowest floor, so that all of them fit in.
+//! The passage is as wide as left and right together and as high as up and down; its axis moves to the middle,
+//! sideways as seen along the passage and up or down so that the floor lies where the surveyor found it. A station
+//! with several cross-sections takes the widest, the highest ceiling and the lowest floor, so that all of them fit
+//! in.
 //!
-//! A side that was not noted is taken to be like the other side; a width, a ceiling or a floor that was not is interpolated
-//! along the passages ([`spread`](super::spread)). A width or height of zero was not noted, for somebody passed. Where a
-//! part knows only its width or only its height, its passages are as high as they are wide. Where it knows nothing,
-//! stations have no section.
+//! A side that was not noted is taken to be like the other side; a width, a ceiling or a floor that was not is
+//! interpolated along the passages ([`spread`](super::spread)). A width or height of zero was not noted, for somebody
+//! passed. Where a part knows only its width or only its height, its passages are as high as they are wide. Where it
+//! knows nothing, stations have no section.
 //!
 //! Where a ceiling or a floor was measured up or down a shaft that a leg follows, the leg makes the shaft, and the
 //! passage that leads there does not get as high: that distance counts as not noted.
@@ -23,7 +24,8 @@ use crate::graph::{Section, Shape};
 
 /// The farthest wall of a station that is believed, in metres. The largest known chamber, Sarawak, is 600 m long.
 const MAX_WALL_M: f64 = 1000.0;
-/// How much of a measured passage's height lies below its axis, where the floor is cut at the default `floor_drop` of 0.5.
+/// How much of a measured passage's height lies below its axis, where the floor is cut at the default `floor_drop` of
+/// 0.5.
 const BELOW_AXIS: f64 = 1.0 / 3.0;
 /// Lower passages are made as high as this, the default `width_min_m`, and the axis must allow for it.
 const LEAST_HEIGHT_M: f64 = 1.4;

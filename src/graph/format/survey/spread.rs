@@ -1,9 +1,10 @@
 //! What was measured at some stations, spread along the passages to the others.
 //!
 //! Ordinary kriging (Matheron 1963) from the two nearest stations that have a value, nearest along the passages and not
-//! through rock, with an exponential variogram that reaches 95 % of its sill at [`RANGE_M`]: the model that Gouy et al. 2024
-//! ("KarstNSim") use for the sizes of conduits, after Frantz et al. 2021. Between two stations near each other that is nearly
-//! linear; far from both it tends to their mean. Their nugget is left out: a measured station keeps what was measured.
+//! through rock, with an exponential variogram that reaches 95 % of its sill at [`RANGE_M`]: the model that Gouy et
+//! al. 2024 ("KarstNSim") use for the sizes of conduits, after Frantz et al. 2021. Between two stations near each
+//! other that is nearly linear; far from both it tends to their mean. Their nugget is left out: a measured station
+//! keeps what was measured.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -73,8 +74,8 @@ struct Found {
     away_um: u64,
 }
 
-/// The two nearest stations with a value (Dijkstra 1959, two labels a station). No search goes on past a station that has
-/// one, because that screens what lies behind it.
+/// The two nearest stations with a value (Dijkstra 1959, two labels a station). No search goes on past a station that
+/// has one, because that screens what lies behind it.
 fn nearest(ways: &Ways, values: &[Option<f64>]) -> Vec<[Option<Found>; 2]> {
     let mut nearest = vec![[None; 2]; values.len()];
     let seeds = (0..values.len()).filter(|&station| values[station].is_some());
