@@ -82,7 +82,7 @@ impl Bring {
         };
         let import = import.and_then(|import| import.scaled(self.scale, &self.file)).map_err(faulty)?;
         let json = &FORMATS[0];
-        if !format::format_of(&self.to.output, |row| row.write.is_some()).is_none_or(|row| row.name == json.name) {
+        if format::format_of(&self.to.output, |row| row.write.is_some()).is_some_and(|row| row.name != json.name) {
             let message = format!("{}: an import makes a graph JSON", self.to.output.display());
             let hint = "name it .json; `plume graph export` writes the other formats".to_owned();
             return Err(CliError::Usage { message, hint });

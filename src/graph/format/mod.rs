@@ -100,6 +100,9 @@ pub struct Written {
     pub bytes: Vec<u8>,
 }
 
+/// Reads a file and does with its parts as asked.
+pub type Reader = fn(&Source, Parts) -> Result<Import, ReadError>;
+
 /// A row of [`FORMATS`].
 pub struct FormatRow {
     /// Name on the command line.
@@ -109,7 +112,7 @@ pub struct FormatRow {
     /// One line for `plume list`.
     pub summary: &'static str,
     /// Reads a file, where the format is read.
-    pub read: Option<fn(&Source, Parts) -> Result<Import, ReadError>>,
+    pub read: Option<Reader>,
     /// Writes a graph, where the format is written.
     pub write: Option<fn(&Graph) -> Vec<Written>>,
 }

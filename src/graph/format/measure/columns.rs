@@ -94,7 +94,7 @@ impl Columns {
 
     /// The leg that ends at this station.
     fn arrive(&mut self, here: Row) -> Option<Row> {
-        let Some(before) = self.before.replace(here.clone()) else { return None };
+        let before = self.before.replace(here.clone())?;
         let (mut row, backwards) = self.leg.take().unwrap_or_default();
         row.from = before.from;
         row.to = Some(here.from);

@@ -17,23 +17,12 @@ use nalgebra::Point3;
 use self::sets::Sets;
 use super::{Parts, ReadError};
 use crate::graph::millimetres;
-use crate::graph::sketch::Sketch;
 
 /// Members named when a graph falls apart.
 const NAMED: usize = 10;
 /// What to do about a graph in several parts.
 pub(super) const HINT: &str = "add the passages that are missing, or `--set graph.parts=join` (or `keep`, or `longest`); \
      at an import `--parts join`";
-
-/// A sketch whose parts are as they were asked.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Settled {
-    pub(super) sketch: Sketch,
-    /// Lines that were added to join parts.
-    pub(super) joined: usize,
-    /// Knots of parts that were left out; those that hung on nothing do not count.
-    pub(super) left_out: usize,
-}
 
 /// Parts are refused, and there are several.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,23 +51,6 @@ impl Disconnected {
     fn names(&self, name: impl Fn(usize) -> String) -> String {
         self.members.iter().map(|&member| name(member)).collect::<Vec<_>>().join(", ")
     }
-}
-
-/// Drops knots that hang on nothing and does with the parts as asked.
-///
-/// # Errors
-/// When there are several and they are refused.
-pub(super) fn settled(sketch: Sketch, parts: Parts) -> Result<Settled, Disconnected> {
-    let places: Vec<Point3<f64>> = sketch.knots.iter().map(|knot| knot.position).collect();
-    let fate = Fate::of(&places, &sketch.lines, parts)?;
-    let mut settled = Settled { sketch: Sketch::default(), joined: fate.joins.len(), left_out: fate.left_out };
-    let mut new = vec![usize::MAX; sketch.knots.len()];
-    for (index, knot) in sketch.knots.into_iter().enumerate().filter(|&(index, _)| fate.stays[index]) {
-        new[index] = settled.sketch.add(knot);
-    }
-    let lines = sketch.lines.into_iter().filter(|line| line.iter().all(|&end| fate.stays[end]));
-    settled.sketch.lines = lines.chain(fate.joins).map(|line| line.map(|end| new[end])).collect();
-    Ok(settled)
 }
 
 /// What is done to points and lines so that their parts are as asked.
@@ -183,6 +155,30 @@ pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::graph::sketch::Knot;
+
+    /// A sketch whose parts are as they were asked.
+    #[derive(Clone, Debug, PartialEq)]
+    struct Settled {
+        sketch: Sketch,
+        /// Lines that were added to join parts.
+        joined: usize,
+        /// Knots of parts that were left out; those that hung on nothing do not count.
+        left_out: usize,
+    }
+
+    /// Drops knots that hang on nothing and does with the parts as asked.
+    fn settled(sketch: Sketch, parts: Parts) -> Result<Settled, Disconnected> {
+        let places: Vec<Point3<f64>> = sketch.knots.iter().map(|knot| knot.position).collect();
+        let fate = Fate::of(&places, &sketch.lines, parts)?;
+        let mut settled = Settled { sketch: Sketch::default(), joined: fate.joins.len(), left_out: fate.left_out };
+        let mut new = vec![usize::MAX; sketch.knots.len()];
+        for (index, knot) in sketch.knots.into_iter().enumerate().filter(|&(index, _)| fate.stays[index]) {
+            new[index] = settled.sketch.add(knot);
+        }
+        let lines = sketch.lines.into_iter().filter(|line| line.iter().all(|&end| fate.stays[end]));
+        settled.sketch.lines = lines.chain(fate.joins).map(|line| line.map(|end| new[end])).collect();
+        Ok(settled)
+    }
 
     fn sketch(places: &[[f64; 3]], lines: &[[usize; 2]]) -> Sketch {
         let knot = |&place: &[f64; 3]| Knot { position: place.into(), section: None, level: 0 };

@@ -64,7 +64,7 @@ impl Marks {
         let mut codes = Vec::new();
         let mut rest = characters.chars();
         while let Some(character) = rest.next() {
-            let code = character.to_ascii_lowercase() == 'x';
+            let code = character.eq_ignore_ascii_case(&'x');
             let hex = rest.as_str().get(..2).and_then(|digits| u32::from_str_radix(digits, 16).ok()).filter(|_| code);
             let character = hex.and_then(char::from_u32).unwrap_or(character);
             if hex.is_some() {

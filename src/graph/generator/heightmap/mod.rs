@@ -174,7 +174,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::graph::outside::Task;
 
     /// A grid with a ring that stands 5 m high.
     struct Ring;

@@ -155,7 +155,7 @@ impl Stack {
     fn run(&mut self, ends: [Place; 2], law: &Law, dice: &mut Dice) -> bool {
         let [head, foot] = ends.map(|place| self.node(place));
         let points = [head.position, foot.position];
-        let step_m = (0.5 * (head.radius + foot.radius)).max(STEP_M.start).min(STEP_M.end);
+        let step_m = (0.5 * (head.radius + foot.radius)).clamp(STEP_M.start, STEP_M.end);
         courses(points, &law.slopes, dice).into_iter().any(|course| {
             let Some(way) = way_down(points, course, &law.slopes, step_m) else { return false };
             self.leaves(ends[0], &way[0], &way[1])
