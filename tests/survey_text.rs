@@ -1,12 +1,13 @@
 //! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use nalgebra::{Point3, Vector3};
-use plume::graph::Outside;
 use plume::graph::format::{Import, Parts, ReadError, read};
+use plume::graph::Outside;
 
 /// The files of a folder, or such as are made up.
 #[derive(Default)]
@@ -71,6 +72,11 @@ fn survex_data_comes_out_where_cavern_puts_it() {
     }
 }
 
+#[test]
+fn therion_data_comes_out_where_therion_puts_it() {
+    agrees("tests/data/formats/therion/pit.th", "tests/data/formats/therion/pit.dump");
+}
+
 fn parsed(name: &str, text: &str) -> Result<Import, ReadError> {
     read(Path::new(name), Parts::Refuse, &Files::of(&[(name, text)]))
 }
@@ -79,4 +85,88 @@ fn parsed(name: &str, text: &str) -> Result<Import, ReadError> {
 fn legs_that_are_no_passages_are_left_out_and_counted() {
     let import = read(Path::new("tests/data/formats/svx/loops.svx"), Parts::Refuse, &Disk).unwrap();
     assert_eq!((import.tally.splays, import.tally.duplicates, import.tally.surface), (4, 1, 2));
+}
+
+#[test]
+fn what_is_wrong_with_survey_data_is_told() {
+    let leg = "1 2 5 0 0\n";
+    let svx = [
+        ("empty", String::new()),
+        ("no text", "\0\u{1}\u{fffd}\u{7f}".repeat(9)),
+        ("auto declination", format!("*declination auto 1 2 3\n{leg}")),
+        ("unclosed", format!("*begin a\n*begin b\n{leg}*end b\n")),
+        ("closed twice", format!("*begin a\n{leg}*end a\n*end\n")),
+        ("wrong end", format!("*begin a\n{leg}*end b\n")),
+        ("deep", "*begin x\n".repeat(10_000)),
+        ("no command", "*\n".to_owned()),
+        ("unknown command", "*frobnicate 1\n".to_owned()),
+        ("column missing", "1 2 5 0\n".to_owned()),
+        ("column too many", "1 2 5 0 0 0\n".to_owned()),
+        ("not a number", "1 2 NaN 0 0\n".to_owned()),
+        ("far", "1 2 99999999 0 0\n".to_owned()),
+        ("endless", format!("1 2 {} 0 0\n", "9".repeat(400))),
+        ("no bearing", "1 2 5 - 0\n".to_owned()),
+        ("to itself", "1 1 5 0 0\n".to_owned()),
+        ("bad name", "1 / 5 0 0\n".to_owned()),
+        ("bad quantity", "*units salt metres\n".to_owned()),
+        ("bad unit", "*units tape degrees\n".to_owned()),
+        ("no factor", "*units tape 0 metres\n".to_owned()),
+        ("bad style", "*data poetry from to\n".to_owned()),
+        ("bad columns", "*data normal from to tape\n".to_owned()),
+        ("column twice", "*data normal from to tape tape compass\n".to_owned()),
+        ("fixed twice", format!("{leg}*fix 1 0 0 0\n*fix 1 0 0 1\n")),
+        ("fixes equated", format!("{leg}*fix 1 0 0 0\n*fix 3 0 0 1\n*equate 1 3\n")),
+        ("fixed far", format!("{leg}*fix 1 0 0 9e99\n")),
+        ("quote", "*include \"a\n".to_owned()),
+        ("itself", "*include itself\n".to_owned()),
+        ("missing file", "*include nothing\n".to_owned()),
+        ("degrees", "*cs long-lat\n".to_owned()),
+        ("two systems", "*cs UTM33N\n*cs out EPSG:31257\n".to_owned()),
+        ("long line", "1".repeat(1_000_000)),
+        ("apart", "1 2 5 0 0\n3 4 5 0 0\n".to_owned()),
+        ("equated in circles", "1 2 5 0 0\n*equate 1 3\n*equate 3 4\n*equate 4 1\n*equate 2 1\n".to_owned()),
+        ("no position", "*data nosurvey from to\n1 2\n".to_owned()),
+    ];
+    let therion = [
+        ("unclosed", "survey a\ncentreline\n".to_owned()),
+        ("crossed", "survey a\ncentreline\nendsurvey\n".to_owned()),
+        ("deep", "survey x\n".repeat(10_000)),
+        ("unknown", "survey a\nimport b.3d\nendsurvey\n".to_owned()),
+        ("by date", "survey a -declination [1990 2 2000 3 deg]\nendsurvey\n".to_owned()),
+        ("not a number", "centreline\n1 2 NaN 0 0\nendcentreline\n".to_owned()),
+        ("bracket", "survey [a\n".to_owned()),
+        ("itself", "input itself\n".to_owned()),
+    ];
+    let mut told = String::new();
+    let faults = svx.iter().map(|(name, text)| ("svx", name, text));
+    for (ending, name, text) in faults.chain(therion.iter().map(|(name, text)| ("th", name, text))) {
+        let file = if *name == "itself" { format!("itself.{ending}") } else { format!("cave.{ending}") };
+        let error = parsed(&file, text).expect_err(name);
+        writeln!(told, "{name}: {error}\n  {}", error.hint).unwrap();
+    }
+    insta::assert_snapshot!("survey_text_faults", told);
+}
+
+/// Files that include two others each grow beyond all bounds, and chains of equates are walked again and again.
+#[test]
+fn what_would_take_for_ever_is_refused_or_quick() {
+    let names: Vec<(String, String)> = (0..60)
+        .map(|depth| (format!("{depth}.svx"), format!("*include {0}\n*include {0}\n", depth + 1)))
+        .chain([("60.svx".to_owned(), "1 2 5 0 0\n".to_owned())])
+        .collect();
+    let texts: Vec<(&str, &str)> = names.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    let error = read(Path::new("0.svx"), Parts::Refuse, &Files::of(&texts)).unwrap_err();
+    assert!(error.message.contains("more than 1000 files"), "{error}");
+    let mut text = "0 a 5 0 0\n".to_owned();
+    for station in (0..50_000).rev() {
+        writeln!(text, "*equate {} {station}", station + 1).unwrap();
+    }
+    let import = parsed("chain.svx", &text).unwrap();
+    assert_eq!(import.graph.nodes.len(), 2);
+}
+
+#[test]
+fn text_in_any_encoding_is_read() {
+    let import = read(Path::new("tests/data/formats/svx/latin.svx"), Parts::Refuse, &Disk).unwrap();
+    assert_eq!(import.graph.nodes.len(), 3);
 }

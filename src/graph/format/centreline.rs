@@ -156,18 +156,16 @@ impl Centreline {
         Ok(())
     }
 
-    /// A shot that was just measured the same way counts as one, which is their mean.
+    /// A shot that was just measured between the same stations counts as one, which is their mean.
     fn repeat(&mut self, ends: [Name; 2], measured: &Measured) -> bool {
         let (Measured::Shot { vector: again, .. }, Some((last, Measured::Shot { vector, .. }))) =
             (measured, self.shots.last_mut())
         else {
             return false;
         };
-        let again = match *last {
-            known if known == ends => *again,
-            [from, to] if [to, from] == ends => -again,
-            _ => return false,
-        };
+        if *last != ends {
+            return false;
+        }
         self.repeats += 1;
         *vector += (again - *vector) / self.repeats as f64;
         true
@@ -267,11 +265,16 @@ impl Centreline {
         });
         let shots = shots.collect();
         let fixes = self.fixes(&mut numbers, files)?;
+        let held = usize::from(!fixes.is_empty());
         let traverse = Traverse { stations: numbers.count, shots, fixes };
         let Some(placed) = traverse.place() else {
             let hint = "its errors or standard deviations are beyond all measure; check the largest";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
+        if held + placed.adrift.len() > 1 {
+            let message = format!("has {} pieces, and nothing says how they lie", held + placed.adrift.len());
+            return Err(ReadError::whole(source.path, message, "fix a station of each, or equate stations of theirs"));
+        }
         let station = |position| Station { position, entrance: false };
         let mut survey =
             Survey { stations: placed.positions.into_iter().map(station).collect(), legs, walls: Vec::new() };

@@ -96,6 +96,16 @@ impl Quantity {
         )
     }
 
+    /// The same, seen from the other end of the leg.
+    fn back(self) -> Option<Self> {
+        match self {
+            Self::Length => Some(Self::BackLength),
+            Self::Bearing => Some(Self::BackBearing),
+            Self::Gradient => Some(Self::BackGradient),
+            _ => None,
+        }
+    }
+
     fn is_gradient(self) -> bool {
         matches!(self, Self::Gradient | Self::BackGradient)
     }
@@ -190,17 +200,31 @@ impl Unit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gauge {
     unit: Unit,
-    /// What is read where there is nothing, in metres or radians.
+    /// What is read where there is nothing, as it is read.
+    read_zero: f64,
+    /// The same in metres or radians.
     zero: f64,
     scale: f64,
     /// Standard deviation, in metres or radians.
     spread: f64,
 }
 
+/// Whose words the settings are in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Dialect {
+    /// A zero error is in the unit that holds where it is set.
+    #[default]
+    Survex,
+    /// A zero error is in the unit that holds where something is read, and what is said of an instrument holds for
+    /// backsights, too.
+    Therion,
+}
+
 /// The instruments in use, and how readings are taken.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Instruments {
     gauges: [Gauge; QUANTITIES],
+    pub(super) dialect: Dialect,
     /// Gradients of 90° are plumbed.
     infer_plumbs: bool,
     /// Shots without length say that two stations are one.
@@ -210,9 +234,16 @@ pub(super) struct Instruments {
 /// What is taken where nothing is said: metres, degrees, and BCRA grade 5 for what they are worth, as Survex has it.
 impl Default for Instruments {
     fn default() -> Self {
-        let length = Gauge { unit: Unit::Length(1.0), zero: 0.0, scale: 1.0, spread: 0.05 };
-        let angle = Gauge { unit: Unit::Angle(PI / 180.0), zero: 0.0, scale: 1.0, spread: 0.5_f64.to_radians() };
-        let mut instruments = Self { gauges: [length; QUANTITIES], infer_plumbs: false, infer_equates: false };
+        let length = Gauge { unit: Unit::Length(1.0), read_zero: 0.0, zero: 0.0, scale: 1.0, spread: 0.05 };
+        let angle = Gauge {
+            unit: Unit::Angle(PI / 180.0),
+            read_zero: 0.0,
+            zero: 0.0,
+            scale: 1.0,
+            spread: 0.5_f64.to_radians(),
+        };
+        let mut instruments =
+            Self { gauges: [length; QUANTITIES], dialect: Dialect::Survex, infer_plumbs: false, infer_equates: false };
         for &(_, quantity) in NAMES.iter().filter(|(_, quantity)| quantity.is_angle()) {
             instruments.gauges[quantity as usize] = angle;
         }
@@ -247,7 +278,11 @@ impl Instruments {
                 return Err("this unit does not go with what is calibrated".to_owned());
             }
             gauge.scale = scale;
-            gauge.zero = own.map_or_else(|| gauge.unit.of(zero), |own| own.of(zero) / scale);
+            (gauge.read_zero, gauge.zero) = match (own, self.dialect) {
+                (Some(own), _) => (0.0, own.of(zero) / scale),
+                (None, Dialect::Survex) => (0.0, gauge.unit.of(zero)),
+                (None, Dialect::Therion) => (zero, 0.0),
+            };
         }
         Ok(())
     }
@@ -273,7 +308,7 @@ impl Instruments {
 
     /// Forgets zeros and scales.
     pub(super) fn reset_calibration(&mut self) {
-        self.gauges.iter_mut().for_each(|gauge| (gauge.zero, gauge.scale) = (0.0, 1.0));
+        self.gauges.iter_mut().for_each(|gauge| (gauge.read_zero, gauge.zero, gauge.scale) = (0.0, 0.0, 1.0));
     }
 
     /// Forgets units.
@@ -293,7 +328,7 @@ impl Instruments {
     /// What a reading says, in metres or radians.
     fn value(&self, quantity: Quantity, number: f64) -> f64 {
         let gauge = &self.gauges[quantity as usize];
-        (gauge.unit.of(number) - gauge.zero) * gauge.scale
+        (gauge.unit.of(number - gauge.read_zero) - gauge.zero) * gauge.scale
     }
 
     fn spread(&self, quantity: Quantity) -> f64 {

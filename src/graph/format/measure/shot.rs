@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Cell, Instruments, Quantity, Reading, Row, Style};
+use super::{Cell, Dialect, Instruments, Quantity, Reading, Row, Style};
 use crate::graph::format::limits::MAX_LENGTH_M;
 use crate::graph::format::traverse::Accuracy;
 
@@ -52,7 +52,7 @@ impl Instruments {
             Style::NoSurvey | Style::Passage | Style::Ignore => Measured::Way,
         };
         match &measured {
-            Measured::Shot { vector, .. } if !(vector.norm() <= MAX_LENGTH_M) => {
+            Measured::Shot { vector, .. } if !(0.0..=MAX_LENGTH_M).contains(&vector.norm()) => {
                 Err(format!("a shot of more than {} km", MAX_LENGTH_M / 1000.0))
             }
             _ => Ok(measured),
@@ -149,6 +149,11 @@ impl Instruments {
             let number = row.number(Reading::Of(quantity)).ok_or("a coordinate is missing")?;
             vector[axis] = self.value(quantity, number);
             variances[axis] = self.spread(quantity) * self.spread(quantity);
+        }
+        if self.dialect == Dialect::Therion {
+            // By the compass there, by the map in Survex.
+            let (sine, cosine) = libm::sincos(self.declination());
+            vector = Vector3::new(vector.x * cosine + vector.y * sine, vector.y * cosine - vector.x * sine, vector.z);
         }
         let least = Accuracy { position_m: 0.0, ..Accuracy::default() }.station();
         Ok(Measured::Shot { vector, covariance: Matrix3::from_diagonal(&variances) + least })

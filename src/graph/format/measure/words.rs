@@ -1,6 +1,6 @@
 //! Settings as both formats write them: the words behind a command.
 
-use super::{Instruments, Order, Quantity, Reading, Style, Unit};
+use super::{Dialect, Instruments, Order, Quantity, Reading, Style, Unit};
 
 /// Reads a number.
 type Number<'a> = &'a dyn Fn(&str) -> Option<f64>;
@@ -39,7 +39,7 @@ impl Instruments {
             self.reset_units();
             return Ok(());
         }
-        let (quantities, rest) = quantities(words)?;
+        let (quantities, rest) = self.quantities(words)?;
         let (factor, unit) = match rest {
             [unit] => (1.0, unit),
             [factor, unit] => (some(factor, number)?, unit),
@@ -54,7 +54,7 @@ impl Instruments {
             self.reset_calibration();
             return Ok(());
         }
-        let (quantities, rest) = quantities(words)?;
+        let (quantities, rest) = self.quantities(words)?;
         let [zero, rest @ ..] = rest else { return Err("there is no zero error".to_owned()) };
         let zero = some(zero, number)?;
         let (unit, rest) = match rest {
@@ -71,7 +71,7 @@ impl Instruments {
 
     /// `sd <quantities> <standard deviation> <unit>`
     fn read_spread(&mut self, words: &[&str], number: Number) -> Result<(), String> {
-        let (quantities, rest) = quantities(words)?;
+        let (quantities, rest) = self.quantities(words)?;
         let [spread, unit] = rest else { return Err("a standard deviation is a number and its unit".to_owned()) };
         self.set_spread(&quantities, some(spread, number)?, named_unit(unit)?)
     }
@@ -89,6 +89,21 @@ impl Instruments {
             }
             _ => Err("a declination is an angle and its unit".to_owned()),
         }
+    }
+
+    /// The quantities that a command begins with, and what follows.
+    fn quantities<'a, 'b>(&self, words: &'a [&'b str]) -> Result<(Vec<Quantity>, &'a [&'b str]), String> {
+        let mut quantities: Vec<Quantity> = words.iter().map_while(|word| Quantity::named(word)).collect();
+        if quantities.is_empty() {
+            let found = words.first().copied().unwrap_or_default();
+            return Err(format!("`{}` is nothing that is measured", found.escape_default()));
+        }
+        let rest = &words[quantities.len()..];
+        if self.dialect == Dialect::Therion {
+            let backs: Vec<Quantity> = quantities.iter().filter_map(|quantity| quantity.back()).collect();
+            quantities.extend(backs);
+        }
+        Ok((quantities, rest))
     }
 
     /// `infer <what> on|off`
@@ -111,17 +126,6 @@ impl Instruments {
 
 fn is_default(words: &[&str]) -> bool {
     words.len() == 1 && words[0].eq_ignore_ascii_case("default")
-}
-
-/// The quantities that a command begins with, and what follows.
-fn quantities<'a, 'b>(words: &'a [&'b str]) -> Result<(Vec<Quantity>, &'a [&'b str]), String> {
-    let quantities: Vec<Quantity> = words.iter().map_while(|word| Quantity::named(word)).collect();
-    if quantities.is_empty() {
-        let found = words.first().copied().unwrap_or_default();
-        return Err(format!("`{}` is nothing that is measured", found.escape_default()));
-    }
-    let rest = &words[quantities.len()..];
-    Ok((quantities, rest))
 }
 
 fn named_unit(word: &str) -> Result<Unit, String> {

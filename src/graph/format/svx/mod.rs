@@ -2,7 +2,7 @@
 //!
 //! After the Survex manual 1.4, chapter 4. Read are all data styles with any order of columns, units, calibrations,
 //! fixed declinations, standard deviations, names with any depth of surveys, equates, fixes, flags, anonymous stations,
-//! includes. Loops are closed as Survex closes them, so stations come out where cavern puts them; those of diving shots
+//! and includes. Loops are closed as Survex closes them, so stations come out where cavern puts them; those of diving shots
 //! within loops may differ by a share of the misclosure, since their covariances do.
 //!
 //! Not read: `*declination auto`, which takes a model of the earth's field, and positions in a `*cs` in degrees; the
@@ -148,9 +148,7 @@ impl Reader<'_> {
         let marks = Rc::clone(&self.settings.marks);
         let mut at = survey;
         for part in marks.parts(name)? {
-            let part = self.settings.case.of(part);
-            let end = self.settings.significant.and_then(|most| part.char_indices().nth(most));
-            at = self.centreline.names.below(at, end.map_or(&*part, |(end, _)| &part[..end]));
+            at = self.centreline.names.below(at, &self.settings.spelled(part));
         }
         Ok(at)
     }
@@ -164,7 +162,7 @@ impl Reader<'_> {
             None => self.settings.survey,
         };
         let kept = self.settings.clone();
-        self.blocks.push(Block { name: name.map(|name| kept.case.of(name)), settings: kept, spot });
+        self.blocks.push(Block { name: name.map(|name| kept.spelled(name)), settings: kept, spot });
         self.settings.survey = survey;
         Ok(())
     }
@@ -174,7 +172,7 @@ impl Reader<'_> {
         let Some(block) = self.blocks.pop().filter(|_| self.blocks.len() >= outer) else {
             return Err("no block is open in this file".to_owned());
         };
-        let name = name.map(|name| block.settings.case.of(name));
+        let name = name.map(|name| block.settings.spelled(name));
         if name != block.name {
             let name = block.name.unwrap_or_default();
             return Err(format!("this does not close the block `{name}` of line {}", block.spot.line));
@@ -193,12 +191,14 @@ impl Reader<'_> {
     }
 }
 
-impl Case {
-    fn of(self, name: &str) -> String {
-        match self {
-            Self::Lower => name.to_ascii_lowercase(),
-            Self::Upper => name.to_ascii_uppercase(),
-            Self::Kept => name.to_owned(),
+impl Settings {
+    /// A name as far as its letters count.
+    fn spelled(&self, name: &str) -> String {
+        let kept = name.chars().take(self.significant.unwrap_or(usize::MAX));
+        match self.case {
+            Case::Lower => kept.map(|letter| letter.to_ascii_lowercase()).collect(),
+            Case::Upper => kept.map(|letter| letter.to_ascii_uppercase()).collect(),
+            Case::Kept => kept.collect(),
         }
     }
 }

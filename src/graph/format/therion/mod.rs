@@ -17,7 +17,7 @@ use nalgebra::Point3;
 use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::{MAX_DEPTH, MAX_LENGTH_M};
-use super::measure::{Columns, Instruments, Order, Row, Style};
+use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
 use super::{Import, Parts, ReadError, Source};
 
 /// What to do about a survey that says more than we read.
@@ -157,6 +157,7 @@ impl Reader<'_> {
                 self.open(spot, Kind::Centreline)?;
                 let declination = self.settings.instruments.declination();
                 self.settings = Settings::default();
+                self.settings.instruments.dialect = Dialect::Therion;
                 self.settings.instruments.set_declination(declination);
                 Ok(())
             }
@@ -261,7 +262,7 @@ impl Reader<'_> {
         match row {
             None => Ok(()),
             Some(row) if order.style == Style::Passage => {
-                let station = self.station(&row.from);
+                let station = self.elsewhere(&row.from);
                 self.centreline.add_to_tube(station, self.settings.instruments.walls(&row, false));
                 Ok(())
             }
@@ -283,7 +284,7 @@ impl Reader<'_> {
 
     /// The end of a shot: points on walls have no names.
     fn end(&mut self, name: &str) -> Name {
-        if matches!(name, "." | "-") { self.centreline.names.add() } else { self.station(name) }
+        if matches!(name, "." | "-") { self.centreline.names.add() } else { self.elsewhere(name) }
     }
 
     /// A station of the survey that is open.
