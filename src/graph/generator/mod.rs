@@ -3,6 +3,7 @@
 mod file;
 pub mod gaussian_perlin;
 pub mod grown_tunnels;
+pub mod l_system;
 pub mod mine;
 mod network;
 pub mod space_colonization;
@@ -16,6 +17,7 @@ use serde_json::Value;
 pub use file::File;
 pub use gaussian_perlin::GaussianPerlin;
 pub use grown_tunnels::GrownTunnels;
+pub use l_system::LSystem;
 pub use mine::Mine;
 pub use space_colonization::SpaceColonization;
 pub use worms::Worms;
@@ -71,6 +73,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
     row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
     row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken"),
+    row::<LSystem>("l-system", "passages that a grammar of branches describes"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
