@@ -86,7 +86,7 @@ impl Grammar {
     /// The production that a letter becomes, drawn by weight; none where no rule has it.
     pub(super) fn draw(&self, letter: char, dice: &mut Dice) -> Option<usize> {
         let fitting = || self.rules.iter().filter(|rule| rule.letter == letter);
-        let last = fitting().last()?.production;
+        let last = fitting().next_back()?.production;
         let mut drawn = dice.unit() * fitting().map(|rule| rule.weight).sum::<f64>();
         let chosen = fitting().find(|rule| {
             drawn -= rule.weight;
