@@ -5,7 +5,7 @@ mod segment;
 #[path = "common/world.rs"]
 mod world;
 
-use plume::graph::{Graph, Node, generator};
+use plume::graph::{GenerateError, Graph, Node, generator};
 use segment::distance;
 use serde_json::{Value, json};
 use world::World;
@@ -45,6 +45,8 @@ fn cases() -> Vec<Case> {
         case("space-colonization", json!({"nodes": 300}), [1.0, 20.0, 50.0]),
         case("space-colonization", json!({"nodes": 200, "height_m": 60.0, "rock_m": 2.0}), [2.0, 20.0, 50.0]),
         case("space-colonization", json!({"nodes": 200, "region": "box", "loop_closure": 2.0}), [1.0, 20.0, 50.0]),
+        case("l-system", json!({"nodes": 300}), [1.0, 20.0, 50.0]),
+        case("l-system", json!({"nodes": 200, "axiom": "F", "rules": ["F = F[+F]F[-F]F"]}), [1.0, 20.0, 50.0]),
     ]
 }
 
@@ -106,9 +108,12 @@ fn no_passage_runs_through_another() {
 
 #[test]
 fn loops_come_when_they_are_asked_for() {
-    for (name, key) in
-        [("grown-tunnels", "connectors"), ("worms", "loop_closure"), ("space-colonization", "loop_closure")]
-    {
+    for (name, key) in [
+        ("grown-tunnels", "connectors"),
+        ("worms", "loop_closure"),
+        ("space-colonization", "loop_closure"),
+        ("l-system", "loop_closure"),
+    ] {
         let loops = |closure: f64| {
             let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
             (0..6).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
@@ -142,6 +147,39 @@ fn widths_follow_the_pipe_model() {
         let children = (0..graph.nodes.len()).filter(|&child| graph.nodes[child].parent == Some(node));
         let fed = children.map(area).sum::<f64>().max(4.0);
         assert!((area(node) / fed.min(81.0) - 1.0).abs() < 0.01, "{node}: {} of {fed}", area(node));
+    }
+}
+
+fn grammar(axiom: &str, rules: &[&str], nodes: u32) -> Result<Graph, GenerateError> {
+    let settings = json!({"axiom": axiom, "rules": rules, "nodes": nodes});
+    (generator("l-system").unwrap().read)(settings).unwrap().generate(1, &World)
+}
+
+#[test]
+fn faults_of_grammars_name_the_rule_and_the_character() {
+    let faulty: [(&str, &[&str]); 9] = [
+        ("A", &["A = F[+A"]),
+        ("A", &["A = FA", "A = F]A"]),
+        ("A", &["A = F?A"]),
+        ("F(", &[]),
+        ("A", &["A FA"]),
+        ("A", &["+ = FA"]),
+        ("A", &["A -1 = FA"]),
+        ("A", &["A = A[B]", "B = AB"]),
+        ("", &[]),
+    ];
+    let told = faulty.map(|(axiom, rules)| {
+        let error = grammar(axiom, rules, 20).unwrap_err();
+        format!("{error}\n  {}", error.hint)
+    });
+    insta::assert_snapshot!(told.join("\n"));
+}
+
+#[test]
+fn hostile_grammars_end() {
+    for rule in ["A = [A][A][A]AF", "A = AA", "A = [[[[A]]]]A", "A = F[A][A][A][A][A][A]"] {
+        let graph = grammar("AF", &[rule], 300).map(|graph| graph.nodes.len());
+        assert!(graph.as_ref().is_ok_and(|nodes| *nodes == 300) || graph.is_err(), "{rule}");
     }
 }
 

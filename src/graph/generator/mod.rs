@@ -8,6 +8,7 @@ pub mod grown_tunnels;
 mod heightmap;
 mod karst;
 pub mod layers;
+pub mod l_system;
 pub mod mine;
 mod network;
 pub mod space_colonization;
@@ -27,6 +28,7 @@ pub use grown_tunnels::GrownTunnels;
 pub use heightmap::Heightmap;
 pub use karst::Karst;
 pub use layers::Layers;
+pub use l_system::LSystem;
 pub use mine::Mine;
 pub use space_colonization::SpaceColonization;
 pub use tiles::Tiles;
@@ -92,6 +94,7 @@ pub static GENERATORS: &[GeneratorRow] = &[
     row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
     row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
     row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken"),
+    row::<LSystem>("l-system", "passages that a grammar of branches describes"),
     row::<File>("file", "a graph or a cave survey from a file"),
 ];
 
