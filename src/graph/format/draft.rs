@@ -8,6 +8,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
+use super::limits::MAX_LENGTH_M;
 use super::parts::{Disconnected, Fate, first_at_place};
 use super::{Parts, ReadError, Tally};
 use crate::graph::{Graph, Node, Section, millimetres};
@@ -107,7 +108,7 @@ impl Draft {
 }
 
 fn rounded(node: Node) -> Node {
-    let length = |length_m: f64| millimetres(length_m).max(0.001);
+    let length = |length_m: f64| millimetres(length_m).clamp(0.001, MAX_LENGTH_M);
     let section = node.section.map(|section| Section {
         width_m: length(section.width_m),
         height_m: length(section.height_m),
@@ -150,6 +151,6 @@ fn fill_radii(graph: &mut Graph) {
             continue;
         }
         let nearest = others.iter().map(|&other| graph.distance_m(node, other)).fold(f64::INFINITY, f64::min);
-        graph.nodes[node].radius = millimetres(nearest).max(0.001);
+        graph.nodes[node].radius = millimetres(nearest).clamp(0.001, MAX_LENGTH_M);
     }
 }

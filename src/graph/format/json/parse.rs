@@ -34,7 +34,9 @@ pub(super) struct File {
 pub(super) fn parse(text: &str) -> Result<File, ReadError> {
     let keys: Keys = serde_json::from_str(text).map_err(|error| explained(&error, text))?;
     let stations = keys.nodes.ok_or_else(|| ReadError::Shape { what: "there is no key `nodes`".to_owned() })?;
-    Ok(File { version: keys.version, recipe: keys.recipe, stations: stations? })
+    // An imported graph has none, which is written as null.
+    let recipe = keys.recipe.filter(|recipe| !recipe.is_null());
+    Ok(File { version: keys.version, recipe, stations: stations? })
 }
 
 /// The parser's error, told better where a foreign program is known to be its cause.

@@ -1,0 +1,60 @@
+//! What the fuzzers of all readers share.
+#![allow(dead_code, missing_docs, reason = "of plume, this is a part")]
+
+#[path = "../../src/graph/mod.rs"]
+pub mod graph;
+#[path = "../../src/seed.rs"]
+pub mod seed;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use graph::format::{self, Parts};
+use graph::{Graph, Outside, Task};
+
+/// The version that written files name.
+pub const VERSION: &str = "0.0.0";
+
+/// Between a file and the one that it leads to: no text has it.
+const NEXT_FILE: u8 = 0xff;
+
+/// Whatever file is asked for, these bytes.
+struct Other<'a>(&'a [u8]);
+
+impl Outside for Other<'_> {
+    fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
+        Ok(self.0.to_vec())
+    }
+
+    fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
+        Err("there are no programs".to_owned())
+    }
+}
+
+/// Reads bytes as a row of the table does. A graph must come back from JSON as it is.
+pub fn read(name: &str, bytes: &[u8]) {
+    let row = format::format(name).expect("there is such a row");
+    let reader = row.read.expect("it is read");
+    // Files of bytes are one file: what follows in them is no other.
+    let end = bytes.iter().position(|&byte| byte == NEXT_FILE && row.name == "karstnet").unwrap_or(bytes.len());
+    let other = Other(bytes.get(end + 1..).unwrap_or_default());
+    let path = PathBuf::from(format!("fuzz{}", row.endings[0]));
+    for parts in [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest] {
+        let source = format::Source { path: &path, bytes: &bytes[..end], outside: &other };
+        match reader(&source, parts) {
+            Ok(import) => keeps_the_laws(&import.graph, parts),
+            Err(error) => assert!(!error.message.is_empty() && !error.place.to_string().is_empty()),
+        }
+    }
+}
+
+fn keeps_the_laws(graph: &Graph, parts: Parts) {
+    assert!(graph.nodes.len() >= 2);
+    assert!(graph.neighbors().iter().all(|others| !others.is_empty()));
+    assert!(parts == Parts::Keep || graph.components().len() == 1);
+    assert!(graph.nodes.iter().all(|node| node.radius > 0.0 && node.position.iter().all(|x| x.is_finite())));
+    if parts != Parts::Keep {
+        let back = format::json::read(&format::json::write(graph, VERSION, &serde_json::Value::Null));
+        assert_eq!(&back.expect("it is a graph").graph, graph);
+    }
+}
