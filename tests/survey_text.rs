@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use nalgebra::{Point3, Vector3};
-use plume::graph::format::{Import, Parts, ReadError, read};
 use plume::graph::Outside;
+use plume::graph::format::{Import, Parts, ReadError, read};
 
 /// The files of a folder, or such as are made up.
 #[derive(Default)]

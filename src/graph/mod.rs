@@ -10,6 +10,7 @@ pub mod format;
 pub mod generator;
 mod neighbors;
 mod outside;
+mod perlin;
 mod ramp;
 mod raster;
 pub mod realism;

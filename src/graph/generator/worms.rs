@@ -14,12 +14,12 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::gaussian_perlin::perlin::Perlin;
 use super::network::{self, Growth, Network, Rules, Size, Spot, ahead};
 use super::{GenerateError, Generator};
 use crate::graph::Graph;
 use crate::graph::dice::Dice;
 use crate::graph::outside::Outside;
+use crate::graph::perlin::Perlin;
 
 /// Bearings that a worm tries where it starts.
 const STARTS: usize = 4;

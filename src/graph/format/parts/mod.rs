@@ -154,7 +154,7 @@ pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::sketch::Knot;
+    use crate::graph::sketch::{Knot, Sketch};
 
     /// A sketch whose parts are as they were asked.
     #[derive(Clone, Debug, PartialEq)]

@@ -15,10 +15,10 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::gaussian_perlin::perlin::Perlin;
 use super::{GenerateError, Generator};
 use crate::graph::dice::Dice;
 use crate::graph::outside::Outside;
+use crate::graph::perlin::Perlin;
 use crate::graph::raster::{self, Mask};
 use crate::graph::sketch::{Knot, Sketch};
 use crate::graph::{Graph, Section, Shape};

@@ -7,12 +7,12 @@ use super::circle::Compass;
 use super::grid::Grid;
 use super::lengths::Lengths;
 use super::links::Link;
-use super::perlin::Perlin;
 use super::tuning::{
     EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK, SPREAD,
     SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
 };
 use crate::graph::dice::Dice;
+use crate::graph::perlin::Perlin;
 use crate::graph::{Graph, Node, millimetres};
 
 /// What a station belongs to.

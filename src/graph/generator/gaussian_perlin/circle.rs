@@ -8,11 +8,11 @@ use std::f64::consts::{PI, TAU};
 
 use super::Distribution;
 use super::GaussianPerlin;
-use super::perlin::Perlin;
 use super::tuning::{
     DEGREE, FRACTURE, FRACTURE_KAPPA, LINK_SIGMA, PERLIN_FLOOR, PERLIN_SCALE_M, RULED_OUT, SPUR_SIGMA,
 };
 use crate::graph::dice::Dice;
+use crate::graph::perlin::Perlin;
 
 /// Sections of a circle.
 const SECTIONS: usize = 360;

@@ -24,7 +24,6 @@ mod layers;
 mod lengths;
 mod links;
 mod loops;
-pub(super) mod perlin;
 mod step;
 mod tuning;
 

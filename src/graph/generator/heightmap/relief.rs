@@ -3,7 +3,7 @@
 
 use super::{Heightmap, Heights};
 use crate::graph::dice::Dice;
-use crate::graph::generator::gaussian_perlin::perlin::Perlin;
+use crate::graph::perlin::Perlin;
 use crate::seed;
 
 /// Square metres of plan for each metre of ridges, per metre between them (tuned; a fifth more than needed, to be cut

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector2};
 
 use super::Karst;
 use crate::graph::dice::Dice;
-use crate::graph::generator::gaussian_perlin::perlin::Perlin;
+use crate::graph::perlin::Perlin;
 
 /// Height above or below a horizon at which it is felt by half, in metres (tuned).
 const HORIZON_REACH_M: f64 = 1.5;

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use crate::graph::dice::Dice;
 
 /// A noise field over the plane: 0 on the integer lattice, within ±0.75 elsewhere, period 256.
-pub(in crate::graph) struct Perlin {
+pub(super) struct Perlin {
     order: [u8; 256],
     gradients: [[f64; 2]; 16],
 }
 
 impl Perlin {
-    pub(in crate::graph) fn new(dice: &mut Dice) -> Self {
+    pub(super) fn new(dice: &mut Dice) -> Self {
         let mut order = std::array::from_fn(|i| i as u8);
         for last in (1..order.len()).rev() {
             order.swap(last, dice.index(last + 1));
@@ -23,7 +23,7 @@ impl Perlin {
         Self { order, gradients }
     }
 
-    pub(in crate::graph) fn at(&self, x: f64, y: f64) -> f64 {
+    pub(super) fn at(&self, x: f64, y: f64) -> f64 {
         let (cx, cy) = (x.floor(), y.floor());
         let (fx, fy) = (x - cx, y - cy);
         let (ix, iy) = (cx as i64, cy as i64);
