@@ -4,6 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use plume::graph::format::FORMATS;
+
 /// Modules of `src`, and the modules that each may name. A module may always name itself.
 const ARROWS: &[(&str, &[&str])] = &[
     ("seed", &[]),
@@ -97,5 +99,15 @@ fn every_file_of_a_table_has_its_row() {
                 assert!(rows(table).contains(implementor), "{}: {implementor} has no row", file.display());
             }
         }
+    }
+}
+
+#[test]
+fn every_reader_has_its_fuzzer_and_its_seeds() {
+    for row in FORMATS.iter().filter(|row| row.read.is_some()) {
+        let target = fs::read_to_string(format!("fuzz/fuzz_targets/{}.rs", row.name)).expect(row.name);
+        assert!(target.contains(&format!("read(\"{}\", bytes)", row.name)), "{}", row.name);
+        let seeds = Path::new("tests/data/formats").join(row.name);
+        assert!(seeds.is_dir(), "{} has no small files", row.name);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! A row is tried with the files in `tests/data/formats/<its name>`, as soon as there are any: each is read, then cut off and
 //! changed byte by byte; those under `bad` are refused, with the errors that the snapshots hold.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/world.rs"]
 mod world;

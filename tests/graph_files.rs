@@ -1,4 +1,5 @@
 //! Graph files: those of the original script, those of anyone, and those with something wrong.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fmt::Write;
 use std::path::Path;

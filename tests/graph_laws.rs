@@ -1,4 +1,5 @@
 //! The laws of a graph, held by every generator of the table.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/segment.rs"]
 mod segment;

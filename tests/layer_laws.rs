@@ -1,4 +1,5 @@
 //! The laws of graphs with several layers: links counted, spaced and within their slopes, rock between layers.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/world.rs"]
 mod world;

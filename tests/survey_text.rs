@@ -1,4 +1,5 @@
 //! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -10,12 +10,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use graph::format::{self, Parts};
-use graph::{Graph, Outside, Task};
+use graph::{Graph, Outside};
 
 /// The version that written files name.
 pub const VERSION: &str = "0.0.0";
 
-/// Between a file and the one that it leads to: no text has it.
+/// Between a file and those that it leads to: no UTF-8 text has it.
 const NEXT_FILE: u8 = 0xff;
 
 /// Whatever file is asked for, these bytes.
@@ -25,18 +25,14 @@ impl Outside for Other<'_> {
     fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
         Ok(self.0.to_vec())
     }
-
-    fn run(&self, _: &Task) -> Result<Vec<u8>, String> {
-        Err("there are no programs".to_owned())
-    }
 }
 
 /// Reads bytes as a row of the table does. A graph must come back from JSON as it is.
 pub fn read(name: &str, bytes: &[u8]) {
     let row = format::format(name).expect("there is such a row");
     let reader = row.read.expect("it is read");
-    // Files of bytes are one file: what follows in them is no other.
-    let end = bytes.iter().position(|&byte| byte == NEXT_FILE && row.name == "karstnet").unwrap_or(bytes.len());
+    // A .3d is bytes and leads nowhere.
+    let end = bytes.iter().position(|&byte| byte == NEXT_FILE && row.name != "survex-3d").unwrap_or(bytes.len());
     let other = Other(bytes.get(end + 1..).unwrap_or_default());
     let path = PathBuf::from(format!("fuzz{}", row.endings[0]));
     for parts in [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest] {

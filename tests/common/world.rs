@@ -44,6 +44,10 @@ pub fn sized(row: &GeneratorRow, nodes: u32) -> Value {
 
 /// A small graph.
 pub fn small(row: &GeneratorRow, nodes: u32, seed: u64) -> Graph {
-    let generator = (row.read)(sized(row, nodes)).expect("the settings are its own");
+    let settings = match row.name {
+        "layers" => json!({"layer": [{"nodes": nodes.max(20)}, {"nodes": nodes.max(20)}], "link_count": 1}),
+        _ => sized(row, nodes),
+    };
+    let generator = (row.read)(settings).expect("the settings are its own");
     generator.generate(seed, &World).expect(row.name)
 }

@@ -61,6 +61,7 @@ pub struct Karst {
     #[schemars(range(min = 20.0, max = 200.0))]
     pub key_spacing_m: f64,
     /// Inception horizons: heights of bedding planes that water follows, at the middle of the plan, in metres.
+    #[schemars(inner(range(min = -1000.0, max = 1000.0)))]
     pub horizons_m: Vec<f64>,
     /// Dip of all horizons, in degrees.
     #[schemars(range(min = 0.0, max = 10.0))]
@@ -72,6 +73,7 @@ pub struct Karst {
     #[schemars(range(min = 0.0, max = 10.0))]
     pub horizon_weight: f64,
     /// Compass directions of sets of fractures, in degrees.
+    #[schemars(inner(range(min = 0.0, max = 360.0)))]
     pub fracture_azimuths_deg: Vec<f64>,
     /// How much dearer a way across the fractures is, in costs of a way along them.
     #[schemars(range(min = 0.0, max = 10.0))]
