@@ -20,7 +20,7 @@ use plume::texture::{Level, LodSettings, Maps, TextureSettings, Textured, levels
 use rayon::prelude::*;
 use serde_json::json;
 use texture_support::Gradient;
-use world::small;
+use world::{kinds, small};
 
 /// A chunk and its levels.
 struct Detailed {
@@ -58,8 +58,8 @@ fn cave(generator: &GeneratorRow, material: &MaterialRow, seed: u64, chunk_m: f3
 
 /// Chunks of caves of every kind, cave by cave.
 fn caves(settings: &LodSettings) -> Vec<(String, Vec<Detailed>)> {
-    let kinds = GENERATORS.iter().flat_map(|g| MATERIALS.iter().map(move |m| (g, m)));
-    let sizes = kinds.flat_map(|(g, m)| [(1, 8.0), (2, 16.0)].map(|(seed, chunk_m)| (g, m, seed, chunk_m)));
+    let sizes =
+        kinds().into_iter().flat_map(|(g, m)| [(1, 8.0), (2, 16.0)].map(|(seed, chunk_m)| (g, m, seed, chunk_m)));
     let detail = |(g, m, seed, chunk_m): (&GeneratorRow, &MaterialRow, u64, f32)| {
         let meshes = cave(g, m, seed, chunk_m);
         let chunks = meshes.into_par_iter().map(|mesh| Detailed::new(mesh, settings)).collect();

@@ -17,7 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::json;
-use world::small;
+use world::{kinds, small};
 
 type Point = Vector3<f64>;
 
@@ -62,8 +62,11 @@ impl Cave {
 }
 
 fn caves() -> Vec<Cave> {
-    let kinds = GENERATORS.iter().flat_map(|g| MATERIALS.iter().map(move |m| (g, m)));
-    kinds.zip(1..).map(|((g, m), seed)| Cave::new(g, m, seed, if seed % 2 == 0 { 8.0 } else { 16.0 })).collect()
+    kinds()
+        .into_iter()
+        .zip(1..)
+        .map(|((g, m), seed)| Cave::new(g, m, seed, if seed % 2 == 0 { 8.0 } else { 16.0 }))
+        .collect()
 }
 
 /// All chunks but one. That those further away change nothing is a law of its own.

@@ -11,11 +11,13 @@ use super::likeness;
 use super::progress::Console;
 use crate::cave::Input;
 use crate::graph::Graph;
-use crate::graph::format::Parts;
+use crate::graph::clearance::RockReport;
+use crate::graph::format::{Import, Parts};
 use crate::graph::realism::{Likeness, Verdict};
 use crate::mesh::PieceReport;
 use crate::mesh::measure::{Report, weld};
 use crate::pipeline::{Pipeline, read_graph};
+use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder, Stage};
 
 /// Tells how like a real cave a graph is. Of a cave folder it also welds the chunks, if there are any, and checks the whole, and
@@ -28,6 +30,9 @@ pub struct Measure {
     /// What becomes of parts of the graph that no passage joins
     #[arg(long, value_name = "refuse|join|keep|longest", default_value = "keep", value_parser = parts)]
     parts: Parts,
+    /// Name passages with less rock than this between them, in metres, unless a short way joins them
+    #[arg(long, value_name = "M", default_value_t = 0.5)]
+    rock: f64,
     /// Fail unless the graph is like a real cave
     #[arg(long)]
     gate: bool,
@@ -41,10 +46,12 @@ impl Measure {
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let file = if self.path.is_dir() { self.path.join(store::GRAPH) } else { self.path.clone() };
         let folder = self.path.is_dir().then(|| CaveFolder::open(&self.path)).transpose()?;
-        let graph = read_graph(&file, self.parts)?.graph;
+        let Import { graph, recipe, .. } = read_graph(&file, self.parts)?;
         let likeness = self.judged(&graph)?;
+        let recipe = Recipe::from_json(recipe.unwrap_or_else(|| json!({})), &file, &[])?;
+        let rock = RockReport::of(&graph, recipe.passage.girth(), self.rock);
         let mesh = folder.map_or(Ok(None), |folder| self.mesh(&folder, console))?;
-        console.result(&said(console, &likeness, &graph, mesh.as_ref().map(|(_, report)| report)))?;
+        console.result(&said(console, &likeness, &graph, &rock, mesh.as_ref().map(|(_, report)| report)))?;
         if mesh.is_some_and(|(is_clean, _)| !is_clean) {
             return Err(CliError::Failed("the mesh is not clean".into()));
         }
@@ -85,10 +92,10 @@ impl Measure {
 }
 
 /// Both reports, as the console wants them.
-fn said(console: &Console, likeness: &Likeness, graph: &Graph, mesh: Option<&Value>) -> String {
+fn said(console: &Console, likeness: &Likeness, graph: &Graph, rock: &RockReport, mesh: Option<&Value>) -> String {
     let mesh = mesh.and_then(Value::as_object);
     if console.is_json() {
-        let mut all = json!({"graph": likeness::json(likeness, graph)});
+        let mut all = json!({"graph": likeness::json(likeness, graph), "rock": rock});
         if let (Some(all), Some(mesh)) = (all.as_object_mut(), mesh) {
             all.extend(mesh.clone());
         }
@@ -97,7 +104,30 @@ fn said(console: &Console, likeness: &Likeness, graph: &Graph, mesh: Option<&Val
     let lines = mesh.into_iter().flatten().map(|(key, value)| format!("  {key:28} {value}\n"));
     let lines: String = lines.collect();
     let title = if lines.is_empty() { "" } else { "\nmesh\n" };
-    format!("{}{title}{lines}", likeness::text(likeness, graph))
+    format!("{}{}{title}{lines}", likeness::text(likeness, graph), rock_text(rock, graph))
+}
+
+/// How much rock is left between passages, and where least.
+fn rock_text(rock: &RockReport, graph: &Graph) -> String {
+    let asked = rock.rock_asked_m;
+    let Some(thinnest) = rock.thinnest.first() else {
+        return format!("rock: at least {asked} m between passages\n");
+    };
+    let ids = thinnest.passages.map(|passage| passage.map(|node| graph.nodes[node].id.to_string()).join("-"));
+    let at = thinnest.place;
+    format!(
+        "rock: less than {asked} m in {} places ({} between levels), of which {} may break through ({} between levels); \
+         least at {:.1} {:.1} {:.1}, {:.2} m between passages {}\n",
+        rock.thin_places,
+        rock.thin_between_levels,
+        rock.breakthroughs,
+        rock.breakthroughs_between_levels,
+        at.x,
+        at.y,
+        at.z,
+        thinnest.rock_m,
+        ids.join(" and ")
+    )
 }
 
 fn append(report: &mut Value, more: &PieceReport) {

@@ -4,7 +4,8 @@
 use std::io;
 use std::path::Path;
 
-use plume::graph::{GeneratorRow, Graph, Outside, RunError, Task};
+use plume::graph::{GENERATORS, GeneratorRow, Graph, Outside, RunError, Task};
+use plume::material::{MATERIALS, MaterialRow};
 use serde_json::{Value, json};
 
 /// Answers with small files of its own.
@@ -31,6 +32,12 @@ const LOOP: &str = r#"{"plume": "", "nodes": [
     {"id": 3, "parent": 0, "edges": [4], "coordinates": {"x": 1, "y": 7, "z": 0}, "radius": 4, "active": false},
     {"id": 4, "parent": 3, "edges": [], "coordinates": {"x": -4, "y": 10, "z": -1}, "radius": 4, "active": true}
 ]}"#;
+
+/// The first generator in every rock, and every other one in a rock, by turns: for laws too slow to ask of every pair.
+pub fn kinds() -> Vec<(&'static GeneratorRow, &'static MaterialRow)> {
+    let first = MATERIALS.iter().map(|rock| (&GENERATORS[0], rock));
+    first.chain(GENERATORS[1..].iter().zip(MATERIALS.iter().cycle())).collect()
+}
 
 /// Whether a generator has a setting of this name.
 pub fn has(row: &GeneratorRow, key: &str) -> bool {
