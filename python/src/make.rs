@@ -41,6 +41,7 @@ use crate::work;
 /// >>> with plume.generate(tiny, seed=7, progress=lambda *now: seen.append(now)) as cave:
 /// ...     len(cave.graph.positions), cave.chunks[0].positions.dtype, seen[-1][0]
 /// (3, dtype('float32'), 'texture')
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 #[pyfunction]
 #[pyo3(signature = (recipe=None, seed=None, *, folder=None, force=false, threads=None, progress=None, allow_run=false))]
 pub fn generate<'py>(
