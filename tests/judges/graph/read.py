@@ -65,8 +65,8 @@ def read_graphviz(folder):
         places[node["_gvid"]] = [float(x) / 10 for x in node["pos"].split(",")] + [float(node["z"])]
     # Graphviz moves the drawing to the corner of the page.
     first = json.loads((folder / "cave.json").read_text())["nodes"][0]["coordinates"]
-    offset = [first[axis] - at for axis, at in zip("xyz", places[0])]
-    moved = {name: [at + by for at, by in zip(place, offset)] for name, place in places.items()}
+    offset = [first[axis] - at for axis, at in zip("xyz", places[0], strict=True)]
+    moved = {name: [at + by for at, by in zip(place, offset, strict=True)] for name, place in places.items()}
     return shape(moved, [(edge["tail"], edge["head"]) for edge in drawing["edges"]])
 
 
@@ -82,7 +82,7 @@ def main(folder):
     # Graphviz writes five digits, of the place and of the offset.
     drawn, lines = read_graphviz(folder)
     assert (len(drawn), len(lines)) == (len(places), len(passages)), "read_graphviz: other counts"
-    near = max(min(max(abs(a - b) for a, b in zip(one, other)) for other in places) for one in drawn)
+    near = max(min(max(abs(a - b) for a, b in zip(one, other, strict=True)) for other in places) for one in drawn)
     assert near <= 10, f"read_graphviz: a place is {near} mm off"
     print(f"{len(places)} places and {len(passages)} passages, the same in {len(READERS) + 1} readers")
 
