@@ -252,24 +252,21 @@ impl Sketch {
         let mut gone = vec![false; self.knots.len()];
         let mut lost = 0;
         for spur in spurs {
-            let [foot, tip] = if neighbors[spur.first()].len() == 1 {
-                [spur.last(), spur.first()]
-            } else {
-                [spur.first(), spur.last()]
-            };
+            let [foot, _] = foot_and_tip(spur, &neighbors);
             // A junction keeps two passages, so that no spur turns what is left into points.
             if lost < surplus && taken[foot] + 2 < neighbors[foot].len() {
                 taken[foot] += 1;
                 lost += 1;
                 spur.knots.iter().filter(|&&knot| knot != foot).for_each(|&knot| gone[knot] = true);
-                gone[tip] = true;
             }
         }
-        if lost == 0 {
-            return None;
-        }
+        (lost > 0).then(|| self.without(&gone))
+    }
+
+    /// Without these knots and what hangs on them.
+    pub(super) fn without(self, gone: &[bool]) -> Self {
         let lines = self.lines.into_iter().filter(|line| line.iter().all(|&knot| !gone[knot])).collect();
-        Some(Self { knots: self.knots, lines })
+        Self { knots: self.knots, lines }
     }
 
     /// Puts `more` stations on the strands beside their `shares`, always where the gaps are longest.
@@ -329,6 +326,12 @@ impl Strand {
     pub(super) fn last(&self) -> usize {
         self.knots[self.knots.len() - 1]
     }
+}
+
+/// The ends of a strand, the one with fewer passages last.
+pub(super) fn foot_and_tip(strand: &Strand, neighbors: &Neighbors) -> [usize; 2] {
+    let [first, last] = [strand.first(), strand.last()];
+    if neighbors[first].len() < neighbors[last].len() { [last, first] } else { [first, last] }
 }
 
 /// Knots that each strand keeps inside: a ring two, and one where another strand has the same ends, lest two become one.

@@ -4,8 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Graph;
-use super::neighbors::Neighbors;
-use super::sketch::{Knot, Sketch, Strand};
+use super::sketch::{Knot, Sketch, Strand, foot_and_tip};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
 const MOST_PASSAGES: usize = 5;
@@ -206,12 +205,6 @@ impl Sketch {
         self.without(&gone)
     }
 
-    /// Without these knots and what hangs on them.
-    fn without(self, gone: &[bool]) -> Self {
-        let lines = self.lines.into_iter().filter(|line| line.iter().all(|&knot| !gone[knot])).collect();
-        Self { knots: self.knots, lines }
-    }
-
     /// A graph of exactly `nodes` nodes, the first one nearest to the first knot, no passage rising more than
     /// `slope_max` per metre as far as that can be had; `None` if there is nothing to put them on. Where too few nodes are
     /// asked to tell all loops apart, loops are opened.
@@ -247,12 +240,6 @@ impl Sketch {
         }
         self
     }
-}
-
-/// The ends of a strand, the one with fewer passages last.
-fn foot_and_tip(strand: &Strand, neighbors: &Neighbors) -> [usize; 2] {
-    let [first, last] = [strand.first(), strand.last()];
-    if neighbors[first].len() < neighbors[last].len() { [last, first] } else { [first, last] }
 }
 
 fn root(into: &[usize], mut knot: usize) -> usize {
