@@ -1,31 +1,34 @@
 //! Points scattered through the rock, no two of them near each other, more of them on the horizons.
 
-use nalgebra::Point3;
+use std::ops::Range;
+
+use nalgebra::{Point3, Vector3};
 
 use super::Karst;
 use super::rock::Rock;
 use crate::graph::dice::Dice;
 
-/// Points are thrown so many times for each cell of the grid (tuned: more of them find no room).
+/// Points are thrown so many times for each cell as large as points are apart (tuned: more of them find no room).
 const THROWS_PER_CELL: f64 = 2.5;
 /// Part of them that is thrown at a horizon.
 const ON_HORIZON: f64 = 0.7;
 /// Heights count so much more than lengths: beds are thin.
-const FLATNESS: f64 = 2.0;
+const FLATNESS: f32 = 2.0;
 /// How far off its horizon a point may lie, in metres.
 const BED_M: f64 = 0.6;
 /// Neighbours lie within so many distances between points, stretched as heights are.
-const REACH: f64 = 2.0;
-/// Neighbours of a point at most.
-const NEIGHBOURS: usize = 16;
+const REACH: usize = 2;
 
-/// The points and a grid over them whose cells are as large as points are apart.
+/// The points, column by column of a grid over the plan, so that what is near in the rock is near in memory.
 pub(super) struct Cloud {
-    /// By their height over the dipping plane, cell by cell.
-    pub(super) points: Vec<Point3<f64>>,
-    /// Where the points of each cell start, and the end of the last ones.
+    /// By their height over the dipping plane; those of a column ascend.
+    points: Vec<Point3<f32>>,
+    /// Where the points of each column start, and the end of the last ones.
     starts: Vec<u32>,
-    grid: Grid,
+    /// Columns on a side of the plan.
+    columns: usize,
+    column_m: f64,
+    apart_m: f32,
 }
 
 impl Cloud {
@@ -33,148 +36,117 @@ impl Cloud {
     /// 1986).
     pub(super) fn scatter(settings: &Karst, rock: &Rock, side_m: f64, dice: &mut Dice) -> Self {
         let [bottom, top] = rock.extremes();
-        let mut thrown = Thrown::over(Grid::new(settings.sample_spacing_m, side_m, [bottom - BED_M, top + BED_M]));
-        for _ in 0..(THROWS_PER_CELL * thrown.heads.len() as f64) as usize {
-            let [x, y] = [0, 1].map(|_| dice.between(-0.5, 0.5) * side_m);
-            let z = if dice.chance(ON_HORIZON) {
-                rock.some_horizon(dice) + dice.between(-BED_M, BED_M)
-            } else {
-                dice.between(bottom, top)
-            };
-            thrown.offer(Point3::new(x, y, z));
+        let apart_m = settings.sample_spacing_m;
+        // No narrower than points are apart, so that only columns side by side are in each other's way.
+        let columns = (side_m / apart_m).floor().max(1.0) as usize;
+        let column_m = side_m / columns as f64;
+        let storeys = (f64::from(FLATNESS) * (top - bottom + 2.0 * BED_M) / apart_m).ceil();
+        let mut cloud = Self { points: Vec::new(), starts: vec![0], columns, column_m, apart_m: apart_m as f32 };
+        for column in 0..columns * columns {
+            let corner = [column % columns, column / columns].map(|at| at as f64 * column_m - 0.5 * side_m);
+            for _ in 0..(THROWS_PER_CELL * storeys) as usize {
+                let [x, y] = corner.map(|low| dice.between(low, low + column_m));
+                let z = if dice.chance(ON_HORIZON) {
+                    rock.some_horizon(dice) + dice.between(-BED_M, BED_M)
+                } else {
+                    dice.between(bottom, top)
+                };
+                cloud.offer(column, Point3::new(x, y, z).cast());
+            }
+            let new = cloud.starts[column] as usize..;
+            cloud.points[new].sort_unstable_by(|a, b| a.z.total_cmp(&b.z));
+            cloud.starts.push(cloud.points.len() as u32);
         }
-        thrown.settled()
+        cloud
     }
 
-    /// Points in the cells at most `reach` away, each with the square of its stretched distance.
-    fn near(&self, point: Point3<f64>, reach: usize) -> impl Iterator<Item = (usize, f64)> {
-        let rows = self.grid.rows(point, reach).map(|[first, last]| {
-            let [start, end] = [self.starts[first], self.starts[last + 1]];
-            start as usize..end as usize
-        });
-        rows.flatten().map(move |other| (other, square(self.points[other], point)))
+    /// Keeps a point in the column that is filled now, if it is near to no other.
+    fn offer(&mut self, column: usize, point: Point3<f32>) {
+        let is_far = |other: &Point3<f32>| stretched(other - point).norm_squared() >= self.apart_m * self.apart_m;
+        let new = self.starts[column] as usize..;
+        let has_room = self.points[new].iter().all(is_far)
+            && self.runs(point, 1, column).all(|run| self.points[run].iter().all(is_far));
+        if has_room {
+            self.points.push(point);
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// A point by its height over the dipping plane.
+    pub(super) fn point(&self, point: usize) -> Point3<f64> {
+        self.points[point].cast()
+    }
+
+    /// The least distance of two points.
+    pub(super) fn least_m(&self) -> f64 {
+        f64::from(self.apart_m / FLATNESS)
     }
 
     /// The point nearest to a place, or the first one far from all.
     pub(super) fn nearest(&self, [x, y]: [f64; 2], z: f64) -> usize {
-        let place = Point3::new(x, y, z);
-        let within = |reach| self.near(place, reach).min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        [1, 3, 9].into_iter().find_map(within).map_or(0, |(point, _)| point)
-    }
-
-    /// The neighbours of a point, the nearest first, in place of what is in `found`.
-    pub(super) fn neighbours(&self, point: usize, found: &mut Vec<(usize, f64)>) {
-        let most = REACH * self.grid.apart_m;
-        found.clear();
-        found.extend(
-            self.near(self.points[point], 2).filter(|&(other, square)| other != point && square <= most * most),
-        );
-        let by_distance = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
-        if found.len() > NEIGHBOURS {
-            found.select_nth_unstable_by(NEIGHBOURS, by_distance);
-            found.truncate(NEIGHBOURS);
-        }
-        found.sort_unstable_by(by_distance);
-    }
-}
-
-/// The square of a distance that counts heights more.
-fn square(a: Point3<f64>, b: Point3<f64>) -> f64 {
-    let way = b - a;
-    way.x * way.x + way.y * way.y + FLATNESS * FLATNESS * way.z * way.z
-}
-
-/// Cells as large as points are apart.
-struct Grid {
-    cells: [usize; 3],
-    low: [f64; 3],
-    apart_m: f64,
-}
-
-impl Grid {
-    fn new(apart_m: f64, side_m: f64, [bottom, top]: [f64; 2]) -> Self {
-        let size = [side_m, side_m, FLATNESS * (top - bottom)];
-        let cells = size.map(|size| (size / apart_m).floor() as usize + 1);
-        Self { cells, low: [-0.5 * side_m, -0.5 * side_m, FLATNESS * bottom], apart_m }
-    }
-
-    fn place(&self, point: Point3<f64>) -> [usize; 3] {
-        let stretched = [point.x, point.y, FLATNESS * point.z];
-        [0, 1, 2].map(|axis| {
-            let at = ((stretched[axis] - self.low[axis]) / self.apart_m).max(0.0) as usize;
-            at.min(self.cells[axis] - 1)
-        })
-    }
-
-    fn cell(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.cells[1] + y) * self.cells[0] + x
-    }
-
-    /// First and last cell of each row within `reach` cells of a point.
-    fn rows(&self, point: Point3<f64>, reach: usize) -> impl Iterator<Item = [usize; 2]> {
-        let middle = self.place(point);
-        let range = |axis: usize| {
-            let last = (middle[axis] + reach).min(self.cells[axis] - 1);
-            middle[axis].saturating_sub(reach)..=last
+        let place = Point3::new(x, y, z).cast();
+        let away = |point: &usize| stretched(self.points[*point] - place).norm_squared();
+        let within = |reach| {
+            let near = self.runs(place, reach, self.starts.len() - 1).flatten();
+            near.min_by(|a, b| away(a).total_cmp(&away(b)).then(a.cmp(b)))
         };
-        let ([xs, ys], zs) = ([range(0), range(1)], range(2));
-        zs.flat_map(move |z| {
-            let ends = [*xs.start(), *xs.end()];
-            ys.clone().map(move |y| ends.map(|x| self.cell([x, y, z])))
+        [1, 3, 9].into_iter().find_map(within).unwrap_or(0)
+    }
+
+    /// The neighbours of a point, the nearest first, in place of what is in `found`: points in reach with no third one in
+    /// the ball between (Gabriel, Sokal: "A new statistical approach to geographic variation analysis", 1969). So hardly
+    /// two ways cross, and none leave a point in nearly the same direction.
+    pub(super) fn neighbours(&self, point: usize, found: &mut Vec<Neighbour>) {
+        let place = self.points[point];
+        let most = REACH as f32 * self.apart_m;
+        found.clear();
+        for other in self.runs(place, REACH, self.starts.len() - 1).flatten() {
+            let way = self.points[other] - place;
+            let is_near = other != point && stretched(way).norm_squared() <= most * most;
+            if is_near {
+                found.push(Neighbour { point: other, way, square: way.norm_squared() });
+            }
+        }
+        found.sort_unstable_by(|a, b| a.square.total_cmp(&b.square).then(a.point.cmp(&b.point)));
+        for last in (1..found.len()).rev() {
+            let way = found[last].way;
+            if found[..last].iter().any(|between| between.way.dot(&way) > between.square) {
+                found.remove(last);
+            }
+        }
+    }
+
+    /// Points at most `reach` columns and as many distances of height away, in runs; of the columns before `end` only.
+    fn runs(&self, point: Point3<f32>, reach: usize, end: usize) -> impl Iterator<Item = Range<usize>> {
+        let half_m = 0.5 * self.column_m * self.columns as f64;
+        let around = |at: f32| {
+            let middle = ((f64::from(at) + half_m) / self.column_m).max(0.0) as usize;
+            middle.saturating_sub(reach)..(middle + reach + 1).min(self.columns)
+        };
+        let (xs, ys) = (around(point.x), around(point.y));
+        let off = reach as f32 * self.apart_m / FLATNESS;
+        let columns = ys.flat_map(move |y| xs.clone().map(move |x| y * self.columns + x));
+        columns.take_while(move |&column| column < end).map(move |column| {
+            let [start, end] = [0, 1].map(|next| self.starts[column + next] as usize);
+            let heights = &self.points[start..end];
+            let low = heights.partition_point(|other| other.z < point.z - off);
+            let high = heights.partition_point(|other| other.z <= point.z + off);
+            start + low..start + high
         })
     }
 }
 
-const NONE: u32 = u32::MAX;
-
-/// Points while they are thrown.
-struct Thrown {
-    points: Vec<Point3<f64>>,
-    /// The last point of each cell.
-    heads: Vec<u32>,
-    /// The point before in the same cell.
-    chain: Vec<u32>,
-    grid: Grid,
+/// A point near another one.
+pub(super) struct Neighbour {
+    pub(super) point: usize,
+    way: Vector3<f32>,
+    square: f32,
 }
 
-impl Thrown {
-    fn over(grid: Grid) -> Self {
-        let count = grid.cells.iter().product();
-        Self { points: Vec::new(), heads: vec![NONE; count], chain: Vec::new(), grid }
-    }
-
-    fn offer(&mut self, point: Point3<f64>) {
-        let least = self.grid.apart_m * self.grid.apart_m;
-        for [first, last] in self.grid.rows(point, 1) {
-            for cell in first..=last {
-                let mut at = self.heads[cell];
-                while at != NONE {
-                    if square(self.points[at as usize], point) < least {
-                        return;
-                    }
-                    at = self.chain[at as usize];
-                }
-            }
-        }
-        let cell = self.grid.cell(self.grid.place(point));
-        self.chain.push(self.heads[cell]);
-        self.heads[cell] = self.points.len() as u32;
-        self.points.push(point);
-    }
-
-    /// The points cell by cell.
-    fn settled(self) -> Cloud {
-        let mut points = Vec::with_capacity(self.points.len());
-        let mut starts = Vec::with_capacity(self.heads.len() + 1);
-        for head in self.heads {
-            starts.push(points.len() as u32);
-            let mut at = head;
-            while at != NONE {
-                points.push(self.points[at as usize]);
-                at = self.chain[at as usize];
-            }
-        }
-        starts.push(points.len() as u32);
-        Cloud { points, starts, grid: self.grid }
-    }
+/// A way with its height counted as beds want it.
+fn stretched(way: Vector3<f32>) -> Vector3<f32> {
+    Vector3::new(way.x, way.y, FLATNESS * way.z)
 }

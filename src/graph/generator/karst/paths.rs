@@ -4,15 +4,13 @@
 //! meets, the cheapest way between the two leads over the cheapest meeting (Mehlhorn: "A faster approximation algorithm
 //! for the Steiner problem in graphs", 1988). Each key point so has a few neighbours, among which ways are pruned.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use rustc_hash::FxHashMap;
 
 use super::Karst;
 use super::cloud::Cloud;
 use super::rock::Rock;
 use crate::graph::dice::Dice;
+use crate::graph::neighbors::Neighbors;
 
 const NONE: u32 = u32::MAX;
 /// Most steps of a dead end; short ones are more.
@@ -26,7 +24,7 @@ const SOFT: f64 = 0.35;
 #[derive(Clone, Copy)]
 struct Meeting {
     keys: [u32; 2],
-    cost: f64,
+    cost: f32,
     points: [u32; 2],
 }
 
@@ -34,51 +32,64 @@ struct Meeting {
 pub(super) struct Paths {
     /// The next point on that way; itself at a key point, [`NONE`] where none arrives.
     back: Vec<u32>,
-    costs: Vec<f64>,
-    /// Points in the order in which they were reached.
-    reached: Vec<u32>,
+    costs: Vec<f32>,
     meetings: Vec<Meeting>,
 }
 
 impl Paths {
+    /// Dijkstra's algorithm with buckets for a queue (Dial 1969): no way between two points costs less than a bucket is
+    /// wide, so that what is in one is settled and may be taken in the order of memory.
     pub(super) fn between(keys: &[usize], cloud: &Cloud, rock: &Rock) -> Self {
-        let len = cloud.points.len();
-        let mut paths =
-            Self { back: vec![NONE; len], costs: vec![f64::INFINITY; len], reached: Vec::new(), meetings: Vec::new() };
+        let len = cloud.len();
+        let mut paths = Self { back: vec![NONE; len], costs: vec![f32::INFINITY; len], meetings: Vec::new() };
         let mut owner = vec![NONE; len];
-        let mut settled = vec![false; len];
         let mut place: FxHashMap<[u32; 2], usize> = FxHashMap::default();
-        // Costs are not negative, so their bits are in their order.
-        let mut front = BinaryHeap::new();
+        // A little less than the cheapest way, for rounding.
+        let width = 0.99 * cloud.least_m() as f32;
+        let bucket = |cost: f32| (cost / width) as usize;
         for (number, &key) in keys.iter().enumerate() {
             (paths.costs[key], paths.back[key], owner[key]) = (0.0, key as u32, number as u32);
-            front.push(Reverse((0_u64, key as u32)));
         }
+        let mut buckets: Vec<Vec<u32>> = vec![keys.iter().map(|&key| key as u32).collect()];
         let mut near = Vec::new();
-        while let Some(Reverse((_, point))) = front.pop() {
-            let point = point as usize;
-            if std::mem::replace(&mut settled[point], true) {
-                continue;
-            }
-            paths.reached.push(point as u32);
-            cloud.neighbours(point, &mut near);
-            for &(other, _) in &near {
-                let Some(step) = rock.cost(cloud.points[point], cloud.points[other]) else { continue };
-                let cost = paths.costs[point] + step;
-                if settled[other] {
-                    if owner[other] != owner[point] {
+        let mut now = 0;
+        while now < buckets.len() {
+            let mut front = std::mem::take(&mut buckets[now]);
+            front.sort_unstable();
+            front.dedup();
+            for point in front.into_iter().map(|point| point as usize) {
+                if bucket(paths.costs[point]) != now {
+                    continue;
+                }
+                cloud.neighbours(point, &mut near);
+                for other in near.iter().map(|neighbour| neighbour.point) {
+                    let is_settled = paths.costs[other] < f32::INFINITY && bucket(paths.costs[other]) <= now;
+                    if is_settled && owner[other] == owner[point] {
+                        continue;
+                    }
+                    if !rock.is_walkable(cloud.point(other) - cloud.point(point)) {
+                        continue;
+                    }
+                    let step = rock.cost(cloud.point(point), cloud.point(other));
+                    let cost = paths.costs[point] + step as f32;
+                    if is_settled {
                         let meeting = Meeting {
                             keys: sorted([owner[point], owner[other]]),
                             cost: cost + paths.costs[other],
                             points: [point as u32, other as u32],
                         };
                         paths.meet(meeting, &mut place);
+                    } else if cost < paths.costs[other] {
+                        (paths.costs[other], paths.back[other], owner[other]) = (cost, point as u32, owner[point]);
+                        let next = bucket(cost);
+                        if next >= buckets.len() {
+                            buckets.resize_with(next + 1, Vec::new);
+                        }
+                        buckets[next].push(other as u32);
                     }
-                } else if cost < paths.costs[other] {
-                    (paths.costs[other], paths.back[other], owner[other]) = (cost, point as u32, owner[point]);
-                    front.push(Reverse((cost.to_bits(), other as u32)));
                 }
             }
+            now += 1;
         }
         paths
     }
@@ -103,40 +114,44 @@ impl Paths {
             lines.push([a, b]);
             [a, b].iter().for_each(|&end| self.follow(end, usize::MAX, &mut used, &mut lines));
         }
-        let keys = self.meetings.iter().flat_map(|meeting| meeting.keys).max().map_or(1, |key| key as usize + 1);
-        let mut missing = (settings.dead_ends * keys as f64) as usize;
+        let mut missing = (settings.dead_ends * self.keys() as f64) as usize;
         // Tips are drawn blindly; most find no passage near or rock too tight.
         for _ in 0..TIPS_PER_DEAD_END * missing {
-            let tip = self.reached[dice.index(self.reached.len())] as usize;
+            if missing == 0 {
+                break;
+            }
+            let tip = dice.index(self.back.len());
             let steps = 1 + dice.index(DEAD_END_STEPS).min(dice.index(DEAD_END_STEPS));
-            let is_soft = rock.tightness(cloud.points[tip]) < SOFT;
-            if missing > 0 && is_soft && self.follow_if_near(tip, steps, &mut used, &mut lines) {
+            let arrives = self.arrives(tip, steps, &used);
+            if arrives && rock.tightness(cloud.point(tip)) < SOFT {
+                self.follow(tip, steps, &mut used, &mut lines);
                 missing -= 1;
             }
         }
         lines
     }
 
+    /// Key points that have neighbours, or one.
+    fn keys(&self) -> usize {
+        self.meetings.iter().flat_map(|meeting| meeting.keys).max().map_or(1, |key| key as usize + 1)
+    }
+
     /// Meetings that survive: no third key point makes for a way that costs less when each part is raised to `gamma`.
     fn kept(&self, gamma: f64, cycles: f64, dice: &mut Dice) -> Vec<Meeting> {
-        let mut costs: FxHashMap<[u32; 2], f64> = FxHashMap::default();
-        let mut around: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-        for meeting in &self.meetings {
-            costs.insert(meeting.keys, libm::pow(meeting.cost, gamma));
-            let [a, b] = meeting.keys;
-            around.entry(a).or_default().push(b);
-            around.entry(b).or_default().push(a);
-        }
-        let survives = |meeting: &&Meeting| {
-            let [a, b] = meeting.keys;
-            let detour = |&third: &u32| {
-                let part = |key: u32| costs.get(&sorted([key, third])).copied().unwrap_or(f64::INFINITY);
+        let pairs: Vec<[usize; 2]> = self.meetings.iter().map(|meeting| meeting.keys.map(|key| key as usize)).collect();
+        let around = Neighbors::of(self.keys(), &pairs);
+        let raised = |meeting: &Meeting| libm::pow(f64::from(meeting.cost), gamma);
+        let costs: FxHashMap<[usize; 2], f64> = pairs.iter().copied().zip(self.meetings.iter().map(raised)).collect();
+        let survives = |[a, b]: [usize; 2]| {
+            let detour = |&third: &usize| {
+                let part = |key: usize| costs.get(&[key.min(third), key.max(third)]).copied().unwrap_or(f64::INFINITY);
                 part(a) + part(b)
             };
-            let shortest = around[&a].iter().map(detour).fold(f64::INFINITY, f64::min);
-            shortest >= costs[&meeting.keys] || dice.chance(cycles)
+            let shortest = around[a].iter().map(detour).fold(f64::INFINITY, f64::min);
+            shortest >= costs[&[a, b]] || dice.chance(cycles)
         };
-        self.meetings.iter().filter(survives).copied().collect()
+        let kept: Vec<bool> = pairs.iter().copied().map(survives).collect();
+        self.meetings.iter().zip(kept).filter_map(|(meeting, kept)| kept.then_some(*meeting)).collect()
     }
 
     /// Walks back from a point until the way is a passage already.
@@ -152,18 +167,16 @@ impl Paths {
         }
     }
 
-    /// The same for a dead end that meets a passage within so many steps; whether it does.
-    fn follow_if_near(&self, tip: usize, steps: usize, used: &mut [bool], lines: &mut Vec<[usize; 2]>) -> bool {
+    /// Whether the way back from a point that is no passage meets one within so many steps.
+    fn arrives(&self, tip: usize, steps: usize, used: &[bool]) -> bool {
+        if used[tip] || self.back[tip] == NONE {
+            return false;
+        }
         let mut at = tip;
-        let arrives = (0..steps).any(|_| {
+        (0..steps).any(|_| {
             at = self.back[at] as usize;
             used[at]
-        });
-        let is_new = arrives && !used[tip];
-        if is_new {
-            self.follow(tip, steps, used, lines);
-        }
-        is_new
+        })
     }
 }
 

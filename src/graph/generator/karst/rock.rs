@@ -1,6 +1,6 @@
 //! What a way through the rock costs.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Point3, Vector2, Vector3};
 
 use super::Karst;
 use crate::graph::dice::Dice;
@@ -80,19 +80,21 @@ impl Rock {
         Point3::new(place.x, place.y, place.z - self.sunk(place.x, place.y))
     }
 
-    /// What the way between two places costs; `None` if it is too steep.
-    pub(super) fn cost(&self, a: Point3<f64>, b: Point3<f64>) -> Option<f64> {
+    /// Whether a way is not too steep.
+    pub(super) fn is_walkable(&self, way: Vector3<f64>) -> bool {
+        let rise = way.z - self.sunk(way.x, way.y);
+        rise.abs() <= self.slope_max * way.xy().norm()
+    }
+
+    /// What the way between two places costs.
+    pub(super) fn cost(&self, a: Point3<f64>, b: Point3<f64>) -> f64 {
         let way = b - a;
         let plan = way.xy();
-        let rise = way.z - self.sunk(plan.x, plan.y);
-        if rise.abs() > self.slope_max * plan.norm() {
-            return None;
-        }
         let middle = a + 0.5 * way;
         let off = [a, middle, b].map(|place| self.off_horizons(place.z)).iter().sum::<f64>() / 3.0;
         let [horizon, fracture, permeability] = self.weights;
         let dearer = horizon * off + fracture * self.across(plan) + permeability * self.tightness(middle);
-        Some(way.norm() * (1.0 + dearer))
+        way.norm() * (1.0 + dearer)
     }
 
     /// 0 on a horizon, 1 far from all of them.
