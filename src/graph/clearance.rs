@@ -126,9 +126,7 @@ impl Profile {
         let of_width = |width: f64| 0.5 * width.max(girth.width_min_m);
         match node.section {
             Some(Section { width_m, height_m, shape: Shape::Drift }) => {
-                // The whole height is clear, and the section reaches below the floor by as much as it is cut off.
-                const DRIFT_DROP: f64 = 0.8;
-                Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + DRIFT_DROP), square: true }
+                Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + Section::DRIFT_DROP), square: true }
             }
             Some(Section { width_m, height_m, shape: Shape::Cave }) => {
                 let half_height = height_m.max(girth.width_min_m) / (1.0 + girth.floor_drop);

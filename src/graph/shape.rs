@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::{Graph, Node, Section};
+use super::{Graph, Node};
 
 impl Graph {
     /// A graph of these nodes; edges may come in any order, either way round and more than once.
@@ -76,14 +76,11 @@ impl Graph {
 
 impl Node {
     fn scaled(&self, factor: f64) -> Self {
+        let length = |length_m: f64| millimetres(length_m * factor);
         Self {
-            position: self.position.map(|x| millimetres(x * factor)),
-            radius: millimetres(self.radius * factor),
-            section: self.section.map(|section| Section {
-                width_m: millimetres(section.width_m * factor),
-                height_m: millimetres(section.height_m * factor),
-                ..section
-            }),
+            position: self.position.map(length),
+            radius: length(self.radius),
+            section: self.section.map(|section| section.map(length)),
             ..self.clone()
         }
     }

@@ -59,7 +59,7 @@ impl Sketch {
             radius: 0.0,
             active: neighbors[old].len() == 1,
             level: welded.knots[old].level,
-            section: welded.knots[old].section.map(rounded),
+            section: welded.knots[old].section.map(|section| section.map(millimetres)),
         };
         let nodes = order.iter().enumerate().map(node).collect();
         let edges = welded.lines.iter().map(|line| line.map(|knot| place[knot])).collect();
@@ -97,10 +97,6 @@ impl Sketch {
     pub(super) fn distance(&self, a: usize, b: usize) -> f64 {
         (self.knots[a].position - self.knots[b].position).norm()
     }
-}
-
-fn rounded(section: Section) -> Section {
-    Section { width_m: millimetres(section.width_m), height_m: millimetres(section.height_m), ..section }
 }
 
 /// A graph of these stations and the neighbours of each, numbered by breadth from the first one, so that parents come before
@@ -351,11 +347,8 @@ fn least_inside(strands: &[Strand]) -> Vec<usize> {
 
 /// The knot this share of the way from one to the next.
 fn between(a: &Knot, b: &Knot, share: f64) -> Knot {
-    let blend = |a: f64, b: f64| a + (b - a) * share;
     let section = match (a.section, b.section) {
-        (Some(a), Some(b)) => {
-            Some(Section { width_m: blend(a.width_m, b.width_m), height_m: blend(a.height_m, b.height_m), ..a })
-        }
+        (Some(a), Some(b)) => Some(a.towards(b, share)),
         (one, other) => one.or(other),
     };
     let position = a.position + (b.position - a.position) * share;

@@ -11,7 +11,7 @@ use nalgebra::Point3;
 use super::limits::MAX_LENGTH_M;
 use super::parts::{Disconnected, Fate, first_at_place};
 use super::{Parts, ReadError, Tally};
-use crate::graph::{Graph, Node, Section, millimetres};
+use crate::graph::{Graph, Node, millimetres};
 
 /// Nodes and edges in any order. A radius of 0 is not known; parents are neighbours and lead in no circle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -109,11 +109,7 @@ impl Draft {
 
 fn rounded(node: Node) -> Node {
     let length = |length_m: f64| millimetres(length_m).clamp(0.001, MAX_LENGTH_M);
-    let section = node.section.map(|section| Section {
-        width_m: length(section.width_m),
-        height_m: length(section.height_m),
-        ..section
-    });
+    let section = node.section.map(|section| section.map(length));
     let radius = if node.radius > 0.0 { length(node.radius) } else { 0.0 };
     Node { position: node.position.map(millimetres), radius, section, ..node }
 }
