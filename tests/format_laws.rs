@@ -94,7 +94,7 @@ fn keeps_the_laws(graph: &Graph, parts: Parts) {
     assert!(neighbors.iter().all(|others| !others.is_empty()));
     let components = graph.components().len();
     assert!(parts == Parts::Keep || components == 1);
-    for (node, others) in graph.nodes.iter().zip(&neighbors) {
+    for (node, others) in graph.nodes.iter().zip(neighbors.iter()) {
         let section = node.section.iter().flat_map(|section| [section.width_m, section.height_m]);
         for length in section.chain([node.radius]) {
             assert!(length > 0.0 && length <= 1e6, "{length} m");

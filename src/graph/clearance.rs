@@ -217,10 +217,18 @@ pub(super) struct Rock {
 impl Rock {
     /// The rock round a graph.
     pub(super) fn new(graph: &Graph, girth: Girth) -> Self {
-        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors: graph.neighbors(), bodies: RTree::new() };
+        let neighbors = graph.neighbors().iter().map(<[usize]>::to_vec).collect();
+        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
         let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
         rock.bodies = RTree::bulk_load(entries);
         rock
+    }
+
+    /// The graph of all stations and passages, settled or not.
+    pub(super) fn into_graph(self) -> Graph {
+        let edges = self.neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| [a, b]));
+        let edges = edges.filter(|[a, b]| a < b).collect();
+        Graph::new(self.nodes, edges)
     }
 
     /// Adds a station that hangs on nothing yet.

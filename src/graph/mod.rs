@@ -4,6 +4,7 @@
 //! [`Outside`] lets it read. A [`Generator`] makes one from a seed ([`GENERATORS`] lists them all), a
 //! [`format`](mod@format) reads one.
 
+mod branches;
 pub mod clearance;
 mod dice;
 pub mod format;
@@ -23,6 +24,7 @@ mod tidy;
 use nalgebra::Point3;
 
 pub use generator::{GENERATORS, GenerateError, Generator, GeneratorRow, generator};
+pub use neighbors::Neighbors;
 pub use outside::{Nowhere, Outside, RunError, Task};
 pub use section::{Section, Shape};
 use shape::millimetres;

@@ -116,25 +116,10 @@ fn rounded(node: Node) -> Node {
 
 /// Parents by breadth from the first node of each part that had none, or from its first.
 fn forest(graph: &Graph, had: &[Option<usize>]) -> Vec<Option<usize>> {
-    let neighbors = graph.neighbors();
-    let mut parents = vec![None; graph.nodes.len()];
-    let mut seen = vec![false; graph.nodes.len()];
-    let mut queue = Vec::with_capacity(graph.nodes.len());
-    let mut next = 0;
     let origins = had.iter().enumerate().filter(|(_, parent)| parent.is_none()).map(|(node, _)| node);
-    for start in origins.chain(0..graph.nodes.len()) {
-        if !std::mem::replace(&mut seen[start], true) {
-            queue.push(start);
-        }
-        while let Some(&node) = queue.get(next) {
-            next += 1;
-            for &other in &neighbors[node] {
-                if !std::mem::replace(&mut seen[other], true) {
-                    parents[other] = Some(node);
-                    queue.push(other);
-                }
-            }
-        }
+    let mut parents = vec![None; graph.nodes.len()];
+    for (node, parent) in graph.neighbors().by_breadth(origins.chain(0..graph.nodes.len())) {
+        parents[node] = parent;
     }
     parents
 }
