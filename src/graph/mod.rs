@@ -17,6 +17,7 @@ mod raster;
 pub mod realism;
 mod section;
 mod segment;
+mod sets;
 mod shape;
 mod sketch;
 mod tidy;
