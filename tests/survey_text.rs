@@ -1,30 +1,17 @@
 //! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::collections::BTreeMap;
+#[path = "common/files.rs"]
+mod files;
+
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::{fs, io};
 
+use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::graph::Outside;
 use plume::graph::format::{Import, Parts, ReadError, read};
-
-/// The files of a folder, or such as are made up.
-#[derive(Default)]
-struct Files(BTreeMap<PathBuf, Vec<u8>>);
-
-impl Files {
-    fn of(texts: &[(&str, &str)]) -> Self {
-        Self(texts.iter().map(|(name, text)| (name.into(), text.as_bytes().to_vec())).collect())
-    }
-}
-
-impl Outside for Files {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-}
 
 /// The disk.
 struct Disk;
@@ -79,7 +66,7 @@ fn therion_data_comes_out_where_therion_puts_it() {
 }
 
 fn parsed(name: &str, text: &str) -> Result<Import, ReadError> {
-    read(Path::new(name), Parts::Refuse, &Files::of(&[(name, text)]))
+    read(Path::new(name), Parts::Refuse, &Files::one(name, text))
 }
 
 #[test]
@@ -151,12 +138,11 @@ fn what_is_wrong_with_survey_data_is_told() {
 /// Files that include two others each grow beyond all bounds, and chains of equates are walked again and again.
 #[test]
 fn what_would_take_for_ever_is_refused_or_quick() {
-    let names: Vec<(String, String)> = (0..60)
+    let files: Files = (0..60)
         .map(|depth| (format!("{depth}.svx"), format!("*include {0}\n*include {0}\n", depth + 1)))
         .chain([("60.svx".to_owned(), "1 2 5 0 0\n".to_owned())])
         .collect();
-    let texts: Vec<(&str, &str)> = names.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-    let error = read(Path::new("0.svx"), Parts::Refuse, &Files::of(&texts)).unwrap_err();
+    let error = read(Path::new("0.svx"), Parts::Refuse, &files).unwrap_err();
     assert!(error.message.contains("more than 1000 files"), "{error}");
     let mut text = "0 a 5 0 0\n".to_owned();
     for station in (0..50_000).rev() {

@@ -126,9 +126,7 @@ impl Profile {
         let of_width = |width: f64| 0.5 * width.max(girth.width_min_m);
         match node.section {
             Some(Section { width_m, height_m, shape: Shape::Drift }) => {
-                // The whole height is clear, and the section reaches below the floor by as much as it is cut off.
-                const DRIFT_DROP: f64 = 0.8;
-                Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + DRIFT_DROP), square: true }
+                Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + Section::DRIFT_DROP), square: true }
             }
             Some(Section { width_m, height_m, shape: Shape::Cave }) => {
                 let half_height = height_m.max(girth.width_min_m) / (1.0 + girth.floor_drop);
@@ -219,10 +217,18 @@ pub(super) struct Rock {
 impl Rock {
     /// The rock round a graph.
     pub(super) fn new(graph: &Graph, girth: Girth) -> Self {
-        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors: graph.neighbors(), bodies: RTree::new() };
+        let neighbors = graph.neighbors().iter().map(<[usize]>::to_vec).collect();
+        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
         let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
         rock.bodies = RTree::bulk_load(entries);
         rock
+    }
+
+    /// The graph of all stations and passages, settled or not.
+    pub(super) fn into_graph(self) -> Graph {
+        let edges = self.neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| [a, b]));
+        let edges = edges.filter(|[a, b]| a < b).collect();
+        Graph::new(self.nodes, edges)
     }
 
     /// Adds a station that hangs on nothing yet.

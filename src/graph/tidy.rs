@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Graph;
-use super::sketch::{Knot, Sketch, Strand, foot_and_tip};
+use super::sketch::{Branch, Knot, Sketch, foot_and_tip};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
 const MOST_PASSAGES: usize = 5;
@@ -27,16 +27,16 @@ impl Sketch {
     pub(crate) fn without_spurs(mut self) -> Self {
         loop {
             let neighbors = self.neighbors();
-            let strands = self.strands_among(&neighbors);
-            let is_bump = |strand: &&Strand| {
-                let [foot, tip] = foot_and_tip(strand, &neighbors);
+            let branches = self.branches_among(&neighbors);
+            let is_bump = |branch: &&Branch| {
+                let [foot, tip] = foot_and_tip(branch, &neighbors);
                 if neighbors[tip].len() != 1 || neighbors[foot].len() < 3 {
                     return false;
                 }
                 let [foot, tip] = [foot, tip].map(|end| self.knots[end].half_width_m());
-                strand.length + tip < foot + SPUR_REACH * foot.max(tip)
+                branch.length + tip < foot + SPUR_REACH * foot.max(tip)
             };
-            let mut bumps: Vec<&Strand> = strands.iter().filter(is_bump).collect();
+            let mut bumps: Vec<&Branch> = branches.iter().filter(is_bump).collect();
             bumps.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
             let mut left: Vec<usize> = neighbors.degrees().collect();
             let mut gone = vec![false; self.knots.len()];
@@ -60,16 +60,16 @@ impl Sketch {
     /// passages meet at it.
     pub(crate) fn with_junctions_merged(self, part: f64) -> Self {
         let neighbors = self.neighbors();
-        let mut strands = self.strands_among(&neighbors);
-        strands.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
+        let mut branches = self.branches_among(&neighbors);
+        branches.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
         let mut degrees: Vec<usize> = neighbors.degrees().collect();
         let mut into: Vec<usize> = (0..self.knots.len()).collect();
         let mut gone = vec![false; self.knots.len()];
-        for strand in &strands {
-            let [a, b] = [strand.first(), strand.last()].map(|end| root(&into, end));
+        for branch in &branches {
+            let [a, b] = [branch.first(), branch.last()].map(|end| root(&into, end));
             let width = 2.0 * self.knots[a].half_width_m().min(self.knots[b].half_width_m());
             let sum = degrees[a] + degrees[b];
-            let crowded = degrees[a] > 2 && degrees[b] > 2 && strand.length < part * width;
+            let crowded = degrees[a] > 2 && degrees[b] > 2 && branch.length < part * width;
             if !crowded || a == b || sum - 2 > MOST_PASSAGES {
                 continue;
             }
@@ -77,7 +77,7 @@ impl Sketch {
                 if self.knots[b].half_width_m() > self.knots[a].half_width_m() { [b, a] } else { [a, b] };
             into[lost] = kept;
             degrees[kept] = sum - 2;
-            strand.knots[1..strand.knots.len() - 1].iter().for_each(|&knot| gone[knot] = true);
+            branch.knots[1..branch.knots.len() - 1].iter().for_each(|&knot| gone[knot] = true);
         }
         let lines = self.lines.iter().filter(|line| line.iter().all(|&knot| !gone[knot]));
         let lines = lines.map(|line| line.map(|knot| root(&into, knot))).filter(|[a, b]| a != b).collect();
@@ -87,8 +87,8 @@ impl Sketch {
     /// Each bend rounded: so many times, every knot between junctions moves to the middle of itself and its neighbours,
     /// and takes the width there. Junctions and dead ends stay.
     pub(crate) fn smoothed(mut self, rounds: usize) -> Self {
-        for strand in self.strands() {
-            let mut knots: Vec<Knot> = strand.knots.iter().map(|&knot| self.knots[knot]).collect();
+        for branch in self.branches() {
+            let mut knots: Vec<Knot> = branch.knots.iter().map(|&knot| self.knots[knot]).collect();
             for _ in 0..rounds {
                 let mut before = knots[0];
                 for at in 1..knots.len() - 1 {
@@ -98,7 +98,7 @@ impl Sketch {
                 }
             }
             let inner = 1..knots.len() - 1;
-            strand.knots[inner.clone()].iter().zip(&knots[inner]).for_each(|(&at, knot)| self.knots[at] = *knot);
+            branch.knots[inner.clone()].iter().zip(&knots[inner]).for_each(|(&at, knot)| self.knots[at] = *knot);
         }
         self
     }
@@ -131,13 +131,13 @@ impl Sketch {
     pub(crate) fn with_every(self, step: usize) -> Self {
         let mut sparse = Self::default();
         let mut new = vec![usize::MAX; self.knots.len()];
-        for strand in self.strands() {
-            let last = strand.knots.len() - 1;
+        for branch in self.branches() {
+            let last = branch.knots.len() - 1;
             // A ring keeps two knots between its ends, which are one.
             let step = step.min(last / 3).max(1);
             let kept = (0..last).step_by(step).chain([last]);
             let mut before = None;
-            for old in kept.map(|place| strand.knots[place]) {
+            for old in kept.map(|place| branch.knots[place]) {
                 if new[old] == usize::MAX {
                     new[old] = sparse.add(self.knots[old]);
                 }
@@ -223,21 +223,8 @@ impl Sketch {
     /// A tree of the same passages: breadth first from the first knot.
     fn opened(mut self) -> Self {
         let neighbors = self.neighbors();
-        let mut seen = vec![false; self.knots.len()];
-        self.lines.clear();
-        for start in 0..self.knots.len() {
-            let mut found = if std::mem::replace(&mut seen[start], true) { vec![] } else { vec![start] };
-            let mut next = 0;
-            while let Some(&knot) = found.get(next) {
-                next += 1;
-                for &other in &neighbors[knot] {
-                    if !std::mem::replace(&mut seen[other], true) {
-                        self.lines.push([knot, other]);
-                        found.push(other);
-                    }
-                }
-            }
-        }
+        let walk = neighbors.by_breadth(0..neighbors.len());
+        self.lines = walk.filter_map(|(knot, parent)| Some([parent?, knot])).collect();
         self
     }
 }

@@ -314,8 +314,8 @@ impl<'a> Survey<'a> {
             self.nodes[parent].radius = length;
         }
         let mut graph = Graph::new(self.nodes, self.edges);
-        for (node, others) in graph.neighbors().into_iter().enumerate() {
-            graph.nodes[node].active = others.len() == 1;
+        for (node, degree) in graph.neighbors().degrees().enumerate() {
+            graph.nodes[node].active = degree == 1;
         }
         graph
     }

@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 
 use super::Mask;
+use crate::graph::sets::Sets;
 
 const NONE: u32 = u32::MAX;
 
@@ -88,9 +89,10 @@ pub(crate) fn joined(mut mask: Mask, half_width: usize) -> Mask {
     if regions.sizes.len() < 2 {
         return mask;
     }
-    let mut tree = Sets::new(regions.sizes.len());
+    let mut sets = Sets::new(regions.sizes.len());
     for gap in gaps(&mask, regions) {
-        if tree.unite(gap.regions) {
+        let [a, b] = gap.regions.map(|region| region as usize);
+        if sets.unite(a, b) {
             dig_between(&mut mask, gap.cells, half_width);
         }
     }
@@ -139,32 +141,6 @@ fn dig_between(mask: &mut Mask, cells: [usize; 2], half_width: usize) {
     for step in 0..=steps {
         let at = |from: i64, way: i64| (from + (2 * way * step + steps).div_euclid(2 * steps)) as usize;
         mask.dig([at(from[0], dx), at(from[1], dy)], half_width);
-    }
-}
-
-/// Disjoint sets of regions.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn new(len: usize) -> Self {
-        Self((0..len as u32).collect())
-    }
-
-    fn root(&mut self, of: u32) -> u32 {
-        let mut at = of;
-        while self.0[at as usize] != at {
-            let up = self.0[self.0[at as usize] as usize];
-            self.0[at as usize] = up;
-            at = up;
-        }
-        at
-    }
-
-    /// Whether they were apart.
-    fn unite(&mut self, pair: [u32; 2]) -> bool {
-        let [a, b] = pair.map(|one| self.root(one));
-        self.0[a.max(b) as usize] = a.min(b);
-        a != b
     }
 }
 

@@ -7,7 +7,7 @@ use nalgebra::{Point2, Point3, Vector3};
 use super::stack::Stack;
 use crate::graph::dice::Dice;
 use crate::graph::ramp::{Course, Slopes, way_down};
-use crate::graph::{Node, Section, millimetres};
+use crate::graph::{Node, millimetres};
 
 /// What all links keep.
 pub(super) struct Law {
@@ -271,13 +271,9 @@ impl Stack {
 
 /// A station between two, but for its position and level.
 fn blend(a: &Node, b: &Node, share: f64) -> Node {
-    let between = |a: f64, b: f64| millimetres(a + (b - a) * share);
-    let section = a.section.zip(b.section).map(|(a, b)| Section {
-        width_m: between(a.width_m, b.width_m),
-        height_m: between(a.height_m, b.height_m),
-        shape: if share < 0.5 { a.shape } else { b.shape },
-    });
-    Node { parent: None, active: false, radius: between(a.radius, b.radius), section, ..a.clone() }
+    let section = a.section.zip(b.section).map(|(a, b)| a.towards(b, share).map(millimetres));
+    let radius = millimetres(a.radius + (b.radius - a.radius) * share);
+    Node { parent: None, active: false, radius, section, ..a.clone() }
 }
 
 /// How far along each of two passages they cross in the plan.
