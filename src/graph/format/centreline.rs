@@ -1,6 +1,6 @@
 //! Stations by name, and what text files say of them, until all of it is known.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -31,20 +31,36 @@ impl Names {
     pub(super) const ROOT: Name = 0;
 
     /// What is called so below another, new or known.
-    pub(super) fn below(&mut self, above: Name, name: &str) -> Name {
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn below(&mut self, above: Name, name: &str) -> Result<Name, String> {
         if let Some(&known) = self.below[above].get(name) {
-            return known;
+            return Ok(known);
         }
-        let new = self.add();
+        let new = self.add()?;
         self.below[above].insert(name.into(), new);
-        new
+        Ok(new)
     }
 
     /// Something without a name.
-    pub(super) fn add(&mut self) -> Name {
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn add(&mut self) -> Result<Name, String> {
+        check_room(self.below.len(), MAX_NAMES, "stations and surveys")?;
         self.below.push(BTreeMap::new());
-        self.below.len() - 1
+        Ok(self.below.len() - 1)
     }
+}
+
+/// Names of stations and of what they are in: a station may have several.
+const MAX_NAMES: usize = 2 * MAX_STATIONS;
+/// One at each end of a leg.
+const MAX_SECTIONS: usize = 2 * MAX_LEGS;
+
+fn check_room(count: usize, most: usize, what: &str) -> Result<(), String> {
+    if count < most { Ok(()) } else { Err(format!("the survey has more than {most} {what}")) }
 }
 
 /// A station that is said to be somewhere.
@@ -61,6 +77,10 @@ pub(super) struct Section {
     pub(super) looking: [Name; 2],
     /// Left, right, up and down in metres.
     pub(super) walls_m: [Option<f64>; 4],
+}
+
+fn is_noted(walls_m: &[Option<f64>; 4]) -> bool {
+    walls_m.iter().any(Option::is_some)
 }
 
 /// What shots are.
@@ -122,7 +142,7 @@ pub(super) struct Centreline {
     repeats: usize,
     sections: Vec<Section>,
     claims: Vec<Claim>,
-    entrances: Vec<Name>,
+    entrances: BTreeSet<Name>,
     /// The cross-sections of the tube that is being read.
     tube: Vec<(Name, [Option<f64>; 4])>,
     /// The coordinate system.
@@ -135,9 +155,7 @@ impl Centreline {
     /// # Errors
     /// When there are too many.
     pub(super) fn leg(&mut self, ends: [Name; 2], leg: Leg, measured: Measured) -> Result<(), String> {
-        if self.legs.len() >= MAX_LEGS || self.names.below.len() > 2 * MAX_STATIONS {
-            return Err(format!("the survey has more than {MAX_LEGS} legs or {MAX_STATIONS} stations"));
-        }
+        check_room(self.legs.len(), MAX_LEGS, "legs")?;
         if ends[0] == ends[1] {
             return Err("the shot ends at the station where it begins".to_owned());
         }
@@ -194,33 +212,56 @@ impl Centreline {
     }
 
     /// Says where a station is; without covariance, exactly.
-    pub(super) fn fix(&mut self, name: Name, position: Point3<f64>, covariance: Option<Matrix3<f64>>, spot: Spot) {
+    ///
+    /// # Errors
+    /// When there are too many such.
+    pub(super) fn fix(
+        &mut self,
+        name: Name,
+        position: Point3<f64>,
+        covariance: Option<Matrix3<f64>>,
+        spot: Spot,
+    ) -> Result<(), String> {
+        check_room(self.claims.len(), MAX_STATIONS, "fixes")?;
         self.claims.push(Claim { name, position, covariance, spot });
+        Ok(())
     }
 
+    /// Says that the cave opens to the surface at a station.
     pub(super) fn entrance(&mut self, name: Name) {
-        self.entrances.push(name);
+        self.entrances.insert(name);
     }
 
-    pub(super) fn section(&mut self, section: Section) {
-        if section.walls_m.iter().any(Option::is_some) {
+    /// Notes distances to walls, where there are any.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn section(&mut self, section: Section) -> Result<(), String> {
+        check_room(self.sections.len(), MAX_SECTIONS, "cross-sections")?;
+        if is_noted(&section.walls_m) {
             self.sections.push(section);
         }
+        Ok(())
     }
 
     /// Adds a cross-section to a tube.
-    pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) {
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) -> Result<(), String> {
+        check_room(self.sections.len() + self.tube.len(), MAX_SECTIONS, "cross-sections")?;
         self.tube.push((station, walls_m));
+        Ok(())
     }
 
     /// Notes the cross-sections of the tube: at its ends one looks along its first and last leg, between them from the
     /// station before to that behind.
     pub(super) fn end_tube(&mut self) {
         let tube = std::mem::take(&mut self.tube);
-        for (place, &(station, walls_m)) in tube.iter().enumerate() {
+        for (place, &(station, walls_m)) in tube.iter().enumerate().filter(|(_, (_, walls_m))| is_noted(walls_m)) {
             let before = tube[place.saturating_sub(1)].0;
             let behind = tube[(place + 1).min(tube.len() - 1)].0;
-            self.section(Section { station, looking: [before, behind], walls_m });
+            self.sections.push(Section { station, looking: [before, behind], walls_m });
         }
     }
 
