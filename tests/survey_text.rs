@@ -181,6 +181,13 @@ fn who_takes_no_bearing_has_plumbed_the_shot() {
 }
 
 #[test]
+fn of_pieces_that_lie_anywhere_the_longest_may_stay() {
+    let pieces = "1 2 5 0 0\n3 4 5 90 0\n4 5 6 90 0\n*fix 1 9 9 9\n";
+    let import = read(Path::new("a.svx"), Parts::Longest, &Files::of(&[("a.svx", pieces)])).unwrap();
+    assert_eq!((import.graph.length_m(), import.tally.left_out), (11.0, 2));
+}
+
+#[test]
 fn names_from_the_root_and_entrances_of_surveys_are_found() {
     let svx = "*begin a\n1 2 5 0 0\n*begin b\n\\a.2 1 5 90 0\n*prefix \\\n1 a.b.1 3 0 0\n*end b\n*end a\n";
     assert_eq!(parsed("a.svx", svx).unwrap().graph.nodes.len(), 4);

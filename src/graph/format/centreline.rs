@@ -8,8 +8,13 @@ use super::files::{Files, Spot};
 use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::measure::Measured;
 use super::survey::{Leg, Station, Survey, Walls};
+use super::text::shown;
 use super::traverse::{Fix, Shot, Traverse};
 use super::{Import, Parts, ReadError, Source};
+
+/// Stations named where pieces of a survey are not joined: one of each.
+const NAMED: usize = 10;
+const PIECES_HINT: &str = "fix a station of each, equate stations of theirs, add the shots that are missing, or take the `longest` of the parts";
 
 /// A name within a survey: index into [`Names`].
 pub(super) type Name = usize;
@@ -51,6 +56,21 @@ impl Names {
         check_room(self.below.len(), MAX_NAMES, "stations and surveys")?;
         self.below.push(BTreeMap::new());
         Ok(self.below.len() - 1)
+    }
+
+    /// The whole names of some stations, for messages.
+    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+        let mut above: Vec<Option<(Name, &str)>> = vec![None; self.below.len()];
+        for (survey, below) in self.below.iter().enumerate() {
+            below.iter().for_each(|(name, &of)| above[of] = Some((survey, name)));
+        }
+        let told = names.map(|name| {
+            let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
+            let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
+            parts.reverse();
+            shown(&parts.join("."))
+        });
+        told.collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -137,7 +157,7 @@ pub(super) struct Centreline {
     /// What is the same station as another, and what leads on to that.
     same: BTreeMap<Name, Name>,
     legs: Vec<([Name; 2], Leg)>,
-    shots: Vec<([Name; 2], Measured)>,
+    shots: Vec<([Name; 2], Vector3<f64>, Matrix3<f64>)>,
     /// How often the last shot was measured in a row.
     repeats: usize,
     sections: Vec<Section>,
@@ -156,29 +176,27 @@ impl Centreline {
     /// When there are too many.
     pub(super) fn leg(&mut self, ends: [Name; 2], leg: Leg, measured: Measured) -> Result<(), String> {
         check_room(self.legs.len(), MAX_LEGS, "legs")?;
+        if measured == Measured::Nothing {
+            self.equate(ends[0], ends[1]);
+            return Ok(());
+        }
         if ends[0] == ends[1] {
             return Err("the shot ends at the station where it begins".to_owned());
         }
         if self.repeat(ends, &measured) {
             return Ok(());
         }
-        self.repeats = 1;
-        match measured {
-            Measured::Nothing => self.equate(ends[0], ends[1]),
-            Measured::Way => self.legs.push((ends, leg)),
-            Measured::Shot { .. } => {
-                self.legs.push((ends, leg));
-                self.shots.push((ends, measured));
-            }
+        self.legs.push((ends, leg));
+        if let Measured::Shot { vector, covariance } = measured {
+            self.shots.push((ends, vector, covariance));
+            self.repeats = 1;
         }
         Ok(())
     }
 
     /// A shot that was just measured between the same stations counts as one, which is their mean.
     fn repeat(&mut self, ends: [Name; 2], measured: &Measured) -> bool {
-        let (Measured::Shot { vector: again, .. }, Some((last, Measured::Shot { vector, .. }))) =
-            (measured, self.shots.last_mut())
-        else {
+        let (Measured::Shot { vector: again, .. }, Some((last, vector, _))) = (measured, self.shots.last_mut()) else {
             return false;
         };
         if *last != ends {
@@ -300,9 +318,10 @@ impl Centreline {
                 "a cave takes two stations and a shot between them",
             ));
         }
-        let shots = std::mem::take(&mut self.shots).into_iter().filter_map(|(ends, measured)| {
-            let Measured::Shot { vector, covariance } = measured else { return None };
-            Some(Shot { ends: ends.map(|end| numbers.of(self.found(end))), vector, covariance })
+        let shots = std::mem::take(&mut self.shots).into_iter().map(|(ends, vector, covariance)| Shot {
+            ends: ends.map(|end| numbers.of(self.found(end))),
+            vector,
+            covariance,
         });
         let shots = shots.collect();
         let fixes = self.fixes(&mut numbers, files)?;
@@ -312,9 +331,12 @@ impl Centreline {
             let hint = "its errors or standard deviations are beyond all measure; check the largest";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
-        if held + placed.adrift.len() > 1 {
-            let message = format!("has {} pieces, and nothing says how they lie", held + placed.adrift.len());
-            return Err(ReadError::whole(source.path, message, "fix a station of each, or equate stations of theirs"));
+        // Of pieces that lie anywhere, all but the longest may go; they cannot be kept or joined.
+        if held + placed.adrift.len() > 1 && parts != Parts::Longest {
+            let names = self.names.told(numbers.names(&placed.adrift[..placed.adrift.len().min(NAMED)]));
+            let message =
+                format!("has {} pieces, and nothing says how those of {names} lie", held + placed.adrift.len());
+            return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
         let station = |position| Station { position, entrance: false };
         let mut survey =
@@ -376,6 +398,11 @@ impl Numbers {
             self.count += 1;
             self.count - 1
         })
+    }
+
+    /// The names that these stations have.
+    fn names(&self, stations: &[usize]) -> impl Iterator<Item = Name> {
+        stations.iter().filter_map(|&station| self.of.iter().position(|&number| number == Some(station)))
     }
 }
 
