@@ -212,6 +212,44 @@ fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
     assert_eq!(error.to_string(), "cave.csv: is too far away, scaled");
 }
 
+/// Formats whose files may count from anywhere.
+const OF_ANY_GRID: [&str; 3] = ["graphml", "karstnet", "csv"];
+
+#[test]
+fn what_lies_far_away_is_counted_from_its_first_node() {
+    let [near, ..] = &graphs()[..] else { panic!("there is one") };
+    let mut far = near.clone();
+    far.nodes.iter_mut().for_each(|node| node.position += Vector3::new(431_234.567, 5_287_654.321, 812.25));
+    for row in readers().filter(|row| OF_ANY_GRID.contains(&row.name)) {
+        for (graph, is_moved) in [(near, false), (&far, true)] {
+            let files = Files::written(row, graph);
+            for path in files.of(row) {
+                let Import { graph: mut found, tally, .. } = read(row, &path, Parts::Refuse, &files).expect(row.name);
+                keeps_the_laws(&found, Parts::Refuse);
+                let first = graph.nodes[graph.edges[0][0]].position.coords;
+                assert_eq!(tally.origin_m, if is_moved { first.into() } else { [0.0; 3] }, "{}", row.name);
+                found.nodes.iter_mut().for_each(|node| node.position += Vector3::from(tally.origin_m));
+                assert_eq!(geometry(&found), geometry(graph), "{}", row.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
+    let table = |z: &str| format!("x1,y1,z1,x2,y2,z2\n500000,5200000.0004,{z},500000,5200010.0008,{z}\n");
+    let read = |table: &str| {
+        let files = Files::one("cave.csv", table.as_bytes().to_vec());
+        format::read("cave.csv".as_ref(), Parts::Refuse, &files)
+    };
+    let Import { graph, tally, .. } = read(&table("7")).unwrap();
+    assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, [500_000.0, 5_200_000.0004, 7.0]));
+    let apart = read(&(table("7") + "500000,5200010.0008,7,500000,1000000,7\n")).unwrap_err();
+    assert_eq!(apart.to_string(), "cave.csv: has stations 4200 km from each other, and 1000 km is the most");
+    let nowhere = read(&table("2e8")).unwrap_err();
+    assert_eq!(nowhere.to_string(), "cave.csv:2: \"2e8\" is too far away");
+}
+
 #[test]
 fn a_drawing_of_yed_is_where_it_is_drawn() {
     let files = Files::folder(Path::new("tests/data/formats/graphml"));

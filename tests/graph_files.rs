@@ -121,7 +121,7 @@ fn a_file_too_large_is_refused_while_it_is_read() {
         write!(text, r#"{comma}{{"id":{id},"coordinates":{{"x":{id},"y":0}}}}"#).unwrap();
     }
     text.push_str("]}");
-    assert_eq!(read(&text).unwrap_err(), ReadError::TooMany { most: 1_000_000 });
+    assert_eq!(read(&text).unwrap_err(), ReadError::TooMany { what: "nodes", most: 1_000_000 });
 }
 
 /// What a user is told about each bad file: one golden text for all of them.

@@ -294,6 +294,14 @@ fn flags_of_compass_are_counted() {
     assert_eq!((tally.duplicates, tally.splays, tally.surface, graph.edges.len()), (1, 1, 2, 2));
 }
 
+/// As Survex has them.
+#[test]
+fn shots_of_compass_without_length_join_and_those_repeated_are_averaged() {
+    let shots = "A1 A2 0 -999 -999 1 1 1 1\nA2 A3 10 90 0 1 1 1 1\nA2 A3 12 90 0 1 1 1 1\nA1 A1 0 0 0 1 1 1 1\n";
+    let graph = parsed("a.dat", &book("DECLINATION: 0", shots), Parts::Refuse).unwrap().graph;
+    assert_eq!((graph.nodes.len(), (graph.length_m() / 0.3048).round()), (2, 11.0));
+}
+
 /// Looking east, left is north; walls at the end of a shot are those of the station it leads to.
 #[test]
 fn walls_of_compass_belong_to_the_station_that_the_format_says() {

@@ -144,12 +144,41 @@ fn what_would_take_for_ever_is_refused_or_quick() {
         .collect();
     let error = read(Path::new("0.svx"), Parts::Refuse, &files).unwrap_err();
     assert!(error.message.contains("more than 1000 files"), "{error}");
+    let names = (0..70).fold(String::new(), |all, line| format!("{all}*equate {line}{} 1\n", ".a".repeat(30_000)));
+    assert!(parsed("names.svx", &names).unwrap_err().message.contains("more than 2000000 stations and surveys"));
     let mut text = "0 a 5 0 0\n".to_owned();
     for station in (0..50_000).rev() {
         writeln!(text, "*equate {} {station}", station + 1).unwrap();
     }
     let import = parsed("chain.svx", &text).unwrap();
     assert_eq!(import.graph.nodes.len(), 2);
+}
+
+/// Cavern 1.4.4 and Therion 6.1.6 have these stations there, too.
+#[test]
+fn who_takes_no_bearing_has_plumbed_the_shot() {
+    let cylpolar = "*data cylpolar from to tape compass depthchange\n1 2 0 - 5\n2 3 1 - -9\n";
+    let upright = "centreline\n1 2 7 - 90\n2 3 2 - -90\nendcentreline\n";
+    for (name, text, heights) in [("a.svx", cylpolar, [0.0, 5.0, -4.0]), ("a.th", upright, [0.0, 7.0, 5.0])] {
+        let graph = parsed(name, text).unwrap().graph;
+        let places: Vec<[f64; 3]> = graph.nodes.iter().map(|node| node.position.coords.into()).collect();
+        assert_eq!(places, heights.map(|z| [0.0, 0.0, z]), "{name}");
+    }
+}
+
+#[test]
+fn of_pieces_that_lie_anywhere_the_longest_may_stay() {
+    let pieces = "1 2 5 0 0\n3 4 5 90 0\n4 5 6 90 0\n*fix 1 9 9 9\n";
+    let import = read(Path::new("a.svx"), Parts::Longest, &Files::of(&[("a.svx", pieces)])).unwrap();
+    assert_eq!((import.graph.length_m(), import.tally.left_out), (11.0, 2));
+}
+
+#[test]
+fn names_from_the_root_and_entrances_of_surveys_are_found() {
+    let svx = "*begin a\n1 2 5 0 0\n*begin b\n\\a.2 1 5 90 0\n*prefix \\\n1 a.b.1 3 0 0\n*end b\n*end a\n";
+    assert_eq!(parsed("a.svx", svx).unwrap().graph.nodes.len(), 4);
+    let therion = "survey a -entrance 2\ncentreline\nfix 1 0 0 0\n1 2 5 0 0\nendcentreline\nendsurvey\n";
+    assert_eq!(parsed("a.th", therion).unwrap().tally.origin_m, [0.0, 5.0, 0.0]);
 }
 
 #[test]

@@ -40,6 +40,11 @@ impl<'a> Files<'a> {
         ReadError::line(&self.paths[spot.file], spot.line, message, hint)
     }
 
+    /// A fault of the whole file that is being read.
+    pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
+        ReadError::whole(&self.paths[self.spot(0).file], message, hint)
+    }
+
     /// Opens the file that a line names, relative to the file it stands in: as it is named, or with an ending, in the
     /// case it has or in lower case. To be closed again.
     pub(super) fn open(&mut self, spot: Spot, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {

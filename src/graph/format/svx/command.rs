@@ -8,14 +8,11 @@ use super::{Case, HINT, Reader};
 use crate::graph::format::ReadError;
 use crate::graph::format::centreline::{Names, spread};
 use crate::graph::format::files::Spot;
-use crate::graph::format::limits::MAX_LENGTH_M;
+use crate::graph::format::limits::MAX_COORDINATE_M;
 use crate::graph::format::measure::{Columns, Order};
 
 /// Commands that describe the survey, or check what is no business of ours.
 const PASSED_OVER: &[&str] = &["title", "date", "team", "instrument", "export", "ref", "copyright", "require", "solve"];
-
-/// How far from zero national grids count: no place on earth is farther.
-const MAX_COORDINATE_M: f64 = 100.0 * MAX_LENGTH_M;
 
 impl Reader<'_> {
     /// Obeys the command of a line, in a file in which `outer` blocks were open before.
@@ -66,7 +63,8 @@ impl Reader<'_> {
             ("truncate", [most]) => self.truncate(most),
             ("set", [item, characters @ ..]) => Rc::make_mut(&mut self.settings.marks).set(item, &characters.concat()),
             ("prefix", [name]) => {
-                self.settings.survey = self.named(Names::ROOT, name)?;
+                let is_root = self.settings.marks.from_root(name) == Some("");
+                self.settings.survey = if is_root { Names::ROOT } else { self.named(Names::ROOT, name)? };
                 Ok(())
             }
             ("default", words) => words.iter().try_for_each(|what| self.reset(what)),
@@ -100,8 +98,7 @@ impl Reader<'_> {
             _ => return Err("a fix is three coordinates and up to three standard deviations".to_owned()),
         };
         let covariance = numbers.get(3..).and_then(spread);
-        self.centreline.fix(name, position, covariance, spot);
-        Ok(())
+        self.centreline.fix(name, position, covariance, spot)
     }
 
     fn equate(&mut self, first: &str, others: &[&str]) -> Result<(), String> {

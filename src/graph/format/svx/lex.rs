@@ -130,6 +130,11 @@ impl Marks {
         Ok(parts)
     }
 
+    /// What follows the root in a name that starts there.
+    pub(super) fn from_root<'a>(&self, name: &'a str) -> Option<&'a str> {
+        name.strip_prefix(|c| self.is(c, ROOT))
+    }
+
     /// How many separators a word is, where it is nothing else: an anonymous station.
     pub(super) fn dots(&self, word: &str) -> Option<usize> {
         word.chars().all(|c| self.is(c, SEPARATOR)).then(|| word.chars().count())

@@ -16,7 +16,7 @@ use std::rc::Rc;
 
 use lex::Marks;
 
-use super::centreline::{Centreline, Flags, Name, Section};
+use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::MAX_DEPTH;
 use super::measure::{Columns, Instruments, Order, Row, Style};
@@ -117,24 +117,23 @@ impl Reader<'_> {
         let [(from, from_wall), (to, to_wall)] = [self.end(&row.from)?, self.end(to)?];
         let leg = self.settings.flags.leg(from_wall || to_wall);
         let walls_m = self.settings.instruments.walls(row, false);
-        self.centreline.section(Section { station: from, looking: [from, to], walls_m });
+        self.centreline.section(Section { station: from, looking: [from, to], walls_m })?;
         let measured = self.settings.instruments.shot(style, row)?;
         self.centreline.leg([from, to], leg, measured)
     }
 
     fn cross_section(&mut self, row: &Row) -> Result<(), String> {
         let station = self.station(&row.from)?;
-        self.centreline.add_to_tube(station, self.settings.instruments.walls(row, false));
-        Ok(())
+        self.centreline.add_to_tube(station, self.settings.instruments.walls(row, false))
     }
 
     /// The end of a leg, and whether it is no station but a point on a wall or in the open.
     fn end(&mut self, word: &str) -> Result<(Name, bool), String> {
         if self.settings.dash_is_wall && word == "-" {
-            return Ok((self.centreline.names.add(), true));
+            return Ok((self.centreline.names.add()?, true));
         }
         match self.settings.marks.dots(word) {
-            Some(dots @ 1..=3) => Ok((self.centreline.names.add(), dots < 3)),
+            Some(dots @ 1..=3) => Ok((self.centreline.names.add()?, dots < 3)),
             _ => Ok((self.station(word)?, false)),
         }
     }
@@ -144,11 +143,12 @@ impl Reader<'_> {
         self.named(self.settings.survey, name)
     }
 
+    /// What is called so in a survey, or in none of them if the name starts at the root.
     fn named(&mut self, survey: Name, name: &str) -> Result<Name, String> {
         let marks = Rc::clone(&self.settings.marks);
-        let mut at = survey;
+        let (mut at, name) = marks.from_root(name).map_or((survey, name), |name| (Names::ROOT, name));
         for part in marks.parts(name)? {
-            at = self.centreline.names.below(at, &self.settings.spelled(part));
+            at = self.centreline.names.below(at, &self.settings.spelled(part))?;
         }
         Ok(at)
     }

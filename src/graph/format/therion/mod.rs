@@ -16,7 +16,7 @@ use nalgebra::Point3;
 
 use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
-use super::limits::{MAX_DEPTH, MAX_LENGTH_M};
+use super::limits::{MAX_COORDINATE_M, MAX_DEPTH};
 use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
 use super::{Import, Parts, ReadError, Source};
 
@@ -42,8 +42,6 @@ const PASSED_IN_CENTRELINE: &[&str] = &[
     "author",
     "id",
 ];
-/// How far from zero national grids count: no place on earth is farther.
-const MAX_COORDINATE_M: f64 = 100.0 * MAX_LENGTH_M;
 
 /// Reads a survey with all that it inputs.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
@@ -236,12 +234,16 @@ impl Reader<'_> {
         }
     }
 
-    /// `survey <id> [-namespace on|off] [-declination [<angle> <unit>]] …`
+    /// `survey <id> [-namespace on|off] [-entrance <station>] [-declination [<angle> <unit>]] …`
     fn open_survey(&mut self, spot: Spot, name: &str, options: &[&str]) -> Result<(), String> {
         self.open(spot, Kind::Survey)?;
         let value = |option: &str| options.windows(2).find(|pair| pair[0] == option).map(|pair| pair[1]);
         if value("-namespace") != Some("off") {
-            self.survey = self.centreline.names.below(self.survey, name);
+            self.survey = self.centreline.names.below(self.survey, name)?;
+        }
+        if let Some(station) = value("-entrance") {
+            let station = self.elsewhere(station)?;
+            self.centreline.entrance(station);
         }
         match value("-declination").map(|text| text.split_whitespace().collect::<Vec<_>>()) {
             None => {}
@@ -262,9 +264,8 @@ impl Reader<'_> {
         match row {
             None => Ok(()),
             Some(row) if order.style == Style::Passage => {
-                let station = self.elsewhere(&row.from);
-                self.centreline.add_to_tube(station, self.settings.instruments.walls(&row, false));
-                Ok(())
+                let station = self.elsewhere(&row.from)?;
+                self.centreline.add_to_tube(station, self.settings.instruments.walls(&row, false))
             }
             Some(row) => self.leg(order.style, &row),
         }
@@ -273,30 +274,32 @@ impl Reader<'_> {
     fn leg(&mut self, style: Style, row: &Row) -> Result<(), String> {
         let names = [row.from.as_str(), row.to.as_deref().unwrap_or_default()];
         let at_wall = names.iter().any(|name| matches!(*name, "." | "-"));
-        let [from, to] = names.map(|name| self.end(name));
+        let [from, to] = [self.end(names[0])?, self.end(names[1])?];
         let instruments = &self.settings.instruments;
         for (station, at_end) in [(from, false), (to, true)] {
-            self.centreline.section(Section { station, looking: [from, to], walls_m: instruments.walls(row, at_end) });
+            let walls_m = instruments.walls(row, at_end);
+            self.centreline.section(Section { station, looking: [from, to], walls_m })?;
         }
         let measured = instruments.shot(style, row)?;
         self.centreline.leg([from, to], self.settings.flags.leg(at_wall), measured)
     }
 
     /// The end of a shot: points on walls have no names.
-    fn end(&mut self, name: &str) -> Name {
+    fn end(&mut self, name: &str) -> Result<Name, String> {
         if matches!(name, "." | "-") { self.centreline.names.add() } else { self.elsewhere(name) }
     }
 
     /// A station of the survey that is open.
-    fn station(&mut self, name: &str) -> Name {
+    fn station(&mut self, name: &str) -> Result<Name, String> {
         let [before, behind] = &self.settings.affixes;
         self.centreline.names.below(self.survey, &format!("{before}{name}{behind}"))
     }
 
     /// A station that may be in a survey within the open one: `name@inner.outer`.
-    fn elsewhere(&mut self, name: &str) -> Name {
+    fn elsewhere(&mut self, name: &str) -> Result<Name, String> {
         let Some((name, surveys)) = name.split_once('@') else { return self.station(name) };
-        let survey = surveys.rsplit('.').fold(self.survey, |at, part| self.centreline.names.below(at, part));
+        let names = &mut self.centreline.names;
+        let survey = surveys.rsplit('.').try_fold(self.survey, |at, part| names.below(at, part))?;
         self.centreline.names.below(survey, name)
     }
 
@@ -305,9 +308,9 @@ impl Reader<'_> {
         if others.is_empty() {
             return Err("`equate` takes two stations".to_owned());
         }
-        let first = self.elsewhere(first);
+        let first = self.elsewhere(first)?;
         for other in others {
-            let other = self.elsewhere(other);
+            let other = self.elsewhere(other)?;
             self.centreline.equate(first, other);
         }
         Ok(())
@@ -316,7 +319,7 @@ impl Reader<'_> {
     fn station_flags(&mut self, station: &str, flags: &[&str]) -> Result<(), String> {
         let entrance = flags.iter().position(|&flag| flag == "entrance");
         if entrance.is_some_and(|at| at == 0 || flags[at - 1] != "not") {
-            let station = self.elsewhere(station);
+            let station = self.elsewhere(station)?;
             self.centreline.entrance(station);
         }
         Ok(())
@@ -330,8 +333,7 @@ impl Reader<'_> {
             _ => return Err("a fix is three coordinates in metres, and their standard deviations".to_owned()),
         };
         let covariance = numbers.as_deref().and_then(|numbers| super::centreline::spread(numbers.get(3..)?));
-        let station = self.elsewhere(station);
-        self.centreline.fix(station, position, covariance, spot);
-        Ok(())
+        let station = self.elsewhere(station)?;
+        self.centreline.fix(station, position, covariance, spot)
     }
 }
