@@ -63,7 +63,7 @@ impl Reader<'_> {
             ("truncate", [most]) => self.truncate(most),
             ("set", [item, characters @ ..]) => Rc::make_mut(&mut self.settings.marks).set(item, &characters.concat()),
             ("prefix", [name]) => {
-                let is_root = self.settings.marks.from_root(name) == Some("");
+                let is_root = self.settings.marks.below_root(name) == Some("");
                 self.settings.survey = if is_root { Names::ROOT } else { self.named(Names::ROOT, name)? };
                 Ok(())
             }

@@ -131,7 +131,7 @@ impl Marks {
     }
 
     /// What follows the root in a name that starts there.
-    pub(super) fn from_root<'a>(&self, name: &'a str) -> Option<&'a str> {
+    pub(super) fn below_root<'a>(&self, name: &'a str) -> Option<&'a str> {
         name.strip_prefix(|c| self.is(c, ROOT))
     }
 

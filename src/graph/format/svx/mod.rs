@@ -146,7 +146,7 @@ impl Reader<'_> {
     /// What is called so in a survey, or in none of them if the name starts at the root.
     fn named(&mut self, survey: Name, name: &str) -> Result<Name, String> {
         let marks = Rc::clone(&self.settings.marks);
-        let (mut at, name) = marks.from_root(name).map_or((survey, name), |name| (Names::ROOT, name));
+        let (mut at, name) = marks.below_root(name).map_or((survey, name), |name| (Names::ROOT, name));
         for part in marks.parts(name)? {
             at = self.centreline.names.below(at, &self.settings.spelled(part))?;
         }
