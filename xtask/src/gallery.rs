@@ -23,7 +23,7 @@ pub fn run(_arguments: &[String]) -> Result<()> {
     }
     plans(&plume)?;
     let inside = ["preview", "samples/cave.toml", "--view", "inside", "--size", "960x540"];
-    plume.output(&[&inside[..], &["--output", "samples/inside.png", "--force"]].concat()).map(drop)
+    plume.output(&[&inside[..], &["--output", "samples/inside.png"]].concat()).map(drop)
 }
 
 /// The plans of the samples that have no picture of their rock.
@@ -32,7 +32,7 @@ fn plans(plume: &Plume) -> Result<()> {
         samples::recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml"))))
     {
         let (recipe, picture) = (recipe.display().to_string(), recipe.with_extension("png").display().to_string());
-        plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture, "--force"])?;
+        plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture])?;
         println!("{picture}");
     }
     Ok(())
