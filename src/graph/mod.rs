@@ -20,6 +20,8 @@ mod segment;
 mod sets;
 mod shape;
 mod sketch;
+mod spurs;
+mod stations;
 mod tidy;
 
 use nalgebra::Point3;

@@ -32,6 +32,20 @@ impl Graph {
         Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node])).collect())
     }
 
+    /// With radii, which were 0: the way to the first child, or back to the parent at a dead end.
+    pub(super) fn with_reaches(mut self) -> Self {
+        // Later children first, so that the first one has the last word.
+        for node in (0..self.nodes.len()).rev() {
+            let Some(parent) = self.nodes[node].parent else { continue };
+            let reach = millimetres(self.distance_m(node, parent)).max(0.001);
+            if self.nodes[node].radius == 0.0 {
+                self.nodes[node].radius = reach;
+            }
+            self.nodes[parent].radius = reach;
+        }
+        self
+    }
+
     /// The neighbours of each node, ascending.
     pub fn neighbors(&self) -> Neighbors {
         Neighbors::of(self.nodes.len(), &self.edges)
