@@ -222,8 +222,8 @@ fn what_lies_far_away_is_counted_from_its_first_node() {
     far.nodes.iter_mut().for_each(|node| node.position += Vector3::new(431_234.567, 5_287_654.321, 812.25));
     for row in readers().filter(|row| OF_ANY_GRID.contains(&row.name)) {
         for (graph, is_moved) in [(near, false), (&far, true)] {
-            let files = Files::written(row, graph);
-            for path in files.of(row) {
+            let files = written(row, graph);
+            for path in readable(row, &files) {
                 let Import { graph: mut found, tally, .. } = read(row, &path, Parts::Refuse, &files).expect(row.name);
                 keeps_the_laws(&found, Parts::Refuse);
                 let first = graph.nodes[graph.edges[0][0]].position.coords;
@@ -243,7 +243,7 @@ fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
         format::read("cave.csv".as_ref(), Parts::Refuse, &files)
     };
     let Import { graph, tally, .. } = read(&table("7")).unwrap();
-    assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, [500_000.0, 5_200_000.0004, 7.0]));
+    assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, [500_000.0, 5_200_000.000_4, 7.0]));
     let apart = read(&(table("7") + "500000,5200010.0008,7,500000,1000000,7\n")).unwrap_err();
     assert_eq!(apart.to_string(), "cave.csv: has stations 4200 km from each other, and 1000 km is the most");
     let nowhere = read(&table("2e8")).unwrap_err();

@@ -169,7 +169,7 @@ fn who_takes_no_bearing_has_plumbed_the_shot() {
 #[test]
 fn of_pieces_that_lie_anywhere_the_longest_may_stay() {
     let pieces = "1 2 5 0 0\n3 4 5 90 0\n4 5 6 90 0\n*fix 1 9 9 9\n";
-    let import = read(Path::new("a.svx"), Parts::Longest, &Files::of(&[("a.svx", pieces)])).unwrap();
+    let import = read(Path::new("a.svx"), Parts::Longest, &Files::one("a.svx", pieces)).unwrap();
     assert_eq!((import.graph.length_m(), import.tally.left_out), (11.0, 2));
 }
 

@@ -128,7 +128,7 @@ impl Flags {
                     on = true;
                     continue;
                 }
-                _ => return Err(format!("`{}` is no flag", word.escape_default())),
+                _ => return Err(format!("{} is no flag", shown(word))),
             };
             *flag = on;
             on = true;
@@ -290,13 +290,12 @@ impl Centreline {
     pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
         let system = system.to_ascii_lowercase();
         if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
-            return Err(format!("coordinates in `{system}` would have to be projected"));
+            return Err(format!("coordinates in {} would have to be projected", shown(&system)));
         }
         match &self.system {
-            Some(known) if *known != system => Err(format!(
-                "coordinates in `{}` besides `{known}` would have to be projected",
-                system.escape_default()
-            )),
+            Some(known) if *known != system => {
+                Err(format!("coordinates in {} besides {} would have to be projected", shown(&system), shown(known)))
+            }
             _ => {
                 self.system = Some(system);
                 Ok(())

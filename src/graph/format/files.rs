@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::limits::{MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_LINE};
+use super::text::shown;
 use super::{ReadError, Source};
 
 /// A line of a file that was read.
@@ -62,7 +63,7 @@ impl<'a> Files<'a> {
         let mut first = None;
         for path in names.iter().map(|name| folder.join(name)) {
             if self.open.iter().any(|&open| self.paths[open] == path) {
-                return refused(format!("`{name}` leads back to itself"), "a file cannot be part of itself");
+                return refused(format!("{} leads back to itself", shown(&name)), "a file cannot be part of itself");
             }
             match self.source.outside.read(&path) {
                 Ok(bytes) if self.bytes + bytes.len() > MAX_BYTES => {
@@ -79,7 +80,10 @@ impl<'a> Files<'a> {
             }
         }
         let why = first.map(|error| error.to_string()).unwrap_or_default();
-        refused(format!("`{name}` cannot be read: {why}"), "files are looked for beside the file that names them")
+        refused(
+            format!("{} cannot be read: {why}", shown(&name)),
+            "files are looked for beside the file that names them",
+        )
     }
 
     /// Is done with the innermost file.

@@ -25,7 +25,7 @@ impl Draft {
         name: impl Fn(usize) -> String,
     ) -> Result<Import, ReadError> {
         let origin = self.origin();
-        self.nodes.iter_mut().for_each(|node| node.position = from(origin, node.position));
+        self.nodes.iter_mut().for_each(|node| node.position = counted_from(origin, node.position));
         check_reach(path, self.nodes.iter().map(|node| node.position))?;
         let (graph, tally) = self.finished(parts).map_err(|error| error.into_error(path, name))?;
         Ok(Import { graph, recipe: None, tally: Tally { origin_m: origin.into(), ..tally } })
@@ -40,7 +40,7 @@ impl Draft {
 }
 
 /// A place as it is counted from another.
-pub(super) fn from(origin: Point3<f64>, place: Point3<f64>) -> Point3<f64> {
+pub(super) fn counted_from(origin: Point3<f64>, place: Point3<f64>) -> Point3<f64> {
     Point3::from(place - origin)
 }
 

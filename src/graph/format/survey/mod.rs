@@ -176,7 +176,7 @@ fn no_passages(path: &Path) -> ReadError {
 fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>], first: usize) -> Graph {
     let mut sketch = Sketch::default();
     for (place, room) in places.iter().zip(rooms) {
-        let position = origin::from(places[first], *place);
+        let position = origin::counted_from(places[first], *place);
         sketch.add(match room {
             Some(room) => Knot { position: position + room.middle, section: Some(room.section), level: 0 },
             None => Knot { position, section: None, level: 0 },

@@ -10,6 +10,7 @@ use crate::graph::format::centreline::{Names, spread};
 use crate::graph::format::files::Spot;
 use crate::graph::format::limits::MAX_COORDINATE_M;
 use crate::graph::format::measure::{Columns, Order};
+use crate::graph::format::text::shown;
 
 /// Commands that describe the survey, or check what is no business of ours.
 const PASSED_OVER: &[&str] = &["title", "date", "team", "instrument", "export", "ref", "copyright", "require", "solve"];
@@ -63,7 +64,7 @@ impl Reader<'_> {
             ("truncate", [most]) => self.truncate(most),
             ("set", [item, characters @ ..]) => Rc::make_mut(&mut self.settings.marks).set(item, &characters.concat()),
             ("prefix", [name]) => {
-                let is_root = self.settings.marks.below_root(name) == Some("");
+                let is_root = self.settings.marks.behind_root(name) == Some("");
                 self.settings.survey = if is_root { Names::ROOT } else { self.named(Names::ROOT, name)? };
                 Ok(())
             }
@@ -72,12 +73,12 @@ impl Reader<'_> {
             ("fix" | "equate" | "entrance" | "alias" | "case" | "truncate" | "set" | "begin" | "end" | "prefix", _) => {
                 Err(format!("`*{command}` takes other arguments than these"))
             }
-            _ => Err(format!("`*{}` is no command that is read here", command.escape_default())),
+            _ => Err(format!("{} is no command that is read here", shown(command))),
         }
     }
 
     fn number(&self, word: &str) -> Result<f64, String> {
-        self.settings.marks.number(word).ok_or_else(|| format!("`{word}` is no number"))
+        self.settings.marks.number(word).ok_or_else(|| format!("{} is no number", shown(word)))
     }
 
     /// `*fix <station> [reference] [<x> <y> <z> [<standard deviations> [<covariances>]]]`
@@ -124,7 +125,7 @@ impl Reader<'_> {
             "preserve" => Case::Kept,
             "toupper" => Case::Upper,
             "tolower" => Case::Lower,
-            _ => return Err(format!("`{case}` is neither preserve, toupper nor tolower")),
+            _ => return Err(format!("{} is neither preserve, toupper nor tolower", shown(case))),
         };
         Ok(())
     }
@@ -133,7 +134,7 @@ impl Reader<'_> {
         self.settings.significant = match most.parse() {
             Ok(most @ 1..) => Some(most),
             _ if most.eq_ignore_ascii_case("off") => None,
-            _ => return Err(format!("names cannot be truncated to `{most}`")),
+            _ => return Err(format!("names cannot be truncated to {}", shown(most))),
         };
         Ok(())
     }
@@ -143,7 +144,7 @@ impl Reader<'_> {
         let what = what.to_ascii_lowercase();
         let all = what == "all";
         if !all && !matches!(what.as_str(), "calibrate" | "data" | "units") {
-            return Err(format!("`{what}` has no default"));
+            return Err(format!("{} has no default", shown(&what)));
         }
         if all || what == "calibrate" {
             self.settings.instruments.reset_calibration();

@@ -20,6 +20,7 @@ use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::MAX_DEPTH;
 use super::measure::{Columns, Instruments, Order, Row, Style};
+use super::text::shown;
 use super::{Import, Parts, ReadError, Source};
 
 /// What to do about a survey that says more than we read.
@@ -146,7 +147,7 @@ impl Reader<'_> {
     /// What is called so in a survey, or in none of them if the name starts at the root.
     fn named(&mut self, survey: Name, name: &str) -> Result<Name, String> {
         let marks = Rc::clone(&self.settings.marks);
-        let (mut at, name) = marks.below_root(name).map_or((survey, name), |name| (Names::ROOT, name));
+        let (mut at, name) = marks.behind_root(name).map_or((survey, name), |name| (Names::ROOT, name));
         for part in marks.parts(name)? {
             at = self.centreline.names.below(at, &self.settings.spelled(part))?;
         }
@@ -174,8 +175,8 @@ impl Reader<'_> {
         };
         let name = name.map(|name| block.settings.spelled(name));
         if name != block.name {
-            let name = block.name.unwrap_or_default();
-            return Err(format!("this does not close the block `{name}` of line {}", block.spot.line));
+            let name = shown(&block.name.unwrap_or_default());
+            return Err(format!("this does not close the block {name} of line {}", block.spot.line));
         }
         self.settings = block.settings;
         Ok(())

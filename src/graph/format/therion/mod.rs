@@ -18,6 +18,7 @@ use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::{MAX_COORDINATE_M, MAX_DEPTH};
 use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
+use super::text::shown;
 use super::{Import, Parts, ReadError, Source};
 
 /// What to do about a survey that says more than we read.
@@ -164,7 +165,7 @@ impl Reader<'_> {
             (passed, _) if PASSED_OVER.contains(&passed) => Ok(()),
             (block, _) => match PASSED_BLOCKS.iter().position(|passed| *passed == block) {
                 Some(index) => self.open(spot, Kind::Passed(index)),
-                None => Err(format!("`{}` is no command that is read here", block.escape_default())),
+                None => Err(format!("{} is no command that is read here", shown(block))),
             },
         }
     }
