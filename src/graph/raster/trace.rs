@@ -65,8 +65,8 @@ mod tests {
 
     #[test]
     fn a_passage_runs_in_its_middle_as_wide_as_it_is() {
-        let closed = "#".repeat(21);
-        let open = format!("#{}#", ".".repeat(19));
+        let closed = "#".repeat(41);
+        let open = format!("#{}#", ".".repeat(39));
         let mask = Mask::drawn(&[&closed, &open, &open, &open, &closed, &closed, &closed]);
         let sketch = traced(&mask, 2.0);
         let inner: Vec<&Knot> = sketch.knots.iter().filter(|knot| knot.position.x.abs() < 12.0).collect();
