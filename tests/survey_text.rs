@@ -124,6 +124,8 @@ fn what_is_wrong_with_survey_data_is_told() {
         ("not a number", "centreline\n1 2 NaN 0 0\nendcentreline\n".to_owned()),
         ("bracket", "survey [a\n".to_owned()),
         ("itself", "input itself\n".to_owned()),
+        ("long names", format!("centreline\nstation-names {} _\nendcentreline\n", "a".repeat(60_000))),
+        ("long word", format!("centreline\n1 2 {} 0 0\nendcentreline\n", "\u{1b}".repeat(60_000))),
     ];
     let mut told = String::new();
     let faults = svx.iter().map(|(name, text)| ("svx", name, text));

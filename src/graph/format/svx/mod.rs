@@ -5,8 +5,9 @@
 //! and includes. Loops are closed as Survex closes them, so stations come out where cavern puts them; those of diving shots
 //! within loops may differ by a share of the misclosure, since their covariances do.
 //!
-//! Not read: `*declination auto`, which takes a model of the earth's field, and positions in a `*cs` in degrees; the
-//! error sends the user to cavern. What only describes (`*title`, `*team`) is passed over, as are `*export` and `*solve`:
+//! Not read: `*declination auto`, which takes a model of the earth's field, positions in a `*cs` in degrees or in two of them,
+//! and the files of Compass that `*include` may name; the error sends the user to cavern. Covariances of fixes between axes are
+//! left out. What only describes (`*title`, `*team`) is passed over, as are `*export` and `*solve`:
 //! whoever reads a survey to walk in it wants the whole of it at its best.
 
 mod command;

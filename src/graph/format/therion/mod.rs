@@ -44,6 +44,9 @@ const PASSED_IN_CENTRELINE: &[&str] = &[
     "id",
 ];
 
+/// Letters that every name of a station may get: a line could give a million names its own length.
+const MAX_AFFIXES: usize = 200;
+
 /// Reads a survey with all that it inputs.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let mut reader = Reader {
@@ -197,6 +200,9 @@ impl Reader<'_> {
             }
             ("flags", rest) => self.settings.flags.read(rest),
             ("station-names", [before, behind]) => {
+                if before.len() + behind.len() > MAX_AFFIXES {
+                    return Err(format!("`station-names` of more than {MAX_AFFIXES} letters"));
+                }
                 self.settings.affixes = [(*before).to_owned(), (*behind).to_owned()];
                 Ok(())
             }
