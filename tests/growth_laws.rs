@@ -117,10 +117,10 @@ fn loops_come_when_they_are_asked_for() {
     ] {
         let loops = |closure: f64| {
             let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
-            (0..6).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
+            (0..24).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
         };
         assert_eq!(loops(0.0), 0, "{name}");
-        assert!(loops(1.0) > 6 && loops(2.0) > loops(1.0), "{name}");
+        assert!(loops(1.0) > 24 && loops(2.0) > loops(1.0), "{name}");
     }
 }
 
