@@ -21,7 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("preset", &[]),
     ("store", &["field", "mesh", "texture"]),
     ("assemble", &["field", "graph", "mesh", "recipe", "store", "texture", "truth"]),
-    ("pipeline", &["field", "graph", "mesh", "recipe", "store"]),
+    ("pipeline", &["field", "graph", "mesh", "preview", "recipe", "store"]),
     ("cave", &["assemble", "graph", "pipeline", "preset", "preview", "recipe", "store"]),
     ("cli", &["cave", "graph", "material", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
 ];

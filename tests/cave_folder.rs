@@ -272,6 +272,27 @@ fn texture_settings_make_textures_only_anew() {
 }
 
 #[test]
+fn a_folder_has_its_maps_and_draws_them_when_the_graph_changes() {
+    let desk = Desk::new();
+    let maps = ["cave/plan.png", "cave/profile.png"];
+    let drawn = || maps.map(|map| fs::read(desk.path(map)).unwrap());
+    desk.make(&["generate", "--output", "cave"]);
+    let (first, times) = (drawn(), maps.map(|map| fs::metadata(desk.path(map)).unwrap().modified().unwrap()));
+    for picture in &first {
+        assert!(image::load_from_memory(picture).unwrap().width() > 1000);
+    }
+    let manifest = fs::read_to_string(desk.path("cave/manifest.json")).unwrap();
+    assert!(maps.iter().all(|map| manifest.contains(&map["cave/".len()..])), "{manifest}");
+    desk.make(&["generate", "cave", "--set", "texture.format=jpg"]);
+    assert_eq!(times, maps.map(|map| fs::metadata(desk.path(map)).unwrap().modified().unwrap()));
+    fs::remove_file(desk.path(maps[0])).unwrap();
+    desk.make(&["generate", "cave"]);
+    assert!(first == drawn());
+    desk.make(&["mesh", "cave", "--seed", "3"]);
+    assert!(first.iter().zip(&drawn()).all(|(before, now)| before != now));
+}
+
+#[test]
 fn status_tells_how_far_a_folder_is() {
     let desk = Desk::new();
     let status = || String::from_utf8(desk.run(&["status", "cave"]).stdout).unwrap();

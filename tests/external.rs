@@ -38,6 +38,7 @@ fn a_program_is_told_seed_and_settings_and_gives_the_graph() {
     assert_eq!(told["settings"], serde_json::json!({"stations": 3, "a.b": [1.5, "x"]}));
     let graph = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
     assert_eq!(graph.matches("\"coordinates\"").count(), 3);
+    assert!(desk.run(&["preview", "recipes/cave.toml", "-o", "plan.svg", "--allow-run"]).status.success());
     // The folder goes on without the program, and its recipe reads back.
     fs::remove_dir_all(desk.path("recipes")).unwrap();
     assert!(desk.run(&["graph", "cave"]).status.success());

@@ -4,71 +4,40 @@
 //! changed byte by byte; those under `bad` are refused, with the errors that the snapshots hold.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/files.rs"]
+mod files;
 #[path = "common/world.rs"]
 mod world;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
+use files::Files;
 use nalgebra::Vector3;
-use plume::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, read_as};
-use plume::graph::{GENERATORS, Graph, Node, Outside, Section, Shape};
+use plume::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, Written, read_as};
+use plume::graph::{GENERATORS, Graph, Node, Section, Shape};
 use world::small;
 
 const ALL_PARTS: [Parts; 4] = [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest];
 /// Rows whose files hold radii and sections as they are.
 const HOLD_SECTIONS: &[&str] = &["json", "graphml", "csv"];
 
-/// Files by name, nothing else.
-#[derive(Clone, Default)]
-struct Files(BTreeMap<PathBuf, Vec<u8>>);
-
-impl Files {
-    fn one(path: &str, bytes: Vec<u8>) -> Self {
-        Self(BTreeMap::from([(path.into(), bytes)]))
-    }
-
-    /// What is in a folder, by path from there; other than `bad`.
-    fn folder(folder: &Path) -> Self {
-        let mut files = Self::default();
-        let mut folders = vec![folder.to_path_buf()];
-        while let Some(next) = folders.pop() {
-            for entry in fs::read_dir(&next).into_iter().flatten() {
-                let path = entry.unwrap().path();
-                if path.is_dir() && !path.ends_with("bad") {
-                    folders.push(path);
-                } else if path.is_file() {
-                    files.0.insert(path.strip_prefix(folder).unwrap().into(), fs::read(&path).unwrap());
-                }
-            }
-        }
-        files
-    }
-
-    /// Those that a row reads.
-    fn of(&self, row: &FormatRow) -> Vec<PathBuf> {
-        self.0.keys().filter(|path| ends_as(row, path)).cloned().collect()
-    }
-
-    fn written(row: &FormatRow, graph: &Graph) -> Self {
-        let write = row.write.expect("it is written");
-        let extension = row.endings[0].rsplit('.').next().expect("there is a last part");
-        let name = |suffix: &str| PathBuf::from(format!("cave{suffix}.{extension}"));
-        Self(write(graph).into_iter().map(|file| (name(file.suffix), file.bytes)).collect())
-    }
-}
-
-impl Outside for Files {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-}
-
 fn ends_as(row: &FormatRow, path: &Path) -> bool {
     let name = path.to_string_lossy().to_lowercase();
     row.endings.iter().any(|ending| name.ends_with(ending))
+}
+
+/// The files that a row reads.
+fn readable(row: &FormatRow, files: &Files) -> Vec<PathBuf> {
+    files.0.keys().filter(|path| ends_as(row, path)).cloned().collect()
+}
+
+fn written(row: &FormatRow, graph: &Graph) -> Files {
+    let write = row.write.expect("it is written");
+    let extension = row.endings[0].rsplit('.').next().expect("there is a last part");
+    let named = |file: Written| (format!("cave{}.{extension}", file.suffix), file.bytes);
+    write(graph).into_iter().map(named).collect()
 }
 
 fn folder(row: &FormatRow) -> PathBuf {
@@ -94,7 +63,7 @@ fn keeps_the_laws(graph: &Graph, parts: Parts) {
     assert!(neighbors.iter().all(|others| !others.is_empty()));
     let components = graph.components().len();
     assert!(parts == Parts::Keep || components == 1);
-    for (node, others) in graph.nodes.iter().zip(&neighbors) {
+    for (node, others) in graph.nodes.iter().zip(neighbors.iter()) {
         let section = node.section.iter().flat_map(|section| [section.width_m, section.height_m]);
         for length in section.chain([node.radius]) {
             assert!(length > 0.0 && length <= 1e6, "{length} m");
@@ -167,8 +136,8 @@ fn what_is_written_reads_back() {
     for row in readers().filter(|row| row.write.is_some()) {
         for (index, graph) in graphs().into_iter().enumerate() {
             let name = format!("{} graph {index}", row.name);
-            let files = Files::written(row, &graph);
-            for path in files.of(row) {
+            let files = written(row, &graph);
+            for path in readable(row, &files) {
                 let import = read(row, &path, Parts::Keep, &files).expect(&name);
                 keeps_the_laws(&import.graph, Parts::Keep);
                 assert_eq!(geometry(&import.graph), geometry(&graph), "{name}");
@@ -185,7 +154,7 @@ fn what_is_written_reads_back() {
 fn what_is_written_is_the_same_every_time() {
     for row in FORMATS.iter().filter(|row| row.write.is_some()) {
         for graph in graphs() {
-            assert_eq!(Files::written(row, &graph).0, Files::written(row, &graph.clone()).0, "{}", row.name);
+            assert_eq!(written(row, &graph), written(row, &graph.clone()), "{}", row.name);
         }
     }
 }
@@ -209,7 +178,7 @@ fn names_and_endings_lead_to_their_rows() {
 fn small_files_are_read() {
     for row in readers() {
         let files = Files::folder(&folder(row));
-        for path in files.of(row) {
+        for path in readable(row, &files) {
             for parts in ALL_PARTS {
                 let import = read(row, &path, parts, &files);
                 let import = import.unwrap_or_else(|error| panic!("{} {parts:?}: {error}", row.name));
@@ -232,7 +201,7 @@ fn a_real_cave_is_read_from_either_file_of_its_pair() {
 #[test]
 fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
     let table = "x1,y1,x2,y2,width1,height1\n0,0,0.4,0,2,1\n0.4,0,900,0,,\n";
-    let files = Files::one("cave.csv", table.into());
+    let files = Files::one("cave.csv", table);
     let import = || format::read("cave.csv".as_ref(), Parts::Refuse, &files).unwrap();
     let small = import().scaled(0.001, "cave.csv".as_ref()).unwrap().graph;
     keeps_the_laws(&small, Parts::Refuse);
@@ -241,6 +210,44 @@ fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
     assert_eq!(import().scaled(1.0, "cave.csv".as_ref()).unwrap(), import());
     let error = import().scaled(5000.0, "cave.csv".as_ref()).unwrap_err();
     assert_eq!(error.to_string(), "cave.csv: is too far away, scaled");
+}
+
+/// Formats whose files may count from anywhere.
+const OF_ANY_GRID: [&str; 3] = ["graphml", "karstnet", "csv"];
+
+#[test]
+fn what_lies_far_away_is_counted_from_its_first_node() {
+    let [near, ..] = &graphs()[..] else { panic!("there is one") };
+    let mut far = near.clone();
+    far.nodes.iter_mut().for_each(|node| node.position += Vector3::new(431_234.567, 5_287_654.321, 812.25));
+    for row in readers().filter(|row| OF_ANY_GRID.contains(&row.name)) {
+        for (graph, is_moved) in [(near, false), (&far, true)] {
+            let files = written(row, graph);
+            for path in readable(row, &files) {
+                let Import { graph: mut found, tally, .. } = read(row, &path, Parts::Refuse, &files).expect(row.name);
+                keeps_the_laws(&found, Parts::Refuse);
+                let first = graph.nodes[graph.edges[0][0]].position.coords;
+                assert_eq!(tally.origin_m, if is_moved { first.into() } else { [0.0; 3] }, "{}", row.name);
+                found.nodes.iter_mut().for_each(|node| node.position += Vector3::from(tally.origin_m));
+                assert_eq!(geometry(&found), geometry(graph), "{}", row.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
+    let table = |z: &str| format!("x1,y1,z1,x2,y2,z2\n500000,5200000.0004,{z},500000,5200010.0008,{z}\n");
+    let read = |table: &str| {
+        let files = Files::one("cave.csv", table.as_bytes().to_vec());
+        format::read("cave.csv".as_ref(), Parts::Refuse, &files)
+    };
+    let Import { graph, tally, .. } = read(&table("7")).unwrap();
+    assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, [500_000.0, 5_200_000.000_4, 7.0]));
+    let apart = read(&(table("7") + "500000,5200010.0008,7,500000,1000000,7\n")).unwrap_err();
+    assert_eq!(apart.to_string(), "cave.csv: has stations 4200 km from each other, and 1000 km is the most");
+    let nowhere = read(&table("2e8")).unwrap_err();
+    assert_eq!(nowhere.to_string(), "cave.csv:2: \"2e8\" is too far away");
 }
 
 #[test]
@@ -269,7 +276,7 @@ fn damaged(bytes: &[u8]) -> impl Iterator<Item = (String, Vec<u8>)> + '_ {
 fn damaged_files_are_read_or_refused() {
     for row in readers() {
         let whole = Files::folder(&folder(row));
-        for path in whole.of(row) {
+        for path in readable(row, &whole) {
             let mut files = whole.clone();
             for (how, bytes) in damaged(&whole.0[&path]) {
                 files.0.insert(path.clone(), bytes);
@@ -288,7 +295,7 @@ fn bad_files_are_told_what_is_wrong_with_them() {
     for row in readers() {
         let files = Files::folder(&folder(row).join("bad"));
         let mut told = String::new();
-        for path in files.of(row) {
+        for path in readable(row, &files) {
             let name = path.display();
             let error = read(row, &path, Parts::Refuse, &files).expect_err(&format!("{} {name}", row.name));
             let error = format!("{error}\n  hint: {}\n", error.hint);
@@ -336,7 +343,7 @@ fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
 fn files_made_to_waste_are_refused() {
     for (name, path, text, words) in wasteful() {
         let row = format::format(name).unwrap();
-        let mut files = Files::one(path, text.into_bytes());
+        let mut files = Files::one(path, text);
         files.0.insert("many_links.dat".into(), b"1 2\n".to_vec());
         files.0.insert("long_links.dat".into(), b"1 2\n".to_vec());
         let error = read(row, path.as_ref(), Parts::Join, &files).expect_err(path);

@@ -1,13 +1,16 @@
 //! Graph files: those of the original script, those of anyone, and those with something wrong.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::fmt::Write;
-use std::path::Path;
-use std::{fs, io};
+#[path = "common/files.rs"]
+mod files;
 
+use std::fmt::Write;
+use std::fs;
+
+use files::Files;
 use plume::graph::format::json::{Document, ReadError, read, write};
 use plume::graph::format::{self, Import, Parts};
-use plume::graph::{Graph, Node, Outside};
+use plume::graph::{Graph, Node};
 use proptest::prelude::*;
 use serde_json::json;
 
@@ -91,18 +94,9 @@ const PARTS: &str = r#"{"nodes": [
     {"id": 9, "parent": 7, "coordinates": {"x": 9, "y": 8}}
 ]}"#;
 
-/// A file system of one file.
-struct OneFile(&'static str);
-
-impl Outside for OneFile {
-    fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
-        Ok(self.0.as_bytes().to_vec())
-    }
-}
-
 #[test]
 fn parts_are_done_with_as_asked() {
-    let import = |parts| format::read("parts.json".as_ref(), parts, &OneFile(PARTS));
+    let import = |parts| format::read("parts.json".as_ref(), parts, &Files::one("parts.json", PARTS));
     let told = |import: Result<Import, format::ReadError>| {
         let Import { graph, tally, .. } = import.unwrap();
         let ids = |node: Option<usize>| node.map(|node| graph.nodes[node].id);
@@ -127,7 +121,7 @@ fn a_file_too_large_is_refused_while_it_is_read() {
         write!(text, r#"{comma}{{"id":{id},"coordinates":{{"x":{id},"y":0}}}}"#).unwrap();
     }
     text.push_str("]}");
-    assert_eq!(read(&text).unwrap_err(), ReadError::TooMany { most: 1_000_000 });
+    assert_eq!(read(&text).unwrap_err(), ReadError::TooMany { what: "nodes", most: 1_000_000 });
 }
 
 /// What a user is told about each bad file: one golden text for all of them.

@@ -128,7 +128,7 @@ fn parents_are_older_neighbours_of_all_but_the_origin() {
 fn only_dead_ends_are_active_and_every_level_has_nodes() {
     hold(|name, case, graph| {
         let neighbors = graph.neighbors();
-        for (node, others) in graph.nodes.iter().zip(&neighbors) {
+        for (node, others) in graph.nodes.iter().zip(neighbors.iter()) {
             assert!(!node.active || others.len() == 1, "{name} node {}", node.id);
         }
         let levels: BTreeSet<u32> = graph.nodes.iter().map(|node| node.level).collect();

@@ -6,7 +6,7 @@ mod segment;
 #[path = "common/world.rs"]
 mod world;
 
-use plume::graph::{GenerateError, Graph, Node, generator};
+use plume::graph::{GenerateError, Graph, Neighbors, Node, generator};
 use segment::distance;
 use serde_json::{Value, json};
 use world::World;
@@ -117,10 +117,10 @@ fn loops_come_when_they_are_asked_for() {
     ] {
         let loops = |closure: f64| {
             let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
-            (0..6).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
+            (0..24).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
         };
         assert_eq!(loops(0.0), 0, "{name}");
-        assert!(loops(1.0) > 6 && loops(2.0) > loops(1.0), "{name}");
+        assert!(loops(1.0) > 24 && loops(2.0) > loops(1.0), "{name}");
     }
 }
 
@@ -196,7 +196,7 @@ fn half_girth(graph: &Graph, ends: [usize; 2]) -> f64 {
 }
 
 /// Whether a way of at most this length leads from an end of one passage to an end of the other.
-fn is_joined(graph: &Graph, neighbors: &[Vec<usize>], from: [usize; 2], to: [usize; 2], most_m: f64) -> bool {
+fn is_joined(graph: &Graph, neighbors: &Neighbors, from: [usize; 2], to: [usize; 2], most_m: f64) -> bool {
     let mut open: Vec<(usize, f64)> = from.map(|end| (end, 0.0)).into();
     let mut least = vec![f64::INFINITY; graph.nodes.len()];
     while let Some((node, walked)) = open.pop() {

@@ -59,6 +59,11 @@ fn what_is_too_small_or_no_graph_is_told() {
     desk.file("letter.txt", "dear diary");
     assert!(said(&desk, &["letter.txt"]).starts_with("exit 2\nerror: letter.txt: is of no known graph format\n"));
     assert_snapshot!("no_such_parts", said(&desk, &["line.json", "--parts", "some"]));
+    for rock in ["nan", "inf", "-1", "1e9"] {
+        assert!(said(&desk, &["line.json", &format!("--rock={rock}")]).contains("must be a number from 0 to 100"));
+    }
+    fs::create_dir(desk.path("empty")).unwrap();
+    assert!(said(&desk, &["empty"]).starts_with("exit 2\nerror: empty: holds no cave\n hint: "));
 }
 
 #[test]
@@ -81,6 +86,7 @@ fn recipes_have_a_gate_for_any_generator() {
     let desk = Desk::new();
     desk.file("mine.toml", "[graph]\ngenerator = \"mine\"\nnodes = 120\n\n[realism]\ngate = \"reject\"\ntries = 3\n");
     assert_snapshot!("none_passes", desk.fault(&["graph", "mine.toml", "--output", "mine"]));
+    assert_eq!(desk.fault(&["preview", "mine.toml"]), desk.fault(&["graph", "mine.toml", "--output", "mine"]));
     let repair = ["graph", "mine.toml", "--set", "realism.gate=repair", "--output", "mine", "--quiet"];
     assert!(desk.run(&repair).status.success());
     assert!(said(&desk, &["mine", "--gate"]).starts_with("exit 0\n"));

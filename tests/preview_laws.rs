@@ -165,6 +165,23 @@ fn a_large_graph_makes_no_larger_map() {
 }
 
 #[test]
+fn a_flight_takes_the_time_that_was_asked_for() {
+    let stop = AtomicBool::new(false);
+    let graph = world::small(&GENERATORS[0], NODES, 0);
+    let size = Some(Size::new(16, 16).unwrap());
+    let order = Order { size, pace: Pace::new(30, 1.0).unwrap(), ..order(Format::Gif, &stop) };
+    let Drawn::File(bytes) = draw(&graph, 0, "flight", &order).unwrap() else {
+        panic!("a GIF is a file");
+    };
+    let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).unwrap();
+    let mut hundredths = 0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        hundredths += frame.delay;
+    }
+    assert_eq!(hundredths, 100);
+}
+
+#[test]
 fn what_cannot_be_seen_is_told() {
     let stop = AtomicBool::new(false);
     let graph = world::small(&GENERATORS[0], NODES, 0);
@@ -178,6 +195,9 @@ fn what_cannot_be_seen_is_told() {
     for (fps, seconds) in [(0, 1.0), (51, 1.0), (10, 0.0), (10, 601.0), (10, f64::NAN)] {
         assert_eq!(Pace::new(fps, seconds), Err(PreviewError::Pace));
     }
+    let size = Some(Size::new(8192, 8192).unwrap());
+    let endless = Order { size, pace: Pace::new(50, 600.0).unwrap(), ..order(Format::Gif, &stop) };
+    assert_eq!(draw(&graph, 0, "flight", &endless), Err(PreviewError::Long));
     let stopped = AtomicBool::new(true);
     for (name, format) in [("inside", Format::Png), ("flight", Format::Gif), ("page", Format::Html)] {
         assert_eq!(draw(&graph, 0, name, &order(format, &stopped)), Err(PreviewError::Stopped), "{name}");

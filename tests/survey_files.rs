@@ -1,34 +1,19 @@
 //! Cave surveys as files: held against what other programs read in them, and with something wrong.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::collections::BTreeMap;
+#[path = "common/files.rs"]
+mod files;
+
 use std::fs;
-use std::io;
 use std::path::Path;
 
+use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::field::{Bounds, CaveField, Field, PassageSettings};
+use plume::graph::Graph;
 use plume::graph::format::{Import, Parts, ReadError, read};
-use plume::graph::{Graph, Outside};
 use plume::material::{Look, MATERIALS};
 use serde_json::json;
-
-/// Files by name.
-#[derive(Default)]
-struct Files(BTreeMap<String, Vec<u8>>);
-
-impl Files {
-    fn one(name: &str, bytes: &[u8]) -> Self {
-        Self([(name.to_owned(), bytes.to_vec())].into())
-    }
-}
-
-impl Outside for Files {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let found = path.to_str().and_then(|name| self.0.get(name));
-        found.cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-}
 
 fn data(path: &str) -> Vec<u8> {
     fs::read(format!("tests/data/{path}")).expect("it is in the repository")
@@ -259,7 +244,7 @@ fn assert_is_as_dumped(name: &str, outside: &Files, dump: &str, tolerance_m: f64
 
 fn burrow() -> Files {
     let names = ["burrow.mak", "bare-burrow.dat", "shaft.dat"];
-    Files(names.map(|name| (name.to_owned(), data(&format!("surveys/{name}")))).into())
+    names.into_iter().map(|name| (name, data(&format!("surveys/{name}")))).collect()
 }
 
 /// Two centimetres: Survex rounds stations to one, and its loops give way by other weights.
@@ -309,6 +294,14 @@ fn flags_of_compass_are_counted() {
     assert_eq!((tally.duplicates, tally.splays, tally.surface, graph.edges.len()), (1, 1, 2, 2));
 }
 
+/// As Survex has them.
+#[test]
+fn shots_of_compass_without_length_join_and_those_repeated_are_averaged() {
+    let shots = "A1 A2 0 -999 -999 1 1 1 1\nA2 A3 10 90 0 1 1 1 1\nA2 A3 12 90 0 1 1 1 1\nA1 A1 0 0 0 1 1 1 1\n";
+    let graph = parsed("a.dat", &book("DECLINATION: 0", shots), Parts::Refuse).unwrap().graph;
+    assert_eq!((graph.nodes.len(), (graph.length_m() / 0.3048).round()), (2, 11.0));
+}
+
 /// Looking east, left is north; walls at the end of a shot are those of the station it leads to.
 #[test]
 fn walls_of_compass_belong_to_the_station_that_the_format_says() {
@@ -327,7 +320,7 @@ fn compass_files_with_any_byte_changed_or_cut_are_read_or_refused() {
     let project = data("surveys/burrow.mak");
     let law = |name: &str, bytes: Vec<u8>| {
         let mut outside = burrow();
-        outside.0.insert(name.to_owned(), bytes);
+        outside.0.insert(name.into(), bytes);
         if let Err(error) = read(Path::new(name), Parts::Longest, &outside) {
             assert!(!error.hint.is_empty(), "{error}");
         }

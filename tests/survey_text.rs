@@ -1,30 +1,17 @@
 //! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::collections::BTreeMap;
+#[path = "common/files.rs"]
+mod files;
+
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::{fs, io};
 
+use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::graph::Outside;
 use plume::graph::format::{Import, Parts, ReadError, read};
-
-/// The files of a folder, or such as are made up.
-#[derive(Default)]
-struct Files(BTreeMap<PathBuf, Vec<u8>>);
-
-impl Files {
-    fn of(texts: &[(&str, &str)]) -> Self {
-        Self(texts.iter().map(|(name, text)| (name.into(), text.as_bytes().to_vec())).collect())
-    }
-}
-
-impl Outside for Files {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.0.get(path).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-}
 
 /// The disk.
 struct Disk;
@@ -79,7 +66,7 @@ fn therion_data_comes_out_where_therion_puts_it() {
 }
 
 fn parsed(name: &str, text: &str) -> Result<Import, ReadError> {
-    read(Path::new(name), Parts::Refuse, &Files::of(&[(name, text)]))
+    read(Path::new(name), Parts::Refuse, &Files::one(name, text))
 }
 
 #[test]
@@ -137,6 +124,8 @@ fn what_is_wrong_with_survey_data_is_told() {
         ("not a number", "centreline\n1 2 NaN 0 0\nendcentreline\n".to_owned()),
         ("bracket", "survey [a\n".to_owned()),
         ("itself", "input itself\n".to_owned()),
+        ("long names", format!("centreline\nstation-names {} _\nendcentreline\n", "a".repeat(60_000))),
+        ("long word", format!("centreline\n1 2 {} 0 0\nendcentreline\n", "\u{1b}".repeat(60_000))),
     ];
     let mut told = String::new();
     let faults = svx.iter().map(|(name, text)| ("svx", name, text));
@@ -151,19 +140,47 @@ fn what_is_wrong_with_survey_data_is_told() {
 /// Files that include two others each grow beyond all bounds, and chains of equates are walked again and again.
 #[test]
 fn what_would_take_for_ever_is_refused_or_quick() {
-    let names: Vec<(String, String)> = (0..60)
+    let files: Files = (0..60)
         .map(|depth| (format!("{depth}.svx"), format!("*include {0}\n*include {0}\n", depth + 1)))
         .chain([("60.svx".to_owned(), "1 2 5 0 0\n".to_owned())])
         .collect();
-    let texts: Vec<(&str, &str)> = names.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
-    let error = read(Path::new("0.svx"), Parts::Refuse, &Files::of(&texts)).unwrap_err();
+    let error = read(Path::new("0.svx"), Parts::Refuse, &files).unwrap_err();
     assert!(error.message.contains("more than 1000 files"), "{error}");
+    let names = (0..70).fold(String::new(), |all, line| format!("{all}*equate {line}{} 1\n", ".a".repeat(30_000)));
+    assert!(parsed("names.svx", &names).unwrap_err().message.contains("more than 2000000 stations and surveys"));
     let mut text = "0 a 5 0 0\n".to_owned();
     for station in (0..50_000).rev() {
         writeln!(text, "*equate {} {station}", station + 1).unwrap();
     }
     let import = parsed("chain.svx", &text).unwrap();
     assert_eq!(import.graph.nodes.len(), 2);
+}
+
+/// Cavern 1.4.4 and Therion 6.1.6 have these stations there, too.
+#[test]
+fn who_takes_no_bearing_has_plumbed_the_shot() {
+    let cylpolar = "*data cylpolar from to tape compass depthchange\n1 2 0 - 5\n2 3 1 - -9\n";
+    let upright = "centreline\n1 2 7 - 90\n2 3 2 - -90\nendcentreline\n";
+    for (name, text, heights) in [("a.svx", cylpolar, [0.0, 5.0, -4.0]), ("a.th", upright, [0.0, 7.0, 5.0])] {
+        let graph = parsed(name, text).unwrap().graph;
+        let places: Vec<[f64; 3]> = graph.nodes.iter().map(|node| node.position.coords.into()).collect();
+        assert_eq!(places, heights.map(|z| [0.0, 0.0, z]), "{name}");
+    }
+}
+
+#[test]
+fn of_pieces_that_lie_anywhere_the_longest_may_stay() {
+    let pieces = "1 2 5 0 0\n3 4 5 90 0\n4 5 6 90 0\n*fix 1 9 9 9\n";
+    let import = read(Path::new("a.svx"), Parts::Longest, &Files::one("a.svx", pieces)).unwrap();
+    assert_eq!((import.graph.length_m(), import.tally.left_out), (11.0, 2));
+}
+
+#[test]
+fn names_from_the_root_and_entrances_of_surveys_are_found() {
+    let svx = "*begin a\n1 2 5 0 0\n*begin b\n\\a.2 1 5 90 0\n*prefix \\\n1 a.b.1 3 0 0\n*end b\n*end a\n";
+    assert_eq!(parsed("a.svx", svx).unwrap().graph.nodes.len(), 4);
+    let therion = "survey a -entrance 2\ncentreline\nfix 1 0 0 0\n1 2 5 0 0\nendcentreline\nendsurvey\n";
+    assert_eq!(parsed("a.th", therion).unwrap().tally.origin_m, [0.0, 5.0, 0.0]);
 }
 
 #[test]

@@ -27,8 +27,9 @@ use crate::work;
 ///         goes when the Cave is closed or collected.
 ///     force: Replace another cave in the folder.
 ///     threads: How many threads work; left out, one per core.
-///     progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "mesh" or "texture"
-///         and the numbers count chunks. What it raises stops the work.
+///     progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "preview",
+///         "mesh" or "texture" and the numbers count chunks, but 1 for the whole cave in the first two. What it raises
+///         stops the work.
 ///     allow_run: Let the recipe run a program, as the generator "external" does.
 ///
 /// Raises:

@@ -91,6 +91,7 @@ fn pipeline_hint(error: &PipelineError) -> String {
     match error {
         PipelineError::Generate(error) => error.hint.clone(),
         PipelineError::GraphFile(error) => error.hint.clone(),
+        PipelineError::Preview(error) => error.hint().to_owned(),
         PipelineError::Grid(error) => error.hint().to_owned(),
         PipelineError::OtherCave { .. } => "give another folder, or --force to make it anew".into(),
         PipelineError::EditedGraph { .. } => {

@@ -122,8 +122,8 @@ impl Cave {
     }
 }
 
-/// Makes the stage `last` and those it follows from in `folder`, tells `done` after each, and settles the folder. Where
-/// the folder is the input, what its recipe and graph now say is followed; `force` replaces another cave.
+/// Makes the stage `last` and those before it in `folder`, tells `done` after each, and settles the folder. Where the
+/// folder is the input, what its recipe and graph now say is followed; `force` replaces another cave.
 ///
 /// # Errors
 /// A graph that cannot be, another cave in the folder, the disk, the observer's stop.
@@ -145,9 +145,10 @@ pub fn make<'a>(
     done(Stage::Graph, &pipeline);
     let stages: &[Stage] = match last {
         Stage::Graph => &[],
-        Stage::Mesh => &[Stage::Mesh],
-        Stage::Texture => &[Stage::Mesh, Stage::Texture],
-        Stage::Pieces => &[Stage::Mesh, Stage::Pieces],
+        Stage::Preview => &[Stage::Preview],
+        Stage::Mesh => &[Stage::Preview, Stage::Mesh],
+        Stage::Texture => &[Stage::Preview, Stage::Mesh, Stage::Texture],
+        Stage::Pieces => &[Stage::Preview, Stage::Mesh, Stage::Pieces],
     };
     for &stage in stages {
         pipeline.make(stage)?;

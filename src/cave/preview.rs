@@ -1,8 +1,11 @@
 //! A look at a cave before it is made.
 
+use std::borrow::Cow;
+
 use super::{CaveError, Input};
-use crate::pipeline::{self, Disk, PipelineError};
-use crate::preview::{Drawn, Order, PreviewError, Subject, VIEWS, ViewRow, view};
+use crate::graph::Graph;
+use crate::pipeline::{self, Observer, PipelineError};
+use crate::preview::{Drawn, Order, PreviewError, VIEWS, ViewRow, view};
 
 /// The view called `name`.
 ///
@@ -16,17 +19,21 @@ pub fn view_row(name: &str) -> Result<&'static ViewRow, CaveError> {
 ///
 /// # Errors
 /// A graph that cannot be, nothing to see, the order's stop.
-pub fn preview(input: &Input, row: &ViewRow, order: &Order) -> Result<Drawn, CaveError> {
-    let recipe = &input.recipe;
-    let made = match &input.graph {
-        Some(_) => None,
-        None => Some(recipe.graph.generate(recipe.seed, &Disk).map_err(PipelineError::from)?),
-    };
-    let graph = input.graph.as_ref().or(made.as_ref()).expect("it was given or made");
-    let field = pipeline::field(recipe, graph);
-    let lamp_spacing_m = recipe.world.lights.then_some(recipe.world.light_spacing_m);
-    let subject = Subject { name: &recipe.name, graph, passage: &recipe.passage, field: &field, lamp_spacing_m };
-    Ok(row.draw(&subject, order)?)
+pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Observer) -> Result<Drawn, CaveError> {
+    let graph = graph_of(input, observer)?;
+    let field = pipeline::field(&input.recipe, &graph);
+    Ok(row.draw(&pipeline::subject(&input.recipe, &graph, &field), order)?)
+}
+
+/// The graph that the pipeline would go on with.
+fn graph_of<'a>(input: &'a Input, observer: &dyn Observer) -> Result<Cow<'a, Graph>, CaveError> {
+    if let Some(graph) = &input.graph {
+        return Ok(Cow::Borrowed(graph));
+    }
+    match pipeline::generated(&input.recipe, observer) {
+        Err(PipelineError::Interrupted) => Err(CaveError::Interrupted),
+        made => Ok(Cow::Owned(made?)),
+    }
 }
 
 impl From<PreviewError> for CaveError {

@@ -42,6 +42,7 @@ impl Check {
         if report.is_whole() {
             let Report { target, generator, files, bytes, .. } = report;
             let package = self.package.display();
+            let (target, generator) = (printable(target), printable(generator));
             return format!("{package}: whole: {target} by {generator}, {files} files, {bytes} bytes\n");
         }
         report.faults.iter().map(|fault| format!("{}: {}\n", printable(&fault.path), printable(&fault.what))).collect()

@@ -82,7 +82,7 @@ impl Bring {
         };
         let import = import.and_then(|import| import.scaled(self.scale, &self.file)).map_err(faulty)?;
         let json = &FORMATS[0];
-        if format::format_of(&self.to.output, |row| row.write.is_some()).is_some_and(|row| row.name != json.name) {
+        if self.to.named_format().is_some_and(|row| row.name != json.name) {
             let message = format!("{}: an import makes a graph JSON", self.to.output.display());
             let hint = "name it .json; `plume graph export` writes the other formats".to_owned();
             return Err(CliError::Usage { message, hint });
@@ -104,7 +104,7 @@ impl Hand {
     fn run(&self, console: &Console) -> Result<(), CliError> {
         let row = match &self.to.format {
             Some(name) => row(name)?,
-            None => format::format_of(&self.to.output, |row| row.write.is_some()).ok_or_else(|| self.unknown())?,
+            None => self.to.named_format().ok_or_else(|| self.unknown())?,
         };
         let path = match self.input.is_dir() {
             true if !CaveFolder::is_at(&self.input) => {
@@ -129,6 +129,11 @@ impl Hand {
 }
 
 impl Output {
+    /// The format that is written under such a name.
+    fn named_format(&self) -> Option<&'static FormatRow> {
+        format::format_of(&self.output, |row| row.write.is_some())
+    }
+
     /// Writes what was read as a row does, and tells about it.
     fn write(&self, row: &FormatRow, import: &Import, console: &Console) -> Result<(), CliError> {
         let Some(write) = row.write else {
@@ -196,7 +201,9 @@ fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), Cli
     let paths: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     if console.is_json() {
         let counts = counts(tally).into_iter().map(|(name, count, _)| (name.to_owned(), Value::from(count)));
-        let told = json!({"graph": numbers(graph), "tally": Value::Object(counts.collect()), "files": paths});
+        let origin = ("origin_m".to_owned(), json!(tally.origin_m));
+        let tally = Value::Object(counts.chain([origin]).collect());
+        let told = json!({"graph": numbers(graph), "tally": tally, "files": paths});
         return console.result(&format!("{told:#}\n"));
     }
     let (nodes, loops) = (grouped(graph.nodes.len()), grouped(graph.loops()));
@@ -205,6 +212,10 @@ fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), Cli
     let counts: Vec<String> = counts.map(|(_, count, what)| format!("{what}: {}", grouped(count))).collect();
     if !counts.is_empty() {
         console.note(&format!("  changed   {}", counts.join(", ")));
+    }
+    if tally.origin_m != [0.0; 3] {
+        let [x, y, z] = tally.origin_m;
+        console.note(&format!("  origin    at {x:.3}, {y:.3}, {z:.3} m of the file"));
     }
     console.note(&format!("  written   {}", paths.join(", ")));
     Ok(())

@@ -30,8 +30,8 @@ pub struct Measure {
     /// What becomes of parts of the graph that no passage joins
     #[arg(long, value_name = "refuse|join|keep|longest", default_value = "keep", value_parser = parts)]
     parts: Parts,
-    /// Name passages with less rock than this between them, in metres, unless a short way joins them
-    #[arg(long, value_name = "M", default_value_t = 0.5)]
+    /// Name passages with less rock than this between them, 0 to 100 metres, unless a short way joins them
+    #[arg(long, value_name = "M", default_value_t = 0.5, value_parser = rock_m)]
     rock: f64,
     /// Fail unless the graph is like a real cave
     #[arg(long)]
@@ -45,7 +45,7 @@ impl Measure {
     /// When there is nothing to measure, the mesh is not clean, or the gate does not open.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let file = if self.path.is_dir() { self.path.join(store::GRAPH) } else { self.path.clone() };
-        let folder = self.path.is_dir().then(|| CaveFolder::open(&self.path)).transpose()?;
+        let folder = self.path.is_dir().then(|| self.folder()).transpose()?;
         let Import { graph, recipe, .. } = read_graph(&file, self.parts)?;
         let likeness = self.judged(&graph)?;
         let recipe = Recipe::from_json(recipe.unwrap_or_else(|| json!({})), &file, &[])?;
@@ -59,6 +59,16 @@ impl Measure {
             return Err(CliError::Failed(likeness::complaint(&likeness)));
         }
         Ok(())
+    }
+
+    fn folder(&self) -> Result<CaveFolder, CliError> {
+        if !CaveFolder::is_at(&self.path) {
+            return Err(CliError::Usage {
+                message: format!("{}: holds no cave", self.path.display()),
+                hint: "name a graph, or a folder that `plume generate -o` made".into(),
+            });
+        }
+        Ok(CaveFolder::open(&self.path)?)
     }
 
     fn judged(&self, graph: &Graph) -> Result<Likeness, CliError> {
@@ -89,6 +99,12 @@ impl Measure {
         let pipeline = Pipeline::plan(&recipe, graph, folder, console)?;
         Ok(PieceReport::of(&pipeline.measure_pieces()?))
     }
+}
+
+/// Where more rock is asked for, most passages are neighbours, and pairs of them grow with the square of the graph.
+fn rock_m(text: &str) -> Result<f64, String> {
+    let rock_m = text.parse().ok().filter(|rock_m| (0.0..=100.0).contains(rock_m));
+    rock_m.ok_or_else(|| "must be a number from 0 to 100".to_owned())
 }
 
 /// Both reports, as the console wants them.

@@ -58,7 +58,7 @@ pub struct Common {
 
 /// What a cave is made from.
 #[derive(Args)]
-pub struct Source {
+pub struct Named {
     /// A recipe (TOML), a graph or survey (`plume list formats`) or a cave folder [default: the default cave]
     #[arg(value_name = "RECIPE|GRAPH|CAVE_DIR")]
     input: Option<PathBuf>,
@@ -68,12 +68,19 @@ pub struct Source {
     /// Set the seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<String>,
+}
+
+/// What a cave is made from, and whether it may take the place of another.
+#[derive(Args)]
+pub struct Source {
+    #[command(flatten)]
+    named: Named,
     /// Replace what is in the way
     #[arg(long)]
     force: bool,
 }
 
-impl Source {
+impl Named {
     /// The `key=value` pairs, the seed last.
     fn overrides(&self) -> Vec<String> {
         let seed = self.seed.as_ref().map(|seed| format!("seed={seed}"));
@@ -86,11 +93,18 @@ impl Source {
     }
 }
 
+impl Source {
+    /// Reads what was named.
+    fn resolve(&self) -> Result<Input, CliError> {
+        self.named.resolve()
+    }
+}
+
 #[derive(Subcommand)]
 enum Command {
     /// Make a cave and hand it to simulators
     Export(export::Export),
-    /// Make a cave folder: graph, mesh and textures
+    /// Make a cave folder: graph, plan and profile, mesh and textures
     Generate(generate::Generate),
     /// Make or renew the graph of a cave folder; import and export graphs
     Graph(graph::GraphCommand),

@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::Source;
+use super::Named;
 use super::fault::CliError;
 use super::progress::Console;
 use crate::cave;
@@ -20,7 +20,7 @@ use crate::store::StoreError;
 #[derive(Args)]
 pub struct Preview {
     #[command(flatten)]
-    source: Source,
+    named: Named,
     /// What to show; `plume list views` names them [default: what FILE can hold]
     #[arg(long)]
     view: Option<String>,
@@ -30,10 +30,10 @@ pub struct Preview {
     /// Width and height in pixels, for example 1280x720 [default: of the view]
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
-    /// Where to look from inside, metres [default: the first start pose]
+    /// Where to look from inside, metres [default: of some start poses the one that shows most]
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     at: Vec<f32>,
-    /// Where to look to, degrees from +x to +y and up [default: where the passage is open furthest]
+    /// Where to look to, degrees from +x to +y and up [default: where one sees furthest]
     #[arg(long, value_name = "YAW,PITCH", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     look: Vec<f32>,
     /// Frames of a flight in a second [default: 10]
@@ -45,7 +45,8 @@ pub struct Preview {
     /// Show the file with the program that the system has for it
     #[arg(long)]
     open: bool,
-    /// The file to write; its ending says as what, and none means a folder of frames [default: NAME-VIEW]
+    /// The file to write, over the one that is there; its ending says as what, and none means a folder of frames
+    /// [default: NAME-VIEW]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -67,14 +68,14 @@ impl Preview {
         let row = self.row()?;
         let format = self.format(row)?;
         self.refuse_unheeded(row)?;
-        let input = self.source.resolve()?;
+        let input = self.named.resolve()?;
         let order = self.order(format, console)?;
         let output = self.output.clone().unwrap_or_else(|| {
             let dot = if format.ending().is_empty() { "" } else { "." };
             format!("{}-{}{dot}{}", input.recipe.name, row.name, format.ending()).into()
         });
         refuse_nowhere(&output)?;
-        let drawn = cave::preview(&input, row, &order)?;
+        let drawn = cave::preview(&input, row, &order, console)?;
         let bytes = save(&output, &drawn)?;
         report(console, row, &output, bytes, start)?;
         if self.open { open(&output) } else { Ok(()) }
@@ -195,9 +196,21 @@ fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
     };
     fs::create_dir_all(output).map_err(|source| StoreError::io(output, source))?;
     for (number, frame) in frames.iter().enumerate() {
-        write(&output.join(format!("{number:05}.png")), frame)?;
+        write(&frame_path(output, number), frame)?;
     }
+    clear_frames_from(frames.len(), output);
     Ok(frames.iter().map(Vec::len).sum())
+}
+
+/// Frames that a longer flight has left there would be taken for the end of this one.
+fn clear_frames_from(first: usize, folder: &Path) {
+    let mut left = (first..).map(|number| frame_path(folder, number));
+    // The first that is missing ends them.
+    let _ = left.try_for_each(fs::remove_file);
+}
+
+fn frame_path(folder: &Path, number: usize) -> PathBuf {
+    folder.join(format!("{number:05}.png"))
 }
 
 /// Writes the file whole or not at all.

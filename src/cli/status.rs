@@ -80,6 +80,7 @@ fn line(status: &StageStatus) -> String {
 fn units(stage: Stage, count: usize) -> String {
     match (stage, count) {
         (Stage::Graph, _) => "1 graph".to_owned(),
+        (Stage::Preview, _) => "plan and profile".to_owned(),
         (_, 1) => "1 chunk".to_owned(),
         _ => format!("{count} chunks"),
     }

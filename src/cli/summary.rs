@@ -32,6 +32,7 @@ impl Summary {
     pub fn stage_done(&mut self, stage: Stage, pipeline: &Pipeline) {
         match stage {
             Stage::Graph => self.graph(pipeline.graph()),
+            Stage::Preview => self.preview(&pipeline.units(Stage::Preview)),
             Stage::Mesh => self.mesh(&pipeline.walls()),
             Stage::Texture => self.texture(&pipeline.units(Stage::Texture)),
             Stage::Pieces => self.pieces(&pipeline.units(Stage::Pieces)),
@@ -42,6 +43,11 @@ impl Summary {
         let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
         let numbers = json!({"nodes": nodes, "loops": loops, "length_m": length_m});
         self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
+    }
+
+    fn preview(&mut self, units: &[Unit]) {
+        let maps: Vec<&str> = units.iter().flat_map(|unit| &unit.files).map(|file| file.path.as_str()).collect();
+        self.stage("preview", &maps.join("  "), json!({"files": maps}));
     }
 
     fn mesh(&mut self, walls: &[Unit]) {
@@ -83,7 +89,7 @@ impl Summary {
 
     /// A cave folder was made.
     pub fn place(&mut self, what: &str, path: &Path, folder: &CaveFolder) {
-        let stages = [Stage::Graph, Stage::Mesh, Stage::Texture, Stage::Pieces];
+        let stages = [Stage::Graph, Stage::Preview, Stage::Mesh, Stage::Texture, Stage::Pieces];
         let units = stages.into_iter().flat_map(|stage| folder.units(stage));
         let files: usize = units.map(|unit| unit.files.len()).sum();
         self.stage(

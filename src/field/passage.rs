@@ -44,14 +44,15 @@ pub struct PassageSettings {
 
 impl Default for PassageSettings {
     fn default() -> Self {
+        let girth = Girth::default();
         Self {
-            width_per_radius: 0.6,
-            width_min_m: 1.4,
-            height_ratio: 1.1,
-            floor_drop: 0.5,
+            width_per_radius: girth.width_per_radius as f32,
+            width_min_m: girth.width_min_m as f32,
+            height_ratio: girth.height_ratio as f32,
+            floor_drop: girth.floor_drop as f32,
             floor_flatness: 0.3,
             floor_roughness_m: 0.08,
-            room_factor: 1.5,
+            room_factor: girth.room_factor as f32,
         }
     }
 }
@@ -128,7 +129,7 @@ impl Profile {
         Self { half_width, half_height, drop: half_height * settings.floor_drop, square: 0.0 }
     }
 
-    const DRIFT_DROP: f32 = 0.8;
+    const DRIFT_DROP: f32 = Section::DRIFT_DROP as f32;
 
     fn widened(self, factor: f32) -> Self {
         Self { half_width: self.half_width * factor, half_height: self.half_height * factor.sqrt(), ..self }

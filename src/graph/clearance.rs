@@ -7,6 +7,7 @@
 //!
 //! Passages that are joined nearby are exempt: rock between them has to end somewhere.
 
+use std::cmp::Ordering;
 use std::collections::VecDeque;
 
 use nalgebra::{Point3, Vector3};
@@ -64,6 +65,12 @@ pub struct Thin {
     pub between_levels: bool,
 }
 
+impl Thin {
+    fn thinner_first(&self, other: &Self) -> Ordering {
+        self.rock_m.total_cmp(&other.rock_m).then_with(|| self.passages.cmp(&other.passages))
+    }
+}
+
 /// What [`thin_rock`] found, in short.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RockReport {
@@ -85,7 +92,7 @@ impl RockReport {
     /// The report of a graph.
     pub fn of(graph: &Graph, girth: Girth, least_m: f64) -> Self {
         let mut thin = thin_rock(graph, girth, least_m);
-        thin.sort_by(|a, b| a.rock_m.total_cmp(&b.rock_m).then(a.passages.cmp(&b.passages)));
+        thin.sort_by(Thin::thinner_first);
         let count = |is: fn(&Thin) -> bool| thin.iter().filter(|place| is(place)).count();
         Self {
             rock_asked_m: least_m,
@@ -105,7 +112,7 @@ pub fn thin_rock(graph: &Graph, girth: Girth, least_m: f64) -> Vec<Thin> {
     let bodies = rock.all_bodies();
     let of_one = |&body: &[usize; 2]| {
         let mut thin: Vec<Thin> = rock.thin(body, least_m).filter(|thin| thin.passages[0] == body).collect();
-        thin.sort_by(|a, b| a.rock_m.total_cmp(&b.rock_m).then(a.passages.cmp(&b.passages)));
+        thin.sort_by(Thin::thinner_first);
         thin.truncate(MOST_OF_ONE);
         thin
     };
@@ -126,9 +133,7 @@ impl Profile {
         let of_width = |width: f64| 0.5 * width.max(girth.width_min_m);
         match node.section {
             Some(Section { width_m, height_m, shape: Shape::Drift }) => {
-                // The whole height is clear, and the section reaches below the floor by as much as it is cut off.
-                const DRIFT_DROP: f64 = 0.8;
-                Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + DRIFT_DROP), square: true }
+                Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + Section::DRIFT_DROP), square: true }
             }
             Some(Section { width_m, height_m, shape: Shape::Cave }) => {
                 let half_height = height_m.max(girth.width_min_m) / (1.0 + girth.floor_drop);
@@ -219,10 +224,18 @@ pub(super) struct Rock {
 impl Rock {
     /// The rock round a graph.
     pub(super) fn new(graph: &Graph, girth: Girth) -> Self {
-        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors: graph.neighbors(), bodies: RTree::new() };
+        let neighbors = graph.neighbors().iter().map(<[usize]>::to_vec).collect();
+        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
         let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
         rock.bodies = RTree::bulk_load(entries);
         rock
+    }
+
+    /// The graph of all stations and passages, settled or not.
+    pub(super) fn into_graph(self) -> Graph {
+        let edges = self.neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| [a, b]));
+        let edges = edges.filter(|[a, b]| a < b).collect();
+        Graph::new(self.nodes, edges)
     }
 
     /// Adds a station that hangs on nothing yet.
@@ -305,15 +318,8 @@ impl Rock {
 
     /// Settled passages whose boxes meet that between two points of the plan, at any depth.
     pub(super) fn under(&self, plan: [[f64; 2]; 2]) -> impl Iterator<Item = [usize; 2]> {
-        let [low, high] = [0, 1].map(|corner: usize| {
-            let deep = if corner == 0 { f64::MIN } else { f64::MAX };
-            let pick = |axis: usize| {
-                let [a, b] = [plan[0][axis], plan[1][axis]];
-                if corner == 0 { a.min(b) } else { a.max(b) }
-            };
-            [pick(0), pick(1), deep]
-        });
-        let column = AABB::from_corners(low, high);
+        let [[ax, ay], [bx, by]] = plan;
+        let column = AABB::from_corners([ax, ay, f64::MIN], [bx, by, f64::MAX]);
         let near = self.bodies.locate_in_envelope_intersecting(column).map(|entry| entry.data);
         near.filter(|[a, b]| a != b)
     }

@@ -4,6 +4,7 @@
 //! [`Outside`] lets it read. A [`Generator`] makes one from a seed ([`GENERATORS`] lists them all), a
 //! [`format`](mod@format) reads one.
 
+mod branches;
 pub mod clearance;
 mod dice;
 pub mod format;
@@ -14,16 +15,21 @@ mod perlin;
 mod ramp;
 mod raster;
 pub mod realism;
+mod section;
 mod segment;
+mod sets;
 mod shape;
 mod sketch;
+mod spurs;
+mod stations;
 mod tidy;
 
 use nalgebra::Point3;
-use serde::{Deserialize, Serialize};
 
 pub use generator::{GENERATORS, GenerateError, Generator, GeneratorRow, generator};
+pub use neighbors::Neighbors;
 pub use outside::{Nowhere, Outside, RunError, Task};
+pub use section::{Section, Shape};
 use shape::millimetres;
 
 /// A station: a point on the centreline of a passage.
@@ -43,35 +49,6 @@ pub struct Node {
     pub level: u32,
     /// Width and height of the passage here in metres, where they do not follow from the radius (a mine's drift).
     pub section: Option<Section>,
-}
-
-/// The cross-section of a passage, in metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Section {
-    /// Full width.
-    pub width_m: f64,
-    /// From floor to ceiling, in the middle.
-    pub height_m: f64,
-    /// Its outline.
-    #[serde(skip_serializing_if = "Shape::is_drift")]
-    pub shape: Shape,
-}
-
-/// The outline of a passage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Shape {
-    /// Nearly a rectangle, as mined.
-    #[default]
-    Drift,
-    /// An ellipse over a floor, as in nature.
-    Cave,
-}
-
-impl Shape {
-    fn is_drift(&self) -> bool {
-        *self == Self::Drift
-    }
 }
 
 /// Stations and the passages between them.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::graph::dice::Dice;
+use super::dice::Dice;
 
 /// A noise field over the plane: 0 on the integer lattice, within ±0.75 elsewhere, period 256.
 pub(super) struct Perlin {
@@ -47,4 +47,24 @@ fn fade(t: f64) -> f64 {
 
 fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_0_on_the_lattice_and_repeats_but_nowhere_jumps_or_exceeds_its_range() {
+        let perlin = Perlin::new(&mut Dice::new(crate::seed::stream(1, "test", 0)));
+        let mut greatest: f64 = 0.0;
+        for step in 0..20_000 {
+            let (x, y) = (f64::from(step) / 16.0 - 300.0, f64::from(step) / 64.0 + 0.25);
+            let value = perlin.at(x, y);
+            assert_eq!(perlin.at(x.floor(), y.floor()), 0.0);
+            assert!((perlin.at(x + 256.0, y - 256.0) - value).abs() < 1e-9);
+            assert!((perlin.at(x + 1e-6, y + 1e-6) - value).abs() < 1e-5);
+            greatest = greatest.max(value.abs());
+        }
+        assert!((0.4..0.75).contains(&greatest), "{greatest}");
+    }
 }

@@ -51,9 +51,21 @@ pub(super) fn slope(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
 pub(super) enum Course {
     /// Along a straight line.
     Straight,
-    /// Along a circle, so long that it has this slope: more than `turns` times round, to the left (1) or right (-1). Between
-    /// points above each other it sets out along `bearing`.
-    Arc { slope: f64, turns: u32, side: f64, bearing: f64 },
+    /// Along a circle.
+    Round(Helix),
+}
+
+/// A way of one slope round an upright axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Helix {
+    /// In radians.
+    pub(super) slope: f64,
+    /// Whole turns; what is left of one comes on top.
+    pub(super) turns: u32,
+    /// To the left (1) or to the right (-1).
+    pub(super) side: f64,
+    /// Where it sets out between points above each other, in radians from east.
+    pub(super) bearing: f64,
 }
 
 /// The stations of a way down from `top` to `foot`, both included, at most `step_m` apart. `None` where the course does not
@@ -66,10 +78,7 @@ pub(super) fn way_down(
 ) -> Option<Vec<Point3<f64>>> {
     let way = match course {
         Course::Straight => straight(&top, &foot, step_m)?,
-        Course::Arc { slope, turns, side, bearing } => {
-            let arc = Arc::between([top, foot], turns, [slope, side, bearing], step_m)?;
-            arc.stations([top, foot])
-        }
+        Course::Round(helix) => Arc::between([top, foot], helix, step_m)?.stations([top, foot]),
     };
     way.windows(2).all(|step| slopes.hold(&step[0], &step[1])).then_some(way)
 }
@@ -80,7 +89,7 @@ fn straight(top: &Point3<f64>, foot: &Point3<f64>, step_m: f64) -> Option<Vec<Po
     (steps <= MOST_STEPS).then(|| (0..=steps as usize).map(at).collect())
 }
 
-/// An arc in the plan.
+/// A helix between two points, as it is in the plan.
 struct Arc {
     center: Vector2<f64>,
     radius: f64,
@@ -92,21 +101,21 @@ struct Arc {
 }
 
 impl Arc {
-    fn between(ends: [Point3<f64>; 2], turns: u32, [slope, side, bearing]: [f64; 3], step_m: f64) -> Option<Self> {
-        let [top, foot] = ends;
+    fn between([top, foot]: [Point3<f64>; 2], helix: Helix, step_m: f64) -> Option<Self> {
+        let Helix { slope, turns, side, bearing } = helix;
         let chord = (foot.xy() - top.xy()).norm();
         let length = (top.z - foot.z) / libm::tan(slope);
         let mut arc_length = length;
         let mut found = None;
         for _ in 0..CHORD_ROUNDS {
             let (radius, turn) = if turns == 0 { bow(chord, arc_length)? } else { coil(chord, arc_length, turns)? };
-            let fine = (arc_length / libm::cos(slope) / step_m).ceil().max((turn / SHARPEST).ceil()).max(2.0);
-            if fine > MOST_STEPS {
+            let steps = (arc_length / libm::cos(slope) / step_m).ceil().max((turn / SHARPEST).ceil()).max(2.0);
+            if steps > MOST_STEPS {
                 return None;
             }
-            let half_step = 0.5 * turn / fine;
+            let half_step = 0.5 * turn / steps;
             arc_length = length * half_step / libm::sin(half_step);
-            found = Some((radius, turn, fine as usize));
+            found = Some((radius, turn, steps as usize));
         }
         let (radius, turn, steps) = found?;
         let along = if chord > 0.001 {
@@ -174,7 +183,7 @@ mod tests {
     use super::*;
 
     fn arc(degrees: f64, turns: u32, side: f64) -> Course {
-        Course::Arc { slope: degrees.to_radians(), turns, side, bearing: 1.0 }
+        Course::Round(Helix { slope: degrees.to_radians(), turns, side, bearing: 1.0 })
     }
 
     #[test]

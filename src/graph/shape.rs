@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::{Graph, Node, Section};
+use super::{Graph, Neighbors, Node};
 
 impl Graph {
     /// A graph of these nodes; edges may come in any order, either way round and more than once.
@@ -13,15 +13,42 @@ impl Graph {
         Self { nodes, edges }
     }
 
-    /// The neighbours of each node, ascending.
-    pub fn neighbors(&self) -> Vec<Vec<usize>> {
-        let mut neighbors = vec![Vec::new(); self.nodes.len()];
-        for &[a, b] in &self.edges {
-            neighbors[a].push(b);
-            neighbors[b].push(a);
+    /// The same graph numbered by breadth from its first node, and from the first of each further part, so that parents come
+    /// before their children; ids follow the new order. Nodes on no passage are left out; those on several are not active.
+    pub(super) fn numbered_by_breadth(self) -> Self {
+        let neighbors = self.neighbors();
+        let starts = (0..neighbors.len()).filter(|&node| !neighbors[node].is_empty());
+        let mut new = vec![usize::MAX; neighbors.len()];
+        let mut nodes = Vec::with_capacity(neighbors.len());
+        for (old, parent) in neighbors.by_breadth(starts) {
+            new[old] = nodes.len();
+            nodes.push(Node {
+                id: nodes.len() as u64,
+                parent: parent.map(|parent| new[parent]),
+                active: self.nodes[old].active && neighbors[old].len() == 1,
+                ..self.nodes[old].clone()
+            });
         }
-        neighbors.iter_mut().for_each(|others| others.sort_unstable());
-        neighbors
+        Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node])).collect())
+    }
+
+    /// With radii, which were 0: the way to the first child, or back to the parent at a dead end.
+    pub(super) fn with_reaches(mut self) -> Self {
+        // Later children first, so that the first one has the last word.
+        for node in (0..self.nodes.len()).rev() {
+            let Some(parent) = self.nodes[node].parent else { continue };
+            let reach = millimetres(self.distance_m(node, parent)).max(0.001);
+            if self.nodes[node].radius == 0.0 {
+                self.nodes[node].radius = reach;
+            }
+            self.nodes[parent].radius = reach;
+        }
+        self
+    }
+
+    /// The neighbours of each node, ascending.
+    pub fn neighbors(&self) -> Neighbors {
+        Neighbors::of(self.nodes.len(), &self.edges)
     }
 
     /// Passages at a node. Looks at all edges: ask [`neighbors`](Self::neighbors) for many nodes.
@@ -47,13 +74,14 @@ impl Graph {
     /// Sets of nodes that passages connect, each ascending, ordered by their first node.
     pub fn components(&self) -> Vec<Vec<usize>> {
         let neighbors = self.neighbors();
-        let mut seen = vec![false; self.nodes.len()];
-        let mut components = Vec::new();
-        for start in 0..self.nodes.len() {
-            if !seen[start] {
-                components.push(component(start, &neighbors, &mut seen));
+        let mut components: Vec<Vec<usize>> = Vec::new();
+        for (node, parent) in neighbors.by_breadth(0..neighbors.len()) {
+            match components.last_mut().filter(|_| parent.is_some()) {
+                Some(component) => component.push(node),
+                None => components.push(vec![node]),
             }
         }
+        components.iter_mut().for_each(|component| component.sort_unstable());
         components
     }
 
@@ -76,14 +104,11 @@ impl Graph {
 
 impl Node {
     fn scaled(&self, factor: f64) -> Self {
+        let length = |length_m: f64| millimetres(length_m * factor);
         Self {
-            position: self.position.map(|x| millimetres(x * factor)),
-            radius: millimetres(self.radius * factor),
-            section: self.section.map(|section| Section {
-                width_m: millimetres(section.width_m * factor),
-                height_m: millimetres(section.height_m * factor),
-                ..section
-            }),
+            position: self.position.map(length),
+            radius: length(self.radius),
+            section: self.section.map(|section| section.map(length)),
             ..self.clone()
         }
     }
@@ -93,21 +118,4 @@ impl Node {
 pub(super) fn millimetres(length_m: f64) -> f64 {
     // Adding zero turns -0.0 into 0.0, which files write differently.
     (length_m * 1000.0).round() / 1000.0 + 0.0
-}
-
-fn component(start: usize, neighbors: &[Vec<usize>], seen: &mut [bool]) -> Vec<usize> {
-    let mut found = vec![start];
-    seen[start] = true;
-    let mut next = 0;
-    while let Some(&node) = found.get(next) {
-        next += 1;
-        for &other in &neighbors[node] {
-            if !seen[other] {
-                seen[other] = true;
-                found.push(other);
-            }
-        }
-    }
-    found.sort_unstable();
-    found
 }

@@ -1,75 +1,33 @@
-//! Rough centrelines made fit to be a cave: spurs dropped, crowded junctions made one, bends smoothed, cut to length.
+//! Rough centrelines made fit to be a cave: crowded junctions made one, bends smoothed, slopes evened out, cut to length.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Graph;
-use super::sketch::{Knot, Sketch, Strand, foot_and_tip};
+use super::sketch::{Branch, Knot, Sketch};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
 const MOST_PASSAGES: usize = 5;
-/// A spur whose end reaches less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
-const SPUR_REACH: f64 = 0.7;
-
 /// Rounds over all lines that are too steep; each reaches a few lines further.
 const SLOPE_ROUNDS: usize = 300;
 /// What a line that is too steep gets of the greatest slope.
 const GENTLER: f64 = 0.95;
 
-impl Knot {
-    fn half_width_m(&self) -> f64 {
-        self.section.map_or(0.0, |section| 0.5 * section.width_m)
-    }
-}
-
 impl Sketch {
-    /// Without dead ends that are mere bumps in the wall of the passage they leave. A junction keeps two passages.
-    pub(crate) fn without_spurs(mut self) -> Self {
-        loop {
-            let neighbors = self.neighbors();
-            let strands = self.strands_among(&neighbors);
-            let is_bump = |strand: &&Strand| {
-                let [foot, tip] = foot_and_tip(strand, &neighbors);
-                if neighbors[tip].len() != 1 || neighbors[foot].len() < 3 {
-                    return false;
-                }
-                let [foot, tip] = [foot, tip].map(|end| self.knots[end].half_width_m());
-                strand.length + tip < foot + SPUR_REACH * foot.max(tip)
-            };
-            let mut bumps: Vec<&Strand> = strands.iter().filter(is_bump).collect();
-            bumps.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
-            let mut left: Vec<usize> = neighbors.degrees().collect();
-            let mut gone = vec![false; self.knots.len()];
-            let mut lost = false;
-            for bump in bumps {
-                let [foot, _] = foot_and_tip(bump, &neighbors);
-                if left[foot] > 2 {
-                    left[foot] -= 1;
-                    lost = true;
-                    bump.knots.iter().filter(|&&knot| knot != foot).for_each(|&knot| gone[knot] = true);
-                }
-            }
-            if !lost {
-                return self;
-            }
-            self = self.without(&gone);
-        }
-    }
-
     /// Junctions joined by a passage shorter than `part` of the width there made one, as long as no more than five
     /// passages meet at it.
     pub(crate) fn with_junctions_merged(self, part: f64) -> Self {
         let neighbors = self.neighbors();
-        let mut strands = self.strands_among(&neighbors);
-        strands.sort_by(|a, b| a.length.total_cmp(&b.length).then_with(|| a.knots.cmp(&b.knots)));
+        let mut branches = self.branches_among(&neighbors);
+        branches.sort_by(Branch::shorter_first);
         let mut degrees: Vec<usize> = neighbors.degrees().collect();
         let mut into: Vec<usize> = (0..self.knots.len()).collect();
         let mut gone = vec![false; self.knots.len()];
-        for strand in &strands {
-            let [a, b] = [strand.first(), strand.last()].map(|end| root(&into, end));
+        for branch in &branches {
+            let [a, b] = [branch.first(), branch.last()].map(|end| root(&into, end));
             let width = 2.0 * self.knots[a].half_width_m().min(self.knots[b].half_width_m());
             let sum = degrees[a] + degrees[b];
-            let crowded = degrees[a] > 2 && degrees[b] > 2 && strand.length < part * width;
+            let crowded = degrees[a] > 2 && degrees[b] > 2 && branch.length_m < part * width;
             if !crowded || a == b || sum - 2 > MOST_PASSAGES {
                 continue;
             }
@@ -77,7 +35,7 @@ impl Sketch {
                 if self.knots[b].half_width_m() > self.knots[a].half_width_m() { [b, a] } else { [a, b] };
             into[lost] = kept;
             degrees[kept] = sum - 2;
-            strand.knots[1..strand.knots.len() - 1].iter().for_each(|&knot| gone[knot] = true);
+            branch.knots[1..branch.knots.len() - 1].iter().for_each(|&knot| gone[knot] = true);
         }
         let lines = self.lines.iter().filter(|line| line.iter().all(|&knot| !gone[knot]));
         let lines = lines.map(|line| line.map(|knot| root(&into, knot))).filter(|[a, b]| a != b).collect();
@@ -87,8 +45,8 @@ impl Sketch {
     /// Each bend rounded: so many times, every knot between junctions moves to the middle of itself and its neighbours,
     /// and takes the width there. Junctions and dead ends stay.
     pub(crate) fn smoothed(mut self, rounds: usize) -> Self {
-        for strand in self.strands() {
-            let mut knots: Vec<Knot> = strand.knots.iter().map(|&knot| self.knots[knot]).collect();
+        for branch in self.branches() {
+            let mut knots: Vec<Knot> = branch.knots.iter().map(|&knot| self.knots[knot]).collect();
             for _ in 0..rounds {
                 let mut before = knots[0];
                 for at in 1..knots.len() - 1 {
@@ -98,7 +56,7 @@ impl Sketch {
                 }
             }
             let inner = 1..knots.len() - 1;
-            strand.knots[inner.clone()].iter().zip(&knots[inner]).for_each(|(&at, knot)| self.knots[at] = *knot);
+            branch.knots[inner.clone()].iter().zip(&knots[inner]).for_each(|(&at, knot)| self.knots[at] = *knot);
         }
         self
     }
@@ -131,13 +89,13 @@ impl Sketch {
     pub(crate) fn with_every(self, step: usize) -> Self {
         let mut sparse = Self::default();
         let mut new = vec![usize::MAX; self.knots.len()];
-        for strand in self.strands() {
-            let last = strand.knots.len() - 1;
+        for branch in self.branches() {
+            let last = branch.knots.len() - 1;
             // A ring keeps two knots between its ends, which are one.
             let step = step.min(last / 3).max(1);
             let kept = (0..last).step_by(step).chain([last]);
             let mut before = None;
-            for old in kept.map(|place| strand.knots[place]) {
+            for old in kept.map(|place| branch.knots[place]) {
                 if new[old] == usize::MAX {
                     new[old] = sparse.add(self.knots[old]);
                 }
@@ -151,14 +109,10 @@ impl Sketch {
 
     /// With this knot as the first one.
     fn rooted(mut self, root: usize) -> Self {
-        let moved = |knot: usize| {
-            if knot == root {
-                0
-            } else if knot == 0 {
-                root
-            } else {
-                knot
-            }
+        let moved = |knot: usize| match knot {
+            0 => root,
+            knot if knot == root => 0,
+            knot => knot,
         };
         self.lines.iter_mut().for_each(|line| *line = line.map(moved));
         self.knots.swap(0, root);
@@ -176,15 +130,18 @@ impl Sketch {
         root.map_or(Self::default(), |root| self.rooted(root))
     }
 
-    /// What lies nearest to the first knot along the passages, up to `most_m` of them. What hangs not together with the
+    /// What lies nearest to the first knot along the passages, up to `most_m` of them. What does not hang together with the
     /// first knot is left out.
     pub(crate) fn cut_to(self, most_m: f64) -> Self {
+        if self.knots.is_empty() {
+            return self;
+        }
         let neighbors = self.neighbors();
         let mut distances = vec![f64::INFINITY; self.knots.len()];
         let mut near = vec![false; self.knots.len()];
         // Distances are not negative, so their bits are in their order.
-        let mut front: BinaryHeap<_> = self.knots.iter().take(1).map(|_| Reverse((0_u64, 0_usize))).collect();
-        distances.iter_mut().take(1).for_each(|first| *first = 0.0);
+        let mut front = BinaryHeap::from([Reverse((0_u64, 0_usize))]);
+        distances[0] = 0.0;
         let mut sum_m = 0.0;
         while let Some(Reverse((bits, knot))) = front.pop() {
             if near[knot] || sum_m > most_m {
@@ -192,7 +149,7 @@ impl Sketch {
             }
             near[knot] = true;
             for &other in &neighbors[knot] {
-                let length = self.distance(knot, other);
+                let length = self.distance_m(knot, other);
                 if near[other] {
                     sum_m += length;
                 } else if f64::from_bits(bits) + length < distances[other] {
@@ -223,25 +180,13 @@ impl Sketch {
     /// A tree of the same passages: breadth first from the first knot.
     fn opened(mut self) -> Self {
         let neighbors = self.neighbors();
-        let mut seen = vec![false; self.knots.len()];
-        self.lines.clear();
-        for start in 0..self.knots.len() {
-            let mut found = if std::mem::replace(&mut seen[start], true) { vec![] } else { vec![start] };
-            let mut next = 0;
-            while let Some(&knot) = found.get(next) {
-                next += 1;
-                for &other in &neighbors[knot] {
-                    if !std::mem::replace(&mut seen[other], true) {
-                        self.lines.push([knot, other]);
-                        found.push(other);
-                    }
-                }
-            }
-        }
+        let walk = neighbors.by_breadth(0..neighbors.len());
+        self.lines = walk.filter_map(|(knot, parent)| Some([parent?, knot])).collect();
         self
     }
 }
 
+/// What a knot has become part of. That is not far: more than three junctions have too many passages to be one.
 fn root(into: &[usize], mut knot: usize) -> usize {
     while into[knot] != knot {
         knot = into[knot];
@@ -272,13 +217,6 @@ mod tests {
         let section = Section { width_m: 4.0, height_m: 3.0, shape: Shape::Cave };
         let knot = |&[x, y]: &[f64; 2]| Knot { position: Point3::new(x, y, 0.0), section: Some(section), level: 0 };
         Sketch { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
-    }
-
-    #[test]
-    fn bumps_go_and_side_passages_stay() {
-        let places = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [10.0, 1.0], [30.0, 0.0], [20.0, 9.0]];
-        let rough = sketch(&places, &[[0, 1], [1, 2], [1, 3], [2, 4], [2, 5]]);
-        assert_eq!(rough.without_spurs().lines, [[0, 1], [1, 2], [2, 4], [2, 5]]);
     }
 
     #[test]

@@ -3,6 +3,7 @@ use std::path::PathBuf;
 use crate::graph::GenerateError;
 use crate::graph::format::ReadError;
 use crate::mesh::GridError;
+use crate::preview::PreviewError;
 use crate::store::{ChunkError, StoreError};
 
 /// Why a cave was not finished.
@@ -18,6 +19,9 @@ pub enum PipelineError {
     /// A graph file is faulty.
     #[error(transparent)]
     GraphFile(#[from] ReadError),
+    /// There is no map of it.
+    #[error("preview: {0}")]
+    Preview(#[from] PreviewError),
     /// No grid of chunks fits.
     #[error("mesh: {0}")]
     Grid(#[from] GridError),

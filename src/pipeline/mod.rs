@@ -4,6 +4,7 @@
 //! already finished. Chunks are worked on by all threads; memory is a few chunks per thread, however many there are.
 
 mod error;
+mod maps;
 mod outside;
 mod pieces;
 mod program;
@@ -22,6 +23,7 @@ use crate::field::{Bounds, CaveField};
 use crate::graph::format::{self, Import, Parts};
 use crate::graph::{Graph, Outside};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
+use crate::preview::Subject;
 use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, sha256};
 
@@ -59,6 +61,7 @@ pub struct Pipeline<'a> {
     observer: &'a dyn Observer,
     graph: Graph,
     graph_fingerprint: String,
+    preview_fingerprint: String,
     mesh_fingerprint: String,
     texture_fingerprint: String,
     pieces_fingerprint: String,
@@ -104,12 +107,15 @@ impl<'a> Pipeline<'a> {
     ) -> Result<Self, PipelineError> {
         let graph = match given {
             Some(graph) => graph,
-            None => graph_of(recipe, observer)?,
+            None => generated(recipe, observer)?,
         };
         let text = graph_text(recipe, &graph);
         let graph_fingerprint = sha256(format!("{}\n{}", crate::VERSION, text).as_bytes());
         let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
-        let shape = [crate::VERSION, &stations(&graph), &section(&["seed", "passage", "rock", "mesh"])].concat();
+        let stations = stations(&graph);
+        let maps = [crate::VERSION, &stations, &section(&["name", "passage"])].concat();
+        let preview_fingerprint = sha256(maps.as_bytes());
+        let shape = [crate::VERSION, &stations, &section(&["seed", "passage", "rock", "mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
         let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
@@ -120,6 +126,7 @@ impl<'a> Pipeline<'a> {
             observer,
             graph,
             graph_fingerprint,
+            preview_fingerprint,
             mesh_fingerprint,
             texture_fingerprint,
             pieces_fingerprint,
@@ -143,6 +150,7 @@ impl<'a> Pipeline<'a> {
     pub fn make(&self, stage: Stage) -> Result<(), PipelineError> {
         match stage {
             Stage::Graph => Ok(()),
+            Stage::Preview => self.preview(),
             Stage::Mesh => self.mesh(),
             Stage::Texture => self.texture(),
             Stage::Pieces => self.pieces(),
@@ -224,6 +232,7 @@ impl<'a> Pipeline<'a> {
     fn fingerprint(&self, stage: Stage) -> &str {
         match stage {
             Stage::Graph => &self.graph_fingerprint,
+            Stage::Preview => &self.preview_fingerprint,
             Stage::Mesh => &self.mesh_fingerprint,
             Stage::Texture => &self.texture_fingerprint,
             Stage::Pieces => &self.pieces_fingerprint,
@@ -323,6 +332,12 @@ pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
     CaveField::new(graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
 }
 
+/// The cave as previews show it.
+pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -> Subject<'a> {
+    let lamp_spacing_m = recipe.world.lights.then_some(recipe.world.light_spacing_m);
+    Subject { name: &recipe.name, graph, passage: &recipe.passage, field, lamp_spacing_m }
+}
+
 /// The text of the cave's graph file.
 pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
     format::json::write(graph, crate::VERSION, recipe.to_json())
@@ -368,7 +383,11 @@ fn stations(graph: &Graph) -> String {
     format::json::write(graph, "", &Value::Null)
 }
 
-fn graph_of(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
+/// The graph that this recipe makes, let through by its gate.
+///
+/// # Errors
+/// When there can be no such graph, or the observer stops.
+pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
     let machine = Machine { stop: observer.stop() };
     let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &Disk };
     let graph = recipe.realism.generate(recipe.graph.as_ref(), recipe.seed, outside);

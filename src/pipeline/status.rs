@@ -45,13 +45,14 @@ impl Pipeline<'_> {
     /// When a file cannot be read.
     pub fn status(&self) -> Result<Vec<StageStatus>, PipelineError> {
         let graph = self.stage_status(Stage::Graph, Some(vec!["cave".to_owned()]))?;
+        let preview = self.stage_status(Stage::Preview, Some(vec!["cave".to_owned()]))?;
         let grid = Grid::new(self.field().bounds(), &self.recipe.mesh).ok();
         let mesh = self.stage_status(Stage::Mesh, grid.map(|grid| grid.indices().map(chunk_name).collect()))?;
         let walls = || self.walls().into_iter().map(|unit| unit.name).collect();
         let walls: Option<Vec<String>> = (mesh.state == State::Done).then(walls);
         let texture = self.stage_status(Stage::Texture, walls.clone())?;
         let pieces = self.stage_status(Stage::Pieces, walls)?;
-        Ok(vec![graph, mesh, texture, pieces])
+        Ok(vec![graph, preview, mesh, texture, pieces])
     }
 
     fn stage_status(&self, stage: Stage, wanted: Option<Vec<String>>) -> Result<StageStatus, PipelineError> {

@@ -1,10 +1,10 @@
 //! What a cave will be like, seconds after asking: drawn from its graph and its field, before there are triangles.
 //!
 //! [`VIEWS`] lists the views. Each gives bytes and neither prints nor touches the disk. The same cave and [`Order`] give
-//! the same bytes for any number of threads; SVG and HTML on every machine.
+//! the same bytes for any number of threads; maps and HTML on every machine.
 //!
-//! Maps are drawn once, as SVG; a PNG of a map is that SVG in pixels. Not promised: that a preview looks as a simulator
-//! will show the cave.
+//! Maps are drawn once, as SVG; a PNG of a map is that SVG in pixels, for which straight lines and quadratic curves take no
+//! float function of the platform. Not promised: that a preview looks as a simulator will show the cave.
 
 mod flight;
 mod image;
@@ -46,9 +46,9 @@ pub struct Order<'a> {
     pub theme: Theme,
     /// How large; `None` leaves it to the view.
     pub size: Option<Size>,
-    /// Where to look from, metres; `None` for the first start pose.
+    /// Where to look from, metres; `None` for that of some start poses that shows most.
     pub at: Option<[f32; 3]>,
-    /// Yaw and pitch in radians, from +x to +y and up; `None` to look where the passage is open furthest.
+    /// Yaw and pitch in radians, from +x to +y and up; `None` to look where one sees furthest, about level.
     pub look: Option<[f32; 2]>,
     /// How long a flight takes.
     pub pace: Pace,
@@ -224,6 +224,9 @@ pub enum PreviewError {
     /// At a pace out of reach.
     #[error("a flight has 1 to 50 frames in a second, and takes up to 600 seconds")]
     Pace,
+    /// Of more pixels than memory may hold.
+    #[error("a flight has up to a thousand million pixels in all its frames")]
+    Long,
     /// Of a cave that is all rock, from inside.
     #[error("there is no air at any station, so there is nothing to see from inside")]
     NoAir,
@@ -242,6 +245,7 @@ impl PreviewError {
             Self::NoPassages => "give the graph at least one station",
             Self::Size => "for example --size 1280x720",
             Self::Pace => "for example --fps 10 --seconds 6",
+            Self::Long => "make it smaller or shorter, for example --size 1280x720 --fps 10 --seconds 60",
             Self::NoAir => "make the passages wider, see `passage` in the recipe",
             Self::InRock(_) => "give a point in a passage, or leave --at out",
             Self::Stopped => "",

@@ -4,6 +4,8 @@
 //! my-cave/
 //! ├─ cave.toml        the whole recipe
 //! ├─ graph.json       the graph, recipe inside: alone it makes the cave again
+//! ├─ plan.png         the graph seen from above
+//! ├─ profile.png      and from the side
 //! ├─ chunks/          the wall, one PLY a chunk
 //! ├─ collision/       the same with fewer triangles
 //! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk
@@ -50,6 +52,8 @@ pub const GRAPH: &str = "graph.json";
 pub enum Stage {
     /// Stations and passages.
     Graph,
+    /// Plan and profile.
+    Preview,
     /// Triangles.
     Mesh,
     /// Images.
@@ -59,10 +63,11 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name, as in the command that makes it.
+    /// Its name; but for `preview`, as in the command that makes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Graph => "graph",
+            Self::Preview => "preview",
             Self::Mesh => "mesh",
             Self::Texture => "texture",
             Self::Pieces => "pieces",

@@ -253,7 +253,7 @@ def test_progress_is_told_and_may_stop_the_work(tmp_path: Path) -> None:
     with plume.generate(SMALL | {"mesh": {"voxel_m": 0.15}}, SEED, progress=lambda *now: told.append(now)):
         pass
     assert told and all(0 <= done <= total for _, done, total in told)
-    order = ["graph", "mesh", "texture"]
+    order = ["graph", "preview", "mesh", "texture"]
     assert [order.index(stage) for stage, _, _ in told] == sorted(order.index(stage) for stage, _, _ in told)
 
     def refuse(stage: str, done: int, total: int) -> None:

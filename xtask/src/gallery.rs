@@ -1,11 +1,9 @@
 //! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB, or the plan where the sample is about
 //! a generator.
 
-use std::fs;
-use std::path::PathBuf;
-
-use crate::judge::{self, SAMPLES};
+use crate::judge;
 use crate::plume::Plume;
+use crate::samples::{self, SAMPLES};
 use crate::tools::{Result, root};
 
 /// Finer than the default, since the camera stands a metre from the wall; much finer fills the memory of the browser.
@@ -25,26 +23,17 @@ pub fn run(_arguments: &[String]) -> Result<()> {
     }
     plans(&plume)?;
     let inside = ["preview", "samples/cave.toml", "--view", "inside", "--size", "960x540"];
-    plume.output(&[&inside[..], &["--output", "samples/inside.png", "--force"]].concat()).map(drop)
+    plume.output(&[&inside[..], &["--output", "samples/inside.png"]].concat()).map(drop)
 }
 
 /// The plans of the samples that have no picture of their rock.
 fn plans(plume: &Plume) -> Result<()> {
     for recipe in
-        recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml"))))
+        samples::recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml"))))
     {
         let (recipe, picture) = (recipe.display().to_string(), recipe.with_extension("png").display().to_string());
-        plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture, "--force"])?;
+        plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture])?;
         println!("{picture}");
     }
     Ok(())
-}
-
-/// The recipes among the samples, relative to the workspace, in order.
-fn recipes() -> Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(root().join("samples")).map_err(|error| error.to_string())?;
-    let names = entries.filter_map(|entry| Some(PathBuf::from("samples").join(entry.ok()?.file_name())));
-    let mut recipes: Vec<PathBuf> = names.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
-    recipes.sort();
-    Ok(recipes)
 }

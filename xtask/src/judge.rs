@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::plume::Plume;
+use crate::samples::SAMPLES;
 use crate::tools::{self, Result, ensure_debian, ensure_npm, root};
 use crate::venv::Environment;
 
 mod assimp;
 mod blender;
 mod formats;
-mod karstnet;
+mod graph;
 pub mod mujoco;
 mod page;
 mod spoil;
@@ -38,21 +39,10 @@ pub fn run(arguments: &[String]) -> Result<()> {
         if judges.iter().any(|judge| judge.name == "physx") {
             tally.enter("physx", usd::spoil());
         }
-        for package in export_caves()? {
-            if package.join("manifest.json").is_file() {
-                tally.enter("check", check(&package));
-            }
-            judge(&judges, &package, &mut tally);
-            if Kind::of(&package) == Some(Kind::Mujoco) {
-                tally.enter("drive", mujoco::drive(&package));
-            }
-            if Kind::of(&package) == Some(Kind::Page) && judges.iter().any(|judge| judge.name == "page") {
-                tally.enter("page", page::spoil(&package));
-            }
-        }
+        judge_caves(&judges, &mut tally)?;
         tally.enter("husky", urdf::spoil());
         tally.enter("unity", unity::spoil());
-        tally.enter("karstnet", karstnet::agree());
+        judge_graphs(&mut tally)?;
         return tally.result();
     }
     let packages: Vec<PathBuf> = arguments.iter().map(PathBuf::from).collect();
@@ -254,24 +244,56 @@ const SAMPLE_PACKAGES: [&str; 20] = [
     "urdf_pieces",
 ];
 
-/// Recipes of `samples/`.
-pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
-
-/// The samples, for every target; beside the packages for MuJoCo lie the caves, for the way through them.
-fn export_caves() -> Result<Vec<PathBuf>> {
+/// Makes the samples one by one and asks of each; a cave that is good gives its gigabytes back.
+fn judge_caves(judges: &[&'static Judge], tally: &mut Tally) -> Result<()> {
     let plume = Plume::package()?;
-    let mut packages = Vec::new();
     for name in SAMPLES {
-        let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
-        let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
-        let targets = format!("{opened},obj,ply,stl");
-        plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
-        packages.extend(opened.split(',').map(|target| root().join(&output).join(target)));
-        packages.push(root().join(&output));
+        let before = tally.complaints;
+        let folder = target_folder().join(name);
+        judge_packages(judges, &export_cave(&plume, name)?, tally);
+        if tally.complaints == before {
+            std::fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        }
     }
-    packages.extend(export_pieces(&plume)?);
-    packages.extend(assimp::export(&plume)?);
-    packages.push(page::write(&plume)?);
+    let others = [export_pieces(&plume)?, assimp::export(&plume)?, vec![page::write(&plume)?]];
+    judge_packages(judges, &others.concat(), tally);
+    Ok(())
+}
+
+fn judge_packages(judges: &[&'static Judge], packages: &[PathBuf], tally: &mut Tally) {
+    for package in packages {
+        if package.join("manifest.json").is_file() {
+            tally.enter("check", check(package));
+        }
+        judge(judges, package, tally);
+        if Kind::of(package) == Some(Kind::Mujoco) {
+            tally.enter("drive", mujoco::drive(package));
+        }
+        if Kind::of(package) == Some(Kind::Page) && judges.iter().any(|judge| judge.name == "page") {
+            tally.enter("page", page::spoil(package));
+        }
+    }
+}
+
+fn judge_graphs(tally: &mut Tally) -> Result<()> {
+    let plume = Plume::build()?;
+    for judge in &graph::JUDGES {
+        match judge.prepare() {
+            Ok(environment) => tally.enter(judge.name, judge.ask(&environment, &plume)),
+            Err(missing) => tally.skip(judge.name, &missing),
+        }
+    }
+    Ok(())
+}
+
+/// A sample, for every target; beside the package for MuJoCo lies the cave, for the way through it.
+fn export_cave(plume: &Plume, name: &str) -> Result<Vec<PathBuf>> {
+    let (recipe, output) = (format!("samples/{name}.toml"), format!("target/judges/{name}"));
+    let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+    let targets = format!("{opened},obj,ply,stl");
+    plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
+    let mut packages: Vec<PathBuf> = opened.split(',').map(|target| root().join(&output).join(target)).collect();
+    packages.push(root().join(&output));
     Ok(packages)
 }
 

@@ -9,6 +9,7 @@ mod gallery;
 mod judge;
 mod plume;
 mod realism;
+mod samples;
 mod test;
 mod tools;
 mod venv;

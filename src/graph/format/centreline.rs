@@ -1,6 +1,6 @@
 //! Stations by name, and what text files say of them, until all of it is known.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -8,8 +8,13 @@ use super::files::{Files, Spot};
 use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::measure::Measured;
 use super::survey::{Leg, Station, Survey, Walls};
+use super::text::shown;
 use super::traverse::{Fix, Shot, Traverse};
 use super::{Import, Parts, ReadError, Source};
+
+/// Stations named where pieces of a survey are not joined: one of each.
+const NAMED: usize = 10;
+const PIECES_HINT: &str = "fix a station of each, equate stations of theirs, add the shots that are missing, or take the `longest` of the parts";
 
 /// A name within a survey: index into [`Names`].
 pub(super) type Name = usize;
@@ -31,20 +36,51 @@ impl Names {
     pub(super) const ROOT: Name = 0;
 
     /// What is called so below another, new or known.
-    pub(super) fn below(&mut self, above: Name, name: &str) -> Name {
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn below(&mut self, above: Name, name: &str) -> Result<Name, String> {
         if let Some(&known) = self.below[above].get(name) {
-            return known;
+            return Ok(known);
         }
-        let new = self.add();
+        let new = self.add()?;
         self.below[above].insert(name.into(), new);
-        new
+        Ok(new)
     }
 
     /// Something without a name.
-    pub(super) fn add(&mut self) -> Name {
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn add(&mut self) -> Result<Name, String> {
+        check_room(self.below.len(), MAX_NAMES, "stations and surveys")?;
         self.below.push(BTreeMap::new());
-        self.below.len() - 1
+        Ok(self.below.len() - 1)
     }
+
+    /// The whole names of some stations, for messages.
+    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+        let mut above: Vec<Option<(Name, &str)>> = vec![None; self.below.len()];
+        for (survey, below) in self.below.iter().enumerate() {
+            below.iter().for_each(|(name, &of)| above[of] = Some((survey, name)));
+        }
+        let told = names.map(|name| {
+            let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
+            let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
+            parts.reverse();
+            shown(&parts.join("."))
+        });
+        told.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Names of stations and of what they are in: a station may have several.
+const MAX_NAMES: usize = 2 * MAX_STATIONS;
+/// One at each end of a leg.
+const MAX_SECTIONS: usize = 2 * MAX_LEGS;
+
+fn check_room(count: usize, most: usize, what: &str) -> Result<(), String> {
+    if count < most { Ok(()) } else { Err(format!("the survey has more than {most} {what}")) }
 }
 
 /// A station that is said to be somewhere.
@@ -61,6 +97,10 @@ pub(super) struct Section {
     pub(super) looking: [Name; 2],
     /// Left, right, up and down in metres.
     pub(super) walls_m: [Option<f64>; 4],
+}
+
+fn is_noted(walls_m: &[Option<f64>; 4]) -> bool {
+    walls_m.iter().any(Option::is_some)
 }
 
 /// What shots are.
@@ -88,7 +128,7 @@ impl Flags {
                     on = true;
                     continue;
                 }
-                _ => return Err(format!("`{}` is no flag", word.escape_default())),
+                _ => return Err(format!("{} is no flag", shown(word))),
             };
             *flag = on;
             on = true;
@@ -117,12 +157,12 @@ pub(super) struct Centreline {
     /// What is the same station as another, and what leads on to that.
     same: BTreeMap<Name, Name>,
     legs: Vec<([Name; 2], Leg)>,
-    shots: Vec<([Name; 2], Measured)>,
+    shots: Vec<([Name; 2], Vector3<f64>, Matrix3<f64>)>,
     /// How often the last shot was measured in a row.
     repeats: usize,
     sections: Vec<Section>,
     claims: Vec<Claim>,
-    entrances: Vec<Name>,
+    entrances: BTreeSet<Name>,
     /// The cross-sections of the tube that is being read.
     tube: Vec<(Name, [Option<f64>; 4])>,
     /// The coordinate system.
@@ -135,8 +175,10 @@ impl Centreline {
     /// # Errors
     /// When there are too many.
     pub(super) fn leg(&mut self, ends: [Name; 2], leg: Leg, measured: Measured) -> Result<(), String> {
-        if self.legs.len() >= MAX_LEGS || self.names.below.len() > 2 * MAX_STATIONS {
-            return Err(format!("the survey has more than {MAX_LEGS} legs or {MAX_STATIONS} stations"));
+        check_room(self.legs.len(), MAX_LEGS, "legs")?;
+        if measured == Measured::Nothing {
+            self.equate(ends[0], ends[1]);
+            return Ok(());
         }
         if ends[0] == ends[1] {
             return Err("the shot ends at the station where it begins".to_owned());
@@ -144,23 +186,17 @@ impl Centreline {
         if self.repeat(ends, &measured) {
             return Ok(());
         }
-        self.repeats = 1;
-        match measured {
-            Measured::Nothing => self.equate(ends[0], ends[1]),
-            Measured::Way => self.legs.push((ends, leg)),
-            Measured::Shot { .. } => {
-                self.legs.push((ends, leg));
-                self.shots.push((ends, measured));
-            }
+        self.legs.push((ends, leg));
+        if let Measured::Shot { vector, covariance } = measured {
+            self.shots.push((ends, vector, covariance));
+            self.repeats = 1;
         }
         Ok(())
     }
 
     /// A shot that was just measured between the same stations counts as one, which is their mean.
     fn repeat(&mut self, ends: [Name; 2], measured: &Measured) -> bool {
-        let (Measured::Shot { vector: again, .. }, Some((last, Measured::Shot { vector, .. }))) =
-            (measured, self.shots.last_mut())
-        else {
+        let (Measured::Shot { vector: again, .. }, Some((last, vector, _))) = (measured, self.shots.last_mut()) else {
             return false;
         };
         if *last != ends {
@@ -194,33 +230,56 @@ impl Centreline {
     }
 
     /// Says where a station is; without covariance, exactly.
-    pub(super) fn fix(&mut self, name: Name, position: Point3<f64>, covariance: Option<Matrix3<f64>>, spot: Spot) {
+    ///
+    /// # Errors
+    /// When there are too many such.
+    pub(super) fn fix(
+        &mut self,
+        name: Name,
+        position: Point3<f64>,
+        covariance: Option<Matrix3<f64>>,
+        spot: Spot,
+    ) -> Result<(), String> {
+        check_room(self.claims.len(), MAX_STATIONS, "fixes")?;
         self.claims.push(Claim { name, position, covariance, spot });
+        Ok(())
     }
 
+    /// Says that the cave opens to the surface at a station.
     pub(super) fn entrance(&mut self, name: Name) {
-        self.entrances.push(name);
+        self.entrances.insert(name);
     }
 
-    pub(super) fn section(&mut self, section: Section) {
-        if section.walls_m.iter().any(Option::is_some) {
+    /// Notes distances to walls, where there are any.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn section(&mut self, section: Section) -> Result<(), String> {
+        check_room(self.sections.len(), MAX_SECTIONS, "cross-sections")?;
+        if is_noted(&section.walls_m) {
             self.sections.push(section);
         }
+        Ok(())
     }
 
     /// Adds a cross-section to a tube.
-    pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) {
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) -> Result<(), String> {
+        check_room(self.sections.len() + self.tube.len(), MAX_SECTIONS, "cross-sections")?;
         self.tube.push((station, walls_m));
+        Ok(())
     }
 
     /// Notes the cross-sections of the tube: at its ends one looks along its first and last leg, between them from the
     /// station before to that behind.
     pub(super) fn end_tube(&mut self) {
         let tube = std::mem::take(&mut self.tube);
-        for (place, &(station, walls_m)) in tube.iter().enumerate() {
+        for (place, &(station, walls_m)) in tube.iter().enumerate().filter(|(_, (_, walls_m))| is_noted(walls_m)) {
             let before = tube[place.saturating_sub(1)].0;
             let behind = tube[(place + 1).min(tube.len() - 1)].0;
-            self.section(Section { station, looking: [before, behind], walls_m });
+            self.sections.push(Section { station, looking: [before, behind], walls_m });
         }
     }
 
@@ -231,13 +290,12 @@ impl Centreline {
     pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
         let system = system.to_ascii_lowercase();
         if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
-            return Err(format!("coordinates in `{system}` would have to be projected"));
+            return Err(format!("coordinates in {} would have to be projected", shown(&system)));
         }
         match &self.system {
-            Some(known) if *known != system => Err(format!(
-                "coordinates in `{}` besides `{known}` would have to be projected",
-                system.escape_default()
-            )),
+            Some(known) if *known != system => {
+                Err(format!("coordinates in {} besides {} would have to be projected", shown(&system), shown(known)))
+            }
             _ => {
                 self.system = Some(system);
                 Ok(())
@@ -259,9 +317,10 @@ impl Centreline {
                 "a cave takes two stations and a shot between them",
             ));
         }
-        let shots = std::mem::take(&mut self.shots).into_iter().filter_map(|(ends, measured)| {
-            let Measured::Shot { vector, covariance } = measured else { return None };
-            Some(Shot { ends: ends.map(|end| numbers.of(self.found(end))), vector, covariance })
+        let shots = std::mem::take(&mut self.shots).into_iter().map(|(ends, vector, covariance)| Shot {
+            ends: ends.map(|end| numbers.of(self.found(end))),
+            vector,
+            covariance,
         });
         let shots = shots.collect();
         let fixes = self.fixes(&mut numbers, files)?;
@@ -271,9 +330,12 @@ impl Centreline {
             let hint = "its errors or standard deviations are beyond all measure; check the largest";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
-        if held + placed.adrift.len() > 1 {
-            let message = format!("has {} pieces, and nothing says how they lie", held + placed.adrift.len());
-            return Err(ReadError::whole(source.path, message, "fix a station of each, or equate stations of theirs"));
+        // Of pieces that lie anywhere, all but the longest may go; they cannot be kept or joined.
+        if held + placed.adrift.len() > 1 && parts != Parts::Longest {
+            let names = self.names.told(numbers.names(&placed.adrift[..placed.adrift.len().min(NAMED)]));
+            let message =
+                format!("has {} pieces, and nothing says how those of {names} lie", held + placed.adrift.len());
+            return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
         let station = |position| Station { position, entrance: false };
         let mut survey =
@@ -335,6 +397,11 @@ impl Numbers {
             self.count += 1;
             self.count - 1
         })
+    }
+
+    /// The names that these stations have.
+    fn names(&self, stations: &[usize]) -> impl Iterator<Item = Name> {
+        stations.iter().filter_map(|&station| self.of.iter().position(|&number| number == Some(station)))
     }
 }
 

@@ -6,8 +6,10 @@
 //! 0,0,0,4,0,,,,6,0,-1,4,0,3,2,cave
 //! ```
 //! The header names the columns, in any order; `x1` and `y1`, `x2` and `y2` have to be there, `from_x` and `to_x` are understood
-//! as well, other columns are read over. Lengths are metres, Z is up. Ends in the same place, to 1 mm, are one station,
-//! which is as the first row has it; a row whose ends are is welded away.
+//! as well, other columns are read over. Lengths are metres, Z is up, of any grid ([`origin`](super::origin)). Ends in the same
+//! place, to 1 mm, are one station, which is as the first row has it; a row whose ends are is welded away.
+//!
+//! Held are places, radii, levels, sections and passages; not ids, parents and which ends may grow on.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -18,7 +20,7 @@ use super::draft::Draft;
 use super::fields::{Field, Fields, field, shape_name};
 use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::text::{LENGTH_HINT, line_of, shown, utf8};
-use super::{Import, Parts, ReadError, Source, Written};
+use super::{Import, Parts, ReadError, Source, Tally, Written};
 use crate::graph::{Graph, Node, millimetres};
 
 const HEADER_HINT: &str = "begin with the names of the columns: x1,y1,z1,x2,y2,z2";
@@ -50,10 +52,8 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     }
     let places: Vec<Point3<f64>> = stations.draft.nodes.iter().map(|node| node.position).collect();
     let name = |node: usize| format!("the station at {} {} {}", places[node].x, places[node].y, places[node].z);
-    let finished = stations.draft.finished(parts);
-    let (graph, mut tally) = finished.map_err(|error| error.into_error(source.path, name))?;
-    tally.welded = welded;
-    Ok(Import { graph, recipe: None, tally })
+    let import = stations.draft.into_import(source.path, parts, name)?;
+    Ok(Import { tally: Tally { welded, ..import.tally }, ..import })
 }
 
 /// What splits the columns of the header.

@@ -11,7 +11,7 @@ use nalgebra::Point3;
 use super::limits::MAX_LENGTH_M;
 use super::parts::{Disconnected, Fate, first_at_place};
 use super::{Parts, ReadError, Tally};
-use crate::graph::{Graph, Node, Section, millimetres};
+use crate::graph::{Graph, Node, millimetres};
 
 /// Nodes and edges in any order. A radius of 0 is not known; parents are neighbours and lead in no circle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -109,36 +109,17 @@ impl Draft {
 
 fn rounded(node: Node) -> Node {
     let length = |length_m: f64| millimetres(length_m).clamp(0.001, MAX_LENGTH_M);
-    let section = node.section.map(|section| Section {
-        width_m: length(section.width_m),
-        height_m: length(section.height_m),
-        ..section
-    });
+    let section = node.section.map(|section| section.map(length));
     let radius = if node.radius > 0.0 { length(node.radius) } else { 0.0 };
     Node { position: node.position.map(millimetres), radius, section, ..node }
 }
 
 /// Parents by breadth from the first node of each part that had none, or from its first.
 fn forest(graph: &Graph, had: &[Option<usize>]) -> Vec<Option<usize>> {
-    let neighbors = graph.neighbors();
-    let mut parents = vec![None; graph.nodes.len()];
-    let mut seen = vec![false; graph.nodes.len()];
-    let mut queue = Vec::with_capacity(graph.nodes.len());
-    let mut next = 0;
     let origins = had.iter().enumerate().filter(|(_, parent)| parent.is_none()).map(|(node, _)| node);
-    for start in origins.chain(0..graph.nodes.len()) {
-        if !std::mem::replace(&mut seen[start], true) {
-            queue.push(start);
-        }
-        while let Some(&node) = queue.get(next) {
-            next += 1;
-            for &other in &neighbors[node] {
-                if !std::mem::replace(&mut seen[other], true) {
-                    parents[other] = Some(node);
-                    queue.push(other);
-                }
-            }
-        }
+    let mut parents = vec![None; graph.nodes.len()];
+    for (node, parent) in graph.neighbors().by_breadth(origins.chain(0..graph.nodes.len())) {
+        parents[node] = parent;
     }
     parents
 }

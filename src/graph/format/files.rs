@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::limits::{MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_LINE};
+use super::text::shown;
 use super::{ReadError, Source};
 
 /// A line of a file that was read.
@@ -40,6 +41,11 @@ impl<'a> Files<'a> {
         ReadError::line(&self.paths[spot.file], spot.line, message, hint)
     }
 
+    /// A fault of the whole file that is being read.
+    pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
+        ReadError::whole(&self.paths[self.spot(0).file], message, hint)
+    }
+
     /// Opens the file that a line names, relative to the file it stands in: as it is named, or with an ending, in the
     /// case it has or in lower case. To be closed again.
     pub(super) fn open(&mut self, spot: Spot, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
@@ -57,7 +63,7 @@ impl<'a> Files<'a> {
         let mut first = None;
         for path in names.iter().map(|name| folder.join(name)) {
             if self.open.iter().any(|&open| self.paths[open] == path) {
-                return refused(format!("`{name}` leads back to itself"), "a file cannot be part of itself");
+                return refused(format!("{} leads back to itself", shown(&name)), "a file cannot be part of itself");
             }
             match self.source.outside.read(&path) {
                 Ok(bytes) if self.bytes + bytes.len() > MAX_BYTES => {
@@ -74,7 +80,10 @@ impl<'a> Files<'a> {
             }
         }
         let why = first.map(|error| error.to_string()).unwrap_or_default();
-        refused(format!("`{name}` cannot be read: {why}"), "files are looked for beside the file that names them")
+        refused(
+            format!("{} cannot be read: {why}", shown(&name)),
+            "files are looked for beside the file that names them",
+        )
     }
 
     /// Is done with the innermost file.

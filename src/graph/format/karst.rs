@@ -4,7 +4,8 @@
 //! read over. `X_links.dat` has in each line the numbers of two nodes, from 1. `#` begins a comment. The synthesis of
 //! Paris et al. 2021 writes the same pair, though with Y up: its caves lie on their side until they are turned.
 //!
-//! Held are places and passages, in their order; not radii, sections and levels.
+//! Places may be of any grid ([`origin`](super::origin)). Held are places and passages, in their order; not radii, sections
+//! and levels.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use super::draft::{Draft, node_at};
 use super::limits::{MAX_LEGS, MAX_LINE, MAX_STATIONS};
 use super::text::{LENGTH_HINT, coordinate, shown, utf8, whole};
 use super::{Import, Parts, ReadError, Source, Written};
-use crate::graph::Graph;
+use crate::graph::{Graph, Node};
 
 const NODES: &str = "_nodes.dat";
 const LINKS: &str = "_links.dat";
@@ -35,9 +36,7 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     let (nodes, links) = if is_nodes { (named, other) } else { (other, named) };
     let mut draft = Draft { nodes: read_nodes(nodes.0, nodes.1)?, edges: Vec::new() };
     draft.edges = read_links(links.0, links.1, draft.nodes.len())?;
-    let finished = draft.finished(parts);
-    let (graph, tally) = finished.map_err(|error| error.into_error(nodes.0, |node| format!("node {}", node + 1)))?;
-    Ok(Import { graph, recipe: None, tally })
+    draft.into_import(nodes.0, parts, |node| format!("node {}", node + 1))
 }
 
 const PAIR_HINT: &str = "a network is a pair of files beside each other: X_nodes.dat and X_links.dat";
@@ -48,7 +47,7 @@ fn stem<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
     end.eq_ignore_ascii_case(ending).then_some(stem)
 }
 
-fn read_nodes(path: &Path, bytes: &[u8]) -> Result<Vec<crate::graph::Node>, ReadError> {
+fn read_nodes(path: &Path, bytes: &[u8]) -> Result<Vec<Node>, ReadError> {
     let mut nodes = Vec::new();
     for row in rows(path, bytes)? {
         let (line, columns) = row?;

@@ -4,8 +4,10 @@
 pub const MAX_STATIONS: usize = 1_000_000;
 /// Passages or legs.
 pub const MAX_LEGS: usize = 4_000_000;
-/// Distance of a coordinate from the origin, and any other length, in metres.
+/// Distance of a node from the origin of its graph, and any other length, in metres.
 pub const MAX_LENGTH_M: f64 = 1e6;
+/// How far from zero national grids count, in metres: no place on earth is farther.
+pub const MAX_COORDINATE_M: f64 = 1e8;
 /// Files that one file leads to.
 pub const MAX_FILES: usize = 1_000;
 /// Depth of anything that nests: elements, blocks, files that name files.

@@ -15,6 +15,7 @@ pub mod json;
 mod karst;
 pub mod limits;
 mod measure;
+mod origin;
 mod parts;
 mod survex3d;
 mod survey;

@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use super::ReadError;
-use super::limits::MAX_LENGTH_M;
+use super::limits::{MAX_COORDINATE_M, MAX_LENGTH_M};
 
 /// What to do about a length that cannot be read.
-pub(super) const LENGTH_HINT: &str =
-    "lengths are decimal numbers in metres, coordinates at most 1000 km from the origin";
+pub(super) const LENGTH_HINT: &str = "lengths are decimal numbers in metres, coordinates at most 100,000 km from zero";
 /// Letters of a text that an error shows.
 const SHOWN: usize = 40;
 
@@ -26,10 +25,10 @@ pub(super) fn line_of(text: &str, byte: usize) -> usize {
     1 + before.iter().chain(blank).filter(|&&byte| byte == b'\n').count()
 }
 
-/// A coordinate in metres, or what is wrong with it.
+/// A coordinate in metres, as its grid counts it, or what is wrong with it.
 pub(super) fn coordinate(text: &str) -> Result<f64, String> {
     match number(text)? {
-        far if far.abs() > MAX_LENGTH_M => Err(format!("{} is too far away", shown(text))),
+        far if far.abs() > MAX_COORDINATE_M => Err(format!("{} is too far away", shown(text))),
         near => Ok(near),
     }
 }

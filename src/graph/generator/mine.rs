@@ -139,9 +139,10 @@ impl Mine {
 
     /// Nodes of each level beside its first one and what joins it to the level above.
     fn shares(&self) -> Result<Vec<u32>, GenerateError> {
-        let per_level = 2 + self.descent().len() as u32 - 1;
-        let needed = per_level * self.levels;
-        let Some(left) = (self.nodes + self.descent().len() as u32 - 1).checked_sub(needed) else {
+        let descent = self.descent().len() as u32;
+        let per_level = 1 + descent;
+        // There is no way down from the last level.
+        let Some(left) = (self.nodes + descent - 1).checked_sub(per_level * self.levels) else {
             return Err(GenerateError {
                 message: format!("no room for {} levels in {} nodes", self.levels, self.nodes),
                 hint: format!("a level and its way down take {per_level} nodes; ask for more nodes or fewer levels"),
@@ -300,22 +301,10 @@ impl<'a> Survey<'a> {
         Some(())
     }
 
-    /// The graph, each radius being the way to the next station, or from the last one at a dead end.
-    fn into_graph(mut self) -> Graph {
-        for index in (1..self.nodes.len()).rev() {
-            let Some(parent) = self.nodes[index].parent else {
-                continue;
-            };
-            let way = self.nodes[index].position - self.nodes[parent].position;
-            let length = millimetres(way.norm());
-            if self.nodes[index].radius == 0.0 {
-                self.nodes[index].radius = length;
-            }
-            self.nodes[parent].radius = length;
-        }
-        let mut graph = Graph::new(self.nodes, self.edges);
-        for (node, others) in graph.neighbors().into_iter().enumerate() {
-            graph.nodes[node].active = others.len() == 1;
+    fn into_graph(self) -> Graph {
+        let mut graph = Graph::new(self.nodes, self.edges).with_reaches();
+        for (node, degree) in graph.neighbors().degrees().enumerate() {
+            graph.nodes[node].active = degree == 1;
         }
         graph
     }

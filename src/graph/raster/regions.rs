@@ -3,50 +3,9 @@
 use std::cmp::Reverse;
 
 use super::Mask;
+use crate::graph::sets::Sets;
 
 const NONE: u32 = u32::MAX;
-
-/// Regions of cells, numbered from 0 in the order of their first cell.
-struct Regions {
-    /// The region of each cell; [`NONE`] for those of the other kind.
-    of_cell: Vec<u32>,
-    /// Cells of each region.
-    sizes: Vec<usize>,
-}
-
-/// Regions of the cells that are open, or of those that are not. They hang together along the first `ways` directions.
-fn regions(mask: &Mask, open: bool, ways: &[usize]) -> Regions {
-    let mut regions = Regions { of_cell: vec![NONE; mask.open.len()], sizes: Vec::new() };
-    let mut found = Vec::new();
-    for start in mask.inner() {
-        if mask.open[start] != open || regions.of_cell[start] != NONE {
-            continue;
-        }
-        let region = regions.sizes.len() as u32;
-        regions.of_cell[start] = region;
-        found.push(start);
-        let mut size = 0;
-        while let Some(cell) = found.pop() {
-            size += 1;
-            for way in ways {
-                let next = cell.wrapping_add(*way);
-                let inside = next < mask.open.len() && mask.open[next] == open;
-                if inside && regions.of_cell[next] == NONE {
-                    regions.of_cell[next] = region;
-                    found.push(next);
-                }
-            }
-        }
-        regions.sizes.push(size);
-    }
-    regions
-}
-
-/// The sides of a cell.
-fn sides(mask: &Mask) -> [usize; 4] {
-    let round = mask.round();
-    [round[0], round[2], round[4], round[6]]
-}
 
 /// Without open regions smaller than this many cells; the largest stays in any case.
 pub(crate) fn without_pockets(mut mask: Mask, least: usize) -> Mask {
@@ -73,14 +32,6 @@ pub(crate) fn without_pillars(mut mask: Mask, least: usize) -> Mask {
     mask
 }
 
-/// Where two regions are near each other: a cell of each and the way between them, in cells.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Gap {
-    steps: u32,
-    cells: [usize; 2],
-    regions: [u32; 2],
-}
-
 /// All open regions joined by corridors of this half-width, along a minimum spanning tree of the gaps between them
 /// (Kruskal). Regions grow into the rock at the same pace, and a gap is where two of them meet.
 pub(crate) fn joined(mut mask: Mask, half_width: usize) -> Mask {
@@ -88,13 +39,22 @@ pub(crate) fn joined(mut mask: Mask, half_width: usize) -> Mask {
     if regions.sizes.len() < 2 {
         return mask;
     }
-    let mut tree = Sets::new(regions.sizes.len());
+    let mut sets = Sets::new(regions.sizes.len());
     for gap in gaps(&mask, regions) {
-        if tree.unite(gap.regions) {
+        let [a, b] = gap.regions.map(|region| region as usize);
+        if sets.unite(a, b) {
             dig_between(&mut mask, gap.cells, half_width);
         }
     }
     mask
+}
+
+/// Where two regions are near each other: a cell of each and the way between them, in cells.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Gap {
+    steps: u32,
+    cells: [usize; 2],
+    regions: [u32; 2],
 }
 
 /// Every place where two regions meet when they grow, the shortest gaps first.
@@ -142,30 +102,46 @@ fn dig_between(mask: &mut Mask, cells: [usize; 2], half_width: usize) {
     }
 }
 
-/// Disjoint sets of regions.
-struct Sets(Vec<u32>);
+/// Regions of cells, numbered from 0 in the order of their first cell.
+struct Regions {
+    /// The region of each cell; [`NONE`] for those of the other kind.
+    of_cell: Vec<u32>,
+    /// Cells of each region.
+    sizes: Vec<usize>,
+}
 
-impl Sets {
-    fn new(len: usize) -> Self {
-        Self((0..len as u32).collect())
-    }
-
-    fn root(&mut self, of: u32) -> u32 {
-        let mut at = of;
-        while self.0[at as usize] != at {
-            let up = self.0[self.0[at as usize] as usize];
-            self.0[at as usize] = up;
-            at = up;
+/// Regions of the cells that are open, or of those that are not. They hang together along the first `ways` directions.
+fn regions(mask: &Mask, open: bool, ways: &[usize]) -> Regions {
+    let mut regions = Regions { of_cell: vec![NONE; mask.open.len()], sizes: Vec::new() };
+    let mut found = Vec::new();
+    for start in mask.inner() {
+        if mask.open[start] != open || regions.of_cell[start] != NONE {
+            continue;
         }
-        at
+        let region = regions.sizes.len() as u32;
+        regions.of_cell[start] = region;
+        found.push(start);
+        let mut size = 0;
+        while let Some(cell) = found.pop() {
+            size += 1;
+            for way in ways {
+                let next = cell.wrapping_add(*way);
+                let inside = next < mask.open.len() && mask.open[next] == open;
+                if inside && regions.of_cell[next] == NONE {
+                    regions.of_cell[next] = region;
+                    found.push(next);
+                }
+            }
+        }
+        regions.sizes.push(size);
     }
+    regions
+}
 
-    /// Whether they were apart.
-    fn unite(&mut self, pair: [u32; 2]) -> bool {
-        let [a, b] = pair.map(|one| self.root(one));
-        self.0[a.max(b) as usize] = a.min(b);
-        a != b
-    }
+/// The sides of a cell.
+fn sides(mask: &Mask) -> [usize; 4] {
+    let round = mask.round();
+    [round[0], round[2], round[4], round[6]]
 }
 
 #[cfg(test)]
@@ -192,7 +168,7 @@ mod tests {
     fn small_pillars_are_opened_and_the_border_is_not() {
         let mask = Mask::drawn(&["######", "#....#", "#.#..#", "#....#", "######"]);
         let open = without_pillars(mask.clone(), 2);
-        assert!(open.picture()[2] == "#....#");
+        assert_eq!(open.picture()[2], "#....#");
         assert_eq!(without_pillars(mask.clone(), 1), mask);
     }
 }

@@ -16,6 +16,11 @@ const ONE_JUNCTION: f64 = 0.6;
 /// The centrelines of a plan in metres, its middle at the origin, its first row in the north. Widths reach from wall to
 /// wall; heights are left at 0.
 pub(crate) fn traced(mask: &Mask, cell_m: f64) -> Sketch {
+    rough(mask, cell_m).without_spurs().with_junctions_merged(ONE_JUNCTION).smoothed(SMOOTHING).with_every(EVERY)
+}
+
+/// A knot in each cell that thinning leaves, joined to its neighbours.
+fn rough(mask: &Mask, cell_m: f64) -> Sketch {
     let squares = distance::squares(mask);
     let thin = thin::thinned(mask, &squares);
     let mut sketch = Sketch::default();
@@ -26,8 +31,7 @@ pub(crate) fn traced(mask: &Mask, cell_m: f64) -> Sketch {
             sketch.join(knots[to] as usize, knots[cell] as usize);
         }
     }
-    drop(squares);
-    sketch.without_spurs().with_junctions_merged(ONE_JUNCTION).smoothed(SMOOTHING).with_every(EVERY)
+    sketch
 }
 
 fn knot(mask: &Mask, squares: &[u32], cell: usize, cell_m: f64) -> Knot {
@@ -53,4 +57,38 @@ fn earlier_neighbours(thin: &Mask, cell: usize) -> impl Iterator<Item = usize> {
         (north + 1, corner(north + 1, east)),
     ];
     joined.into_iter().filter(|(_, joined)| *joined).map(|(to, _)| to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_passage_runs_in_its_middle_as_wide_as_it_is() {
+        let closed = "#".repeat(41);
+        let open = format!("#{}#", ".".repeat(39));
+        let mask = Mask::drawn(&[&closed, &open, &open, &open, &closed, &closed, &closed]);
+        let sketch = traced(&mask, 2.0);
+        let inner: Vec<&Knot> = sketch.knots.iter().filter(|knot| knot.position.x.abs() < 12.0).collect();
+        assert!(inner.len() >= 3 && sketch.lines.len() == sketch.knots.len() - 1, "{sketch:?}");
+        // The middle of the passage is the third row of seven.
+        for knot in inner {
+            let width_m = knot.section.map_or(0.0, |section| section.width_m);
+            assert!((knot.position.y - 2.0).abs() < 0.01 && (width_m - 6.0).abs() < 0.01, "{knot:?}");
+        }
+    }
+
+    #[test]
+    fn passages_that_cross_meet_in_one_junction() {
+        let wall = "#".repeat(23);
+        let across = format!("#{}#", ".".repeat(21));
+        let along = format!("#{0}...{0}#", "#".repeat(9));
+        let mut rows: Vec<&str> = vec![&along; 21];
+        rows[9..12].fill(&across);
+        let rows: Vec<&str> = [&wall[..]].into_iter().chain(rows).chain([&wall[..]]).collect();
+        let sketch = traced(&Mask::drawn(&rows), 1.0);
+        let mut degrees: Vec<usize> = sketch.neighbors().degrees().filter(|&degree| degree != 2).collect();
+        degrees.sort_unstable();
+        assert_eq!(degrees, [1, 1, 1, 1, 4]);
+    }
 }

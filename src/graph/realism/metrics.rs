@@ -7,9 +7,10 @@
 
 use serde::Serialize;
 
-use super::reduced::{Branches, Paths, Reduced};
+use super::reduced::{Paths, Reduced};
 use super::{METRICS, SCALE_FREE};
 use crate::graph::Graph;
+use crate::graph::branches::Branches;
 
 /// Nodes of the reduced graph up to which every shortest path is counted.
 pub const EXACT_TO: usize = 20_000;
@@ -74,8 +75,8 @@ impl Metrics {
     /// Measures a graph, but gives up before the shortest paths, which take longest, where [`distance`](Self::distance) cannot
     /// be less than `most`.
     pub(super) fn of_nearer(graph: &Graph, most: f64) -> Option<Self> {
-        let branches = Branches::of(graph);
-        let lengths = branches.lengths(graph);
+        let branches = Branches::of(&graph.neighbors());
+        let lengths = lengths(&branches, graph);
         let longest = lengths.iter().copied().reduce(f64::max)?;
         let reduced = Reduced::of(&branches);
         let degrees: Vec<f64> = reduced.degrees().map(|degree| degree as f64).collect();
@@ -169,6 +170,12 @@ fn variation(values: &[f64]) -> f64 {
     }
     let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
     (squares / (values.len() - 1) as f64).sqrt() / mean
+}
+
+/// The length of each branch in metres.
+fn lengths(branches: &Branches, graph: &Graph) -> Vec<f64> {
+    let leg = |pair: &[usize]| graph.distance_m(pair[0], pair[1]);
+    branches.iter().map(|branch| branch.windows(2).map(leg).sum()).collect()
 }
 
 /// 1 where every branch is a ring.

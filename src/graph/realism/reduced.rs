@@ -1,80 +1,14 @@
-//! The reduced graph: branches in place of chains of stations.
+//! The reduced graph: an edge in place of each branch.
 
 use rustc_hash::FxHashMap;
 
 use super::metrics::Sampling;
-use crate::graph::Graph;
+use crate::graph::branches::Branches;
 use crate::graph::dice::Dice;
 use crate::seed;
 
 /// Sources sampled at least.
 const FEWEST_SOURCES: usize = 64;
-
-/// The branches of a graph: paths of stations whose ends do not have exactly two passages, and whose inner ones do. A
-/// ring without junctions is a branch from one of its stations to itself.
-pub(super) struct Branches {
-    stations: Vec<usize>,
-    /// Where each branch starts in `stations`, and the end of the last one.
-    starts: Vec<usize>,
-}
-
-impl Branches {
-    pub(super) fn of(graph: &Graph) -> Self {
-        let neighbors = graph.neighbors();
-        let mut walked = vec![Vec::new(); graph.nodes.len()];
-        let mut branches = Self { stations: Vec::new(), starts: vec![0] };
-        for (knot, others) in neighbors.iter().enumerate() {
-            if others.len() == 2 {
-                continue;
-            }
-            for &first in others {
-                if !walked[knot].contains(&first) {
-                    let before_end = branches.walk(&neighbors, knot, first);
-                    let end = branches.stations[branches.stations.len() - 1];
-                    walked[end].push(before_end);
-                }
-            }
-        }
-        branches.add_rings(&neighbors);
-        branches
-    }
-
-    /// Adds what no branch has reached.
-    fn add_rings(&mut self, neighbors: &[Vec<usize>]) {
-        let mut seen = vec![false; neighbors.len()];
-        self.stations.iter().for_each(|&station| seen[station] = true);
-        for start in 0..neighbors.len() {
-            if !seen[start] && neighbors[start].len() == 2 {
-                let from = self.stations.len();
-                self.walk(neighbors, start, neighbors[start][0]);
-                self.stations[from..].iter().for_each(|&station| seen[station] = true);
-            }
-        }
-    }
-
-    /// Follows a branch to its end and returns the station before that.
-    fn walk(&mut self, neighbors: &[Vec<usize>], knot: usize, first: usize) -> usize {
-        let (mut before, mut at) = (knot, first);
-        self.stations.extend([before, at]);
-        while let (&[a, b], true) = (neighbors[at].as_slice(), at != knot) {
-            let next = if a == before { b } else { a };
-            (before, at) = (at, next);
-            self.stations.push(at);
-        }
-        self.starts.push(self.stations.len());
-        before
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = &[usize]> {
-        self.starts.windows(2).map(|ends| &self.stations[ends[0]..ends[1]])
-    }
-
-    /// The length of each branch in metres.
-    pub(super) fn lengths(&self, graph: &Graph) -> Vec<f64> {
-        let leg = |pair: &[usize]| graph.distance_m(pair[0], pair[1]);
-        self.iter().map(|branch| branch.windows(2).map(leg).sum()).collect()
-    }
-}
 
 /// A simple graph of branch ends. Rings keep two and parallel branches one of their inner stations, so that neither
 /// collapses.
@@ -302,7 +236,7 @@ mod tests {
     fn a_sample_is_near_the_whole() {
         let mine = Mine { nodes: 6000, drifts: 20, ..Mine::default() };
         let graph = mine.generate(1, &Nowhere).expect("there is room");
-        let reduced = Reduced::of(&Branches::of(&graph));
+        let reduced = Reduced::of(&Branches::of(&graph.neighbors()));
         let len = reduced.neighbors.len();
         let (whole, sample) = (reduced.paths(len, 0), reduced.paths(0, 200 * len));
         assert_eq!(whole.sampling, None);

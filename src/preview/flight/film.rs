@@ -18,12 +18,14 @@ pub fn gif(images: &[Image], fps: u32) -> Vec<u8> {
 fn write_gif(images: &[Image], fps: u32, bytes: &mut Vec<u8>) -> Result<(), gif::EncodingError> {
     // GIF counts sizes in 16 bits, which hold every size of ours.
     let (width, height) = (images[0].size.width as u16, images[0].size.height as u16);
-    let frame = |image: &Image| {
+    // Each frame ends on a whole hundredth of a second, so that all of them take the time that they should.
+    let end = |number: usize| 100 * number / fps as usize;
+    let frame = |(number, image): (usize, &Image)| {
         let mut frame = Frame::from_rgb_speed(width, height, &image.rgb, COLOR_SPEED);
-        frame.delay = (100 / fps) as u16;
+        frame.delay = (end(number + 1) - end(number)) as u16;
         frame
     };
-    let frames: Vec<Frame> = images.par_iter().map(frame).collect();
+    let frames: Vec<Frame> = images.par_iter().enumerate().map(frame).collect();
     let mut encoder = Encoder::new(bytes, width, height, &[])?;
     encoder.set_repeat(Repeat::Infinite)?;
     frames.iter().try_for_each(|frame| encoder.write_frame(frame))

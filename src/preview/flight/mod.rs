@@ -19,6 +19,9 @@ const SMALLER: u32 = 8;
 /// Seconds over which the exposure is levelled.
 const SLOWNESS_S: f64 = 1.0;
 
+/// Pixels of all frames together, which are in memory at once: 3 GB.
+const MOST_PIXELS: u64 = 1_000_000_000;
+
 /// How long a flight takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
@@ -51,6 +54,9 @@ impl Default for Pace {
 
 /// The frames, as a file that moves or one by one.
 pub fn flight(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
+    if order.pace.frames() as u64 * u64::from(size.width) * u64::from(size.height) > MOST_PIXELS {
+        return Err(PreviewError::Long);
+    }
     let poses = poses(subject, order.pace)?;
     let exposures = exposures(subject, order, &poses, size)?;
     let frames: Vec<Image> = poses

@@ -48,8 +48,8 @@ fn pose(subject: &Subject, order: &Order) -> Result<Pose, PreviewError> {
         at => at,
     };
     let mut pose = match eye {
-        Some(eye) => Pose { eye, yaw: stance::widest(subject.field, eye), pitch: 0.0 },
-        None => stance::first(subject)?,
+        Some(eye) => stance::furthest(subject.field, eye),
+        None => stance::best(subject)?,
     };
     if let Some([yaw, pitch]) = order.look {
         (pose.yaw, pose.pitch) = (yaw, pitch);

@@ -13,29 +13,50 @@ use crate::truth;
 pub const EYE_M: f32 = 1.0;
 /// Of the height of the passage at most.
 const EYE_SHARE: f32 = 0.6;
-/// Directions that are looked into.
+/// Directions round about that are looked into.
 const DIRECTIONS: usize = 32;
+/// How far up or down, radians: along steep passages too.
+const PITCHES: [f32; 7] = [-0.03, 0.2, -0.2, 0.4, -0.4, 0.65, -0.65];
+/// The camera is held no steeper, radians: what lies in the steepest of those directions is in the picture then, and the
+/// horizon too. Tuned.
+const MOST_PITCH: f32 = 0.35;
+/// How much further one has to see for each radian up or down. Tuned: level pictures are read at a glance.
+const LEVEL: f32 = 1.0;
+/// Places that are looked from.
+const PLACES: usize = 6;
 /// Stations that are tried for level ground, the first of the graph.
 const MOST_STATIONS: usize = 400;
 const GLANCE: Approach = Approach { share: 0.0, least_m: 0.05, step: BRISK };
 /// A look that ends nearer than this shows nothing, metres.
 const BLIND_M: f32 = 0.05;
 
-/// At the first start pose, or the first station in the air, looking where the passage is open furthest.
-pub fn first(subject: &Subject) -> Result<Pose, PreviewError> {
-    let eye = eye(subject).ok_or(PreviewError::NoAir)?;
-    Ok(Pose { eye, yaw: widest(subject.field, eye), pitch: -0.03 })
+/// A pose, and how much it shows: about how far one sees, metres.
+struct Glance {
+    pose: Pose,
+    shows_m: f32,
 }
 
-fn eye(subject: &Subject) -> Option<[f32; 3]> {
+/// Of some start poses, or stations in the air where there are none, the one that shows most.
+pub fn best(subject: &Subject) -> Result<Pose, PreviewError> {
+    // Of equals the last is taken, and the first is the most level one.
+    let glances = eyes(subject).into_iter().rev().map(|eye| glance(subject.field, eye));
+    most(glances).map(|glance| glance.pose).ok_or(PreviewError::NoAir)
+}
+
+fn most(glances: impl Iterator<Item = Glance>) -> Option<Glance> {
+    glances.max_by(|one, other| one.shows_m.total_cmp(&other.shows_m))
+}
+
+fn eyes(subject: &Subject) -> Vec<[f32; 3]> {
     let near = beginning(subject.graph);
-    let spawn = truth::spawns(subject.field, &near, 1).into_iter().next();
-    let ground = spawn.map(|spawn| spawn.pose.translation.vector.map(|c| c as f32).into());
-    let Some(ground) = ground else {
-        let points = near.nodes.iter().map(|node| node.position.coords.map(|c| c as f32).into());
-        return points.into_iter().find(|&point| is_air(subject.field, point));
-    };
-    Some(raised(subject.field, ground))
+    let spawns = truth::spawns(subject.field, &near, PLACES);
+    if spawns.is_empty() {
+        let stations = near.nodes.iter().map(|node| node.position.coords.map(|c| c as f32).into());
+        let airy: Vec<[f32; 3]> = stations.filter(|&station| is_air(subject.field, station)).collect();
+        return airy.iter().step_by(airy.len().div_ceil(PLACES).max(1)).copied().collect();
+    }
+    let ground = |spawn: truth::Spawn| spawn.pose.translation.vector.map(|c| c as f32).into();
+    spawns.into_iter().map(|spawn| raised(subject.field, ground(spawn))).collect()
 }
 
 /// The eye over a point on the ground.
@@ -51,18 +72,25 @@ pub fn is_air(field: &dyn Field, point: [f32; 3]) -> bool {
     super::march::distances(field, &[point])[0] < 0.0
 }
 
-/// The direction in which one sees furthest, not through a slit.
-pub fn widest(field: &dyn Field, eye: [f32; 3]) -> f32 {
+/// Looks from a point to where one sees furthest, not through a slit.
+pub fn furthest(field: &dyn Field, eye: [f32; 3]) -> Pose {
+    glance(field, eye).pose
+}
+
+fn glance(field: &dyn Field, eye: [f32; 3]) -> Glance {
     let angle = |i: usize| TAU * i as f32 / DIRECTIONS as f32;
-    let ray = |i| Ray { from: eye, along: [libm::cosf(angle(i)), libm::sinf(angle(i)), 0.0], start: 0.0 };
-    let rays: Vec<Ray> = (0..DIRECTIONS).map(ray).collect();
+    let pose = |i: usize| Pose { eye, yaw: angle(i % DIRECTIONS), pitch: PITCHES[i / DIRECTIONS] };
+    let count = DIRECTIONS * PITCHES.len();
+    let rays: Vec<Ray> = (0..count).map(|i| Ray { from: eye, along: pose(i).ahead(), start: 0.0 }).collect();
     let open = march(field, &rays, GLANCE);
-    let around = |i: usize| {
-        let beside = open[(i + 1) % DIRECTIONS].min(open[(i + DIRECTIONS - 1) % DIRECTIONS]);
-        open[i] + 1.5 * beside
+    let shows_m = |i: usize| {
+        let row = i - i % DIRECTIONS;
+        let [left, right] = [1, DIRECTIONS - 1].map(|turn| open[row + (i + turn) % DIRECTIONS]);
+        (0.4 * open[i] + 0.6 * left.min(right)) / (1.0 + LEVEL * pose(i).pitch.abs())
     };
-    let best = (0..DIRECTIONS).rev().max_by(|&one, &other| around(one).total_cmp(&around(other)));
-    angle(best.unwrap_or(0))
+    let glances = (0..count).rev().map(|i| Glance { pose: pose(i), shows_m: shows_m(i) });
+    let Glance { pose, shows_m } = most(glances).expect("one looks somewhere");
+    Glance { pose: Pose { pitch: pose.pitch.clamp(-MOST_PITCH, MOST_PITCH), ..pose }, shows_m }
 }
 
 /// The first stations and the passages between them.
@@ -70,4 +98,45 @@ fn beginning(graph: &Graph) -> Graph {
     let nodes = graph.nodes.iter().take(MOST_STATIONS).cloned().collect();
     let edges = graph.edges.iter().filter(|edge| edge.iter().all(|&end| end < MOST_STATIONS)).copied().collect();
     Graph::new(nodes, edges)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{CaveField, PassageSettings};
+    use crate::graph::Node;
+    use crate::material::{Look, MATERIALS};
+    use nalgebra::Point3;
+    use serde_json::json;
+
+    /// A straight passage from the origin, each station so much higher than the one before, metres.
+    fn passage(rise_m: f64) -> Graph {
+        let node = |i: usize| Node {
+            id: i as u64,
+            parent: i.checked_sub(1),
+            position: Point3::new(6.0, 0.0, rise_m) * i as f64,
+            radius: 4.0,
+            active: false,
+            level: 0,
+            section: None,
+        };
+        Graph::new((0..6).map(node).collect(), (1..6).map(|i| [i - 1, i]).collect())
+    }
+
+    /// The best of the glances along a passage.
+    fn best_in(graph: &Graph) -> Glance {
+        let passage = PassageSettings::default();
+        let material = (MATERIALS[0].read)(json!({})).expect("settings of its own");
+        let field = CaveField::new(graph, &passage, material, Look::default(), 3);
+        let subject = Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: None };
+        glance(&field, best(&subject).expect("a passage has air").eye)
+    }
+
+    #[test]
+    fn one_looks_along_the_passage_and_not_at_the_ground() {
+        for (rise_m, pitches) in [(0.0, 0.0..0.1), (2.0, 0.1..0.4), (-5.0, 0.3..0.4)] {
+            let Glance { pose, shows_m } = best_in(&passage(rise_m));
+            assert!(shows_m > 4.0 && pitches.contains(&pose.pitch.abs()), "{rise_m}: {shows_m} m from {pose:?}");
+        }
+    }
 }

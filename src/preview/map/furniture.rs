@@ -4,7 +4,7 @@ use super::frame::{Area, Frame};
 use super::marks::{self, Mark, Marks};
 use super::sheet::{Sheet, whole};
 use crate::preview::Subject;
-use crate::preview::svg::{Anchor, Svg};
+use crate::preview::svg::{Anchor, Spot, Svg};
 use crate::preview::theme::{Palette, VIRIDIS, class_color};
 
 /// Paper, and what is drawn on it.
@@ -27,8 +27,15 @@ impl Furniture {
         if !sheet.note.is_empty() {
             numbers = format!("{numbers} · {}", sheet.note);
         }
-        self.svg.text([32.0 * unit, 44.0 * unit], Anchor::Left, 26.0 * unit, self.palette.ink, subject.name);
-        self.svg.text([32.0 * unit, 70.0 * unit], Anchor::Left, 15.0 * unit, self.palette.faint, &numbers);
+        let right = self.area.paper[0] - 136.0 * unit;
+        self.fitted([32.0 * unit, 44.0 * unit], right, 26.0 * unit, self.palette.ink, subject.name);
+        self.fitted([32.0 * unit, 70.0 * unit], right, 15.0 * unit, self.palette.faint, &numbers);
+    }
+
+    /// A text that becomes smaller where it would reach beyond `right`.
+    fn fitted(&mut self, at: Spot, right: f64, size: f64, fill: &str, text: &str) {
+        let share = (right - at[0]) / self.svg.text_width(text, size).max(1e-9);
+        self.svg.text(at, Anchor::Left, size * share.min(1.0), fill, text);
     }
 
     /// An arrow to the top of the paper.
@@ -118,7 +125,8 @@ impl Furniture {
             }
             marks::draw(&mut self.svg, self.palette, mark, [x, y], unit);
             let at = [x + 18.0 * unit, y + 5.0 * unit];
-            self.svg.text(at, Anchor::Left, 13.0 * unit, self.palette.ink, &counted(count, what));
+            let right = self.area.paper[0] - 4.0 * unit;
+            self.fitted(at, right, 13.0 * unit, self.palette.ink, &counted(count, what));
             y += 24.0 * unit;
         }
     }

@@ -1,6 +1,6 @@
 //! Where a cave begins and ends, and where it runs round.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::frame::Frame;
@@ -53,7 +53,7 @@ impl Marks {
 
     /// Draws those of a panel, the earlier where two are too near each other.
     pub fn draw(&self, svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
-        let mut taken = BTreeSet::new();
+        let mut places = Places { apart_px: APART * frame.line_px, taken: BTreeMap::new() };
         let is_here = |end: &usize| panel.level.is_none_or(|level| sheet.stations[*end].level == level);
         for (mark, ends) in &self.marks {
             if !ends.iter().any(is_here) {
@@ -61,10 +61,30 @@ impl Marks {
             }
             let [a, b] = ends.map(|end| frame.spot(sheet.stations[end].at));
             let spot = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
-            if taken.insert(spot.map(|pixel| (pixel / (APART * frame.line_px)) as i64)) {
+            if places.take(spot) {
                 draw(svg, palette, *mark, spot, frame.line_px);
             }
         }
+    }
+}
+
+/// Where marks stand already, by squares as wide as they are apart.
+struct Places {
+    apart_px: f64,
+    taken: BTreeMap<[i64; 2], Vec<Spot>>,
+}
+
+impl Places {
+    /// Takes a spot, if no other is too near.
+    fn take(&mut self, spot: Spot) -> bool {
+        let [column, row] = spot.map(|pixel| (pixel / self.apart_px).floor() as i64);
+        let squares = (column - 1..=column + 1).flat_map(|x| (row - 1..=row + 1).map(move |y| [x, y]));
+        let mut others = squares.filter_map(|square| self.taken.get(&square)).flatten();
+        let is_free = others.all(|other| libm::hypot(other[0] - spot[0], other[1] - spot[1]) >= self.apart_px);
+        if is_free {
+            self.taken.entry([column, row]).or_default().push(spot);
+        }
+        is_free
     }
 }
 

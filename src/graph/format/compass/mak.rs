@@ -4,66 +4,87 @@
 //! #DEEP1.DAT,A1[F,10.1,20.2,30.3];    / a book, with a station at known coordinates in feet
 //! #DEEP2.DAT,A7,A9;                   / a book that shares two stations with those before it
 //! ```
-//! Folders, datums, zones and settings are passed over.
-
-use std::path::{Path, PathBuf};
+//! A book that names such links may use the other names of those before it anew, which Compass keeps apart and Survex does
+//! not. Folders, datums, zones and settings are passed over.
 
 use nalgebra::Point3;
 
-use super::super::ReadError;
-use super::super::limits::MAX_FILES;
-use super::METRES_PER_FOOT;
+use super::Reader;
+use crate::graph::format::ReadError;
+use crate::graph::format::files::{self, Spot};
+use crate::graph::format::limits::MAX_COORDINATE_M;
+use crate::graph::format::measure::METRES_PER_FOOT;
+use crate::graph::format::text::shown;
 
 const HINT: &str = "a book is #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at its end";
 
 /// One of the books of a project.
-pub(super) struct Book {
-    pub(super) path: PathBuf,
-    /// Where the project names it.
-    pub(super) line: usize,
+struct Book {
+    file: String,
     /// Stations that it shares with the books before it, if only some.
-    pub(super) links: Vec<Vec<u8>>,
+    links: Vec<String>,
     /// Stations whose coordinates are known, in metres.
-    pub(super) fixes: Vec<(Vec<u8>, Point3<f64>)>,
+    fixes: Vec<(String, Point3<f64>)>,
 }
 
-/// The books of a project in their order.
-pub(super) fn books(path: &Path, bytes: &[u8]) -> Result<Vec<Book>, ReadError> {
-    let mut books = Vec::new();
-    for (line, entry) in entries(bytes) {
-        let fault = |message: String| ReadError::line(path, line, message, HINT);
-        if books.len() >= MAX_FILES {
-            return Err(fault(format!("names more than {MAX_FILES} books")));
+impl Reader<'_> {
+    /// Reads all books of a project.
+    pub(super) fn read_project(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
+        let text = files::text(bytes);
+        let entries = entries(&text);
+        if entries.is_empty() {
+            return Err(self.files.fault_of_file("names no book", HINT));
         }
-        let entry = entry.ok_or_else(|| fault("names a book that does not end".to_owned()))?;
-        books.push(book(path, line, &entry).map_err(fault)?);
+        for (line, entry) in entries {
+            let spot = self.files.spot(line);
+            let book = entry.ok_or_else(|| "names a book that does not end".to_owned()).and_then(|entry| book(&entry));
+            let begun = book.and_then(|book| self.begin(spot, &book).map(|()| book));
+            let book = begun.map_err(|message| self.files.fault(spot, message, HINT))?;
+            let bytes = self.files.open(spot, &book.file, ".dat")?;
+            self.read_book(&bytes)?;
+            self.files.close();
+        }
+        Ok(())
     }
-    if books.is_empty() {
-        return Err(ReadError::whole(path, "names no book", HINT));
+
+    /// Says which stations a book knows, and where some of them are.
+    fn begin(&mut self, spot: Spot, book: &Book) -> Result<(), String> {
+        if !book.links.is_empty() {
+            let before = std::mem::replace(&mut self.book, self.centreline.names.add()?);
+            for name in book.links.iter().chain(book.fixes.iter().map(|(name, _)| name)) {
+                let known = self.centreline.names.below(before, name)?;
+                let here = self.station(name)?;
+                self.centreline.equate(known, here);
+            }
+        }
+        for (name, position) in &book.fixes {
+            let station = self.station(name)?;
+            self.centreline.fix(station, *position, None, spot)?;
+        }
+        Ok(())
     }
-    Ok(books)
 }
 
 /// What stands between each `#` and its semicolon, without blanks and comments, and the line where it starts; `None`
 /// where the semicolon is missing. Comments reach from a slash to the next or to the end of the line.
-fn entries(bytes: &[u8]) -> Vec<(usize, Option<Vec<u8>>)> {
+fn entries(text: &str) -> Vec<(usize, Option<String>)> {
     let mut entries = Vec::new();
     let (mut line, mut in_comment) = (1, false);
-    let mut entry: Option<(usize, Vec<u8>)> = None;
-    for &byte in bytes {
-        line += usize::from(byte == b'\n');
-        in_comment = match byte {
-            b'\n' => false,
-            b'/' => !in_comment,
+    let mut entry: Option<(usize, String)> = None;
+    for letter in text.chars() {
+        line += usize::from(letter == '\n');
+        in_comment = match letter {
+            '\n' => false,
+            '/' => !in_comment,
             _ => in_comment,
         };
-        if in_comment || byte == b'/' || byte.is_ascii_whitespace() {
+        if in_comment || letter == '/' || letter.is_ascii_whitespace() {
             continue;
         }
-        match (byte, entry.as_mut()) {
-            (b'#', None) => entry = Some((line, Vec::new())),
-            (b';', Some(_)) => entries.extend(entry.take().map(|(line, text)| (line, Some(text)))),
-            (_, Some((_, text))) => text.push(byte),
+        match (letter, entry.as_mut()) {
+            ('#', None) => entry = Some((line, String::new())),
+            (';', Some(_)) => entries.extend(entry.take().map(|(line, text)| (line, Some(text)))),
+            (_, Some((_, text))) => text.push(letter),
             _ => {}
         }
     }
@@ -71,24 +92,23 @@ fn entries(bytes: &[u8]) -> Vec<(usize, Option<Vec<u8>>)> {
     entries
 }
 
-fn book(project: &Path, line: usize, entry: &[u8]) -> Result<Book, String> {
-    let text = String::from_utf8_lossy(entry);
-    let (file, mut rest) = text.split_once(',').unwrap_or((&text, ""));
+fn book(entry: &str) -> Result<Book, String> {
+    let (file, mut rest) = entry.split_once(',').unwrap_or((entry, ""));
     if file.is_empty() {
         return Err("names a book without a name".to_owned());
     }
-    let path = project.parent().unwrap_or(Path::new("")).join(file.replace('\\', "/"));
-    let mut book = Book { path, line, links: Vec::new(), fixes: Vec::new() };
+    let mut book = Book { file: file.to_owned(), links: Vec::new(), fixes: Vec::new() };
     while !rest.is_empty() {
         let end = rest.find([',', '[']).unwrap_or(rest.len());
         let (name, after) = rest.split_at(end);
         rest = after.strip_prefix(',').unwrap_or(after);
         if let Some(fix) = after.strip_prefix('[') {
-            let (place, after) = fix.split_once(']').ok_or_else(|| format!("fixes {name:?} without an end"))?;
-            book.fixes.push((name.into(), position(place).ok_or_else(|| format!("fixes {name:?} at {place:?}"))?));
+            let (place, after) = fix.split_once(']').ok_or_else(|| format!("fixes {} without an end", shown(name)))?;
+            let position = position(place).ok_or_else(|| format!("fixes {} at {}", shown(name), shown(place)))?;
+            book.fixes.push((name.to_owned(), position));
             rest = after.strip_prefix(',').unwrap_or(after);
         } else if !name.is_empty() {
-            book.links.push(name.into());
+            book.links.push(name.to_owned());
         }
     }
     Ok(book)
@@ -102,6 +122,6 @@ fn position(text: &str) -> Option<Point3<f64>> {
         "M" | "m" => 1.0,
         _ => return None,
     };
-    let mut number = || parts.next()?.parse().ok().filter(|number: &f64| number.abs() < 1e9);
+    let mut number = || parts.next()?.parse().ok().filter(|number: &f64| number.abs() <= MAX_COORDINATE_M);
     Some(Point3::new(number()?, number()?, number()?) * metres)
 }

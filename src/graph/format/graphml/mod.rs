@@ -5,7 +5,7 @@
 //! otherwise nodes are numbered. Hyperedges, graphs inside nodes and document types are refused: this reader knows no
 //! entities but those of XML itself, so that no file can grow in memory.
 //!
-//! Held is all of a graph but its parents.
+//! Places may be of any grid ([`origin`](super::origin)). Held is all of a graph but its parents.
 
 mod read;
 mod write;

@@ -34,8 +34,7 @@ pub(in crate::graph::format) fn import(source: &Source, parts: Parts) -> Result<
     let names = by_node(names);
     number(&mut draft, &names);
     let name = |node: usize| format!("node {}", shown(&names[node]));
-    let (graph, tally) = draft.finished(parts).map_err(|error| error.into_error(source.path, name))?;
-    Ok(Import { graph, recipe: None, tally })
+    draft.into_import(source.path, parts, name)
 }
 
 /// What is wrong, without the place.

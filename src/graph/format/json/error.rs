@@ -56,8 +56,10 @@ pub enum ReadError {
         nodes: &'static str,
     },
     /// More than can be handled.
-    #[error("the graph has more than {most} nodes")]
+    #[error("the graph has more than {most} {what}")]
     TooMany {
+        /// Nodes or edges.
+        what: &'static str,
         /// How many there may be.
         most: usize,
     },

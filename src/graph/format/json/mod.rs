@@ -10,7 +10,8 @@
 //! Read as well is what the original PLUME script (Garcia, Richard, Olivares-Mendez 2025) writes as `data.json`: nodes
 //! as an object keyed by id, edges from one end or both. Stations in the same place, to 1 mm, become one node, as its
 //! overlapping tunnels are one cave. Left out, `parent` follows from a walk from the origin, `edges` from the other end
-//! and the parent, `z` is 0, `radius` is the distance to the nearest neighbour, `active` is false.
+//! and the parent, `z` is 0, `radius` is the distance to the nearest neighbour, `active` is false. Graphs are not moved:
+//! what is more than 1000 km from the origin is refused.
 
 mod error;
 mod join;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use super::error::ReadError;
-use crate::graph::format::limits::{MAX_LENGTH_M, MAX_STATIONS};
+use crate::graph::format::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use crate::graph::{Section, Shape, millimetres};
 
 /// A node as the file has it.
@@ -104,10 +104,15 @@ impl<'de> Visitor<'de> for KeysVisitor {
     }
 }
 
+/// Both ends name an edge.
+const MAX_ENDS: usize = 2 * MAX_LEGS;
+
 /// Gathers stations until one of them is at fault.
 #[derive(Default)]
 struct Nodes {
     stations: Vec<Station>,
+    /// Edges of all of them, each as often as it is named.
+    edges: usize,
     fault: Option<ReadError>,
 }
 
@@ -117,11 +122,17 @@ impl Nodes {
             return;
         }
         if self.stations.len() == MAX_STATIONS {
-            self.fault = Some(ReadError::TooMany { most: MAX_STATIONS });
+            self.fault = Some(ReadError::TooMany { what: "nodes", most: MAX_STATIONS });
             return;
         }
         match station(place, keyed, node) {
-            Ok(station) => self.stations.push(station),
+            Ok(station) if self.edges + station.edges.len() > MAX_ENDS => {
+                self.fault = Some(ReadError::TooMany { what: "edges", most: MAX_LEGS });
+            }
+            Ok(station) => {
+                self.edges += station.edges.len();
+                self.stations.push(station);
+            }
             Err(fault) => self.fault = Some(fault),
         }
     }

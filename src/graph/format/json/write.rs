@@ -37,7 +37,7 @@ pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
     let version = Value::from(version);
     let mut text = format!("{{\n\"plume\": {version},\n\"recipe\": {recipe},\n\"nodes\": [");
     let neighbors = graph.neighbors();
-    for (index, (node, others)) in graph.nodes.iter().zip(neighbors).enumerate() {
+    for (index, (node, others)) in graph.nodes.iter().zip(neighbors.iter()).enumerate() {
         let edges: Vec<u64> = others.iter().map(|&other| graph.nodes[other].id).collect();
         let station = Station {
             id: node.id,

@@ -1,6 +1,7 @@
 //! From lines to legs: what each column holds, and stations that two legs share.
 
 use super::{Order, Quantity, Reading, Style};
+use crate::graph::format::text::shown;
 
 /// What stands in a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,7 +139,7 @@ fn read(
         }
     }
     match words.next() {
-        Some(word) => Err(format!("`{word}` stands behind the last column")),
+        Some(word) => Err(format!("{} stands behind the last column", shown(word))),
         None => Ok((row, backwards)),
     }
 }
@@ -147,7 +148,7 @@ fn is_backwards(word: &str) -> Result<bool, String> {
     match word {
         "F" | "f" => Ok(false),
         "B" | "b" => Ok(true),
-        _ => Err(format!("`{word}` is no direction; it is F or B")),
+        _ => Err(format!("{} is no direction; it is F or B", shown(word))),
     }
 }
 

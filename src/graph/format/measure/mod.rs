@@ -1,6 +1,6 @@
 //! What surveyors measure, with what, and how a shot follows from it.
 //!
-//! Survex and Therion mean the same by the same words, so both readers share this: [`Instruments`] are the settings that
+//! Survex and Therion mean the same by the same words, and Compass measures the same, so their readers share this: [`Instruments`] are the settings that
 //! hold for the lines that follow, an [`Order`] says what stands in which column, [`Columns`] puts the lines together,
 //! and [`Instruments::shot`] makes a vector of the readings (Survex manual 1.4, chapter 4; Therion book 6.1, `centreline`).
 
@@ -83,7 +83,7 @@ impl Quantity {
         NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|&(_, quantity)| quantity)
     }
 
-    fn is_angle(self) -> bool {
+    pub(super) fn is_angle(self) -> bool {
         matches!(
             self,
             Self::Bearing
@@ -110,6 +110,9 @@ impl Quantity {
         matches!(self, Self::Gradient | Self::BackGradient)
     }
 }
+
+/// Of the international foot.
+pub(super) const METRES_PER_FOOT: f64 = 0.3048;
 
 /// What a number on paper means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,9 +142,9 @@ const UNITS: &[(&str, Unit)] = &[
     ("inches", Unit::Length(0.0254)),
     ("inch", Unit::Length(0.0254)),
     ("in", Unit::Length(0.0254)),
-    ("feet", Unit::Length(0.3048)),
-    ("foot", Unit::Length(0.3048)),
-    ("ft", Unit::Length(0.3048)),
+    ("feet", Unit::Length(METRES_PER_FOOT)),
+    ("foot", Unit::Length(METRES_PER_FOOT)),
+    ("ft", Unit::Length(METRES_PER_FOOT)),
     ("yards", Unit::Length(0.9144)),
     ("yard", Unit::Length(0.9144)),
     ("yd", Unit::Length(0.9144)),
@@ -258,6 +261,21 @@ impl Default for Instruments {
 const FACTORS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 impl Instruments {
+    /// Those of Compass, which has lengths in feet and angles in degrees, and plumbs and equates as they look.
+    pub(super) fn of_compass() -> Self {
+        let mut instruments = Self { infer_plumbs: true, infer_equates: true, ..Self::default() };
+        for gauge in instruments.gauges.iter_mut().filter(|gauge| matches!(gauge.unit, Unit::Length(_))) {
+            gauge.unit = Unit::Length(METRES_PER_FOOT);
+        }
+        instruments
+    }
+
+    /// From now on this much is added to what is read, in the unit that holds now.
+    pub(super) fn correct(&mut self, quantity: Quantity, by: f64) {
+        let gauge = &mut self.gauges[quantity as usize];
+        gauge.zero = -gauge.unit.of(by);
+    }
+
     /// Reads these quantities in this unit from now on.
     fn set_unit(&mut self, of: &[Quantity], factor: f64, unit: Unit) -> Result<(), String> {
         if !FACTORS.contains(&factor.abs()) {

@@ -46,8 +46,8 @@ impl Instruments {
     pub(in super::super) fn shot(&self, style: Style, row: &Row) -> Result<Measured, String> {
         let measured = match style {
             Style::Normal => self.normal(row)?,
-            Style::Diving => self.by_depth(row, true)?,
-            Style::Cylpolar => self.by_depth(row, false)?,
+            Style::Diving => self.diving(row)?,
+            Style::Cylpolar => self.cylpolar(row)?,
             Style::Cartesian => self.cartesian(row)?,
             Style::NoSurvey | Style::Passage | Style::Ignore => Measured::Way,
         };
@@ -84,7 +84,14 @@ impl Instruments {
         if self.infer_equates && row.number(Reading::Of(Quantity::Length)) == Some(0.0) {
             return Ok(Measured::Nothing);
         }
-        let (slope, gradient_rad) = self.slope(row);
+        let bearing = self.bearing(row);
+        let (slope, gradient_rad) = match self.slope(row) {
+            // Whoever takes no bearing has plumbed the shot.
+            (Slope::Gradient(gradient), spread) if bearing.is_none() && is_plumb(gradient) => {
+                (Slope::Plumb(gradient.signum()), spread)
+            }
+            taken => taken,
+        };
         let mut accuracy = Accuracy {
             length_m,
             gradient_rad,
@@ -96,7 +103,7 @@ impl Instruments {
             let vector = Vector3::new(0.0, 0.0, up * length);
             return Ok(Measured::Shot { covariance: accuracy.covariance(&vector), vector });
         }
-        let Some((bearing, bearing_rad)) = self.bearing(row) else {
+        let Some((bearing, bearing_rad)) = bearing else {
             return Err("there is no bearing, and the shot is not plumbed".to_owned());
         };
         accuracy.bearing_rad = bearing_rad;
@@ -113,32 +120,56 @@ impl Instruments {
         Ok(Measured::Shot { vector, covariance })
     }
 
-    /// Shots whose rise comes from a depth gauge, the tape held along the shot or along the plan.
-    fn by_depth(&self, row: &Row, slanting: bool) -> Result<Measured, String> {
+    /// Shots along which the tape was held, and whose rise comes from a depth gauge.
+    fn diving(&self, row: &Row) -> Result<Measured, String> {
         let (length, length_m) = self.length(row)?;
         let (rise, rise_m) = self.rise(row)?;
-        let bearing = self.bearing(row);
-        let station = Accuracy { position_m: self.spread(Quantity::Position), ..Accuracy::default() }.station();
         let plan2 = length * length - rise * rise;
-        let Some((bearing, bearing_rad)) = bearing.filter(|_| !slanting || plan2 > 0.0) else {
+        let Some((bearing, bearing_rad)) = self.bearing(row).filter(|_| plan2 > 0.0) else {
             // Tape and gauge measure the same, so each counts as far as it can be trusted.
             let (of_length, of_rise) = (length_m * length_m, rise_m * rise_m);
             let both = (of_length + of_rise).max(f64::MIN_POSITIVE);
             let height = (length * of_rise + rise.abs() * of_length) / both;
-            let variance = of_length * of_rise / both;
-            let aside = length * self.spread(Quantity::Plumb);
-            let covariance = station + Matrix3::from_diagonal(&Vector3::new(aside * aside, aside * aside, variance));
-            return Ok(Measured::Shot { vector: Vector3::new(0.0, 0.0, height.copysign(rise)), covariance });
+            return Ok(self.plumbed(height.copysign(rise), length, of_length * of_rise / both));
         };
-        let plan = if slanting { plan2.sqrt() } else { length };
-        let way = Vector3::new(libm::sin(bearing), libm::cos(bearing), 0.0);
-        let vector = way * plan + Vector3::z() * rise;
-        let (by_length, by_rise) = if slanting { (length / plan, rise / plan) } else { (1.0, 0.0) };
-        let along = way * (length_m * by_length);
-        let up = (Vector3::z() - way * by_rise) * rise_m;
+        let plan = plan2.sqrt();
+        let ahead = ahead(bearing);
+        let vector = ahead * plan + Vector3::z() * rise;
+        let along = ahead * (length_m * length / plan);
+        let up = (Vector3::z() - ahead * (rise / plan)) * rise_m;
+        Ok(self.by_depth(vector, bearing_rad, along, up))
+    }
+
+    /// Shots along whose plan the tape was held, and whose rise comes from a depth gauge.
+    fn cylpolar(&self, row: &Row) -> Result<Measured, String> {
+        let (length, length_m) = self.length(row)?;
+        let (rise, rise_m) = self.rise(row)?;
+        let Some((bearing, bearing_rad)) = self.bearing(row) else {
+            return Ok(self.plumbed(rise, rise, rise_m * rise_m));
+        };
+        let ahead = ahead(bearing);
+        let vector = ahead * length + Vector3::z() * rise;
+        Ok(self.by_depth(vector, bearing_rad, ahead * length_m, Vector3::z() * rise_m))
+    }
+
+    /// A shot straight up or down, `length` of which may lead aside.
+    fn plumbed(&self, rise: f64, length: f64, variance: f64) -> Measured {
+        let aside = length * self.spread(Quantity::Plumb);
+        let variances = Vector3::new(aside * aside, aside * aside, variance);
+        let covariance = self.station() + Matrix3::from_diagonal(&variances);
+        Measured::Shot { vector: Vector3::z() * rise, covariance }
+    }
+
+    /// A shot that the tape makes uncertain by `along`, and the depth gauge by `up`.
+    fn by_depth(&self, vector: Vector3<f64>, bearing_rad: f64, along: Vector3<f64>, up: Vector3<f64>) -> Measured {
         let across = Vector3::new(vector.y, -vector.x, 0.0) * bearing_rad;
-        let covariance = station + along * along.transpose() + up * up.transpose() + across * across.transpose();
-        Ok(Measured::Shot { vector, covariance })
+        let instruments = along * along.transpose() + up * up.transpose() + across * across.transpose();
+        Measured::Shot { vector, covariance: self.station() + instruments }
+    }
+
+    /// What is due to the stations themselves.
+    fn station(&self) -> Matrix3<f64> {
+        Accuracy { position_m: self.spread(Quantity::Position), ..Accuracy::default() }.station()
     }
 
     fn cartesian(&self, row: &Row) -> Result<Measured, String> {
@@ -229,11 +260,20 @@ impl Instruments {
 
     fn gradient(&self, quantity: Quantity, number: f64) -> Slope {
         let raw = self.gauges[quantity as usize].unit.of(number);
-        if self.infer_plumbs && (raw.abs() - FRAC_PI_2).abs() < PLUMB {
+        if self.infer_plumbs && is_plumb(raw) {
             return Slope::Plumb(raw.signum());
         }
         Slope::Gradient(self.value(quantity, number))
     }
+}
+
+/// One metre this way in plan.
+fn ahead(bearing: f64) -> Vector3<f64> {
+    Vector3::new(libm::sin(bearing), libm::cos(bearing), 0.0)
+}
+
+fn is_plumb(gradient: f64) -> bool {
+    (gradient.abs() - FRAC_PI_2).abs() < PLUMB
 }
 
 /// The mean of two measurements, or the one there is.

@@ -1,6 +1,7 @@
 //! Settings as both formats write them: the words behind a command.
 
 use super::{Dialect, Instruments, Order, Quantity, Reading, Style, Unit};
+use crate::graph::format::text::shown;
 
 /// Reads a number.
 type Number<'a> = &'a dyn Fn(&str) -> Option<f64>;
@@ -12,9 +13,8 @@ impl Order {
         if style.eq_ignore_ascii_case("default") {
             return Ok(Self::default());
         }
-        let style = Style::named(style).ok_or_else(|| format!("`{}` is no style of data", style.escape_default()))?;
-        let column =
-            |word: &&str| Reading::named(word).ok_or_else(|| format!("`{}` is no reading", word.escape_default()));
+        let style = Style::named(style).ok_or_else(|| format!("{} is no style of data", shown(style)))?;
+        let column = |word: &&str| Reading::named(word).ok_or_else(|| format!("{} is no reading", shown(word)));
         let columns: Result<Vec<Reading>, String> = columns.iter().map(column).collect();
         Self::new(style, &columns?)
     }
@@ -83,7 +83,7 @@ impl Instruments {
                 Err("`declination auto` takes a model of the earth's magnetic field".to_owned())
             }
             [declination, unit] => {
-                let Unit::Angle(factor) = named_unit(unit)? else { return Err(format!("`{unit}` is no angle")) };
+                let Unit::Angle(factor) = named_unit(unit)? else { return Err(format!("{} is no angle", shown(unit))) };
                 self.set_declination(some(declination, number)? * factor);
                 Ok(())
             }
@@ -96,7 +96,7 @@ impl Instruments {
         let mut quantities: Vec<Quantity> = words.iter().map_while(|word| Quantity::named(word)).collect();
         if quantities.is_empty() {
             let found = words.first().copied().unwrap_or_default();
-            return Err(format!("`{}` is nothing that is measured", found.escape_default()));
+            return Err(format!("{} is nothing that is measured", shown(found)));
         }
         let rest = &words[quantities.len()..];
         if self.dialect == Dialect::Therion {
@@ -118,7 +118,7 @@ impl Instruments {
             "plumbs" => self.infer_plumbs = on,
             "equates" => self.infer_equates = on,
             "exports" => {}
-            _ => return Err(format!("`{}` cannot be inferred", what.escape_default())),
+            _ => return Err(format!("{} cannot be inferred", shown(what))),
         }
         Ok(())
     }
@@ -129,9 +129,9 @@ fn is_default(words: &[&str]) -> bool {
 }
 
 fn named_unit(word: &str) -> Result<Unit, String> {
-    Unit::named(word).ok_or_else(|| format!("`{}` is no unit", word.escape_default()))
+    Unit::named(word).ok_or_else(|| format!("{} is no unit", shown(word)))
 }
 
 fn some(word: &str, number: Number) -> Result<f64, String> {
-    number(word).ok_or_else(|| format!("`{}` is no number", word.escape_default()))
+    number(word).ok_or_else(|| format!("{} is no number", shown(word)))
 }

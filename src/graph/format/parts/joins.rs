@@ -8,8 +8,8 @@
 use nalgebra::Point3;
 
 use super::NONE;
-use super::sets::Sets;
 use super::tree::{Near, Tree};
+use crate::graph::sets::Sets;
 
 /// Joins that make points of `parts` parts one part, `part_of` each point; lower index first.
 pub(super) fn shortest(places: &[Point3<f64>], part_of: &[usize], parts: usize) -> Vec<[usize; 2]> {

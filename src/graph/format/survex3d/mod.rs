@@ -11,8 +11,9 @@
 mod bytes;
 mod label;
 
+use std::collections::HashMap;
+
 use nalgebra::Point3;
-use rustc_hash::FxHashMap;
 
 use self::bytes::Bytes;
 use self::label::Label;
@@ -70,9 +71,10 @@ type Place = [i32; 3];
 struct Reader<'a> {
     bytes: Bytes<'a>,
     survey: Survey,
-    of_place: FxHashMap<Place, usize>,
+    /// Hashed at random, as the next: no file can make its places collide.
+    of_place: HashMap<Place, usize>,
     /// The station of each name, by the name's hash.
-    of_label: FxHashMap<u64, usize>,
+    of_label: HashMap<u64, usize>,
     label: Label,
     /// Where the next line starts.
     here: Option<Place>,
@@ -87,8 +89,8 @@ impl<'a> Reader<'a> {
         Self {
             bytes: Bytes::new(source.path, source.bytes),
             survey: Survey::default(),
-            of_place: FxHashMap::default(),
-            of_label: FxHashMap::default(),
+            of_place: HashMap::default(),
+            of_label: HashMap::default(),
             label: Label::default(),
             here: None,
             is_style_normal: false,

@@ -18,9 +18,9 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use self::section::Room;
-use super::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
+use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::parts::Fate;
-use super::{Import, Parts, ReadError, Source};
+use super::{Import, Parts, ReadError, Source, origin};
 use crate::graph::Graph;
 use crate::graph::sketch::{Knot, Sketch};
 
@@ -91,8 +91,8 @@ pub struct Tally {
     pub joined: usize,
     /// Stations of parts that were left out.
     pub left_out: usize,
-    /// Where the origin of the graph lies in the coordinates of the file, in metres: a survey is moved so that its
-    /// first entrance, or else its first station, is the origin.
+    /// Where the origin of the graph lies in the coordinates of the file, in metres. A survey is moved so that its
+    /// first entrance, or else its first station, is the origin; another graph only if it reaches too far away.
     pub origin_m: [f64; 3],
 }
 
@@ -105,12 +105,12 @@ impl Survey {
         self.check(source.path)?;
         let mut tally = self.tally();
         let passages = self.passages();
-        let welds = weld::welds(&self.stations, &passages);
+        let places: Vec<Point3<f64>> = self.stations.iter().map(|station| station.position).collect();
+        let welds = weld::welds(&places, &passages);
         let mut lines: Vec<[usize; 2]> = passages.iter().map(|ends| ends.map(|end| welds[end])).collect();
         lines.retain(|[a, b]| a != b);
         tally.welded = passages.len() - lines.len();
 
-        let places: Vec<Point3<f64>> = self.stations.iter().map(|station| station.position).collect();
         let name = |station: usize| places[station].coords.map(|x| format!("{x:.1}")).data.0.concat().join(" ");
         let fate = Fate::of(&places, &lines, parts).map_err(|parts| parts.into_error(source.path, name))?;
         (tally.joined, tally.left_out) = (fate.joins.len(), fate.left_out);
@@ -122,7 +122,10 @@ impl Survey {
         let (rooms, interpolated) = section::rooms(&self, &welds, &lines);
         tally.interpolated = interpolated;
         let graph = graph(&places, lines, &rooms, first);
-        check_graph(source.path, &graph)?;
+        if graph.nodes.len() < 2 {
+            return Err(no_passages(source.path));
+        }
+        origin::check_reach(source.path, graph.nodes.iter().map(|node| node.position))?;
         Ok(Import { graph, recipe: None, tally })
     }
 
@@ -169,25 +172,11 @@ fn no_passages(path: &Path) -> ReadError {
     ReadError::whole(path, "has no passages", hint)
 }
 
-/// Stations may have come too far apart, or to lie in one place.
-fn check_graph(path: &Path, graph: &Graph) -> Result<(), ReadError> {
-    if graph.nodes.len() < 2 {
-        return Err(no_passages(path));
-    }
-    let away_m = graph.nodes.iter().map(|node| node.position.coords.amax()).fold(0.0, f64::max);
-    if away_m > MAX_LENGTH_M {
-        let (far_km, most_km) = (away_m / 1000.0, MAX_LENGTH_M / 1000.0);
-        let message = format!("has stations {far_km:.0} km from each other, and {most_km:.0} km is the most");
-        return Err(ReadError::whole(path, message, "fix all stations in one coordinate system"));
-    }
-    Ok(())
-}
-
 /// The graph with `first` as its first node and the origin of its frame.
 fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>], first: usize) -> Graph {
     let mut sketch = Sketch::default();
     for (place, room) in places.iter().zip(rooms) {
-        let position = Point3::from(place - places[first]);
+        let position = origin::counted_from(places[first], *place);
         sketch.add(match room {
             Some(room) => Knot { position: position + room.middle, section: Some(room.section), level: 0 },
             None => Knot { position, section: None, level: 0 },

@@ -1,10 +1,8 @@
 //! Stations that are one place of a cave.
 
 use nalgebra::Point3;
-use rustc_hash::FxHashMap;
 
-use super::Station;
-use crate::graph::millimetres;
+use crate::graph::format::parts::first_at_place;
 
 /// Stations that a shorter leg joins are one place, in metres: no passage is made narrower than five times that, and
 /// what lies that close together cannot be told apart in the rock. Tuned.
@@ -12,12 +10,12 @@ const SHORT_M: f64 = 0.3;
 
 /// The station that stands for each: the first in its place, to 1 mm, or one that a passage of less than [`SHORT_M`]
 /// leads to. None moves further than that, so a chain of short legs is thinned out and keeps its shape.
-pub(super) fn welds(stations: &[Station], passages: &[[usize; 2]]) -> Vec<usize> {
-    let mut welds = first_at_place(stations);
-    let mut stands_for_others = vec![false; stations.len()];
+pub(super) fn welds(places: &[Point3<f64>], passages: &[[usize; 2]]) -> Vec<usize> {
+    let mut welds = first_at_place(places);
+    let mut stands_for_others = vec![false; places.len()];
     for ends in passages {
         let [a, b] = ends.map(|end| welds[welds[end]]);
-        let short = (stations[a].position - stations[b].position).norm() < SHORT_M;
+        let short = (places[a] - places[b]).norm() < SHORT_M;
         let joining = [[a, b], [b, a]].into_iter().find(|&[_, joins]| !stands_for_others[joins]);
         if let (true, true, Some([stays, joins])) = (a != b, short, joining) {
             stands_for_others[stays] = true;
@@ -27,30 +25,23 @@ pub(super) fn welds(stations: &[Station], passages: &[[usize; 2]]) -> Vec<usize>
     (0..welds.len()).map(|station| welds[welds[station]]).collect()
 }
 
-fn first_at_place(stations: &[Station]) -> Vec<usize> {
-    let mut of_place: FxHashMap<[u64; 3], usize> = FxHashMap::default();
-    let key = |place: &Point3<f64>| place.map(millimetres).coords.map(f64::to_bits).into();
-    let firsts = stations.iter().enumerate();
-    firsts.map(|(index, station)| *of_place.entry(key(&station.position)).or_insert(index)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn line(places_m: &[f64]) -> Vec<Station> {
-        places_m.iter().map(|&x| Station { position: Point3::new(x, 0.0, 0.0), entrance: false }).collect()
+    fn line(places_m: &[f64]) -> Vec<Point3<f64>> {
+        places_m.iter().map(|&x| Point3::new(x, 0.0, 0.0)).collect()
     }
 
     #[test]
     fn a_chain_of_short_legs_is_thinned_and_keeps_its_length() {
-        let stations = line(&[0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+        let places = line(&[0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
         let forth: Vec<[usize; 2]> = (0..5).map(|leg| [leg, leg + 1]).collect();
         let back: Vec<[usize; 2]> = forth.iter().rev().map(|&[a, b]| [b, a]).collect();
         for passages in [forth, back] {
-            let welds = welds(&stations, &passages);
+            let welds = welds(&places, &passages);
             for (station, &one) in welds.iter().enumerate() {
-                assert!((stations[station].position - stations[one].position).norm() < SHORT_M);
+                assert!((places[station] - places[one]).norm() < SHORT_M);
                 assert_eq!(welds[one], one);
             }
             let mut left = welds.clone();

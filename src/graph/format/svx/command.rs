@@ -8,14 +8,12 @@ use super::{Case, HINT, Reader};
 use crate::graph::format::ReadError;
 use crate::graph::format::centreline::{Names, spread};
 use crate::graph::format::files::Spot;
-use crate::graph::format::limits::MAX_LENGTH_M;
+use crate::graph::format::limits::MAX_COORDINATE_M;
 use crate::graph::format::measure::{Columns, Order};
+use crate::graph::format::text::shown;
 
 /// Commands that describe the survey, or check what is no business of ours.
 const PASSED_OVER: &[&str] = &["title", "date", "team", "instrument", "export", "ref", "copyright", "require", "solve"];
-
-/// How far from zero national grids count: no place on earth is farther.
-const MAX_COORDINATE_M: f64 = 100.0 * MAX_LENGTH_M;
 
 impl Reader<'_> {
     /// Obeys the command of a line, in a file in which `outer` blocks were open before.
@@ -66,7 +64,8 @@ impl Reader<'_> {
             ("truncate", [most]) => self.truncate(most),
             ("set", [item, characters @ ..]) => Rc::make_mut(&mut self.settings.marks).set(item, &characters.concat()),
             ("prefix", [name]) => {
-                self.settings.survey = self.named(Names::ROOT, name)?;
+                let is_root = self.settings.marks.behind_root(name) == Some("");
+                self.settings.survey = if is_root { Names::ROOT } else { self.named(Names::ROOT, name)? };
                 Ok(())
             }
             ("default", words) => words.iter().try_for_each(|what| self.reset(what)),
@@ -74,12 +73,12 @@ impl Reader<'_> {
             ("fix" | "equate" | "entrance" | "alias" | "case" | "truncate" | "set" | "begin" | "end" | "prefix", _) => {
                 Err(format!("`*{command}` takes other arguments than these"))
             }
-            _ => Err(format!("`*{}` is no command that is read here", command.escape_default())),
+            _ => Err(format!("{} is no command that is read here", shown(command))),
         }
     }
 
     fn number(&self, word: &str) -> Result<f64, String> {
-        self.settings.marks.number(word).ok_or_else(|| format!("`{word}` is no number"))
+        self.settings.marks.number(word).ok_or_else(|| format!("{} is no number", shown(word)))
     }
 
     /// `*fix <station> [reference] [<x> <y> <z> [<standard deviations> [<covariances>]]]`
@@ -100,8 +99,7 @@ impl Reader<'_> {
             _ => return Err("a fix is three coordinates and up to three standard deviations".to_owned()),
         };
         let covariance = numbers.get(3..).and_then(spread);
-        self.centreline.fix(name, position, covariance, spot);
-        Ok(())
+        self.centreline.fix(name, position, covariance, spot)
     }
 
     fn equate(&mut self, first: &str, others: &[&str]) -> Result<(), String> {
@@ -127,7 +125,7 @@ impl Reader<'_> {
             "preserve" => Case::Kept,
             "toupper" => Case::Upper,
             "tolower" => Case::Lower,
-            _ => return Err(format!("`{case}` is neither preserve, toupper nor tolower")),
+            _ => return Err(format!("{} is neither preserve, toupper nor tolower", shown(case))),
         };
         Ok(())
     }
@@ -136,7 +134,7 @@ impl Reader<'_> {
         self.settings.significant = match most.parse() {
             Ok(most @ 1..) => Some(most),
             _ if most.eq_ignore_ascii_case("off") => None,
-            _ => return Err(format!("names cannot be truncated to `{most}`")),
+            _ => return Err(format!("names cannot be truncated to {}", shown(most))),
         };
         Ok(())
     }
@@ -146,7 +144,7 @@ impl Reader<'_> {
         let what = what.to_ascii_lowercase();
         let all = what == "all";
         if !all && !matches!(what.as_str(), "calibrate" | "data" | "units") {
-            return Err(format!("`{what}` has no default"));
+            return Err(format!("{} has no default", shown(&what)));
         }
         if all || what == "calibrate" {
             self.settings.instruments.reset_calibration();

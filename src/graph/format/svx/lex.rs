@@ -1,6 +1,7 @@
 //! Words and numbers, with the special characters that `*set` can change.
 
 use crate::graph::format::measure::{Cell, Quantity, Reading};
+use crate::graph::format::text::shown;
 
 const BLANK: u16 = 1;
 const COMMENT: u16 = 2;
@@ -59,7 +60,7 @@ impl Marks {
     /// Changes the characters of an item, as `*set` says it: as they are, or `x2C` by their code.
     pub(super) fn set(&mut self, item: &str, characters: &str) -> Result<(), String> {
         let Some(&(_, what)) = ITEMS.iter().find(|(known, _)| known.eq_ignore_ascii_case(item)) else {
-            return Err(format!("`{item}` is nothing that can be set"));
+            return Err(format!("{} is nothing that can be set", shown(item)));
         };
         let mut codes = Vec::new();
         let mut rest = characters.chars();
@@ -71,7 +72,7 @@ impl Marks {
                 rest = rest.as_str()[2..].chars();
             }
             if !character.is_ascii() || character.is_ascii_alphanumeric() {
-                return Err(format!("`{character}` cannot be a special character"));
+                return Err(format!("`{}` cannot be a special character", character.escape_default()));
             }
             codes.push(character as usize);
         }
@@ -125,9 +126,14 @@ impl Marks {
         }
         let parts: Vec<&str> = name.split(|c| self.is(c, SEPARATOR)).collect();
         if parts.iter().any(|part| part.is_empty()) {
-            return Err(format!("`{name}` is no name"));
+            return Err(format!("{} is no name", shown(name)));
         }
         Ok(parts)
+    }
+
+    /// What follows the root in a name that starts there.
+    pub(super) fn behind_root<'a>(&self, name: &'a str) -> Option<&'a str> {
+        name.strip_prefix(|c| self.is(c, ROOT))
     }
 
     /// How many separators a word is, where it is nothing else: an anonymous station.
@@ -167,9 +173,9 @@ impl Marks {
         match (reading, plumb) {
             (Reading::Of(Quantity::Gradient | Quantity::BackGradient), Some(plumb)) => Ok(plumb),
             (Reading::Of(Quantity::Bearing | Quantity::BackBearing), _) => {
-                self.quadrant(word).map(Cell::Number).ok_or_else(|| format!("`{word}` is no bearing"))
+                self.quadrant(word).map(Cell::Number).ok_or_else(|| format!("{} is no bearing", shown(word)))
             }
-            _ => Err(format!("`{word}` is no number")),
+            _ => Err(format!("{} is no number", shown(word))),
         }
     }
 

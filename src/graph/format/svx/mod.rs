@@ -5,8 +5,9 @@
 //! and includes. Loops are closed as Survex closes them, so stations come out where cavern puts them; those of diving shots
 //! within loops may differ by a share of the misclosure, since their covariances do.
 //!
-//! Not read: `*declination auto`, which takes a model of the earth's field, and positions in a `*cs` in degrees; the
-//! error sends the user to cavern. What only describes (`*title`, `*team`) is passed over, as are `*export` and `*solve`:
+//! Not read: `*declination auto`, which takes a model of the earth's field, positions in a `*cs` in degrees or in two of them,
+//! and the files of Compass that `*include` may name; the error sends the user to cavern. Covariances of fixes between axes are
+//! left out. What only describes (`*title`, `*team`) is passed over, as are `*export` and `*solve`:
 //! whoever reads a survey to walk in it wants the whole of it at its best.
 
 mod command;
@@ -16,10 +17,11 @@ use std::rc::Rc;
 
 use lex::Marks;
 
-use super::centreline::{Centreline, Flags, Name, Section};
+use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::MAX_DEPTH;
 use super::measure::{Columns, Instruments, Order, Row, Style};
+use super::text::shown;
 use super::{Import, Parts, ReadError, Source};
 
 /// What to do about a survey that says more than we read.
@@ -117,24 +119,23 @@ impl Reader<'_> {
         let [(from, from_wall), (to, to_wall)] = [self.end(&row.from)?, self.end(to)?];
         let leg = self.settings.flags.leg(from_wall || to_wall);
         let walls_m = self.settings.instruments.walls(row, false);
-        self.centreline.section(Section { station: from, looking: [from, to], walls_m });
+        self.centreline.section(Section { station: from, looking: [from, to], walls_m })?;
         let measured = self.settings.instruments.shot(style, row)?;
         self.centreline.leg([from, to], leg, measured)
     }
 
     fn cross_section(&mut self, row: &Row) -> Result<(), String> {
         let station = self.station(&row.from)?;
-        self.centreline.add_to_tube(station, self.settings.instruments.walls(row, false));
-        Ok(())
+        self.centreline.add_to_tube(station, self.settings.instruments.walls(row, false))
     }
 
     /// The end of a leg, and whether it is no station but a point on a wall or in the open.
     fn end(&mut self, word: &str) -> Result<(Name, bool), String> {
         if self.settings.dash_is_wall && word == "-" {
-            return Ok((self.centreline.names.add(), true));
+            return Ok((self.centreline.names.add()?, true));
         }
         match self.settings.marks.dots(word) {
-            Some(dots @ 1..=3) => Ok((self.centreline.names.add(), dots < 3)),
+            Some(dots @ 1..=3) => Ok((self.centreline.names.add()?, dots < 3)),
             _ => Ok((self.station(word)?, false)),
         }
     }
@@ -144,11 +145,12 @@ impl Reader<'_> {
         self.named(self.settings.survey, name)
     }
 
+    /// What is called so in a survey, or in none of them if the name starts at the root.
     fn named(&mut self, survey: Name, name: &str) -> Result<Name, String> {
         let marks = Rc::clone(&self.settings.marks);
-        let mut at = survey;
+        let (mut at, name) = marks.behind_root(name).map_or((survey, name), |name| (Names::ROOT, name));
         for part in marks.parts(name)? {
-            at = self.centreline.names.below(at, &self.settings.spelled(part));
+            at = self.centreline.names.below(at, &self.settings.spelled(part))?;
         }
         Ok(at)
     }
@@ -174,8 +176,8 @@ impl Reader<'_> {
         };
         let name = name.map(|name| block.settings.spelled(name));
         if name != block.name {
-            let name = block.name.unwrap_or_default();
-            return Err(format!("this does not close the block `{name}` of line {}", block.spot.line));
+            let name = shown(&block.name.unwrap_or_default());
+            return Err(format!("this does not close the block {name} of line {}", block.spot.line));
         }
         self.settings = block.settings;
         Ok(())

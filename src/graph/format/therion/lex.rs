@@ -1,6 +1,7 @@
 //! Words and numbers of Therion.
 
 use crate::graph::format::measure::{Cell, Quantity, Reading};
+use crate::graph::format::text::shown;
 
 /// The words of a line without its comment; what stands in quotes or brackets is one.
 pub(super) fn words(line: &str) -> Result<Vec<String>, String> {
@@ -71,6 +72,6 @@ pub(super) fn cell(reading: Reading, word: &str) -> Result<Cell, String> {
         "up" | "u" | "+v" if gradient => Ok(Cell::Up),
         "down" | "d" | "-v" if gradient => Ok(Cell::Down),
         "level" | "h" if gradient => Ok(Cell::Level),
-        _ => Err(format!("`{}` is no number", word.escape_default())),
+        _ => Err(format!("{} is no number", shown(word))),
     }
 }

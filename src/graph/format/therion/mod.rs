@@ -16,8 +16,9 @@ use nalgebra::Point3;
 
 use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
-use super::limits::{MAX_DEPTH, MAX_LENGTH_M};
+use super::limits::{MAX_COORDINATE_M, MAX_DEPTH};
 use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
+use super::text::shown;
 use super::{Import, Parts, ReadError, Source};
 
 /// What to do about a survey that says more than we read.
@@ -42,8 +43,9 @@ const PASSED_IN_CENTRELINE: &[&str] = &[
     "author",
     "id",
 ];
-/// How far from zero national grids count: no place on earth is farther.
-const MAX_COORDINATE_M: f64 = 100.0 * MAX_LENGTH_M;
+
+/// Letters that every name of a station may get: a line could give a million names its own length.
+const MAX_AFFIXES: usize = 200;
 
 /// Reads a survey with all that it inputs.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
@@ -166,7 +168,7 @@ impl Reader<'_> {
             (passed, _) if PASSED_OVER.contains(&passed) => Ok(()),
             (block, _) => match PASSED_BLOCKS.iter().position(|passed| *passed == block) {
                 Some(index) => self.open(spot, Kind::Passed(index)),
-                None => Err(format!("`{}` is no command that is read here", block.escape_default())),
+                None => Err(format!("{} is no command that is read here", shown(block))),
             },
         }
     }
@@ -198,6 +200,9 @@ impl Reader<'_> {
             }
             ("flags", rest) => self.settings.flags.read(rest),
             ("station-names", [before, behind]) => {
+                if before.len() + behind.len() > MAX_AFFIXES {
+                    return Err(format!("`station-names` of more than {MAX_AFFIXES} letters"));
+                }
                 self.settings.affixes = [(*before).to_owned(), (*behind).to_owned()];
                 Ok(())
             }
@@ -236,12 +241,16 @@ impl Reader<'_> {
         }
     }
 
-    /// `survey <id> [-namespace on|off] [-declination [<angle> <unit>]] …`
+    /// `survey <id> [-namespace on|off] [-entrance <station>] [-declination [<angle> <unit>]] …`
     fn open_survey(&mut self, spot: Spot, name: &str, options: &[&str]) -> Result<(), String> {
         self.open(spot, Kind::Survey)?;
         let value = |option: &str| options.windows(2).find(|pair| pair[0] == option).map(|pair| pair[1]);
         if value("-namespace") != Some("off") {
-            self.survey = self.centreline.names.below(self.survey, name);
+            self.survey = self.centreline.names.below(self.survey, name)?;
+        }
+        if let Some(station) = value("-entrance") {
+            let station = self.elsewhere(station)?;
+            self.centreline.entrance(station);
         }
         match value("-declination").map(|text| text.split_whitespace().collect::<Vec<_>>()) {
             None => {}
@@ -262,9 +271,8 @@ impl Reader<'_> {
         match row {
             None => Ok(()),
             Some(row) if order.style == Style::Passage => {
-                let station = self.elsewhere(&row.from);
-                self.centreline.add_to_tube(station, self.settings.instruments.walls(&row, false));
-                Ok(())
+                let station = self.elsewhere(&row.from)?;
+                self.centreline.add_to_tube(station, self.settings.instruments.walls(&row, false))
             }
             Some(row) => self.leg(order.style, &row),
         }
@@ -273,30 +281,32 @@ impl Reader<'_> {
     fn leg(&mut self, style: Style, row: &Row) -> Result<(), String> {
         let names = [row.from.as_str(), row.to.as_deref().unwrap_or_default()];
         let at_wall = names.iter().any(|name| matches!(*name, "." | "-"));
-        let [from, to] = names.map(|name| self.end(name));
+        let [from, to] = [self.end(names[0])?, self.end(names[1])?];
         let instruments = &self.settings.instruments;
         for (station, at_end) in [(from, false), (to, true)] {
-            self.centreline.section(Section { station, looking: [from, to], walls_m: instruments.walls(row, at_end) });
+            let walls_m = instruments.walls(row, at_end);
+            self.centreline.section(Section { station, looking: [from, to], walls_m })?;
         }
         let measured = instruments.shot(style, row)?;
         self.centreline.leg([from, to], self.settings.flags.leg(at_wall), measured)
     }
 
     /// The end of a shot: points on walls have no names.
-    fn end(&mut self, name: &str) -> Name {
+    fn end(&mut self, name: &str) -> Result<Name, String> {
         if matches!(name, "." | "-") { self.centreline.names.add() } else { self.elsewhere(name) }
     }
 
     /// A station of the survey that is open.
-    fn station(&mut self, name: &str) -> Name {
+    fn station(&mut self, name: &str) -> Result<Name, String> {
         let [before, behind] = &self.settings.affixes;
         self.centreline.names.below(self.survey, &format!("{before}{name}{behind}"))
     }
 
     /// A station that may be in a survey within the open one: `name@inner.outer`.
-    fn elsewhere(&mut self, name: &str) -> Name {
+    fn elsewhere(&mut self, name: &str) -> Result<Name, String> {
         let Some((name, surveys)) = name.split_once('@') else { return self.station(name) };
-        let survey = surveys.rsplit('.').fold(self.survey, |at, part| self.centreline.names.below(at, part));
+        let names = &mut self.centreline.names;
+        let survey = surveys.rsplit('.').try_fold(self.survey, |at, part| names.below(at, part))?;
         self.centreline.names.below(survey, name)
     }
 
@@ -305,9 +315,9 @@ impl Reader<'_> {
         if others.is_empty() {
             return Err("`equate` takes two stations".to_owned());
         }
-        let first = self.elsewhere(first);
+        let first = self.elsewhere(first)?;
         for other in others {
-            let other = self.elsewhere(other);
+            let other = self.elsewhere(other)?;
             self.centreline.equate(first, other);
         }
         Ok(())
@@ -316,7 +326,7 @@ impl Reader<'_> {
     fn station_flags(&mut self, station: &str, flags: &[&str]) -> Result<(), String> {
         let entrance = flags.iter().position(|&flag| flag == "entrance");
         if entrance.is_some_and(|at| at == 0 || flags[at - 1] != "not") {
-            let station = self.elsewhere(station);
+            let station = self.elsewhere(station)?;
             self.centreline.entrance(station);
         }
         Ok(())
@@ -330,8 +340,7 @@ impl Reader<'_> {
             _ => return Err("a fix is three coordinates in metres, and their standard deviations".to_owned()),
         };
         let covariance = numbers.as_deref().and_then(|numbers| super::centreline::spread(numbers.get(3..)?));
-        let station = self.elsewhere(station);
-        self.centreline.fix(station, position, covariance, spot);
-        Ok(())
+        let station = self.elsewhere(station)?;
+        self.centreline.fix(station, position, covariance, spot)
     }
 }

@@ -96,11 +96,15 @@ pub(super) struct Traverse {
     pub(super) fixes: Vec<Fix>,
 }
 
+/// How far below each other pieces are laid out that nothing joins, in metres.
+const APART_M: f64 = 10_000.0;
+
 /// Where the stations are.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Placed {
     pub(super) positions: Vec<Point3<f64>>,
-    /// The first station of each piece that no fix holds; it is the origin of that piece.
+    /// The first station of each piece that no fix holds. The first piece lies at the origin where nothing is fixed, each
+    /// further one [`APART_M`] lower, so that no two stations meet.
     pub(super) adrift: Vec<usize>,
 }
 
@@ -157,6 +161,8 @@ impl Traverse {
         for root in 0..self.stations {
             if !seen[root] {
                 seen[root] = true;
+                let pieces = tree.adrift.len() + usize::from(!self.fixes.is_empty());
+                tree.positions[root].z = 0.0 - APART_M * pieces as f64;
                 tree.adrift.push(root);
                 tree.grow(VecDeque::from([root]), &self.shots, &at, &mut seen);
             }
@@ -293,11 +299,12 @@ mod tests {
     }
 
     #[test]
-    fn pieces_that_nothing_fixes_have_an_origin_each() {
+    fn pieces_that_nothing_fixes_lie_apart() {
         let shots = vec![shot(1, 0, [1.0, 2.0, 3.0]), shot(3, 2, [4.0, 5.0, 6.0]), shot(2, 2, [1.0, 0.0, 0.0])];
         let placed = Traverse { stations: 4, shots, fixes: vec![exactly(0, [9.0; 3])] }.place().unwrap();
         assert_eq!(placed.positions[1], Point3::new(8.0, 7.0, 6.0));
-        assert_eq!(placed.positions[2..], [Point3::origin(), Point3::new(-4.0, -5.0, -6.0)]);
+        let apart = [Point3::new(0.0, 0.0, -APART_M), Point3::new(-4.0, -5.0, -6.0 - APART_M)];
+        assert_eq!(placed.positions[2..], apart);
         assert_eq!(placed.adrift, [2]);
     }
 

@@ -99,9 +99,12 @@ pub(super) struct Circle {
 impl Circle {
     /// Allows nothing nearer than `arc` to the azimuth.
     pub(super) fn forbid(&mut self, azimuth: f64, arc: f64) {
-        for (s, weight) in self.weights.iter_mut().enumerate() {
+        // Sections farther off than this have their middle outside the arc.
+        let aside = ((arc / DEGREE) as usize + 2).min(SECTIONS / 2);
+        let first = section(azimuth) + SECTIONS - aside;
+        for s in (first..=first + 2 * aside).map(|s| s % SECTIONS) {
             if wrap(middle(s) - azimuth).abs() < arc {
-                *weight = 0;
+                self.weights[s] = 0;
             }
         }
     }

@@ -6,7 +6,8 @@ use rustc_hash::FxHashMap;
 /// Side of a cell in metres.
 const CELL_M: f64 = 8.0;
 
-type Key = [i32; 2];
+/// Which cell, west to east and south to north; a tuple, because arrays hash as slices do, which takes longer.
+type Key = (i32, i32);
 
 /// What lies in each cell.
 #[derive(Default)]
@@ -60,11 +61,11 @@ impl Grid {
 }
 
 fn key(x: f64, y: f64) -> Key {
-    [(x / CELL_M).floor() as i32, (y / CELL_M).floor() as i32]
+    ((x / CELL_M).floor() as i32, (y / CELL_M).floor() as i32)
 }
 
 fn keys([a, b]: [&Point3<f64>; 2], reach: f64) -> impl Iterator<Item = Key> + use<> {
     let low = key(a.x.min(b.x) - reach, a.y.min(b.y) - reach);
     let high = key(a.x.max(b.x) + reach, a.y.max(b.y) + reach);
-    (low[0]..=high[0]).flat_map(move |x| (low[1]..=high[1]).map(move |y| [x, y]))
+    (low.0..=high.0).flat_map(move |x| (low.1..=high.1).map(move |y| (x, y)))
 }

@@ -6,8 +6,8 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::stack::Stack;
 use crate::graph::dice::Dice;
-use crate::graph::ramp::{Course, Slopes, way_down};
-use crate::graph::{Node, Section, millimetres};
+use crate::graph::ramp::{Course, Helix, Slopes, slope, way_down};
+use crate::graph::{Node, millimetres};
 
 /// What all links keep.
 pub(super) struct Law {
@@ -181,23 +181,19 @@ impl Stack {
     fn settle_link(&mut self, ends: [Place; 2], way: &[Point3<f64>], rock_m: f64) -> bool {
         let len = self.rock.nodes.len();
         let [head, foot] = ends.map(|place| self.open(place));
-        let mut before = head;
+        let mut stations = vec![head];
         for (place, &position) in way[1..way.len() - 1].iter().enumerate() {
             let share = (place + 1) as f64 / (way.len() - 1) as f64;
             let [head, foot] = [head, foot].map(|end| &self.rock.nodes[end]);
             let node = Node { position, level: foot.level, ..blend(head, foot, share) };
-            let next = self.rock.add(node);
-            self.rock.join(before, next);
-            before = next;
+            stations.push(self.rock.add(node));
         }
-        self.rock.join(before, foot);
-        let mut stations = vec![head];
-        stations.extend((len..self.rock.nodes.len()).filter(|&station| station != head && station != foot));
         stations.push(foot);
         let passages: Vec<[usize; 2]> =
             stations.windows(2).map(|leg| [leg[0].min(leg[1]), leg[0].max(leg[1])]).collect();
+        passages.iter().for_each(|&[a, b]| self.rock.join(a, b));
         if !self.has_rock(&passages, rock_m) {
-            self.rock.part(before, foot);
+            passages.iter().for_each(|&[a, b]| self.rock.part(a, b));
             self.rock.truncate(len);
             ends.into_iter().for_each(|place| self.close(place));
             return false;
@@ -271,13 +267,9 @@ impl Stack {
 
 /// A station between two, but for its position and level.
 fn blend(a: &Node, b: &Node, share: f64) -> Node {
-    let between = |a: f64, b: f64| millimetres(a + (b - a) * share);
-    let section = a.section.zip(b.section).map(|(a, b)| Section {
-        width_m: between(a.width_m, b.width_m),
-        height_m: between(a.height_m, b.height_m),
-        shape: if share < 0.5 { a.shape } else { b.shape },
-    });
-    Node { parent: None, active: false, radius: between(a.radius, b.radius), section, ..a.clone() }
+    let section = a.section.zip(b.section).map(|(a, b)| a.towards(b, share).map(millimetres));
+    let radius = millimetres(a.radius + (b.radius - a.radius) * share);
+    Node { parent: None, active: false, radius, section, ..a.clone() }
 }
 
 /// How far along each of two passages they cross in the plan.
@@ -296,8 +288,8 @@ fn courses([head, foot]: [Point3<f64>; 2], slopes: &Slopes, dice: &mut Dice) -> 
     let (side, bearing) = (dice.sign(), dice.between(0.0, std::f64::consts::TAU));
     let gentle = 0.5 * (slopes.least + slopes.greatest);
     let steep = slopes.greatest - 0.05 * (slopes.greatest - slopes.least);
-    let arc = |slope: f64, turns: u32| [side, -side].map(|side| Course::Arc { slope, turns, side, bearing });
-    let natural = crate::graph::ramp::slope(&head, &foot);
+    let arc = |slope: f64, turns: u32| [side, -side].map(|side| Course::Round(Helix { slope, turns, side, bearing }));
+    let natural = slope(&head, &foot);
     let mut courses = vec![Course::Straight];
     if natural <= slopes.greatest {
         courses.extend(arc(0.5 * (slopes.least + natural), 0));

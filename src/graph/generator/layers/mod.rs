@@ -21,10 +21,10 @@ use serde::{Deserialize, Serialize};
 pub use layer::Layer;
 
 use super::{GenerateError, Generator};
+use crate::graph::Graph;
 use crate::graph::dice::Dice;
 use crate::graph::outside::Outside;
 use crate::graph::ramp::Slopes;
-use crate::graph::{Graph, sketch};
 use crate::seed;
 use link::Law;
 use stack::Stack;
@@ -103,7 +103,7 @@ impl Generator for Layers {
             let mut stack = self.pile(seed, attempt, outside)?;
             let mut dice = Dice::new(seed::stream(seed, "layer-links", attempt));
             match self.link(&mut stack, &law, &mut dice) {
-                Ok(()) => return Ok(sketch::rooted(stack.rock.nodes, stack.rock.neighbors)),
+                Ok(()) => return Ok(stack.rock.into_graph().numbered_by_breadth()),
                 Err(error) => fault = Some(error),
             }
         }

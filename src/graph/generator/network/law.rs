@@ -1,9 +1,10 @@
 //! The law of a network.
 //!
 //! A passage is no steeper than allowed, and opens at enough of an angle to the others at its ends. Where it comes
-//! nearer to another passage than half their girths and the rock between them, the two are also near along the cave: the way
-//! round is at most [`DETOUR`] times the way through the rock, and at most [`NEARBY`] times the distance that was to be
-//! kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in space, tested at the nearest points and at the four ends.
+//! nearer to another passage than half their girths and the rock between them, the two are also near along the cave: the
+//! way round is at most [`DETOUR`] times the way through the rock, and at most [`NEARBY`] times the distance that was to
+//! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in space, tested at the
+//! nearest points and at the four ends.
 
 use nalgebra::{Point3, Vector3};
 
@@ -28,16 +29,21 @@ impl Network {
 
     /// Whether a passage in this direction is not too steep.
     pub(super) fn is_walkable(&self, way: Vector3<f64>) -> bool {
+        way.z.abs() <= self.greatest_rise(way.xy().norm())
+    }
+
+    /// How far up or down a passage may lead over so many metres of plan.
+    pub(super) fn greatest_rise(&self, plan_m: f64) -> f64 {
         // Rounding to millimetres steepens short passages.
-        const SLACK: f64 = 0.002;
-        way.z.abs() <= libm::tan(self.rules.steepest) * way.xy().norm() + SLACK
+        const SLACK_M: f64 = 0.002;
+        self.steepest_slope * plan_m + SLACK_M
     }
 
     /// Whether the passage to `to` stands apart from the others at `at`.
     fn opens(&self, at: usize, to: usize) -> bool {
         let way = |other: usize| self.position(other) - self.position(at);
         let own = way(to);
-        let most = libm::cos(self.rules.junction) * own.norm();
+        let most = self.sharpest * own.norm();
         let mut others = self.neighbors(at).filter(|&other| other != to).map(way);
         others.all(|other| own.dot(&other) <= most * other.norm())
     }
@@ -50,8 +56,8 @@ impl Network {
         for other in self.passages.near(ends, reach).map(|other| other.map(|end| end as usize)) {
             let need = width + self.half_girth(other) + self.rules.rock_m;
             let is_joined = other.contains(&a) || other.contains(&b);
-            let apart = || segment_distance(ends, other.map(|end| self.position(end)));
-            if is_joined || apart() >= need {
+            let other_ends = other.map(|end| self.position(end));
+            if is_joined || box_gap(ends, other_ends) >= need || segment_distance(ends, other_ends) >= need {
                 continue;
             }
             let ways = ways.get_or_insert_with(|| {
@@ -83,6 +89,13 @@ impl Network {
     fn half_girth(&self, [u, v]: [usize; 2]) -> f64 {
         self.spot(u).size.half_girth().max(self.spot(v).size.half_girth())
     }
+}
+
+/// A distance that two segments keep at least: the greatest gap between their boxes along an axis.
+fn box_gap([a, b]: [&Point3<f64>; 2], [u, v]: [&Point3<f64>; 2]) -> f64 {
+    let beyond = u.inf(v) - a.sup(b);
+    let before = a.inf(b) - u.sup(v);
+    beyond.sup(&before).max()
 }
 
 fn from_point(point: &Point3<f64>, segment: [&Point3<f64>; 2]) -> f64 {

@@ -17,6 +17,8 @@ const DETOUR: f64 = 4.0;
 const TURN: f64 = -0.17;
 /// Places that are measured along the cave.
 const CONSIDERED: usize = 24;
+/// How much farther each ring reaches in which places are looked for.
+const RING: f64 = 2.0;
 /// Places that a dead end tries to reach.
 const TRIES: usize = 6;
 /// Greatest factor on the cost of a connector that chance sets.
@@ -63,26 +65,44 @@ impl Network {
         dice: &mut Dice,
     ) -> Vec<usize> {
         let at = self.position(from);
-        let heading = self.heading(from);
-        let mut found: Vec<(u64, usize)> = Vec::new();
-        for to in self.places.near([at; 2], farthest).map(|to| to as usize) {
-            let way = self.position(to) - at;
-            let apart = way.norm();
-            let turns = heading.is_some_and(|heading| heading.dot(&way) < TURN * apart);
-            if (nearest..=farthest).contains(&apart) && !turns && self.degree(to) <= 2 && self.is_walkable(way) {
-                let cost = apart * dice.between(1.0, DEAREST);
-                found.push(((cost * 1e6) as u64, to));
-            }
-        }
-        found.sort_unstable();
-        found.truncate(CONSIDERED);
+        let found = self.cheapest(from, [nearest, farthest], dice);
         // Only what is left is worth the walk along the cave.
-        let Some(most) = found.iter().map(|&(_, to)| (self.position(to) - at).norm()).reduce(f64::max) else {
+        let Some(most) = found.iter().map(|&to| (self.position(to) - at).norm()).reduce(f64::max) else {
             return Vec::new();
         };
         let ways = self.ways(from, None, DETOUR * most);
         let is_far = |&to: &usize| ways.to(to) >= DETOUR * (self.position(to) - at).norm();
-        found.into_iter().map(|(_, to)| to).filter(is_far).collect()
+        found.into_iter().filter(is_far).collect()
+    }
+
+    /// The cheapest places between two distances, looked for in rings. A place costs its distance at least, so none in
+    /// the rings beyond is cheaper than what costs less than this ring is wide.
+    fn cheapest(&self, from: usize, [nearest, farthest]: [f64; 2], dice: &mut Dice) -> Vec<usize> {
+        let mut found: Vec<(f64, usize)> = Vec::new();
+        let mut outer = nearest;
+        while outer < farthest && found.iter().filter(|(cost, _)| *cost <= outer).count() < CONSIDERED {
+            let inner = outer;
+            outer = (RING * inner).min(farthest);
+            found.extend(self.ring(from, [inner, outer]).map(|(apart, to)| (apart * dice.between(1.0, DEAREST), to)));
+        }
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.into_iter().map(|(_, to)| to).take(CONSIDERED).collect()
+    }
+
+    /// Places in a ring round a station to which a connector is neither too steep nor turned back, after how far off they
+    /// are.
+    fn ring(&self, from: usize, [inner, outer]: [f64; 2]) -> impl Iterator<Item = (f64, usize)> {
+        let at = *self.position(from);
+        let heading = self.heading(from);
+        let reach = Vector3::new(outer, outer, self.greatest_rise(outer).min(outer));
+        self.places.near([&(at - reach), &(at + reach)], 0.0).filter_map(move |to| {
+            let to = to as usize;
+            let way = self.position(to) - at;
+            let apart = way.norm();
+            let turns = || heading.is_some_and(|heading| heading.dot(&way) < TURN * apart);
+            let fits = (inner..outer).contains(&apart) && self.is_walkable(way) && !turns() && self.degree(to) <= 2;
+            fits.then_some((apart, to))
+        })
     }
 
     /// Lays a connector that leaves a dead end as it was heading and swings to its goal.

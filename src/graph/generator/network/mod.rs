@@ -84,6 +84,10 @@ struct Station {
 /// Stations and lawful passages between them.
 pub(super) struct Network {
     rules: Rules,
+    /// Most that a passage rises per metre of plan.
+    steepest_slope: f64,
+    /// Cosine of the least angle between passages at a station.
+    sharpest: f64,
     stations: Vec<Station>,
     passages: Cells<[u32; 2]>,
     places: Cells<u32>,
@@ -103,6 +107,8 @@ impl Network {
             places: Cells::new(side_m),
             openings: Vec::new(),
             held: 0,
+            steepest_slope: libm::tan(rules.steepest),
+            sharpest: libm::cos(rules.junction),
             rules,
         };
         let first = network.place(first);

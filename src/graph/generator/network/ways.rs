@@ -1,6 +1,6 @@
 //! How far stations are from one another along the cave.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::Network;
 
@@ -11,6 +11,14 @@ pub(super) struct Ways {
 }
 
 impl Ways {
+    fn new(from: usize) -> Self {
+        // Most walks end within so many stations.
+        const USUAL: usize = 24;
+        let mut places = FxHashMap::with_capacity_and_hasher(USUAL, FxBuildHasher);
+        places.insert(from, 0);
+        Self { found: vec![(from, 0.0)], places }
+    }
+
     /// The distance to a station, infinite beyond the reach.
     pub(super) fn to(&self, station: usize) -> f64 {
         self.places.get(&station).map_or(f64::INFINITY, |&place| self.found[place].1)
@@ -19,10 +27,6 @@ impl Ways {
     /// The distance to the nearer end of a passage.
     pub(super) fn to_passage(&self, [u, v]: [usize; 2]) -> f64 {
         self.to(u).min(self.to(v))
-    }
-
-    pub(super) fn stations(&self) -> impl Iterator<Item = usize> {
-        self.found.iter().map(|(station, _)| *station)
     }
 
     /// Notes a way to a station that was walked from here at place `next`. A shorter way round a loop counts as long as
@@ -40,7 +44,7 @@ impl Ways {
 impl Network {
     /// The ways from a station as far as `reach_m`, not through the passage to the station `but`.
     pub(super) fn ways(&self, from: usize, but: Option<usize>, reach_m: f64) -> Ways {
-        let mut ways = Ways { found: vec![(from, 0.0)], places: FxHashMap::from_iter([(from, 0)]) };
+        let mut ways = Ways::new(from);
         let mut next = 0;
         while let Some(&(station, walked)) = ways.found.get(next) {
             next += 1;
@@ -57,6 +61,23 @@ impl Network {
 
     /// Whether a junction lies within `reach_m` along the cave.
     pub(in crate::graph::generator) fn is_near_junction(&self, from: usize, reach_m: f64) -> bool {
-        self.ways(from, None, reach_m).stations().any(|station| self.degree(station) > 2)
+        self.degree(from) > 2 || self.neighbors(from).any(|next| self.leads_to_junction([from, next], reach_m))
+    }
+
+    /// Whether a junction lies within `reach_m` on the way from one station on over the next.
+    fn leads_to_junction(&self, [from, next]: [usize; 2], reach_m: f64) -> bool {
+        let length = |a: usize, b: usize| (self.position(b) - self.position(a)).norm();
+        let (mut before, mut at) = (from, next);
+        let mut walked = length(before, at);
+        while walked <= reach_m {
+            if self.degree(at) > 2 {
+                return true;
+            }
+            // A ring without junctions leads back.
+            let Some(on) = self.neighbors(at).find(|&other| other != before && other != from) else { return false };
+            walked += length(at, on);
+            (before, at) = (at, on);
+        }
+        false
     }
 }

@@ -9,9 +9,9 @@ mod moves;
 mod plan;
 
 use super::{LEAST_STATIONS, Metrics};
+use crate::graph::Graph;
 use crate::graph::clearance::{Girth, thin_rock};
 use crate::graph::dice::Dice;
-use crate::graph::{Graph, sketch};
 use crate::seed;
 use moves::{MAX_DEGREE, MOVES};
 use plan::Plan;
@@ -41,7 +41,7 @@ pub(super) fn repaired(graph: Graph, seed: u64) -> Graph {
         record.enter(chosen, next.is_some());
         state = next.unwrap_or(state);
     }
-    sketch::rooted(state.plan.graph.nodes, state.plan.neighbors)
+    state.plan.graph.numbered_by_breadth()
 }
 
 /// The graph of one step, with what it is judged by. Stations that were taken away stay behind without passages.

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector2;
 
-use crate::graph::Graph;
-use crate::graph::realism::reduced::Branches;
+use crate::graph::branches::Branches;
+use crate::graph::{Graph, Neighbors};
 
 /// A graph, its branches and its usual lengths.
 pub(super) struct Plan {
     pub(super) graph: Graph,
-    pub(super) neighbors: Vec<Vec<usize>>,
+    pub(super) neighbors: Neighbors,
     pub(super) branches: Vec<Vec<usize>>,
     /// Stations that have a passage.
     pub(super) stations: usize,
@@ -21,10 +21,10 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn of(graph: Graph) -> Self {
         let neighbors = graph.neighbors();
-        let branches: Vec<Vec<usize>> = Branches::of(&graph).iter().map(<[usize]>::to_vec).collect();
+        let branches: Vec<Vec<usize>> = Branches::of(&neighbors).iter().map(<[usize]>::to_vec).collect();
         let length_m = graph.length_m();
         Self {
-            stations: neighbors.iter().filter(|others| !others.is_empty()).count(),
+            stations: neighbors.degrees().filter(|&degree| degree > 0).count(),
             leg_m: length_m / graph.edges.len().max(1) as f64,
             branch_m: length_m / branches.len().max(1) as f64,
             graph,

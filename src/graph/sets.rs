@@ -33,3 +33,18 @@ impl Sets {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_united_once() {
+        let mut sets = Sets::new(5);
+        let united = [[0, 1], [3, 4], [1, 0], [4, 0], [1, 3]].map(|[a, b]| sets.unite(a, b));
+        assert_eq!(united, [true, true, false, true, false]);
+        let one = sets.find(0);
+        assert!([1, 3, 4].into_iter().all(|index| sets.find(index) == one));
+        assert_eq!(sets.find(2), 2);
+    }
+}

@@ -1,0 +1,46 @@
+//! Plan and profile of the cave, for whoever looks into its folder.
+
+use serde_json::json;
+
+use super::{Pipeline, PipelineError, field, subject};
+use crate::preview::{Drawn, Format, Order, Pace, Subject, Theme, view};
+use crate::store::{FileRecord, Stage};
+
+/// The views that are drawn.
+const MAPS: [&str; 2] = ["plan", "profile"];
+
+impl Pipeline<'_> {
+    /// Draws the maps of the cave.
+    ///
+    /// # Errors
+    /// When there is nothing to draw, the cave is out of reach, the disk refuses, or the observer stops.
+    pub fn preview(&self) -> Result<(), PipelineError> {
+        self.each(Stage::Preview, &["cave"], |name| {
+            if self.folder.finished(Stage::Preview, name, &self.preview_fingerprint)?.is_some() {
+                return Ok(());
+            }
+            self.refuse_absurd_size()?;
+            let field = field(self.recipe, &self.graph);
+            let subject = subject(self.recipe, &self.graph, &field);
+            let maps: Result<Vec<_>, _> = MAPS.iter().map(|map| self.draw(map, &subject)).collect();
+            self.commit(Stage::Preview, (*name).to_owned(), &self.preview_fingerprint, maps?, json!({}))
+        })
+    }
+
+    /// On white paper and as large as the view wants to be.
+    fn draw(&self, map: &str, subject: &Subject) -> Result<FileRecord, PipelineError> {
+        let order = Order {
+            format: Format::Png,
+            theme: Theme::Light,
+            size: None,
+            at: None,
+            look: None,
+            pace: Pace::default(),
+            stop: self.observer.stop(),
+        };
+        let Drawn::File(bytes) = view(map).expect("a map is a view").draw(subject, &order)? else {
+            unreachable!("a map stands still");
+        };
+        Ok(self.folder.write(&format!("{map}.png"), |out| out.write_all(&bytes))?)
+    }
+}
