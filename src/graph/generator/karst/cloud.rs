@@ -96,24 +96,28 @@ impl Cloud {
         [1, 3, 9].into_iter().find_map(within).unwrap_or(0)
     }
 
-    /// The neighbours of a point, the nearest first, in place of what is in `found`: points in reach with no third one in
-    /// the ball between (Gabriel, Sokal: "A new statistical approach to geographic variation analysis", 1969). So hardly
-    /// two ways cross, and none leave a point in nearly the same direction.
-    pub(super) fn neighbours(&self, point: usize, found: &mut Vec<Neighbour>) {
+    /// The neighbours of a point, the nearest first, in place of what is in `found`: points in reach by a way that water
+    /// may take, with no third one in the ball between that both are joined to by such ways (after Gabriel, Sokal: "A new
+    /// statistical approach to geographic variation analysis", 1969). So hardly two ways cross, none leave a point in
+    /// nearly the same direction, and what can be reached at all still can.
+    pub(super) fn neighbours(&self, point: usize, may_take: impl Fn(Vector3<f64>) -> bool, found: &mut Vec<Neighbour>) {
         let place = self.points[point];
         let most = REACH as f32 * self.apart_m;
         found.clear();
         for other in self.runs(place, REACH, self.starts.len() - 1).flatten() {
             let way = self.points[other] - place;
-            let is_near = other != point && stretched(way).norm_squared() <= most * most;
-            if is_near {
-                found.push(Neighbour { point: other, way, square: way.norm_squared() });
+            let square = stretched(way).norm_squared();
+            if other != point && square <= most * most && may_take(way.cast()) {
+                found.push(Neighbour { point: other, way, square });
             }
         }
         found.sort_unstable_by(|a, b| a.square.total_cmp(&b.square).then(a.point.cmp(&b.point)));
         for last in (1..found.len()).rev() {
             let way = found[last].way;
-            if found[..last].iter().any(|between| between.way.dot(&way) > between.square) {
+            let is_detour = |between: &Neighbour| {
+                stretched(between.way).dot(&stretched(way)) > between.square && may_take((way - between.way).cast())
+            };
+            if found[..last].iter().any(is_detour) {
                 found.remove(last);
             }
         }

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 use rustc_hash::FxHashSet;
 
 use super::room::least_m;
-use crate::graph::sketch::{Knot, Sketch, Strand};
+use crate::graph::sketch::{Branch, Knot, Sketch};
 
 /// Lines are looked for in cells of this size, in metres; lines are hardly longer.
 const CELL_M: f64 = 4.0;
@@ -19,7 +19,8 @@ struct Split {
 }
 
 /// Joins lines that cross in the plan with too little rock between the upper and the lower one, half way between them.
-pub(super) fn join_crossings(sketch: &mut Sketch) {
+/// Passages through the knots of `kept` stay.
+pub(super) fn join_crossings(sketch: &mut Sketch, kept: &[usize]) {
     let mut splits = Vec::new();
     for pair in pairs_of_cells(sketch) {
         let [first, second] = pair.map(|line| sketch.lines[line].map(|knot| sketch.knots[knot]));
@@ -32,20 +33,23 @@ pub(super) fn join_crossings(sketch: &mut Sketch) {
         }
     }
     split(sketch, splits);
-    drop_braids(sketch);
+    drop_braids(sketch, kept);
 }
 
-/// Of short passages between the same two junctions only the shortest stays, and none that leads back to where it begins.
-fn drop_braids(sketch: &mut Sketch) {
-    let mut strands = sketch.strands();
-    let ends = |strand: &Strand| [strand.first().min(strand.last()), strand.first().max(strand.last())];
-    strands.retain(|strand| strand.length < BRAID_M);
-    strands.sort_by(|a, b| ends(a).cmp(&ends(b)).then(a.length.total_cmp(&b.length)));
+/// Of short passages between the same two junctions only the shortest stays, and none that leads back to where it begins;
+/// those through the knots of `kept` stay anyway.
+fn drop_braids(sketch: &mut Sketch, kept: &[usize]) {
+    let mut is_kept = vec![false; sketch.knots.len()];
+    kept.iter().for_each(|&knot| is_kept[knot] = true);
+    let mut branches = sketch.branches();
+    let ends = |branch: &Branch| [branch.first().min(branch.last()), branch.first().max(branch.last())];
+    branches.retain(|branch| branch.length_m < BRAID_M && !branch.knots.iter().any(|&knot| is_kept[knot]));
+    branches.sort_by(|a, b| ends(a).cmp(&ends(b)).then(a.length_m.total_cmp(&b.length_m)));
     let mut gone = FxHashSet::default();
-    for alike in strands.chunk_by(|a, b| ends(a) == ends(b)) {
-        let kept = usize::from(alike[0].first() != alike[0].last());
-        for strand in &alike[kept..] {
-            gone.extend(strand.knots.windows(2).map(|line| [line[0].min(line[1]), line[0].max(line[1])]));
+    for alike in branches.chunk_by(|a, b| ends(a) == ends(b)) {
+        let shortest = usize::from(alike[0].first() != alike[0].last());
+        for branch in &alike[shortest..] {
+            gone.extend(branch.knots.windows(2).map(|line| [line[0].min(line[1]), line[0].max(line[1])]));
         }
     }
     sketch.lines.retain(|&[a, b]| !gone.contains(&[a.min(b), a.max(b)]));

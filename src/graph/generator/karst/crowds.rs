@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::graph::sketch::{Sketch, Strand};
+use crate::graph::sketch::{Branch, Sketch};
 
 /// Drops passages of which a knot is too near to another one, as these pairs say. They are laid anew after all others, the
 /// longest first: dead ends where they are clear of what is there by then, the others also where nothing else joins their
@@ -17,28 +17,28 @@ pub(super) fn drop_crowds(sketch: &mut Sketch, crowds: &[[u32; 2]], kept: &[usiz
     let mut is_kept = vec![false; sketch.knots.len()];
     kept.iter().for_each(|&knot| is_kept[knot] = true);
     let is_tip = |knot: usize| degrees[knot] == 1;
-    let is_crowded = |strand: &Strand| {
-        strand.knots.iter().any(|knot| against.contains_key(knot)) && !strand.knots.iter().any(|&knot| is_kept[knot])
+    let is_crowded = |branch: &Branch| {
+        branch.knots.iter().any(|knot| against.contains_key(knot)) && !branch.knots.iter().any(|&knot| is_kept[knot])
     };
-    let (mut crowded, clear): (Vec<Strand>, Vec<Strand>) = sketch.strands().into_iter().partition(is_crowded);
-    crowded.sort_by(|a, b| b.length.total_cmp(&a.length).then(a.knots.cmp(&b.knots)));
-    let (ends, inner): (Vec<Strand>, Vec<Strand>) =
-        crowded.into_iter().partition(|strand| is_tip(strand.first()) || is_tip(strand.last()));
+    let (mut crowded, clear): (Vec<Branch>, Vec<Branch>) = sketch.branches().into_iter().partition(is_crowded);
+    crowded.sort_by(|a, b| b.length_m.total_cmp(&a.length_m).then(a.knots.cmp(&b.knots)));
+    let (ends, inner): (Vec<Branch>, Vec<Branch>) =
+        crowded.into_iter().partition(|branch| is_tip(branch.first()) || is_tip(branch.last()));
     let mut laid = Laid { is_laid: vec![false; sketch.knots.len()], parts: (0..sketch.knots.len()).collect() };
     let mut lines = Vec::new();
-    clear.iter().for_each(|strand| laid.lay(strand, &mut lines));
-    let clears = |strand: &Strand, laid: &Laid| {
-        let others = strand.knots.iter().filter_map(|knot| against.get(knot)).flatten();
-        others.filter(|other| !strand.knots.contains(other)).all(|&other| !laid.is_laid[other])
+    clear.iter().for_each(|branch| laid.lay(branch, &mut lines));
+    let clears = |branch: &Branch, laid: &Laid| {
+        let others = branch.knots.iter().filter_map(|knot| against.get(knot)).flatten();
+        others.filter(|other| !branch.knots.contains(other)).all(|&other| !laid.is_laid[other])
     };
-    for strand in &inner {
-        if clears(strand, &laid) || laid.part(strand.first()) != laid.part(strand.last()) {
-            laid.lay(strand, &mut lines);
+    for branch in &inner {
+        if clears(branch, &laid) || laid.part(branch.first()) != laid.part(branch.last()) {
+            laid.lay(branch, &mut lines);
         }
     }
-    for strand in &ends {
-        if clears(strand, &laid) {
-            laid.lay(strand, &mut lines);
+    for branch in &ends {
+        if clears(branch, &laid) {
+            laid.lay(branch, &mut lines);
         }
     }
     sketch.lines = lines;
@@ -52,10 +52,10 @@ struct Laid {
 }
 
 impl Laid {
-    fn lay(&mut self, strand: &Strand, lines: &mut Vec<[usize; 2]>) {
-        lines.extend(strand.knots.windows(2).map(|line| [line[0], line[1]]));
-        strand.knots.iter().for_each(|&knot| self.is_laid[knot] = true);
-        let [first, last] = [strand.first(), strand.last()].map(|end| self.part(end));
+    fn lay(&mut self, branch: &Branch, lines: &mut Vec<[usize; 2]>) {
+        lines.extend(branch.knots.windows(2).map(|line| [line[0], line[1]]));
+        branch.knots.iter().for_each(|&knot| self.is_laid[knot] = true);
+        let [first, last] = [branch.first(), branch.last()].map(|end| self.part(end));
         self.parts[first] = last;
     }
 

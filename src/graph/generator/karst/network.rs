@@ -21,7 +21,7 @@ const WINDING_M: f64 = 4.0;
 /// Part of what a midpoint is moved aside that it is moved up or down.
 const UPS_AND_DOWNS: f64 = 0.08;
 
-/// The passages along `lines`, that at the first key point first.
+/// The passages along `lines`, that at the first key point which they reach first.
 pub(super) fn drawn(
     settings: &Karst,
     rock: &Rock,
@@ -30,29 +30,47 @@ pub(super) fn drawn(
     keys: &[usize],
     dice: &mut Dice,
 ) -> Sketch {
-    let mut points: Vec<usize> = lines.iter().flatten().copied().filter(|&point| point != keys[0]).collect();
-    points.sort_unstable();
-    points.dedup();
-    let knot = |&point: &usize| Knot { position: cloud.point(point), section: None, level: 0 };
-    let mut sketch = Sketch { knots: std::iter::once(&keys[0]).chain(&points).map(knot).collect(), lines: Vec::new() };
-    let knot_of = |point: usize| points.binary_search(&point).map_or(0, |place| place + 1);
-    sketch.lines = lines.iter().map(|line| line.map(knot_of)).collect();
+    let (mut sketch, at_keys) = traced(cloud, lines, keys);
     open_forks(&mut sketch);
     shorten_tips(&mut sketch, dice);
-    let mut winding = wound(settings, sketch, dice).smoothed(1);
-    for knot in &mut winding.knots {
+    let mut sketch = wound(settings, sketch, dice).smoothed(1);
+    for knot in &mut sketch.knots {
         let width_m = rock.width_m(knot.position);
         let height_m = (width_m * settings.height_ratio).max(1.0);
         knot.section = Some(Section { width_m, height_m, shape: Shape::Cave });
     }
-    join_crossings(&mut winding);
-    let watched = watched(&winding);
-    let kept: Vec<usize> = keys.iter().map(|&key| knot_of(key)).collect();
-    let crowds = crowds(&winding, &watched);
-    drop_crowds(&mut winding, &crowds, &kept);
-    give_way(&mut winding, &watched);
-    winding.knots.iter_mut().for_each(|knot| knot.position = rock.in_world(knot.position));
-    winding
+    join_crossings(&mut sketch, &at_keys);
+    let watched = watched(&sketch);
+    let crowds = crowds(&sketch, &watched);
+    drop_crowds(&mut sketch, &crowds, &at_keys);
+    give_way(&mut sketch, &watched);
+    sketch.knots.iter_mut().for_each(|knot| knot.position = rock.in_world(knot.position));
+    sketch
+}
+
+/// A knot for each point of the lines, and which of them are at key points, the first of these first of all.
+fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (Sketch, Vec<usize>) {
+    let mut points: Vec<usize> = lines.iter().flatten().copied().collect();
+    points.sort_unstable();
+    points.dedup();
+    let place = |point: usize| points.binary_search(&point).ok();
+    let root = keys.iter().find_map(|&key| place(key)).unwrap_or(0);
+    // It changes places with the first point.
+    let knot_of = |point: usize| match place(point)? {
+        0 => Some(root),
+        at if at == root => Some(0),
+        at => Some(at),
+    };
+    let knot = |&point: &usize| Knot { position: cloud.point(point), section: None, level: 0 };
+    let mut sketch = Sketch { knots: points.iter().map(knot).collect(), lines: Vec::with_capacity(lines.len()) };
+    if !sketch.knots.is_empty() {
+        sketch.knots.swap(0, root);
+    }
+    for ends in lines {
+        let [a, b] = ends.map(|point| knot_of(point).expect("it is a point of a line"));
+        sketch.join(a, b);
+    }
+    (sketch, keys.iter().filter_map(|&key| knot_of(key)).collect())
 }
 
 /// Lets dead ends end anywhere between the two points they lie between; the root stays.

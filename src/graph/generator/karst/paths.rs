@@ -61,13 +61,10 @@ impl Paths {
                 if bucket(paths.costs[point]) != now {
                     continue;
                 }
-                cloud.neighbours(point, &mut near);
+                cloud.neighbours(point, |way| rock.is_walkable(way), &mut near);
                 for other in near.iter().map(|neighbour| neighbour.point) {
                     let is_settled = paths.costs[other] < f32::INFINITY && bucket(paths.costs[other]) <= now;
                     if is_settled && owner[other] == owner[point] {
-                        continue;
-                    }
-                    if !rock.is_walkable(cloud.point(other) - cloud.point(point)) {
                         continue;
                     }
                     let step = rock.cost(cloud.point(point), cloud.point(other));

@@ -47,7 +47,7 @@ pub(super) fn give_way(sketch: &mut Sketch, watched: &[Watched]) {
 /// Pairs of knots that could not give way without bending passages out of shape.
 pub(super) fn crowds(sketch: &Sketch, watched: &[Watched]) -> Vec<[u32; 2]> {
     let is_crowded = |Watched { pair: [a, b], least_m }: &&Watched| {
-        sketch.distance(*a as usize, *b as usize) < least_m - MOST_GIVEN_M
+        sketch.distance_m(*a as usize, *b as usize) < least_m - MOST_GIVEN_M
     };
     watched.iter().filter(is_crowded).map(|watched| watched.pair).collect()
 }
@@ -70,7 +70,7 @@ pub(super) fn watched(sketch: &Sketch) -> Vec<Watched> {
         for &pair in pairs {
             let [a, b] = pair.map(|knot| knot as usize);
             let least_m = least_m(&sketch.knots[a], &sketch.knots[b]).min(PART_OF_WAY * ways.to(b));
-            if sketch.distance(a, b) < least_m + WATCHED_M {
+            if sketch.distance_m(a, b) < least_m + WATCHED_M {
                 watched.push(Watched { pair, least_m });
             }
         }
@@ -144,7 +144,7 @@ impl Ways {
         while let Some(&(at, way_m)) = self.0.get(next) {
             next += 1;
             for &to in &neighbors[at] {
-                let to_m = way_m + sketch.distance(at, to);
+                let to_m = way_m + sketch.distance_m(at, to);
                 if to_m <= most_m && to_m < self.to(to) {
                     self.0.push((to, to_m));
                 }
