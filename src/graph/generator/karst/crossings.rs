@@ -1,6 +1,6 @@
 //! Passages that cross meet.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, center};
 use rustc_hash::FxHashSet;
 
 use super::room::least_m;
@@ -28,7 +28,7 @@ pub(super) fn join_crossings(sketch: &mut Sketch, kept: &[usize]) {
         let [upper, lower] = [(first, shares[0]), (second, shares[1])]
             .map(|([start, end], share)| start.position + (end.position - start.position) * share);
         if (upper.z - lower.z).abs() < least_m(&first[0], &second[0]) {
-            let knot = sketch.add(Knot { position: nalgebra::center(&upper, &lower), ..first[0] });
+            let knot = sketch.add(Knot { position: center(&upper, &lower), ..first[0] });
             splits.extend([0, 1].map(|which| Split { line: pair[which], share: shares[which], knot }));
         }
     }

@@ -2,69 +2,76 @@
 
 use rustc_hash::FxHashMap;
 
+use crate::graph::sets::Sets;
 use crate::graph::sketch::{Branch, Sketch};
 
 /// Drops passages of which a knot is too near to another one, as these pairs say. They are laid anew after all others, the
 /// longest first: dead ends where they are clear of what is there by then, the others also where nothing else joins their
 /// ends. Passages through the knots of `kept` stay.
 pub(super) fn drop_crowds(sketch: &mut Sketch, crowds: &[[u32; 2]], kept: &[usize]) {
-    let mut against: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
-    for [a, b] in crowds.iter().map(|pair| pair.map(|knot| knot as usize)) {
-        against.entry(a).or_default().push(b);
-        against.entry(b).or_default().push(a);
-    }
     let degrees: Vec<usize> = sketch.neighbors().degrees().collect();
     let mut is_kept = vec![false; sketch.knots.len()];
     kept.iter().for_each(|&knot| is_kept[knot] = true);
-    let is_tip = |knot: usize| degrees[knot] == 1;
-    let is_crowded = |branch: &Branch| {
-        branch.knots.iter().any(|knot| against.contains_key(knot)) && !branch.knots.iter().any(|&knot| is_kept[knot])
-    };
-    let (mut crowded, clear): (Vec<Branch>, Vec<Branch>) = sketch.branches().into_iter().partition(is_crowded);
+    let mut cave = Cave::empty(sketch.knots.len(), crowds);
+    let (mut crowded, clear): (Vec<Branch>, Vec<Branch>) = sketch
+        .branches()
+        .into_iter()
+        .partition(|branch| cave.is_crowded(branch) && !branch.knots.iter().any(|&knot| is_kept[knot]));
     crowded.sort_by(|a, b| b.length_m.total_cmp(&a.length_m).then(a.knots.cmp(&b.knots)));
-    let (ends, inner): (Vec<Branch>, Vec<Branch>) =
-        crowded.into_iter().partition(|branch| is_tip(branch.first()) || is_tip(branch.last()));
-    let mut laid = Laid { is_laid: vec![false; sketch.knots.len()], parts: (0..sketch.knots.len()).collect() };
-    let mut lines = Vec::new();
-    clear.iter().for_each(|branch| laid.lay(branch, &mut lines));
-    let clears = |branch: &Branch, laid: &Laid| {
-        let others = branch.knots.iter().filter_map(|knot| against.get(knot)).flatten();
-        others.filter(|other| !branch.knots.contains(other)).all(|&other| !laid.is_laid[other])
-    };
+    let is_dead_end = |branch: &Branch| [branch.first(), branch.last()].iter().any(|&end| degrees[end] == 1);
+    let (dead_ends, inner): (Vec<Branch>, Vec<Branch>) = crowded.into_iter().partition(is_dead_end);
+    clear.iter().for_each(|branch| cave.lay(branch));
     for branch in &inner {
-        if clears(branch, &laid) || laid.part(branch.first()) != laid.part(branch.last()) {
-            laid.lay(branch, &mut lines);
+        if cave.has_room(branch) || !cave.joins_ends(branch) {
+            cave.lay(branch);
         }
     }
-    for branch in &ends {
-        if clears(branch, &laid) {
-            laid.lay(branch, &mut lines);
+    for branch in &dead_ends {
+        if cave.has_room(branch) {
+            cave.lay(branch);
         }
     }
-    sketch.lines = lines;
+    sketch.lines = cave.lines;
 }
 
-/// What has been laid.
-struct Laid {
+/// Passages while they are laid.
+struct Cave {
+    lines: Vec<[usize; 2]>,
     is_laid: Vec<bool>,
-    /// A knot of the same part of the cave, for each knot; itself where it stands for its part.
-    parts: Vec<usize>,
+    /// Knots that are joined by what is laid.
+    parts: Sets,
+    /// Which knots are too near to each one that has any.
+    against: FxHashMap<usize, Vec<usize>>,
 }
 
-impl Laid {
-    fn lay(&mut self, branch: &Branch, lines: &mut Vec<[usize; 2]>) {
-        lines.extend(branch.knots.windows(2).map(|line| [line[0], line[1]]));
-        branch.knots.iter().for_each(|&knot| self.is_laid[knot] = true);
-        let [first, last] = [branch.first(), branch.last()].map(|end| self.part(end));
-        self.parts[first] = last;
+impl Cave {
+    fn empty(knots: usize, crowds: &[[u32; 2]]) -> Self {
+        let mut against: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
+        for [a, b] in crowds.iter().map(|pair| pair.map(|knot| knot as usize)) {
+            against.entry(a).or_default().push(b);
+            against.entry(b).or_default().push(a);
+        }
+        Self { lines: Vec::new(), is_laid: vec![false; knots], parts: Sets::new(knots), against }
     }
 
-    /// The knot that stands for the part of the cave in which this one is.
-    fn part(&mut self, mut knot: usize) -> usize {
-        while self.parts[knot] != knot {
-            self.parts[knot] = self.parts[self.parts[knot]];
-            knot = self.parts[knot];
-        }
-        knot
+    fn is_crowded(&self, branch: &Branch) -> bool {
+        branch.knots.iter().any(|knot| self.against.contains_key(knot))
+    }
+
+    /// Whether nothing that is laid is too near.
+    fn has_room(&self, branch: &Branch) -> bool {
+        let others = branch.knots.iter().filter_map(|knot| self.against.get(knot)).flatten();
+        others.filter(|other| !branch.knots.contains(other)).all(|&other| !self.is_laid[other])
+    }
+
+    /// Whether one comes from one end to the other already.
+    fn joins_ends(&mut self, branch: &Branch) -> bool {
+        self.parts.find(branch.first()) == self.parts.find(branch.last())
+    }
+
+    fn lay(&mut self, branch: &Branch) {
+        self.lines.extend(branch.knots.windows(2).map(|line| [line[0], line[1]]));
+        branch.knots.iter().for_each(|&knot| self.is_laid[knot] = true);
+        self.parts.unite(branch.first(), branch.last());
     }
 }

@@ -4,10 +4,12 @@
 //! meets, the cheapest way between the two leads over the cheapest meeting (Mehlhorn: "A faster approximation algorithm
 //! for the Steiner problem in graphs", 1988). Each key point so has a few neighbours, among which ways are pruned.
 
+use std::mem;
+
 use rustc_hash::FxHashMap;
 
 use super::Karst;
-use super::cloud::Cloud;
+use super::cloud::{Cloud, Neighbour};
 use super::rock::Rock;
 use crate::graph::dice::Dice;
 use crate::graph::neighbors::Neighbors;
@@ -37,69 +39,17 @@ pub(super) struct Paths {
 }
 
 impl Paths {
-    /// Dijkstra's algorithm with buckets for a queue (Dial 1969): no way between two points costs less than a bucket is
-    /// wide, so that what is in one is settled and may be taken in the order of memory.
     pub(super) fn between(keys: &[usize], cloud: &Cloud, rock: &Rock) -> Self {
-        let len = cloud.len();
-        let mut paths = Self { back: vec![NONE; len], costs: vec![f32::INFINITY; len], meetings: Vec::new() };
-        let mut owner = vec![NONE; len];
-        let mut place: FxHashMap<[u32; 2], usize> = FxHashMap::default();
-        // A little less than the cheapest way, for rounding.
-        let width = 0.99 * cloud.least_m() as f32;
-        let bucket = |cost: f32| (cost / width) as usize;
-        for (number, &key) in keys.iter().enumerate() {
-            (paths.costs[key], paths.back[key], owner[key]) = (0.0, key as u32, number as u32);
-        }
-        let mut buckets: Vec<Vec<u32>> = vec![keys.iter().map(|&key| key as u32).collect()];
-        let mut near = Vec::new();
+        let mut flood = Flood::of(keys, cloud, rock);
         let mut now = 0;
-        while now < buckets.len() {
-            let mut front = std::mem::take(&mut buckets[now]);
+        while now < flood.buckets.len() {
+            let mut front = mem::take(&mut flood.buckets[now]);
             front.sort_unstable();
             front.dedup();
-            for point in front.into_iter().map(|point| point as usize) {
-                if bucket(paths.costs[point]) != now {
-                    continue;
-                }
-                cloud.neighbours(point, |way| rock.is_walkable(way), &mut near);
-                for other in near.iter().map(|neighbour| neighbour.point) {
-                    let is_settled = paths.costs[other] < f32::INFINITY && bucket(paths.costs[other]) <= now;
-                    if is_settled && owner[other] == owner[point] {
-                        continue;
-                    }
-                    let step = rock.cost(cloud.point(point), cloud.point(other));
-                    let cost = paths.costs[point] + step as f32;
-                    if is_settled {
-                        let meeting = Meeting {
-                            keys: sorted([owner[point], owner[other]]),
-                            cost: cost + paths.costs[other],
-                            points: [point as u32, other as u32],
-                        };
-                        paths.meet(meeting, &mut place);
-                    } else if cost < paths.costs[other] {
-                        (paths.costs[other], paths.back[other], owner[other]) = (cost, point as u32, owner[point]);
-                        let next = bucket(cost);
-                        if next >= buckets.len() {
-                            buckets.resize_with(next + 1, Vec::new);
-                        }
-                        buckets[next].push(other as u32);
-                    }
-                }
-            }
+            front.into_iter().for_each(|point| flood.leave(point as usize, now));
             now += 1;
         }
-        paths
-    }
-
-    /// Keeps the cheapest meeting of each two key points.
-    fn meet(&mut self, meeting: Meeting, place: &mut FxHashMap<[u32; 2], usize>) {
-        let next = self.meetings.len();
-        let at = *place.entry(meeting.keys).or_insert(next);
-        if at == next {
-            self.meetings.push(meeting);
-        } else if meeting.cost < self.meetings[at].cost {
-            self.meetings[at] = meeting;
-        }
+        flood.paths
     }
 
     /// Lines between points that are passages.
@@ -156,7 +106,7 @@ impl Paths {
         let mut at = from;
         for _ in 0..steps {
             let back = self.back[at] as usize;
-            if std::mem::replace(&mut used[at], true) || back == at {
+            if mem::replace(&mut used[at], true) || back == at {
                 break;
             }
             lines.push([at, back]);
@@ -174,6 +124,94 @@ impl Paths {
             at = self.back[at] as usize;
             used[at]
         })
+    }
+}
+
+/// Ways while they spread from the key points: Dijkstra's algorithm with buckets for a queue (Dial 1969). No way between
+/// two points costs less than a bucket is wide, so what is in one is settled and may be taken in the order of memory.
+struct Flood<'a> {
+    cloud: &'a Cloud,
+    rock: &'a Rock,
+    paths: Paths,
+    /// The number of the key point that reaches each point first.
+    owner: Vec<u32>,
+    /// Where the meeting of two key points is kept.
+    place: FxHashMap<[u32; 2], usize>,
+    buckets: Vec<Vec<u32>>,
+    /// How much more the points of a bucket cost than those of the one before.
+    width: f32,
+    near: Vec<Neighbour>,
+}
+
+impl<'a> Flood<'a> {
+    fn of(keys: &[usize], cloud: &'a Cloud, rock: &'a Rock) -> Self {
+        let len = cloud.len();
+        let mut paths = Paths { back: vec![NONE; len], costs: vec![f32::INFINITY; len], meetings: Vec::new() };
+        let mut owner = vec![NONE; len];
+        for (number, &key) in keys.iter().enumerate() {
+            (paths.costs[key], paths.back[key], owner[key]) = (0.0, key as u32, number as u32);
+        }
+        let buckets = vec![keys.iter().map(|&key| key as u32).collect()];
+        // A little less than the cheapest way, for rounding.
+        let width = 0.99 * cloud.least_m() as f32;
+        Self { cloud, rock, paths, owner, place: FxHashMap::default(), buckets, width, near: Vec::new() }
+    }
+
+    /// Goes on from a point of this bucket, if it has not been reached at less cost since it was put there.
+    fn leave(&mut self, point: usize, now: usize) {
+        if self.bucket(self.paths.costs[point]) != now {
+            return;
+        }
+        let mut near = mem::take(&mut self.near);
+        self.cloud.neighbours(point, |way| self.rock.is_walkable(way), &mut near);
+        for other in near.iter().map(|neighbour| neighbour.point) {
+            let is_settled = self.bucket(self.paths.costs[other]) <= now;
+            if !is_settled {
+                self.reach(other, point);
+            } else if self.owner[other] != self.owner[point] {
+                self.meet(other, point);
+            }
+        }
+        self.near = near;
+    }
+
+    fn bucket(&self, cost: f32) -> usize {
+        (cost / self.width) as usize
+    }
+
+    /// What it costs to come to a point from another one.
+    fn cost(&self, point: usize, from: usize) -> f32 {
+        self.paths.costs[from] + self.rock.cost(self.cloud.point(from), self.cloud.point(point)) as f32
+    }
+
+    fn reach(&mut self, point: usize, from: usize) {
+        let cost = self.cost(point, from);
+        if cost >= self.paths.costs[point] {
+            return;
+        }
+        (self.paths.costs[point], self.paths.back[point]) = (cost, from as u32);
+        self.owner[point] = self.owner[from];
+        let bucket = self.bucket(cost);
+        if bucket >= self.buckets.len() {
+            self.buckets.resize_with(bucket + 1, Vec::new);
+        }
+        self.buckets[bucket].push(point as u32);
+    }
+
+    /// Keeps the cheapest meeting of each two key points.
+    fn meet(&mut self, point: usize, from: usize) {
+        let meeting = Meeting {
+            keys: sorted([self.owner[from], self.owner[point]]),
+            cost: self.cost(point, from) + self.paths.costs[point],
+            points: [from as u32, point as u32],
+        };
+        let meetings = &mut self.paths.meetings;
+        let at = *self.place.entry(meeting.keys).or_insert(meetings.len());
+        match meetings.get_mut(at) {
+            None => meetings.push(meeting),
+            Some(known) if meeting.cost < known.cost => *known = meeting,
+            Some(_) => {}
+        }
     }
 }
 

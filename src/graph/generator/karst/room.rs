@@ -63,13 +63,13 @@ pub(super) struct Watched {
 pub(super) fn watched(sketch: &Sketch) -> Vec<Watched> {
     let neighbors = sketch.neighbors();
     let near = near_pairs(&sketch.knots);
-    let mut ways = Ways::default();
+    let mut walk = Walk::default();
     let mut watched = Vec::new();
     for pairs in near.chunk_by(|a, b| a[0] == b[0]) {
-        ways.walk(sketch, &neighbors, pairs[0][0] as usize);
+        walk.start(sketch, &neighbors, pairs[0][0] as usize);
         for &pair in pairs {
             let [a, b] = pair.map(|knot| knot as usize);
-            let least_m = least_m(&sketch.knots[a], &sketch.knots[b]).min(PART_OF_WAY * ways.to(b));
+            let least_m = least_m(&sketch.knots[a], &sketch.knots[b]).min(PART_OF_WAY * walk.way_m(b));
             if sketch.distance_m(a, b) < least_m + WATCHED_M {
                 watched.push(Watched { pair, least_m });
             }
@@ -131,11 +131,11 @@ fn near_pairs(knots: &[Knot]) -> Vec<[u32; 2]> {
 
 /// The shortest ways along the cave from one knot to those around it.
 #[derive(Default)]
-struct Ways(Vec<(usize, f64)>);
+struct Walk(Vec<(usize, f64)>);
 
-impl Ways {
-    /// Starts anew from a knot, and goes as far as ways matter.
-    fn walk(&mut self, sketch: &Sketch, neighbors: &Neighbors, from: usize) {
+impl Walk {
+    /// Begins anew at a knot, and goes as far as ways matter.
+    fn start(&mut self, sketch: &Sketch, neighbors: &Neighbors, from: usize) {
         let most_m = 2.0 * half_girth_m(&sketch.knots[from]) + ROCK_M;
         let most_m = FARTHEST * most_m / PART_OF_WAY;
         self.0.clear();
@@ -145,7 +145,7 @@ impl Ways {
             next += 1;
             for &to in &neighbors[at] {
                 let to_m = way_m + sketch.distance_m(at, to);
-                if to_m <= most_m && to_m < self.to(to) {
+                if to_m <= most_m && to_m < self.way_m(to) {
                     self.0.push((to, to_m));
                 }
             }
@@ -153,7 +153,7 @@ impl Ways {
     }
 
     /// Infinite where the walk did not come.
-    fn to(&self, knot: usize) -> f64 {
+    fn way_m(&self, knot: usize) -> f64 {
         self.0.iter().filter(|(at, _)| *at == knot).map(|&(_, way_m)| way_m).fold(f64::INFINITY, f64::min)
     }
 }
