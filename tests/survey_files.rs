@@ -1,12 +1,15 @@
 //! Cave surveys as files: held against what other programs read in them, and with something wrong.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/dump.rs"]
+mod dump;
 #[path = "common/files.rs"]
 mod files;
 
 use std::fs;
 use std::path::Path;
 
+use dump::dumped_passages;
 use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::field::{Bounds, CaveField, Field, PassageSettings};
@@ -25,17 +28,6 @@ fn parsed(name: &str, bytes: &[u8], parts: Parts) -> Result<Import, ReadError> {
 
 fn hollow() -> Vec<u8> {
     data("formats/survex-3d/hollow.3d")
-}
-
-/// Passages that Survex lists in a file, as pairs of places.
-fn dumped_passages(dump: &str) -> Vec<[Point3<f64>; 2]> {
-    let legs = dump.lines().filter_map(|line| line.strip_prefix("LEG "));
-    let passages = legs.filter(|leg| !["SPLAY", "SURFACE", "DUPLICATE"].iter().any(|flag| leg.contains(flag)));
-    let places = passages.map(|leg| {
-        let x: Vec<f64> = leg.split(' ').take(6).map(|x| x.parse().expect("a coordinate")).collect();
-        [Point3::new(x[0], x[1], x[2]), Point3::new(x[3], x[4], x[5])]
-    });
-    places.filter(|[a, b]| a != b).collect()
 }
 
 fn node_at(graph: &Graph, place: Point3<f64>) -> Option<usize> {

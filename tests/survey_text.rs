@@ -1,6 +1,8 @@
 //! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/dump.rs"]
+mod dump;
 #[path = "common/files.rs"]
 mod files;
 
@@ -8,6 +10,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::{fs, io};
 
+use dump::dumped_passages;
 use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::graph::Outside;
@@ -20,17 +23,6 @@ impl Outside for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         fs::read(path)
     }
-}
-
-/// Passages that Survex lists in a file, as pairs of places.
-fn dumped_passages(dump: &str) -> Vec<[Point3<f64>; 2]> {
-    let legs = dump.lines().filter_map(|line| line.strip_prefix("LEG "));
-    let passages = legs.filter(|leg| !["SPLAY", "SURFACE", "DUPLICATE"].iter().any(|flag| leg.contains(flag)));
-    let places = passages.map(|leg| {
-        let x: Vec<f64> = leg.split(' ').take(6).map(|x| x.parse().expect("a coordinate")).collect();
-        [Point3::new(x[0], x[1], x[2]), Point3::new(x[3], x[4], x[5])]
-    });
-    places.collect()
 }
 
 /// Holds the passages of a survey against those that a foreign program made of it, which rounds to centimetres.

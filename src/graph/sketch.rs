@@ -145,18 +145,29 @@ impl From<Knot> for Node {
 }
 
 #[cfg(test)]
+impl Sketch {
+    /// Knots without sections at these places of the plan.
+    pub(super) fn flat(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Self {
+        let knot = |&[x, y]: &[f64; 2]| Knot { position: Point3::new(x, y, 0.0), section: None, level: 0 };
+        Self { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
+    }
+
+    /// The same with passages of this width.
+    pub(super) fn hollow(mut self, width_m: f64) -> Self {
+        let section = Section { width_m, height_m: 0.75 * width_m, shape: crate::graph::Shape::Cave };
+        self.knots.iter_mut().for_each(|knot| knot.section = Some(section));
+        self
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
-
-    fn sketch(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Sketch {
-        let knot = |&[x, y]: &[f64; 2]| Knot { position: Point3::new(x, y, 0.0), section: None, level: 0 };
-        Sketch { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
-    }
 
     #[test]
     fn knots_in_one_place_are_one_and_lone_ones_are_none() {
         let graph =
-            sketch(&[[0.0, 0.0], [5.0, 0.0], [5.0001, 0.0], [9.0, 0.0], [50.0, 0.0]], &[[0, 1], [2, 3], [1, 2]])
+            Sketch::flat(&[[0.0, 0.0], [5.0, 0.0], [5.0001, 0.0], [9.0, 0.0], [50.0, 0.0]], &[[0, 1], [2, 3], [1, 2]])
                 .into_graph();
         assert_eq!(graph.nodes.len(), 3);
         assert_eq!(graph.edges, [[0, 1], [1, 2]]);

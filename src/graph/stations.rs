@@ -122,18 +122,11 @@ fn between(a: &Knot, b: &Knot, share: f64) -> Knot {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point3;
-
     use super::*;
-
-    fn sketch(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Sketch {
-        let knot = |&[x, y]: &[f64; 2]| Knot { position: Point3::new(x, y, 0.0), section: None, level: 0 };
-        Sketch { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
-    }
 
     #[test]
     fn stations_are_spread_evenly_and_exactly() {
-        let line = sketch(&[[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]], &[[0, 1], [1, 2]]);
+        let line = Sketch::flat(&[[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]], &[[0, 1], [1, 2]]);
         let graph = line.with_stations(5).expect("it is long enough").into_graph();
         let x: Vec<f64> = graph.nodes.iter().map(|node| node.position.x).collect();
         assert_eq!(x, [0.0, 2.5, 5.0, 7.5, 10.0]);
@@ -143,11 +136,11 @@ mod tests {
 
     #[test]
     fn rings_and_parallel_passages_stay_apart() {
-        let ring = sketch(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]], &[[0, 1], [1, 2], [2, 3], [3, 0]]);
+        let ring = Sketch::flat(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]], &[[0, 1], [1, 2], [2, 3], [3, 0]]);
         let graph = ring.with_stations(3).expect("a triangle").into_graph();
         assert_eq!((graph.nodes.len(), graph.loops()), (3, 1));
         let eight = [[0.0, 0.0], [8.0, 0.0], [4.0, 3.0], [4.0, -3.0], [-5.0, 0.0], [13.0, 0.0]];
-        let eight = sketch(&eight, &[[0, 2], [2, 1], [0, 3], [3, 1], [4, 0], [5, 1]]);
+        let eight = Sketch::flat(&eight, &[[0, 2], [2, 1], [0, 3], [3, 1], [4, 0], [5, 1]]);
         let graph = eight.with_stations(20).expect("long enough").into_graph();
         assert_eq!((graph.nodes.len(), graph.loops()), (20, 1));
     }
@@ -155,7 +148,7 @@ mod tests {
     #[test]
     fn the_shortest_dead_ends_go_first() {
         let star = [[0.0, 0.0], [9.0, 0.0], [0.0, 8.0], [-7.0, 0.0], [0.0, -1.0]];
-        let star = sketch(&star, &[[0, 1], [0, 2], [0, 3], [0, 4]]);
+        let star = Sketch::flat(&star, &[[0, 1], [0, 2], [0, 3], [0, 4]]);
         let graph = star.clone().with_stations(4).expect("one may go").into_graph();
         assert_eq!(graph.nodes.len(), 4);
         assert!(graph.nodes.iter().all(|node| node.position.y >= 0.0));

@@ -211,12 +211,9 @@ mod tests {
     use nalgebra::Point3;
 
     use super::*;
-    use crate::graph::{Section, Shape};
 
     fn sketch(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Sketch {
-        let section = Section { width_m: 4.0, height_m: 3.0, shape: Shape::Cave };
-        let knot = |&[x, y]: &[f64; 2]| Knot { position: Point3::new(x, y, 0.0), section: Some(section), level: 0 };
-        Sketch { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
+        Sketch::flat(places, lines).hollow(4.0)
     }
 
     #[test]
