@@ -45,6 +45,16 @@ fn a_program_is_told_seed_and_settings_and_gives_the_graph() {
 }
 
 #[test]
+fn the_example_digs_its_mine() {
+    let desk = Desk::new();
+    let recipe = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/external/decline.toml");
+    let made = desk.run(&["graph", recipe, "-o", "cave", "--allow-run"]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let graph = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    assert!(graph.matches("\"coordinates\"").count() > 100);
+}
+
+#[test]
 fn no_program_runs_unasked() {
     let desk = desk(ROW);
     insta::assert_snapshot!(desk.fault(&["graph", "recipes/cave.toml", "-o", "cave"]));

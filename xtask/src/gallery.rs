@@ -1,6 +1,8 @@
 //! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB, or the plan where the sample is about
 //! a generator.
 
+use std::path::{Path, PathBuf};
+
 use crate::judge;
 use crate::plume::Plume;
 use crate::samples::{self, SAMPLES};
@@ -11,6 +13,9 @@ const DENSITY: &str = "texture.density_px_per_m=100";
 
 /// Where to stand: the spawn pose of each sample that shows the most.
 const SPAWNS: [usize; SAMPLES.len()] = [0, 2, 0, 0];
+
+/// A recipe whose graph a program makes.
+const PROGRAM: &str = "examples/external/decline.toml";
 
 /// Makes the pictures.
 pub fn run(_arguments: &[String]) -> Result<()> {
@@ -26,13 +31,14 @@ pub fn run(_arguments: &[String]) -> Result<()> {
     plume.output(&[&inside[..], &["--output", "samples/inside.png"]].concat()).map(drop)
 }
 
-/// The plans of the samples that have no picture of their rock.
+/// The plans of the recipes that have no picture of their rock.
 fn plans(plume: &Plume) -> Result<()> {
-    for recipe in
-        samples::recipes()?.iter().filter(|recipe| !SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml"))))
-    {
+    let is_meshed = |recipe: &Path| SAMPLES.iter().any(|name| recipe.ends_with(format!("{name}.toml")));
+    let samples = samples::recipes()?.into_iter().filter(|recipe| !is_meshed(recipe));
+    for recipe in samples.chain([PathBuf::from(PROGRAM)]) {
         let (recipe, picture) = (recipe.display().to_string(), recipe.with_extension("png").display().to_string());
-        plume.output(&["preview", &recipe, "--view", "plan", "--size", "900x560", "--output", &picture])?;
+        let plan = ["preview", &recipe, "--allow-run", "--view", "plan", "--size", "900x560", "--output", &picture];
+        plume.output(&plan)?;
         println!("{picture}");
     }
     Ok(())
