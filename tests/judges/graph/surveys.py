@@ -146,14 +146,15 @@ def placed(folder, program):
 
 
 def imported(plume, path):
-    """Places and passages of the graph."""
+    """Places and passages of the graph, in the coordinates of the survey."""
     output = path.with_suffix(".json")
-    command = [plume, "graph", "import", path, "-o", output, "--force"]
+    command = [plume, "--json", "graph", "import", path, "-o", output, "--force"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise SystemExit(f"plume refuses {path.name}: {done.stderr}")
+    origin = json.loads(done.stdout)["tally"]["origin_m"]
     nodes = json.loads(output.read_text())["nodes"]
-    places = [tuple(node["coordinates"][axis] for axis in "xyz") for node in nodes]
+    places = [[node["coordinates"][axis] + by for axis, by in zip("xyz", origin, strict=True)] for node in nodes]
     return places, {frozenset((node["id"], other)) for node in nodes for other in node["edges"]}
 
 
@@ -168,7 +169,7 @@ def worst_of(legs, places, passages):
 
 
 def compare(plume, seed, form, spoil=lambda text: text):
-    """The greatest difference on one cave; both have their origin at its first station."""
+    """The greatest difference on one cave."""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         files = form.write(Cave(seed))
