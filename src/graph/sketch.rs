@@ -115,6 +115,12 @@ pub(super) struct Branch {
 }
 
 impl Branch {
+    /// Its ends, ascending.
+    pub(super) fn ends(&self) -> [usize; 2] {
+        let [a, b] = [self.first(), self.last()];
+        [a.min(b), a.max(b)]
+    }
+
     pub(super) fn first(&self) -> usize {
         self.knots[0]
     }

@@ -74,13 +74,9 @@ fn ends(branches: &[Branch]) -> usize {
 
 /// Knots that each branch keeps inside: a ring two, and one where another branch has the same ends, lest two become one.
 fn least_inside(branches: &[Branch]) -> Vec<usize> {
-    let ends = |branch: &Branch| {
-        let [a, b] = [branch.first(), branch.last()];
-        [a.min(b), a.max(b)]
-    };
     let mut alike: FxHashMap<[usize; 2], usize> = FxHashMap::default();
-    branches.iter().for_each(|branch| *alike.entry(ends(branch)).or_default() += 1);
-    let least = |branch: &Branch| match ends(branch) {
+    branches.iter().for_each(|branch| *alike.entry(branch.ends()).or_default() += 1);
+    let least = |branch: &Branch| match branch.ends() {
         [a, b] if a == b => 2,
         both => usize::from(alike[&both] > 1 && branch.knots.len() > 2),
     };

@@ -7,7 +7,7 @@ use super::Graph;
 use super::sketch::{Branch, Knot, Sketch};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
-const MOST_PASSAGES: usize = 5;
+pub(super) const MOST_PASSAGES: usize = 5;
 /// Rounds over all lines that are too steep; each reaches a few lines further.
 const SLOPE_ROUNDS: usize = 300;
 /// What a line that is too steep gets of the greatest slope.

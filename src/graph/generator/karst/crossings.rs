@@ -4,7 +4,7 @@ use nalgebra::{Point3, center};
 use rustc_hash::FxHashSet;
 
 use super::room::least_m;
-use crate::graph::sketch::{Branch, Knot, Sketch};
+use crate::graph::sketch::{Knot, Sketch};
 
 /// Lines are looked for in cells of this size, in metres; lines are hardly longer.
 const CELL_M: f64 = 4.0;
@@ -20,7 +20,7 @@ struct Split {
 
 /// Joins lines that cross in the plan with too little rock between the upper and the lower one, half way between them.
 /// Passages through the knots of `kept` stay.
-pub(super) fn join_crossings(sketch: &mut Sketch, kept: &[usize]) {
+pub(super) fn join_crossings(sketch: &mut Sketch, kept: &FxHashSet<usize>) {
     let mut splits = Vec::new();
     for pair in pairs_of_cells(sketch) {
         let [first, second] = pair.map(|line| sketch.lines[line].map(|knot| sketch.knots[knot]));
@@ -38,15 +38,12 @@ pub(super) fn join_crossings(sketch: &mut Sketch, kept: &[usize]) {
 
 /// Of short passages between the same two junctions only the shortest stays, and none that leads back to where it begins;
 /// those through the knots of `kept` stay anyway.
-fn drop_braids(sketch: &mut Sketch, kept: &[usize]) {
-    let mut is_kept = vec![false; sketch.knots.len()];
-    kept.iter().for_each(|&knot| is_kept[knot] = true);
+fn drop_braids(sketch: &mut Sketch, kept: &FxHashSet<usize>) {
     let mut branches = sketch.branches();
-    let ends = |branch: &Branch| [branch.first().min(branch.last()), branch.first().max(branch.last())];
-    branches.retain(|branch| branch.length_m < BRAID_M && !branch.knots.iter().any(|&knot| is_kept[knot]));
-    branches.sort_by(|a, b| ends(a).cmp(&ends(b)).then(a.length_m.total_cmp(&b.length_m)));
+    branches.retain(|branch| branch.length_m < BRAID_M && !branch.knots.iter().any(|knot| kept.contains(knot)));
+    branches.sort_by(|a, b| a.ends().cmp(&b.ends()).then(a.length_m.total_cmp(&b.length_m)));
     let mut gone = FxHashSet::default();
-    for alike in branches.chunk_by(|a, b| ends(a) == ends(b)) {
+    for alike in branches.chunk_by(|a, b| a.ends() == b.ends()) {
         let shortest = usize::from(alike[0].first() != alike[0].last());
         for branch in &alike[shortest..] {
             gone.extend(branch.knots.windows(2).map(|line| [line[0].min(line[1]), line[0].max(line[1])]));

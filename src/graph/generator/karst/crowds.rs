@@ -1,6 +1,6 @@
 //! Passages that have no room, dropped where the cave does without them.
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::graph::sets::Sets;
 use crate::graph::sketch::{Branch, Sketch};
@@ -8,15 +8,13 @@ use crate::graph::sketch::{Branch, Sketch};
 /// Drops passages of which a knot is too near to another one, as these pairs say. They are laid anew after all others, the
 /// longest first: dead ends where they are clear of what is there by then, the others also where nothing else joins their
 /// ends. Passages through the knots of `kept` stay.
-pub(super) fn drop_crowds(sketch: &mut Sketch, crowds: &[[u32; 2]], kept: &[usize]) {
+pub(super) fn drop_crowds(sketch: &mut Sketch, crowds: &[[u32; 2]], kept: &FxHashSet<usize>) {
     let degrees: Vec<usize> = sketch.neighbors().degrees().collect();
-    let mut is_kept = vec![false; sketch.knots.len()];
-    kept.iter().for_each(|&knot| is_kept[knot] = true);
     let mut cave = Cave::empty(sketch.knots.len(), crowds);
     let (mut crowded, clear): (Vec<Branch>, Vec<Branch>) = sketch
         .branches()
         .into_iter()
-        .partition(|branch| cave.is_crowded(branch) && !branch.knots.iter().any(|&knot| is_kept[knot]));
+        .partition(|branch| cave.is_crowded(branch) && !branch.knots.iter().any(|knot| kept.contains(knot)));
     crowded.sort_by(|a, b| b.length_m.total_cmp(&a.length_m).then(a.knots.cmp(&b.knots)));
     let is_dead_end = |branch: &Branch| [branch.first(), branch.last()].iter().any(|&end| degrees[end] == 1);
     let (dead_ends, inner): (Vec<Branch>, Vec<Branch>) = crowded.into_iter().partition(is_dead_end);

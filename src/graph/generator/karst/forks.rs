@@ -3,12 +3,11 @@
 use nalgebra::Vector3;
 
 use crate::graph::sketch::Sketch;
+use crate::graph::tidy::MOST_PASSAGES;
 
 /// Cosine of the angle at which passages fork, or at a wider one: 30 degrees.
 const LEAST_FORK_COSINE: f64 = 0.866;
 const ROUNDS: usize = 64;
-/// Most passages at a knot.
-const MOST_PASSAGES: usize = 5;
 
 /// Where two passages leave a knot in nearly the same direction, or too many do, the longer one leaves from the end of the
 /// shorter one instead. What is moved gets shorter each time, so there is an end to it.

@@ -2,6 +2,7 @@
 //! made where passages then cross or crowd.
 
 use nalgebra::Vector3;
+use rustc_hash::FxHashSet;
 
 use super::Karst;
 use super::cloud::Cloud;
@@ -49,7 +50,7 @@ pub(super) fn drawn(
 }
 
 /// A knot for each point of the lines, and which of them are at key points, the first of these first of all.
-fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (Sketch, Vec<usize>) {
+fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (Sketch, FxHashSet<usize>) {
     let mut points: Vec<usize> = lines.iter().flatten().copied().collect();
     points.sort_unstable();
     points.dedup();

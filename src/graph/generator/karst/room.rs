@@ -1,7 +1,7 @@
 //! Room between passages: where two of them run too near to each other, both give way.
 
-use crate::graph::Section;
 use crate::graph::neighbors::Neighbors;
+use crate::graph::section::{Section, half_girth_m};
 use crate::graph::sketch::{Knot, Sketch};
 
 /// Least rock between passages, beside what rounding bends to stations takes, in metres (tuned).
@@ -80,12 +80,12 @@ pub(super) fn watched(sketch: &Sketch) -> Vec<Watched> {
 
 /// The distance that two passages should keep.
 pub(super) fn least_m(a: &Knot, b: &Knot) -> f64 {
-    half_girth_m(a) + half_girth_m(b) + ROCK_M
+    reach_m(a) + reach_m(b) + ROCK_M
 }
 
-/// How far a passage reaches from its axis in any direction; the axis lies a third of the height above the floor.
-fn half_girth_m(knot: &Knot) -> f64 {
-    knot.section.map_or(0.0, |Section { width_m, height_m, .. }| (0.5 * width_m).max(height_m / 1.5))
+/// Nothing without a section.
+fn reach_m(knot: &Knot) -> f64 {
+    knot.section.map_or(0.0, |Section { width_m, height_m, .. }| half_girth_m(width_m, height_m))
 }
 
 /// Where a knot lies on a sweep over the rows of the plan.
@@ -97,7 +97,7 @@ struct Swept {
 
 /// Pairs of knots that are nearer to each other than they should be, or nearly so.
 fn near_pairs(knots: &[Knot]) -> Vec<[u32; 2]> {
-    let widest = knots.iter().map(half_girth_m).fold(0.0, f64::max);
+    let widest = knots.iter().map(reach_m).fold(0.0, f64::max);
     let most_m = 2.0 * widest + ROCK_M + WATCHED_M;
     let swept = |(place, knot): (usize, &Knot)| Swept {
         row: (knot.position.y / most_m).floor() as i32,
@@ -136,7 +136,7 @@ struct Walk(Vec<(usize, f64)>);
 impl Walk {
     /// Begins anew at a knot, and goes as far as ways matter.
     fn start(&mut self, sketch: &Sketch, neighbors: &Neighbors, from: usize) {
-        let most_m = 2.0 * half_girth_m(&sketch.knots[from]) + ROCK_M;
+        let most_m = 2.0 * reach_m(&sketch.knots[from]) + ROCK_M;
         let most_m = FARTHEST * most_m / PART_OF_WAY;
         self.0.clear();
         self.0.push((from, 0.0));

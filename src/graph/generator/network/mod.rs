@@ -15,6 +15,7 @@ pub(super) use cells::Cells;
 
 use super::GenerateError;
 use crate::graph::dice::Dice;
+use crate::graph::section::half_girth_m;
 use crate::graph::sketch::{Knot, Sketch};
 use crate::graph::{Graph, Section, Shape, millimetres};
 use crate::seed;
@@ -61,9 +62,8 @@ impl Size {
         Self { width_m, height_m: width_m * height_ratio }
     }
 
-    /// How far it reaches from its axis in any direction; the axis lies a third of the height above the floor.
     fn half_girth(self) -> f64 {
-        (0.5 * self.width_m).max(self.height_m / 1.5)
+        half_girth_m(self.width_m, self.height_m)
     }
 }
 
