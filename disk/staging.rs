@@ -1,0 +1,172 @@
+//! Hidden folders in which files grow.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crate::publish;
+
+/// What the name of a staging folder begins with; random letters follow.
+const PREFIX: &str = ".plume-";
+const RANDOM_LETTERS: usize = 8;
+/// The file that marks a staging folder. It is locked as long as the folder is in use.
+const MARKER: &str = "plume-staging";
+const MARKER_TEXT: &[u8] = b"A file or folder beside this one is being written by Plume, or was until Plume was killed.\n\
+                             The next run removes this folder; so may you when no run is at work.\n";
+/// Where what a new folder takes the place of waits, under its own name, on systems that cannot swap two names.
+const REPLACED: &str = "replaced";
+/// How often another run may sweep a folder away while it is being marked.
+const ATTEMPTS: usize = 16;
+
+/// A hidden folder of this process beside a place that is written to. It goes when dropped, with all it holds.
+#[derive(Debug)]
+pub struct Staging {
+    path: PathBuf,
+    marker: Option<File>,
+}
+
+impl Staging {
+    /// Makes a staging folder in `parent`, with the folders above it, and [sweeps](sweep) there.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn new(parent: &Path) -> io::Result<Self> {
+        fs::create_dir_all(parent)?;
+        sweep(parent);
+        for _ in 0..ATTEMPTS {
+            let folder = tempfile::Builder::new().prefix(PREFIX).rand_bytes(RANDOM_LETTERS).tempdir_in(parent)?;
+            if let Some(marker) = mark(folder.path())? {
+                return Ok(Self { path: folder.keep(), marker: Some(marker) });
+            }
+        }
+        Err(io::Error::other("other runs keep sweeping the folder"))
+    }
+
+    /// Makes a staging folder beside `place`.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn beside(place: &Path) -> io::Result<Self> {
+        Self::new(folder_of(place))
+    }
+
+    /// The folder itself.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Puts the folder `name` from here in the place of the folder `to`. Gives the path at which the old folder, if there
+    /// was one, now waits for the end of this staging folder. A kill leaves the old or the new one in place, or, where the
+    /// system cannot swap, the old one here until the next run puts it back.
+    ///
+    /// # Errors
+    /// Those of the system; the old folder is in its place then.
+    pub fn swap(&self, name: &str, to: &Path) -> io::Result<Option<PathBuf>> {
+        let from = self.path.join(name);
+        if to.symlink_metadata().is_err() {
+            publish::publish(&from, to)?;
+            return Ok(None);
+        }
+        publish::sync_tree(&from)?;
+        let old = match publish::exchange(&from, to) {
+            Ok(()) => from,
+            Err(error) if error.kind() == ErrorKind::Unsupported => self.swap_in_two_steps(&from, to)?,
+            Err(error) => return Err(error),
+        };
+        publish::sync_parent(to)?;
+        Ok(Some(old))
+    }
+
+    fn swap_in_two_steps(&self, from: &Path, to: &Path) -> io::Result<PathBuf> {
+        let waiting = self.path.join(REPLACED);
+        fs::create_dir_all(&waiting)?;
+        let old = waiting.join(to.file_name().ok_or(ErrorKind::InvalidInput)?);
+        fs::rename(to, &old)?;
+        fs::rename(from, to).inspect_err(|_| {
+            // The first error is the one to tell; what cannot be put back now is put back by the next run.
+            let _ = fs::rename(&old, to);
+        })?;
+        Ok(old)
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        put_back(&self.path);
+        // Some systems do not remove what is open. Another run that sweeps here then has only helped.
+        self.marker = None;
+        let _ = fs::remove_dir_all(&self.path);
+    }
+}
+
+/// Removes the staging folders in `parent` that killed processes have left, and nothing else: a folder has to have the name
+/// and the marker of one, and nobody may hold its lock. What cannot be removed stays.
+pub fn sweep(parent: &Path) {
+    let Ok(entries) = fs::read_dir(parent) else { return };
+    for entry in entries.flatten() {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_folder && entry.file_name().to_str().is_some_and(is_name) {
+            remove_if_abandoned(&entry.path());
+        }
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    name.strip_prefix(PREFIX).is_some_and(|letters| {
+        letters.len() == RANDOM_LETTERS && letters.bytes().all(|letter| letter.is_ascii_alphanumeric())
+    })
+}
+
+fn remove_if_abandoned(folder: &Path) {
+    match crate::regular::open_no_follow(&folder.join(MARKER)) {
+        Ok(marker) => {
+            // Without a lock it is not known to be abandoned, and stays.
+            if marker.try_lock().is_ok() {
+                put_back(folder);
+                drop(marker);
+                let _ = fs::remove_dir_all(folder);
+            }
+        }
+        // Killed before it was marked; this removes empty folders only.
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            let _ = fs::remove_dir(folder);
+        }
+        Err(_) => {}
+    }
+}
+
+/// Gives a folder its name again if a kill came before its successor had it.
+fn put_back(staging: &Path) {
+    let Some(parent) = staging.parent() else { return };
+    for entry in fs::read_dir(staging.join(REPLACED)).into_iter().flatten().flatten() {
+        let place = parent.join(entry.file_name());
+        if place.symlink_metadata().is_err() {
+            let _ = fs::rename(entry.path(), place);
+        }
+    }
+}
+
+/// Marks a staging folder and locks the mark; `None` if another run has swept it away meanwhile.
+fn mark(folder: &Path) -> io::Result<Option<File>> {
+    let path = folder.join(MARKER);
+    let mut marker = match File::create_new(&path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        made => made?,
+    };
+    // Where there are no locks, no run sweeps.
+    if let Err(TryLockError::WouldBlock) = marker.try_lock() {
+        return Ok(None);
+    }
+    if path.symlink_metadata().is_err() {
+        return Ok(None);
+    }
+    marker.write_all(MARKER_TEXT)?;
+    Ok(Some(marker))
+}
+
+fn folder_of(place: &Path) -> &Path {
+    match place.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
