@@ -97,6 +97,10 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::EditedGraph { .. } => {
             "to go on with it, name the cave folder and leave `graph` and `seed` as they were; --force drops it".into()
         }
+        PipelineError::ChangedFiles { .. } => {
+            "to keep what you have changed, copy it elsewhere; --force makes these files anew".into()
+        }
+        PipelineError::Empty => "widen the passages, take a smaller mesh.voxel_m, or ask for more nodes".into(),
         PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),
         PipelineError::Store(StoreError::InUse { .. }) => "wait for it to end, or give another folder".into(),
         PipelineError::Store(StoreError::Damaged { .. }) => "delete the folder and make it again".into(),

@@ -23,6 +23,8 @@ pub struct Input {
     pub graph: Option<Graph>,
     /// The cave folder, if that is what was named.
     pub folder: Option<PathBuf>,
+    /// Whether the recipe is another than that of the cave folder that was named.
+    pub is_overridden: bool,
 }
 
 impl Input {
@@ -46,7 +48,7 @@ impl Input {
 
     /// A recipe and nothing else.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, graph: None, folder: None }
+        Self { recipe, graph: None, folder: None, is_overridden: false }
     }
 }
 
@@ -57,9 +59,12 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
         return Err(CaveError::Usage { message, hint });
     }
     let path = folder.join(store::RECIPE);
-    let recipe = Recipe::from_toml(&read(&path)?, &path, overrides)?;
+    let text = read(&path)?;
+    let own = Recipe::from_kept_toml(&text, &path)?;
+    let recipe = Recipe::from_toml(&text, &path, overrides)?;
     let graph = kept_graph(&folder.join(store::GRAPH), &recipe)?;
-    Ok(Input { recipe, graph, folder: Some(folder.to_path_buf()) })
+    let is_overridden = own.to_json() != recipe.to_json();
+    Ok(Input { recipe, graph, folder: Some(folder.to_path_buf()), is_overridden })
 }
 
 /// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
@@ -96,7 +101,7 @@ fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
     };
     let recipe = Recipe::from_json(recipe, path, overrides)?;
     let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
-    Ok(Input { recipe, graph: Some(document.graph), folder: None })
+    Ok(Input { recipe, graph: Some(document.graph), folder: None, is_overridden: false })
 }
 
 /// The preset called `name`.

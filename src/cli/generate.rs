@@ -31,7 +31,10 @@ impl Generate {
         let input = self.source.resolve()?;
         let named = input.folder.clone();
         let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
-        let folder = CaveFolder::open_or_new(&output)?;
+        let mut folder = CaveFolder::open_or_new(&output)?;
+        if let Some(named) = input.folder.as_ref().filter(|named| **named != output) {
+            folder = folder.based_on(CaveFolder::open(named)?);
+        }
         let mut summary = Summary::start();
         cave::make(&input, &folder, last, self.source.force, console, &mut |stage, pipeline| {
             summary.stage_done(stage, pipeline)

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Pipeline, PipelineError, chunk_name};
+use super::{Pipeline, PipelineError};
 use crate::mesh::Grid;
-use crate::store::Stage;
+use crate::store::{Stage, chunk_name};
 
 /// How far a stage is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
