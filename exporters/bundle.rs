@@ -64,6 +64,8 @@ impl Bundle {
 /// unfinished one removes it.
 pub struct Archive {
     kind: Bundle,
+    /// As it was asked for, for errors.
+    asked: PathBuf,
     path: PathBuf,
     existing: Existing,
     staging: Staging,
@@ -96,12 +98,12 @@ impl Archive {
     /// As [`Archive::check`]; [`ExportError::Io`] when the file cannot be made.
     pub fn create(kind: Bundle, path: &Path, existing: Existing) -> Result<Self, ExportError> {
         Self::check(path, existing)?;
-        let path = std::path::absolute(path)?;
-        let named = |error| at(path.display(), &error);
+        let (asked, path) = (path.to_owned(), std::path::absolute(path)?);
+        let named = |error| at(asked.display(), &error);
         let staging = Staging::beside(&path).map_err(named)?;
         let file = File::create_new(staging.path().join(GROWING)).map_err(named)?;
         let packer = Packer::new(kind, Sink::new(file)).map_err(named)?;
-        Ok(Self { kind, path, existing, staging, packer: Some(packer), files: Files::default() })
+        Ok(Self { kind, asked, path, existing, staging, packer: Some(packer), files: Files::default() })
     }
 
     /// Moves the archive to its place.
@@ -111,17 +113,17 @@ impl Archive {
     /// there still.
     pub fn finish(mut self) -> Result<Files, ExportError> {
         if let Some(packer) = self.packer.take() {
-            packer.finish().and_then(Sink::finish).map_err(|error| at(self.path.display(), &error))?;
+            packer.finish().and_then(Sink::finish).map_err(|error| at(self.asked.display(), &error))?;
         }
-        Self::check(&self.path, self.existing)?;
+        Self::check(&self.asked, self.existing)?;
         let grown = self.staging.path().join(GROWING);
         let done = match self.existing {
             Existing::Keep => plume_disk::publish(&grown, &self.path),
             Existing::Replace => plume_disk::replace_file(&grown, &self.path),
         };
         done.map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => ExportError::FileExists { path: self.path.clone() },
-            _ => at(self.path.display(), &error).into(),
+            io::ErrorKind::AlreadyExists => ExportError::FileExists { path: self.asked.clone() },
+            _ => at(self.asked.display(), &error).into(),
         })?;
         Ok(std::mem::take(&mut self.files))
     }
@@ -142,7 +144,7 @@ impl Package for Archive {
     }
 
     fn scratch(&mut self) -> io::Result<TempDir> {
-        tempfile::tempdir_in(self.staging.path()).map_err(|error| at(self.path.display(), &error))
+        tempfile::tempdir_in(self.staging.path()).map_err(|error| at(self.asked.display(), &error))
     }
 
     fn files(&mut self) -> &mut Files {

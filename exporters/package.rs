@@ -163,6 +163,8 @@ pub enum Existing {
 /// dropping an unfinished one removes it.
 #[derive(Debug)]
 pub struct Folder {
+    /// As it was asked for, for errors.
+    asked: PathBuf,
     path: PathBuf,
     existing: Existing,
     staging: Staging,
@@ -189,11 +191,11 @@ impl Folder {
     /// the folder cannot be made.
     pub fn create(path: &Path, existing: Existing) -> Result<Self, ExportError> {
         check_vacant(path, existing)?;
-        let path = place(path)?;
-        let named = |error| at(path.display(), &error);
+        let (asked, path) = (path.to_owned(), place(path)?);
+        let named = |error| at(asked.display(), &error);
         let staging = Staging::beside(&path).map_err(named)?;
         fs::create_dir(staging.path().join(GROWING)).map_err(named)?;
-        Ok(Self { path, existing, staging, files: Files::default() })
+        Ok(Self { asked, path, existing, staging, files: Files::default() })
     }
 
     /// Moves the package to its place. Of a package that was there, its own files go; what the user has put beside them
@@ -204,7 +206,7 @@ impl Folder {
     /// [`ExportError::InTheWay`] when a file of the user's has the name of one of the package, and when the disk refuses;
     /// what was there is there still.
     pub fn finish(mut self) -> Result<Files, ExportError> {
-        check_vacant(&self.path, self.existing)?;
+        check_vacant(&self.asked, self.existing)?;
         match is_occupied(&self.path) {
             true => self.replace()?,
             false => self.publish()?,
@@ -216,18 +218,18 @@ impl Folder {
     fn publish(&self) -> Result<(), ExportError> {
         plume_disk::publish(&self.growing(), &self.path).map_err(|error| match error.kind() {
             io::ErrorKind::AlreadyExists | io::ErrorKind::DirectoryNotEmpty => {
-                ExportError::NotEmpty { path: self.path.clone() }
+                ExportError::NotEmpty { path: self.asked.clone() }
             }
-            io::ErrorKind::NotADirectory => ExportError::NotAFolder { path: self.path.clone() },
-            _ => at(self.path.display(), &error).into(),
+            io::ErrorKind::NotADirectory => ExportError::NotAFolder { path: self.asked.clone() },
+            _ => at(self.asked.display(), &error).into(),
         })
     }
 
     fn replace(&self) -> Result<(), ExportError> {
         let own = manifest_of(&self.path).and_then(|text| manifest::files_of(&text));
-        let own = own.ok_or_else(|| ExportError::NotOurs { path: self.path.clone() })?;
-        foreign::keep(&self.path, &own, &self.growing())?;
-        self.staging.swap(GROWING, &self.path).map_err(|error| at(self.path.display(), &error))?;
+        let own = own.ok_or_else(|| ExportError::NotOurs { path: self.asked.clone() })?;
+        foreign::keep(&self.asked, &own, &self.growing())?;
+        self.staging.swap(GROWING, &self.path).map_err(|error| at(self.asked.display(), &error))?;
         Ok(())
     }
 
@@ -244,7 +246,7 @@ impl Package for Folder {
     }
 
     fn scratch(&mut self) -> io::Result<TempDir> {
-        tempfile::tempdir_in(self.staging.path()).map_err(|error| at(self.path.display(), &error))
+        tempfile::tempdir_in(self.staging.path()).map_err(|error| at(self.asked.display(), &error))
     }
 
     fn files(&mut self) -> &mut Files {

@@ -60,7 +60,7 @@ impl FileRecord {
     /// The content of the file, if it is what was written.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] if it is not; when it cannot be read.
+    /// [`StoreError::Changed`] if it is not; when it cannot be read.
     pub fn read(&self, root: &Path) -> Result<Vec<u8>, StoreError> {
         let path = root.join(&self.path);
         refuse_link_above(root, &path)?;
@@ -69,7 +69,7 @@ impl FileRecord {
         match content {
             Ok(content) if content.len() as u64 == self.bytes && sha256(&content) == self.sha256 => Ok(content),
             Err(error) if error.kind() != ErrorKind::FileTooLarge => Err(StoreError::io(&path, error)),
-            _ => Err(StoreError::changed(path)),
+            _ => Err(StoreError::Changed { path }),
         }
     }
 }

@@ -74,7 +74,13 @@ pub enum StoreError {
         /// What it said.
         source: std::io::Error,
     },
-    /// A file of the folder is not what we wrote.
+    /// A file of the folder is not what a stage has written: it was edited, or the disk has lost it.
+    #[error("{}: is not the file that was written: its SHA-256 is another", path.display())]
+    Changed {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// Something in the folder cannot be what we wrote.
     #[error("{}: {message}", path.display())]
     Damaged {
         /// Which file.
@@ -105,10 +111,6 @@ impl StoreError {
     /// Something is wrong with what is at `path`.
     pub fn damaged(path: &Path, message: impl ToString) -> Self {
         Self::Damaged { path: path.to_path_buf(), message: message.to_string() }
-    }
-
-    fn changed(path: PathBuf) -> Self {
-        Self::Damaged { path, message: "is not the file that was written: its SHA-256 is another".to_owned() }
     }
 }
 
@@ -309,7 +311,7 @@ impl CaveFolder {
     /// The content of a file of a finished unit, if it is what was written.
     ///
     /// # Errors
-    /// [`StoreError::Damaged`] if it is not; when it cannot be read.
+    /// [`StoreError::Changed`] if it is not; when it cannot be read.
     pub fn read(&self, path: &str) -> Result<Vec<u8>, StoreError> {
         self.record(path)?.read(&self.root)
     }
@@ -322,7 +324,7 @@ impl CaveFolder {
         match self.state(&self.record(path)?)? {
             FileState::Intact => Ok(()),
             FileState::Missing => Err(StoreError::io(&self.root.join(path), ErrorKind::NotFound.into())),
-            FileState::Changed => Err(StoreError::changed(self.root.join(path))),
+            FileState::Changed => Err(StoreError::Changed { path: self.root.join(path) }),
         }
     }
 
