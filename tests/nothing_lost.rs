@@ -160,6 +160,8 @@ fn a_recipe_that_is_cut_makes_no_other_cave() {
     desk.file("cave/cave.toml", &recipe.replacen("nodes = 4\n", "", 1));
     assert_snapshot!("incomplete_recipe", refused(&desk, COMMANDS[0]));
     assert_eq!(before, desk.hashes("cave/chunks"));
+    desk.file("cave/cave.toml", &recipe.replacen("nodes = 4\n", "nodes = 5\n", 1));
+    assert!(works(&desk, COMMANDS[0]).contains("recipe    graph.nodes: 4 → 5"));
 }
 
 #[test]

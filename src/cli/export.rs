@@ -8,6 +8,7 @@ use plume_exporters::package::Existing;
 use plume_exporters::place::Place;
 
 use super::fault::CliError;
+use super::generate::note_changes;
 use super::progress::Console;
 use super::summary::Summary;
 use super::{Host, Source};
@@ -49,6 +50,7 @@ impl Export {
         let input = self.source.resolve()?;
         let outputs = self.outputs(&input.recipe.name, &wanted, bundle);
         self.refuse_same_place(&outputs)?;
+        note_changes(&input, console);
         let mut summary = Summary::start();
         let orders = self.open_orders(wanted, &outputs, bundle, &input, console, &mut summary)?;
         let work = WorkFolder::claim(self.work_path(&input, &outputs[0]))?;

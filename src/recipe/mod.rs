@@ -141,6 +141,27 @@ impl Recipe {
     }
 }
 
+/// What `now` says otherwise than `before`, key by key: `graph.nodes: 8 → 9`.
+pub fn differences(before: &Value, now: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    collect_differences("", before, now, &mut found);
+    found
+}
+
+fn collect_differences(path: &str, before: &Value, now: &Value, found: &mut Vec<String>) {
+    match (before, now) {
+        (Value::Object(old), Value::Object(new)) => {
+            let keys = old.keys().chain(new.keys().filter(|key| !old.contains_key(*key)));
+            for key in keys {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                collect_differences(&path, &before[key], &now[key], found);
+            }
+        }
+        _ if before != now => found.push(format!("{path}: {before} → {now}")),
+        _ => {}
+    }
+}
+
 /// The last line of the recipe of a cave folder.
 const LAST_LINE: &str = "# End of the recipe: keep this line.";
 
