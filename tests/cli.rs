@@ -200,6 +200,59 @@ fn results_go_to_stdout_and_notes_to_stderr() {
     assert_eq!(summary["graph"]["nodes"], 50);
 }
 
+/// The device that is always full stands where the result goes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_result_that_cannot_be_printed_is_told() {
+    let desk = Desk::new();
+    desk.make(&["export", "--target", "gltf", "--output", "package", "--keep", "cave"]);
+    let fault =
+        "exit 1\nerror: standard output: No space left on device (os error 28); what was printed is not whole\n";
+    for command in [
+        "new",
+        "schema",
+        "list",
+        "list --json",
+        "check package",
+        "status cave",
+        "measure cave",
+        "graph import cave/graph.json -o graph.json --json",
+        "preview cave --size 320x240 --json",
+        "--help",
+        "new --help",
+        "--version",
+    ] {
+        let mut printing = desk.command(&command.split(' ').collect::<Vec<_>>());
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let said = printing.arg("--quiet").stdout(full).output().unwrap();
+        let said = format!("exit {}\n{}", said.status.code().unwrap(), String::from_utf8(said.stderr).unwrap());
+        assert_eq!(said, fault, "{command}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_hangs_up_early_is_no_fault() {
+    let desk = Desk::new();
+    for command in [&["schema"][..], &["export", "--help"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let said = desk.command(command).stdout(writer).output().unwrap();
+        assert!(said.status.success() && said.stderr.is_empty(), "{command:?}");
+    }
+}
+
+/// A file may grow no larger than 4 KiB.
+#[cfg(unix)]
+#[test]
+fn a_limit_on_files_is_told_and_leaves_nothing() {
+    let desk = Desk::new();
+    let script = format!("ulimit -f 4; exec {} preview --output plan.svg --quiet", env!("CARGO_BIN_EXE_plume"));
+    let said = std::process::Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
+    assert_snapshot!("file_limit", format!("{:?}\n{}", said.status.code(), String::from_utf8(said.stderr).unwrap()));
+    assert_eq!(files(&desk.path("")).len(), 0);
+}
+
 #[test]
 fn faulty_overrides_are_told_by_their_own_words() {
     let desk = Desk::new();

@@ -33,6 +33,11 @@ enum Exchange {
 }
 
 impl GraphCommand {
+    /// Whether a graph is made, and not brought from one file to another.
+    pub fn makes(&self) -> bool {
+        self.exchange.is_none()
+    }
+
     /// Does what was asked.
     ///
     /// # Errors
