@@ -47,7 +47,7 @@ impl Export {
     pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
         let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
         let targets = cave::build(&choices, &self.option, host.library())?;
-        let input = self.source.resolve()?;
+        let input = self.source.resolve(console)?;
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
         let outputs = self.outputs(&input.recipe.name, &choices, bundle);
         self.refuse_same_place(&outputs)?;
