@@ -10,12 +10,14 @@
 //!
 //! Not promised: anything against a program that changes the same folders at the same time and means harm.
 
+mod device;
 mod file;
 mod publish;
 pub mod regular;
 pub mod sealed;
 mod staging;
 
+pub use self::device::is_device_name;
 pub use self::file::{Existing, write_file};
 pub use self::publish::{publish, replace_file, sync_folder};
 pub use self::staging::{Staging, sweep, sweep_beside};

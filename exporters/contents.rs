@@ -4,10 +4,11 @@
 //! are told, not followed. Memory: the list of names, one file at a time as a stream, and the window of the compression.
 
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::io::{self, Read};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+
+use plume_disk::regular;
 
 use crate::package::path_fault;
 
@@ -70,8 +71,8 @@ impl Contents {
         let gate = Gate { visitor, names: BTreeSet::new() };
         match self.kind {
             Kind::Folder => folder::read(&self.path, gate),
-            Kind::Zip => zip::read(File::open(&self.path)?, self.most_bytes()?, gate),
-            Kind::Tar(compression) => tar::read(File::open(&self.path)?, compression, self.most_bytes()?, gate),
+            Kind::Zip => zip::read(regular::open(&self.path)?, self.most_bytes()?, gate),
+            Kind::Tar(compression) => tar::read(regular::open(&self.path)?, compression, self.most_bytes()?, gate),
         }
     }
 
@@ -86,14 +87,14 @@ impl Contents {
     }
 
     fn most_bytes(&self) -> io::Result<u64> {
-        Ok(File::open(&self.path)?.metadata()?.len().saturating_mul(MOST_TIMES).saturating_add(MOST_BYTES_MORE))
+        Ok(regular::open(&self.path)?.metadata()?.len().saturating_mul(MOST_TIMES).saturating_add(MOST_BYTES_MORE))
     }
 }
 
 /// The first bytes of a file, which tell what it is.
 fn head(path: &Path) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
-    File::open(path)?.take(4).read_to_end(&mut head)?;
+    regular::open(path)?.take(4).read_to_end(&mut head)?;
     Ok(head)
 }
 

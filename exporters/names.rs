@@ -1,9 +1,11 @@
 //! Names that are safe everywhere: SDF and URDF elements, USD prims, glTF nodes and file names on every system; and those by
 //! which importers know what a mesh is for.
 
-/// Whether `name` is `[a-z][a-z0-9_]*`.
+/// Whether `name` is `[a-z][a-z0-9_]*`, and no device of Windows.
 pub fn is_safe(name: &str) -> bool {
-    name.starts_with(|first: char| first.is_ascii_lowercase()) && name.chars().all(is_safe_char)
+    name.starts_with(|first: char| first.is_ascii_lowercase())
+        && name.chars().all(is_safe_char)
+        && !plume_disk::is_device_name(name)
 }
 
 /// The safe name nearest to `text`: lower case, runs of anything else become one underscore.
@@ -17,7 +19,7 @@ pub fn safe(text: &str) -> String {
         }
     }
     let name = name.trim_end_matches('_');
-    match name.starts_with(|first: char| first.is_ascii_lowercase()) {
+    match is_safe(name) {
         true => name.to_owned(),
         false => format!("scene_{name}").trim_end_matches('_').to_owned(),
     }
@@ -51,6 +53,8 @@ mod tests {
             ("../../etc", "etc"),
             ("", "scene"),
             ("__", "scene"),
+            ("CON", "scene_con"),
+            ("lpt1.", "scene_lpt1"),
         ] {
             assert_eq!(safe(text), name);
             assert!(is_safe(&safe(text)), "{text}");
@@ -60,6 +64,6 @@ mod tests {
     #[test]
     fn a_safe_name_stays() {
         assert_eq!(safe("chunk_0_2_1"), "chunk_0_2_1");
-        assert!(!is_safe("Cave") && !is_safe("2cave") && !is_safe("") && !is_safe("a/b"));
+        assert!(!is_safe("Cave") && !is_safe("2cave") && !is_safe("") && !is_safe("a/b") && !is_safe("nul"));
     }
 }

@@ -146,6 +146,9 @@ pub(crate) fn path_fault(path: &str) -> Option<&'static str> {
     if path.starts_with('/') || path.contains(['\\', ':', '\0']) {
         return Some("is not relative with forward slashes");
     }
+    if path.split('/').any(plume_disk::is_device_name) {
+        return Some("has a part that is a device on Windows");
+    }
     let has_odd_part = path.split('/').any(|part| matches!(part, "" | "." | ".."));
     has_odd_part.then_some("has an empty, `.` or `..` part")
 }

@@ -26,6 +26,7 @@ pub mod field;
 pub mod material;
 pub mod noise;
 
+pub mod echo;
 pub mod graph;
 pub mod seed;
 

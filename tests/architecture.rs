@@ -9,21 +9,22 @@ use plume::graph::format::FORMATS;
 /// Modules of `src`, and the modules that each may name. A module may always name itself.
 const ARROWS: &[(&str, &[&str])] = &[
     ("seed", &[]),
+    ("echo", &[]),
     ("noise", &["seed"]),
-    ("graph", &["seed"]),
+    ("graph", &["echo", "seed"]),
     ("material", &["noise", "seed"]),
     ("field", &["graph", "material", "noise", "seed"]),
     ("mesh", &["field"]),
     ("texture", &["field", "mesh"]),
     ("truth", &["field", "graph"]),
     ("preview", &["field", "graph", "material", "mesh", "truth"]),
-    ("recipe", &["field", "graph", "material", "mesh", "texture"]),
+    ("recipe", &["echo", "field", "graph", "material", "mesh", "texture"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture"]),
     ("assemble", &["field", "graph", "mesh", "recipe", "store", "texture", "truth"]),
     ("pipeline", &["field", "graph", "mesh", "preview", "recipe", "store"]),
-    ("cave", &["assemble", "graph", "pipeline", "preset", "preview", "recipe", "store"]),
-    ("cli", &["cave", "graph", "material", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("cave", &["assemble", "echo", "graph", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("cli", &["cave", "echo", "graph", "material", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -76,7 +76,7 @@ fn a_preview_is_named_by_its_view() {
         assert!(desk.run(&[&flight[..], &["--seconds", seconds]].concat()).status.success());
     }
     let names: Vec<String> = desk.hashes("").into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["cave-plan.png", "cave.svg", "frames/00000.png", "frames/00001.png"]);
+    assert_eq!(names, ["cave-plan.png", "cave.svg", "frames/00000.png", "frames/00001.png", "frames/flight.json"]);
 }
 
 #[test]
@@ -94,6 +94,240 @@ fn a_faulty_graph_is_told() {
     let desk = Desk::new();
     desk.file("graph.json", "{\"nodes\": [");
     assert_snapshot!("graph_syntax", desk.fault(&["generate", "graph.json"]));
+}
+
+#[test]
+fn frames_of_others_are_left_alone() {
+    let desk = Desk::new();
+    let flight =
+        ["preview", "--view", "flight", "--size", "32x24", "--fps", "2", "--seconds", "1", "--output", "frames"];
+    fs::create_dir(desk.path("frames")).unwrap();
+    desk.file("frames/00001.png", "my holiday");
+    assert_snapshot!("flight_over_others", desk.fault(&flight));
+    fs::remove_file(desk.path("frames/00001.png")).unwrap();
+    assert!(desk.run(&flight).status.success());
+    // One more of the user's, one that the user has changed, and a list that leads elsewhere.
+    desk.file("frames/00002.png", "my holiday");
+    assert_snapshot!("flight_beside_others", desk.fault(&flight));
+    fs::rename(desk.path("frames/00002.png"), desk.path("frames/holiday.png")).unwrap();
+    assert!(desk.run(&flight).status.success());
+    desk.file("frames/00001.png", "drawn over");
+    assert_snapshot!("flight_changed", desk.fault(&flight));
+    desk.file("frames/flight.json", r#"{"frames": {"../../00001.png": []}}"#);
+    assert_snapshot!("flight_of_no_list", desk.fault(&flight));
+    let left = ["frames/00001.png", "frames/holiday.png"].map(|name| fs::read_to_string(desk.path(name)).unwrap());
+    assert_eq!(left, ["drawn over", "my holiday"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn no_planted_link_is_followed() {
+    let desk = Desk::new();
+    desk.file("diary.txt", "dear diary");
+    for name in ["plan.png.partial", "plan.png"] {
+        std::os::unix::fs::symlink(desk.path("diary.txt"), desk.path(name)).unwrap();
+    }
+    assert!(desk.run(&["preview", "--size", "320x240", "--output", "plan.png"]).status.success());
+    assert_eq!(fs::read_to_string(desk.path("diary.txt")).unwrap(), "dear diary");
+    assert!(!desk.path("plan.png").is_symlink());
+}
+
+/// What a command says within ten seconds, with the bytes of memory that it may take.
+fn fault_at_once(desk: &Desk, arguments: &[&str]) -> String {
+    let start = std::time::Instant::now();
+    let mut run = desk.command(arguments);
+    let mut run = run.stderr(std::process::Stdio::piped()).stdout(std::process::Stdio::null()).spawn().unwrap();
+    while run.try_wait().unwrap().is_none() {
+        if start.elapsed().as_secs() >= 10 {
+            run.kill().unwrap();
+            return format!("{arguments:?} is still at work");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let said = run.wait_with_output().unwrap();
+    format!("exit {:?}\n{}", said.status.code(), String::from_utf8(said.stderr).unwrap())
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_at_once() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("cave")).unwrap();
+    for name in ["pipe.toml", "pipe.svx", "pipe.json", "pipe_nodes.dat", "pipe", "cave/cave.toml"] {
+        assert!(std::process::Command::new("mkfifo").arg(desk.path(name)).status().unwrap().success());
+    }
+    desk.file("cave/graph.json", "{}");
+    desk.file("pipe_links.dat", "1 2\n");
+    desk.file("includes.svx", "*include pipe\n");
+    std::os::unix::fs::symlink("/dev/zero", desk.path("zero.svx")).unwrap();
+    let commands = [
+        "generate pipe.toml",
+        "generate /dev/zero",
+        "generate zero.svx",
+        "graph import pipe.svx -o graph.json",
+        "graph import includes.svx -o graph.json",
+        "graph import pipe_links.dat -o graph.json",
+        "graph export pipe.json -o graph.csv",
+        "measure pipe.json",
+        "status cave",
+        "check pipe",
+        "check /dev/zero",
+    ];
+    let said = commands.map(|command| {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        format!("{command}: {}", fault_at_once(&desk, &arguments))
+    });
+    assert_snapshot!("pipes_and_devices", said.join("\n"));
+    desk.make(&["export", "--target", "gltf", "--output", "package"]);
+    fs::rename(desk.path("pipe"), desk.path("package/pipe")).unwrap();
+    assert_snapshot!("pipe_in_package", said_of(&desk, "package"));
+}
+
+#[test]
+fn recipes_made_to_take_long_are_refused_at_once() {
+    let desk = Desk::new();
+    let lines = |count: usize, line: fn(usize) -> String| (0..count).map(line).collect::<String>();
+    let recipes = [
+        ("comments", "#".repeat(1 << 20) + "\n"),
+        ("keys", lines(90_000, |n| format!("k{n}=1\n"))),
+        ("sections", lines(90_000, |n| format!("[s{n}]\n"))),
+        ("sections in sections", lines(70_000, |n| format!("a{n}.b.c.d=1\n"))),
+        ("lists", "[[a]]\n".repeat(170_000)),
+        ("numbers", format!("x=[{}]\n", "nan,".repeat(250_000))),
+        ("items", format!("[graph]\nnodes=[{}]\n", "1,".repeat(400_000))),
+        ("a long section", format!("[{}]\n{}", "a".repeat(400_000), lines(60_000, |n| format!("k{n}=1\n")))),
+        ("depth", format!("{}=1\n", "a.".repeat(60) + "a")),
+        ("a long name", format!("name = \"{}\"\n", "n".repeat(1_000_000))),
+        ("a long kind", format!("[rock]\nkind = \"{}\"\n", "k".repeat(1_000_000))),
+        ("some keys", lines(5_000, |n| format!("k{n}=1\n"))),
+    ];
+    let said = recipes.map(|(name, recipe)| {
+        desk.file("cave.toml", &recipe);
+        format!("{name}: {}", fault_at_once(&desk, &["graph", "cave.toml"]))
+    });
+    assert_snapshot!("recipes_that_take_long", said.join("\n"));
+}
+
+#[test]
+fn what_is_echoed_is_short_and_steers_no_terminal() {
+    let desk = Desk::new();
+    let long = format!("\u{1b}[2J{}", "x".repeat(90_000));
+    let pair = format!("name={long}");
+    let key = format!("{long}=1");
+    desk.file("graph.json", &json!({"nodes": [{"id": long, "coordinates": {"x": long, "y": 0}}]}).to_string());
+    desk.file("recipe.json", &json!({"nodes": [], "recipe": {long.as_str(): long}}).to_string());
+    desk.file("cave.svx", &format!("*{long}\n").replacen('x', " ", 40_000));
+    desk.file("cave.graphml", &format!("<graphml><{long}></y></graphml>"));
+    desk.file("cave.csv", &format!("{long},y1,z1,x2,y2,z2\n"));
+    let command = format!("graph.command=[\"{}\"]", "x".repeat(90_000));
+    let program = ["graph", "--allow-run", "--set", "graph.generator=external", "--set", &command];
+    let said: Vec<String> = [
+        &["new", "--preset", &long][..],
+        &["new", "--set", &long],
+        &["new", "--set", &pair],
+        &["new", "--set", &key],
+        &["new", &long],
+        &[&long],
+        &["list", &long],
+        &["export", "--target", &long],
+        &["export", "--target", "mujoco", "--bundle", &long],
+        &["export", "--target", "gltf", "--option", &key],
+        &["preview", "--view", &long],
+        &["preview", "--size", &long],
+        &["graph", "import", "graph.json", "-o", "x.json", "--format", &long],
+        &["graph", "import", "graph.json", "-o", "x.json"],
+        &["graph", "import", "cave.svx", "-o", "x.json"],
+        &["graph", "import", "cave.graphml", "-o", "x.json"],
+        &["graph", "import", "cave.csv", "-o", "x.json"],
+        &["graph", "recipe.json"],
+        &program,
+    ]
+    .iter()
+    .map(|arguments| desk.fault(arguments))
+    .collect();
+    for said in &said {
+        assert!(said.starts_with("exit 2") && said.len() < 2000 && !said.contains('\u{1b}'), "{said:.3000}");
+    }
+    assert_snapshot!("long_echoes", said.join("\n"));
+}
+
+/// A survey in a folder of its own, a secret beside that folder, and ways to it.
+fn desk_with_secrets() -> Desk {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("survey")).unwrap();
+    for name in ["secret.svx", "secret.th", "secret.dat", "secret_links.dat"] {
+        desk.file(name, "root:x:0:0:hunter2\n");
+    }
+    desk.file("survey/up.svx", "*include ../secret\n");
+    desk.file("survey/absolute.svx", &format!("*include \"{}\"\n", desk.path("secret.svx").display()));
+    desk.file("survey/none.svx", "*include ../nowhere\n");
+    desk.file("survey/up.th", "input ../secret\n");
+    desk.file("survey/up.mak", "#..\\secret.dat;\n");
+    desk.file("survey/pair_nodes.dat", "0 0 0\n9 0 0\n");
+    #[cfg(unix)]
+    for (to, from) in [("secret.svx", "survey/link.svx"), ("secret_links.dat", "survey/pair_links.dat")] {
+        std::os::unix::fs::symlink(desk.path(to), desk.path(from)).unwrap();
+    }
+    desk.file("survey/links.svx", "*include link\n");
+    desk
+}
+
+#[cfg(unix)]
+#[test]
+fn surveys_lead_nowhere_but_below_their_folder() {
+    let desk = desk_with_secrets();
+    let surveys = ["up.svx", "absolute.svx", "none.svx", "links.svx", "up.th", "up.mak", "pair_nodes.dat"];
+    let import = |more: &[&str]| {
+        let told = surveys.map(|name| {
+            let survey = format!("survey/{name}");
+            desk.fault(&[&["graph", "import", &survey, "-o", "graph.json"], more].concat())
+        });
+        told.join("\n").replace(desk.path("").to_str().unwrap(), "DESK/")
+    };
+    let (refused, allowed) = (import(&[]), import(&["--allow-outside"]));
+    assert!(!refused.contains("hunter2") && !allowed.contains("hunter2") && !allowed.contains("root"), "{allowed}");
+    assert_snapshot!("surveys_that_lead_out", refused);
+    assert_snapshot!("surveys_that_may_lead_out", allowed);
+    // A recipe that names the survey, a whole survey elsewhere, and one in a folder further down.
+    assert_snapshot!("recipe_that_leads_out", desk.fault(&["graph", "survey/up.svx"]));
+    desk.file("secret.svx", "1 2 10 90 0\n");
+    let works = |arguments: &[&str]| desk.run(arguments).status.success();
+    assert!(works(&["graph", "survey/up.svx", "-o", "cave", "--allow-outside"]));
+    assert!(works(&["graph", "import", "survey/links.svx", "-o", "a.json", "--allow-outside"]));
+    desk.file("top.svx", "*include survey/in\n");
+    desk.file("survey/in.svx", "*include ../secret\n");
+    assert!(works(&["graph", "import", "top.svx", "-o", "b.json"]));
+}
+
+#[test]
+fn names_that_no_file_can_have_are_told() {
+    let desk = Desk::new();
+    for name in ["con", "nul", "com1"] {
+        let fault = desk.fault(&["graph", "--set", &format!("name={name}")]);
+        assert!(fault.starts_with("exit 2") && fault.contains("Windows"), "{fault}");
+    }
+    assert_snapshot!("name_of_a_device", desk.fault(&["new", "--set", "name=aux"]));
+    desk.file("cave.csv", "x1,y1,z1,x2,y2,z2\n0,0,0,9,0,0\n");
+    let long = "long".repeat(80);
+    let told = [
+        "graph -o",
+        "preview --size 320x240 -o",
+        "graph import cave.csv -o",
+        "preview --view flight --fps 1 --seconds 1 -o",
+    ]
+    .map(|command| {
+        let ending = if command.contains("import") {
+            ".json"
+        } else if command.contains("320") {
+            ".png"
+        } else {
+            ""
+        };
+        let name = format!("{long}{ending}");
+        let arguments: Vec<&str> = command.split(' ').chain([name.as_str()]).collect();
+        desk.fault(&arguments)
+    });
+    assert_snapshot!("names_too_long", told.join("\n"));
 }
 
 /// Two parts and a station alone.

@@ -1,8 +1,10 @@
 //! Files of a folder, in the order of their names.
 
-use std::fs::{self, DirEntry, File};
+use std::fs::{self, DirEntry};
 use std::io;
 use std::path::Path;
+
+use plume_disk::regular;
 
 use super::Gate;
 use crate::error::at;
@@ -21,7 +23,8 @@ pub fn read(root: &Path, mut gate: Gate<'_>) -> io::Result<()> {
             } else if !kind.is_file() {
                 gate.fault(&path, if kind.is_symlink() { "is a link" } else { "is neither a file nor a folder" });
             } else {
-                let mut file = File::open(entry.path()).map_err(|error| at(entry.path().display(), &error))?;
+                let mut file =
+                    regular::open_no_follow(&entry.path()).map_err(|error| at(entry.path().display(), &error))?;
                 if gate.file(path, &mut file)?.is_break() {
                     return Ok(());
                 }

@@ -1,9 +1,9 @@
 //! Files of a compressed tar.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 
-use flate2::bufread::MultiGzDecoder;
+use flate2::bufread::GzDecoder;
 use tar::{Archive, EntryType};
 
 use super::{Gate, Limited, TGZ_ROOT, WHOLE};
@@ -20,7 +20,7 @@ pub enum Compression {
 
 /// Shows the files. Heads that give the next entry another name or size are not read but told, as links are.
 pub fn read(file: File, compression: Compression, most_bytes: u64, mut gate: Gate<'_>) -> io::Result<()> {
-    let mut archive = Archive::new(Limited { inner: unpacker(file, compression)?, left: most_bytes });
+    let mut archive = Archive::new(Limited { inner: Unpacker::new(file, compression)?, left: most_bytes });
     for entry in archive.entries()?.raw(true) {
         let mut entry = entry?;
         let Some(path) = gate.path(&entry.path_bytes()) else { continue };
@@ -39,22 +39,49 @@ pub fn read(file: File, compression: Compression, most_bytes: u64, mut gate: Gat
             other => gate.fault(&path, &format!("is neither a file nor a folder: tar calls it {other:?}")),
         }
     }
-    if !is_blank(archive.into_inner())? {
+    let mut rest = archive.into_inner();
+    if !is_blank(&mut rest)? || !rest.inner.has_ended()? {
         gate.fault(WHOLE, "goes on after its end");
     }
     Ok(())
 }
 
-fn unpacker(file: File, compression: Compression) -> io::Result<Box<dyn Read>> {
-    let file = BufReader::new(file);
-    Ok(match compression {
-        Compression::Gzip => Box::new(MultiGzDecoder::new(file)),
-        Compression::Zstd => {
-            let mut decoder = zstd::Decoder::with_buffer(file)?;
-            decoder.window_log_max(WINDOW_LOG)?;
-            Box::new(decoder)
+/// Unpacks one frame of Zstandard, or one member of gzip.
+enum Unpacker {
+    Zstd(zstd::Decoder<'static, BufReader<File>>),
+    Gzip(Box<GzDecoder<BufReader<File>>>),
+}
+
+impl Unpacker {
+    fn new(file: File, compression: Compression) -> io::Result<Self> {
+        let file = BufReader::new(file);
+        Ok(match compression {
+            Compression::Gzip => Self::Gzip(Box::new(GzDecoder::new(file))),
+            Compression::Zstd => {
+                let mut decoder = zstd::Decoder::with_buffer(file)?.single_frame();
+                decoder.window_log_max(WINDOW_LOG)?;
+                Self::Zstd(decoder)
+            }
+        })
+    }
+
+    /// Whether the file ends where what was unpacked does.
+    fn has_ended(self) -> io::Result<bool> {
+        let mut file = match self {
+            Self::Zstd(decoder) => decoder.finish(),
+            Self::Gzip(decoder) => decoder.into_inner(),
+        };
+        Ok(file.fill_buf()?.is_empty())
+    }
+}
+
+impl Read for Unpacker {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Zstd(decoder) => decoder.read(buffer),
+            Self::Gzip(decoder) => decoder.read(buffer),
         }
-    })
+    }
 }
 
 fn below_root(path: &str, compression: Compression) -> Option<String> {

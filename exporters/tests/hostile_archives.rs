@@ -80,6 +80,33 @@ fn a_zip_that_contradicts_itself_is_told() {
 }
 
 #[test]
+fn a_zip_that_goes_on_after_its_end_is_told() {
+    let whole = zip(&innocent(), |_| ());
+    let commented = zip(&innocent(), |zip| zip.set_comment("rm -rf").unwrap());
+    // The comment is another end, by which the archive has no comment.
+    let mut twice = whole.clone();
+    let end = whole[whole.len() - 22..].to_vec();
+    *twice.iter_mut().rev().nth(1).unwrap() = 22;
+    twice.extend(end);
+    let said = [&[&whole[..], b"more"].concat(), &[&whole[..], &[0; 40]].concat(), &commented, &twice];
+    insta::assert_snapshot!(said.map(|archive| verdict(archive)).join("\n"), @r"
+    .: goes on after its end, or ends in a comment
+    .: goes on after its end, or ends in a comment
+    .: goes on after its end, or ends in a comment
+    .: goes on after its end, or ends in a comment
+    ");
+}
+
+#[test]
+fn a_name_that_is_a_device_somewhere_is_told() {
+    insta::assert_snapshot!(["nul", "a/CON.txt", "console"].map(with_entry).join("\n"), @r"
+    nul: has a part that is a device on Windows
+    a/CON.txt: has a part that is a device on Windows
+    console: is not in the manifest
+    ");
+}
+
+#[test]
 fn a_zip_that_holds_more_than_it_says_is_told() {
     let mut bomb = innocent();
     bomb.insert("notes.txt".to_owned(), vec![0; 32 << 20]);
@@ -148,9 +175,31 @@ fn what_is_no_file_in_a_tar_is_told() {
 fn a_tar_that_is_not_what_it_says_is_told() {
     let whole = zstd(&tar(&innocent(), |_| ()));
     insta::assert_snapshot!(verdict(&whole[..whole.len() / 2]), @".: cannot be read: incomplete frame");
-    insta::assert_snapshot!(verdict(&[&whole[..], b"more"].concat()), @".: cannot be read: Unknown frame descriptor");
+    insta::assert_snapshot!(verdict(&[&whole[..], b"more"].concat()), @".: goes on after its end");
     let hidden = [tar(&innocent(), |_| ()), tar(&Forged::from([("evil".to_owned(), Vec::new())]), |_| ())].concat();
     insta::assert_snapshot!(verdict(&zstd(&hidden)), @".: goes on after its end");
+    // A frame that readers skip may hold anything.
+    let skipped = [&whole[..], &[0x50, 0x2a, 0x4d, 0x18, 4, 0, 0, 0], b"evil"].concat();
+    insta::assert_snapshot!(verdict(&skipped), @".: goes on after its end");
+    let packed = |bytes: &[u8]| {
+        let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        gzip.write_all(bytes).unwrap();
+        gzip.finish().unwrap()
+    };
+    let below: Forged = innocent().into_iter().map(|(path, bytes)| (format!("package/{path}"), bytes)).collect();
+    let whole = packed(&tar(&below, |_| ()));
+    let said = [
+        &whole,
+        &[&whole[..], b"more"].concat(),
+        &[&whole[..], &[0; 40]].concat(),
+        &[&whole[..], &packed(b"")].concat(),
+    ];
+    insta::assert_snapshot!(said.map(|archive| verdict(archive)).join("\n"), @r"
+    whole
+    .: goes on after its end
+    .: goes on after its end
+    .: goes on after its end
+    ");
     let bomb = tar(&innocent(), |tar| {
         let size = 64 << 20;
         tar.append(&header("zeros", EntryType::Regular, size), std::io::Read::take(std::io::repeat(0), size)).unwrap();

@@ -1,6 +1,8 @@
 //! What the fuzzers of all readers share.
 #![allow(dead_code, missing_docs, reason = "of plume, this is a part")]
 
+#[path = "../../src/echo.rs"]
+pub mod echo;
 #[path = "../../src/graph/mod.rs"]
 pub mod graph;
 #[path = "../../src/seed.rs"]

@@ -48,6 +48,7 @@ def generate(
     threads: int | None = None,
     progress: Callable[[str, int, int], object] | None = None,
     allow_run: bool = False,
+    allow_outside: bool = False,
 ) -> Cave:
     """Makes a cave: graph, triangles and images.
 
@@ -67,6 +68,7 @@ def generate(
             "mesh" or "texture" and the numbers count chunks, but 1 for the whole cave in the first two. What it raises
             stops the work.
         allow_run: Let the recipe run a program, as the generator "external" does.
+        allow_outside: Let surveys include files that do not lie below their own folder.
 
     Raises:
         RecipeError: The recipe has faults.

@@ -48,7 +48,7 @@ fn class(error: &CaveError) -> &'static str {
 }
 
 fn recipe_error(py: Python<'_>, faults: &Faults) -> PyErr {
-    let told = faults.0.iter().map(|fault| told(py, fault)).collect::<PyResult<Vec<_>>>();
+    let told = faults.told.iter().map(|fault| told(py, fault)).collect::<PyResult<Vec<_>>>();
     match told {
         Ok(told) => exception(py, "RecipeError", (faults.to_string(), told)),
         Err(error) => error,

@@ -31,6 +31,7 @@ use crate::work;
 ///         "mesh" or "texture" and the numbers count chunks, but 1 for the whole cave in the first two. What it raises
 ///         stops the work.
 ///     allow_run: Let the recipe run a program, as the generator "external" does.
+///     allow_outside: Let surveys include files that do not lie below their own folder.
 ///
 /// Raises:
 ///     RecipeError: The recipe has faults.
@@ -44,7 +45,7 @@ use crate::work;
 /// (3, dtype('float32'), 'texture')
 #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 #[pyfunction]
-#[pyo3(signature = (recipe=None, seed=None, *, folder=None, force=false, threads=None, progress=None, allow_run=false))]
+#[pyo3(signature = (recipe=None, seed=None, *, folder=None, force=false, threads=None, progress=None, allow_run=false, allow_outside=false))]
 pub fn generate<'py>(
     py: Python<'py>,
     recipe: Option<&Bound<'py, PyAny>>,
@@ -54,8 +55,9 @@ pub fn generate<'py>(
     threads: Option<NonZeroUsize>,
     progress: Option<&Bound<'py, PyAny>>,
     allow_run: bool,
+    allow_outside: bool,
 ) -> PyResult<Bound<'py, Cave>> {
-    let input = input(py, recipe, seed)?;
+    let input = input(py, recipe, seed, Disk { allows_strays: allow_outside })?;
     let (path, temporary) = match folder.or_else(|| input.folder.clone()) {
         Some(path) => (path, None),
         None => temporary()?,
@@ -63,6 +65,7 @@ pub fn generate<'py>(
     let cave = work::run(py, progress, |watch| {
         let folder = CaveFolder::open_or_new(&path)?;
         watch.allow_programs(allow_run);
+        watch.allow_strays(allow_outside);
         work::on_threads(threads, || cave::Cave::make(input, folder, force, watch, &mut |_, _| ()))
     })?;
     Cave::new(py, cave, temporary.map(TempDir::keep))
@@ -83,10 +86,10 @@ pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, Cave>> {
     Cave::new(py, cave, None)
 }
 
-fn input(py: Python<'_>, recipe: Option<&Bound<'_, PyAny>>, seed: Option<i128>) -> PyResult<Input> {
+fn input(py: Python<'_>, recipe: Option<&Bound<'_, PyAny>>, seed: Option<i128>, disk: Disk) -> PyResult<Input> {
     let seed_pairs = seed_pairs(seed);
     let Some(recipe) = recipe else {
-        return work::briefly(py, || Input::read(None, &seed_pairs));
+        return work::briefly(py, || Input::read(None, &seed_pairs, disk));
     };
     if let Ok(recipe) = recipe.cast::<Recipe>() {
         return Ok(Input::of(recipe.get().resolve(py, &seed_pairs)?));
@@ -96,7 +99,7 @@ fn input(py: Python<'_>, recipe: Option<&Bound<'_, PyAny>>, seed: Option<i128>) 
         return Ok(Input::of(recipe.resolve(py, &[])?));
     }
     let path: PathBuf = recipe.extract()?;
-    work::briefly(py, || Input::read(Some(&path), &seed_pairs))
+    work::briefly(py, || Input::read(Some(&path), &seed_pairs, disk))
 }
 
 fn temporary() -> PyResult<(PathBuf, Option<TempDir>)> {

@@ -94,6 +94,7 @@ impl Drop for Wake<'_> {
 pub struct Watch {
     stop: AtomicBool,
     programs: AtomicBool,
+    strays: AtomicBool,
     progress: Mutex<Option<Progress>>,
 }
 
@@ -108,6 +109,11 @@ impl Watch {
     /// Says whether recipes may run programs.
     pub fn allow_programs(&self, allowed: bool) {
         self.programs.store(allowed, Ordering::Relaxed);
+    }
+
+    /// Says whether files may name files that lie elsewhere.
+    pub fn allow_strays(&self, allowed: bool) {
+        self.strays.store(allowed, Ordering::Relaxed);
     }
 
     fn set(&self, change: impl FnOnce(&mut Option<Progress>)) {
@@ -145,6 +151,10 @@ impl Observer for Watch {
 
     fn allows_programs(&self) -> bool {
         self.programs.load(Ordering::Relaxed)
+    }
+
+    fn allows_strays(&self) -> bool {
+        self.strays.load(Ordering::Relaxed)
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use plume_exporters::ExportError;
 use plume_exporters::check::CheckError;
 
+use crate::echo::shown;
 use crate::pipeline::PipelineError;
 use crate::recipe::{Faults, did_you_mean};
 use crate::store::StoreError;
@@ -72,7 +73,7 @@ impl CaveError {
     pub fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Self {
         let names = known.clone().collect::<Vec<_>>().join(", ");
         let hint = format!("{}known: {names}", did_you_mean(name, known));
-        Self::Usage { message: format!("there is no {what} {name:?}"), hint }
+        Self::Usage { message: format!("there is no {what} {}", shown(name)), hint }
     }
 
     /// What to do about it; may be empty.

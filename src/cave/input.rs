@@ -1,6 +1,6 @@
 //! What a cave is made from: nothing, a recipe, a graph or a cave folder.
 
-use std::fs;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::CaveError;
 use crate::graph::Graph;
 use crate::graph::format::{Parts, format_of};
-use crate::pipeline;
+use crate::pipeline::{self, Disk};
 use crate::preset::{PRESETS, Preset};
 use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder};
@@ -30,12 +30,12 @@ pub struct Input {
 }
 
 impl Input {
-    /// Reads what is named, a recipe (TOML), a graph or survey, or a cave folder, or takes the default recipe; `overrides`
-    /// are `key=value` pairs that win over it.
+    /// Reads what is named, a recipe (TOML), a graph or survey from `disk`, or a cave folder, or takes the default recipe;
+    /// `overrides` are `key=value` pairs that win over it.
     ///
     /// # Errors
     /// When it cannot be read or is faulty.
-    pub fn read(path: Option<&Path>, overrides: &[String]) -> Result<Self, CaveError> {
+    pub fn read(path: Option<&Path>, overrides: &[String], disk: Disk) -> Result<Self, CaveError> {
         let Some(path) = path else {
             return Ok(Self::of(Recipe::from_overrides(overrides)?));
         };
@@ -43,7 +43,7 @@ impl Input {
             return cave_folder(path, overrides);
         }
         if format_of(path, |row| row.read.is_some()).is_some() {
-            return graph_file(path, overrides);
+            return graph_file(path, overrides, disk);
         }
         Ok(Self::of(Recipe::from_toml(&read(path)?, path, overrides)?))
     }
@@ -94,8 +94,8 @@ fn parts_of(recipe: &Value) -> Parts {
 }
 
 /// A graph of ours brings its recipe. One of others gets the default recipe round it, which reads it as it says of parts.
-fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
-    let document = pipeline::read_graph(path, Parts::Keep)?;
+fn graph_file(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, CaveError> {
+    let document = disk.graph(path, Parts::Keep)?;
     let Some(recipe) = document.recipe else {
         let name = path.to_str().ok_or_else(|| CaveError::Usage {
             message: format!("{}: a recipe cannot hold this path", path.display()),
@@ -106,7 +106,7 @@ fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
         return Ok(Input::of(recipe));
     };
     let recipe = Recipe::from_json(recipe, path, overrides)?;
-    let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
+    let document = disk.graph(path, parts_of(recipe.to_json()))?;
     Ok(Input { graph: Some(document.graph), ..Input::of(recipe) })
 }
 
@@ -119,10 +119,13 @@ pub fn preset(name: &str) -> Result<&'static Preset, CaveError> {
     row.ok_or_else(|| CaveError::unknown("preset", name, PRESETS.iter().map(|row| row.name)))
 }
 
-/// Reads a text that the user named.
+/// Reads a recipe that the user named.
 ///
 /// # Errors
 /// When it cannot be read.
 pub fn read(path: &Path) -> Result<String, CaveError> {
-    fs::read_to_string(path).map_err(|source| CaveError::Input { path: path.to_path_buf(), source })
+    let text = plume_disk::regular::read(path, recipe::MAX_BYTES).and_then(|bytes| {
+        String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "is not UTF-8 text"))
+    });
+    text.map_err(|source| CaveError::Input { path: path.to_path_buf(), source })
 }

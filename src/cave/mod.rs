@@ -19,7 +19,7 @@ pub use self::preview::{preview, view_row};
 pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;
-use crate::pipeline::{self, Observer, Other, Pipeline, PipelineError};
+use crate::pipeline::{self, Disk, Observer, Other, Pipeline, PipelineError};
 use crate::recipe::Recipe;
 use crate::store::{CaveFolder, Stage, Unit};
 
@@ -58,7 +58,7 @@ impl Cave {
         if !root.is_dir() {
             return Err(unfit(root, "there is no cave folder"));
         }
-        let Input { recipe, graph, .. } = Input::read(Some(root), &[])?;
+        let Input { recipe, graph, .. } = Input::read(Some(root), &[], Disk::default())?;
         let folder = CaveFolder::open(root)?;
         let pipeline = Pipeline::plan(&recipe, graph, &folder, observer)?;
         if !pipeline.is_finished() {

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::fault::CliError;
 use super::progress::Console;
+use crate::echo::{plain, sentence};
 
 /// Checks a package: hashes, no file missing or too many, every format parses, every reference leads to a file inside.
 #[derive(Args)]
@@ -42,14 +43,9 @@ impl Check {
         if report.is_whole() {
             let Report { target, generator, files, bytes, .. } = report;
             let package = self.package.display();
-            let (target, generator) = (printable(target), printable(generator));
+            let (target, generator) = (plain(target), plain(generator));
             return format!("{package}: whole: {target} by {generator}, {files} files, {bytes} bytes\n");
         }
-        report.faults.iter().map(|fault| format!("{}: {}\n", printable(&fault.path), printable(&fault.what))).collect()
+        report.faults.iter().map(|fault| format!("{}: {}\n", sentence(&fault.path), sentence(&fault.what))).collect()
     }
-}
-
-/// A text of others, with what would steer a terminal written out.
-fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() }).collect()
 }

@@ -47,7 +47,7 @@ impl Export {
         let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
         let wanted = cave::build(choices, &self.option, host.library())?;
-        let input = self.source.resolve()?;
+        let input = self.source.resolve(console)?;
         let outputs = self.outputs(&input.recipe.name, &wanted, bundle);
         self.refuse_same_place(&outputs)?;
         note_changes(&input, console);

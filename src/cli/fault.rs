@@ -26,9 +26,18 @@ pub fn exit_code(error: &CliError) -> u8 {
 /// What the user can mend is bad input; what the disk does is not.
 fn io_exit_code(error: &std::io::Error) -> u8 {
     use ErrorKind::{
-        AlreadyExists, InvalidData, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem,
+        AlreadyExists, InvalidData, InvalidFilename, IsADirectory, NotADirectory, NotFound, PermissionDenied,
+        ReadOnlyFilesystem,
     };
-    let bad_input =
-        [AlreadyExists, InvalidData, IsADirectory, NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem];
+    let bad_input = [
+        AlreadyExists,
+        InvalidData,
+        InvalidFilename,
+        IsADirectory,
+        NotADirectory,
+        NotFound,
+        PermissionDenied,
+        ReadOnlyFilesystem,
+    ];
     if bad_input.contains(&error.kind()) { 2 } else { 1 }
 }

@@ -28,7 +28,7 @@ impl Generate {
     /// # Errors
     /// Bad input, the disk, Ctrl-C.
     pub fn run(&self, last: Stage, console: &Console) -> Result<(), CliError> {
-        let input = self.source.resolve()?;
+        let input = self.source.resolve(console)?;
         let named = input.folder.clone();
         let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
         let mut folder = CaveFolder::open_or_new(&output)?;

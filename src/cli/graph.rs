@@ -11,7 +11,7 @@ use super::generate::Generate;
 use super::progress::Console;
 use crate::graph::Graph;
 use crate::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, Tally, Written};
-use crate::pipeline::{Disk, PipelineError};
+use crate::pipeline::PipelineError;
 use crate::store::{self, CaveFolder, Stage, StoreError};
 
 /// Makes or renews the graph of a cave folder, or exchanges graphs with other programs.
@@ -33,11 +33,6 @@ enum Exchange {
 }
 
 impl GraphCommand {
-    /// Whether a graph is made, and not brought from one file to another.
-    pub fn makes(&self) -> bool {
-        self.exchange.is_none()
-    }
-
     /// Does what was asked.
     ///
     /// # Errors
@@ -82,9 +77,10 @@ struct Bring {
 
 impl Bring {
     fn run(&self, console: &Console) -> Result<(), CliError> {
+        let disk = console.disk();
         let import = match &self.to.format {
-            Some(name) => format::read_as(row(name)?, &self.file, self.parts, &Disk),
-            None => format::read(&self.file, self.parts, &Disk),
+            Some(name) => format::read_as(row(name)?, &self.file, self.parts, &disk),
+            None => format::read(&self.file, self.parts, &disk),
         };
         let import = import.and_then(|import| import.scaled(self.scale, &self.file)).map_err(faulty)?;
         let json = &FORMATS[0];
@@ -121,7 +117,7 @@ impl Hand {
             true => self.input.join(store::GRAPH),
             false => self.input.clone(),
         };
-        let import = format::read(&path, Parts::Keep, &Disk).map_err(faulty)?;
+        let import = format::read(&path, Parts::Keep, &console.disk()).map_err(faulty)?;
         self.to.write(row, &import, console)
     }
 

@@ -16,7 +16,7 @@ use crate::graph::format::{Import, Parts};
 use crate::graph::realism::{Likeness, Verdict};
 use crate::mesh::PieceReport;
 use crate::mesh::measure::{Report, weld};
-use crate::pipeline::{Pipeline, read_graph};
+use crate::pipeline::Pipeline;
 use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder, Stage};
 
@@ -46,7 +46,7 @@ impl Measure {
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let file = if self.path.is_dir() { self.path.join(store::GRAPH) } else { self.path.clone() };
         let folder = self.path.is_dir().then(|| self.folder()).transpose()?;
-        let Import { graph, recipe, .. } = read_graph(&file, self.parts)?;
+        let Import { graph, recipe, .. } = console.disk().graph(&file, self.parts)?;
         let likeness = self.judged(&graph)?;
         let recipe = Recipe::from_json(recipe.unwrap_or_else(|| json!({})), &file, &[])?;
         let rock = RockReport::of(&graph, recipe.passage.girth(), self.rock);
@@ -95,7 +95,7 @@ impl Measure {
 
     /// Measures the convex pieces.
     fn pieces(&self, folder: &CaveFolder, console: &Console) -> Result<PieceReport, CliError> {
-        let Input { recipe, graph, .. } = Input::read(Some(&self.path), &[])?;
+        let Input { recipe, graph, .. } = Input::read(Some(&self.path), &[], console.disk())?;
         let pipeline = Pipeline::plan(&recipe, graph, folder, console)?;
         Ok(PieceReport::of(&pipeline.measure_pieces()?))
     }

@@ -5,6 +5,7 @@
 mod check;
 mod export;
 mod fault;
+mod flight;
 mod generate;
 mod graph;
 mod handover;
@@ -22,12 +23,14 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
 use plume_exporters::stage::Library;
 
 pub use self::fault::CliError;
 use self::progress::Console;
 use crate::cave::Input;
+use crate::echo;
 use crate::store::Stage;
 
 /// Procedural caves, mines and lava tubes for robot simulators.
@@ -55,6 +58,9 @@ pub struct Common {
     /// Let recipes run programs, as the generator `external` does
     #[arg(long, global = true)]
     allow_run: bool,
+    /// Let surveys include files that do not lie below their own folder
+    #[arg(long, global = true)]
+    allow_outside: bool,
 }
 
 /// What a cave is made from.
@@ -88,16 +94,18 @@ impl Named {
         self.set.iter().cloned().chain(seed).collect()
     }
 
-    /// Reads what was named.
-    fn resolve(&self) -> Result<Input, CliError> {
-        Input::read(self.input.as_deref(), &self.overrides())
+    /// Reads what was named. Work may follow that leaves things behind, so from now on signals stop that.
+    fn resolve(&self, console: &Console) -> Result<Input, CliError> {
+        let input = Input::read(self.input.as_deref(), &self.overrides(), console.disk());
+        signals::listen();
+        input
     }
 }
 
 impl Source {
     /// Reads what was named.
-    fn resolve(&self) -> Result<Input, CliError> {
-        self.named.resolve()
+    fn resolve(&self, console: &Console) -> Result<Input, CliError> {
+        self.named.resolve(console)
     }
 }
 
@@ -132,20 +140,6 @@ enum Command {
 }
 
 impl Command {
-    /// Whether it looks at the flag that signals set. Others leave nothing half done and are ended as any program is.
-    fn heeds_signals(&self) -> bool {
-        match self {
-            Self::Export(_)
-            | Self::Generate(_)
-            | Self::Mesh(_)
-            | Self::Texture(_)
-            | Self::Pieces(_)
-            | Self::Preview(_) => true,
-            Self::Graph(graph) => graph.makes(),
-            Self::New(_) | Self::Schema | Self::List(_) | Self::Check(_) | Self::Status(_) | Self::Measure(_) => false,
-        }
-    }
-
     /// Targets that need the USD library of a host program.
     fn usd_target(&self) -> Option<&'static str> {
         match self {
@@ -179,15 +173,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     signals::survive_file_limit();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(usage) => return answer(&usage),
+        Err(usage) => return answer(clipped(usage)),
     };
     let console = Console::new(&cli.common);
     if let Some(threads) = cli.common.threads {
         // Fails only if a pool exists already, as in a host program; then that pool serves.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-    }
-    if cli.command.heeds_signals() {
-        signals::listen();
     }
     let result = match (host, cli.command.usd_target()) {
         (Host::Binary, Some(target)) => handover::to_python(target, &arguments),
@@ -200,7 +191,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
 }
 
 /// Prints what was asked for in place of a command, such as the help, or what is wrong with the command line.
-fn answer(usage: &clap::Error) -> u8 {
+fn answer(usage: clap::Error) -> u8 {
     let printed = usage.print();
     if usage.use_stderr() {
         return usage.exit_code() as u8;
@@ -212,6 +203,18 @@ fn answer(usage: &clap::Error) -> u8 {
             fault::exit_code(&error)
         }
     }
+}
+
+/// The same with what the user has typed clipped.
+fn clipped(mut usage: clap::Error) -> clap::Error {
+    let typed = [ContextKind::InvalidArg, ContextKind::InvalidSubcommand, ContextKind::InvalidValue];
+    for kind in typed {
+        if let Some(ContextValue::String(text)) = usage.get(kind) {
+            let text = echo::plain(text);
+            usage.insert(kind, ContextValue::String(text));
+        }
+    }
+    usage
 }
 
 fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), CliError> {

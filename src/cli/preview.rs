@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
+use plume_disk::Existing;
 use serde_json::json;
 
-use super::Named;
 use super::fault::CliError;
 use super::progress::Console;
+use super::{Named, flight};
 use crate::cave;
 use crate::pipeline::Observer;
 use crate::preview::{self, Drawn, Format, Order, Pace, Size, ViewRow};
@@ -45,7 +46,8 @@ pub struct Preview {
     /// Show the file with the program that the system has for it
     #[arg(long)]
     open: bool,
-    /// The file to write, over the one that is there; its ending says as what, and none means a folder of frames
+    /// The file to write, over the one that is there; its ending says as what, and none means a folder of frames, which is
+    /// new, empty or of an earlier flight
     /// [default: NAME-VIEW]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -68,13 +70,16 @@ impl Preview {
         let row = self.row()?;
         let format = self.format(row)?;
         self.refuse_unheeded(row)?;
-        let input = self.named.resolve()?;
+        let input = self.named.resolve(console)?;
         let order = self.order(format, console)?;
         let output = self.output.clone().unwrap_or_else(|| {
             let dot = if format.ending().is_empty() { "" } else { "." };
             format!("{}-{}{dot}{}", input.recipe.name, row.name, format.ending()).into()
         });
         refuse_nowhere(&output)?;
+        if format.ending().is_empty() {
+            flight::check(&output)?;
+        }
         let drawn = cave::preview(&input, row, &order, console)?;
         let bytes = save(&output, &drawn)?;
         report(console, row, &output, bytes, start)?;
@@ -187,43 +192,17 @@ fn refuse_nowhere(output: &Path) -> Result<(), CliError> {
 
 /// Writes what was drawn; gives its size.
 fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
-    let frames = match drawn {
+    match drawn {
         Drawn::File(bytes) => {
-            write(output, bytes)?;
-            return Ok(bytes.len());
+            let written = plume_disk::write_file(output, Existing::Replace, bytes);
+            written.map_err(|source| StoreError::io(output, source))?;
+            Ok(bytes.len())
         }
-        Drawn::Frames(frames) => frames,
-    };
-    fs::create_dir_all(output).map_err(|source| StoreError::io(output, source))?;
-    for (number, frame) in frames.iter().enumerate() {
-        write(&frame_path(output, number), frame)?;
+        Drawn::Frames(frames) => {
+            flight::save(output, frames)?;
+            Ok(frames.iter().map(Vec::len).sum())
+        }
     }
-    clear_frames_from(frames.len(), output);
-    Ok(frames.iter().map(Vec::len).sum())
-}
-
-/// Frames that a longer flight has left there would be taken for the end of this one.
-fn clear_frames_from(first: usize, folder: &Path) {
-    let mut left = (first..).map(|number| frame_path(folder, number));
-    // The first that is missing ends them.
-    let _ = left.try_for_each(fs::remove_file);
-}
-
-fn frame_path(folder: &Path, number: usize) -> PathBuf {
-    folder.join(format!("{number:05}.png"))
-}
-
-/// Writes the file whole or not at all.
-fn write(output: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    let mut partial = output.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = PathBuf::from(partial);
-    let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, output));
-    written.map_err(|source| {
-        // What is left of it helps nobody.
-        let _ = fs::remove_file(&partial);
-        StoreError::io(output, source).into()
-    })
 }
 
 fn report(console: &Console, row: &ViewRow, output: &Path, bytes: usize, start: Instant) -> Result<(), CliError> {

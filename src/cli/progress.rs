@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::fault::CliError;
 use super::{Common, signals};
-use crate::pipeline::Observer;
+use crate::pipeline::{Disk, Observer};
 use crate::store::Stage;
 
 /// Where everything is printed.
@@ -17,18 +17,25 @@ pub struct Console {
     quiet: bool,
     json: bool,
     allow_run: bool,
+    disk: Disk,
     bar: Mutex<Option<(ProgressBar, Instant)>>,
 }
 
 impl Console {
     /// A console.
     pub fn new(common: &Common) -> Self {
-        Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, bar: Mutex::new(None) }
+        let disk = Disk { allows_strays: common.allow_outside };
+        Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, disk, bar: Mutex::new(None) }
     }
 
     /// Whether results are asked for as JSON.
     pub fn is_json(&self) -> bool {
         self.json
+    }
+
+    /// The disk, as far as the user lets files lead on it.
+    pub fn disk(&self) -> Disk {
+        self.disk
     }
 
     /// Prints what was asked for.
@@ -114,5 +121,9 @@ impl Observer for Console {
 
     fn allows_programs(&self) -> bool {
         self.allow_run
+    }
+
+    fn allows_strays(&self) -> bool {
+        self.disk.allows_strays
     }
 }

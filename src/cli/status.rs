@@ -25,7 +25,7 @@ impl Status {
     /// # Errors
     /// When the folder holds no cave or cannot be read.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
-        let Input { recipe, graph, .. } = Input::read(Some(&self.folder), &[])?;
+        let Input { recipe, graph, .. } = Input::read(Some(&self.folder), &[], console.disk())?;
         let folder = CaveFolder::open(&self.folder)?;
         let is_busy = folder.is_in_use();
         let pipeline = Pipeline::plan(&recipe, graph, &folder, console)?;

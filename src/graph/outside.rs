@@ -12,6 +12,16 @@ pub trait Outside: Sync {
     /// When it cannot be read, or is larger than the outside allows.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
 
+    /// Whether a file lies below a folder, wherever links lead. Where files have no places, all do.
+    fn is_below(&self, _folder: &Path, _path: &Path) -> bool {
+        true
+    }
+
+    /// Whether a file may name files that do not lie below its folder.
+    fn allows_strays(&self) -> bool {
+        false
+    }
+
     /// Runs a program to its end and gives what it wrote to standard output.
     ///
     /// # Errors

@@ -41,6 +41,10 @@ pub trait Observer: Sync {
     fn allows_programs(&self) -> bool {
         false
     }
+    /// Whether files may name files that lie elsewhere.
+    fn allows_strays(&self) -> bool {
+        false
+    }
 }
 
 /// What becomes of another cave in the folder.
@@ -410,8 +414,9 @@ fn stations(graph: &Graph) -> String {
 /// # Errors
 /// When there can be no such graph, or the observer stops.
 pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
-    let machine = Machine { stop: observer.stop() };
-    let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &Disk };
+    let disk = Disk { allows_strays: observer.allows_strays() };
+    let machine = Machine { disk, stop: observer.stop() };
+    let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &disk };
     let graph = recipe.realism.generate(recipe.graph.as_ref(), recipe.seed, outside);
     graph.map_err(|error| match observer.stop().load(Ordering::Relaxed) {
         true => PipelineError::Interrupted,
@@ -424,5 +429,5 @@ pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, Pipe
 /// # Errors
 /// When it cannot be read or is no graph.
 pub fn read_graph(path: &Path, parts: Parts) -> Result<Import, PipelineError> {
-    Ok(format::read(path, parts, &Disk)?)
+    Disk::default().graph(path, parts)
 }

@@ -1,20 +1,27 @@
 //! The disk and programs, as generators and readers get them.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::Path;
+use std::io;
+use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use super::program;
+use plume_disk::regular;
+
+use super::{PipelineError, program};
+use crate::graph::format::{self, Import, Parts};
 use crate::graph::{Outside, RunError, Task};
 
-/// The disk alone.
-#[derive(Clone, Copy, Debug)]
-pub struct Disk;
+/// The disk alone: regular files, since a pipe may block and a device may never end.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk {
+    /// Whether files may name files that lie elsewhere than below their folder.
+    pub allows_strays: bool,
+}
 
 /// The disk, and programs that run until `stop` is set.
 #[derive(Clone, Copy, Debug)]
 pub struct Machine<'a> {
+    /// The disk.
+    pub disk: Disk,
     /// Set to stop a program that runs.
     pub stop: &'a AtomicBool,
 }
@@ -22,14 +29,31 @@ pub struct Machine<'a> {
 /// A graph or survey larger than this is none.
 const MAX_BYTES: u64 = 1 << 30;
 
+impl Disk {
+    /// Reads a graph or a survey.
+    ///
+    /// # Errors
+    /// When it cannot be read or is no graph.
+    pub fn graph(&self, path: &Path, parts: Parts) -> Result<Import, PipelineError> {
+        Ok(format::read(path, parts, self)?)
+    }
+}
+
 impl Outside for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 > MAX_BYTES {
-            return Err(io::Error::new(io::ErrorKind::FileTooLarge, "is larger than 1 GiB"));
+        regular::read(path, MAX_BYTES)
+    }
+
+    fn is_below(&self, folder: &Path, path: &Path) -> bool {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        match (folder.canonicalize(), resolved(path)) {
+            (Ok(folder), Some(path)) => path.starts_with(folder),
+            _ => false,
         }
-        Ok(bytes)
+    }
+
+    fn allows_strays(&self) -> bool {
+        self.allows_strays
     }
 
     fn run(&self, _: &Task) -> Result<Vec<u8>, RunError> {
@@ -40,9 +64,32 @@ impl Outside for Disk {
     }
 }
 
+/// Where links lead. Of what is not there, where it would be; `None` where that cannot be told.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    if let Ok(resolved) = path.canonicalize() {
+        return Some(resolved);
+    }
+    if path.symlink_metadata().is_ok() {
+        // A link that leads nowhere, or into what we may not look at.
+        return None;
+    }
+    let last = path.components().next_back().filter(|last| matches!(last, Component::Normal(_)))?;
+    let above = path.parent()?;
+    let above = if above.as_os_str().is_empty() { Path::new(".") } else { above };
+    Some(resolved(above)?.join(last))
+}
+
 impl Outside for Machine<'_> {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        Disk.read(path)
+        self.disk.read(path)
+    }
+
+    fn is_below(&self, folder: &Path, path: &Path) -> bool {
+        self.disk.is_below(folder, path)
+    }
+
+    fn allows_strays(&self) -> bool {
+        self.disk.allows_strays
     }
 
     fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {

@@ -291,7 +291,7 @@ mod tests {
     /// The processes that sleep for this many seconds, which nobody else does.
     #[cfg(target_os = "linux")]
     fn sleepers(seconds: &str) -> usize {
-        let entries = std::fs::read_dir("/proc").unwrap().flatten();
+        let entries = std::fs::read_dir("/proc").expect("there are processes").flatten();
         let lines = entries.filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
         lines.filter(|line| *line == format!("sleep\0{seconds}\0").as_bytes()).count()
     }
@@ -315,8 +315,6 @@ mod tests {
             assert!(known.contains(&name) || PASSED_ON.contains(&name) || name.starts_with("LC_"), "{name} in\n{told}");
         }
         assert!(told.contains("PATH="), "{told}");
-        let named: Vec<_> = passed_on(&["CARGO_MANIFEST_DIR".to_owned()]).map(|(name, _)| name).collect();
-        assert!(named.contains(&"CARGO_MANIFEST_DIR".into()), "{named:?}");
     }
 
     #[test]

@@ -9,20 +9,21 @@ use serde_json::Value;
 use super::fault::{Fault, Faults};
 use super::read::Draft;
 use super::schema::{choosing_key, chosen};
+use crate::echo::{plain, shown};
 
 /// Checks the whole draft.
 ///
 /// # Errors
 /// Every fault, in the order of the draft.
 pub fn against(schema: &Value, draft: &Draft) -> Result<(), Faults> {
-    let mut checker = Checker { draft, faults: Vec::new() };
+    let mut checker = Checker { draft, faults: Faults::default() };
     checker.check(schema, &draft.value, "");
-    if checker.faults.is_empty() { Ok(()) } else { Err(Faults(checker.faults)) }
+    checker.faults.or(())
 }
 
 struct Checker<'a> {
     draft: &'a Draft,
-    faults: Vec<Fault>,
+    faults: Faults,
 }
 
 impl Checker<'_> {
@@ -76,7 +77,7 @@ impl Checker<'_> {
         }
         let required = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
         for name in required.filter(|name| !map.contains_key(*name)) {
-            self.fault(key, format!("{key}.{name} is missing"), String::new());
+            self.fault(key, |key| (format!("{key}.{name} is missing"), String::new()));
         }
     }
 
@@ -89,7 +90,7 @@ impl Checker<'_> {
         let most = schema["maxItems"].as_u64().unwrap_or(u64::MAX);
         if !(least..=most).contains(&length) {
             let want = if least == most { least.to_string() } else { format!("{least} to {most}") };
-            return self.fault(key, format!("{key} must have {want} values, found {length}"), String::new());
+            return self.fault(key, |key| (format!("{key} must have {want} values, found {length}"), String::new()));
         }
         for (place, item) in items.iter().enumerate() {
             self.check(&schema["items"], item, &format!("{key}[{place}]"));
@@ -102,16 +103,19 @@ impl Checker<'_> {
             return self.mistyped(if whole { "a whole number" } else { "a number" }, value, key);
         };
         if schema["format"] == "uint32" && value.as_u64().is_some_and(|x| x > u32::MAX.into()) {
-            return self.fault(key, format!("{key} must be at most {}, found {value}", u32::MAX), hint_from(schema));
+            return self
+                .fault(key, |key| (format!("{key} must be at most {}, found {value}", u32::MAX), hint_from(schema)));
         }
         let (low, high) = (schema["minimum"].as_f64(), schema["maximum"].as_f64());
         if low.is_some_and(|low| x < low) {
-            let message = format!("{key} must be at least {}, found {value}", show(&schema["minimum"]));
-            return self.fault(key, message, hint_from(schema));
+            return self.fault(key, |key| {
+                (format!("{key} must be at least {}, found {value}", show(&schema["minimum"])), hint_from(schema))
+            });
         }
         if high.is_some_and(|high| x > high) {
-            let message = format!("{key} must be at most {}, found {value}", show(&schema["maximum"]));
-            self.fault(key, message, hint_from(schema));
+            self.fault(key, |key| {
+                (format!("{key} must be at most {}, found {value}", show(&schema["maximum"])), hint_from(schema))
+            });
         }
     }
 
@@ -122,8 +126,12 @@ impl Checker<'_> {
         let too_long = schema["maxLength"].as_u64().is_some_and(|max| text.chars().count() as u64 > max);
         let too_short = schema["minLength"].as_u64().is_some_and(|min| (text.chars().count() as u64) < min);
         let bad_name = schema["pattern"].is_string() && !is_name(text);
+        if schema["pattern"].is_string() && plume_disk::is_device_name(text) {
+            let hint = "Windows keeps this name for a device: take another".to_owned();
+            return self.fault(key, |key| (format!("{key} cannot be {}", shown(text)), hint));
+        }
         if too_long || too_short || bad_name {
-            self.fault(key, format!("{key} cannot be {text:?}"), hint_from(schema));
+            self.fault(key, |key| (format!("{key} cannot be {}", shown(text)), hint_from(schema)));
         }
     }
 
@@ -134,23 +142,34 @@ impl Checker<'_> {
         if words.contains(&text) {
             return;
         }
-        let hint = format!("{}known: {}", did_you_mean(text, words.iter().copied()), words.join(", "));
-        self.fault(key, format!("{key} has no {text:?}"), hint);
+        self.fault(key, |key| {
+            let hint = format!("{}known: {}", did_you_mean(text, words.iter().copied()), words.join(", "));
+            (format!("{key} has no {}", shown(text)), hint)
+        });
     }
 
     fn unknown(&mut self, path: &str, name: &str, known: &Value) {
-        let names: Vec<&str> = known.as_object().into_iter().flatten().map(|(k, _)| k.as_str()).collect();
-        let hint = format!("{}known: {}", did_you_mean(name, names.iter().copied()), names.join(", "));
-        self.fault(path, format!("{path} is not a key"), hint);
+        self.fault(path, |path| {
+            let names: Vec<&str> = known.as_object().into_iter().flatten().map(|(k, _)| k.as_str()).collect();
+            let hint = format!("{}known: {}", did_you_mean(name, names.iter().copied()), names.join(", "));
+            (format!("{path} is not a key"), hint)
+        });
     }
 
     fn mistyped(&mut self, wanted: &str, found: &Value, key: &str) {
-        let subject = if key.is_empty() { "the recipe" } else { key };
-        self.fault(key, format!("{subject} must be {wanted}, found {found}"), String::new());
+        self.fault(key, |key| {
+            let subject = if key.is_empty() { "the recipe" } else { key };
+            (format!("{subject} must be {wanted}, found {}", plain(&found.to_string())), String::new())
+        });
     }
 
-    fn fault(&mut self, key: &str, message: String, hint: String) {
-        self.faults.push(Fault { origin: self.draft.origin(key), message, hint });
+    /// Adds a fault; `said` gives its message and its hint, where it is told, for a key that may be clipped.
+    fn fault(&mut self, key: &str, said: impl FnOnce(&str) -> (String, String)) {
+        let draft = self.draft;
+        self.faults.add(|| {
+            let (message, hint) = said(&plain(key));
+            Fault { origin: draft.origin(key), message, hint }
+        });
     }
 }
 
@@ -203,7 +222,8 @@ fn show(number: &Value) -> String {
 
 /// `"did you mean …? "` if a known word is near, else nothing.
 pub fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let nearest = known.map(|k| (strsim::levenshtein(word, k), k)).min();
+    // What is much longer than any name is none of them misspelled, and comparing takes time.
+    let nearest = known.filter(|k| word.len() <= 2 * k.len() + 2).map(|k| (strsim::levenshtein(word, k), k)).min();
     match nearest {
         Some((distance, k)) if distance <= 1 + word.len() / 3 => format!("did you mean `{k}`? "),
         _ => String::new(),

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::echo::shown;
+
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -19,7 +21,7 @@ impl fmt::Display for Origin {
         match self {
             Self::Line(file, line) => write!(f, "{}:{line}", file.display()),
             Self::File(file) => write!(f, "{}", file.display()),
-            Self::Override(text) => write!(f, "{text:?}"),
+            Self::Override(text) => f.write_str(&shown(text)),
         }
     }
 }
@@ -35,13 +37,38 @@ pub struct Fault {
     pub hint: String,
 }
 
-/// All faults of a recipe; never empty.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub struct Faults(pub Vec<Fault>);
+/// Faults that are told; the others are counted.
+const MOST_TOLD: usize = 20;
+
+/// The faults of a recipe.
+#[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
+pub struct Faults {
+    /// The first of them; none if there are none.
+    pub told: Vec<Fault>,
+    /// How many more there are.
+    pub more: usize,
+}
+
+impl Faults {
+    /// Adds a fault; `said` is asked for it if it is told.
+    pub(super) fn add(&mut self, said: impl FnOnce() -> Fault) {
+        if self.told.len() < MOST_TOLD {
+            self.told.push(said());
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// # Errors
+    /// These faults, if there are any.
+    pub(super) fn or<T>(self, value: T) -> Result<T, Self> {
+        if self.told.is_empty() { Ok(value) } else { Err(self) }
+    }
+}
 
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, fault) in self.0.iter().enumerate() {
+        for (i, fault) in self.told.iter().enumerate() {
             if i > 0 {
                 f.write_str("\nerror: ")?;
             }
@@ -50,12 +77,15 @@ impl fmt::Display for Faults {
                 write!(f, "\n hint: {}", fault.hint)?;
             }
         }
+        if self.more > 0 {
+            write!(f, "\nerror: and {} more", self.more)?;
+        }
         Ok(())
     }
 }
 
 impl From<Fault> for Faults {
     fn from(fault: Fault) -> Self {
-        Self(vec![fault])
+        Self { told: vec![fault], more: 0 }
     }
 }

@@ -18,6 +18,7 @@ use serde_json::{Map, Value, json};
 
 pub use self::check::did_you_mean;
 pub use self::fault::{Fault, Faults, Origin};
+pub use self::read::MAX_BYTES;
 pub use self::schema::editor_schema;
 pub use self::world::WorldSettings;
 use crate::field::PassageSettings;

@@ -8,6 +8,15 @@ use serde_json::{Map, Value};
 use toml_edit::{ArrayOfTables, Document, Item, Table, TableLike};
 
 use super::fault::{Fault, Faults, Origin};
+use crate::echo::{plain, sentence};
+
+/// Bytes of a recipe.
+pub const MAX_BYTES: u64 = 1 << 20;
+/// Keys of a recipe, sections among them.
+const MAX_KEYS: usize = 20_000;
+/// Letters of a key, and keys within keys: each is noted with all those that it is in.
+const MAX_KEY: usize = 100;
+const MAX_DEPTH: usize = 16;
 
 /// An unchecked recipe.
 pub struct Draft {
@@ -39,7 +48,7 @@ impl Draft {
 
     /// A fault at `key`.
     pub fn fault(&self, key: &str, message: String) -> Faults {
-        let message = format!("{key}: {message}");
+        let message = format!("{key}: {}", sentence(&message));
         Fault { origin: self.origin(key), message, hint: String::new() }.into()
     }
 
@@ -55,45 +64,78 @@ impl Draft {
 
 /// Reads TOML, remembering lines.
 pub fn toml(text: &str, file: &Path) -> Result<Draft, Faults> {
-    let line_at = |offset: usize| 1 + text[..offset.min(text.len())].matches('\n').count();
+    if text.len() as u64 > MAX_BYTES {
+        let message = format!("is larger than {} MiB", MAX_BYTES >> 20);
+        return Err(Fault { origin: Origin::File(file.to_path_buf()), message, hint: String::new() }.into());
+    }
+    let ends: Vec<usize> = text.match_indices('\n').map(|(end, _)| end).collect();
     let document = Document::parse(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| line_at(span.start));
+        let line = error.span().map_or(1, |span| line_of(span.start, &ends));
         Fault {
             origin: Origin::Line(file.to_path_buf(), line),
-            message: error.message().trim().replace('\n', ", "),
+            message: sentence(&error.message().trim().replace('\n', ", ")),
             hint: "recipes are TOML: key = value lines under [section] headings".into(),
         }
     })?;
     let mut draft = Draft::new(Value::Null, file);
-    let mut faults = Vec::new();
-    let mut lines = Lines { draft: &mut draft, line_at: &line_at, faults: &mut faults };
+    let mut lines = Lines { draft: &mut draft, ends: &ends, depth: 0, faults: Faults::default() };
     let value = lines.table(document.as_table(), "");
+    let faults = lines.faults;
     draft.value = value;
-    if faults.is_empty() { Ok(draft) } else { Err(Faults(faults)) }
+    if draft.origins.len() > MAX_KEYS {
+        let message = format!("has more than {MAX_KEYS} keys");
+        return Err(Fault { origin: Origin::File(file.to_path_buf()), message, hint: String::new() }.into());
+    }
+    faults.or(draft)
+}
+
+/// The line of a byte, from 1, by the ends of all lines.
+fn line_of(byte: usize, ends: &[usize]) -> usize {
+    1 + ends.partition_point(|&end| end < byte)
 }
 
 struct Lines<'a> {
     draft: &'a mut Draft,
-    line_at: &'a dyn Fn(usize) -> usize,
-    faults: &'a mut Vec<Fault>,
+    /// Where lines end.
+    ends: &'a [usize],
+    /// Tables that are open.
+    depth: usize,
+    faults: Faults,
 }
 
 impl Lines<'_> {
     fn table(&mut self, table: &dyn TableLike, path: &str) -> Value {
         let mut map = Map::new();
+        if self.depth == MAX_DEPTH {
+            return self.refuse(path, "holds sections in sections without end");
+        }
+        self.depth += 1;
         for (key, item) in table.iter() {
-            let path = join(path, key);
             let span = table.key(key).and_then(|k| k.span()).or_else(|| item.span());
+            if self.draft.origins.len() > MAX_KEYS {
+                break;
+            }
+            if key.len() > MAX_KEY {
+                let (origin, message) = (self.origin_of(span), format!("{} is not a key", plain(key)));
+                self.faults.add(|| Fault { origin, message, hint: String::new() });
+                continue;
+            }
+            let path = join(path, key);
             self.note(&path, span);
             let value = self.item(item, &path);
             map.insert(key.to_owned(), value);
         }
+        self.depth -= 1;
         Value::Object(map)
     }
 
     fn note(&mut self, path: &str, span: Option<Range<usize>>) {
-        let line = span.map_or(1, |span| (self.line_at)(span.start));
-        self.draft.origins.insert(path.to_owned(), Origin::Line(self.draft.file.clone(), line));
+        let origin = self.origin_of(span);
+        self.draft.origins.insert(path.to_owned(), origin);
+    }
+
+    fn origin_of(&self, span: Option<Range<usize>>) -> Origin {
+        Origin::Line(self.draft.file.clone(), span.map_or(1, |span| line_of(span.start, self.ends)))
     }
 
     fn item(&mut self, item: &Item, path: &str) -> Value {
@@ -133,8 +175,12 @@ impl Lines<'_> {
     }
 
     fn refuse(&mut self, path: &str, what: &str) -> Value {
-        let origin = self.draft.origin(path);
-        self.faults.push(Fault { origin, message: format!("{path} {what}"), hint: String::new() });
+        let draft = &*self.draft;
+        self.faults.add(|| Fault {
+            origin: draft.origin(path),
+            message: format!("{} {what}", plain(path)),
+            hint: String::new(),
+        });
         Value::Null
     }
 }
@@ -155,8 +201,8 @@ pub fn overrides(draft: &mut Draft, pairs: &[String]) -> Result<(), Faults> {
         note_origin(draft, &key, pair);
         put(&mut draft.value, &key, value).map_err(|Obstacle { at, what }| Fault {
             origin: Origin::Override(pair.clone()),
-            message: format!("{at} {what}"),
-            hint: format!("set {at} itself, or mend it where it is written"),
+            message: format!("{} {what}", plain(&at)),
+            hint: format!("set {} itself, or mend it where it is written", plain(&at)),
         })?;
     }
     Ok(())
@@ -169,10 +215,13 @@ fn override_value(text: &str, pair: &str) -> Result<Value, Faults> {
         let key = pair.split('=').next().unwrap_or_default().trim();
         let of_pair = |fault: Fault| Fault {
             origin: Origin::Override(pair.to_owned()),
-            message: fault.message.replacen('x', key, 1),
+            message: match fault.message.strip_prefix('x') {
+                Some(rest) => format!("{}{rest}", plain(key)),
+                None => fault.message,
+            },
             ..fault
         };
-        Faults(faults.0.into_iter().map(of_pair).collect())
+        Faults { told: faults.told.into_iter().map(of_pair).collect(), more: faults.more }
     })?;
     Ok(draft.value["x"].take())
 }

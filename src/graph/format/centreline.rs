@@ -8,9 +8,9 @@ use super::files::{Files, Spot};
 use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::measure::Measured;
 use super::survey::{Leg, Station, Survey, Walls};
-use super::text::shown;
 use super::traverse::{Fix, Shot, Traverse};
 use super::{Import, Parts, ReadError, Source};
+use crate::echo::shown;
 
 /// Stations named where pieces of a survey are not joined: one of each.
 const NAMED: usize = 10;
@@ -293,9 +293,11 @@ impl Centreline {
             return Err(format!("coordinates in {} would have to be projected", shown(&system)));
         }
         match &self.system {
-            Some(known) if *known != system => {
-                Err(format!("coordinates in {} besides {} would have to be projected", shown(&system), shown(known)))
-            }
+            // What the other is called may stand in a file of which nothing is shown.
+            Some(known) if *known != system => Err(format!(
+                "coordinates in {} besides those in another system would have to be projected",
+                shown(&system)
+            )),
             _ => {
                 self.system = Some(system);
                 Ok(())
@@ -332,9 +334,14 @@ impl Centreline {
         };
         // Of pieces that lie anywhere, all but the longest may go; they cannot be kept or joined.
         if held + placed.adrift.len() > 1 && parts != Parts::Longest {
-            let names = self.names.told(numbers.names(&placed.adrift[..placed.adrift.len().min(NAMED)]));
-            let message =
-                format!("has {} pieces, and nothing says how those of {names} lie", held + placed.adrift.len());
+            let those = match files.has_strays() {
+                true => "some".to_owned(),
+                false => {
+                    let named = &placed.adrift[..placed.adrift.len().min(NAMED)];
+                    format!("those of {}", self.names.told(numbers.names(named)))
+                }
+            };
+            let message = format!("has {} pieces, and nothing says how {those} lie", held + placed.adrift.len());
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
         let station = |position| Station { position, entrance: false };

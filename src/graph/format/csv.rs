@@ -19,8 +19,9 @@ use nalgebra::Point3;
 use super::draft::Draft;
 use super::fields::{Field, Fields, field, shape_name};
 use super::limits::{MAX_LEGS, MAX_STATIONS};
-use super::text::{LENGTH_HINT, line_of, shown, utf8};
+use super::text::{LENGTH_HINT, line_of, utf8};
 use super::{Import, Parts, ReadError, Source, Tally, Written};
+use crate::echo::{sentence, shown};
 use crate::graph::{Graph, Node, millimetres};
 
 const HEADER_HINT: &str = "begin with the names of the columns: x1,y1,z1,x2,y2,z2";
@@ -74,7 +75,7 @@ fn told(source: &Source, text: &str, error: &csv::Error) -> ReadError {
             let message = format!("has {len} columns, the header {expected_len}");
             ReadError::line(source.path, line, message, "give every row as many columns as the header")
         }
-        _ => ReadError::line(source.path, line, error.to_string(), HEADER_HINT),
+        _ => ReadError::line(source.path, line, sentence(&error.to_string()), HEADER_HINT),
     }
 }
 

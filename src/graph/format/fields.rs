@@ -3,7 +3,8 @@
 use nalgebra::Point3;
 
 use super::draft::node_at;
-use super::text::{LENGTH_HINT, coordinate, length, shown, whole};
+use super::text::{LENGTH_HINT, coordinate, length, whole};
+use crate::echo::shown;
 use crate::graph::{Node, Section, Shape};
 
 /// A property of a station.

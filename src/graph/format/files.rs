@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::limits::{MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_LINE};
-use super::text::shown;
-use super::{ReadError, Source};
+use super::{ReadError, STRAY, STRAY_HINT, STRAY_LINE, STRAY_LINE_HINT, Source};
+use crate::echo::shown;
 
 /// A line of a file that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub(super) struct Files<'a> {
     source: &'a Source<'a>,
     /// Every file that was read, in order.
     paths: Vec<PathBuf>,
+    /// Whether each lies elsewhere than below the folder of the first.
+    strays: Vec<bool>,
     /// Those that are being read, the innermost last.
     open: Vec<usize>,
     bytes: usize,
@@ -28,7 +30,8 @@ pub(super) struct Files<'a> {
 impl<'a> Files<'a> {
     /// With the file that leads to all others.
     pub(super) fn new(source: &'a Source<'a>) -> Self {
-        Self { source, paths: vec![source.path.to_path_buf()], open: vec![0], bytes: source.bytes.len() }
+        let paths = vec![source.path.to_path_buf()];
+        Self { source, paths, strays: vec![false], open: vec![0], bytes: source.bytes.len() }
     }
 
     /// A line of the file that is being read.
@@ -38,16 +41,29 @@ impl<'a> Files<'a> {
 
     /// A fault in a line.
     pub(super) fn fault(&self, spot: Spot, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
-        ReadError::line(&self.paths[spot.file], spot.line, message, hint)
+        match self.strays[spot.file] {
+            true => ReadError::line(&self.paths[spot.file], spot.line, STRAY_LINE, STRAY_LINE_HINT),
+            false => ReadError::line(&self.paths[spot.file], spot.line, message, hint),
+        }
     }
 
     /// A fault of the whole file that is being read.
     pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
-        ReadError::whole(&self.paths[self.spot(0).file], message, hint)
+        let file = self.spot(0).file;
+        match self.strays[file] {
+            true => ReadError::whole(&self.paths[file], STRAY_LINE, STRAY_LINE_HINT),
+            false => ReadError::whole(&self.paths[file], message, hint),
+        }
+    }
+
+    /// Whether names may come from files of which nothing is shown.
+    pub(super) fn has_strays(&self) -> bool {
+        self.strays.contains(&true)
     }
 
     /// Opens the file that a line names, relative to the file it stands in: as it is named, or with an ending, in the
-    /// case it has or in lower case. To be closed again.
+    /// case it has or in lower case. To be closed again. One that lies elsewhere than below the folder of the first file is
+    /// refused, unless the outside allows it.
     pub(super) fn open(&mut self, spot: Spot, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
         let refused = |message: String, hint: &str| Err(self.fault(spot, message, hint));
         if self.open.len() >= MAX_DEPTH {
@@ -60,10 +76,15 @@ impl<'a> Files<'a> {
         let name = name.replace('\\', "/");
         let small = name.to_ascii_lowercase();
         let names = [name.clone(), format!("{name}{ending}"), small.clone(), format!("{small}{ending}")];
-        let mut first = None;
+        let (mut first, mut is_refused) = (None, false);
         for path in names.iter().map(|name| folder.join(name)) {
             if self.open.iter().any(|&open| self.paths[open] == path) {
                 return refused(format!("{} leads back to itself", shown(&name)), "a file cannot be part of itself");
+            }
+            let is_stray = self.source.is_stray(&path);
+            if self.source.refuses(is_stray) {
+                is_refused = true;
+                continue;
             }
             match self.source.outside.read(&path) {
                 Ok(bytes) if self.bytes + bytes.len() > MAX_BYTES => {
@@ -74,10 +95,14 @@ impl<'a> Files<'a> {
                     self.bytes += bytes.len();
                     self.open.push(self.paths.len());
                     self.paths.push(path);
+                    self.strays.push(is_stray);
                     return Ok(bytes);
                 }
                 Err(error) => first = first.or(Some(error)),
             }
+        }
+        if is_refused {
+            return refused(format!("{} {STRAY}", shown(&name)), STRAY_HINT);
         }
         let why = first.map(|error| error.to_string()).unwrap_or_default();
         refused(

@@ -14,8 +14,9 @@ use nalgebra::Point3;
 
 use super::draft::{Draft, node_at};
 use super::limits::{MAX_LEGS, MAX_LINE, MAX_STATIONS};
-use super::text::{LENGTH_HINT, coordinate, shown, utf8, whole};
-use super::{Import, Parts, ReadError, Source, Written};
+use super::text::{LENGTH_HINT, coordinate, utf8, whole};
+use super::{Import, Parts, ReadError, STRAY, STRAY_HINT, STRAY_LINE, STRAY_LINE_HINT, Source, Written};
+use crate::echo::shown;
 use crate::graph::{Graph, Node};
 
 const NODES: &str = "_nodes.dat";
@@ -30,12 +31,20 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
         _ => return Err(ReadError::whole(source.path, "is neither nodes nor links", PAIR_HINT)),
     };
     let other = PathBuf::from(format!("{stem}{}", if is_nodes { LINKS } else { NODES }));
+    let is_stray = source.is_stray(&other);
+    if source.refuses(is_stray) {
+        return Err(ReadError::whole(&other, STRAY, STRAY_HINT));
+    }
     let told = |error: std::io::Error| ReadError::whole(&other, error.to_string(), PAIR_HINT);
     let bytes = source.outside.read(&other).map_err(told)?;
     let (named, other) = ((source.path, source.bytes), (other.as_path(), bytes.as_slice()));
     let (nodes, links) = if is_nodes { (named, other) } else { (other, named) };
-    let mut draft = Draft { nodes: read_nodes(nodes.0, nodes.1)?, edges: Vec::new() };
-    draft.edges = read_links(links.0, links.1, draft.nodes.len())?;
+    let quiet = |fault: ReadError| match is_stray && fault.place.path() == other.0 {
+        true => ReadError { message: STRAY_LINE.to_owned(), hint: STRAY_LINE_HINT.to_owned(), ..fault },
+        false => fault,
+    };
+    let mut draft = Draft { nodes: read_nodes(nodes.0, nodes.1).map_err(quiet)?, edges: Vec::new() };
+    draft.edges = read_links(links.0, links.1, draft.nodes.len()).map_err(quiet)?;
     draft.into_import(nodes.0, parts, |node| format!("node {}", node + 1))
 }
 

@@ -92,6 +92,26 @@ pub struct Source<'a> {
     pub outside: &'a dyn Outside,
 }
 
+impl Source<'_> {
+    /// Whether a file that this one leads to lies elsewhere than below its folder.
+    fn is_stray(&self, path: &Path) -> bool {
+        !self.outside.is_below(self.path.parent().unwrap_or(Path::new("")), path)
+    }
+
+    /// Whether such a file is read.
+    fn refuses(&self, is_stray: bool) -> bool {
+        is_stray && !self.outside.allows_strays()
+    }
+}
+
+/// What is said of a file that lies elsewhere, and of its lines where it is read all the same: nothing of it is shown, since
+/// whoever wrote the file that names it may not be who asks for it.
+const STRAY: &str = "lies outside the folder of the file that was named";
+const STRAY_HINT: &str = "if you trust the file that names it, add --allow-outside";
+const STRAY_LINE: &str = "cannot be read";
+const STRAY_LINE_HINT: &str =
+    "this file lies outside the folder of the one that was named, so none of its text is shown";
+
 /// A file that a format writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
@@ -260,6 +280,15 @@ pub enum Place {
     Line(PathBuf, usize),
     /// At a byte, counted from 0.
     Byte(PathBuf, usize),
+}
+
+impl Place {
+    /// The file it is in.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::File(path) | Self::Line(path, _) | Self::Byte(path, _) => path,
+        }
+    }
 }
 
 impl fmt::Display for Place {

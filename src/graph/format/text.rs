@@ -4,11 +4,10 @@ use std::path::Path;
 
 use super::ReadError;
 use super::limits::{MAX_COORDINATE_M, MAX_LENGTH_M};
+use crate::echo::shown;
 
 /// What to do about a length that cannot be read.
 pub(super) const LENGTH_HINT: &str = "lengths are decimal numbers in metres, coordinates at most 100,000 km from zero";
-/// Letters of a text that an error shows.
-const SHOWN: usize = 40;
 
 /// The text of a file, without the byte order mark.
 pub(super) fn utf8<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str, ReadError> {
@@ -54,12 +53,4 @@ pub(super) fn whole(text: &str) -> Result<u32, String> {
 fn number(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| format!("{} is not a number", shown(text)))
-}
-
-/// A text of the file in quotes, short enough for a message.
-pub(super) fn shown(text: &str) -> String {
-    let mut letters = text.trim().chars();
-    let start: String = letters.by_ref().take(SHOWN).collect();
-    let rest = if letters.next().is_some() { "…" } else { "" };
-    format!("{start:?}{rest}")
 }

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::{GenerateError, Generator};
+use crate::echo::plain;
 use crate::graph::Graph;
 use crate::graph::format::{Parts, json};
 use crate::graph::outside::{Outside, Task};
@@ -63,9 +64,10 @@ impl Generator for External {
     fn generate(&self, seed: u64, outside: &dyn Outside) -> Result<Graph, GenerateError> {
         let task = self.task(seed)?;
         let told = outside.run(&task);
-        let told = told.map_err(|error| GenerateError::new(format!("{}: {error}", self.command[0]), error.hint))?;
+        let told =
+            told.map_err(|error| GenerateError::new(format!("{}: {error}", plain(&self.command[0])), error.hint))?;
         let misled = |what: String, hint: &str| {
-            GenerateError::new(format!("{} wrote no graph: {what}", self.command[0]), hint.to_owned())
+            GenerateError::new(format!("{} wrote no graph: {what}", plain(&self.command[0])), hint.to_owned())
         };
         let text = String::from_utf8(told).map_err(|_| misled("it is not UTF-8 text".to_owned(), "write JSON"))?;
         let read = json::read_parts(&text, self.parts);

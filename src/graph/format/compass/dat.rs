@@ -4,12 +4,12 @@
 //! them, and whether there are backsights and at which end of a shot the walls were measured.
 
 use super::Reader;
+use crate::echo::shown;
 use crate::graph::format::ReadError;
 use crate::graph::format::centreline::Section;
 use crate::graph::format::files;
 use crate::graph::format::measure::{Cell, Columns, Instruments, Measured, Order, Quantity, Reading, Style};
 use crate::graph::format::survey::Leg;
-use crate::graph::format::text::shown;
 
 /// Angles up to here are the mark of a missing one, -999.
 const MISSING_DEG: f64 = -900.0;

@@ -10,11 +10,11 @@
 use nalgebra::Point3;
 
 use super::Reader;
+use crate::echo::shown;
 use crate::graph::format::ReadError;
 use crate::graph::format::files::{self, Spot};
 use crate::graph::format::limits::MAX_COORDINATE_M;
 use crate::graph::format::measure::METRES_PER_FOOT;
-use crate::graph::format::text::shown;
 
 const HINT: &str = "a book is #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at its end";
 

@@ -7,10 +7,11 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::reader::Reader;
 
+use crate::echo::{sentence, shown};
 use crate::graph::format::draft::Draft;
 use crate::graph::format::fields::{Field, Fields, field};
 use crate::graph::format::limits::{MAX_DEPTH, MAX_LEGS, MAX_LINE, MAX_STATIONS};
-use crate::graph::format::text::{LENGTH_HINT, coordinate, line_of, shown, utf8};
+use crate::graph::format::text::{LENGTH_HINT, coordinate, line_of, utf8};
 use crate::graph::format::{Import, Parts, ReadError, Source};
 
 /// Reads the one graph of the file.
@@ -21,7 +22,8 @@ pub(in crate::graph::format) fn import(source: &Source, parts: Parts) -> Result<
     let mut walk = Walk::default();
     loop {
         let at = reader.buffer_position();
-        let event = reader.read_event().map_err(|error| Fault::new(error.to_string(), "this is no well-formed XML"));
+        let event =
+            reader.read_event().map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"));
         let event = event.map_err(|fault| fault.at(source.path, text, reader.error_position()))?;
         if event == Event::Eof {
             break;
@@ -279,10 +281,11 @@ fn attributes<const N: usize>(element: &BytesStart, names: [&str; N]) -> Result<
     let mut values = [const { None }; N];
     let mut all = element.attributes();
     for attribute in all.with_checks(false) {
-        let attribute = attribute.map_err(|error| Fault::new(error.to_string(), "this is no well-formed XML"))?;
+        let attribute =
+            attribute.map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"))?;
         let Some(place) = names.iter().position(|&name| name == attribute.key.as_ref()) else { continue };
         let value = attribute.normalized_value(XmlVersion::Implicit1_0);
-        let value = value.map_err(|error| Fault::new(error.to_string(), "this is no well-formed XML"))?;
+        let value = value.map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"))?;
         values[place].get_or_insert_with(|| value.into_owned());
     }
     Ok(values)

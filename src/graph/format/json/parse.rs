@@ -8,6 +8,7 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use super::error::ReadError;
+use crate::echo::{plain, sentence, shown};
 use crate::graph::format::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use crate::graph::{Section, Shape, millimetres};
 
@@ -43,10 +44,7 @@ pub(super) fn parse(text: &str) -> Result<File, ReadError> {
 fn explained(error: &serde_json::Error, text: &str) -> ReadError {
     let (line, column) = (error.line(), error.column());
     let message = error.to_string();
-    let message = match message.rsplit_once(" at line ") {
-        Some((message, _)) => message.to_owned(),
-        None => message,
-    };
+    let message = sentence(message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message));
     if error.is_data() {
         let what = format!("line {line} column {column}: {message}");
         return ReadError::Shape { what };
@@ -176,7 +174,7 @@ impl<'de> Visitor<'de> for Nodes {
 
 /// Reads one node; `place` is its key where nodes are `keyed` by id.
 fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> {
-    let label = if keyed { format!("node {place}") } else { place.to_owned() };
+    let label = if keyed { format!("node {}", plain(place)) } else { place.to_owned() };
     let Value::Object(fields) = node else {
         let what = format!("{label} must be an object, found {}", kind(&node));
         return Err(ReadError::Shape { what });
@@ -186,14 +184,15 @@ fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> 
         (id, _) => id.and_then(Value::as_u64),
     };
     let Some(id) = id else {
-        let fault = fields
-            .get("id")
-            .map_or_else(|| "is missing".to_owned(), |id| format!("must be a whole number, found {id}"));
+        let fault = fields.get("id").map_or_else(
+            || "is missing".to_owned(),
+            |id| format!("must be a whole number, found {}", plain(&id.to_string())),
+        );
         return Err(ReadError::Node { node: label, key: "id", fault });
     };
     let fields = Fields { id, fields };
     if keyed && place.parse() != Ok(id) {
-        return Err(fields.fault("id", format!("differs from its key {place:?}")));
+        return Err(fields.fault("id", format!("differs from its key {}", shown(place))));
     }
     fields.station()
 }
@@ -341,8 +340,7 @@ fn kind(value: &Value) -> String {
         Value::Null => "null".to_owned(),
         Value::Bool(value) => format!("`{value}`"),
         Value::Number(number) => format!("the number {number}"),
-        Value::String(text) if text.chars().count() <= 40 => format!("the text {text:?}"),
-        Value::String(_) => "a text".to_owned(),
+        Value::String(text) => format!("the text {}", shown(text)),
         Value::Array(_) => "a list".to_owned(),
         Value::Object(_) => "an object".to_owned(),
     }

@@ -1,7 +1,7 @@
 //! From lines to legs: what each column holds, and stations that two legs share.
 
 use super::{Order, Quantity, Reading, Style};
-use crate::graph::format::text::shown;
+use crate::echo::shown;
 
 /// What stands in a column.
 #[derive(Clone, Copy, Debug, PartialEq)]

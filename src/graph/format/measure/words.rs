@@ -1,7 +1,7 @@
 //! Settings as both formats write them: the words behind a command.
 
 use super::{Dialect, Instruments, Order, Quantity, Reading, Style, Unit};
-use crate::graph::format::text::shown;
+use crate::echo::shown;
 
 /// Reads a number.
 type Number<'a> = &'a dyn Fn(&str) -> Option<f64>;

@@ -5,12 +5,12 @@ use std::rc::Rc;
 use nalgebra::Point3;
 
 use super::{Case, HINT, Reader};
+use crate::echo::shown;
 use crate::graph::format::ReadError;
 use crate::graph::format::centreline::{Names, spread};
 use crate::graph::format::files::Spot;
 use crate::graph::format::limits::MAX_COORDINATE_M;
 use crate::graph::format::measure::{Columns, Order};
-use crate::graph::format::text::shown;
 
 /// Commands that describe the survey, or check what is no business of ours.
 const PASSED_OVER: &[&str] = &["title", "date", "team", "instrument", "export", "ref", "copyright", "require", "solve"];

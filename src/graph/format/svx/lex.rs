@@ -1,7 +1,7 @@
 //! Words and numbers, with the special characters that `*set` can change.
 
+use crate::echo::shown;
 use crate::graph::format::measure::{Cell, Quantity, Reading};
-use crate::graph::format::text::shown;
 
 const BLANK: u16 = 1;
 const COMMENT: u16 = 2;

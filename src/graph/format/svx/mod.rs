@@ -21,8 +21,8 @@ use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::MAX_DEPTH;
 use super::measure::{Columns, Instruments, Order, Row, Style};
-use super::text::shown;
 use super::{Import, Parts, ReadError, Source};
+use crate::echo::shown;
 
 /// What to do about a survey that says more than we read.
 const HINT: &str = "run `cavern` on the survey, and import the `.3d` it writes";

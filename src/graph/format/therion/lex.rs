@@ -1,7 +1,7 @@
 //! Words and numbers of Therion.
 
+use crate::echo::shown;
 use crate::graph::format::measure::{Cell, Quantity, Reading};
-use crate::graph::format::text::shown;
 
 /// The words of a line without its comment; what stands in quotes or brackets is one.
 pub(super) fn words(line: &str) -> Result<Vec<String>, String> {

@@ -18,8 +18,8 @@ use super::centreline::{Centreline, Flags, Name, Names, Section};
 use super::files::{self, Files, Spot};
 use super::limits::{MAX_COORDINATE_M, MAX_DEPTH};
 use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
-use super::text::shown;
 use super::{Import, Parts, ReadError, Source};
+use crate::echo::shown;
 
 /// What to do about a survey that says more than we read.
 const HINT: &str = "run `therion` with `export model -fmt survex`, and import the `.3d` it writes";

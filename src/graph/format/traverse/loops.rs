@@ -3,12 +3,13 @@
 //! Stations on dead ends move with what they hang on. What is left is reduced as one reduces a network of resistors: a
 //! station with few neighbours is replaced by direct ways between these (series, parallel and star to mesh, with
 //! matrices for resistances), which is Gaussian elimination and exact. Of most caves that leaves nothing; a dense rest
-//! is solved by conjugate gradients, whose residual is checked.
+//! is solved by conjugate gradients, whose residual is checked; a large one with the help of a coarse picture of it.
 
 use std::collections::VecDeque;
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::coarse::Coarse;
 use super::{Shot, Tree, stars};
 
 /// Stations with at most so many neighbours are eliminated. Tuned: with fewer, mazes take many rounds of gradients, with
@@ -18,6 +19,8 @@ const MOST_NEIGHBORS: usize = 8;
 const SWEEPS: usize = 32;
 /// Holds that the conjugate gradients may look at. Tuned: a maze of 100,000 shots, each crossing joined to four, takes half.
 const WORK: usize = 500_000_000;
+/// From how many stations on a coarse picture of them pays. Tuned.
+const COARSE_FROM: usize = 4_000;
 /// The norm of what is left over, by that of what there was, at which the gradients may stop.
 const GOAL: f64 = 1e-8;
 /// The same, with which they may be stopped: a millimetre in a kilometre.
@@ -73,7 +76,7 @@ impl Core {
     /// How far each station has to be moved so that the loops close, `None` if they cannot be closed.
     pub(super) fn moves(&self, shots: &[Shot], tree: &Tree) -> Option<Vec<Vector3<f64>>> {
         let mut network = Network::of(self, shots, tree)?;
-        network.eliminate();
+        network.eliminate(MOST_NEIGHBORS);
         let rest = network.solve()?;
         let mut moves = vec![Vector3::zeros(); tree.positions.len()];
         for &station in &tree.order {
@@ -88,13 +91,13 @@ impl Core {
 }
 
 /// A way to another station, and how firmly it holds.
-type Hold = (usize, Matrix3<f64>);
+pub(super) type Hold = (usize, Matrix3<f64>);
 
 /// The normal equations: each station is held by others, and drawn.
 ///
 /// The hold of `a` on `b` is the transpose of that of `b` on `a`. The sum of the holds on a station is its diagonal
 /// block, so that no difference of large numbers is ever taken.
-struct Network {
+pub(super) struct Network {
     holds: Vec<Vec<Hold>>,
     draws: Vec<Vector3<f64>>,
     /// Neighbours at most; parallel ways count apart.
@@ -105,28 +108,37 @@ struct Network {
 }
 
 impl Network {
-    fn of(core: &Core, shots: &[Shot], tree: &Tree) -> Option<Self> {
-        let count = core.count;
-        let mut network = Self {
+    /// Stations that nothing holds or draws yet.
+    pub(super) fn new(count: usize) -> Self {
+        Self {
             holds: vec![Vec::new(); count],
             draws: vec![Vector3::zeros(); count],
             degree: vec![0; count],
             inverse: vec![None; count],
             order: Vec::new(),
-        };
+        }
+    }
+
+    /// Has a station held by another, or by what stays where it is, which stands behind all others.
+    pub(super) fn hold(&mut self, here: usize, there: usize, hold: Matrix3<f64>) {
+        self.holds[here].push((there, hold));
+        self.degree[here] += 1;
+    }
+
+    fn of(core: &Core, shots: &[Shot], tree: &Tree) -> Option<Self> {
+        let count = core.count;
+        let mut network = Self::new(count);
         for &index in &core.shots {
             let shot = &shots[index];
             let weight = shot.covariance.try_inverse()?;
             let [from, to] = shot.ends;
             let misses = shot.vector - (tree.positions[to] - tree.positions[from]);
             let draw = weight * misses;
-            // What stays where it is stands behind all others.
             let places = [from, to].map(|end| core.place[end].unwrap_or(count));
             for (here, there, draw) in [(places[0], places[1], -draw), (places[1], places[0], draw)] {
                 if here < count {
-                    network.holds[here].push((there, weight));
+                    network.hold(here, there, weight);
                     network.draws[here] += draw;
-                    network.degree[here] += 1;
                 }
             }
         }
@@ -158,10 +170,10 @@ impl Network {
         self.holds[station].iter().map(|(_, hold)| hold).sum()
     }
 
-    /// Eliminates stations with few neighbours, those with fewest first, as long as there are any.
-    fn eliminate(&mut self) {
+    /// Eliminates stations with at most so many neighbours, those with fewest first, as long as there are any.
+    pub(super) fn eliminate(&mut self, most_neighbors: usize) {
         for _ in 0..SWEEPS {
-            let mut queues = vec![VecDeque::new(); MOST_NEIGHBORS + 1];
+            let mut queues = vec![VecDeque::new(); most_neighbors + 1];
             for station in
                 (0..self.holds.len()).rev().filter(|&station| self.inverse[station].is_none()).collect::<Vec<_>>()
             {
@@ -221,6 +233,29 @@ impl Network {
         }
     }
 
+    /// Whether all stations are.
+    pub(super) fn is_eliminated(&self) -> bool {
+        self.order.len() == self.holds.len()
+    }
+
+    /// Where all stations come to rest that are eliminated and drawn like this, and nothing else is.
+    pub(super) fn drawn(&self, mut draws: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
+        let passed_on =
+            |station: usize, draw: Vector3<f64>| self.inverse[station].map_or(draw, |inverse| inverse * draw);
+        for &station in &self.order {
+            let draw = passed_on(station, draws[station]);
+            for &(here, hold) in self.holds[station].iter().filter(|&&(here, _)| here < self.holds.len()) {
+                draws[here] += hold.transpose() * draw;
+            }
+        }
+        draws.push(Vector3::zeros());
+        for &station in self.order.iter().rev() {
+            let held: Vector3<f64> = self.holds[station].iter().map(|(other, hold)| hold * draws[*other]).sum();
+            draws[station] = passed_on(station, draws[station] + held);
+        }
+        draws
+    }
+
     /// Where everything comes to rest.
     fn solve(mut self) -> Option<Vec<Vector3<f64>>> {
         let count = self.holds.len();
@@ -238,30 +273,36 @@ impl Network {
     }
 
     /// Conjugate gradients (Hestenes & Stiefel 1952) for the stations that are left, preconditioned by their diagonal
-    /// blocks.
-    fn descend(&self, left: &[usize], rest: &mut [Vector3<f64>]) -> Option<()> {
+    /// blocks, and where there are many by a [coarse picture](Coarse) of them.
+    fn descend(&mut self, left: &[usize], rest: &mut [Vector3<f64>]) -> Option<()> {
         let diagonals: Vec<Matrix3<f64>> = left.iter().map(|&station| self.diagonal(station)).collect();
         let inverses: Option<Vec<Matrix3<f64>>> = diagonals.iter().map(|block| block.try_inverse()).collect();
         let inverses = inverses?;
+        let rounds = WORK / left.iter().map(|&station| self.holds[station].len()).sum::<usize>().max(1);
+        let firm: Vec<Matrix3<f64>> = left.iter().map(|&station| self.firm_hold(station)).collect();
+        let holds = self.take_holds_between(left);
+        let coarse = if left.len() < COARSE_FROM { None } else { Coarse::of(&holds, &firm) };
         let eased = |residual: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-            inverses.iter().zip(residual).map(|(inverse, residual)| inverse * residual).collect()
+            let mut eased: Vec<Vector3<f64>> =
+                inverses.iter().zip(residual).map(|(inverse, residual)| inverse * residual).collect();
+            if let Some(coarse) = &coarse {
+                coarse.add_moves(residual, &mut eased);
+            }
+            eased
         };
         let mut residual: Vec<Vector3<f64>> = left.iter().map(|&station| self.draws[station]).collect();
         let mut way = eased(&residual);
         let mut error = dot(&residual, &way);
         let start = error;
-        let rounds = WORK / left.iter().map(|&station| self.holds[station].len()).sum::<usize>().max(1);
-        let mut ahead = vec![Vector3::zeros(); rest.len()];
         for _ in 0..rounds {
             if error <= GOAL * GOAL * start {
                 return Some(());
             }
-            left.iter().zip(&way).for_each(|(&station, way)| ahead[station] = *way);
-            let pull = |(&station, diagonal): (&usize, &Matrix3<f64>)| {
-                let held: Vector3<f64> = self.holds[station].iter().map(|(other, hold)| hold * ahead[*other]).sum();
-                diagonal * ahead[station] - held
+            let pull = |(index, holds): (usize, &Vec<Hold>)| {
+                let held: Vector3<f64> = holds.iter().map(|(other, hold)| hold * way[*other]).sum();
+                diagonals[index] * way[index] - held
             };
-            let pulls: Vec<Vector3<f64>> = left.iter().zip(&diagonals).map(pull).collect();
+            let pulls: Vec<Vector3<f64>> = holds.iter().enumerate().map(pull).collect();
             let step = error / dot(&way, &pulls);
             for (index, &station) in left.iter().enumerate() {
                 rest[station] += way[index] * step;
@@ -273,6 +314,19 @@ impl Network {
             way.iter_mut().zip(next).for_each(|(way, next)| *way = next + *way * share);
         }
         (error <= BEARABLE * BEARABLE * start).then_some(())
+    }
+
+    /// How firmly a station is held by what stays where it is.
+    fn firm_hold(&self, station: usize) -> Matrix3<f64> {
+        self.holds[station].iter().filter(|&&(other, _)| other == self.holds.len()).map(|(_, hold)| hold).sum()
+    }
+
+    /// The holds that some stations have on each other, by their places among them. They have none afterwards.
+    fn take_holds_between(&mut self, stations: &[usize]) -> Vec<Vec<Hold>> {
+        let mut place = vec![None; self.holds.len() + 1];
+        stations.iter().enumerate().for_each(|(index, &station)| place[station] = Some(index));
+        let taken = stations.iter().map(|&station| std::mem::take(&mut self.holds[station]));
+        taken.map(|holds| holds.into_iter().filter_map(|(other, hold)| Some((place[other]?, hold))).collect()).collect()
     }
 }
 

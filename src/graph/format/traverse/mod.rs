@@ -7,6 +7,7 @@
 //! Promised: a shot that is part of no loop and of no way between two fixed stations keeps its vector; a survey whose
 //! shots agree is left as it is; the same bits for the same shots. Blunders are not looked for.
 
+mod coarse;
 mod loops;
 
 use std::collections::VecDeque;
@@ -286,6 +287,15 @@ mod tests {
             let residual = residual(&traverse, &placed);
             assert!(residual < 1e-6, "{side}: {residual}");
         }
+    }
+
+    /// Rounds of gradients alone do not bring this one to rest.
+    #[test]
+    fn a_large_maze_comes_to_rest_with_a_coarse_picture() {
+        let traverse = maze(300);
+        let placed = traverse.clone().place().unwrap();
+        let residual = residual(&traverse, &placed);
+        assert!(residual < 1e-6, "{residual}");
     }
 
     #[test]

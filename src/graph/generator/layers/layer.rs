@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::super::{GENERATORS, GenerateError, Generator, GeneratorRow};
 use super::NAME;
+use crate::echo::{sentence, shown};
 
 /// A layer of a stack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,9 +42,11 @@ impl Layer {
         let Some(row) = rows().find(|row| row.name == self.generator) else {
             let known: Vec<&str> = rows().map(|row| row.name).collect();
             let hint = format!("known: {}", known.join(", "));
-            return Err(GenerateError::new(format!("`generator` cannot be {:?}", self.generator), hint));
+            return Err(GenerateError::new(format!("`generator` cannot be {}", shown(&self.generator)), hint));
         };
-        let told = |error: serde_json::Error| GenerateError::new(error.to_string(), "see `plume schema` for its keys");
+        let told = |error: serde_json::Error| {
+            GenerateError::new(sentence(&error.to_string()), "see `plume schema` for its keys")
+        };
         (row.read)(Value::Object(self.settings.clone())).map_err(told)
     }
 }
