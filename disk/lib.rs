@@ -10,9 +10,12 @@
 //!
 //! Not promised: anything against a program that changes the same folders at the same time and means harm.
 
+mod file;
 mod publish;
 pub mod regular;
+pub mod sealed;
 mod staging;
 
+pub use self::file::{Existing, write_file};
 pub use self::publish::{publish, replace_file, sync_folder};
-pub use self::staging::{Staging, sweep};
+pub use self::staging::{Staging, sweep, sweep_beside};

@@ -27,6 +27,17 @@ pub fn open_no_follow(path: &Path) -> io::Result<File> {
     only_regular(options(Links::Refuse).open(path)?)
 }
 
+/// Opens a regular file to add to its end, and makes it if it is not there; never through a symbolic link.
+///
+/// # Errors
+/// As [`open_no_follow`].
+pub fn append_no_follow(path: &Path) -> io::Result<File> {
+    if path.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
+        return Err(io::Error::new(ErrorKind::InvalidInput, "is not a regular file"));
+    }
+    only_regular(options(Links::Refuse).read(false).append(true).create(true).open(path)?)
+}
+
 /// The content of a regular file of at most `most_bytes`.
 ///
 /// # Errors

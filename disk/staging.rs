@@ -11,7 +11,8 @@ const PREFIX: &str = ".plume-";
 const RANDOM_LETTERS: usize = 8;
 /// The file that marks a staging folder. It is locked as long as the folder is in use.
 const MARKER: &str = "plume-staging";
-const MARKER_TEXT: &[u8] = b"A file or folder beside this one is being written by Plume, or was until Plume was killed.\n\
+const MARKER_TEXT: &[u8] =
+    b"A file or folder beside this one is being written by Plume, or was until Plume was killed.\n\
                              The next run removes this folder; so may you when no run is at work.\n";
 /// Where what a new folder takes the place of waits, under its own name, on systems that cannot swap two names.
 const REPLACED: &str = "replaced";
@@ -109,6 +110,11 @@ pub fn sweep(parent: &Path) {
             remove_if_abandoned(&entry.path());
         }
     }
+}
+
+/// [Sweeps](sweep) the folder that `place` lies in.
+pub fn sweep_beside(place: &Path) {
+    sweep(folder_of(place));
 }
 
 fn is_name(name: &str) -> bool {

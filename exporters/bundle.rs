@@ -4,10 +4,11 @@
 //! gives the same bytes. Paths are those of the folder; an archive has no folder round them, but for `tgz`, where the Unity
 //! Package Manager wants `package/`.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use plume_disk::Staging;
 use tempfile::TempDir;
 
 use crate::contents::Contents;
@@ -59,15 +60,21 @@ impl Bundle {
     }
 }
 
-/// An archive. It grows in `<path>.partial`; [`Archive::finish`] gives it its name, and dropping an unfinished one removes
-/// it.
+/// An archive. It grows in a [`Staging`] folder beside its place; [`Archive::finish`] moves it there, and dropping an
+/// unfinished one removes it.
 pub struct Archive {
     kind: Bundle,
+    /// As it was asked for, for errors.
+    asked: PathBuf,
     path: PathBuf,
-    partial: PathBuf,
+    existing: Existing,
+    staging: Staging,
     packer: Option<Packer>,
     files: Files,
 }
+
+/// The name of an archive while it grows.
+const GROWING: &str = "archive";
 
 impl Archive {
     /// Whether an archive can be made at `path`: asked before the long work.
@@ -91,47 +98,44 @@ impl Archive {
     /// As [`Archive::check`]; [`ExportError::Io`] when the file cannot be made.
     pub fn create(kind: Bundle, path: &Path, existing: Existing) -> Result<Self, ExportError> {
         Self::check(path, existing)?;
-        let path = std::path::absolute(path)?;
-        let partial = package::with_suffix(&path, ".partial");
-        fs::create_dir_all(path.parent().unwrap_or(&path)).map_err(|error| at(path.display(), &error))?;
-        let file = File::create(&partial).map_err(|error| at(partial.display(), &error))?;
-        let packer = Packer::new(kind, Sink::new(file)).map_err(|error| at(partial.display(), &error))?;
-        Ok(Self { kind, path, partial, packer: Some(packer), files: Files::default() })
+        let (asked, path) = (path.to_owned(), std::path::absolute(path)?);
+        let named = |error| at(asked.display(), &error);
+        let staging = Staging::beside(&path).map_err(named)?;
+        let file = File::create_new(staging.path().join(GROWING)).map_err(named)?;
+        let packer = Packer::new(kind, Sink::new(file)).map_err(named)?;
+        Ok(Self { kind, asked, path, existing, staging, packer: Some(packer), files: Files::default() })
     }
 
     /// Moves the archive to its place.
     ///
     /// # Errors
-    /// When the disk refuses; then the partial file is removed.
+    /// As [`Archive::check`], when something else has come there meanwhile, and when the disk refuses; what was there is
+    /// there still.
     pub fn finish(mut self) -> Result<Files, ExportError> {
         if let Some(packer) = self.packer.take() {
-            let done = packer.finish().and_then(Sink::finish);
-            let done = done.and_then(|()| fs::rename(&self.partial, &self.path));
-            if let Err(error) = done {
-                self.remove();
-                return Err(at(self.path.display(), &error).into());
-            }
+            packer.finish().and_then(Sink::finish).map_err(|error| at(self.asked.display(), &error))?;
         }
+        Self::check(&self.asked, self.existing)?;
+        let grown = self.staging.path().join(GROWING);
+        let done = match self.existing {
+            Existing::Keep => plume_disk::publish(&grown, &self.path),
+            Existing::Replace => plume_disk::replace_file(&grown, &self.path),
+        };
+        done.map_err(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists => ExportError::FileExists { path: self.asked.clone() },
+            _ => at(self.asked.display(), &error).into(),
+        })?;
         Ok(std::mem::take(&mut self.files))
     }
 
     fn packer(&mut self) -> &mut Packer {
         self.packer.as_mut().expect("an archive that is written to is not finished")
     }
-
-    fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(&self.path)
-    }
-
-    /// The export has already failed: a second error here would hide the first.
-    fn remove(&self) {
-        let _ = fs::remove_file(&self.partial);
-    }
 }
 
 impl Package for Archive {
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>> {
-        let folder = self.folder().to_owned();
+        let folder = self.staging.path().to_owned();
         self.packer().open(path, &folder)
     }
 
@@ -140,7 +144,7 @@ impl Package for Archive {
     }
 
     fn scratch(&mut self) -> io::Result<TempDir> {
-        tempfile::tempdir_in(self.folder()).map_err(|error| at(self.folder().display(), &error))
+        tempfile::tempdir_in(self.staging.path()).map_err(|error| at(self.asked.display(), &error))
     }
 
     fn files(&mut self) -> &mut Files {
@@ -149,14 +153,6 @@ impl Package for Archive {
 
     fn bundle(&self) -> Option<Bundle> {
         Some(self.kind)
-    }
-}
-
-impl Drop for Archive {
-    fn drop(&mut self) {
-        if self.packer.is_some() {
-            self.remove();
-        }
     }
 }
 

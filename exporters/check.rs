@@ -11,6 +11,7 @@ use std::io::{self, Read};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use plume_disk::sealed;
 use serde::Serialize;
 
 use crate::contents::{Contents, Visitor, WHOLE};
@@ -35,6 +36,8 @@ pub struct Report {
     pub target: String,
     /// What the package says that made it.
     pub generator: String,
+    /// SHA-256 of all that it follows from; empty if the package does not say.
+    pub fingerprint: String,
     /// Number of files, the manifest among them.
     pub files: usize,
     /// Size of its files together, as they should be.
@@ -138,7 +141,7 @@ fn check_version(path: &Path, text: &[u8]) -> Result<(), CheckError> {
         Ok(Head { format, .. }) if format < FORMAT => Err(CheckError::Older { path }),
         Ok(_) => Ok(()),
         Err(_) if manifest::is_of_first_format(text) => Err(CheckError::Older { path }),
-        Err(_) if manifest::looks_sealed(text) => Ok(()),
+        Err(_) if sealed::looks_sealed(text) => Ok(()),
         Err(_) => Err(CheckError::NotAPackage { path }),
     }
 }
@@ -152,7 +155,7 @@ impl Report {
     /// Of a package of which nothing can be said but one fault.
     fn broken(path: &str, what: String) -> Self {
         let faults = vec![Fault { path: path.to_owned(), what }];
-        Self { target: String::new(), generator: String::new(), files: 0, bytes: 0, faults }
+        Self { target: String::new(), generator: String::new(), fingerprint: String::new(), files: 0, bytes: 0, faults }
     }
 }
 
@@ -194,6 +197,7 @@ impl<'a> Inspection<'a> {
         Report {
             target: self.manifest.target.clone(),
             generator: self.manifest.generator.clone(),
+            fingerprint: self.manifest.fingerprint.clone(),
             files: self.manifest.files.0.len() + 1,
             bytes: self.manifest.files.bytes(),
             faults: self.faults.into_iter().take(MOST_FAULTS).collect(),

@@ -47,6 +47,12 @@ pub enum ExportError {
         /// The folder or file.
         path: PathBuf,
     },
+    /// A file that no export has written has the name of one of the package.
+    #[error("output has a file of yours where the package has one of its own: {}", path.display())]
+    InTheWay {
+        /// The file.
+        path: PathBuf,
+    },
     /// There is a file where the output folder should be.
     #[error("output is not a folder: {}", path.display())]
     NotAFolder {
@@ -148,6 +154,7 @@ impl ExportError {
             Self::MissingPart { hint, .. } => Some(hint),
             Self::NotEmpty { .. } => Some("name a new folder, or replace the package with `--force`"),
             Self::FileExists { .. } => Some("name a new file, or replace this one with `--force`"),
+            Self::InTheWay { .. } => Some("move it out of the package, then export again"),
             Self::NotOurs { .. } => Some("name a new place, or empty this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
             Self::UnfitImage { .. } => Some("make the cave with other images: `--set texture.format=png`"),
@@ -167,6 +174,7 @@ impl ExportError {
                 | Self::Settings { .. }
                 | Self::NotEmpty { .. }
                 | Self::NotOurs { .. }
+                | Self::InTheWay { .. }
                 | Self::NotAFolder { .. }
                 | Self::NotAFile { .. }
                 | Self::FileExists { .. }

@@ -16,6 +16,7 @@ pub mod collision;
 pub mod contents;
 pub mod error;
 pub mod fbx;
+mod foreign;
 pub mod format;
 pub mod frame;
 pub mod gazebo;

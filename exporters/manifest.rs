@@ -10,8 +10,8 @@ use std::io;
 use std::path::Path;
 
 use nalgebra::Isometry3;
+use plume_disk::sealed;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::Target;
 use crate::error::ExportError;
@@ -23,8 +23,8 @@ use self::witness::Seen;
 
 pub(crate) mod witness;
 
-/// Version of the shape of a manifest. The first was a plain list of files.
-pub const FORMAT: u32 = 2;
+/// Version of the shape of a manifest. The first was a plain list of files, the second had no fingerprint.
+pub const FORMAT: u32 = 3;
 
 /// A manifest, but for its seal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,8 @@ pub struct Manifest {
     pub seed: u64,
     /// The text that alone makes the scene again, if there is one.
     pub recipe: String,
+    /// SHA-256 of all that the package follows from: two packages with the same fingerprint have the same bytes.
+    pub fingerprint: String,
     /// Units of all numbers here.
     pub units: Units,
     /// Frames.
@@ -138,8 +140,7 @@ pub(crate) struct Head {
     pub generator: String,
     #[serde(rename = "target")]
     _target: String,
-    #[serde(rename = "files")]
-    _files: Files,
+    files: Files,
 }
 
 impl Manifest {
@@ -161,6 +162,7 @@ impl Manifest {
             description: scene.description.clone(),
             seed: scene.seed,
             recipe: scene.recipe.clone(),
+            fingerprint: scene.fingerprint.clone(),
             units: Units { length: "metre".to_owned(), size: "byte".to_owned() },
             axes: Frames { files: target.axes(), manifest: Axes::SCENE },
             bounds: around(&chunks),
@@ -176,9 +178,7 @@ impl Manifest {
     /// None that a manifest of numbers and texts can cause.
     pub fn to_text(&self) -> Result<String, ExportError> {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::from)?;
-        let before = format!("{},\n{SEAL}", text.trim_end_matches("\n}"));
-        let seal = hex(&Sha256::digest(&before));
-        Ok(before + &seal + SEAL_END)
+        Ok(sealed::seal(&text))
     }
 
     /// Reads the text of the file.
@@ -186,39 +186,25 @@ impl Manifest {
     /// # Errors
     /// What is wrong with it, in words.
     pub fn from_text(text: &[u8]) -> Result<Self, String> {
-        let broken = || "is not as it was written: its seal does not fit".to_owned();
-        let before = text.strip_suffix(SEAL_END.as_bytes()).ok_or_else(broken)?;
-        let (before, seal) = before.split_at_checked(before.len().saturating_sub(64)).ok_or_else(broken)?;
-        if hex(&Sha256::digest(before)).as_bytes() != seal {
-            return Err(broken());
-        }
-        let bare = before.strip_suffix(format!(",\n{SEAL}").as_bytes()).ok_or_else(broken)?;
-        serde_json::from_slice(&[bare, b"\n}"].concat()).map_err(|error| format!("is not a manifest: {error}"))
+        let bare = sealed::unseal(text).ok_or("is not as it was written: its seal does not fit")?;
+        serde_json::from_slice(&bare).map_err(|error| format!("is not a manifest: {error}"))
     }
 }
-
-/// What stands before the seal, and after it.
-const SEAL: &str = "  \"seal\": \"";
-const SEAL_END: &str = "\"\n}\n";
 
 /// Whether a text is a manifest of ours, of this version, an earlier or a later one.
 pub(crate) fn is_ours(text: &[u8]) -> bool {
     serde_json::from_slice::<Head>(text).is_ok() || is_of_first_format(text)
 }
 
+/// The files that a manifest of ours names, of this version, an earlier or a later one.
+pub(crate) fn files_of(text: &[u8]) -> Option<Files> {
+    let head = serde_json::from_slice::<Head>(text).map(|head| head.files);
+    head.or_else(|_| serde_json::from_slice(text)).ok()
+}
+
 /// Whether a text is the plain list of files that once was the manifest.
 pub(crate) fn is_of_first_format(text: &[u8]) -> bool {
     serde_json::from_slice::<Files>(text).is_ok()
-}
-
-/// Whether a text that cannot be parsed was a manifest of ours before it was damaged.
-pub(crate) fn looks_sealed(text: &[u8]) -> bool {
-    text.windows(SEAL.len()).any(|window| window == SEAL.as_bytes())
-}
-
-/// Bytes in lower-case hexadecimal.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn entry(chunk: &Seen, all: &[Seen], files: &Files) -> ChunkEntry {

@@ -8,17 +8,22 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use plume_disk::sealed::hex;
+use plume_disk::{Staging, regular};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 use crate::bundle::Bundle;
 use crate::error::{ExportError, at};
+use crate::foreign;
 use crate::manifest;
 use crate::scene::Image;
 
 /// Name of the [manifest](crate::manifest).
 pub const MANIFEST: &str = "manifest.json";
+/// No manifest is longer.
+const MOST_MANIFEST_BYTES: u64 = 1 << 26;
 
 /// A sink for the files of one package.
 ///
@@ -150,21 +155,24 @@ pub(crate) fn path_fault(path: &str) -> Option<&'static str> {
 pub enum Existing {
     /// Refuse unless it is empty.
     Keep,
-    /// Replace it if it holds the [`MANIFEST`] of a package.
+    /// Replace it if it holds the [`MANIFEST`] of a package. Files that the manifest does not name stay.
     Replace,
 }
 
-/// A folder on disk. Files gather in `<path>.partial`; [`Folder::finish`] gives it its name, and dropping an unfinished
-/// one removes it. What a killed process leaves there, the next one removes.
-///
-/// Two exports to the same path at once are not kept apart.
+/// A folder on disk. Files gather in a [`Staging`] folder beside it; [`Folder::finish`] moves them to their place, and
+/// dropping an unfinished one removes it.
 #[derive(Debug)]
 pub struct Folder {
+    /// As it was asked for, for errors.
+    asked: PathBuf,
     path: PathBuf,
-    partial: PathBuf,
+    existing: Existing,
+    staging: Staging,
     files: Files,
-    finished: bool,
 }
+
+/// The name of a package while it grows.
+const GROWING: &str = "package";
 
 impl Folder {
     /// Whether a package can be made at `path`: asked before the long work.
@@ -183,56 +191,66 @@ impl Folder {
     /// the folder cannot be made.
     pub fn create(path: &Path, existing: Existing) -> Result<Self, ExportError> {
         check_vacant(path, existing)?;
-        let path = place(path)?;
-        let partial = with_suffix(&path, ".partial");
-        remove(&partial)?;
-        fs::create_dir_all(&partial).map_err(|error| at(partial.display(), &error))?;
-        Ok(Self { path, partial, files: Files::default(), finished: false })
+        let (asked, path) = (path.to_owned(), place(path)?);
+        let named = |error| at(asked.display(), &error);
+        let staging = Staging::beside(&path).map_err(named)?;
+        fs::create_dir(staging.path().join(GROWING)).map_err(named)?;
+        Ok(Self { asked, path, existing, staging, files: Files::default() })
     }
 
-    /// Moves the package to its place.
+    /// Moves the package to its place. Of a package that was there, its own files go; what the user has put beside them
+    /// moves along.
     ///
     /// # Errors
-    /// When the disk refuses; then the partial folder is removed.
+    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] when something else has come there meanwhile,
+    /// [`ExportError::InTheWay`] when a file of the user's has the name of one of the package, and when the disk refuses;
+    /// what was there is there still.
     pub fn finish(mut self) -> Result<Files, ExportError> {
-        let old = with_suffix(&self.path, ".old.partial");
-        remove(&old)?;
-        if self.path.exists() {
-            rename(&self.path, &old)?;
+        check_vacant(&self.asked, self.existing)?;
+        match is_occupied(&self.path) {
+            true => self.replace()?,
+            false => self.publish()?,
         }
-        if let Err(error) = rename(&self.partial, &self.path) {
-            // Without an old package there is nothing to put back, and the first error is the one to tell.
-            let _ = fs::rename(&old, &self.path);
-            return Err(error.into());
-        }
-        self.finished = true;
-        remove(&old)?;
         Ok(std::mem::take(&mut self.files))
+    }
+
+    /// Fails if the place was taken between the check and now.
+    fn publish(&self) -> Result<(), ExportError> {
+        plume_disk::publish(&self.growing(), &self.path).map_err(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists | io::ErrorKind::DirectoryNotEmpty => {
+                ExportError::NotEmpty { path: self.asked.clone() }
+            }
+            io::ErrorKind::NotADirectory => ExportError::NotAFolder { path: self.asked.clone() },
+            _ => at(self.asked.display(), &error).into(),
+        })
+    }
+
+    fn replace(&self) -> Result<(), ExportError> {
+        let own = manifest_of(&self.path).and_then(|text| manifest::files_of(&text));
+        let own = own.ok_or_else(|| ExportError::NotOurs { path: self.asked.clone() })?;
+        foreign::keep(&self.asked, &own, &self.growing())?;
+        self.staging.swap(GROWING, &self.path).map_err(|error| at(self.asked.display(), &error))?;
+        Ok(())
+    }
+
+    fn growing(&self) -> PathBuf {
+        self.staging.path().join(GROWING)
     }
 }
 
 impl Package for Folder {
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>> {
-        let path = self.partial.join(path);
+        let path = self.growing().join(path);
         fs::create_dir_all(path.parent().expect("a file lies in the package"))?;
-        Ok(Box::new(File::create(path)?))
+        Ok(Box::new(File::create_new(path)?))
     }
 
     fn scratch(&mut self) -> io::Result<TempDir> {
-        tempfile::tempdir_in(&self.partial).map_err(|error| at(self.partial.display(), &error))
+        tempfile::tempdir_in(self.staging.path()).map_err(|error| at(self.asked.display(), &error))
     }
 
     fn files(&mut self) -> &mut Files {
         &mut self.files
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        if !self.finished {
-            // The export has already failed: a second error here would hide the first.
-            let _ = remove(&self.partial);
-        }
     }
 }
 
@@ -272,7 +290,7 @@ impl<'a> Tally<'a> {
     }
 
     fn entry(self) -> Entry {
-        let sha256 = self.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = hex(&self.hash.finalize());
         Entry { bytes: self.bytes, sha256, source: None }
     }
 }
@@ -311,7 +329,15 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
 
 /// Whether the folder holds a manifest of ours; other programs have a `manifest.json` too.
 fn is_package(path: &Path) -> bool {
-    fs::read(path.join(MANIFEST)).is_ok_and(|text| manifest::is_ours(&text))
+    manifest_of(path).is_some_and(|text| manifest::is_ours(&text))
+}
+
+fn manifest_of(path: &Path) -> Option<Vec<u8>> {
+    regular::open_no_follow(&path.join(MANIFEST)).and_then(|file| regular::read_at_most(file, MOST_MANIFEST_BYTES)).ok()
+}
+
+fn is_occupied(path: &Path) -> bool {
+    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
 }
 
 /// JSON for people to read, with a newline at its end.
@@ -334,15 +360,4 @@ pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.to_owned().into_os_string();
     name.push(suffix);
     name.into()
-}
-
-fn rename(from: &Path, to: &Path) -> io::Result<()> {
-    fs::rename(from, to).map_err(|error| at(to.display(), &error))
-}
-
-fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_dir_all(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(at(path.display(), &error)),
-        _ => Ok(()),
-    }
 }

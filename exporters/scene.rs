@@ -20,6 +20,8 @@ pub struct Scene<'a> {
     pub generator: String,
     /// The text that alone makes this scene again, if there is one.
     pub recipe: String,
+    /// SHA-256 of all that a package of it follows from, so that one that is there already can be known; may be empty.
+    pub fingerprint: String,
     /// The seed in it.
     pub seed: u64,
     /// The chunks, in a fixed order.

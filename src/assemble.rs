@@ -53,6 +53,18 @@ impl<'a> FolderChunks<'a> {
         Ok(scene_mesh(store::read_ply(self.folder, path).map_err(io::Error::other)?))
     }
 
+    /// Images are read by those who want them: what they will find is what was baked.
+    fn verify_images(&self, name: &str) -> Result<(), io::Error> {
+        let images = store::IMAGES;
+        let height = images.height.filter(|_| self.settings.height);
+        [images.base_color, images.normal, images.orm, images.roughness].into_iter().chain(height).try_for_each(
+            |image| {
+                let path = store::image_path(name, image, self.settings.format);
+                self.folder.verify(&path).map_err(io::Error::other)
+            },
+        )
+    }
+
     fn lods(&self, index: usize) -> Result<Vec<scene::Lod>, io::Error> {
         let lod = |(before, facts): (usize, &LodFacts)| {
             let mesh = self.read(&store::lod_path(&self.names[index], before + 1))?;
@@ -96,11 +108,12 @@ impl Chunks for FolderChunks<'_> {
             return Err(io::Error::new(io::ErrorKind::Interrupted, "interrupted"));
         }
         let name = &self.names[index];
+        self.verify_images(name)?;
         Ok(scene::Chunk {
             name: name.clone(),
             visual: self.read(&store::textured_path(name))?,
             lods: self.lods(index)?,
-            collision: self.read(&format!("collision/{name}.ply"))?,
+            collision: self.read(&store::collision_path(name))?,
             material: scene::Material {
                 base_color: self.image(name, store::IMAGES.base_color, self.settings.format),
                 normal: self.image(name, store::IMAGES.normal, self.settings.format),
@@ -136,7 +149,7 @@ fn scene_piece(piece: mesh::Piece) -> scene::Piece {
     scene::Piece { mesh, zone }
 }
 
-/// The scene of a finished cave.
+/// The scene of a finished cave, without its fingerprint.
 pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
     let world = &recipe.world;
     Scene {
@@ -144,6 +157,7 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
         description: format!("Underground world made by Plume: {} stations, seed {}", graph.nodes.len(), recipe.seed),
         generator: format!("plume {}", crate::VERSION),
         recipe: recipe.to_toml(),
+        fingerprint: String::new(),
         seed: recipe.seed,
         chunks,
         spawns: spawns(field, graph, world.spawns),

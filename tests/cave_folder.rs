@@ -15,6 +15,7 @@ use command::{Desk, SMALL};
 use plume::assemble::FolderChunks;
 use plume::store::{CaveFolder, Stage, Unit};
 use plume::texture::TextureSettings;
+use plume_disk::sealed::{sha256, unseal};
 use plume_exporters::scene::{Chunks, Mesh};
 
 #[test]
@@ -91,12 +92,12 @@ fn the_graph_file_alone_makes_the_cave_again() {
 }
 
 #[test]
-fn a_damaged_file_is_made_again() {
+fn a_lost_file_is_made_again() {
     let desk = Desk::new();
     desk.make(&["mesh", "--output", "cave"]);
     let before = desk.hashes("cave");
     let chunk = before.iter().find(|(path, _)| path.starts_with("chunks")).unwrap().0.clone();
-    fs::write(desk.path("cave").join(chunk), "not a mesh").unwrap();
+    fs::remove_file(desk.path("cave").join(chunk)).unwrap();
     desk.make(&["mesh", "--output", "cave"]);
     assert_eq!(before, desk.hashes("cave"));
 }
@@ -191,9 +192,13 @@ fn a_kill_before_the_first_unit_is_no_hindrance() {
 fn a_torn_line_costs_its_own_unit_only() {
     let desk = Desk::new();
     desk.make(&["mesh", "--output", "cave"]);
-    let manifest = fs::read_to_string(desk.path("cave/manifest.json")).unwrap();
-    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
-    let units: String = manifest["units"].as_array().unwrap().iter().map(|unit| format!("{unit}\n")).collect();
+    let manifest = unseal(&fs::read(desk.path("cave/manifest.json")).unwrap()).unwrap();
+    let manifest: serde_json::Value = serde_json::from_slice(&manifest).unwrap();
+    let line = |unit: &serde_json::Value| {
+        let event = serde_json::json!({ "done": unit }).to_string();
+        format!("{{\"sha256\":\"{}\",\"event\":{event}}}\n", sha256(event.as_bytes()))
+    };
+    let units: String = manifest["units"].as_array().unwrap().iter().map(line).collect();
     fs::write(desk.path("cave/journal.jsonl"), format!("{{\"stage\": \"me\n{units}")).unwrap();
     fs::remove_file(desk.path("cave/manifest.json")).unwrap();
     let made = CaveFolder::open(&desk.path("cave")).unwrap();

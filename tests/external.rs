@@ -6,8 +6,10 @@
 mod command;
 
 use std::fs;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
-use command::Desk;
+use command::{Desk, files};
 
 /// A recipe whose program is this shell script.
 fn desk(script: &str) -> Desk {
@@ -85,4 +87,77 @@ fn programs_that_fail_hang_flood_or_lie_are_told_off() {
         })
         .concat();
     insta::assert_snapshot!(told);
+}
+
+/// Whether it came true within half a minute.
+fn comes_true(mut what: impl FnMut() -> bool) -> bool {
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(30) {
+        if what() {
+            return true;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    false
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn signals_that_end_a_run_end_its_program_and_leave_nothing() {
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        // The program says who it is, and who of it has gone into a session of its own.
+        let desk = desk("(setsid sh -c 'echo $$ > other; sleep 600' &)\necho $$ > one; sleep 600");
+        let make = ["graph", "recipes/cave.toml", "-o", "cave", "--allow-run", "--set", "graph.time_limit_s=500"];
+        let mut run = desk.command(&make).stderr(Stdio::piped()).spawn().unwrap();
+        let pids = ["recipes/one", "recipes/other"].map(|name| desk.path(name));
+        let pid = |path| fs::read_to_string(path).ok().filter(|pid| pid.ends_with('\n'));
+        assert!(comes_true(|| pids.iter().all(|path| pid(path).is_some())), "SIG{signal}: it did not start");
+        let sent = std::process::Command::new("kill").args(["-s", signal, &run.id().to_string()]).status().unwrap();
+        assert!(sent.success());
+        assert!(comes_true(|| run.try_wait().unwrap().is_some()), "SIG{signal} was not heeded");
+        assert_eq!(run.wait().unwrap().code(), Some(code), "SIG{signal}");
+        for path in &pids {
+            let process = format!("/proc/{}/cmdline", pid(path).unwrap().trim());
+            assert!(
+                comes_true(|| fs::read(&process).map_or(true, |line| line.is_empty())),
+                "SIG{signal}: {path:?} lives"
+            );
+        }
+        assert_eq!(files(&desk.path("")).len(), 4, "SIG{signal}: {:?}", files(&desk.path("")));
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_the_caller_ignores_stays_ignored() {
+    let desk = desk(&format!("kill -HUP $PPID; {ROW}"));
+    let script =
+        format!("trap '' HUP; exec {} graph recipes/cave.toml -o cave --allow-run", env!("CARGO_BIN_EXE_plume"));
+    let made = std::process::Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+}
+
+/// It would keep standard output open for a minute, and the command waiting.
+#[test]
+fn who_is_left_behind_with_standard_output_spoils_no_graph() {
+    let desk = desk(&format!("setsid sleep 60 &\n{ROW}"));
+    let start = Instant::now();
+    let made = desk.run(&["graph", "recipes/cave.toml", "-o", "cave", "--allow-run"]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    assert!(start.elapsed() < Duration::from_secs(30));
+}
+
+#[test]
+fn a_program_sees_no_secrets_but_those_that_its_recipe_names() {
+    let desk = desk(&format!("env > seen; {ROW}"));
+    let seen = |more: &[&str]| {
+        let make = ["graph", "recipes/cave.toml", "-o", "cave", "--allow-run", "--force"];
+        let mut make = desk.command(&[&make, more].concat());
+        let made = make.env("API_KEY", "secret").env("LICENSE_SERVER", "there").output().unwrap();
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        let seen = fs::read_to_string(desk.path("recipes/seen")).unwrap();
+        ["PATH=", "API_KEY=", "LICENSE_SERVER="].map(|name| seen.lines().any(|line| line.starts_with(name)))
+    };
+    assert_eq!(seen(&[]), [true, false, false]);
+    assert_eq!(seen(&["--set", "graph.environment=[\"LICENSE_SERVER\"]"]), [true, false, true]);
 }

@@ -4,7 +4,7 @@ use std::io::{self, BufRead, BufReader, Read, Take};
 
 use sha2::{Digest, Sha256};
 
-use crate::manifest::hex;
+use plume_disk::sealed::hex;
 
 /// The most of a file that is held in memory.
 const MOST_BYTES: u64 = 1 << 28;

@@ -190,7 +190,7 @@ fn a_manifest_with_wild_paths_is_told() {
 #[test]
 fn other_versions_and_other_things_are_told() {
     let text = |text: &str| zip(&Forged::from([(MANIFEST.to_owned(), text.as_bytes().to_vec())]), |_| ());
-    let newer = r#"{"format": 3, "generator": "plume 9.1.0", "target": "gltf", "files": {}, "moons": 2}"#;
+    let newer = r#"{"format": 4, "generator": "plume 9.1.0", "target": "gltf", "files": {}, "moons": 2}"#;
     let said = [
         verdict(&text(newer)),
         verdict(&text(r#"{"a.txt": {"bytes": 1, "sha256": "0"}}"#)),
@@ -201,7 +201,7 @@ fn other_versions_and_other_things_are_told() {
         verdict(b""),
     ];
     insta::assert_snapshot!(said.join("\n"), @r"
-    ARCHIVE: plume 9.1.0 has made this package; its manifest has format 3, this program knows 2
+    ARCHIVE: plume 9.1.0 has made this package; its manifest has format 4, this program knows 3
     ARCHIVE: an earlier version has made this package, whose manifest says too little
     ARCHIVE: holds no manifest of a package
     ARCHIVE: holds no manifest of a package

@@ -41,7 +41,8 @@ fn only_a_package_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("cave");
     let of_first_format = "{\"old.txt\": {\"bytes\": 3, \"sha256\": \"0\"}}";
-    let of_tomorrow = "{\"format\": 9, \"generator\": \"plume 9\", \"target\": \"gltf\", \"files\": {}, \"more\": 1}";
+    let of_tomorrow = "{\"format\": 9, \"generator\": \"plume 9\", \"target\": \"gltf\", \"more\": 1, \
+                       \"files\": {\"new.txt\": {\"bytes\": 3, \"sha256\": \"0\"}}}";
     for (text, manifest) in [("old", of_first_format), ("new", of_tomorrow), ("newest", of_tomorrow)] {
         let mut package = Folder::create(&out, Existing::Replace).unwrap();
         let sink: &mut dyn Package = &mut package;

@@ -1,5 +1,6 @@
 """The `plume` command."""
 
+import signal
 import sys
 
 from plume import _plume
@@ -7,6 +8,9 @@ from plume import _plume
 
 def main() -> int:
     """Runs the command line of this process and gives its exit code."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        # Plume stops the work itself; Python would raise KeyboardInterrupt on top of that.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _plume.main(["plume", *sys.argv[1:]])
 
 

@@ -35,7 +35,9 @@ __all__ = [
 __version__: str
 
 def main(arguments: Sequence[str | PathLike[str]]) -> int:
-    """Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C over: for the process of the command."""
+    """Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C, SIGTERM and SIGHUP over: for the
+    process of the command.
+    """
 
 def generate(
     recipe: Recipe | Mapping[str, Any] | str | PathLike[str] | None = None,

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::Isometry3;
 use numpy::{AllowTypeChange, PyArray1, PyArray3, PyArrayLikeDyn};
-use plume::cave;
+use plume::cave::{self, Order};
 use plume::pipeline::Observer;
 use plume_exporters::package::Existing;
 use plume_exporters::place::Place;
@@ -203,14 +203,15 @@ impl Cave {
             let choice = cave::target(target)?;
             let bundle = bundle.map(|name| cave::bundle(name, std::slice::from_ref(&choice))).transpose()?;
             let path = bundle.map_or(path.clone(), |bundle| bundle.file(&path));
-            let target = cave::build(std::slice::from_ref(&choice), &options, Some(&library))?.remove(0);
-            if target.wants_pieces() {
+            let wanted = cave::build(vec![choice], &options, Some(&library))?.remove(0);
+            let name = wanted.choice.name();
+            if wanted.target.wants_pieces() {
                 cave.make_pieces(watch, &mut |_, _| ())?;
             }
             let chunks = cave.chunks(watch.stop());
-            let place = Place { path: path.clone(), bundle, existing };
-            let (summary, files) = place.write(&choice.name(), &*target, &cave.scene(&chunks))?;
-            Ok(Package::new(&choice.name(), path, &summary, &files))
+            let order = Order { wanted, place: Place { path: path.clone(), bundle, existing } };
+            let (summary, files) = order.write(&cave.scene(&chunks))?;
+            Ok(Package::new(&name, path, &summary, &files))
         })
     }
 

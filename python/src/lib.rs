@@ -57,7 +57,8 @@ mod _plume {
         module.add("__version__", plume::VERSION)
     }
 
-    /// Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C over: for the process of the command.
+    /// Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C, SIGTERM and SIGHUP over: for the
+    /// process of the command.
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
         py.detach(|| plume::cli::run(arguments, &Host::Python(Arc::new(UsdCore::default()))))

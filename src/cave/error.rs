@@ -97,9 +97,16 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::EditedGraph { .. } => {
             "to go on with it, name the cave folder and leave `graph` and `seed` as they were; --force drops it".into()
         }
+        PipelineError::ChangedFiles { .. } => {
+            "to keep what you have changed, copy it elsewhere; --force makes these files anew".into()
+        }
+        PipelineError::Empty => "widen the passages, take a smaller mesh.voxel_m, or ask for more nodes".into(),
         PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),
         PipelineError::Store(StoreError::InUse { .. }) => "wait for it to end, or give another folder".into(),
-        PipelineError::Store(StoreError::Damaged { .. }) => "delete the folder and make it again".into(),
+        PipelineError::Store(StoreError::Changed { .. }) => "`plume generate CAVE_DIR --force` makes it anew".into(),
+        PipelineError::Store(StoreError::Damaged { .. }) => {
+            "take from the folder what you want to keep, and make the cave again in another".into()
+        }
         PipelineError::Store(StoreError::Io { source, .. }) if source.kind() == ErrorKind::StorageFull => {
             "free some space and run the same command again: it goes on where it stopped".into()
         }

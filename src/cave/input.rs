@@ -11,7 +11,7 @@ use crate::graph::Graph;
 use crate::graph::format::{Parts, format_of};
 use crate::pipeline;
 use crate::preset::{PRESETS, Preset};
-use crate::recipe::Recipe;
+use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder};
 
 /// What a cave is made from, resolved.
@@ -23,6 +23,10 @@ pub struct Input {
     pub graph: Option<Graph>,
     /// The cave folder, if that is what was named.
     pub folder: Option<PathBuf>,
+    /// Whether the recipe is another than that of the cave folder that was named.
+    pub is_overridden: bool,
+    /// What the recipe says otherwise than when the cave folder that was named was made: `graph.nodes: 8 → 9`.
+    pub changed_keys: Vec<String>,
 }
 
 impl Input {
@@ -46,7 +50,7 @@ impl Input {
 
     /// A recipe and nothing else.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, graph: None, folder: None }
+        Self { recipe, graph: None, folder: None, is_overridden: false, changed_keys: Vec::new() }
     }
 }
 
@@ -57,24 +61,31 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
         return Err(CaveError::Usage { message, hint });
     }
     let path = folder.join(store::RECIPE);
-    let recipe = Recipe::from_toml(&read(&path)?, &path, overrides)?;
-    let graph = kept_graph(&folder.join(store::GRAPH), &recipe)?;
-    Ok(Input { recipe, graph, folder: Some(folder.to_path_buf()) })
+    let text = read(&path)?;
+    let own = Recipe::from_kept_toml(&text, &path)?;
+    let recipe = Recipe::from_toml(&text, &path, overrides)?;
+    let is_overridden = own.to_json() != recipe.to_json();
+    let input = Input { folder: Some(folder.to_path_buf()), is_overridden, ..Input::of(recipe) };
+    with_kept_graph(input, &folder.join(store::GRAPH))
 }
 
 /// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
 /// another or it is gone.
-fn kept_graph(path: &Path, recipe: &Recipe) -> Result<Option<Graph>, CaveError> {
+fn with_kept_graph(input: Input, path: &Path) -> Result<Input, CaveError> {
     if !path.exists() {
-        return Ok(None);
+        return Ok(input);
     }
+    let recipe = &input.recipe;
     let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
     // A graph of a version without the gate has gone through none.
     let gate = |made: &Value| serde_json::from_value(made["realism"].clone()).unwrap_or_default();
     let is_of = |made: &Value| {
         ["graph", "seed"].iter().all(|key| made[key] == recipe.to_json()[key]) && recipe.realism == gate(made)
     };
-    Ok(document.recipe.as_ref().is_some_and(is_of).then_some(document.graph))
+    let made = document.recipe.as_ref();
+    let changed_keys = made.map(|made| recipe::differences(made, recipe.to_json())).unwrap_or_default();
+    let graph = made.is_some_and(is_of).then_some(document.graph);
+    Ok(Input { graph, changed_keys, ..input })
 }
 
 /// What becomes of the parts of a graph that this recipe is of; only that of a file may have several.
@@ -96,7 +107,7 @@ fn graph_file(path: &Path, overrides: &[String]) -> Result<Input, CaveError> {
     };
     let recipe = Recipe::from_json(recipe, path, overrides)?;
     let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
-    Ok(Input { recipe, graph: Some(document.graph), folder: None })
+    Ok(Input { graph: Some(document.graph), ..Input::of(recipe) })
 }
 
 /// The preset called `name`.

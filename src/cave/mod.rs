@@ -16,7 +16,7 @@ use plume_exporters::scene::Scene;
 pub use self::error::CaveError;
 pub use self::input::{Input, preset, read};
 pub use self::preview::{preview, view_row};
-pub use self::target::{Exported, Order, build, bundle, export, target};
+pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::graph::Graph;
 use crate::pipeline::{self, Observer, Other, Pipeline, PipelineError};
@@ -29,6 +29,7 @@ pub struct Cave {
     graph: Graph,
     folder: CaveFolder,
     walls: Vec<Unit>,
+    fingerprint: String,
 }
 
 impl Cave {
@@ -45,7 +46,8 @@ impl Cave {
     ) -> Result<Self, CaveError> {
         let pipeline = make(&input, &folder, Stage::Texture, force, observer, done)?;
         let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
-        Ok(Self { recipe: input.recipe, graph, folder, walls })
+        let fingerprint = pipeline.cave_fingerprint().to_owned();
+        Ok(Self { recipe: input.recipe, graph, folder, walls, fingerprint })
     }
 
     /// Opens a finished cave folder, and writes nothing.
@@ -63,7 +65,8 @@ impl Cave {
             return Err(unfit(root, "the cave is not finished"));
         }
         let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
-        Ok(Self { recipe, graph, folder, walls })
+        let fingerprint = pipeline.cave_fingerprint().to_owned();
+        Ok(Self { recipe, graph, folder, walls, fingerprint })
     }
 
     /// Makes the convex pieces of its chunks, where they are not there yet, and tells `done`.
@@ -79,7 +82,6 @@ impl Cave {
         if pipeline.has_pieces() {
             return Ok(());
         }
-        self.folder.begin()?;
         pipeline.pieces()?;
         done(Stage::Pieces, &pipeline);
         Ok(pipeline.settle()?)
@@ -118,7 +120,8 @@ impl Cave {
     /// The scene, with start poses and lamps.
     pub fn scene<'a>(&self, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
         let field = pipeline::field(&self.recipe, &self.graph);
-        assemble::scene(&self.recipe, &self.graph, &field, chunks)
+        let scene = assemble::scene(&self.recipe, &self.graph, &field, chunks);
+        Scene { fingerprint: self.fingerprint.clone(), ..scene }
     }
 }
 
@@ -156,6 +159,15 @@ pub fn make<'a>(
     }
     pipeline.settle()?;
     Ok(pipeline)
+}
+
+/// SHA-256 of all that the cave of this input follows from.
+///
+/// # Errors
+/// A graph that cannot be.
+pub fn fingerprint(input: &Input, observer: &dyn Observer) -> Result<String, CaveError> {
+    let graph = preview::graph_of(input, observer)?;
+    Ok(pipeline::cave_fingerprint(&input.recipe, &graph))
 }
 
 fn unfit(root: &Path, what: &str) -> CaveError {

@@ -26,7 +26,7 @@ pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Obser
 }
 
 /// The graph that the pipeline would go on with.
-fn graph_of<'a>(input: &'a Input, observer: &dyn Observer) -> Result<Cow<'a, Graph>, CaveError> {
+pub(super) fn graph_of<'a>(input: &'a Input, observer: &dyn Observer) -> Result<Cow<'a, Graph>, CaveError> {
     if let Some(graph) = &input.graph {
         return Ok(Cow::Borrowed(graph));
     }

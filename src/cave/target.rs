@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use plume_exporters::bundle::Bundle;
+use plume_exporters::check::{Report, check};
 use plume_exporters::package::Files;
 use plume_exporters::place::Place;
 use plume_exporters::scene::Scene;
@@ -15,6 +16,7 @@ use serde_json::{Map, Value, json};
 
 use super::CaveError;
 use crate::recipe;
+use crate::store::sha256;
 
 /// The target called `name`.
 ///
@@ -40,20 +42,41 @@ pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     Err(CaveError::Usage { message: format!("target `{}` has no bundle `{name}`", row.name), hint })
 }
 
+/// A target with its options.
+pub struct Wanted {
+    /// What was asked for.
+    pub choice: Choice,
+    /// The target that was built of it.
+    pub target: Box<dyn Target>,
+    settings: Value,
+}
+
+impl Wanted {
+    /// SHA-256 of all that its package of a cave follows from, of which the cave has this fingerprint.
+    fn fingerprint(&self, cave: &str) -> String {
+        sha256([cave, &self.choice.name(), &self.settings.to_string()].join("\n").as_bytes())
+    }
+}
+
 /// The targets with their options, `TARGET.KEY=VALUE`; `library` is the USD library of the host program.
 ///
 /// # Errors
 /// Faults of the options; a missing USD library, where one is needed.
 pub fn build(
-    choices: &[Choice],
+    choices: Vec<Choice>,
     options: &[String],
     library: Option<&Arc<dyn Library>>,
-) -> Result<Vec<Box<dyn Target>>, CaveError> {
+) -> Result<Vec<Wanted>, CaveError> {
     let schemas: Map<String, Value> =
         choices.iter().map(|Choice { row, .. }| (row.name.to_owned(), (row.settings)().to_value())).collect();
     let schema = json!({"type": "object", "properties": schemas});
     let settings = recipe::options(&schema, options)?;
-    choices.iter().map(|choice| choice.build(settings[choice.row.name].clone(), library).map_err(named)).collect()
+    let wanted = choices.into_iter().map(|choice| {
+        let settings = settings[choice.row.name].clone();
+        let target = choice.build(settings.clone(), library).map_err(named)?;
+        Ok(Wanted { choice, target, settings })
+    });
+    wanted.collect()
 }
 
 /// An unknown format with the name that is nearest.
@@ -70,12 +93,28 @@ fn named(error: ExportError) -> CaveError {
 
 /// A package to be written.
 pub struct Order {
-    /// What was asked for.
-    pub choice: Choice,
-    /// The target that was built of it.
-    pub target: Box<dyn Target>,
+    /// The target and its options.
+    pub wanted: Wanted,
     /// Where the package goes.
     pub place: Place,
+}
+
+impl Order {
+    /// Whether the package is there already, whole, of the cave with this fingerprint.
+    pub fn is_done(&self, cave: &str) -> bool {
+        let is_whole = |report: Report| report.is_whole() && report.fingerprint == self.wanted.fingerprint(cave);
+        self.place.path.exists() && check(&self.place.path).is_ok_and(is_whole)
+    }
+
+    /// Writes the package; it appears whole or not at all.
+    ///
+    /// # Errors
+    /// When something else is at its place, the scene cannot be read, the disk refuses.
+    pub fn write(&self, scene: &Scene) -> Result<(Summary, Files), ExportError> {
+        let Wanted { choice, target, .. } = &self.wanted;
+        let scene = Scene { fingerprint: self.wanted.fingerprint(&scene.fingerprint), ..scene.clone() };
+        self.place.write(&choice.name(), &**target, &scene)
+    }
 }
 
 /// A package that was written.
@@ -93,8 +132,7 @@ pub struct Exported {
 /// tie all packages to one pace, or hold all chunks.
 ///
 /// # Errors
-/// The first in the order of `orders`, after all are done: something else is at a place, the scene cannot be read, the
-/// disk refuses.
+/// The first in the order of `orders`, after all are done: as [`Order::write`].
 pub fn export(scene: &Scene, orders: &[Order]) -> Result<Vec<Exported>, ExportError> {
     let all: Vec<_> = orders.par_iter().map(|order| export_one(scene, order)).collect();
     all.into_iter().collect()
@@ -102,6 +140,6 @@ pub fn export(scene: &Scene, orders: &[Order]) -> Result<Vec<Exported>, ExportEr
 
 fn export_one(scene: &Scene, order: &Order) -> Result<Exported, ExportError> {
     let clock = ThreadTime::now();
-    let (summary, files) = order.place.write(&order.choice.name(), &*order.target, scene)?;
+    let (summary, files) = order.write(scene)?;
     Ok(Exported { summary, files, cpu: clock.elapsed() })
 }

@@ -1,21 +1,20 @@
 //! `plume export`: the main job in one line.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use plume_exporters::bundle::Bundle;
 use plume_exporters::package::Existing;
 use plume_exporters::place::Place;
-use plume_exporters::{Choice, Target};
 
 use super::fault::CliError;
+use super::generate::note_changes;
 use super::progress::Console;
 use super::summary::Summary;
 use super::{Host, Source};
-use crate::cave::{self, Cave, Input, Order};
-use crate::pipeline::{Observer, PipelineError};
-use crate::store::CaveFolder;
+use crate::cave::{self, Cave, Input, Order, Wanted};
+use crate::pipeline::{Observer, Pipeline, PipelineError};
+use crate::store::{CaveFolder, TemporaryFolder};
 
 /// Makes a cave and hands it to simulators.
 #[derive(Args)]
@@ -46,30 +45,52 @@ impl Export {
     /// Bad input, the disk, Ctrl-C, a missing USD library.
     pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
         let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
-        let targets = cave::build(&choices, &self.option, host.library())?;
-        let input = self.source.resolve()?;
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
-        let outputs = self.outputs(&input.recipe.name, &choices, bundle);
+        let wanted = cave::build(choices, &self.option, host.library())?;
+        let input = self.source.resolve()?;
+        let outputs = self.outputs(&input.recipe.name, &wanted, bundle);
         self.refuse_same_place(&outputs)?;
-        let orders = self.orders(choices, targets, &outputs, bundle);
-        orders.iter().try_for_each(|order| order.place.check())?;
-        let work = self.work_folder(&input, &outputs[0]);
-        let folder = CaveFolder::open_or_new(&work.path)?;
+        note_changes(&input, console);
         let mut summary = Summary::start();
-        let force = self.source.force || work.is_temporary;
-        let made =
-            Cave::make(input, folder, force, console, &mut |stage, pipeline| summary.stage_done(stage, pipeline));
-        let cave = made.inspect_err(|error| work.clear_if_hopeless(error))?;
-        if orders.iter().any(|order| order.target.wants_pieces()) {
-            cave.make_pieces(console, &mut |stage, pipeline| summary.stage_done(stage, pipeline))?;
-        }
-        let chunks = cave.chunks(console.stop());
-        let scene = cave.scene(&chunks);
-        for (order, exported) in orders.iter().zip(cave::export(&scene, &orders)?) {
-            summary.package(order, &exported);
+        let orders = self.open_orders(wanted, &outputs, bundle, &input, console, &mut summary)?;
+        let work = WorkFolder::claim(self.work_path(&input, &outputs[0]))?;
+        if !orders.is_empty() {
+            let made = self.made(input, &orders, &work, console, &mut summary);
+            let cave = match made {
+                Err(error) if is_hopeless(&error) => {
+                    work.clear();
+                    return Err(error);
+                }
+                made => made?,
+            };
+            let chunks = cave.chunks(console.stop());
+            let scene = cave.scene(&chunks);
+            for (order, exported) in orders.iter().zip(cave::export(&scene, &orders)?) {
+                summary.package(order, &exported);
+            }
         }
         work.clear();
+        outputs.iter().for_each(|output| plume_disk::sweep_beside(output));
         summary.print(console)
+    }
+
+    /// The cave, with what the orders want of it.
+    fn made(
+        &self,
+        input: Input,
+        orders: &[Order],
+        work: &WorkFolder,
+        console: &Console,
+        summary: &mut Summary,
+    ) -> Result<Cave, CliError> {
+        let folder = work.open(input.folder.as_deref())?;
+        let force = self.source.force || work.is_temporary();
+        let mut done = |stage, pipeline: &Pipeline| summary.stage_done(stage, pipeline);
+        let cave = Cave::make(input, folder, force, console, &mut done)?;
+        if orders.iter().any(|order| order.wanted.target.wants_pieces()) {
+            cave.make_pieces(console, &mut done)?;
+        }
+        Ok(cave)
     }
 
     /// The first target that needs a USD library.
@@ -90,11 +111,13 @@ impl Export {
         })
     }
 
-    fn outputs(&self, name: &str, targets: &[Choice], bundle: Option<Bundle>) -> Vec<PathBuf> {
+    fn outputs(&self, name: &str, targets: &[Wanted], bundle: Option<Bundle>) -> Vec<PathBuf> {
         let folders = match (&self.output, targets) {
             (Some(output), [_]) => vec![output.clone()],
-            (Some(output), _) => targets.iter().map(|choice| output.join(choice.folder())).collect(),
-            (None, _) => targets.iter().map(|choice| PathBuf::from(format!("{name}-{}", choice.folder()))).collect(),
+            (Some(output), _) => targets.iter().map(|wanted| output.join(wanted.choice.folder())).collect(),
+            (None, _) => {
+                targets.iter().map(|wanted| PathBuf::from(format!("{name}-{}", wanted.choice.folder()))).collect()
+            }
         };
         match bundle {
             Some(bundle) => folders.iter().map(|folder: &PathBuf| bundle.file(folder)).collect(),
@@ -102,49 +125,97 @@ impl Export {
         }
     }
 
-    fn orders(
+    /// The orders that are still to be done: of an export that was stopped, some may be done already.
+    fn open_orders(
         &self,
-        choices: Vec<Choice>,
-        targets: Vec<Box<dyn Target>>,
+        wanted: Vec<Wanted>,
         outputs: &[PathBuf],
         bundle: Option<Bundle>,
-    ) -> Vec<Order> {
+        input: &Input,
+        console: &Console,
+        summary: &mut Summary,
+    ) -> Result<Vec<Order>, CliError> {
         let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
         let places = outputs.iter().map(|path| Place { path: path.clone(), bundle, existing });
-        let whole = choices.into_iter().zip(targets).zip(places);
-        whole.map(|((choice, target), place)| Order { choice, target, place }).collect()
+        let orders = wanted.into_iter().zip(places).map(|(wanted, place)| Order { wanted, place });
+        let (mut open, mut fingerprint) = (Vec::new(), None);
+        for order in orders {
+            let Err(refusal) = order.place.check() else {
+                open.push(order);
+                continue;
+            };
+            if fingerprint.is_none() {
+                fingerprint = Some(cave::fingerprint(input, console)?);
+            }
+            if !fingerprint.as_ref().is_some_and(|cave| order.is_done(cave)) {
+                return Err(refusal.into());
+            }
+            summary.kept(&order);
+        }
+        Ok(open)
     }
 
-    /// A named cave folder serves as it is; else the cave is made in a hidden folder beside the package, which goes when
-    /// the package is whole and stays after a kill, so that the next run goes on.
-    fn work_folder(&self, input: &Input, output: &Path) -> WorkFolder {
-        if let Some(path) = self.keep.as_ref().or(input.folder.as_ref()) {
-            return WorkFolder { path: path.clone(), is_temporary: false };
+    /// A named cave folder serves as it is; else, and where the recipe is another, the cave is made in a hidden folder beside
+    /// the package.
+    fn work_path(&self, input: &Input, output: &Path) -> WorkPath {
+        if let Some(path) = &self.keep {
+            return WorkPath::Named(path.clone());
+        }
+        if let Some(path) = input.folder.as_ref().filter(|_| !input.is_overridden) {
+            return WorkPath::Named(path.clone());
         }
         // A folder that is there, perhaps as `.`, gets a neighbour and not something inside it.
         let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
         let name = output.file_name().unwrap_or_default().to_string_lossy();
-        WorkFolder { path: output.with_file_name(format!(".{name}.cave")), is_temporary: true }
+        WorkPath::Hidden(output.with_file_name(format!(".{name}.cave")))
     }
 }
 
-struct WorkFolder {
-    path: PathBuf,
-    is_temporary: bool,
+/// What no second run could finish is not kept for it.
+fn is_hopeless(error: &CliError) -> bool {
+    matches!(error, CliError::Pipeline(PipelineError::Grid(_) | PipelineError::Empty))
+}
+
+/// Where the cave is made.
+enum WorkPath {
+    Named(PathBuf),
+    Hidden(PathBuf),
+}
+
+/// The folder in which the cave is made. A hidden one goes when the packages are whole and stays after a kill, so that the
+/// next run goes on.
+enum WorkFolder {
+    Named(PathBuf),
+    Hidden(TemporaryFolder),
 }
 
 impl WorkFolder {
-    fn clear(&self) {
-        if self.is_temporary {
-            // What is left over costs space only.
-            let _ = fs::remove_dir_all(&self.path);
+    fn claim(path: WorkPath) -> Result<Self, CliError> {
+        Ok(match path {
+            WorkPath::Named(path) => Self::Named(path),
+            WorkPath::Hidden(path) => Self::Hidden(TemporaryFolder::claim(&path)?),
+        })
+    }
+
+    /// The folder, which takes over what fits of the cave folder that was named.
+    fn open(&self, named: Option<&Path>) -> Result<CaveFolder, CliError> {
+        let folder = match self {
+            Self::Named(path) => CaveFolder::open_or_new(path)?,
+            Self::Hidden(folder) => CaveFolder::open(folder.path())?,
+        };
+        match named.filter(|named| *named != folder.root()) {
+            Some(named) => Ok(folder.based_on(CaveFolder::open(named)?)),
+            None => Ok(folder),
         }
     }
 
-    /// What no second run could finish is not kept for it.
-    fn clear_if_hopeless(&self, error: &CliError) {
-        if let CliError::Pipeline(PipelineError::Grid(_)) = error {
-            self.clear();
+    fn is_temporary(&self) -> bool {
+        matches!(self, Self::Hidden(_))
+    }
+
+    fn clear(self) {
+        if let Self::Hidden(folder) = self {
+            folder.remove();
         }
     }
 }

@@ -4,16 +4,18 @@ use std::io::ErrorKind;
 
 use plume_exporters::ExportError;
 
+use super::signals;
 pub use crate::cave::CaveError as CliError;
 use crate::pipeline::PipelineError;
 use crate::store::StoreError;
 
-/// 1 the disk or a failed check, 2 usage or bad input, 69 a needed part is missing, 130 interrupted.
+/// 1 the disk or a failed check, 2 usage or bad input, 69 a needed part is missing, 128 and the number of the signal that
+/// interrupted it.
 pub fn exit_code(error: &CliError) -> u8 {
     match error {
         CliError::Export(ExportError::MissingPart { .. }) => 69,
         CliError::Export(ExportError::Library { .. }) => 1,
-        CliError::Interrupted | CliError::Pipeline(PipelineError::Interrupted) => 130,
+        CliError::Interrupted | CliError::Pipeline(PipelineError::Interrupted) => signals::exit_code(),
         CliError::Pipeline(PipelineError::Store(StoreError::Io { source, .. })) => io_exit_code(source),
         CliError::Export(ExportError::Io(source) | ExportError::Load { source, .. }) => io_exit_code(source),
         CliError::Failed(_) => 1,

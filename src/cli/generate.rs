@@ -8,7 +8,7 @@ use super::Source;
 use super::fault::CliError;
 use super::progress::Console;
 use super::summary::Summary;
-use crate::cave;
+use crate::cave::{self, Input};
 use crate::store::{CaveFolder, Stage};
 
 /// Makes a cave folder; stopped or killed, the same command goes on where it stopped. Named itself, a cave folder follows
@@ -31,12 +31,23 @@ impl Generate {
         let input = self.source.resolve()?;
         let named = input.folder.clone();
         let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
-        let folder = CaveFolder::open_or_new(&output)?;
+        let mut folder = CaveFolder::open_or_new(&output)?;
+        if let Some(named) = input.folder.as_ref().filter(|named| **named != output) {
+            folder = folder.based_on(CaveFolder::open(named)?);
+        }
+        note_changes(&input, console);
         let mut summary = Summary::start();
         cave::make(&input, &folder, last, self.source.force, console, &mut |stage, pipeline| {
             summary.stage_done(stage, pipeline)
         })?;
         summary.place("cave", &output, &folder);
         summary.print(console)
+    }
+}
+
+/// Says what follows from a changed recipe, before it is made.
+pub fn note_changes(input: &Input, console: &Console) {
+    for change in &input.changed_keys {
+        console.note(&format!("  recipe    {change}"));
     }
 }

@@ -1,8 +1,9 @@
 //! `plume graph`: makes a graph, and brings graphs in from files and out to them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use plume_disk::Existing;
 use serde_json::{Value, json};
 
 use super::fault::CliError;
@@ -11,7 +12,7 @@ use super::progress::Console;
 use crate::graph::Graph;
 use crate::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, Tally, Written};
 use crate::pipeline::{Disk, PipelineError};
-use crate::store::{self, CaveFolder, Stage};
+use crate::store::{self, CaveFolder, Stage, StoreError};
 
 /// Makes or renews the graph of a cave folder, or exchanges graphs with other programs.
 #[derive(Args)]
@@ -32,6 +33,11 @@ enum Exchange {
 }
 
 impl GraphCommand {
+    /// Whether a graph is made, and not brought from one file to another.
+    pub fn makes(&self) -> bool {
+        self.exchange.is_none()
+    }
+
     /// Does what was asked.
     ///
     /// # Errors
@@ -153,10 +159,9 @@ impl Output {
             let message = format!("{}: already exists", path.display());
             return Err(CliError::Usage { message, hint: "give another name, or --force to replace it".to_owned() });
         }
+        let existing = if self.force { Existing::Replace } else { Existing::Keep };
         for (path, file) in paths.iter().zip(&files) {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let folder = path.parent().unwrap_or_else(|| Path::new(""));
-            store::write_file(folder, &name, |out| out.write_all(&file.bytes))?;
+            plume_disk::write_file(path, existing, &file.bytes).map_err(|error| StoreError::io(path, error))?;
         }
         tell(import, &paths, console)
     }

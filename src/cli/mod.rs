@@ -14,6 +14,7 @@ mod measure;
 mod new;
 mod preview;
 mod progress;
+mod signals;
 mod status;
 mod summary;
 
@@ -131,6 +132,20 @@ enum Command {
 }
 
 impl Command {
+    /// Whether it looks at the flag that signals set. Others leave nothing half done and are ended as any program is.
+    fn heeds_signals(&self) -> bool {
+        match self {
+            Self::Export(_)
+            | Self::Generate(_)
+            | Self::Mesh(_)
+            | Self::Texture(_)
+            | Self::Pieces(_)
+            | Self::Preview(_) => true,
+            Self::Graph(graph) => graph.makes(),
+            Self::New(_) | Self::Schema | Self::List(_) | Self::Check(_) | Self::Status(_) | Self::Measure(_) => false,
+        }
+    }
+
     /// Targets that need the USD library of a host program.
     fn usd_target(&self) -> Option<&'static str> {
         match self {
@@ -158,30 +173,42 @@ impl Host {
 }
 
 /// Runs a command line and gives the exit code: 0 done, 1 the disk or a failed check, 2 usage or bad input, 69 a needed
-/// part is missing, 130 interrupted.
+/// part is missing, 128 and the number of the signal that interrupted it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP.
 pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
+    signals::survive_file_limit();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(usage) => {
-            // A closed pipe is no reason to fail.
-            let _ = usage.print();
-            return usage.exit_code() as u8;
-        }
+        Err(usage) => return answer(&usage),
     };
     let console = Console::new(&cli.common);
     if let Some(threads) = cli.common.threads {
         // Fails only if a pool exists already, as in a host program; then that pool serves.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
     }
+    if cli.command.heeds_signals() {
+        signals::listen();
+    }
     let result = match (host, cli.command.usd_target()) {
         (Host::Binary, Some(target)) => handover::to_python(target, &arguments),
         _ => dispatch(&cli.command, &console, host).map(|()| 0),
     };
-    match result {
-        Ok(code) => code,
+    result.unwrap_or_else(|error| {
+        console.fault(&error);
+        fault::exit_code(&error)
+    })
+}
+
+/// Prints what was asked for in place of a command, such as the help, or what is wrong with the command line.
+fn answer(usage: &clap::Error) -> u8 {
+    let printed = usage.print();
+    if usage.use_stderr() {
+        return usage.exit_code() as u8;
+    }
+    match progress::told(printed) {
+        Ok(()) => usage.exit_code() as u8,
         Err(error) => {
-            console.fault(&error);
+            progress::fault(&error);
             fault::exit_code(&error)
         }
     }

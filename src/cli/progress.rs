@@ -1,19 +1,16 @@
 //! Progress bars and notes on stderr, results on stdout.
 
-use std::io::{IsTerminal, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Common;
 use super::fault::CliError;
+use super::{Common, signals};
 use crate::pipeline::Observer;
 use crate::store::Stage;
-
-/// Set by Ctrl-C. One per process, because a process has one Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Where everything is printed.
 pub struct Console {
@@ -24,14 +21,8 @@ pub struct Console {
 }
 
 impl Console {
-    /// A console; the first one also starts to listen for Ctrl-C.
+    /// A console.
     pub fn new(common: &Common) -> Self {
-        // A host program may have its own handler; then it decides.
-        let _ = ctrlc::set_handler(|| {
-            if STOP.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        });
         Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, bar: Mutex::new(None) }
     }
 
@@ -40,29 +31,25 @@ impl Console {
         self.json
     }
 
-    /// Prints what was asked for. A reader that hangs up early is no fault.
-    #[expect(clippy::unnecessary_wraps, reason = "the last step of commands that can fail")]
+    /// Prints what was asked for.
+    ///
+    /// # Errors
+    /// As [`told`].
     pub fn result(&self, text: &str) -> Result<(), CliError> {
-        let _ = std::io::stdout().write_all(text.as_bytes());
-        Ok(())
+        told(io::stdout().write_all(text.as_bytes()))
     }
 
     /// Prints a line about the work.
     pub fn note(&self, text: &str) {
         if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "{text}");
+            let _ = writeln!(io::stderr(), "{text}");
         }
     }
 
     /// Prints a fault and its hint.
     pub fn fault(&self, error: &CliError) {
         self.clear();
-        let hint = error.hint();
-        let mut stderr = std::io::stderr();
-        let _ = writeln!(stderr, "error: {error}");
-        if !hint.is_empty() {
-            let _ = writeln!(stderr, " hint: {hint}");
-        }
+        fault(error);
     }
 
     fn clear(&self) {
@@ -72,9 +59,32 @@ impl Console {
     }
 }
 
+/// Ends what was written to standard output. A reader that hangs up early is no fault.
+///
+/// # Errors
+/// When not all of it could be written.
+pub fn told(written: io::Result<()>) -> Result<(), CliError> {
+    match written.and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(CliError::Failed(format!("standard output: {error}; what was printed is not whole")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a fault and its hint.
+pub fn fault(error: &CliError) {
+    let hint = error.hint();
+    let mut stderr = io::stderr();
+    let _ = writeln!(stderr, "error: {error}");
+    if !hint.is_empty() {
+        let _ = writeln!(stderr, " hint: {hint}");
+    }
+}
+
 impl Observer for Console {
     fn begin(&self, stage: Stage, total: usize) {
-        let bar = if self.quiet || !std::io::stderr().is_terminal() {
+        let bar = if self.quiet || !io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
             ProgressBar::new(total as u64)
@@ -99,7 +109,7 @@ impl Observer for Console {
     }
 
     fn stop(&self) -> &AtomicBool {
-        &STOP
+        signals::stop()
     }
 
     fn allows_programs(&self) -> bool {

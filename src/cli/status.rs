@@ -61,6 +61,7 @@ fn line(status: &StageStatus) -> String {
     let state = match status.state {
         State::Missing if status.stage == Stage::Pieces => "not made; targets that want them make them".to_owned(),
         State::Missing => "missing".to_owned(),
+        State::Empty => "empty     there is no open space that a voxel can hold".to_owned(),
         State::Done => format!("done      {}", units(status.stage, status.done)),
         State::Outdated => {
             format!("outdated  {} of an earlier recipe, graph or version", units(status.stage, status.outdated))

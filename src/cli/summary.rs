@@ -1,6 +1,7 @@
 //! What was made, in a few lines or as JSON.
 
 use std::fs;
+use std::ops::Add;
 use std::path::Path;
 use std::time::Instant;
 
@@ -51,7 +52,7 @@ impl Summary {
     }
 
     fn mesh(&mut self, walls: &[Unit]) {
-        let sum = |key: &str| walls.iter().filter_map(|unit| unit.facts[key].as_f64()).sum::<f64>();
+        let sum = |key: &str| walls.iter().filter_map(|unit| unit.facts[key].as_f64()).fold(0.0, f64::add);
         let (chunks, triangles, area_m2) = (walls.len(), sum("triangles"), sum("area_m2"));
         let collision = sum("collision_triangles");
         let numbers = json!({
@@ -83,8 +84,15 @@ impl Summary {
         let numbers =
             json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
-        self.row(&order.choice.name(), &text, cpu_s, numbers);
+        self.row(&order.wanted.choice.name(), &text, cpu_s, numbers);
         self.lines.push(format!("  {:9} {open}", "to open:"));
+    }
+
+    /// A package was there already, whole and of the same cave.
+    pub fn kept(&mut self, order: &Order) {
+        let (name, path) = (order.wanted.choice.name(), &order.place.path);
+        self.lines.push(format!("  {name:9} {}  is there already, whole", path.display()));
+        self.json.insert(name, json!({"path": path.to_string_lossy(), "kept": true}));
     }
 
     /// A cave folder was made.

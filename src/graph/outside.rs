@@ -31,6 +31,8 @@ pub struct Task {
     pub arguments: Vec<String>,
     /// The folder it runs in.
     pub folder: PathBuf,
+    /// Names of variables that it sees beside those that any program needs.
+    pub environment: Vec<String>,
     /// What it reads on standard input.
     pub input: Vec<u8>,
     /// How long it may take.

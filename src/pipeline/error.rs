@@ -39,12 +39,42 @@ pub enum PipelineError {
         /// The graph file.
         path: PathBuf,
     },
+    /// Files of the folder are no longer what was written.
+    #[error("{}: {} changed since {} written: {}", path.display(), counted(files), was(files), listed(files))]
+    ChangedFiles {
+        /// The cave folder.
+        path: PathBuf,
+        /// The files, with forward slashes.
+        files: Vec<String>,
+    },
+    /// There is no wall in the whole cave.
+    #[error("mesh: the cave has no open space that a voxel can hold")]
+    Empty,
     /// A chunk could not be textured.
     #[error("texture: {0}")]
     Texture(ChunkError),
     /// The user stopped it.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// Files that are named; the rest is counted.
+const NAMED_FILES: usize = 8;
+
+fn counted(files: &[String]) -> String {
+    if files.len() == 1 { "a file has".to_owned() } else { format!("{} files have", files.len()) }
+}
+
+fn was(files: &[String]) -> &'static str {
+    if files.len() == 1 { "it was" } else { "they were" }
+}
+
+fn listed(files: &[String]) -> String {
+    let named = files.iter().take(NAMED_FILES).cloned().collect::<Vec<_>>().join(", ");
+    match files.len().saturating_sub(NAMED_FILES) {
+        0 => named,
+        more => format!("{named} and {more} more"),
+    }
 }
 
 impl From<ChunkError> for PipelineError {

@@ -4,10 +4,10 @@ use serde_json::json;
 
 use super::{Pipeline, PipelineError, field, subject};
 use crate::preview::{Drawn, Format, Order, Pace, Subject, Theme, view};
-use crate::store::{FileRecord, Stage};
+use crate::store::{self, FileRecord, Stage};
 
-/// The views that are drawn.
-const MAPS: [&str; 2] = ["plan", "profile"];
+/// The views that are drawn, and their files.
+const MAPS: [(&str, &str); 2] = [("plan", store::PLAN), ("profile", store::PROFILE)];
 
 impl Pipeline<'_> {
     /// Draws the maps of the cave.
@@ -15,20 +15,19 @@ impl Pipeline<'_> {
     /// # Errors
     /// When there is nothing to draw, the cave is out of reach, the disk refuses, or the observer stops.
     pub fn preview(&self) -> Result<(), PipelineError> {
-        self.each(Stage::Preview, &["cave"], |name| {
-            if self.folder.finished(Stage::Preview, name, &self.preview_fingerprint)?.is_some() {
-                return Ok(());
-            }
-            self.refuse_absurd_size()?;
-            let field = field(self.recipe, &self.graph);
-            let subject = subject(self.recipe, &self.graph, &field);
-            let maps: Result<Vec<_>, _> = MAPS.iter().map(|map| self.draw(map, &subject)).collect();
-            self.commit(Stage::Preview, (*name).to_owned(), &self.preview_fingerprint, maps?, json!({}))
+        self.each(Stage::Preview, &[store::WHOLE_CAVE], |name| {
+            self.unit(Stage::Preview, name, || {
+                self.refuse_absurd_size()?;
+                let field = field(self.recipe, &self.graph);
+                let subject = subject(self.recipe, &self.graph, &field);
+                let maps: Result<Vec<_>, _> = MAPS.iter().map(|map| self.draw(map, &subject)).collect();
+                Ok((maps?, json!({})))
+            })
         })
     }
 
     /// On white paper and as large as the view wants to be.
-    fn draw(&self, map: &str, subject: &Subject) -> Result<FileRecord, PipelineError> {
+    fn draw(&self, (map, path): &(&str, &str), subject: &Subject) -> Result<FileRecord, PipelineError> {
         let order = Order {
             format: Format::Png,
             theme: Theme::Light,
@@ -41,6 +40,6 @@ impl Pipeline<'_> {
         let Drawn::File(bytes) = view(map).expect("a map is a view").draw(subject, &order)? else {
             unreachable!("a map stands still");
         };
-        Ok(self.folder.write(&format!("{map}.png"), |out| out.write_all(&bytes))?)
+        Ok(self.folder.write(path, |out| out.write_all(&bytes))?)
     }
 }

@@ -25,7 +25,7 @@ use crate::graph::{Graph, Outside};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::preview::Subject;
 use crate::recipe::Recipe;
-use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, sha256};
+use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, chunk_name, sha256};
 
 /// Watches the work and may stop it.
 pub trait Observer: Sync {
@@ -85,10 +85,12 @@ impl<'a> Pipeline<'a> {
         if other == Other::Refuse {
             pipeline.refuse_other_cave()?;
         }
-        if other != Other::Replace && !is_given {
-            pipeline.refuse_to_lose_edits()?;
+        if other != Other::Replace {
+            pipeline.refuse_to_lose_changes()?;
+            if !is_given {
+                pipeline.refuse_to_lose_edits()?;
+            }
         }
-        folder.begin()?;
         pipeline.write_graph()?;
         observer.advance(Stage::Graph);
         observer.end(Stage::Graph);
@@ -109,8 +111,7 @@ impl<'a> Pipeline<'a> {
             Some(graph) => graph,
             None => generated(recipe, observer)?,
         };
-        let text = graph_text(recipe, &graph);
-        let graph_fingerprint = sha256(format!("{}\n{}", crate::VERSION, text).as_bytes());
+        let graph_fingerprint = cave_fingerprint(recipe, &graph);
         let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
         let stations = stations(&graph);
         let maps = [crate::VERSION, &stations, &section(&["name", "passage"])].concat();
@@ -160,24 +161,23 @@ impl<'a> Pipeline<'a> {
     /// Makes every chunk's triangles.
     ///
     /// # Errors
-    /// When the grid is out of reach, the disk refuses, or the observer stops.
+    /// When the grid is out of reach, there is no wall at all, the disk refuses, or the observer stops.
     pub fn mesh(&self) -> Result<(), PipelineError> {
         self.refuse_absurd_size()?;
         let field = self.field();
         let grid = Grid::new(field.bounds(), &self.recipe.mesh)?;
-        let indices: Vec<ChunkIndex> = grid.indices().collect();
-        self.each(Stage::Mesh, &indices, |index| {
-            let name = chunk_name(*index);
-            if self.folder.finished(Stage::Mesh, &name, &self.mesh_fingerprint)?.is_some() {
-                return Ok(());
-            }
-            let meshes = mesh::chunk(&field, &grid, *index, &self.recipe.mesh);
-            let (files, facts) = match &meshes {
-                Some(meshes) => (self.write_meshes(&name, meshes)?, mesh_facts(meshes)),
-                None => (Vec::new(), json!({"triangles": 0})),
-            };
-            self.commit(Stage::Mesh, name, &self.mesh_fingerprint, files, facts)
-        })
+        let indices = grid.indices();
+        let names: Vec<(String, ChunkIndex)> = indices.map(|index| (chunk_name(index), index)).collect();
+        self.each(Stage::Mesh, &names, |(name, index)| {
+            self.unit(Stage::Mesh, name, || {
+                let meshes = mesh::chunk(&field, &grid, *index, &self.recipe.mesh);
+                Ok(match &meshes {
+                    Some(meshes) => (self.write_meshes(name, meshes)?, mesh_facts(meshes)),
+                    None => (Vec::new(), json!({"triangles": 0})),
+                })
+            })
+        })?;
+        if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
     }
 
     /// Makes every chunk's images and coarser levels.
@@ -188,14 +188,13 @@ impl<'a> Pipeline<'a> {
         let field = self.field();
         let walls: Vec<Unit> = self.walls();
         self.each(Stage::Texture, &walls, |wall| {
-            if self.folder.finished(Stage::Texture, &wall.name, &self.texture_fingerprint)?.is_some() {
-                return Ok(());
-            }
-            let mesh = store::read_mesh(self.folder, &wall.name)?;
-            let Recipe { texture, lod, .. } = self.recipe;
-            let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
-            let facts = texture_facts(&written);
-            self.commit(Stage::Texture, wall.name.clone(), &self.texture_fingerprint, written.files, facts)
+            self.unit(Stage::Texture, &wall.name, || {
+                let mesh = store::read_mesh(self.folder, &wall.name)?;
+                let Recipe { texture, lod, .. } = self.recipe;
+                let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
+                let facts = texture_facts(&written);
+                Ok((written.files, facts))
+            })
         })
     }
 
@@ -220,6 +219,11 @@ impl<'a> Pipeline<'a> {
         let mut units = self.folder.units(stage);
         units.retain(|unit| unit.fingerprint == self.fingerprint(stage));
         units
+    }
+
+    /// SHA-256 of all that the cave follows from.
+    pub fn cave_fingerprint(&self) -> &str {
+        &self.graph_fingerprint
     }
 
     /// Whether every wall has its images. Walls are textured after the last of them is meshed.
@@ -264,7 +268,7 @@ impl<'a> Pipeline<'a> {
         let path = self.folder.root().join(store::GRAPH);
         let units = self.folder.units(Stage::Graph);
         for record in units.iter().flat_map(|unit| &unit.files).filter(|file| file.path == store::GRAPH) {
-            let is_edited = !record.is_intact(self.folder.root())? && read_graph(&path, Parts::Keep).is_ok();
+            let is_edited = self.folder.is_changed(record)? && read_graph(&path, Parts::Keep).is_ok();
             if is_edited {
                 return Err(PipelineError::EditedGraph { path });
             }
@@ -272,37 +276,55 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
-    fn write_graph(&self) -> Result<(), PipelineError> {
-        if self.folder.finished(Stage::Graph, "cave", &self.graph_fingerprint)?.is_some() {
-            return Ok(());
+    /// Files that somebody has changed are not written over, nor deleted.
+    fn refuse_to_lose_changes(&self) -> Result<(), PipelineError> {
+        let files = self.folder.changes()?;
+        match files.is_empty() {
+            true => Ok(()),
+            false => Err(PipelineError::ChangedFiles { path: self.folder.root().to_path_buf(), files }),
         }
-        let recipe = self.folder.write(store::RECIPE, |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
-        let graph =
-            self.folder.write(store::GRAPH, |out| out.write_all(graph_text(self.recipe, &self.graph).as_bytes()))?;
-        let facts = json!({
-            "nodes": self.graph.nodes.len(),
-            "passages": self.graph.edges.len(),
-            "loops": self.graph.loops(),
-            "length_m": self.graph.length_m(),
-        });
-        self.commit(Stage::Graph, "cave".into(), &self.graph_fingerprint, vec![recipe, graph], facts)
+    }
+
+    fn write_graph(&self) -> Result<(), PipelineError> {
+        self.unit(Stage::Graph, store::WHOLE_CAVE, || {
+            let recipe =
+                self.folder.write(store::RECIPE, |out| out.write_all(self.recipe.to_kept_toml().as_bytes()))?;
+            let graph = self
+                .folder
+                .write(store::GRAPH, |out| out.write_all(graph_text(self.recipe, &self.graph).as_bytes()))?;
+            let facts = json!({
+                "nodes": self.graph.nodes.len(),
+                "passages": self.graph.edges.len(),
+                "loops": self.graph.loops(),
+                "length_m": self.graph.length_m(),
+            });
+            Ok((vec![recipe, graph], facts))
+        })
     }
 
     fn write_meshes(&self, name: &str, meshes: &mesh::ChunkMeshes) -> Result<Vec<FileRecord>, PipelineError> {
-        let visual = store::write_mesh(self.folder, &format!("chunks/{name}.ply"), &meshes.visual)?;
-        let collision = store::write_mesh(self.folder, &format!("collision/{name}.ply"), &meshes.collision)?;
+        let visual = store::write_mesh(self.folder, &store::wall_path(name), &meshes.visual)?;
+        let collision = store::write_mesh(self.folder, &store::collision_path(name), &meshes.collision)?;
         Ok(vec![visual, collision])
     }
 
-    fn commit(
+    /// Makes a unit, whose files and facts `make` gives, unless it is there or another folder lends it.
+    fn unit(
         &self,
         stage: Stage,
-        name: String,
-        fingerprint: &str,
-        files: Vec<FileRecord>,
-        facts: Value,
+        name: &str,
+        make: impl FnOnce() -> Result<(Vec<FileRecord>, Value), PipelineError>,
     ) -> Result<(), PipelineError> {
-        let unit = Unit { stage, name, fingerprint: fingerprint.to_owned(), files, facts };
+        let fingerprint = self.fingerprint(stage);
+        if self.folder.finished(stage, name, fingerprint)?.is_some() {
+            return Ok(());
+        }
+        self.folder.begin_unit(stage, name)?;
+        if self.folder.take_over(stage, name, fingerprint)? {
+            return Ok(());
+        }
+        let (files, facts) = make()?;
+        let unit = Unit { stage, name: name.to_owned(), fingerprint: fingerprint.to_owned(), files, facts };
         Ok(self.folder.commit(unit)?)
     }
 
@@ -327,6 +349,11 @@ impl<'a> Pipeline<'a> {
     }
 }
 
+/// SHA-256 of all that a cave follows from.
+pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph) -> String {
+    sha256(format!("{}\n{}", crate::VERSION, graph_text(recipe, graph)).as_bytes())
+}
+
 /// The field of the cave that this recipe and graph describe.
 pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
     CaveField::new(graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
@@ -341,11 +368,6 @@ pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -
 /// The text of the cave's graph file.
 pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
     format::json::write(graph, crate::VERSION, recipe.to_json())
-}
-
-/// Name of a chunk: its index in the grid.
-fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
-    format!("chunk_{x}_{y}_{z}")
 }
 
 fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {

@@ -15,14 +15,12 @@ impl Pipeline<'_> {
     pub fn pieces(&self) -> Result<(), PipelineError> {
         let walls: Vec<Unit> = self.walls();
         self.each(Stage::Pieces, &walls, |wall| {
-            if self.folder.finished(Stage::Pieces, &wall.name, &self.pieces_fingerprint)?.is_some() {
-                return Ok(());
-            }
-            let (mesh, around) = self.with_neighbours(&wall.name, &walls)?;
-            let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
-            let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
-            let facts = json!({"pieces": pieces.len()});
-            self.commit(Stage::Pieces, wall.name.clone(), &self.pieces_fingerprint, vec![file], facts)
+            self.unit(Stage::Pieces, &wall.name, || {
+                let (mesh, around) = self.with_neighbours(&wall.name, &walls)?;
+                let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
+                let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
+                Ok((vec![file], json!({"pieces": pieces.len()})))
+            })
         })
     }
 

@@ -1,12 +1,15 @@
-//! Runs a program that may hang, flood or lie.
+//! Runs a program that may hang, flood, lie or leave others behind.
 //!
-//! Its standard input, output and error are served by a thread each, so that none of them can block another. It runs in a
-//! process group of its own, and where the system has such groups its children are stopped with it.
+//! What it reads and writes lies in nameless files, so that nobody who holds them open is ever waited for. It runs in a
+//! process group of its own, which ends with it. On Linux so does every process that it has started and that carries its
+//! [`Mark`], in whatever session; one that was started with an environment of its own is not known to be its own.
 
-use std::io::{ErrorKind, Read, Write};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::ffi::OsString;
+use std::fs::File;
+use std::hash::{BuildHasher, RandomState};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -14,90 +17,137 @@ use crate::graph::{RunError, Task};
 
 /// How often a running program is looked at.
 const GLANCE: Duration = Duration::from_millis(10);
-/// How long the last output of an ended program may take to arrive.
-const LAST_WORDS: Duration = Duration::from_secs(1);
-/// How much of its standard error is shown.
-const SHOWN_BYTES: usize = 2000;
+/// How much of its standard error is shown, and how much there may be.
+const SHOWN_BYTES: u64 = 2000;
+const MOST_WORDS_BYTES: u64 = 64 << 20;
+
+/// What a program sees of our environment. Anything else may be a secret, and would make the graph depend on who asks for it.
+const PASSED_ON: &[&str] = &["PATH", "HOME", "USER", "LANG", "TZ", "TMPDIR"];
+/// And all that begin so.
+const PASSED_ON_PREFIX: &str = "LC_";
+/// What programs on Windows do not start without.
+#[cfg(windows)]
+const PASSED_ON_HERE: &[&str] = &[
+    "SystemRoot",
+    "SystemDrive",
+    "windir",
+    "ComSpec",
+    "PATHEXT",
+    "TEMP",
+    "TMP",
+    "USERPROFILE",
+    "APPDATA",
+    "LOCALAPPDATA",
+];
+#[cfg(not(windows))]
+const PASSED_ON_HERE: &[&str] = &[];
 
 /// Runs the program to its end and gives its standard output.
 ///
 /// # Errors
 /// When it does not start, fails, takes too long, writes too much, or `stop` is set.
 pub fn run(task: &Task, stop: &AtomicBool) -> Result<Vec<u8>, RunError> {
-    let mut child = started(task)?;
-    serve_input(&mut child, task.input.clone());
-    let output = collected(child.stdout.take(), task.most_bytes.saturating_add(1));
-    let words = collected(child.stderr.take(), usize::MAX);
-    let end = wait(&mut child, task, stop, &output);
-    stop_group(&mut child);
-    let words = words.recv_timeout(LAST_WORDS).unwrap_or_default();
-    let (status, told) = end.map_err(|fault| with_words(fault, &words))?;
+    let mark = Mark::new();
+    let mut streams = Streams::new(&task.input).map_err(|error| {
+        fault(format!("cannot be listened to: {error}"), "make room in the folder for temporary files")
+    })?;
+    let mut child = started(task, &streams, &mark)?;
+    let end = wait(&mut child, task, stop, &streams);
+    end_all(&mut child, &mark);
+    let words = streams.last_words();
+    let status = end.map_err(|fault| with_words(fault, &words))?;
     if !status.success() {
         return Err(with_words(fault(format!("failed ({status})"), "mend the program, or its settings"), &words));
     }
-    Ok(told)
+    streams.refuse_flood(task).map_err(|fault| with_words(fault, &words))?;
+    streams.told().map_err(|error| fault(format!("cannot be listened to: {error}"), ""))
 }
 
-fn started(task: &Task) -> Result<Child, RunError> {
-    let mut command = Command::new(&task.program);
-    command.args(&task.arguments).current_dir(&task.folder);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    command.spawn().map_err(|error| match error.kind() {
+/// What it reads and what it writes, in files that nobody else can name.
+struct Streams {
+    input: File,
+    output: File,
+    words: File,
+}
+
+impl Streams {
+    fn new(input: &[u8]) -> io::Result<Self> {
+        let mut streams =
+            Self { input: tempfile::tempfile()?, output: tempfile::tempfile()?, words: tempfile::tempfile()? };
+        streams.input.write_all(input)?;
+        streams.input.rewind()?;
+        Ok(streams)
+    }
+
+    /// Refuses more than may be written. It is looked at now and then: somewhat more than that may lie on the disk.
+    fn refuse_flood(&self, task: &Task) -> Result<(), RunError> {
+        if length(&self.output) > task.most_bytes as u64 {
+            let message = format!("wrote more than {} bytes", task.most_bytes);
+            return Err(fault(message, "raise `size_limit_mb`, or mend the program"));
+        }
+        if length(&self.words) > MOST_WORDS_BYTES {
+            let message = format!("wrote more than {} MiB to standard error", MOST_WORDS_BYTES >> 20);
+            return Err(fault(message, "have the program say less"));
+        }
+        Ok(())
+    }
+
+    fn told(&mut self) -> io::Result<Vec<u8>> {
+        let mut told = Vec::new();
+        self.output.rewind()?;
+        self.output.read_to_end(&mut told)?;
+        Ok(told)
+    }
+
+    /// The end of its standard error; nothing if that cannot be read.
+    fn last_words(&mut self) -> Vec<u8> {
+        let mut words = Vec::new();
+        let start = length(&self.words).saturating_sub(SHOWN_BYTES);
+        let read = self.words.seek(SeekFrom::Start(start));
+        let _ = read.and_then(|_| (&self.words).take(SHOWN_BYTES).read_to_end(&mut words));
+        words
+    }
+}
+
+/// Bytes in a file of ours; none that can be told are none.
+fn length(file: &File) -> u64 {
+    file.metadata().map_or(0, |about| about.len())
+}
+
+fn started(task: &Task, streams: &Streams, mark: &Mark) -> Result<Child, RunError> {
+    let refused = |error: io::Error| match error.kind() {
         ErrorKind::NotFound => fault(
             "there is no such program, or no such folder to run it in".to_owned(),
             "give its path relative to the recipe (./name), or a name on the search path",
         ),
         ErrorKind::PermissionDenied => fault("may not be run".to_owned(), "make the file executable"),
         _ => fault(error.to_string(), ""),
+    };
+    let mut command = Command::new(&task.program);
+    command.args(&task.arguments).current_dir(&task.folder);
+    command.env_clear().envs(passed_on(&task.environment)).env(Mark::VARIABLE, &mark.0);
+    let files = [&streams.input, &streams.output, &streams.words].map(File::try_clone);
+    let [input, output, words] = files;
+    command.stdin(input.map_err(refused)?).stdout(output.map_err(refused)?).stderr(words.map_err(refused)?);
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    command.spawn().map_err(refused)
+}
+
+/// The variables that a program sees: the usual ones, and those that its recipe names.
+fn passed_on(named: &[String]) -> impl Iterator<Item = (OsString, OsString)> {
+    std::env::vars_os().filter(|(name, _)| {
+        let Some(name) = name.to_str() else { return false };
+        let is = |other: &str| if cfg!(windows) { name.eq_ignore_ascii_case(other) } else { name == other };
+        PASSED_ON.iter().chain(PASSED_ON_HERE).any(|other| is(other))
+            || name.starts_with(PASSED_ON_PREFIX)
+            || named.iter().any(|other| is(other))
     })
 }
 
-/// Writes the input; a program that does not read it is not at fault.
-fn serve_input(child: &mut Child, input: Vec<u8>) {
-    if let Some(mut pipe) = child.stdin.take() {
-        thread::spawn(move || {
-            let _ = pipe.write_all(&input);
-        });
-    }
-}
-
-/// What a pipe brings until it ends, at most `most` bytes; the rest of a longer one stays unread, or is dropped.
-fn collected(pipe: Option<impl Read + Send + 'static>, most: usize) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = channel();
-    thread::spawn(move || {
-        let mut bytes = Vec::new();
-        let Some(mut pipe) = pipe else { return };
-        if most < usize::MAX {
-            let _ = pipe.take(most as u64).read_to_end(&mut bytes);
-        } else {
-            keep_last(&mut pipe, &mut bytes);
-        }
-        let _ = sender.send(bytes);
-    });
-    receiver
-}
-
-/// Reads to the end and keeps the last words.
-fn keep_last(pipe: &mut impl Read, kept: &mut Vec<u8>) {
-    let mut block = [0; 4096];
-    while let Ok(read @ 1..) = pipe.read(&mut block) {
-        kept.extend_from_slice(&block[..read]);
-        let surplus = kept.len().saturating_sub(SHOWN_BYTES);
-        kept.drain(..surplus);
-    }
-}
-
-/// Waits for the end of the program and of its output.
-fn wait(
-    child: &mut Child,
-    task: &Task,
-    stop: &AtomicBool,
-    output: &Receiver<Vec<u8>>,
-) -> Result<(ExitStatus, Vec<u8>), RunError> {
+/// Waits for the end of the program.
+fn wait(child: &mut Child, task: &Task, stop: &AtomicBool, streams: &Streams) -> Result<ExitStatus, RunError> {
     let started = Instant::now();
-    let mut told = None;
     loop {
         if stop.load(Ordering::Relaxed) {
             return Err(fault("was interrupted".to_owned(), ""));
@@ -106,32 +156,70 @@ fn wait(
             let message = format!("took longer than {} s", task.limit.as_secs_f64());
             return Err(fault(message, "raise `time_limit_s`, or mend the program"));
         }
-        match output.recv_timeout(GLANCE) {
-            Ok(bytes) => told = Some(bytes),
-            Err(RecvTimeoutError::Disconnected) if told.is_some() => thread::sleep(GLANCE),
-            Err(_) => {}
-        }
-        if told.as_ref().is_some_and(|bytes| bytes.len() > task.most_bytes) {
-            let message = format!("wrote more than {} bytes", task.most_bytes);
-            return Err(fault(message, "raise `size_limit_mb`, or mend the program"));
-        }
-        if let Ok(Some(status)) = child.try_wait() {
-            // A child that it left behind may hold the pipe open.
-            stop_group(child);
-            let told = told.or_else(|| output.recv_timeout(LAST_WORDS).ok()).unwrap_or_default();
-            return Ok((status, told));
+        streams.refuse_flood(task)?;
+        match child.try_wait() {
+            Ok(Some(status)) => return Ok(status),
+            Ok(None) => thread::sleep(GLANCE),
+            Err(error) => return Err(fault(error.to_string(), "")),
         }
     }
 }
 
-/// Ends the program and the children that it left behind.
-fn stop_group(child: &mut Child) {
+/// Ends the program and those that it left behind.
+fn end_all(child: &mut Child, mark: &Mark) {
     #[cfg(unix)]
     if let Some(group) = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw) {
         let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
     }
     let _ = child.kill();
     let _ = child.wait();
+    mark.end_all_who_carry_it();
+}
+
+/// A variable in the environment of a program, by which it and all whom it starts are known.
+struct Mark(String);
+
+impl Mark {
+    const VARIABLE: &str = "PLUME_RUN";
+
+    fn new() -> Self {
+        // Of random keys, as hash maps have them; it has to be new and not secret.
+        let [one, other] = [(); 2].map(|()| RandomState::new().hash_one(std::process::id()));
+        Self(format!("{one:016x}{other:016x}"))
+    }
+
+    /// Again and again, because one may have started another meanwhile.
+    #[cfg(target_os = "linux")]
+    fn end_all_who_carry_it(&self) {
+        const ROUNDS: usize = 100;
+        for _ in 0..ROUNDS {
+            if !self.end_some() {
+                return;
+            }
+            thread::sleep(GLANCE);
+        }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn end_all_who_carry_it(&self) {}
+
+    /// Ends those who are there now. Whether there were any.
+    #[cfg(target_os = "linux")]
+    fn end_some(&self) -> bool {
+        use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
+        let variable = format!("{}={}", Self::VARIABLE, self.0);
+        let mut found = false;
+        for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
+            let pid = entry.file_name().to_str().and_then(|name| name.parse().ok()).and_then(Pid::from_raw);
+            // Held, so that the number stays that of the process whose environment is read.
+            let Some(process) = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok()) else { continue };
+            let Ok(environment) = std::fs::read(entry.path().join("environ")) else { continue };
+            if environment.split(|&byte| byte == 0).any(|one| one == variable.as_bytes()) {
+                found |= pidfd_send_signal(&process, Signal::KILL).is_ok();
+            }
+        }
+        found
+    }
 }
 
 fn fault(message: String, hint: &str) -> RunError {
@@ -159,6 +247,7 @@ mod tests {
             arguments: vec!["-c".into(), script.into()],
             folder: ".".into(),
             input: b"seven\n".to_vec(),
+            environment: Vec::new(),
             limit: Duration::from_secs_f64(limit_s),
             most_bytes: 1000,
         }
@@ -197,6 +286,42 @@ mod tests {
     #[test]
     fn a_child_left_behind_holds_nobody_up() {
         assert_eq!(outcome("sleep 1000 & echo done", 20.0), "done\n");
+    }
+
+    /// The processes that sleep for this many seconds, which nobody else does.
+    #[cfg(target_os = "linux")]
+    fn sleepers(seconds: &str) -> usize {
+        let entries = std::fs::read_dir("/proc").unwrap().flatten();
+        let lines = entries.filter_map(|entry| std::fs::read(entry.path().join("cmdline")).ok());
+        lines.filter(|line| *line == format!("sleep\0{seconds}\0").as_bytes()).count()
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_grandchild_in_a_session_of_its_own_holds_nobody_up_and_is_ended() {
+        let script = "setsid sleep 98765 & (setsid sh -c 'sleep 98765' &) ; sleep 0.1; echo done";
+        let start = Instant::now();
+        assert_eq!(outcome(script, 20.0), "done\n");
+        assert!(start.elapsed() < Duration::from_secs(10));
+        assert_eq!(sleepers("98765"), 0);
+    }
+
+    #[test]
+    fn a_program_sees_what_it_needs_and_what_is_named() {
+        let told = outcome("env", 20.0);
+        let names = told.lines().filter_map(|line| Some(line.split_once('=')?.0));
+        let known = ["PWD", "SHLVL", "_", "OLDPWD", Mark::VARIABLE];
+        for name in names {
+            assert!(known.contains(&name) || PASSED_ON.contains(&name) || name.starts_with("LC_"), "{name} in\n{told}");
+        }
+        assert!(told.contains("PATH="), "{told}");
+        let named: Vec<_> = passed_on(&["CARGO_MANIFEST_DIR".to_owned()]).map(|(name, _)| name).collect();
+        assert!(named.contains(&"CARGO_MANIFEST_DIR".into()), "{named:?}");
+    }
+
+    #[test]
+    fn a_program_that_says_too_much_on_the_side_is_stopped() {
+        assert!(outcome("yes >&2", 20.0).contains("wrote more than 64 MiB to standard error"));
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Pipeline, PipelineError, chunk_name};
+use super::{Pipeline, PipelineError};
 use crate::mesh::Grid;
-use crate::store::Stage;
+use crate::store::{Stage, chunk_name};
 
 /// How far a stage is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -17,6 +17,8 @@ pub enum State {
     Partial,
     /// What is there follows from another recipe, graph or version, and will be made anew.
     Outdated,
+    /// All of it is there, and it holds nothing: a mesh without a wall.
+    Empty,
     /// All of it is there.
     Done,
 }
@@ -47,7 +49,10 @@ impl Pipeline<'_> {
         let graph = self.stage_status(Stage::Graph, Some(vec!["cave".to_owned()]))?;
         let preview = self.stage_status(Stage::Preview, Some(vec!["cave".to_owned()]))?;
         let grid = Grid::new(self.field().bounds(), &self.recipe.mesh).ok();
-        let mesh = self.stage_status(Stage::Mesh, grid.map(|grid| grid.indices().map(chunk_name).collect()))?;
+        let mut mesh = self.stage_status(Stage::Mesh, grid.map(|grid| grid.indices().map(chunk_name).collect()))?;
+        if mesh.state == State::Done && self.walls().is_empty() {
+            mesh.state = State::Empty;
+        }
         let walls = || self.walls().into_iter().map(|unit| unit.name).collect();
         let walls: Option<Vec<String>> = (mesh.state == State::Done).then(walls);
         let texture = self.stage_status(Stage::Texture, walls.clone())?;

@@ -114,10 +114,67 @@ impl Recipe {
         print::commented(&schema::of(&self.resolved), &self.resolved)
     }
 
+    /// The recipe as a cave folder keeps it: with a last line that shows that nothing is cut off.
+    pub fn to_kept_toml(&self) -> String {
+        format!("{}\n{LAST_LINE}\n", self.to_toml())
+    }
+
+    /// Reads the recipe of a cave folder, which may be edited but has every key and its last line: a part of it would make
+    /// another cave.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_toml`]; when a key or the last line is missing.
+    pub fn from_kept_toml(text: &str, file: &Path) -> Result<Self, Faults> {
+        if text.trim_end().lines().next_back() != Some(LAST_LINE) {
+            return Err(incomplete(file, "is cut off: its last line is missing".to_owned()));
+        }
+        let recipe = Self::from_toml(text, file, &[])?;
+        match missing_key("", &recipe.resolved, &read::toml(text, file)?.value) {
+            Some(key) => Err(incomplete(file, format!("is not complete: {key} is missing"))),
+            None => Ok(recipe),
+        }
+    }
+
     /// The recipe as JSON, every key with its value.
     pub fn to_json(&self) -> &Value {
         &self.resolved
     }
+}
+
+/// What `now` says otherwise than `before`, key by key: `graph.nodes: 8 → 9`.
+pub fn differences(before: &Value, now: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    collect_differences("", before, now, &mut found);
+    found
+}
+
+fn collect_differences(path: &str, before: &Value, now: &Value, found: &mut Vec<String>) {
+    match (before, now) {
+        (Value::Object(old), Value::Object(new)) => {
+            let keys = old.keys().chain(new.keys().filter(|key| !old.contains_key(*key)));
+            for key in keys {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                collect_differences(&path, &before[key], &now[key], found);
+            }
+        }
+        _ if before != now => found.push(format!("{path}: {before} → {now}")),
+        _ => {}
+    }
+}
+
+/// The last line of the recipe of a cave folder.
+const LAST_LINE: &str = "# End of the recipe: keep this line.";
+
+fn incomplete(file: &Path, message: String) -> Faults {
+    let hint = format!("`plume new` prints every key; the last line of a cave folder's recipe is {LAST_LINE:?}");
+    Fault { origin: Origin::File(file.to_path_buf()), message, hint }.into()
+}
+
+/// The first key of `whole` that `part` does not have. Keys without a value need not be written.
+fn missing_key(path: &str, whole: &Value, part: &Value) -> Option<String> {
+    let keys = whole.as_object()?.iter().filter(|(_, value)| !value.is_null());
+    keys.map(|(key, value)| (if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, &part[key]))
+        .find_map(|(path, value, part)| if part.is_null() { Some(path) } else { missing_key(&path, value, part) })
 }
 
 /// Settings given as `key=value` pairs alone, checked against their schema, every key with its value.

@@ -1,41 +1,16 @@
 //! Chunk meshes and images in the cave folder.
 
-use std::fs::File;
-use std::io::BufReader;
-
 use serde::{Deserialize, Serialize};
 
 use super::ply::PlyMesh;
-use super::{CaveFolder, FileRecord, StoreError, Unit};
+use super::{CaveFolder, FileRecord, StoreError, Unit, image_path, lod_path, textured_path, wall_path};
 use crate::field::Surface;
 use crate::mesh::{Mesh, QUANTA_PER_M};
-use crate::texture::{self, ImageFormat, Level, LodSettings, Maps, TextureError, TextureSettings, Textured};
+use crate::texture::{self, Level, LodSettings, Maps, TextureError, TextureSettings, Textured};
 
 /// The images of a chunk.
 pub const IMAGES: Maps<&str> =
     Maps { base_color: "base_color", normal: "normal", orm: "orm", roughness: "roughness", height: Some("height") };
-
-/// Path of the unwrapped mesh of a chunk.
-pub fn textured_path(name: &str) -> String {
-    format!("textures/{name}.ply")
-}
-
-/// Path of a coarser level of a chunk; 1 is the finest of them.
-pub fn lod_path(name: &str, level: usize) -> String {
-    format!("textures/{name}_lod{level}.ply")
-}
-
-/// Whether two chunks lie side by side, or corner to corner, by their names.
-pub fn adjacent(one: &str, other: &str) -> bool {
-    let index = |name: &str| name.split('_').filter_map(|part| part.parse().ok()).collect::<Vec<i64>>();
-    one != other && index(one).into_iter().zip(index(other)).all(|(a, b)| (a - b).abs() <= 1)
-}
-
-/// Path of an image of a chunk; heights are always PNG.
-pub fn image_path(name: &str, image: &str, format: ImageFormat) -> String {
-    let format = if Some(image) == IMAGES.height { ImageFormat::Png } else { format };
-    format!("textures/{name}_{image}.{}", format.extension())
-}
 
 /// Writes a mesh without texture coordinates.
 ///
@@ -57,7 +32,7 @@ pub fn write_mesh(folder: &CaveFolder, path: &str, mesh: &Mesh) -> Result<FileRe
 /// # Errors
 /// When it is missing or damaged.
 pub fn read_mesh(folder: &CaveFolder, name: &str) -> Result<Mesh, StoreError> {
-    let ply = read_ply(folder, &format!("chunks/{name}.ply"))?;
+    let ply = read_ply(folder, &wall_path(name))?;
     let quantum = |x: f32| (x * QUANTA_PER_M as f32) as i32;
     Ok(Mesh {
         positions: ply.positions.iter().map(|p| p.map(quantum)).collect(),
@@ -72,10 +47,8 @@ pub fn read_mesh(folder: &CaveFolder, name: &str) -> Result<Mesh, StoreError> {
 /// # Errors
 /// When it is missing or damaged.
 pub fn read_ply(folder: &CaveFolder, path: &str) -> Result<PlyMesh, StoreError> {
-    let path = folder.root().join(path);
-    let file = File::open(&path).map_err(|e| StoreError::io(&path, e))?;
-    let damaged = |e: std::io::Error| StoreError::Damaged { path: path.clone(), message: e.to_string() };
-    PlyMesh::read(&mut BufReader::new(file)).map_err(damaged)
+    let content = folder.read(path)?;
+    PlyMesh::read(&mut content.as_slice()).map_err(|error| StoreError::damaged(&folder.root().join(path), error))
 }
 
 /// A textured chunk that was written.

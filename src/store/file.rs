@@ -4,6 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
+use plume_disk::{regular, sealed};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -20,84 +21,120 @@ pub struct FileRecord {
     pub sha256: String,
 }
 
+/// What has become of a file that was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileState {
+    /// It is what was written.
+    Intact,
+    /// It is gone.
+    Missing,
+    /// Something else is there.
+    Changed,
+}
+
 impl FileRecord {
-    /// Whether the file still is what was written.
+    /// What has become of the file.
     ///
     /// # Errors
     /// When it is there but cannot be read.
-    pub fn is_intact(&self, root: &Path) -> Result<bool, StoreError> {
+    pub fn state(&self, root: &Path) -> Result<FileState, StoreError> {
         let path = root.join(&self.path);
-        let mut file = match File::open(&path) {
+        let named = |error| StoreError::io(&path, error);
+        refuse_link_above(root, &path)?;
+        let mut file = match regular::open_no_follow(&path) {
             Ok(file) => file,
-            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(false),
-            Err(e) => return Err(StoreError::io(&path, e)),
+            Err(error) => match error.kind() {
+                ErrorKind::NotFound => return Ok(FileState::Missing),
+                // A link, a folder or a pipe where a file was.
+                ErrorKind::InvalidInput | ErrorKind::IsADirectory => return Ok(FileState::Changed),
+                _ => return Err(named(error)),
+            },
         };
-        let (mut hash, mut bytes, mut buffer) = (Sha256::new(), 0, vec![0; 1 << 16]);
-        loop {
-            let count = file.read(&mut buffer).map_err(|e| StoreError::io(&path, e))?;
-            if count == 0 {
-                return Ok(bytes == self.bytes && hex(&hash.finalize()) == self.sha256);
-            }
-            hash.update(&buffer[..count]);
-            bytes += count as u64;
+        if file.metadata().map_err(named)?.len() != self.bytes {
+            return Ok(FileState::Changed);
+        }
+        let is_intact = hash_of(&mut file).map_err(named)? == self.sha256;
+        Ok(if is_intact { FileState::Intact } else { FileState::Changed })
+    }
+
+    /// The content of the file, if it is what was written.
+    ///
+    /// # Errors
+    /// [`StoreError::Changed`] if it is not; when it cannot be read.
+    pub fn read(&self, root: &Path) -> Result<Vec<u8>, StoreError> {
+        let path = root.join(&self.path);
+        refuse_link_above(root, &path)?;
+        let file = regular::open_no_follow(&path).map_err(|error| StoreError::io(&path, error))?;
+        let content = regular::read_at_most(file, self.bytes);
+        match content {
+            Ok(content) if content.len() as u64 == self.bytes && sha256(&content) == self.sha256 => Ok(content),
+            Err(error) if error.kind() != ErrorKind::FileTooLarge => Err(StoreError::io(&path, error)),
+            _ => Err(StoreError::Changed { path }),
         }
     }
 }
 
 /// SHA-256 of `bytes`, hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    hex(&Sha256::digest(bytes))
+    sealed::sha256(bytes)
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+fn hash_of(file: &mut File) -> io::Result<String> {
+    let (mut hash, mut buffer) = (Sha256::new(), vec![0; 1 << 16]);
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(sealed::hex(&hash.finalize())),
+            count => hash.update(&buffer[..count]),
+        }
+    }
 }
 
-/// A file being written under a temporary name. It appears when finished and vanishes when dropped before.
+/// A file being written in a staging folder. It appears when finished, and goes when dropped before.
 pub struct Sink {
     path: String,
     target: PathBuf,
     partial: PathBuf,
-    inner: Option<BufWriter<File>>,
+    inner: BufWriter<File>,
     hash: Sha256,
     bytes: u64,
 }
 
 impl Sink {
-    /// Starts `root/path`.
-    pub fn create(root: &Path, path: &str) -> Result<Self, StoreError> {
+    /// Starts `root/path` as `partial`, which is a name that nobody else has.
+    pub fn create(root: &Path, path: &str, partial: PathBuf) -> Result<Self, StoreError> {
         let target = root.join(path);
-        let partial = root.join(format!("{path}.partial"));
         let folder = target.parent().unwrap_or(root);
+        refuse_link_above(root, &target)?;
         fs::create_dir_all(folder).map_err(|e| StoreError::io(folder, e))?;
-        let file = File::create(&partial).map_err(|e| StoreError::io(&partial, e))?;
-        let inner = Some(BufWriter::new(file));
-        Ok(Self { path: path.to_owned(), target, partial, inner, hash: Sha256::new(), bytes: 0 })
+        let file = File::create_new(&partial).map_err(|e| StoreError::io(&target, e))?;
+        let path = path.to_owned();
+        Ok(Self { path, target, partial, inner: BufWriter::new(file), hash: Sha256::new(), bytes: 0 })
     }
 
-    /// Gives the file its name.
+    /// Gives the file its name, once its content is on the disk.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn finish(mut self) -> Result<FileRecord, StoreError> {
-        self.flush().map_err(|e| StoreError::io(&self.target, e))?;
-        self.inner = None;
-        fs::rename(&self.partial, &self.target).map_err(|e| StoreError::io(&self.target, e))?;
-        let sha256 = hex(&std::mem::take(&mut self.hash).finalize());
-        Ok(FileRecord { path: self.path.clone(), bytes: self.bytes, sha256 })
+        let named = |error| StoreError::io(&self.target, error);
+        self.inner.flush().map_err(named)?;
+        self.inner.get_ref().sync_all().map_err(named)?;
+        fs::rename(&self.partial, &self.target).map_err(named)?;
+        let sha256 = sealed::hex(&std::mem::take(&mut self.hash).finalize());
+        Ok(FileRecord { path: std::mem::take(&mut self.path), bytes: self.bytes, sha256 })
     }
 }
 
 impl Write for Sink {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        let written = self.inner.as_mut().map_or(Ok(0), |inner| inner.write(buffer))?;
+        let written = self.inner.write(buffer)?;
         self.hash.update(&buffer[..written]);
         self.bytes += written as u64;
         Ok(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.inner.as_mut().map_or(Ok(()), Write::flush)
+        self.inner.flush()
     }
 }
 
@@ -108,22 +145,10 @@ impl Drop for Sink {
     }
 }
 
-/// Writes `root/path` in one go.
-pub fn write(
-    root: &Path,
-    path: &str,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<FileRecord, StoreError> {
-    let mut sink = Sink::create(root, path)?;
-    content(&mut sink).map_err(|e| StoreError::io(&root.join(path), e))?;
-    sink.finish()
-}
-
 /// The content of a file that may be absent.
-pub fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-    let mut content = Vec::new();
-    match File::open(path).and_then(|mut file| file.read_to_end(&mut content)) {
-        Ok(_) => Ok(Some(content)),
+pub fn read_if_there(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    match regular::open_no_follow(path).and_then(|file| regular::read_at_most(file, most_bytes)) {
+        Ok(content) => Ok(Some(content)),
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(None),
         Err(e) => Err(StoreError::io(path, e)),
     }
@@ -135,5 +160,15 @@ pub fn is_vacant(path: &Path) -> Result<bool, StoreError> {
         Ok(mut entries) => Ok(entries.next().is_none()),
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(true),
         Err(e) => Err(StoreError::io(path, e)),
+    }
+}
+
+/// Refuses a file that lies in a linked folder: it may be anywhere.
+pub fn refuse_link_above(root: &Path, path: &Path) -> Result<(), StoreError> {
+    let folder = path.parent().unwrap_or(root);
+    let is_link = folder != root && folder.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink());
+    match is_link {
+        true => Err(StoreError::damaged(folder, "is a symbolic link, of which a cave folder has none")),
+        false => Ok(()),
     }
 }

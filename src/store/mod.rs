@@ -13,31 +13,43 @@
 //! └─ manifest.json    what is finished: SHA-256 of every file
 //! ```
 //!
-//! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written under temporary names and renamed;
-//! then one line in a journal says that the unit is done. A process killed at any moment leaves whole units and at most
-//! some `*.partial` files, and the next run goes on from there to the same bytes. Power loss is not covered: nothing
-//! waits for the disk. The journal is the first file there, and locked, where the file system can: one run at a time.
+//! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written in a staging folder, put on the disk and
+//! renamed; then one line in a journal says that the unit is done. A process killed at any moment leaves whole units and at
+//! most a staging folder, and the next run goes on from there to the same bytes. After power loss a file is there as
+//! it was written, or its unit is made again. The journal is the first file there, and locked, where the file system can: one
+//! run at a time.
+//!
+//! A folder may come from a stranger. Manifest and journal are read as what they must be ([`Unit`]), symbolic links are
+//! refused, and a file is taken for what its record says only when its hash fits. What a user has changed is not written
+//! over: see [`CaveFolder::changes`].
 
 mod chunk;
 mod file;
 mod piece;
 pub mod ply;
+mod records;
+mod temporary;
+mod unit;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::Write;
+use std::fs::{self, File, TryLockError};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use plume_disk::{Staging, regular};
+use rayon::prelude::*;
 
-pub use self::chunk::{
-    ChunkError, IMAGES, LodFacts, Written, adjacent, image_path, lod_path, read_mesh, read_ply, textured_path,
-    write_mesh, write_textured,
-};
-pub use self::file::{FileRecord, Sink, sha256, write as write_file};
+pub use self::chunk::{ChunkError, IMAGES, LodFacts, Written, read_mesh, read_ply, write_mesh, write_textured};
+use self::file::FileState;
+pub use self::file::{FileRecord, Sink, sha256};
 pub use self::piece::{read_pieces, write_pieces};
+use self::records::Event;
+pub use self::temporary::TemporaryFolder;
+pub use self::unit::{
+    Stage, Unit, WHOLE_CAVE, adjacent, chunk_name, collision_path, image_path, lod_path, pieces_path, textured_path,
+    wall_path,
+};
 
 const MANIFEST: &str = "manifest.json";
 const JOURNAL: &str = "journal.jsonl";
@@ -45,56 +57,10 @@ const JOURNAL: &str = "journal.jsonl";
 pub const RECIPE: &str = "cave.toml";
 /// The graph inside a cave folder.
 pub const GRAPH: &str = "graph.json";
-
-/// A stage of the work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Stage {
-    /// Stations and passages.
-    Graph,
-    /// Plan and profile.
-    Preview,
-    /// Triangles.
-    Mesh,
-    /// Images.
-    Texture,
-    /// Convex pieces, made when a target asks for them.
-    Pieces,
-}
-
-impl Stage {
-    /// Its name; but for `preview`, as in the command that makes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Graph => "graph",
-            Self::Preview => "preview",
-            Self::Mesh => "mesh",
-            Self::Texture => "texture",
-            Self::Pieces => "pieces",
-        }
-    }
-}
-
-/// A finished piece of work: one stage of one chunk (or of the whole cave).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Unit {
-    /// Which stage.
-    pub stage: Stage,
-    /// Chunk name, or `cave`.
-    pub name: String,
-    /// Hash of everything the unit follows from.
-    pub fingerprint: String,
-    /// What was written.
-    pub files: Vec<FileRecord>,
-    /// Numbers worth keeping: triangles, areas, texels.
-    pub facts: Value,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Manifest {
-    plume: String,
-    units: Vec<Unit>,
-}
+/// The map seen from above.
+pub const PLAN: &str = "plan.png";
+/// The map seen from the side.
+pub const PROFILE: &str = "profile.png";
 
 /// Something went wrong between us and the disk.
 #[derive(Debug, thiserror::Error)]
@@ -108,7 +74,13 @@ pub enum StoreError {
         /// What it said.
         source: std::io::Error,
     },
-    /// A file of the folder is not what we wrote.
+    /// A file of the folder is not what a stage has written: it was edited, or the disk has lost it.
+    #[error("{}: is not the file that was written: its SHA-256 is another", path.display())]
+    Changed {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// Something in the folder cannot be what we wrote.
     #[error("{}: {message}", path.display())]
     Damaged {
         /// Which file.
@@ -135,25 +107,76 @@ impl StoreError {
     pub fn io(path: &Path, source: std::io::Error) -> Self {
         Self::Io { path: path.to_path_buf(), source }
     }
+
+    /// Something is wrong with what is at `path`.
+    pub fn damaged(path: &Path, message: impl ToString) -> Self {
+        Self::Damaged { path: path.to_path_buf(), message: message.to_string() }
+    }
 }
 
 /// An open cave folder.
 pub struct CaveFolder {
     root: PathBuf,
+    /// A folder whose finished units are taken over where they fit.
+    base: Option<Box<CaveFolder>>,
     work: Mutex<Work>,
 }
 
+#[derive(Default)]
 struct Work {
     units: BTreeMap<(Stage, String), Unit>,
+    /// The files of all units by path; no two have one of the same.
+    files: BTreeMap<String, FileRecord>,
     /// Files of units that another has taken the place of; it may have the same.
     replaced: Vec<FileRecord>,
-    journal: Option<File>,
+    /// What was found of files that have been looked at, by path.
+    states: BTreeMap<String, FileState>,
+    run: Option<Run>,
+}
+
+/// What a run holds that works in the folder.
+struct Run {
+    journal: File,
+    staging: Staging,
+    /// Number of temporary files so far.
+    temporary: usize,
 }
 
 impl Work {
+    /// What manifest and journal say.
+    fn read(root: &Path) -> Result<Self, StoreError> {
+        let mut work = Self::default();
+        for unit in records::read_manifest(&root.join(MANIFEST))? {
+            work.insert(unit);
+        }
+        for event in records::read_journal(&root.join(JOURNAL))? {
+            match event {
+                Event::Begun { stage, name } => work.remove(stage, &name),
+                Event::Done(unit) => work.insert(unit),
+            }
+        }
+        Ok(work)
+    }
+
     fn insert(&mut self, unit: Unit) {
-        let before = self.units.insert((unit.stage, unit.name.clone()), unit);
-        self.replaced.extend(before.into_iter().flat_map(|unit| unit.files));
+        self.remove(unit.stage, &unit.name);
+        for file in &unit.files {
+            self.files.insert(file.path.clone(), file.clone());
+        }
+        self.units.insert((unit.stage, unit.name.clone()), unit);
+    }
+
+    fn remove(&mut self, stage: Stage, name: &str) {
+        let Some(before) = self.units.remove(&(stage, name.to_owned())) else { return };
+        for file in &before.files {
+            self.files.remove(&file.path);
+            self.states.remove(&file.path);
+        }
+        self.replaced.extend(before.files);
+    }
+
+    fn run(&mut self) -> &mut Run {
+        self.run.as_mut().expect("a folder begins before it is written to")
     }
 }
 
@@ -174,39 +197,56 @@ impl CaveFolder {
         Self::open(root)
     }
 
-    /// Makes the folder if need be and keeps other runs out of it, until it is settled.
-    ///
-    /// # Errors
-    /// When the disk refuses, or another run is at work there.
-    pub fn begin(&self) -> Result<(), StoreError> {
-        fs::create_dir_all(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
-        let path = self.root.join(JOURNAL);
-        let opened = OpenOptions::new().create(true).append(true).open(&path);
-        let mut journal = opened.map_err(|e| StoreError::io(&path, e))?;
-        // File systems without locks are served all the same.
-        if let Err(TryLockError::WouldBlock) = journal.try_lock() {
-            return Err(StoreError::InUse { path: self.root.clone() });
-        }
-        // A kill may have torn the last line: what follows starts on a line of its own.
-        journal.write_all(b"\n").map_err(|e| StoreError::io(&path, e))?;
-        self.work().journal = Some(journal);
-        Ok(())
-    }
-
-    /// Whether another run is at work in the folder, as far as the file system can tell.
-    pub fn is_in_use(&self) -> bool {
-        let journal = OpenOptions::new().append(true).open(self.root.join(JOURNAL));
-        journal.is_ok_and(|journal| matches!(journal.try_lock(), Err(TryLockError::WouldBlock)))
-    }
-
     /// Opens the cave folder at `root`.
     ///
     /// # Errors
     /// When it cannot be read or its manifest is damaged.
     pub fn open(root: &Path) -> Result<Self, StoreError> {
-        let mut work = Work { units: read_manifest(&root.join(MANIFEST))?, replaced: Vec::new(), journal: None };
-        read_journal(&root.join(JOURNAL))?.into_iter().for_each(|unit| work.insert(unit));
-        Ok(Self { root: root.to_path_buf(), work: Mutex::new(work) })
+        Ok(Self { root: root.to_path_buf(), base: None, work: Mutex::new(Work::read(root)?) })
+    }
+
+    /// The same folder, which takes finished units from `base` where they fit, instead of making them again.
+    #[must_use]
+    pub fn based_on(self, base: Self) -> Self {
+        Self { base: Some(Box::new(base)), ..self }
+    }
+
+    /// Makes the folder if need be and keeps other runs out of it, until it is settled. Before a folder is written to.
+    ///
+    /// # Errors
+    /// When the disk refuses, or another run is at work there.
+    pub fn begin(&self) -> Result<(), StoreError> {
+        let mut work = self.work();
+        if work.run.is_some() {
+            return Ok(());
+        }
+        fs::create_dir_all(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
+        let journal = self.locked_journal()?;
+        // Another run may have been at work since the folder was opened.
+        *work = Work::read(&self.root)?;
+        let staging = Staging::new(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
+        work.run = Some(Run { journal, staging, temporary: 0 });
+        Ok(())
+    }
+
+    /// The journal, with the last line whole, and nobody else's.
+    fn locked_journal(&self) -> Result<File, StoreError> {
+        let path = self.root.join(JOURNAL);
+        let named = |error| StoreError::io(&path, error);
+        let mut journal = regular::append_no_follow(&path).map_err(named)?;
+        // File systems without locks are served all the same.
+        if let Err(TryLockError::WouldBlock) = journal.try_lock() {
+            return Err(StoreError::InUse { path: self.root.clone() });
+        }
+        // A kill may have torn the last line: what follows starts on a line of its own.
+        journal.write_all(b"\n").map_err(named)?;
+        Ok(journal)
+    }
+
+    /// Whether another run is at work in the folder, as far as the file system can tell.
+    pub fn is_in_use(&self) -> bool {
+        let journal = regular::open_no_follow(&self.root.join(JOURNAL));
+        journal.is_ok_and(|journal| matches!(journal.try_lock(), Err(TryLockError::WouldBlock)))
     }
 
     /// The folder itself.
@@ -224,11 +264,43 @@ impl CaveFolder {
             return Ok(None);
         };
         for record in &unit.files {
-            if !record.is_intact(&self.root)? {
+            if self.state(record)? != FileState::Intact {
                 return Ok(None);
             }
         }
         Ok(Some(unit))
+    }
+
+    /// What has become of a file; it is looked at once.
+    fn state(&self, record: &FileRecord) -> Result<FileState, StoreError> {
+        if let Some(&state) = self.work().states.get(&record.path) {
+            return Ok(state);
+        }
+        let state = record.state(&self.root)?;
+        self.work().states.insert(record.path.clone(), state);
+        Ok(state)
+    }
+
+    /// Whether something else is in the place of a file.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn is_changed(&self, record: &FileRecord) -> Result<bool, StoreError> {
+        Ok(self.state(record)? == FileState::Changed)
+    }
+
+    /// The files of finished units, but for recipe and graph, that are there and are not what was written: somebody has
+    /// edited them, or the disk has lost them.
+    ///
+    /// # Errors
+    /// When a file cannot be read.
+    pub fn changes(&self) -> Result<Vec<String>, StoreError> {
+        let files: Vec<FileRecord> = self.work().files.values().cloned().collect();
+        let files: Vec<&FileRecord> =
+            files.iter().filter(|file| ![RECIPE, GRAPH].contains(&file.path.as_str())).collect();
+        let states: Result<Vec<FileState>, StoreError> = files.par_iter().map(|record| self.state(record)).collect();
+        let changed = files.iter().zip(states?).filter(|(_, state)| *state == FileState::Changed);
+        Ok(changed.map(|(record, _)| record.path.clone()).collect())
     }
 
     /// The units of a stage, in order of their names.
@@ -236,7 +308,32 @@ impl CaveFolder {
         self.work().units.values().filter(|unit| unit.stage == stage).cloned().collect()
     }
 
-    /// Writes a file of the folder; it appears whole or not at all.
+    /// The content of a file of a finished unit, if it is what was written.
+    ///
+    /// # Errors
+    /// [`StoreError::Changed`] if it is not; when it cannot be read.
+    pub fn read(&self, path: &str) -> Result<Vec<u8>, StoreError> {
+        self.record(path)?.read(&self.root)
+    }
+
+    /// Makes sure that a file of a finished unit is what was written, for those who read it themselves.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn verify(&self, path: &str) -> Result<(), StoreError> {
+        match self.state(&self.record(path)?)? {
+            FileState::Intact => Ok(()),
+            FileState::Missing => Err(StoreError::io(&self.root.join(path), ErrorKind::NotFound.into())),
+            FileState::Changed => Err(StoreError::Changed { path: self.root.join(path) }),
+        }
+    }
+
+    fn record(&self, path: &str) -> Result<FileRecord, StoreError> {
+        let record = self.work().files.get(path).cloned();
+        record.ok_or_else(|| StoreError::damaged(&self.root.join(path), "belongs to no finished unit"))
+    }
+
+    /// Writes a file of the folder; it appears whole or not at all. For folders that have [begun](Self::begin).
     ///
     /// # Errors
     /// When the disk refuses.
@@ -245,15 +342,41 @@ impl CaveFolder {
         path: &str,
         content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<FileRecord, StoreError> {
-        file::write(&self.root, path, content)
+        let mut sink = self.create(path)?;
+        content(&mut sink).map_err(|e| StoreError::io(&self.root.join(path), e))?;
+        sink.finish()
     }
 
-    /// Starts a file of the folder; it appears when finished.
+    /// Starts a file of the folder; it appears when finished. For folders that have [begun](Self::begin).
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn create(&self, path: &str) -> Result<Sink, StoreError> {
-        Sink::create(&self.root, path)
+        let partial = self.temporary_path();
+        Sink::create(&self.root, path, partial)
+    }
+
+    fn temporary_path(&self) -> PathBuf {
+        let mut work = self.work();
+        let run = work.run();
+        run.temporary += 1;
+        run.staging.path().join(run.temporary.to_string())
+    }
+
+    /// Notes that the files of a unit are about to be written, and so are no longer what an earlier record says.
+    ///
+    /// # Errors
+    /// When the disk refuses, or another run is at work in the folder.
+    pub fn begin_unit(&self, stage: Stage, name: &str) -> Result<(), StoreError> {
+        self.begin()?;
+        let mut work = self.work();
+        if work.units.contains_key(&(stage, name.to_owned())) {
+            self.note(&mut work, &Event::Begun { stage, name: name.to_owned() })?;
+            let journal = &work.run().journal;
+            journal.sync_data().map_err(|e| StoreError::io(&self.root.join(JOURNAL), e))?;
+            work.remove(stage, name);
+        }
+        Ok(())
     }
 
     /// Notes that a unit is done; its files have been written. For folders that have [begun](Self::begin).
@@ -261,61 +384,91 @@ impl CaveFolder {
     /// # Errors
     /// When the journal cannot be written.
     pub fn commit(&self, unit: Unit) -> Result<(), StoreError> {
-        let path = self.root.join(JOURNAL);
-        let mut line = serde_json::to_vec(&unit).expect("a unit is plain data");
-        line.push(b'\n');
         let mut work = self.work();
-        let journal = work.journal.as_mut().expect("a folder begins before its units");
-        journal.write_all(&line).map_err(|e| StoreError::io(&path, e))?;
-        work.insert(unit);
+        let event = Event::Done(unit);
+        self.note(&mut work, &event)?;
+        if let Event::Done(unit) = event {
+            work.insert(unit);
+        }
         Ok(())
     }
 
-    /// Folds the journal into the manifest, keeping the units that `keep` approves and deleting the files of the others and
-    /// of those that were replaced.
+    fn note(&self, work: &mut Work, event: &Event) -> Result<(), StoreError> {
+        records::append(&mut work.run().journal, event).map_err(|e| StoreError::io(&self.root.join(JOURNAL), e))
+    }
+
+    /// Takes a finished unit over from the folder that this one is [based on](Self::based_on), if it has an intact one that
+    /// follows from `fingerprint`.
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// When a file cannot be read or written.
+    pub fn take_over(&self, stage: Stage, name: &str, fingerprint: &str) -> Result<bool, StoreError> {
+        let Some(base) = &self.base else { return Ok(false) };
+        let Some(unit) = base.finished(stage, name, fingerprint)? else { return Ok(false) };
+        for record in &unit.files {
+            self.copy_from(base, record)?;
+        }
+        self.commit(unit)?;
+        Ok(true)
+    }
+
+    /// A second name where the file system has such names, for no file of a cave folder is ever written in place.
+    fn copy_from(&self, base: &Self, record: &FileRecord) -> Result<(), StoreError> {
+        let (from, partial) = (base.root.join(&record.path), self.temporary_path());
+        if fs::hard_link(&from, &partial).is_err() {
+            fs::copy(&from, &partial).map_err(|e| StoreError::io(&from, e))?;
+        }
+        let to = self.root.join(&record.path);
+        file::refuse_link_above(&self.root, &to)?;
+        fs::create_dir_all(to.parent().unwrap_or(&self.root)).map_err(|e| StoreError::io(&to, e))?;
+        fs::rename(&partial, &to).map_err(|e| StoreError::io(&to, e))
+    }
+
+    /// Folds the journal into the manifest, keeping the units that `keep` approves and deleting the files of the others and
+    /// of those that were replaced. A folder in which there is nothing to fold and nothing to delete is not touched.
+    ///
+    /// # Errors
+    /// When the disk refuses, or another run is at work in the folder.
     pub fn settle(&self, keep: impl Fn(&Unit) -> bool) -> Result<(), StoreError> {
-        let mut work = self.work();
+        let is_settled =
+            self.work().run.is_none() && !self.root.join(JOURNAL).exists() && self.work().units.values().all(&keep);
+        if is_settled {
+            return Ok(());
+        }
+        self.begin()?;
         let (kept, stale): (BTreeMap<_, _>, BTreeMap<_, _>) =
-            std::mem::take(&mut work.units).into_iter().partition(|(_, unit)| keep(unit));
+            std::mem::take(&mut self.work().units).into_iter().partition(|(_, unit)| keep(unit));
+        let replaced = std::mem::take(&mut self.work().replaced);
+        self.remove_all(stale.values().flat_map(|unit| &unit.files).chain(&replaced), &kept)?;
+        let manifest = records::manifest(kept.values().cloned().collect());
+        self.write(MANIFEST, |out| out.write_all(manifest.as_bytes()))?;
+        plume_disk::sync_folder(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
+        // The lock ends with the file, so it goes first.
+        let _ = fs::remove_file(self.root.join(JOURNAL));
+        let mut work = self.work();
+        work.units = kept;
+        work.run = None;
+        Ok(())
+    }
+
+    /// Removes files that no unit of `kept` has.
+    fn remove_all<'a>(
+        &self,
+        files: impl Iterator<Item = &'a FileRecord>,
+        kept: &BTreeMap<(Stage, String), Unit>,
+    ) -> Result<(), StoreError> {
         let wanted: BTreeSet<&str> =
             kept.values().flat_map(|unit| unit.files.iter().map(|f| f.path.as_str())).collect();
-        for record in stale.values().flat_map(|unit| &unit.files).chain(&work.replaced) {
-            if !wanted.contains(record.path.as_str()) {
-                let _ = fs::remove_file(self.root.join(&record.path));
-            }
+        for record in files.filter(|record| !wanted.contains(record.path.as_str())) {
+            let path = self.root.join(&record.path);
+            file::refuse_link_above(&self.root, &path)?;
+            // What is gone already need not go.
+            let _ = fs::remove_file(path);
         }
-        let manifest = Manifest { plume: crate::VERSION.into(), units: kept.values().cloned().collect() };
-        self.write(MANIFEST, |out| {
-            serde_json::to_writer_pretty(&mut *out, &manifest)?;
-            out.write_all(b"\n")
-        })?;
-        work.units = kept;
-        work.replaced.clear();
-        work.journal = None;
-        let _ = fs::remove_file(self.root.join(JOURNAL));
         Ok(())
     }
 
     fn work(&self) -> MutexGuard<'_, Work> {
         self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn read_manifest(path: &Path) -> Result<BTreeMap<(Stage, String), Unit>, StoreError> {
-    let Some(text) = file::read_if_there(path)? else {
-        return Ok(BTreeMap::new());
-    };
-    let manifest: Manifest = serde_json::from_slice(&text)
-        .map_err(|e| StoreError::Damaged { path: path.to_path_buf(), message: e.to_string() })?;
-    Ok(manifest.units.into_iter().map(|unit| ((unit.stage, unit.name.clone()), unit)).collect())
-}
-
-/// The journal's units, without lines that a kill tore.
-fn read_journal(path: &Path) -> Result<Vec<Unit>, StoreError> {
-    let text = file::read_if_there(path)?.unwrap_or_default();
-    let lines = text.split(|byte| *byte == b'\n');
-    Ok(lines.filter_map(|line| serde_json::from_slice(line).ok()).collect())
 }

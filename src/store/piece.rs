@@ -1,8 +1,7 @@
 //! Convex pieces as binary PLY: faces carry the number of their piece (`piece`) and its part of the wall (`zone`: 0
 //! floor, 1 wall, 2 ceiling). The vertices of a piece are its own.
 
-use std::fs::File;
-use std::io::{self, BufReader, Write};
+use std::io::{self, Write};
 
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{
@@ -11,13 +10,8 @@ use ply_rs_bw::ply::{
 };
 use ply_rs_bw::writer::Writer;
 
-use super::{CaveFolder, FileRecord, StoreError};
+use super::{CaveFolder, FileRecord, StoreError, pieces_path};
 use crate::mesh::{Piece, QUANTA_PER_M, Zone};
-
-/// Path of the convex pieces of a chunk.
-pub fn pieces_path(name: &str) -> String {
-    format!("pieces/{name}.ply")
-}
 
 /// Writes the convex pieces of a chunk.
 ///
@@ -32,10 +26,9 @@ pub fn write_pieces(folder: &CaveFolder, name: &str, pieces: &[Piece]) -> Result
 /// # Errors
 /// When they are missing or damaged.
 pub fn read_pieces(folder: &CaveFolder, name: &str) -> Result<Vec<Piece>, StoreError> {
-    let path = folder.root().join(pieces_path(name));
-    let file = File::open(&path).map_err(|e| StoreError::io(&path, e))?;
-    let mut source = BufReader::new(file);
-    read(&mut source).map_err(|e| StoreError::Damaged { path, message: e.to_string() })
+    let path = pieces_path(name);
+    let content = folder.read(&path)?;
+    read(&mut content.as_slice()).map_err(|error| StoreError::damaged(&folder.root().join(path), error))
 }
 
 /// One row of either element: a vertex uses `at`, a face the others.

@@ -45,6 +45,9 @@ pub enum ImageFormat {
 }
 
 impl ImageFormat {
+    /// Every format.
+    pub const ALL: [Self; 3] = [Self::Png, Self::Jpg, Self::Webp];
+
     /// File name extension.
     pub fn extension(self) -> &'static str {
         match self {

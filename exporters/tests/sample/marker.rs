@@ -87,6 +87,7 @@ impl Marker {
             description: "Arms that tell where x, y and z are".to_owned(),
             generator: "plume test".to_owned(),
             recipe: String::new(),
+            fingerprint: String::new(),
             seed: 0,
             chunks: self,
             spawns: vec![Isometry3::translation(-1.0, 1.0, 0.0)],

@@ -64,6 +64,7 @@ impl Chamber {
             description: "A bumpy chamber for tests & <examples>".to_owned(),
             generator: "plume test".to_owned(),
             recipe: "name = \"chamber\"\nseed = 7\n".to_owned(),
+            fingerprint: String::new(),
             seed: 7,
             chunks: self,
             spawns: vec![Isometry3::from_parts(

@@ -29,6 +29,9 @@ pub struct External {
     /// The folder in which it runs, relative to the recipe.
     #[schemars(extend("format" = "path", "minLength" = 1))]
     pub folder: PathBuf,
+    /// Names of the environment variables that it sees beside `PATH`, `HOME`, `USER`, `LANG`, `LC_*`, `TZ` and `TMPDIR`:
+    /// `environment = ["LICENSE_SERVER"]`.
+    pub environment: Vec<String>,
     /// What it is told beside the seed, as it likes it: `settings = { branches = 4, style = "maze" }`.
     pub settings: Map<String, Value>,
     /// How long it may take, in seconds.
@@ -47,6 +50,7 @@ impl Default for External {
         Self {
             command: vec!["./generator".to_owned()],
             folder: ".".into(),
+            environment: Vec::new(),
             settings: Map::new(),
             time_limit_s: 60.0,
             size_limit_mb: 100.0,
@@ -80,6 +84,7 @@ impl External {
             program: program.into(),
             arguments: arguments.to_vec(),
             folder: self.folder.clone(),
+            environment: self.environment.clone(),
             input: format!("{told}\n").into_bytes(),
             limit: Duration::from_secs_f64(self.time_limit_s),
             most_bytes: (self.size_limit_mb * 1e6) as usize,

@@ -1,0 +1,230 @@
+//! Units of work, the files that each may write, and their names.
+//!
+//! Manifest and journal of a folder that came from somewhere else may say anything. A unit is read only if it could have
+//! been written by its stage, so that no path in it leads anywhere but to that stage's own files.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::file::FileRecord;
+use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
+use crate::mesh::ChunkIndex;
+use crate::texture::ImageFormat;
+
+/// The name of units that are made once for the whole cave.
+pub const WHOLE_CAVE: &str = "cave";
+/// No row of levels is longer.
+const MOST_LODS: usize = 99;
+
+/// A stage of the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
+    /// Stations and passages.
+    Graph,
+    /// Plan and profile.
+    Preview,
+    /// Triangles.
+    Mesh,
+    /// Images.
+    Texture,
+    /// Convex pieces, made when a target asks for them.
+    Pieces,
+}
+
+impl Stage {
+    /// Its name; but for `preview`, as in the command that makes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Graph => "graph",
+            Self::Preview => "preview",
+            Self::Mesh => "mesh",
+            Self::Texture => "texture",
+            Self::Pieces => "pieces",
+        }
+    }
+
+    /// Whether a unit of this stage may have this name.
+    fn has_unit(self, name: &str) -> bool {
+        match self {
+            Self::Graph | Self::Preview => name == WHOLE_CAVE,
+            Self::Mesh | Self::Texture | Self::Pieces => is_chunk_name(name),
+        }
+    }
+
+    /// Whether a unit of this stage with this name may write the file at `path`.
+    fn writes(self, name: &str, path: &str) -> bool {
+        match self {
+            Self::Graph => [RECIPE, GRAPH].contains(&path),
+            Self::Preview => [PLAN, PROFILE].contains(&path),
+            Self::Mesh => [wall_path(name), collision_path(name)].iter().any(|own| own == path),
+            Self::Texture => is_texture_path(name, path),
+            Self::Pieces => path == pieces_path(name),
+        }
+    }
+}
+
+/// A finished piece of work: one stage of one chunk (or of the whole cave).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
+pub struct Unit {
+    /// Which stage.
+    pub stage: Stage,
+    /// Chunk name, or `cave`.
+    pub name: String,
+    /// Hash of everything the unit follows from.
+    pub fingerprint: String,
+    /// What was written.
+    pub files: Vec<FileRecord>,
+    /// Numbers worth keeping: triangles, areas, texels.
+    pub facts: Value,
+}
+
+/// A unit as it stands in a file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Unchecked {
+    stage: Stage,
+    name: String,
+    fingerprint: String,
+    files: Vec<FileRecord>,
+    facts: Value,
+}
+
+impl TryFrom<Unchecked> for Unit {
+    type Error = String;
+
+    fn try_from(unit: Unchecked) -> Result<Self, String> {
+        let Unchecked { stage, name, fingerprint, files, facts } = unit;
+        if !stage.has_unit(&name) {
+            return Err(format!("the stage {} has no unit of the name {}", stage.name(), clipped(&name)));
+        }
+        match files.iter().find(|file| !stage.writes(&name, &file.path)) {
+            Some(file) => Err(format!("{} of {name} does not write {}", stage.name(), clipped(&file.path))),
+            None => Ok(Self { stage, name, fingerprint, files, facts }),
+        }
+    }
+}
+
+/// A word of a file that may be hostile, short and without what would steer a terminal.
+fn clipped(word: &str) -> String {
+    const MOST_CHARS: usize = 60;
+    let end = if word.chars().nth(MOST_CHARS).is_some() { "…" } else { "" };
+    format!("{:?}{end}", word.chars().take(MOST_CHARS).collect::<String>())
+}
+
+/// Name of a chunk: its index in the grid.
+pub fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
+    format!("chunk_{x}_{y}_{z}")
+}
+
+/// The chunk of this name, written as [`chunk_name`] writes it.
+fn chunk_index(name: &str) -> Option<ChunkIndex> {
+    let numbers: Vec<i32> = name.strip_prefix("chunk_")?.split('_').map(str::parse).collect::<Result<_, _>>().ok()?;
+    let index = ChunkIndex(numbers.try_into().ok()?);
+    (chunk_name(index) == name).then_some(index)
+}
+
+fn is_chunk_name(name: &str) -> bool {
+    chunk_index(name).is_some()
+}
+
+/// Whether two chunks lie side by side, or corner to corner, by their names.
+pub fn adjacent(one: &str, other: &str) -> bool {
+    let (Some(ChunkIndex(a)), Some(ChunkIndex(b))) = (chunk_index(one), chunk_index(other)) else { return false };
+    a != b && a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1)
+}
+
+/// Path of the wall of a chunk.
+pub fn wall_path(name: &str) -> String {
+    format!("chunks/{name}.ply")
+}
+
+/// Path of the collision mesh of a chunk.
+pub fn collision_path(name: &str) -> String {
+    format!("collision/{name}.ply")
+}
+
+/// Path of the unwrapped mesh of a chunk.
+pub fn textured_path(name: &str) -> String {
+    format!("textures/{name}.ply")
+}
+
+/// Path of a coarser level of a chunk; 1 is the finest of them.
+pub fn lod_path(name: &str, level: usize) -> String {
+    format!("textures/{name}_lod{level}.ply")
+}
+
+/// Path of an image of a chunk; heights are always PNG.
+pub fn image_path(name: &str, image: &str, format: ImageFormat) -> String {
+    let format = if Some(image) == IMAGES.height { ImageFormat::Png } else { format };
+    format!("textures/{name}_{image}.{}", format.extension())
+}
+
+/// Path of the convex pieces of a chunk.
+pub fn pieces_path(name: &str) -> String {
+    format!("pieces/{name}.ply")
+}
+
+fn is_texture_path(name: &str, path: &str) -> bool {
+    let images = [IMAGES.base_color, IMAGES.normal, IMAGES.orm, IMAGES.roughness].into_iter().chain(IMAGES.height);
+    let is_image = |image: &str| ImageFormat::ALL.into_iter().any(|format| image_path(name, image, format) == path);
+    path == textured_path(name)
+        || (1..=MOST_LODS).any(|level| lod_path(name, level) == path)
+        || images.into_iter().any(is_image)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn refusal(stage: &str, name: &str, path: &str) -> Option<String> {
+        let file = json!({"path": path, "bytes": 1, "sha256": ""});
+        let unit = json!({"stage": stage, "name": name, "fingerprint": "", "files": [file], "facts": {}});
+        serde_json::from_value::<Unit>(unit).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_stage_writes_its_own_files() {
+        for (stage, name, path) in [
+            ("graph", "cave", "cave.toml"),
+            ("preview", "cave", "profile.png"),
+            ("mesh", "chunk_0_-1_12", "collision/chunk_0_-1_12.ply"),
+            ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_lod3.ply"),
+            ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_base_color.webp"),
+            ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_height.png"),
+            ("pieces", "chunk_0_0_0", "pieces/chunk_0_0_0.ply"),
+        ] {
+            assert_eq!(refusal(stage, name, path), None);
+        }
+    }
+
+    #[test]
+    fn no_other_file_is_believed_to_be_its_own() {
+        for (stage, name, path) in [
+            ("texture", "chunk_9_9_9", "/abs/victim"),
+            ("texture", "chunk_9_9_9", "../victim"),
+            ("texture", "chunk_0_0_0", "textures/chunk_0_0_1.ply"),
+            ("texture", "chunk_0_0_0", "textures/../textures/chunk_0_0_0.ply"),
+            ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_lod01.ply"),
+            ("mesh", "../../out/x", "chunks/../../out/x.ply"),
+            ("mesh", "chunk_0_0_00", "chunks/chunk_0_0_00.ply"),
+            ("mesh", "chunk_0_0", "chunks/chunk_0_0.ply"),
+            ("mesh", "cave", "cave.toml"),
+            ("graph", "cave", "manifest.json"),
+            ("graph", "chunk_0_0_0", "cave.toml"),
+        ] {
+            assert!(refusal(stage, name, path).is_some(), "{stage} {name} {path}");
+        }
+    }
+
+    #[test]
+    fn neighbours_share_a_corner_at_least() {
+        assert!(adjacent("chunk_0_0_0", "chunk_1_-1_0"));
+        assert!(!adjacent("chunk_0_0_0", "chunk_0_0_0"));
+        assert!(!adjacent("chunk_0_0_0", "chunk_2_0_0"));
+        assert!(!adjacent("chunk_-2147483648_0_0", "chunk_2147483647_0_0"));
+    }
+}
