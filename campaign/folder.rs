@@ -52,10 +52,12 @@ pub fn put_journal(desk: &Desk, units: &[Value], seal: Seal) {
 }
 
 fn line(unit: &Value, seal: Seal) -> String {
-    let text = unit.to_string();
     match seal {
-        Seal::Open => format!("{text}\n"),
-        Seal::Sealed => format!("{{\"sha256\":\"{}\",\"unit\":{text}}}\n", sha256(text.as_bytes())),
+        Seal::Open => format!("{unit}\n"),
+        Seal::Sealed => {
+            let event = json!({"done": unit}).to_string();
+            format!("{{\"sha256\":\"{}\",\"event\":{event}}}\n", sha256(event.as_bytes()))
+        }
     }
 }
 

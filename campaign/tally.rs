@@ -29,7 +29,10 @@ impl Tally {
         let Err(reason) = held else { return };
         self.failed += 1;
         if self.failures.len() < SHOWN {
-            self.failures.push(format!("{what}: {reason}"));
+            let failure = format!("{what}: {reason}");
+            // A long campaign is watched.
+            eprintln!("FAILED {failure}");
+            self.failures.push(failure);
         }
     }
 

@@ -144,9 +144,10 @@ fn named_within(context: &Context, tally: &mut Tally) {
         ("file.toml", "[graph]\ngenerator = \"file\"\nfile = \"odd\"\n".to_owned()),
         ("heightmap.toml", "[graph]\ngenerator = \"heightmap\"\npath = \"odd\"\n".to_owned()),
     ];
-    for (name, text) in &files {
+    for (at, (name, text)) in files.iter().enumerate() {
         for input in &INPUTS {
-            for ending in ["", ".svx", ".th", ".dat", ".json", ".png"] {
+            // The ending that fits, and one that does not.
+            for ending in [FITTING[at], "", ".json"] {
                 let desk = context.desk();
                 desk.file(name, text.replace("odd", &format!("odd{ending}")));
                 (input.1)(&desk, &format!("odd{ending}"));
@@ -157,6 +158,9 @@ fn named_within(context: &Context, tally: &mut Tally) {
     }
     secrets(context, tally);
 }
+
+/// The endings of files that are named by the files of [`named_within`].
+const FITTING: [&str; 5] = [".svx", ".th", ".dat", ".csv", ".png"];
 
 /// A survey from a stranger shows nothing of files outside its folder.
 fn secrets(context: &Context, tally: &mut Tally) {

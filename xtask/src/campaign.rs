@@ -23,6 +23,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
     tell("pip-audit", Environment::apart("supply").and_then(|venv| venv.with(REQUIREMENTS)).map(drop));
     if is_long {
         tell("cargo-deny", ensure_deny());
+        tell("fuzzers", build_fuzzers());
     }
     eprintln!("building the campaign");
     let build = ["build", "--release", "--quiet", "--package", "plume-campaign"];
@@ -51,6 +52,27 @@ fn ensure_deny() -> Result<()> {
     }
     eprintln!("building cargo-deny");
     run_program(cargo().args(["install", "cargo-deny", "--locked", "--quiet", "--root"]).arg(root)).map(drop)
+}
+
+/// What `cargo fuzz` asks of the compiler, but for sanitizers of memory: `unsafe` is denied anyway, and without them a stable
+/// compiler will do.
+const COVERAGE: [&str; 6] = [
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+    "--cfg=fuzzing",
+];
+
+/// Takes some minutes, too many for every change.
+fn build_fuzzers() -> Result<()> {
+    eprintln!("building the fuzzers");
+    // With a target named, build scripts and macros are left without coverage.
+    let target = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
+    let build = ["build", "--release", "--quiet", "--workspace", "--target", &target];
+    let mut cargo = cargo();
+    run_program(cargo.args(build).current_dir(root().join("fuzz")).env("RUSTFLAGS", COVERAGE.join(" "))).map(drop)
 }
 
 fn is_program(path: &Path) -> bool {
