@@ -5,7 +5,7 @@
 //!
 //! Promised: a process that is killed at any moment, or a machine that loses power, leaves the old content, the new
 //! content or nothing at the place, and at most a marked hidden folder beside it, which the next run removes. Nothing
-//! that is not marked is removed. A link planted under the name of a temporary file is never followed, because those names
+//! that is not marked is removed, but for empty folders of just such a name. A link planted under the name of a temporary file is never followed, because those names
 //! are random and created exclusively.
 //!
 //! Not promised: anything against a program that changes the same folders at the same time and means harm.

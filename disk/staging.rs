@@ -176,3 +176,117 @@ fn folder_of(place: &Path) -> &Path {
         _ => Path::new("."),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    }
+
+    /// A staging folder whose owner was killed.
+    fn abandoned(parent: &Path) -> PathBuf {
+        let staging = Staging::new(parent).unwrap();
+        let path = parent.join(".plume-00000000");
+        fs::rename(staging.path(), &path).unwrap();
+        path
+    }
+
+    #[test]
+    fn a_staging_folder_goes_with_its_owner() {
+        let parent = tempfile::tempdir().unwrap();
+        let staging = Staging::new(parent.path()).unwrap();
+        fs::write(staging.path().join("half"), "h").unwrap();
+        assert_eq!(names(parent.path()).len(), 1);
+        drop(staging);
+        assert!(names(parent.path()).is_empty());
+    }
+
+    #[test]
+    fn only_what_is_marked_and_nobodys_is_swept() {
+        let parent = tempfile::tempdir().unwrap();
+        let staging = Staging::new(parent.path()).unwrap();
+        let own = staging.path().file_name().unwrap().to_str().unwrap().to_owned();
+        abandoned(parent.path());
+        for name in [".plume-notes", ".plume-AbCdEfGh", ".plume-AbCdEfGh2", "plume-AbCdEfGh"] {
+            fs::create_dir(parent.path().join(name)).unwrap();
+            fs::write(parent.path().join(name).join("thesis.txt"), "x").unwrap();
+        }
+        fs::create_dir(parent.path().join(".plume-unmarked")).unwrap();
+        sweep(parent.path());
+        let mut kept = [own.as_str(), ".plume-AbCdEfGh", ".plume-AbCdEfGh2", ".plume-notes", "plume-AbCdEfGh"];
+        kept.sort_unstable();
+        assert_eq!(names(parent.path()), kept);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_linked_folder_is_not_swept() {
+        let [parent, home] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        fs::write(home.path().join(MARKER), "planted").unwrap();
+        std::os::unix::fs::symlink(home.path(), parent.path().join(".plume-AbCdEfGh")).unwrap();
+        sweep(parent.path());
+        assert_eq!(names(home.path()), [MARKER]);
+    }
+
+    #[test]
+    fn folders_swap_names() {
+        let parent = tempfile::tempdir().unwrap();
+        let place = parent.path().join("cave");
+        for text in ["old", "new"] {
+            let staging = Staging::beside(&place).unwrap();
+            fs::create_dir(staging.path().join("package")).unwrap();
+            fs::write(staging.path().join("package/text"), text).unwrap();
+            let old = staging.swap("package", &place).unwrap();
+            assert_eq!(old.is_some(), text == "new");
+        }
+        assert_eq!(fs::read_to_string(place.join("text")).unwrap(), "new");
+        assert_eq!(names(parent.path()), ["cave"]);
+    }
+
+    #[test]
+    fn a_swap_in_two_steps_ends_as_one_in_one() {
+        let parent = tempfile::tempdir().unwrap();
+        let place = parent.path().join("cave");
+        fs::create_dir(&place).unwrap();
+        let staging = Staging::beside(&place).unwrap();
+        let package = staging.path().join("package");
+        assert!(staging.swap_in_two_steps(&package, &place).is_err() && place.is_dir());
+        fs::create_dir(&package).unwrap();
+        fs::write(package.join("text"), "new").unwrap();
+        let old = staging.swap_in_two_steps(&package, &place).unwrap();
+        assert!(old.is_dir() && place.join("text").is_file());
+    }
+
+    #[test]
+    fn a_kill_between_the_two_steps_is_mended_by_the_next_run() {
+        let parent = tempfile::tempdir().unwrap();
+        let staging = abandoned(parent.path());
+        fs::create_dir_all(staging.join(REPLACED).join("cave")).unwrap();
+        fs::write(staging.join(REPLACED).join("cave/text"), "old").unwrap();
+        sweep(parent.path());
+        assert_eq!(names(parent.path()), ["cave"]);
+        assert_eq!(fs::read_to_string(parent.path().join("cave/text")).unwrap(), "old");
+    }
+
+    #[test]
+    fn many_at_once_do_not_sweep_each_other() {
+        let parent = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    for _ in 0..50 {
+                        let staging = Staging::new(parent.path()).unwrap();
+                        fs::write(staging.path().join("half"), "h").unwrap();
+                        assert!(staging.path().join("half").exists());
+                    }
+                });
+            }
+        });
+        assert!(names(parent.path()).is_empty());
+    }
+}

@@ -67,16 +67,11 @@ impl FileRecord {
         let file = regular::open_no_follow(&path).map_err(|error| StoreError::io(&path, error))?;
         let content = regular::read_at_most(file, self.bytes);
         match content {
-            Ok(content) if content.len() as u64 == self.bytes && sha256(&content) == self.sha256 => Ok(content),
+            Ok(content) if content.len() as u64 == self.bytes && sealed::sha256(&content) == self.sha256 => Ok(content),
             Err(error) if error.kind() != ErrorKind::FileTooLarge => Err(StoreError::io(&path, error)),
             _ => Err(StoreError::Changed { path }),
         }
     }
-}
-
-/// SHA-256 of `bytes`, hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    sealed::sha256(bytes)
 }
 
 fn hash_of(file: &mut File) -> io::Result<String> {

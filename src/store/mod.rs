@@ -37,12 +37,13 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+pub use plume_disk::sealed::sha256;
 use plume_disk::{Staging, regular};
 use rayon::prelude::*;
 
 pub use self::chunk::{ChunkError, IMAGES, LodFacts, Written, read_mesh, read_ply, write_mesh, write_textured};
 use self::file::FileState;
-pub use self::file::{FileRecord, Sink, sha256};
+pub use self::file::{FileRecord, Sink};
 pub use self::piece::{read_pieces, write_pieces};
 use self::records::Event;
 pub use self::temporary::TemporaryFolder;
@@ -430,9 +431,7 @@ impl CaveFolder {
     /// # Errors
     /// When the disk refuses, or another run is at work in the folder.
     pub fn settle(&self, keep: impl Fn(&Unit) -> bool) -> Result<(), StoreError> {
-        let is_settled =
-            self.work().run.is_none() && !self.root.join(JOURNAL).exists() && self.work().units.values().all(&keep);
-        if is_settled {
+        if self.is_settled(&keep) {
             return Ok(());
         }
         self.begin()?;
@@ -449,6 +448,12 @@ impl CaveFolder {
         work.units = kept;
         work.run = None;
         Ok(())
+    }
+
+    /// Whether no run has worked here since the folder was settled, and all units are to be kept.
+    fn is_settled(&self, keep: impl Fn(&Unit) -> bool) -> bool {
+        let work = self.work();
+        work.run.is_none() && !self.root.join(JOURNAL).exists() && work.units.values().all(keep)
     }
 
     /// Removes files that no unit of `kept` has.

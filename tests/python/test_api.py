@@ -261,7 +261,7 @@ def test_progress_is_told_and_may_stop_the_work(tmp_path: Path) -> None:
 
     with pytest.raises(LookupError, match="enough"):
         plume.generate(SMALL | {"mesh": {"voxel_m": 0.15}}, SEED, folder=tmp_path / "cave", progress=refuse)
-    assert not list(tmp_path.rglob("*.partial"))
+    assert not list(tmp_path.rglob(".plume-*"))
 
 
 def test_a_program_lays_out_a_cave_if_it_may(tmp_path: Path) -> None:
@@ -359,9 +359,12 @@ def test_a_damaged_chunk_is_told(tmp_path: Path) -> None:
     name = cave.chunks.names[0]
     (cave.folder / "textures" / f"{name}.ply").write_bytes(b"ply\n")
     (cave.folder / "textures" / f"{name}_orm.png").write_bytes(b"no image")
-    with pytest.raises(plume.StorageError, match=name):
-        cave.chunks[0]
-    textures = plume.generate(cave.folder).chunks[0].textures
+    for damaged in [cave, plume.open(cave.folder)]:
+        with pytest.raises(plume.StorageError, match=name):
+            damaged.chunks[0]
+    with pytest.raises(plume.StorageError, match=f"{name}_orm.png"):
+        plume.generate(cave.folder)
+    textures = plume.generate(cave.folder, force=True).chunks[0].textures
     (cave.folder / "textures" / f"{name}_orm.png").write_bytes(b"no image")
     with pytest.raises(plume.StorageError, match=f"{name}_orm.png"):
         _ = textures.orm

@@ -103,9 +103,10 @@ def test_ctrl_c_stops_a_cave_that_then_goes_on(stage: str, whole: plume.Cave, tm
     wait_for_unit(folder, stage)
     said, faults = interrupt(process)
     assert said.split() == ["interrupted", "True"], faults
-    assert not list(folder.rglob("*.partial")) and not (folder / "manifest.json").exists()
+    assert not list(folder.rglob(".plume-*")) and not (folder / "manifest.json").exists()
     journal = (folder / "journal.jsonl").read_text().splitlines()
-    records = [record for line in journal if line for record in json.loads(line)["files"]]
+    units = [json.loads(line)["event"]["done"] for line in journal if line]
+    records = [record for unit in units for record in unit["files"]]
     for record in records:
         assert hashlib.sha256((folder / record["path"]).read_bytes()).hexdigest() == record["sha256"]
     unfinished = len(hashes(folder)) - 1
@@ -120,7 +121,7 @@ def test_ctrl_c_stops_a_cave_that_then_goes_on(stage: str, whole: plume.Cave, tm
 def test_ctrl_c_leaves_a_whole_package_or_none(target: str, whole: plume.Cave, tmp_path: Path) -> None:
     process = start(EXPORT, whole.folder, tmp_path / "package", target)
     assert process.stdout is not None and process.stdout.readline() == "ready\n"
-    wait_for(lambda: (tmp_path / "package.partial").exists())
+    wait_for(lambda: any(tmp_path.glob(".plume-*/package")))
     said, faults = interrupt(process)
     assert said.split() == ["interrupted", "True"], faults
     assert [path.name for path in tmp_path.iterdir() if path.name != "package"] == []
