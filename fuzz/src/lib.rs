@@ -46,6 +46,17 @@ pub fn read(name: &str, bytes: &[u8]) {
     }
 }
 
+/// Reads bytes as a picture or grid of heights, and lays a graph in it.
+pub fn read_heights(bytes: &[u8]) {
+    let row = graph::generator("heightmap").expect("there is such a row");
+    let settings = serde_json::json!({"path": "fuzz.png", "nodes": 4});
+    let heightmap = (row.read)(settings).expect("these are settings");
+    match heightmap.generate(7, &Other(bytes)) {
+        Ok(graph) => keeps_the_laws(&graph, Parts::Refuse),
+        Err(error) => assert!(!error.message.is_empty()),
+    }
+}
+
 fn keeps_the_laws(graph: &Graph, parts: Parts) {
     assert!(graph.nodes.len() >= 2);
     assert!(graph.neighbors().iter().all(|others| !others.is_empty()));

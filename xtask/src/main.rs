@@ -4,6 +4,7 @@
 use std::process::ExitCode;
 
 mod bench;
+mod campaign;
 mod demo;
 mod gallery;
 mod judge;
@@ -16,11 +17,12 @@ mod venv;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 6] = [
+const TASKS: [(&str, &str, Task); 7] = [
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("judge", "[PACKAGE_DIR...] open packages with foreign readers", judge::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
+    ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
 ];

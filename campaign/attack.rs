@@ -1,0 +1,96 @@
+//! What an attack is, and what it gets.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use crate::desk::Desk;
+use crate::dice::Dice;
+use crate::python::Python;
+use crate::tally::Tally;
+
+/// A row of the table.
+pub struct Attack {
+    /// Its name.
+    pub name: &'static str,
+    /// What it tries, in a few words.
+    pub tries: &'static str,
+    /// Its share of the time of a long campaign, in percent.
+    pub share: u32,
+    /// The attack itself.
+    pub run: fn(&mut Context) -> Tally,
+}
+
+/// What an attack has at hand.
+pub struct Context<'a> {
+    /// The program under attack.
+    pub plume: &'a Path,
+    /// The repository that it was built from.
+    pub repository: &'a Path,
+    /// The Python package, if it is installed.
+    pub python: Option<&'a Python>,
+    /// A finished small cave folder: to be copied, never changed.
+    pub cave: &'a Path,
+    /// A folder for the tries.
+    pub scratch: PathBuf,
+    /// Random numbers.
+    pub dice: Dice,
+    /// How much is to be tried.
+    pub length: Length,
+}
+
+/// How much is to be tried.
+#[derive(Clone, Copy)]
+pub enum Length {
+    /// The same few tries each time.
+    Short,
+    /// All tries, and random ones until then.
+    Long(Instant),
+}
+
+impl Length {
+    /// Whether this is a long campaign.
+    pub fn is_long(self) -> bool {
+        matches!(self, Self::Long(_))
+    }
+
+    /// Numbers of random tries: `short` in a short campaign; in a long one `least`, and then on while there is time.
+    pub fn rounds(self, short: usize, least: usize) -> impl Iterator<Item = usize> {
+        (0..).take_while(move |&round| match self {
+            Self::Short => round < short,
+            Self::Long(end) => round < least || Instant::now() < end,
+        })
+    }
+
+    /// In a short campaign `count` of several, spread evenly from the first to the last; in a long one all.
+    pub fn some_of<T: Clone>(self, several: &[T], count: usize) -> Vec<T> {
+        let last = several.len().saturating_sub(1);
+        match self {
+            Self::Short if several.len() > count => {
+                (0..count).map(|at| several[at * last / count.saturating_sub(1).max(1)].clone()).collect()
+            }
+            _ => several.to_vec(),
+        }
+    }
+
+    /// What is left of the time of a long campaign.
+    pub fn left(self) -> Duration {
+        match self {
+            Self::Short => Duration::ZERO,
+            Self::Long(end) => end.saturating_duration_since(Instant::now()),
+        }
+    }
+}
+
+impl Context<'_> {
+    /// An empty folder for a try.
+    pub fn desk(&self) -> Desk {
+        Desk::new(self.plume, &self.scratch)
+    }
+
+    /// A folder for a try, with a copy of the cave in `c`.
+    pub fn desk_with_cave(&self) -> Desk {
+        let desk = self.desk();
+        desk.copy(self.cave, "c");
+        desk
+    }
+}

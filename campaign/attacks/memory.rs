@@ -1,0 +1,58 @@
+//! Little memory.
+
+use std::time::Duration;
+
+use crate::attack::{Attack, Context};
+use crate::cave::SMALL;
+use crate::program::{End, Outcome};
+use crate::tally::Tally;
+
+pub const ATTACK: Attack = Attack {
+    name: "memory",
+    tries: "commands under falling limits of address space: they work, say what is missing, or the allocator aborts",
+    share: 2,
+    run,
+};
+
+/// Limits in MiB, from plenty to what the program alone takes.
+const LIMITS: [u64; 14] = [1024, 512, 256, 192, 128, 96, 80, 64, 56, 48, 40, 36, 32, 28];
+
+const COMMANDS: [&[&str]; 7] = [
+    &["generate", "-o", "new"],
+    &["export", "c", "-t", "gazebo,obj", "-o", "out"],
+    &["export", "c", "-t", "unity", "--bundle", "tgz", "-o", "out"],
+    &["export", "c", "-t", "obj", "--bundle", "tar.zst", "-o", "out"],
+    &["measure", "c"],
+    &["preview", "c", "--view", "inside", "--size", "160x120", "-o", "inside.png"],
+    &["check", "c"],
+];
+
+const ABORT: i32 = 6;
+
+fn run(context: &mut Context) -> Tally {
+    let mut tally = Tally::default();
+    if !context.desk().run_other("prlimit", &["--version"]).is_done() {
+        tally.skip("prlimit: there is no such program");
+        return tally;
+    }
+    for command in COMMANDS {
+        for mebibytes in context.length.some_of(&LIMITS, 7) {
+            let desk = context.desk_with_cave();
+            let words = if command[0] == "generate" { [command, &SMALL[..]].concat() } else { command.to_vec() };
+            let limit = format!("--as={}", mebibytes << 20);
+            let outcome = desk.call(&words).under(&["prlimit", &limit]).within(Duration::from_secs(60)).run();
+            if is_abort(&outcome) {
+                tally.set_apart("aborted by the allocator");
+                continue;
+            }
+            tally.enter(&format!("{mebibytes} MiB of address space"), outcome.decent());
+        }
+    }
+    tally
+}
+
+/// An allocation that cannot fail otherwise, or a program that the system cannot even load.
+fn is_abort(outcome: &Outcome) -> bool {
+    let is_allocator = outcome.end == End::Signal(ABORT) && outcome.stderr.contains("memory allocation of");
+    is_allocator || outcome.end == End::Code(127)
+}

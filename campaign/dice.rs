@@ -1,0 +1,32 @@
+//! Random numbers that come again for the same seed.
+
+use rand::Rng;
+use rand_pcg::Pcg64;
+use sha2::{Digest, Sha256};
+
+/// A stream of random numbers, one per attack, so that a change to one attack moves no other.
+pub struct Dice(Pcg64);
+
+impl Dice {
+    /// The stream of the attack `name` in the campaign with this seed.
+    pub fn new(seed: u64, name: &str) -> Self {
+        let digest = Sha256::digest(format!("{seed} {name}"));
+        let word = |at: usize| digest[at..at + 16].iter().fold(0, |word: u128, &byte| (word << 8) | u128::from(byte));
+        Self(Pcg64::new(word(0), word(16)))
+    }
+
+    /// From 0 to `end`, without `end`; 0 for an `end` of 0.
+    pub fn below(&mut self, end: usize) -> usize {
+        ((u128::from(self.0.next_u64()) * end as u128) >> 64) as usize
+    }
+
+    /// From 0 to 1, without 1.
+    pub fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// One of several.
+    pub fn pick<'a, T>(&mut self, several: &'a [T]) -> &'a T {
+        &several[self.below(several.len())]
+    }
+}

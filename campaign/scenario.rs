@@ -1,0 +1,134 @@
+//! A command that writes, and what must hold however it is stopped: outputs appear whole or not at all, and the same command
+//! again ends as if nothing had happened.
+
+use std::time::Duration;
+
+use crate::attack::Context;
+use crate::cave::SMALL;
+use crate::desk::Desk;
+use crate::packages::{BUNDLES, TARGETS};
+use crate::program::Outcome;
+use crate::tree::Tree;
+
+/// A command on a desk with the cave folder `c`.
+#[derive(Clone)]
+pub struct Scenario {
+    /// Its arguments.
+    pub words: Vec<String>,
+    /// A command that goes before it and that is left alone.
+    first: Option<Vec<String>>,
+    /// What appears whole or not at all.
+    outputs: Vec<String>,
+}
+
+/// What the command does when nothing stops it.
+pub struct Reference {
+    before: Tree,
+    after: Tree,
+    /// How long that takes.
+    pub took: Duration,
+}
+
+impl Scenario {
+    fn new(line: &str, outputs: &[&str]) -> Self {
+        let outputs = outputs.iter().map(|output| (*output).to_owned()).collect();
+        // One thread makes system calls come in the same order each time; words would be writes, too.
+        Self { words: words(&format!("{line} --quiet --threads 1")), first: None, outputs }
+    }
+
+    fn after(self, line: &str) -> Self {
+        Self { first: Some(words(line)), ..self }
+    }
+
+    /// With the settings of the small cave.
+    fn small(mut self) -> Self {
+        self.words.extend(SMALL.map(str::to_owned));
+        self
+    }
+
+    /// A desk on which the command can start.
+    pub fn desk(&self, context: &Context) -> Result<Desk, String> {
+        let desk = context.desk_with_cave();
+        if let Some(first) = &self.first {
+            desk.run(&strs(first)).done()?;
+        }
+        Ok(desk)
+    }
+
+    /// Runs it undisturbed.
+    pub fn reference(&self, context: &Context) -> Result<Reference, String> {
+        let desk = self.desk(context)?;
+        let before = desk.tree();
+        let outcome = desk.run(&strs(&self.words));
+        outcome.done()?;
+        Ok(Reference { before, after: desk.tree(), took: outcome.took })
+    }
+
+    /// Fails unless each output is as it was before or as it is in the end.
+    fn is_whole(&self, desk: &Desk, reference: &Reference) -> Result<(), String> {
+        let now = desk.tree();
+        let torn = |output: &&String| {
+            let [before, after, now] = [&reference.before, &reference.after, &now].map(|tree| tree.at(output));
+            now != before && now != after
+        };
+        match self.outputs.iter().find(torn) {
+            Some(output) if now.at(output).is_empty() => Err(format!("{output} is gone, the old and the new")),
+            Some(output) => Err(format!("{output} is neither as before nor finished")),
+            None => Ok(()),
+        }
+    }
+
+    /// Fails unless outputs are whole, and the same command again ends with all that an undisturbed run leaves and nothing
+    /// else. A run that had ended by itself is not run again: its output is there, and in the way.
+    pub fn withstands(&self, desk: &Desk, outcome: &Outcome, reference: &Reference) -> Result<(), String> {
+        self.is_whole(desk, reference)?;
+        let again = if outcome.is_done() { Ok(()) } else { desk.run(&strs(&self.words)).done() };
+        again.map_err(|fault| format!("the next run: {fault}"))?;
+        reference.after.expect(&desk.tree()).map_err(|change| format!("in the end {change}"))
+    }
+
+    /// The command line.
+    pub fn line(&self) -> String {
+        let first = self.first.as_ref().map(|first| format!("plume {} && ", first.join(" "))).unwrap_or_default();
+        format!("{first}plume {}", self.words.join(" "))
+    }
+}
+
+/// Commands that write each kind of thing.
+pub fn all() -> Vec<Scenario> {
+    let new = Scenario::new;
+    let force = |line: &str, output: &str| new(&format!("{line} --force"), &[output]);
+    let bundles = BUNDLES.map(|(bundle, target)| {
+        new(&format!("export c -t {target} --bundle {bundle} -o out"), &[&format!("out.{bundle}")])
+    });
+    let others = [
+        new("export c -t gazebo -o out", &["out"]),
+        force("export c -t obj -o out", "out").after("export c -t stl -o out"),
+        new("export c -t obj,stl -o out", &["out/obj", "out/stl"]),
+        force("export c -t obj --bundle zip -o out", "out.zip").after("export c -t stl --bundle zip -o out"),
+        new("generate -o new", &[]).small(),
+        new("export -t stl -o out", &["out"]).small(),
+        new("generate c --seed 9 --force", &[]),
+        new("pieces c", &[]),
+        new("preview c -o plan.png", &["plan.png"]),
+        new("graph export c -o g.json", &["g.json"]),
+    ];
+    bundles.into_iter().chain(others).collect()
+}
+
+/// A package of every target, and what else takes long enough to be met in the middle.
+pub fn long() -> Vec<Scenario> {
+    let targets = TARGETS.map(|target| Scenario::new(&format!("export c -t {target} -o out"), &["out"]));
+    let several = Scenario::new("export c -t gazebo,obj,glb -o out", &["out/gazebo", "out/obj", "out/glb"]);
+    targets.into_iter().chain([several]).chain(all()).collect()
+}
+
+/// A line as arguments.
+fn words(line: &str) -> Vec<String> {
+    line.split(' ').map(str::to_owned).collect()
+}
+
+/// Words as [`Desk::run`] takes them.
+pub fn strs(words: &[String]) -> Vec<&str> {
+    words.iter().map(String::as_str).collect()
+}
