@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use plume::cave::{self, Input};
+use plume::pipeline::Disk;
 use plume::store::CaveFolder;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
