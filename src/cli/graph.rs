@@ -1,6 +1,6 @@
 //! `plume graph`: makes a graph, and brings graphs in from files and out to them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use plume_disk::Existing;
@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::fault::CliError;
 use super::generate::Generate;
 use super::progress::Console;
+use super::signals;
 use crate::graph::Graph;
 use crate::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, Tally, Written};
 use crate::pipeline::PipelineError;
@@ -150,15 +151,19 @@ impl Output {
             }
             _ => write(&import.graph),
         };
+        signals::listen();
         let paths: Vec<PathBuf> = files.iter().map(|file| self.path(row, file.suffix)).collect();
-        if let Some(path) = paths.iter().find(|path| path.exists() && !self.force) {
+        // What a killed run has finished is kept, as are the packages of a stopped export.
+        let open: Vec<_> = paths.iter().zip(&files).filter(|(path, file)| !holds(path, &file.bytes)).collect();
+        if let Some((path, _)) = open.iter().find(|(path, _)| path.exists() && !self.force) {
             let message = format!("{}: already exists", path.display());
             return Err(CliError::Usage { message, hint: "give another name, or --force to replace it".to_owned() });
         }
         let existing = if self.force { Existing::Replace } else { Existing::Keep };
-        for (path, file) in paths.iter().zip(&files) {
+        for (path, file) in open {
             plume_disk::write_file(path, existing, &file.bytes).map_err(|error| StoreError::io(path, error))?;
         }
+        plume_disk::sweep_beside(&self.output);
         tell(import, &paths, console)
     }
 
@@ -195,6 +200,11 @@ pub fn parts(name: &str) -> Result<Parts, String> {
 fn factor(text: &str) -> Result<f64, String> {
     let factor = text.parse().ok().filter(|factor| (0.001..=1000.0).contains(factor));
     factor.ok_or_else(|| "must be a number from 0.001 to 1000".to_owned())
+}
+
+/// Whether the file at `path` is just this.
+fn holds(path: &Path, bytes: &[u8]) -> bool {
+    plume_disk::regular::read(path, bytes.len() as u64).is_ok_and(|found| found == bytes)
 }
 
 fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), CliError> {

@@ -442,11 +442,14 @@ impl CaveFolder {
         let manifest = records::manifest(kept.values().cloned().collect());
         self.write(MANIFEST, |out| out.write_all(manifest.as_bytes()))?;
         plume_disk::sync_folder(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
-        // The lock ends with the file, so it goes first.
-        let _ = fs::remove_file(self.root.join(JOURNAL));
         let mut work = self.work();
         work.units = kept;
-        work.run = None;
+        if let Some(Run { journal, staging, .. }) = work.run.take() {
+            // As long as there is a journal, the next run looks for what this one has left.
+            drop(staging);
+            let _ = fs::remove_file(self.root.join(JOURNAL));
+            drop(journal);
+        }
         Ok(())
     }
 
