@@ -161,7 +161,10 @@ fn a_recipe_that_is_cut_makes_no_other_cave() {
     assert_snapshot!("incomplete_recipe", refused(&desk, COMMANDS[0]));
     assert_eq!(before, desk.hashes("cave/chunks"));
     desk.file("cave/cave.toml", &recipe.replacen("nodes = 4\n", "nodes = 5\n", 1));
-    assert!(works(&desk, COMMANDS[0]).contains("recipe    graph.nodes: 4 → 5"));
+    assert!(works(&desk, COMMANDS[0]).contains("changed   graph.nodes: 4 → 5"));
+    let graph = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
+    desk.file("cave/graph.json", &graph.replacen("\"radius\":", "\"radius\":1", 1));
+    assert!(works(&desk, COMMANDS[2]).contains("changed   graph.json has been edited"));
 }
 
 #[test]

@@ -30,16 +30,26 @@ fn class(error: &CaveError) -> &'static str {
     match error {
         CaveError::Export(ExportError::MissingPart { .. }) => "MissingPartError",
         CaveError::Input { .. }
-        | CaveError::Pipeline(PipelineError::Store(_) | PipelineError::OtherCave { .. })
+        | CaveError::Pipeline(
+            PipelineError::Store(_)
+            | PipelineError::OtherCave { .. }
+            | PipelineError::EditedGraph { .. }
+            | PipelineError::ChangedFiles { .. },
+        )
         | CaveError::Export(
             ExportError::NotEmpty { .. }
             | ExportError::NotOurs { .. }
+            | ExportError::InTheWay { .. }
             | ExportError::NotAFolder { .. }
+            | ExportError::NotAFile { .. }
+            | ExportError::FileExists { .. }
             | ExportError::Load { .. }
             | ExportError::Io(_),
         ) => "StorageError",
         CaveError::Usage { .. }
-        | CaveError::Pipeline(PipelineError::Generate(_) | PipelineError::GraphFile(_) | PipelineError::Grid(_))
+        | CaveError::Pipeline(
+            PipelineError::Generate(_) | PipelineError::GraphFile(_) | PipelineError::Grid(_) | PipelineError::Empty,
+        )
         | CaveError::Export(
             ExportError::UnknownTarget { .. } | ExportError::Settings { .. } | ExportError::TooLarge { .. },
         ) => "InputError",

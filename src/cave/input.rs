@@ -12,7 +12,7 @@ use crate::graph::format::{Parts, format_of};
 use crate::pipeline::{self, Disk};
 use crate::preset::{PRESETS, Preset};
 use crate::recipe::{self, Recipe};
-use crate::store::{self, CaveFolder};
+use crate::store::{self, CaveFolder, Stage};
 
 /// What a cave is made from, resolved.
 #[derive(Debug)]
@@ -25,8 +25,8 @@ pub struct Input {
     pub folder: Option<PathBuf>,
     /// Whether the recipe is another than that of the cave folder that was named.
     pub is_overridden: bool,
-    /// What the recipe says otherwise than when the cave folder that was named was made: `graph.nodes: 8 → 9`.
-    pub changed_keys: Vec<String>,
+    /// What is otherwise than when the cave folder that was named was made: `graph.nodes: 8 → 9`, or an edited graph.
+    pub changes: Vec<String>,
 }
 
 impl Input {
@@ -50,7 +50,7 @@ impl Input {
 
     /// A recipe and nothing else.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, graph: None, folder: None, is_overridden: false, changed_keys: Vec::new() }
+        Self { recipe, graph: None, folder: None, is_overridden: false, changes: Vec::new() }
     }
 }
 
@@ -66,7 +66,18 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
     let recipe = Recipe::from_toml(&text, &path, overrides)?;
     let is_overridden = own.to_json() != recipe.to_json();
     let input = Input { folder: Some(folder.to_path_buf()), is_overridden, ..Input::of(recipe) };
-    with_kept_graph(input, &folder.join(store::GRAPH))
+    let mut input = with_kept_graph(input, &folder.join(store::GRAPH))?;
+    if is_graph_edited(folder)? {
+        input.changes.push(format!("{} has been edited", store::GRAPH));
+    }
+    Ok(input)
+}
+
+fn is_graph_edited(root: &Path) -> Result<bool, CaveError> {
+    let folder = CaveFolder::open(root)?;
+    let units = folder.units(Stage::Graph);
+    let mut records = units.iter().flat_map(|unit| &unit.files).filter(|file| file.path == store::GRAPH);
+    Ok(records.next().map_or(Ok(false), |record| folder.is_changed(record))?)
 }
 
 /// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
@@ -83,9 +94,9 @@ fn with_kept_graph(input: Input, path: &Path) -> Result<Input, CaveError> {
         ["graph", "seed"].iter().all(|key| made[key] == recipe.to_json()[key]) && recipe.realism == gate(made)
     };
     let made = document.recipe.as_ref();
-    let changed_keys = made.map(|made| recipe::differences(made, recipe.to_json())).unwrap_or_default();
+    let changes = made.map(|made| recipe::differences(made, recipe.to_json())).unwrap_or_default();
     let graph = made.is_some_and(is_of).then_some(document.graph);
-    Ok(Input { graph, changed_keys, ..input })
+    Ok(Input { graph, changes, ..input })
 }
 
 /// What becomes of the parts of a graph that this recipe is of; only that of a file may have several.

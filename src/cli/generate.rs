@@ -45,9 +45,9 @@ impl Generate {
     }
 }
 
-/// Says what follows from a changed recipe, before it is made.
+/// Says what has changed in a cave folder, before what follows from it is made.
 pub fn note_changes(input: &Input, console: &Console) {
-    for change in &input.changed_keys {
-        console.note(&format!("  recipe    {change}"));
+    for change in &input.changes {
+        console.note(&format!("  changed   {change}"));
     }
 }
