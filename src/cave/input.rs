@@ -14,6 +14,9 @@ use crate::preset::{PRESETS, Preset};
 use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder, Stage};
 
+/// What is said of a cave folder whose graph is no longer what was written.
+pub const GRAPH_EDITED: &str = "graph.json has been edited";
+
 /// What a cave is made from, resolved.
 #[derive(Debug)]
 pub struct Input {
@@ -67,14 +70,17 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
     let is_overridden = own.to_json() != recipe.to_json();
     let input = Input { folder: Some(folder.to_path_buf()), is_overridden, ..Input::of(recipe) };
     let mut input = with_kept_graph(input, &folder.join(store::GRAPH))?;
-    if is_graph_edited(folder)? {
-        input.changes.push(format!("{} has been edited", store::GRAPH));
+    if is_graph_edited(&CaveFolder::open(folder)?)? {
+        input.changes.push(GRAPH_EDITED.to_owned());
     }
     Ok(input)
 }
 
-fn is_graph_edited(root: &Path) -> Result<bool, CaveError> {
-    let folder = CaveFolder::open(root)?;
+/// Whether the graph of a cave folder is no longer what was written.
+///
+/// # Errors
+/// When the folder cannot be read.
+pub fn is_graph_edited(folder: &CaveFolder) -> Result<bool, CaveError> {
     let units = folder.units(Stage::Graph);
     let mut records = units.iter().flat_map(|unit| &unit.files).filter(|file| file.path == store::GRAPH);
     Ok(records.next().map_or(Ok(false), |record| folder.is_changed(record))?)

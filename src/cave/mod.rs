@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 use plume_exporters::scene::Scene;
 
 pub use self::error::CaveError;
-pub use self::input::{Input, preset, read};
+pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read};
 pub use self::preview::{preview, view_row};
 pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};

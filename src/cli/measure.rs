@@ -9,7 +9,7 @@ use super::fault::CliError;
 use super::graph::parts;
 use super::likeness;
 use super::progress::Console;
-use crate::cave::Input;
+use crate::cave::{self, Input};
 use crate::graph::Graph;
 use crate::graph::clearance::RockReport;
 use crate::graph::format::{Import, Parts};
@@ -46,6 +46,9 @@ impl Measure {
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let file = if self.path.is_dir() { self.path.join(store::GRAPH) } else { self.path.clone() };
         let folder = self.path.is_dir().then(|| self.folder()).transpose()?;
+        if folder.as_ref().map_or(Ok(false), cave::is_graph_edited)? {
+            console.note(&format!("  changed   {}", cave::GRAPH_EDITED));
+        }
         let Import { graph, recipe, .. } = console.disk().graph(&file, self.parts)?;
         let likeness = self.judged(&graph)?;
         let recipe = Recipe::from_json(recipe.unwrap_or_else(|| json!({})), &file, &[])?;
