@@ -24,6 +24,7 @@
 //! over: see [`CaveFolder::changes`].
 
 mod chunk;
+mod error;
 mod file;
 mod piece;
 pub mod ply;
@@ -42,6 +43,7 @@ use plume_disk::{Staging, regular};
 use rayon::prelude::*;
 
 pub use self::chunk::{ChunkError, IMAGES, LodFacts, Written, read_mesh, read_ply, write_mesh, write_textured};
+pub use self::error::StoreError;
 use self::file::FileState;
 pub use self::file::{FileRecord, Sink};
 pub use self::piece::{read_pieces, write_pieces};
@@ -62,58 +64,6 @@ pub const GRAPH: &str = "graph.json";
 pub const PLAN: &str = "plan.png";
 /// The map seen from the side.
 pub const PROFILE: &str = "profile.png";
-
-/// Something went wrong between us and the disk.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// The operating system refused.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// Which file or folder.
-        path: PathBuf,
-        /// What it said.
-        source: std::io::Error,
-    },
-    /// A file of the folder is not what a stage has written: it was edited, or the disk has lost it.
-    #[error("{}: is not the file that was written: its SHA-256 is another", path.display())]
-    Changed {
-        /// Which file.
-        path: PathBuf,
-    },
-    /// Something in the folder cannot be what we wrote.
-    #[error("{}: {message}", path.display())]
-    Damaged {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong with it.
-        message: String,
-    },
-    /// The folder is in use for something else.
-    #[error("{}: the folder exists and holds no cave", path.display())]
-    Occupied {
-        /// Which folder.
-        path: PathBuf,
-    },
-    /// Another process is at work in the folder.
-    #[error("{}: another run is at work in this folder", path.display())]
-    InUse {
-        /// Which folder.
-        path: PathBuf,
-    },
-}
-
-impl StoreError {
-    /// An I/O error at `path`.
-    pub fn io(path: &Path, source: std::io::Error) -> Self {
-        Self::Io { path: path.to_path_buf(), source }
-    }
-
-    /// Something is wrong with what is at `path`.
-    pub fn damaged(path: &Path, message: impl ToString) -> Self {
-        Self::Damaged { path: path.to_path_buf(), message: message.to_string() }
-    }
-}
 
 /// An open cave folder.
 pub struct CaveFolder {
