@@ -20,7 +20,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("preview", &["field", "graph", "material", "mesh", "truth"]),
     ("recipe", &["echo", "field", "graph", "material", "mesh", "texture"]),
     ("preset", &[]),
-    ("store", &["field", "mesh", "texture"]),
+    ("store", &["echo", "field", "mesh", "texture"]),
     ("assemble", &["field", "graph", "mesh", "recipe", "store", "texture", "truth"]),
     ("pipeline", &["field", "graph", "mesh", "preview", "recipe", "store"]),
     ("cave", &["assemble", "echo", "graph", "pipeline", "preset", "preview", "recipe", "store"]),

@@ -130,5 +130,5 @@ fn digest(contents: &BTreeMap<String, String>, prefix: &str) -> String {
     for (path, content) in contents.iter().filter(|(path, _)| path.starts_with(prefix)) {
         hash.update(format!("{path}\0{content}\0"));
     }
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    plume_disk::sealed::hex(&hash.finalize())
 }

@@ -53,7 +53,7 @@ impl Export {
         note_changes(&input, console);
         let mut summary = Summary::start();
         let orders = self.open_orders(wanted, &outputs, bundle, &input, console, &mut summary)?;
-        let work = WorkFolder::claim(self.work_path(&input, &outputs[0]))?;
+        let work = self.work_folder(&input, &outputs[0])?;
         if !orders.is_empty() {
             let made = self.made(input, &orders, &work, console, &mut summary);
             let cave = match made {
@@ -157,29 +157,23 @@ impl Export {
 
     /// A named cave folder serves as it is; else, and where the recipe is another, the cave is made in a hidden folder beside
     /// the package.
-    fn work_path(&self, input: &Input, output: &Path) -> WorkPath {
+    fn work_folder(&self, input: &Input, output: &Path) -> Result<WorkFolder, CliError> {
         if let Some(path) = &self.keep {
-            return WorkPath::Named(path.clone());
+            return Ok(WorkFolder::Named(path.clone()));
         }
         if let Some(path) = input.folder.as_ref().filter(|_| !input.is_overridden) {
-            return WorkPath::Named(path.clone());
+            return Ok(WorkFolder::Named(path.clone()));
         }
         // A folder that is there, perhaps as `.`, gets a neighbour and not something inside it.
         let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
         let name = output.file_name().unwrap_or_default().to_string_lossy();
-        WorkPath::Hidden(output.with_file_name(format!(".{name}.cave")))
+        Ok(WorkFolder::Hidden(TemporaryFolder::claim(&output.with_file_name(format!(".{name}.cave")))?))
     }
 }
 
 /// What no second run could finish is not kept for it.
 fn is_hopeless(error: &CliError) -> bool {
     matches!(error, CliError::Pipeline(PipelineError::Grid(_) | PipelineError::Empty))
-}
-
-/// Where the cave is made.
-enum WorkPath {
-    Named(PathBuf),
-    Hidden(PathBuf),
 }
 
 /// The folder in which the cave is made. A hidden one goes when the packages are whole and stays after a kill, so that the
@@ -190,13 +184,6 @@ enum WorkFolder {
 }
 
 impl WorkFolder {
-    fn claim(path: WorkPath) -> Result<Self, CliError> {
-        Ok(match path {
-            WorkPath::Named(path) => Self::Named(path),
-            WorkPath::Hidden(path) => Self::Hidden(TemporaryFolder::claim(&path)?),
-        })
-    }
-
     /// The folder, which takes over what fits of the cave folder that was named.
     fn open(&self, named: Option<&Path>) -> Result<CaveFolder, CliError> {
         let folder = match self {

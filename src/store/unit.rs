@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
+use crate::echo::shown;
 use crate::mesh::ChunkIndex;
 use crate::texture::ImageFormat;
 
@@ -97,20 +98,13 @@ impl TryFrom<Unchecked> for Unit {
     fn try_from(unit: Unchecked) -> Result<Self, String> {
         let Unchecked { stage, name, fingerprint, files, facts } = unit;
         if !stage.has_unit(&name) {
-            return Err(format!("the stage {} has no unit of the name {}", stage.name(), clipped(&name)));
+            return Err(format!("the stage {} has no unit of the name {}", stage.name(), shown(&name)));
         }
         match files.iter().find(|file| !stage.writes(&name, &file.path)) {
-            Some(file) => Err(format!("{} of {name} does not write {}", stage.name(), clipped(&file.path))),
+            Some(file) => Err(format!("{} of {name} does not write {}", stage.name(), shown(&file.path))),
             None => Ok(Self { stage, name, fingerprint, files, facts }),
         }
     }
-}
-
-/// A word of a file that may be hostile, short and without what would steer a terminal.
-fn clipped(word: &str) -> String {
-    const MOST_CHARS: usize = 60;
-    let end = if word.chars().nth(MOST_CHARS).is_some() { "…" } else { "" };
-    format!("{:?}{end}", word.chars().take(MOST_CHARS).collect::<String>())
 }
 
 /// Name of a chunk: its index in the grid.
