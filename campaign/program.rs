@@ -126,6 +126,12 @@ impl Running {
         self.wait()
     }
 
+    /// Stopped after so long from now, whenever it was started.
+    pub fn within(mut self, limit: Duration) -> Self {
+        self.limit = self.started.elapsed() + limit;
+        self
+    }
+
     /// Waits for its end, but not longer than its limit.
     pub fn wait(mut self) -> Outcome {
         let end = self.end();

@@ -96,7 +96,7 @@ impl Packer {
             // A zip must know at the start of a file whether it may pass 4 GiB.
             Bundle::Zip => Self::Zip(Box::new(ZipWriter::new(file)), zip_options().large_file(true)),
             Bundle::Mjz => Self::Zip(Box::new(ZipWriter::new(file)), zip_options()),
-            Bundle::TarZst => Self::Tar(TarPacker::new(Box::new(zstd::Encoder::new(file, ZSTD_LEVEL)?), "")),
+            Bundle::TarZst => Self::Tar(TarPacker::new(Box::new(zstd_encoder(file)?), "")),
             Bundle::Tgz => Self::Tar(TarPacker::new(
                 Box::new(GzEncoder::new(file, flate2::Compression::default())),
                 crate::contents::TGZ_ROOT,
@@ -183,6 +183,13 @@ impl Squeeze for GzEncoder<Sink> {
     fn finish(self: Box<Self>) -> io::Result<Sink> {
         (*self).finish()
     }
+}
+
+/// The checksum also covers what the manifest does not: heads of files, and what is between them.
+fn zstd_encoder(file: Sink) -> io::Result<zstd::Encoder<'static, Sink>> {
+    let mut encoder = zstd::Encoder::new(file, ZSTD_LEVEL)?;
+    encoder.include_checksum(true)?;
+    Ok(encoder)
 }
 
 fn zip_options() -> SimpleFileOptions {

@@ -229,6 +229,19 @@ fn the_same_scene_gives_the_same_archive() {
     }
 }
 
+/// The manifest says nothing of the heads of a tar and of the space between its files; gzip always has a checksum.
+#[test]
+fn a_zstd_archive_has_a_checksum_of_all_it_holds() {
+    let desk = Desk::new();
+    let path = desk.write(plume_exporters::target("obj").unwrap().row, Some(Bundle::TarZst)).unwrap();
+    let mut archive = fs::read(&path).unwrap();
+    // The flag of the frame header: RFC 8878, 3.1.1.1.1.5.
+    assert_eq!(archive[4] >> 2 & 1, 1);
+    *archive.last_mut().unwrap() ^= 1;
+    fs::write(&path, &archive).unwrap();
+    assert!(!check(&path).unwrap().is_whole());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_link_under_a_temporary_name_is_not_followed() {
