@@ -9,7 +9,8 @@ use std::fs;
 use std::process::Command;
 
 use cpu_time::ProcessTime;
-use plume::graph::{GENERATORS, Nowhere, generator};
+use plume::generators::{GENERATORS, generator};
+use plume::graph::Nowhere;
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -7,8 +7,9 @@
 
 use std::error::Error;
 
+use plume::generators::{GENERATORS, GeneratorRow};
 use plume::graph::realism::{Gate, Likeness, METRICS, Metric, RealismSettings, SCALE_FREE, Verdict};
-use plume::graph::{GENERATORS, Generator, GeneratorRow, Nowhere};
+use plume::graph::{Generator, Nowhere};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 

@@ -8,13 +8,13 @@ use nalgebra::{Isometry3, Point3};
 use plume_exporters::scene::{self, ByZone, Chunks, Light, Scene};
 
 use crate::field::Field;
-use crate::graph::Graph;
 use crate::mesh;
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
 use crate::texture::{HEIGHT_AMPLITUDE_M, ImageFormat, TextureSettings};
 use crate::truth::{self, Lamp};
+use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
 const LAMP_CD_PER_M2: f64 = 0.12;

@@ -3,10 +3,8 @@
 //! One [`recipe`] and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in
 //! chunks, a [`texture`] set per chunk, and from them a package for a simulator.
 //!
-//! Arrows point one way: `cli → cave → pipeline, assemble → store → truth, texture → mesh → field → material → noise`, and
+//! Arrows point one way: `cave → pipeline, assemble → store → truth, texture → mesh → field → material → noise`, and
 //! `field → graph`. See `ARCHITECTURE.md`.
-
-pub mod cli;
 
 pub mod cave;
 pub mod pipeline;
@@ -26,9 +24,8 @@ pub mod field;
 pub mod material;
 pub mod noise;
 
-pub mod echo;
-pub mod graph;
-pub mod seed;
+pub use plume_generators as generators;
+pub use plume_graph as graph;
+pub use plume_survey as survey;
 
-/// The version that every file Plume writes carries.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub use plume_graph::VERSION;

@@ -1,30 +1,29 @@
-//! The arrows of ARCHITECTURE.md, read off the `use` lines.
+//! The arrows between modules of the library, read off the syntax tree. Those between crates are the compiler's.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plume::graph::format::FORMATS;
+use plume::survey::FORMATS;
+use syn::visit::{self, Visit};
+use syn::{ItemMod, ItemUse, UseTree};
 
 /// Modules of `src`, and the modules that each may name. A module may always name itself.
 const ARROWS: &[(&str, &[&str])] = &[
-    ("seed", &[]),
-    ("echo", &[]),
-    ("noise", &["seed"]),
-    ("graph", &["echo", "seed"]),
-    ("material", &["noise", "seed"]),
-    ("field", &["graph", "material", "noise", "seed"]),
+    ("noise", &[]),
+    ("material", &["noise"]),
+    ("field", &["material", "noise"]),
     ("mesh", &["field"]),
     ("texture", &["field", "mesh"]),
-    ("truth", &["field", "graph"]),
-    ("preview", &["field", "graph", "material", "mesh", "truth"]),
-    ("recipe", &["echo", "field", "graph", "material", "mesh", "texture"]),
+    ("truth", &["field"]),
+    ("preview", &["field", "material", "mesh", "truth"]),
+    ("recipe", &["field", "material", "mesh", "texture"]),
     ("preset", &[]),
-    ("store", &["echo", "field", "mesh", "texture"]),
-    ("assemble", &["field", "graph", "mesh", "recipe", "store", "texture", "truth"]),
-    ("pipeline", &["field", "graph", "mesh", "preview", "recipe", "store"]),
-    ("cave", &["assemble", "echo", "graph", "pipeline", "preset", "preview", "recipe", "store"]),
-    ("cli", &["cave", "echo", "graph", "material", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("store", &["field", "mesh", "texture"]),
+    ("assemble", &["field", "mesh", "recipe", "store", "texture", "truth"]),
+    ("pipeline", &["field", "mesh", "preview", "recipe", "store"]),
+    ("cave", &["assemble", "pipeline", "preset", "preview", "recipe", "store"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -37,31 +36,115 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The first path segment of a source below `src`, without `.rs`.
-fn module(file: &Path) -> String {
-    let below = file.strip_prefix("src").unwrap();
-    below.iter().next().unwrap().to_string_lossy().trim_end_matches(".rs").to_owned()
+/// The path of the module that a source below `src` holds.
+fn module_path(file: &Path) -> Vec<String> {
+    let below = file.strip_prefix("src").unwrap().with_extension("");
+    let path = below.iter().map(|part| part.to_string_lossy().into_owned());
+    path.filter(|part| part != "lib").collect()
 }
 
-/// Modules of this crate that a source names outside its comments.
-fn named(text: &str) -> Vec<&str> {
-    let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
-    let uses = code.flat_map(|line| line.split("crate::").skip(1));
-    uses.map(|rest| rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap()).collect()
+/// The modules at the root of the crate that a source names, in any way that paths can be written, tests included.
+struct Named {
+    module: Vec<String>,
+    roots: BTreeSet<String>,
+}
+
+impl Named {
+    fn by(module: Vec<String>, text: &str) -> BTreeSet<String> {
+        let mut named = Self { module, roots: BTreeSet::new() };
+        named.visit_file(&syn::parse_file(text).unwrap());
+        named.roots
+    }
+
+    /// Follows `crate`, `self` and `super` to the root.
+    fn follow(&mut self, path: &[String]) {
+        let (mut place, mut rest) = match path {
+            [first, rest @ ..] if first == "crate" => (Vec::new(), rest),
+            [first, ..] if first == "self" || first == "super" => (self.module.clone(), path),
+            _ => return,
+        };
+        while let [first, others @ ..] = rest {
+            match first.as_str() {
+                "self" => {}
+                "super" => drop(place.pop()),
+                name => place.push(name.to_owned()),
+            }
+            rest = others;
+        }
+        self.roots.extend(place.into_iter().next());
+    }
+
+    fn follow_use(&mut self, tree: &UseTree, path: &mut Vec<String>) {
+        match tree {
+            UseTree::Path(step) => {
+                path.push(step.ident.to_string());
+                self.follow_use(&step.tree, path);
+                path.pop();
+            }
+            UseTree::Group(group) => group.items.iter().for_each(|tree| self.follow_use(tree, path)),
+            UseTree::Name(last) => self.follow(&[&path[..], &[last.ident.to_string()]].concat()),
+            UseTree::Rename(last) => self.follow(&[&path[..], &[last.ident.to_string()]].concat()),
+            UseTree::Glob(_) => self.follow(path),
+        }
+    }
+}
+
+impl Visit<'_> for Named {
+    fn visit_item_use(&mut self, item: &ItemUse) {
+        self.follow_use(&item.tree, &mut Vec::new());
+    }
+
+    fn visit_path(&mut self, path: &syn::Path) {
+        let names: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+        self.follow(&names);
+        visit::visit_path(self, path);
+    }
+
+    /// What a macro gets is not yet syntax.
+    fn visit_macro(&mut self, call: &syn::Macro) {
+        let tokens = call.tokens.to_string();
+        for rest in tokens.split("crate :: ").skip(1) {
+            let name = rest.split(|c: char| !c.is_alphanumeric() && c != '_').next();
+            self.roots.extend(name.map(str::to_owned));
+        }
+    }
+
+    fn visit_item_mod(&mut self, module: &ItemMod) {
+        self.module.push(module.ident.to_string());
+        visit::visit_item_mod(self, module);
+        self.module.pop();
+    }
+}
+
+#[test]
+fn every_way_to_name_a_module_is_seen() {
+    let texts = [
+        "use crate::cave::Cave;",
+        "use crate::{cave as _, noise};",
+        "use super::super::{cave as _};",
+        "fn f() -> super::super::cave::Cave { todo() }",
+        "fn f() { crate::cave::run() }",
+        "mod inner { use super::super::super::cave; }",
+        "impl crate::cave::Order for u8 {}",
+        "fn f() { assert!(crate::cave::run()) }",
+    ];
+    for text in texts {
+        assert!(Named::by(vec!["noise".to_owned(), "lanes".to_owned()], text).contains("cave"), "{text}");
+    }
+    let own = Named::by(vec!["noise".to_owned(), "lanes".to_owned()], "use super::cell; use self::cave; use cave::x;");
+    assert_eq!(own, BTreeSet::from(["noise".to_owned()]));
 }
 
 #[test]
 fn arrows_point_one_way() {
     for file in sources(Path::new("src")) {
-        let (module, text) = (module(&file), fs::read_to_string(&file).unwrap());
-        let Some((_, allowed)) = ARROWS.iter().find(|(name, _)| *name == module) else {
-            assert!(["lib", "main"].contains(&module.as_str()), "{module} has no row in ARROWS");
-            continue;
-        };
-        for name in named(&text) {
+        let path = module_path(&file);
+        let Some(module) = path.first().cloned() else { continue };
+        let (_, allowed) = ARROWS.iter().find(|(name, _)| *name == module).expect(&module);
+        for name in Named::by(path, &fs::read_to_string(&file).unwrap()) {
             let is_module = ARROWS.iter().any(|(known, _)| *known == name);
-            let lawful = !is_module || name == module || allowed.contains(&name);
-            assert!(lawful, "{}: {module} must not name {name}", file.display());
+            let is_lawful = !is_module || name == module || allowed.contains(&&*name);
+            assert!(is_lawful, "{}: {module} must not name {name}", file.display());
         }
     }
 }
@@ -70,37 +153,59 @@ fn arrows_point_one_way() {
 fn only_assemble_and_those_above_it_know_exporters() {
     for file in sources(Path::new("src")) {
         let names_exporters = fs::read_to_string(&file).unwrap().contains("plume_exporters");
-        assert!(
-            !names_exporters || ["assemble", "cave", "cli"].contains(&module(&file).as_str()),
-            "{}",
-            file.display()
-        );
+        let may = matches!(module_path(&file).first().map_or("", String::as_str), "assemble" | "cave");
+        assert!(!names_exporters || may, "{}", file.display());
     }
 }
 
 #[test]
 fn only_the_command_line_prints() {
-    for file in sources(Path::new("src")).into_iter().filter(|file| module(file) != "cli") {
+    let crates = ["src", "graph", "survey", "generators", "disk", "exporters"];
+    for file in crates.into_iter().flat_map(|folder| sources(Path::new(folder))) {
+        let is_library = !file.iter().any(|part| part == "tests" || part == "examples");
         let text = fs::read_to_string(&file).unwrap();
         let prints = ["println!", "eprintln!", "print!(", "io::stdout", "io::stderr"];
-        assert!(!prints.iter().any(|word| text.contains(word)), "{}", file.display());
+        assert!(!is_library || !prints.iter().any(|word| text.contains(word)), "{}", file.display());
     }
 }
 
 #[test]
 fn every_file_of_a_table_has_its_row() {
-    let rows = |table: &str| fs::read_to_string(table).unwrap();
-    for (folder, table) in [("src/graph", "src/graph/generator/mod.rs"), ("src/material", "src/material/mod.rs")] {
-        for file in sources(Path::new(folder)) {
-            let text = fs::read_to_string(&file).unwrap();
-            for line in
-                text.lines().filter(|l| l.starts_with("impl Generator for") || l.starts_with("impl Material for"))
-            {
-                let implementor = line.split_whitespace().nth(3).unwrap();
-                assert!(rows(table).contains(implementor), "{}: {implementor} has no row", file.display());
+    let tables = [
+        ("generators", "Generator", "generators/lib.rs"),
+        ("src/material", "Rock", "src/material.rs"),
+        ("exporters", "Target", "exporters/lib.rs"),
+    ];
+    for (folder, contract, table) in tables {
+        let rows = fs::read_to_string(table).unwrap();
+        let is_library = |file: &PathBuf| !file.iter().any(|part| part == "tests" || part == "examples");
+        let mut count = 0;
+        for file in sources(Path::new(folder)).into_iter().filter(is_library) {
+            let module = file.file_stem().unwrap().to_string_lossy().into_owned();
+            for name in implementors(&file, contract) {
+                count += 1;
+                let forms = [format!("row::<{name}>("), format!("{module}::ROW,")];
+                assert!(
+                    forms.iter().any(|row| rows.contains(row)),
+                    "{name} has no row in {table}: add {}",
+                    forms.join(" or ")
+                );
             }
         }
+        assert!(count > 1, "{folder}: nothing implements {contract}");
     }
+}
+
+/// The types that a source gives this trait, outside of its tests.
+fn implementors(file: &Path, contract: &str) -> Vec<String> {
+    let items = syn::parse_file(&fs::read_to_string(file).unwrap()).unwrap().items;
+    let implemented = |item: syn::Item| {
+        let syn::Item::Impl(block) = item else { return None };
+        let is_it = block.trait_.as_ref().is_some_and(|(_, path, _)| path.segments.last().unwrap().ident == contract);
+        let syn::Type::Path(name) = *block.self_ty else { return None };
+        is_it.then(|| name.path.segments.last().unwrap().ident.to_string())
+    };
+    items.into_iter().filter_map(implemented).collect()
 }
 
 #[test]

@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 
 use files::Files;
 use nalgebra::Vector3;
-use plume::graph::format::{self, FORMATS, FormatRow, Import, Parts, ReadError, Written, read_as};
-use plume::graph::{GENERATORS, Graph, Node, Section, Shape};
+use plume::generators::GENERATORS;
+use plume::graph::{Graph, Node, Section, Shape};
+use plume::survey::{self, FORMATS, FormatRow, Import, Parts, ReadError, Written, read_as};
 use world::small;
 
 const ALL_PARTS: [Parts; 4] = [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest];
@@ -162,12 +163,12 @@ fn what_is_written_is_the_same_every_time() {
 #[test]
 fn names_and_endings_lead_to_their_rows() {
     for row in FORMATS {
-        assert!(std::ptr::eq(format::format(row.name).unwrap(), row));
+        assert!(std::ptr::eq(survey::format(row.name).unwrap(), row));
         assert!(!row.summary.is_empty() && (row.read.is_some() || row.write.is_some()));
         for ending in row.endings {
             assert_eq!(*ending, ending.to_lowercase());
             let path = PathBuf::from(format!("Cave{}", ending.to_uppercase()));
-            let of = |has: fn(&FormatRow) -> bool| format::format_of(&path, has).map(|row| row.name);
+            let of = |has: fn(&FormatRow) -> bool| survey::format_of(&path, has).map(|row| row.name);
             assert!(row.read.is_none() || of(|row| row.read.is_some()) == Some(row.name), "{} {ending}", row.name);
             assert!(row.write.is_none() || of(|row| row.write.is_some()) == Some(row.name), "{} {ending}", row.name);
         }
@@ -192,7 +193,7 @@ fn small_files_are_read() {
 #[test]
 fn a_real_cave_is_read_from_either_file_of_its_pair() {
     let files = Files::folder(Path::new("tests/data/sakany"));
-    let import = |name: &str| format::read(name.as_ref(), Parts::Refuse, &files).unwrap();
+    let import = |name: &str| survey::read(name.as_ref(), Parts::Refuse, &files).unwrap();
     let graph = import("Sakany_nodes.dat").graph;
     assert_eq!((graph.nodes.len(), graph.edges.len(), graph.loops()), (1716, 1784, 69));
     assert_eq!(import("Sakany_links.dat").graph, graph);
@@ -202,7 +203,7 @@ fn a_real_cave_is_read_from_either_file_of_its_pair() {
 fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
     let table = "x1,y1,x2,y2,width1,height1\n0,0,0.4,0,2,1\n0.4,0,900,0,,\n";
     let files = Files::one("cave.csv", table);
-    let import = || format::read("cave.csv".as_ref(), Parts::Refuse, &files).unwrap();
+    let import = || survey::read("cave.csv".as_ref(), Parts::Refuse, &files).unwrap();
     let small = import().scaled(0.001, "cave.csv".as_ref()).unwrap().graph;
     keeps_the_laws(&small, Parts::Refuse);
     assert_eq!((small.nodes.len(), small.length_m()), (2, 0.9));
@@ -240,7 +241,7 @@ fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
     let table = |z: &str| format!("x1,y1,z1,x2,y2,z2\n500000,5200000.0004,{z},500000,5200010.0008,{z}\n");
     let read = |table: &str| {
         let files = Files::one("cave.csv", table.as_bytes().to_vec());
-        format::read("cave.csv".as_ref(), Parts::Refuse, &files)
+        survey::read("cave.csv".as_ref(), Parts::Refuse, &files)
     };
     let Import { graph, tally, .. } = read(&table("7")).unwrap();
     assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, [500_000.0, 5_200_000.000_4, 7.0]));
@@ -253,7 +254,7 @@ fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
 #[test]
 fn a_drawing_of_yed_is_where_it_is_drawn() {
     let files = Files::folder(Path::new("tests/data/formats/graphml"));
-    let graph = format::read("yed.graphml".as_ref(), Parts::Refuse, &files).unwrap().graph;
+    let graph = survey::read("yed.graphml".as_ref(), Parts::Refuse, &files).unwrap().graph;
     let places: Vec<[f64; 3]> = graph.nodes.iter().map(|node| node.position.coords.into()).collect();
     assert_eq!(places, [[140.0, -115.0, -2.0], [155.0, -95.0, 1.5]]);
 }
@@ -342,7 +343,7 @@ fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
 #[test]
 fn files_made_to_waste_are_refused() {
     for (name, path, text, words) in wasteful() {
-        let row = format::format(name).unwrap();
+        let row = survey::format(name).unwrap();
         let mut files = Files::one(path, text);
         files.0.insert("many_links.dat".into(), b"1 2\n".to_vec());
         files.0.insert("long_links.dat".into(), b"1 2\n".to_vec());

@@ -8,14 +8,16 @@ use std::fmt::Write;
 use std::fs;
 
 use files::Files;
-use plume::graph::format::json::{Document, ReadError, read, write};
-use plume::graph::format::{self, Import, Parts};
 use plume::graph::{Graph, Node};
+use plume::survey::json::{Document, ReadError, read, write};
+use plume::survey::{self, Import, Parts};
 use proptest::prelude::*;
 use serde_json::json;
 
+/// One plane and several heights; the latter is also a sample.
 fn original(name: &str) -> Document {
-    let path = format!("tests/data/plume_original_50_{name}.json");
+    let folder = if name == "multi" { "samples" } else { "tests/data" };
+    let path = format!("{folder}/plume_original_50_{name}.json");
     let text = fs::read_to_string(path).expect("it is in the repository");
     read(&text).expect("it is as the original script wrote it")
 }
@@ -96,8 +98,8 @@ const PARTS: &str = r#"{"nodes": [
 
 #[test]
 fn parts_are_done_with_as_asked() {
-    let import = |parts| format::read("parts.json".as_ref(), parts, &Files::one("parts.json", PARTS));
-    let told = |import: Result<Import, format::ReadError>| {
+    let import = |parts| survey::read("parts.json".as_ref(), parts, &Files::one("parts.json", PARTS));
+    let told = |import: Result<Import, survey::ReadError>| {
         let Import { graph, tally, .. } = import.unwrap();
         let ids = |node: Option<usize>| node.map(|node| graph.nodes[node].id);
         let parents: Vec<_> =

@@ -8,9 +8,10 @@ mod world;
 
 use std::collections::BTreeSet;
 
-use plume::graph::format::json::{read, write};
+use plume::generators::{GENERATORS, GeneratorRow, generator};
 use plume::graph::realism::{Likeness, Verdict};
-use plume::graph::{GENERATORS, Generator, GeneratorRow, Graph, generator};
+use plume::graph::{Generator, Graph};
+use plume::survey::json::{read, write};
 use proptest::prelude::*;
 use segment::distance;
 use serde_json::{Value, json};

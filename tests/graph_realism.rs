@@ -3,8 +3,8 @@
 
 use std::fs;
 
+use plume::generators::{GaussianPerlin, Layers, Mine};
 use plume::graph::clearance::{Girth, thin_rock};
-use plume::graph::generator::{GaussianPerlin, Layers, Mine};
 use plume::graph::realism::{CAVES, Gate, Likeness, METRICS, Metrics, RealismSettings, Verdict, percentile};
 use plume::graph::{Generator, Graph, Node, Nowhere};
 

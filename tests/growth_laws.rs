@@ -6,7 +6,8 @@ mod segment;
 #[path = "common/world.rs"]
 mod world;
 
-use plume::graph::{GenerateError, Graph, Neighbors, Node, generator};
+use plume::generators::generator;
+use plume::graph::{GenerateError, Graph, Neighbors, Node};
 use segment::distance;
 use serde_json::{Value, json};
 use world::World;

@@ -7,8 +7,9 @@ mod world;
 use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
+use plume::generators::generator;
 use plume::graph::clearance::{Girth, RockReport, thin_rock};
-use plume::graph::{Graph, Node, generator};
+use plume::graph::{Graph, Node};
 use serde_json::{Value, json};
 use world::World;
 
@@ -268,7 +269,7 @@ fn pair(apart: Vector3<f64>) -> Graph {
         text(5, -east + apart, &[]),
     ];
     let file = json!({"plume": "", "nodes": nodes}).to_string();
-    plume::graph::format::json::read(&file).unwrap().graph
+    plume::survey::json::read(&file).unwrap().graph
 }
 
 #[test]

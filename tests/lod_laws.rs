@@ -12,7 +12,7 @@ use std::io;
 use common::chunks;
 use common::distance::Distances;
 use plume::field::{CaveField, PassageSettings};
-use plume::graph::{GENERATORS, GeneratorRow};
+use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::{Look, MATERIALS, MaterialRow};
 use plume::mesh::measure::{Report, weld};
 use plume::mesh::{Mesh, MeshSettings};

@@ -9,7 +9,7 @@ use common::chunks;
 use common::distance::{Near, corners, spread};
 use nalgebra::Vector3;
 use plume::field::{Bounds, CaveField, Field, PassageSettings};
-use plume::graph::{GENERATORS, GeneratorRow};
+use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::{Look, MATERIALS, MaterialRow};
 use plume::mesh::measure::weld;
 use plume::mesh::{MOST_CORNERS, Mesh, MeshSettings, Piece, PieceSettings, QUANTA_PER_M, Zone, pieces};

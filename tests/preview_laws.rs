@@ -7,7 +7,8 @@ mod world;
 use std::sync::atomic::AtomicBool;
 
 use plume::field::{CaveField, PassageSettings};
-use plume::graph::{GENERATORS, Graph};
+use plume::generators::GENERATORS;
+use plume::graph::Graph;
 use plume::material::{Look, MATERIALS};
 use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Theme, VIEWS, view};
 use serde_json::{Value, json};

@@ -14,8 +14,8 @@ use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::field::{Bounds, CaveField, Field, PassageSettings};
 use plume::graph::Graph;
-use plume::graph::format::{Import, Parts, ReadError, read};
 use plume::material::{Look, MATERIALS};
+use plume::survey::{Import, Parts, ReadError, read};
 use serde_json::json;
 
 fn data(path: &str) -> Vec<u8> {

@@ -14,7 +14,7 @@ use dump::dumped_passages;
 use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::graph::Outside;
-use plume::graph::format::{Import, Parts, ReadError, read};
+use plume::survey::{Import, Parts, ReadError, read};
 
 /// The disk.
 struct Disk;

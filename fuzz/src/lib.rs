@@ -1,21 +1,10 @@
 //! What the fuzzers of all readers share.
-#![allow(dead_code, missing_docs, reason = "of plume, this is a part")]
-
-#[path = "../../src/echo.rs"]
-pub mod echo;
-#[path = "../../src/graph/mod.rs"]
-pub mod graph;
-#[path = "../../src/seed.rs"]
-pub mod seed;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use graph::format::{self, Parts};
-use graph::{Graph, Outside};
-
-/// The version that written files name.
-pub const VERSION: &str = "0.0.0";
+use plume_graph::{Graph, Outside, VERSION};
+use plume_survey::{Parts, Source, format, json};
 
 /// Between a file and those that it leads to: no UTF-8 text has it.
 const NEXT_FILE: u8 = 0xff;
@@ -31,14 +20,14 @@ impl Outside for Other<'_> {
 
 /// Reads bytes as a row of the table does. A graph must come back from JSON as it is.
 pub fn read(name: &str, bytes: &[u8]) {
-    let row = format::format(name).expect("there is such a row");
+    let row = format(name).expect("there is such a row");
     let reader = row.read.expect("it is read");
     // A .3d is bytes and leads nowhere.
     let end = bytes.iter().position(|&byte| byte == NEXT_FILE && row.name != "survex-3d").unwrap_or(bytes.len());
     let other = Other(bytes.get(end + 1..).unwrap_or_default());
     let path = PathBuf::from(format!("fuzz{}", row.endings[0]));
     for parts in [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest] {
-        let source = format::Source { path: &path, bytes: &bytes[..end], outside: &other };
+        let source = Source { path: &path, bytes: &bytes[..end], outside: &other };
         match reader(&source, parts) {
             Ok(import) => keeps_the_laws(&import.graph, parts),
             Err(error) => assert!(!error.message.is_empty() && !error.place.to_string().is_empty()),
@@ -48,7 +37,7 @@ pub fn read(name: &str, bytes: &[u8]) {
 
 /// Reads bytes as a picture or grid of heights, and lays a graph in it.
 pub fn read_heights(bytes: &[u8]) {
-    let row = graph::generator("heightmap").expect("there is such a row");
+    let row = plume_generators::generator("heightmap").expect("there is such a row");
     let settings = serde_json::json!({"path": "fuzz.png", "nodes": 4});
     let heightmap = (row.read)(settings).expect("these are settings");
     match heightmap.generate(7, &Other(bytes)) {
@@ -63,7 +52,7 @@ fn keeps_the_laws(graph: &Graph, parts: Parts) {
     assert!(parts == Parts::Keep || graph.components().len() == 1);
     assert!(graph.nodes.iter().all(|node| node.radius > 0.0 && node.position.iter().all(|x| x.is_finite())));
     if parts != Parts::Keep {
-        let back = format::json::read(&format::json::write(graph, VERSION, &serde_json::Value::Null));
+        let back = json::read(&json::write(graph, VERSION, &serde_json::Value::Null));
         assert_eq!(&back.expect("it is a graph").graph, graph);
     }
 }

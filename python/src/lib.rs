@@ -22,7 +22,7 @@ mod work;
 use std::ffi::OsString;
 use std::sync::Arc;
 
-use plume::cli::Host;
+use plume_cli::Host;
 use pyo3::prelude::*;
 
 use crate::usd::UsdCore;
@@ -61,6 +61,6 @@ mod _plume {
     /// process of the command.
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-        py.detach(|| plume::cli::run(arguments, &Host::Python(Arc::new(UsdCore::default()))))
+        py.detach(|| plume_cli::run(arguments, &Host::Python(Arc::new(UsdCore::default()))))
     }
 }

@@ -1,6 +1,6 @@
 //! What there is to choose from, as `plume list` tells it.
 
-use plume::graph::GENERATORS;
+use plume::generators::GENERATORS;
 use plume::material::MATERIALS;
 use plume::preset::PRESETS;
 use plume_exporters::TARGETS;

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use plume_exporters::ExportError;
 use plume_exporters::check::CheckError;
 
-use crate::echo::shown;
 use crate::pipeline::PipelineError;
 use crate::recipe::{Faults, did_you_mean};
 use crate::store::StoreError;
+use plume_graph::echo::shown;
 
 /// Why a cave was not made, opened or handed over.
 #[derive(Debug, thiserror::Error)]

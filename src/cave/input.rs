@@ -7,12 +7,12 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::CaveError;
-use crate::graph::Graph;
-use crate::graph::format::{Parts, format_of};
 use crate::pipeline::{self, Disk};
 use crate::preset::{PRESETS, Preset};
 use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder, Stage};
+use plume_graph::Graph;
+use plume_survey::{Parts, format_of};
 
 /// What is said of a cave folder whose graph is no longer what was written.
 pub const GRAPH_EDITED: &str = "graph.json has been edited";

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use super::{CaveError, Input};
-use crate::graph::Graph;
 use crate::pipeline::{self, Observer, PipelineError};
 use crate::preview::{Drawn, Order, PreviewError, VIEWS, ViewRow, view};
+use plume_graph::Graph;
 
 /// The view called `name`.
 ///

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::index::Index;
 use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
 use super::{Bounds, Field, Region, Surface, Texel};
-use crate::graph::Graph;
 use crate::material::{BLOCK, Band, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, Skins, Wander};
 use crate::noise::{Jet, Source, Value, dispatched};
-use crate::seed;
 use fearless_simd::Simd;
+use plume_graph::Graph;
+use plume_graph::seed;
 
 /// A cave to be sampled: a graph, the shape of its passages, a rock and how it is dressed.
 #[derive(Debug)]

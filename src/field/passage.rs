@@ -3,12 +3,12 @@
 //! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
 //! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
 
-use crate::graph::clearance::Girth;
-use crate::graph::{Graph, Node, Section, Shape};
 use crate::material::{BLOCK, Sites, Stored, Wander};
 use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use plume_graph::clearance::Girth;
+use plume_graph::{Graph, Node, Section, Shape};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

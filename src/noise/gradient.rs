@@ -15,7 +15,7 @@ const LACUNARITY: f32 = 2.03;
 pub struct Source(u32);
 
 impl Source {
-    /// The source with this salt, such as one of [`crate::seed::salt`].
+    /// The source with this salt, such as one of [`plume_graph::seed::salt`].
     pub fn new(salt: u32) -> Self {
         Self(salt)
     }

@@ -1,10 +1,10 @@
 use std::path::PathBuf;
 
-use crate::graph::GenerateError;
-use crate::graph::format::ReadError;
 use crate::mesh::GridError;
 use crate::preview::PreviewError;
 use crate::store::{ChunkError, StoreError};
+use plume_graph::GenerateError;
+use plume_survey::ReadError;
 
 /// Why a cave was not finished.
 #[derive(Debug, thiserror::Error)]

@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicBool;
 use plume_disk::regular;
 
 use super::{PipelineError, program};
-use crate::graph::format::{self, Import, Parts};
-use crate::graph::{Outside, RunError, Task};
+use plume_graph::{Outside, RunError, Task};
+use plume_survey::{Import, Parts};
 
 /// The disk alone: regular files, since a pipe may block and a device may never end.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,7 +35,7 @@ impl Disk {
     /// # Errors
     /// When it cannot be read or is no graph.
     pub fn graph(&self, path: &Path, parts: Parts) -> Result<Import, PipelineError> {
-        Ok(format::read(path, parts, self)?)
+        Ok(plume_survey::read(path, parts, self)?)
     }
 }
 

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::graph::{RunError, Task};
+use plume_graph::{RunError, Task};
 
 /// How often a running program is looked at.
 const GLANCE: Duration = Duration::from_millis(10);

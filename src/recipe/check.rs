@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::fault::{Fault, Faults};
 use super::read::Draft;
 use super::schema::{choosing_key, chosen};
-use crate::echo::{plain, shown};
+use plume_graph::echo::{plain, shown};
 
 /// Checks the whole draft.
 ///

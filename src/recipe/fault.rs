@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::echo::shown;
+use plume_graph::echo::shown;
 
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use toml_edit::{ArrayOfTables, Document, Item, Table, TableLike};
 
 use super::fault::{Fault, Faults, Origin};
-use crate::echo::{plain, sentence};
+use plume_graph::echo::{plain, sentence};
 
 /// Bytes of a recipe.
 pub const MAX_BYTES: u64 = 1 << 20;

@@ -5,17 +5,17 @@ use serde_json::{Map, Value, json};
 
 use super::WorldSettings;
 use crate::field::PassageSettings;
-use crate::graph::realism::RealismSettings;
-use crate::graph::{self, GENERATORS};
 use crate::material::{self, Look, MATERIALS};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
+use plume_generators::GENERATORS;
+use plume_graph::realism::RealismSettings;
 
 /// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
 pub fn of(recipe: &Value) -> Value {
     let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS[0].name);
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS[0].name);
-    let row = graph::generator(generator).unwrap_or(&GENERATORS[0]);
+    let row = plume_generators::generator(generator).unwrap_or(&GENERATORS[0]);
     let settings = plain((row.schema)().to_value());
     let graph = choice("generator", generator, &generator_names(), "How the passages grow.", settings);
     let rock_row = material::material(kind).unwrap_or(&MATERIALS[0]);

@@ -8,9 +8,9 @@ use serde_json::Value;
 
 use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
-use crate::echo::shown;
 use crate::mesh::ChunkIndex;
 use crate::texture::ImageFormat;
+use plume_graph::echo::shown;
 
 /// The name of units that are made once for the whole cave.
 pub const WHOLE_CAVE: &str = "cave";

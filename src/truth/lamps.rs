@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::column::{ceiling_z, floor_z};
 use crate::field::Field;
-use crate::graph::Graph;
+use plume_graph::Graph;
 
 /// Where between floor and ceiling a lamp hangs.
 const HEIGHT_SHARE: f64 = 0.78;

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::column::{ceiling_z, floor_z};
 use crate::field::Field;
-use crate::graph::Graph;
+use plume_graph::Graph;
 
 /// Half the footprint that must be level, m: a Husky is 0.99 m long and 0.67 m wide.
 const FOOTPRINT_M: f64 = 0.45;

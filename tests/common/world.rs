@@ -4,7 +4,8 @@
 use std::io;
 use std::path::Path;
 
-use plume::graph::{GENERATORS, GeneratorRow, Graph, Outside, RunError, Task};
+use plume::generators::{GENERATORS, GeneratorRow};
+use plume::graph::{Graph, Outside, RunError, Task};
 use plume::material::{MATERIALS, MaterialRow};
 use serde_json::{Value, json};
 

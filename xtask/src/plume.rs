@@ -15,7 +15,7 @@ impl Plume {
     /// Builds it, optimised.
     pub fn build() -> Result<Self> {
         eprintln!("building plume");
-        run(cargo().args(["build", "--release", "--quiet", "--package", "plume"]))?;
+        run(cargo().args(["build", "--release", "--quiet", "--package", "plume-cli"]))?;
         Ok(Self { program: root().join("target/release/plume") })
     }
 

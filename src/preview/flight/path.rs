@@ -6,9 +6,9 @@ use std::collections::BinaryHeap;
 use nalgebra::{Point3, Vector3};
 
 use crate::field::{CaveField, Field};
-use crate::graph::Graph;
 use crate::preview::inside::{Pose, is_air, raised};
 use crate::preview::{PreviewError, Subject};
+use plume_graph::Graph;
 
 /// Distance between the points of a way, metres.
 const STEP_M: f64 = 0.25;

@@ -5,9 +5,9 @@ use nalgebra::Point3;
 use super::camera::{Camera, between, dot, unit};
 use super::march;
 use crate::field::{Field, Texel};
-use crate::graph::Graph;
 use crate::preview::Subject;
 use crate::truth;
+use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: as packages have it.
 const LAMP_CD_PER_M2: f32 = 0.12;

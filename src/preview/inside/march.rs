@@ -131,8 +131,8 @@ pub fn distances(field: &dyn Field, points: &[[f32; 3]]) -> Vec<f32> {
 mod tests {
     use super::*;
     use crate::field::{CaveField, PassageSettings};
-    use crate::graph::{self, Nowhere};
     use crate::material::{Look, MATERIALS, MaterialRow};
+    use plume_graph::Nowhere;
     use serde_json::json;
 
     /// Steps of the slow way, metres.
@@ -150,7 +150,7 @@ mod tests {
 
     /// How many of 200 rays from the middle of a cave in this rock end more than 2 cm from where the slow way ends.
     fn strays(rock: &MaterialRow) -> usize {
-        let row = graph::generator("gaussian-perlin").expect("the table has it");
+        let row = plume_generators::generator("gaussian-perlin").expect("the table has it");
         let generator = (row.read)(json!({"nodes": 20})).expect("settings of its own");
         let graph = generator.generate(3, &Nowhere).expect("a small cave");
         let material = (rock.read)(json!({})).expect("settings of its own");

@@ -5,9 +5,9 @@ use std::f32::consts::TAU;
 use super::camera::{Pose, Ray};
 use super::march::{Approach, BRISK, march};
 use crate::field::Field;
-use crate::graph::Graph;
 use crate::preview::{PreviewError, Subject};
 use crate::truth;
+use plume_graph::Graph;
 
 /// Height of the eye above the ground, metres, where there is room for it.
 pub const EYE_M: f32 = 1.0;
@@ -104,9 +104,9 @@ fn beginning(graph: &Graph) -> Graph {
 mod tests {
     use super::*;
     use crate::field::{CaveField, PassageSettings};
-    use crate::graph::Node;
     use crate::material::{Look, MATERIALS};
     use nalgebra::Point3;
+    use plume_graph::Node;
     use serde_json::json;
 
     /// A straight passage from the origin, each station so much higher than the one before, metres.

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 
 use super::frame::Frame;
 use super::sheet::{Panel, Sheet};
-use crate::graph::Graph;
 use crate::preview::svg::{Spot, Svg};
 use crate::preview::theme::Palette;
+use plume_graph::Graph;
 
 /// A mark nearer to another than this is left out, in units of the paper.
 const APART: f64 = 9.0;

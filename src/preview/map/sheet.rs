@@ -1,7 +1,7 @@
 //! A graph as it lies on paper, still in metres.
 
-use crate::graph::{Graph, Node};
 use crate::preview::Subject;
+use plume_graph::{Graph, Node};
 
 /// More storeys than this are drawn over each other.
 const MOST_PANELS: usize = 12;

@@ -1,0 +1,208 @@
+//! `plume export`: the main job in one line.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use plume_exporters::bundle::Bundle;
+use plume_exporters::package::Existing;
+use plume_exporters::place::Place;
+
+use super::fault::CliError;
+use super::generate::note_changes;
+use super::progress::Console;
+use super::summary::Summary;
+use super::{Host, Source};
+use plume::cave::{self, Cave, Input, Order, Wanted};
+use plume::pipeline::{Observer, Pipeline, PipelineError};
+use plume::store::{CaveFolder, TemporaryFolder};
+
+/// Makes a cave and hands it to simulators.
+#[derive(Args)]
+pub struct Export {
+    #[command(flatten)]
+    source: Source,
+    /// Targets, separated by commas; `plume list targets` names them
+    #[arg(long, short, value_name = "TARGET", value_delimiter = ',', required = true)]
+    target: Vec<String>,
+    /// Where the package goes; with several targets, the folder above theirs [default: NAME-TARGET]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Set an option of a target, for example --option gazebo.lights=false
+    #[arg(long, value_name = "TARGET.KEY=VALUE")]
+    option: Vec<String>,
+    /// Make one file of each package: zip, tar.zst, tgz for npm and Unity, mjz for MuJoCo
+    #[arg(long, value_name = "KIND")]
+    bundle: Option<String>,
+    /// Keep the cave folder here, to export from it again
+    #[arg(long, value_name = "CAVE_DIR")]
+    keep: Option<PathBuf>,
+}
+
+impl Export {
+    /// Makes the cave if need be, then each package.
+    ///
+    /// # Errors
+    /// Bad input, the disk, Ctrl-C, a missing USD library.
+    pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
+        let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
+        let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
+        let wanted = cave::build(choices, &self.option, host.library())?;
+        let input = self.source.resolve(console)?;
+        let outputs = self.outputs(&input.recipe.name, &wanted, bundle);
+        self.refuse_same_place(&outputs)?;
+        note_changes(&input, console);
+        let mut summary = Summary::start();
+        let orders = self.open_orders(wanted, &outputs, bundle, &input, console, &mut summary)?;
+        let work = self.work_folder(&input, &outputs[0])?;
+        if !orders.is_empty() {
+            let made = self.made(input, &orders, &work, console, &mut summary);
+            let cave = match made {
+                Err(error) if is_hopeless(&error) => {
+                    work.clear();
+                    return Err(error);
+                }
+                made => made?,
+            };
+            let chunks = cave.chunks(console.stop());
+            let scene = cave.scene(&chunks);
+            for (order, exported) in orders.iter().zip(cave::export(&scene, &orders)?) {
+                summary.package(order, &exported);
+            }
+        }
+        work.clear();
+        outputs.iter().for_each(|output| plume_disk::sweep_beside(output));
+        summary.print(console)
+    }
+
+    /// The cave, with what the orders want of it.
+    fn made(
+        &self,
+        input: Input,
+        orders: &[Order],
+        work: &WorkFolder,
+        console: &Console,
+        summary: &mut Summary,
+    ) -> Result<Cave, CliError> {
+        let folder = work.open(input.folder.as_deref())?;
+        let force = self.source.force || work.is_temporary();
+        let mut done = |stage, pipeline: &Pipeline| summary.stage_done(stage, pipeline);
+        let cave = Cave::make(input, folder, force, console, &mut done)?;
+        if orders.iter().any(|order| order.wanted.target.wants_pieces()) {
+            cave.make_pieces(console, &mut done)?;
+        }
+        Ok(cave)
+    }
+
+    /// The first target that needs a USD library.
+    pub fn usd_target(&self) -> Option<&'static str> {
+        let wanted = self.target.iter().filter_map(|name| cave::target(name).ok());
+        wanted.filter(|choice| choice.row.needs_usd()).map(|choice| choice.row.name).next()
+    }
+
+    /// Refuses a place that two would write to.
+    fn refuse_same_place(&self, outputs: &[PathBuf]) -> Result<(), CliError> {
+        let places: Vec<&PathBuf> = outputs.iter().chain(&self.keep).collect();
+        let twice = places.iter().enumerate().find(|(i, place)| places[..*i].contains(place));
+        twice.map_or(Ok(()), |(_, place)| {
+            Err(CliError::Usage {
+                message: format!("{}: two things cannot both be written here", place.display()),
+                hint: "name each target once, and a folder of its own for --keep".into(),
+            })
+        })
+    }
+
+    fn outputs(&self, name: &str, targets: &[Wanted], bundle: Option<Bundle>) -> Vec<PathBuf> {
+        let folders = match (&self.output, targets) {
+            (Some(output), [_]) => vec![output.clone()],
+            (Some(output), _) => targets.iter().map(|wanted| output.join(wanted.choice.folder())).collect(),
+            (None, _) => {
+                targets.iter().map(|wanted| PathBuf::from(format!("{name}-{}", wanted.choice.folder()))).collect()
+            }
+        };
+        match bundle {
+            Some(bundle) => folders.iter().map(|folder: &PathBuf| bundle.file(folder)).collect(),
+            None => folders,
+        }
+    }
+
+    /// The orders that are still to be done: of an export that was stopped, some may be done already.
+    fn open_orders(
+        &self,
+        wanted: Vec<Wanted>,
+        outputs: &[PathBuf],
+        bundle: Option<Bundle>,
+        input: &Input,
+        console: &Console,
+        summary: &mut Summary,
+    ) -> Result<Vec<Order>, CliError> {
+        let existing = if self.source.force { Existing::Replace } else { Existing::Keep };
+        let places = outputs.iter().map(|path| Place { path: path.clone(), bundle, existing });
+        let orders = wanted.into_iter().zip(places).map(|(wanted, place)| Order { wanted, place });
+        let (mut open, mut fingerprint) = (Vec::new(), None);
+        for order in orders {
+            let Err(refusal) = order.place.check() else {
+                open.push(order);
+                continue;
+            };
+            if fingerprint.is_none() {
+                fingerprint = Some(cave::fingerprint(input, console)?);
+            }
+            if !fingerprint.as_ref().is_some_and(|cave| order.is_done(cave)) {
+                return Err(refusal.into());
+            }
+            summary.kept(&order);
+        }
+        Ok(open)
+    }
+
+    /// A named cave folder serves as it is; else, and where the recipe is another, the cave is made in a hidden folder beside
+    /// the package.
+    fn work_folder(&self, input: &Input, output: &Path) -> Result<WorkFolder, CliError> {
+        if let Some(path) = &self.keep {
+            return Ok(WorkFolder::Named(path.clone()));
+        }
+        if let Some(path) = input.folder.as_ref().filter(|_| !input.is_overridden) {
+            return Ok(WorkFolder::Named(path.clone()));
+        }
+        // A folder that is there, perhaps as `.`, gets a neighbour and not something inside it.
+        let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
+        let name = output.file_name().unwrap_or_default().to_string_lossy();
+        Ok(WorkFolder::Hidden(TemporaryFolder::claim(&output.with_file_name(format!(".{name}.cave")))?))
+    }
+}
+
+/// What no second run could finish is not kept for it.
+fn is_hopeless(error: &CliError) -> bool {
+    matches!(error, CliError::Pipeline(PipelineError::Grid(_) | PipelineError::Empty))
+}
+
+/// The folder in which the cave is made. A hidden one goes when the packages are whole and stays after a kill, so that the
+/// next run goes on.
+enum WorkFolder {
+    Named(PathBuf),
+    Hidden(TemporaryFolder),
+}
+
+impl WorkFolder {
+    /// The folder, which takes over what fits of the cave folder that was named.
+    fn open(&self, named: Option<&Path>) -> Result<CaveFolder, CliError> {
+        let folder = match self {
+            Self::Named(path) => CaveFolder::open_or_new(path)?,
+            Self::Hidden(folder) => CaveFolder::open(folder.path())?,
+        };
+        match named.filter(|named| *named != folder.root()) {
+            Some(named) => Ok(folder.based_on(CaveFolder::open(named)?)),
+            None => Ok(folder),
+        }
+    }
+
+    fn is_temporary(&self) -> bool {
+        matches!(self, Self::Hidden(_))
+    }
+
+    fn clear(self) {
+        if let Self::Hidden(folder) = self {
+            folder.remove();
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! `plume generate`, and its stages one by one.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Source;
+use super::fault::CliError;
+use super::progress::Console;
+use super::summary::Summary;
+use plume::cave::{self, Input};
+use plume::store::{CaveFolder, Stage};
+
+/// Makes a cave folder; stopped or killed, the same command goes on where it stopped. Named itself, a cave folder follows
+/// the changes in its recipe and graph.
+#[derive(Args)]
+pub struct Generate {
+    #[command(flatten)]
+    source: Source,
+    /// The cave folder to make [default: the name of the cave, or the cave folder named]
+    #[arg(short, long, value_name = "CAVE_DIR")]
+    output: Option<PathBuf>,
+}
+
+impl Generate {
+    /// Runs the stages up to `last`.
+    ///
+    /// # Errors
+    /// Bad input, the disk, Ctrl-C.
+    pub fn run(&self, last: Stage, console: &Console) -> Result<(), CliError> {
+        let input = self.source.resolve(console)?;
+        let named = input.folder.clone();
+        let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
+        let mut folder = CaveFolder::open_or_new(&output)?;
+        if let Some(named) = input.folder.as_ref().filter(|named| **named != output) {
+            folder = folder.based_on(CaveFolder::open(named)?);
+        }
+        note_changes(&input, console);
+        let mut summary = Summary::start();
+        cave::make(&input, &folder, last, self.source.force, console, &mut |stage, pipeline| {
+            summary.stage_done(stage, pipeline)
+        })?;
+        summary.place("cave", &output, &folder);
+        summary.print(console)
+    }
+}
+
+/// Says what has changed in a cave folder, before what follows from it is made.
+pub fn note_changes(input: &Input, console: &Console) {
+    for change in &input.changes {
+        console.note(&format!("  changed   {change}"));
+    }
+}

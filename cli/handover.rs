@@ -1,0 +1,105 @@
+//! From the binary, which holds no Python, to the `plume` command of a Python that has the same version of Plume.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use plume_exporters::ExportError;
+
+use super::fault::CliError;
+use plume::VERSION;
+
+/// Names the Python to hand over to, before any other.
+const VARIABLE: &str = "PLUME_PYTHON";
+/// Folders above the program in which `.venv` is looked for: `target/release/plume` lies three below a workspace.
+const FOLDERS_ABOVE: usize = 4;
+/// Prints the version of Plume that this Python has, or why there is none. Looks, but loads no USD.
+const PROBE: &str = "
+try:
+    import importlib.metadata, plume
+    importlib.metadata.version('usd-core')
+    print(plume.__version__)
+except Exception as error:
+    print('!', error)
+";
+
+/// Runs the same command line in a Python that can write USD. On Unix that takes this process's place; elsewhere its
+/// exit code is given.
+///
+/// # Errors
+/// [`ExportError::MissingPart`], which names each place that was looked at.
+pub fn to_python(target: &str, arguments: &[OsString]) -> Result<u8, CliError> {
+    let mut looked = String::new();
+    for candidate in candidates() {
+        match probe(&candidate.python) {
+            Ok(()) => return replace(&candidate.python, arguments.get(1..).unwrap_or_default()),
+            Err(reason) => {
+                looked.push_str(&format!("\n  {} ({}): {reason}", candidate.origin, candidate.python.display()));
+            }
+        }
+    }
+    Err(ExportError::MissingPart {
+        message: format!(
+            "target `{target}` is written by the Python package usd-core, and no Python was found that has it \
+             together with plume {VERSION}; looked at{looked}"
+        ),
+        hint: format!("`pip install .` in the sources of plume {VERSION}, then run that Python's `plume`, or name it in {VARIABLE}"),
+    }
+    .into())
+}
+
+/// A Python that may have Plume, and why we think so.
+struct Candidate {
+    origin: String,
+    python: PathBuf,
+}
+
+/// The Python that was named and no other; else the active environment, those around the program, the one on the path.
+fn candidates() -> Vec<Candidate> {
+    if let Some(python) = std::env::var_os(VARIABLE) {
+        return vec![Candidate { origin: VARIABLE.to_owned(), python: python.into() }];
+    }
+    let active = ["VIRTUAL_ENV", "CONDA_PREFIX"].into_iter().filter_map(|variable| {
+        let folder = PathBuf::from(std::env::var_os(variable)?);
+        Some(Candidate { origin: variable.to_owned(), python: python_of(&folder) })
+    });
+    let program = std::env::current_exe().and_then(|program| program.canonicalize()).unwrap_or_default();
+    let around = program.ancestors().skip(1).take(FOLDERS_ABOVE).filter_map(|folder| {
+        let environment = folder.join(".venv");
+        let candidate = Candidate { origin: "beside the program".to_owned(), python: python_of(&environment) };
+        environment.is_dir().then_some(candidate)
+    });
+    let on_path = Candidate { origin: "on the path".to_owned(), python: "python3".into() };
+    active.chain(around).chain([on_path]).collect()
+}
+
+fn python_of(environment: &Path) -> PathBuf {
+    environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
+}
+
+/// Whether this Python has our version; if not, why.
+fn probe(python: &Path) -> Result<(), String> {
+    let output = Command::new(python).args(["-c", PROBE]).output().map_err(|error| error.to_string())?;
+    match String::from_utf8_lossy(&output.stdout).trim() {
+        VERSION => Ok(()),
+        "" => Err(format!("it failed with {}", output.status)),
+        other => Err(match other.strip_prefix("! ") {
+            Some(reason) => reason.to_owned(),
+            None => format!("it has plume {other}"),
+        }),
+    }
+}
+
+#[cfg(unix)]
+fn replace(python: &Path, arguments: &[OsString]) -> Result<u8, CliError> {
+    use std::os::unix::process::CommandExt;
+    let source = Command::new(python).args(["-m", "plume"]).args(arguments).exec();
+    Err(CliError::Input { path: python.to_owned(), source })
+}
+
+#[cfg(not(unix))]
+fn replace(python: &Path, arguments: &[OsString]) -> Result<u8, CliError> {
+    let status = Command::new(python).args(["-m", "plume"]).args(arguments).status();
+    let status = status.map_err(|source| CliError::Input { path: python.to_owned(), source })?;
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1))
+}

@@ -1,0 +1,129 @@
+//! Progress bars and notes on stderr, results on stdout.
+
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::fault::CliError;
+use super::{Common, signals};
+use plume::pipeline::{Disk, Observer};
+use plume::store::Stage;
+
+/// Where everything is printed.
+pub struct Console {
+    quiet: bool,
+    json: bool,
+    allow_run: bool,
+    disk: Disk,
+    bar: Mutex<Option<(ProgressBar, Instant)>>,
+}
+
+impl Console {
+    /// A console.
+    pub fn new(common: &Common) -> Self {
+        let disk = Disk { allows_strays: common.allow_outside };
+        Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, disk, bar: Mutex::new(None) }
+    }
+
+    /// Whether results are asked for as JSON.
+    pub fn is_json(&self) -> bool {
+        self.json
+    }
+
+    /// The disk, as far as the user lets files lead on it.
+    pub fn disk(&self) -> Disk {
+        self.disk
+    }
+
+    /// Prints what was asked for.
+    ///
+    /// # Errors
+    /// As [`told`].
+    pub fn result(&self, text: &str) -> Result<(), CliError> {
+        told(io::stdout().write_all(text.as_bytes()))
+    }
+
+    /// Prints a line about the work.
+    pub fn note(&self, text: &str) {
+        if !self.quiet {
+            let _ = writeln!(io::stderr(), "{text}");
+        }
+    }
+
+    /// Prints a fault and its hint.
+    pub fn fault(&self, error: &CliError) {
+        self.clear();
+        fault(error);
+    }
+
+    fn clear(&self) {
+        if let Some((bar, _)) = self.bar.lock().ok().and_then(|mut bar| bar.take()) {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Ends what was written to standard output. A reader that hangs up early is no fault.
+///
+/// # Errors
+/// When not all of it could be written.
+pub fn told(written: io::Result<()>) -> Result<(), CliError> {
+    match written.and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(CliError::Failed(format!("standard output: {error}; what was printed is not whole")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a fault and its hint.
+pub fn fault(error: &CliError) {
+    let hint = error.hint();
+    let mut stderr = io::stderr();
+    let _ = writeln!(stderr, "error: {error}");
+    if !hint.is_empty() {
+        let _ = writeln!(stderr, " hint: {hint}");
+    }
+}
+
+impl Observer for Console {
+    fn begin(&self, stage: Stage, total: usize) {
+        let bar = if self.quiet || !io::stderr().is_terminal() {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(total as u64)
+        };
+        let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {eta}");
+        bar.set_style(style.expect("the template is a constant"));
+        bar.set_prefix(stage.name());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        if let Ok(mut slot) = self.bar.lock() {
+            *slot = Some((bar, Instant::now()));
+        }
+    }
+
+    fn advance(&self, _stage: Stage) {
+        if let Some((bar, _)) = self.bar.lock().ok().as_deref().and_then(Option::as_ref) {
+            bar.inc(1);
+        }
+    }
+
+    fn end(&self, _stage: Stage) {
+        self.clear();
+    }
+
+    fn stop(&self) -> &AtomicBool {
+        signals::stop()
+    }
+
+    fn allows_programs(&self) -> bool {
+        self.allow_run
+    }
+
+    fn allows_strays(&self) -> bool {
+        self.disk.allows_strays
+    }
+}

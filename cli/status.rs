@@ -1,0 +1,88 @@
+//! `plume status`: how far a cave folder is.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::fault::CliError;
+use super::progress::Console;
+use plume::cave::Input;
+use plume::pipeline::{Pipeline, StageStatus, State};
+use plume::store::{CaveFolder, Stage};
+
+/// Says what is finished in a cave folder, what is outdated or damaged, and which command goes on; writes nothing.
+#[derive(Args)]
+pub struct Status {
+    /// A cave folder, finished or not
+    #[arg(value_name = "CAVE_DIR")]
+    folder: PathBuf,
+}
+
+impl Status {
+    /// Prints a line for each stage on stdout.
+    ///
+    /// # Errors
+    /// When the folder holds no cave or cannot be read.
+    pub fn run(&self, console: &Console) -> Result<(), CliError> {
+        let Input { recipe, graph, .. } = Input::read(Some(&self.folder), &[], console.disk())?;
+        let folder = CaveFolder::open(&self.folder)?;
+        let is_busy = folder.is_in_use();
+        let pipeline = Pipeline::plan(&recipe, graph, &folder, console)?;
+        let stages = pipeline.status()?;
+        let next = self.next(&stages, is_busy);
+        if console.is_json() {
+            let is_finished = next.is_none();
+            let json = json!({
+                "name": recipe.name, "seed": recipe.seed, "stages": stages,
+                "busy": is_busy, "finished": is_finished, "next": next,
+            });
+            return console.result(&format!("{json:#}\n"));
+        }
+        let mut text = format!("{}: {}, seed {}\n", self.folder.display(), recipe.name, recipe.seed);
+        stages.iter().for_each(|stage| text += &line(stage));
+        text +=
+            &format!("  next      {}\n", next.unwrap_or_else(|| format!("plume export {} …", self.folder.display())));
+        console.result(&text)
+    }
+
+    /// What is to be done before the cave is finished.
+    fn next(&self, stages: &[StageStatus], is_busy: bool) -> Option<String> {
+        if is_busy {
+            return Some("wait: a run is at work here".to_owned());
+        }
+        let needed = stages.iter().filter(|status| status.stage != Stage::Pieces);
+        let open = needed.filter(|status| status.state != State::Done).count();
+        (open > 0).then(|| format!("plume generate {}", self.folder.display()))
+    }
+}
+
+fn line(status: &StageStatus) -> String {
+    let state = match status.state {
+        State::Missing if status.stage == Stage::Pieces => "not made; targets that want them make them".to_owned(),
+        State::Missing => "missing".to_owned(),
+        State::Empty => "empty     there is no open space that a voxel can hold".to_owned(),
+        State::Done => format!("done      {}", units(status.stage, status.done)),
+        State::Outdated => {
+            format!("outdated  {} of an earlier recipe, graph or version", units(status.stage, status.outdated))
+        }
+        State::Partial => match status.total {
+            Some(total) => format!("partial   {} of {total}", status.done),
+            None => format!("partial   {}", units(status.stage, status.done)),
+        },
+    };
+    let damaged = match status.damaged.as_slice() {
+        [] => String::new(),
+        damaged => format!("; changed or missing on the disk: {}", damaged.join(", ")),
+    };
+    format!("  {:9} {state}{damaged}\n", status.stage.name())
+}
+
+fn units(stage: Stage, count: usize) -> String {
+    match (stage, count) {
+        (Stage::Graph, _) => "1 graph".to_owned(),
+        (Stage::Preview, _) => "plan and profile".to_owned(),
+        (_, 1) => "1 chunk".to_owned(),
+        _ => format!("{count} chunks"),
+    }
+}

@@ -1,0 +1,150 @@
+//! What was made, in a few lines or as JSON.
+
+use std::fs;
+use std::ops::Add;
+use std::path::Path;
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
+use serde_json::{Map, Value, json};
+
+use super::fault::CliError;
+use super::progress::Console;
+use plume::cave::{Exported, Order};
+use plume::pipeline::Pipeline;
+use plume::store::{CaveFolder, Stage, Unit};
+use plume_graph::Graph;
+
+/// Numbers gathered while the stages run.
+pub struct Summary {
+    wall: Instant,
+    cpu: ProcessTime,
+    lines: Vec<String>,
+    json: Map<String, Value>,
+}
+
+impl Summary {
+    /// Starts the clocks.
+    pub fn start() -> Self {
+        Self { wall: Instant::now(), cpu: ProcessTime::now(), lines: Vec::new(), json: Map::new() }
+    }
+
+    /// A stage is done.
+    pub fn stage_done(&mut self, stage: Stage, pipeline: &Pipeline) {
+        match stage {
+            Stage::Graph => self.graph(pipeline.graph()),
+            Stage::Preview => self.preview(&pipeline.units(Stage::Preview)),
+            Stage::Mesh => self.mesh(&pipeline.walls()),
+            Stage::Texture => self.texture(&pipeline.units(Stage::Texture)),
+            Stage::Pieces => self.pieces(&pipeline.units(Stage::Pieces)),
+        }
+    }
+
+    fn graph(&mut self, graph: &Graph) {
+        let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
+        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": length_m});
+        self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
+    }
+
+    fn preview(&mut self, units: &[Unit]) {
+        let maps: Vec<&str> = units.iter().flat_map(|unit| &unit.files).map(|file| file.path.as_str()).collect();
+        self.stage("preview", &maps.join("  "), json!({"files": maps}));
+    }
+
+    fn mesh(&mut self, walls: &[Unit]) {
+        let sum = |key: &str| walls.iter().filter_map(|unit| unit.facts[key].as_f64()).fold(0.0, f64::add);
+        let (chunks, triangles, area_m2) = (walls.len(), sum("triangles"), sum("area_m2"));
+        let collision = sum("collision_triangles");
+        let numbers = json!({
+            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": area_m2
+        });
+        let text = format!("{chunks} chunks  {triangles:.0} triangles  {area_m2:.0} m²");
+        self.stage("mesh", &text, numbers);
+    }
+
+    fn texture(&mut self, units: &[Unit]) {
+        let bytes: u64 = units.iter().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
+        let density = units.iter().filter_map(|unit| unit.facts["texels_per_m"].as_f64());
+        let density = density.fold(f64::INFINITY, f64::min);
+        let numbers = json!({"bytes": bytes, "texels_per_m": density});
+        self.stage("texture", &format!("{:.0} MB  at least {density:.0} texels/m", megabytes(bytes)), numbers);
+    }
+
+    fn pieces(&mut self, units: &[Unit]) {
+        let pieces: u64 = units.iter().filter_map(|unit| unit.facts["pieces"].as_u64()).sum();
+        self.stage("pieces", &format!("{pieces} convex pieces"), json!({"pieces": pieces}));
+    }
+
+    /// A package was written.
+    pub fn package(&mut self, order: &Order, exported: &Exported) {
+        let (path, open) = (&order.place.path, &exported.summary.open);
+        let (count, bytes) = (exported.files.0.len(), exported.files.bytes());
+        // Packages are written side by side, so that each brings its own time along.
+        let cpu_s = exported.cpu.as_secs_f64();
+        let numbers =
+            json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
+        let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
+        self.row(&order.wanted.choice.name(), &text, cpu_s, numbers);
+        self.lines.push(format!("  {:9} {open}", "to open:"));
+    }
+
+    /// A package was there already, whole and of the same cave.
+    pub fn kept(&mut self, order: &Order) {
+        let (name, path) = (order.wanted.choice.name(), &order.place.path);
+        self.lines.push(format!("  {name:9} {}  is there already, whole", path.display()));
+        self.json.insert(name, json!({"path": path.to_string_lossy(), "kept": true}));
+    }
+
+    /// A cave folder was made.
+    pub fn place(&mut self, what: &str, path: &Path, folder: &CaveFolder) {
+        let stages = [Stage::Graph, Stage::Preview, Stage::Mesh, Stage::Texture, Stage::Pieces];
+        let units = stages.into_iter().flat_map(|stage| folder.units(stage));
+        let files: usize = units.map(|unit| unit.files.len()).sum();
+        self.stage(
+            what,
+            &format!("{}  {files} files", path.display()),
+            json!({"path": path.to_string_lossy(), "files": files}),
+        );
+    }
+
+    /// Prints it all.
+    ///
+    /// # Errors
+    /// None; the last step of commands that can fail.
+    pub fn print(mut self, console: &Console) -> Result<(), CliError> {
+        let wall_s = self.wall.elapsed().as_secs_f64();
+        self.json.insert("wall_s".into(), json!(wall_s));
+        self.json.insert("peak_memory_bytes".into(), json!(peak_memory_bytes()));
+        if console.is_json() {
+            return console.result(&format!("{:#}\n", Value::Object(self.json)));
+        }
+        self.lines.iter().for_each(|line| console.note(line));
+        let memory = peak_memory_bytes().map(|bytes| format!("  peak {:.0} MB", megabytes(bytes)));
+        console.note(&format!("  done      {wall_s:.1} s{}", memory.unwrap_or_default()));
+        Ok(())
+    }
+
+    fn stage(&mut self, name: &str, text: &str, mut numbers: Value) {
+        let cpu_s = self.cpu.elapsed().as_secs_f64();
+        self.cpu = ProcessTime::now();
+        numbers["cpu_s"] = json!(cpu_s);
+        self.row(name, text, cpu_s, numbers);
+    }
+
+    fn row(&mut self, name: &str, text: &str, cpu_s: f64, numbers: Value) {
+        self.json.insert(name.to_owned(), numbers);
+        self.lines.push(format!("  {name:9} {text}  {cpu_s:.1} CPU s"));
+    }
+}
+
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / 1e6
+}
+
+/// The most memory the process ever held, where the system tells (Linux).
+fn peak_memory_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib * 1024)
+}

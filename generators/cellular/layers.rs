@@ -1,0 +1,96 @@
+//! Layers joined by ramps.
+//!
+//! A ramp leaves the outermost passage of a layer outwards, runs along beside both layers and comes back to the outermost
+//! passage of the next one. Each ramp is on another side than the one before it.
+
+use nalgebra::Vector2;
+
+use super::Cellular;
+use plume_graph::sketch::{Knot, Sketch};
+
+/// Nodes of a layer that tell its passages and the ramp to it.
+pub(super) const LEAST_NODES: u32 = 12;
+/// How far apart the two legs of a ramp are, in widths.
+const LEGS_APART: f64 = 3.0;
+/// Part of its greatest inclination at which a ramp is dug: stations that cut its corners make it steeper.
+const GENTLER: f64 = 0.7;
+/// Outwards, to each side of the plan.
+const SIDES: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+
+/// One sketch of all layers, from the top down.
+pub(super) fn joined(settings: &Cellular, layers: Vec<Sketch>) -> Sketch {
+    let mut layers = layers.into_iter();
+    let mut whole = layers.next().unwrap_or_default();
+    let mut above = 0..whole.knots.len();
+    let mut side = None;
+    for layer in layers {
+        let start = whole.knots.len();
+        whole.knots.extend(layer.knots);
+        whole.lines.extend(layer.lines.iter().map(|line| line.map(|knot| knot + start)));
+        let below = start..whole.knots.len();
+        let neighbors = whole.neighbors();
+        let passages =
+            |layer: &std::ops::Range<usize>| layer.clone().filter(|&knot| !neighbors[knot].is_empty()).collect();
+        let ramp = Ramp::choose(settings, &whole, [passages(&above), passages(&below)], side);
+        side = Some(ramp.side);
+        ramp.build(settings, &mut whole);
+        above = below;
+    }
+    whole
+}
+
+/// Where a ramp begins and ends.
+struct Ramp {
+    side: usize,
+    ends: [usize; 2],
+}
+
+impl Ramp {
+    /// On the side, other than the last one, where its legs are farthest apart.
+    fn choose(settings: &Cellular, sketch: &Sketch, layers: [Vec<usize>; 2], last: Option<usize>) -> Self {
+        let at = |knot: usize, way: [f64; 2]| sketch.knots[knot].position.coords.xy().dot(&Vector2::from(way));
+        let outermost = |layer: &[usize], way: [f64; 2], may: &dyn Fn(usize) -> bool| {
+            let knots = layer.iter().copied().filter(|&knot| may(knot));
+            knots.max_by(|&a, &b| at(a, way).total_cmp(&at(b, way)))
+        };
+        let least = LEGS_APART * settings.width_min_m;
+        let on = |side: usize| {
+            let (way, along) = (SIDES[side], [SIDES[side][1], SIDES[side][0]]);
+            let head = outermost(&layers[0], way, &|_| true)?;
+            let apart = |knot: usize| (at(knot, along) - at(head, along)).abs();
+            let far = |knot: usize| apart(knot) >= least;
+            let foot = outermost(&layers[1], way, &far).or_else(|| outermost(&layers[1], way, &|_| true))?;
+            Some((apart(foot), Self { side, ends: [head, foot] }))
+        };
+        let sides = (0..SIDES.len()).filter(|&side| Some(side) != last).filter_map(on);
+        let best = sides.max_by(|a, b| a.0.total_cmp(&b.0));
+        best.expect("every layer has a passage, which is outermost").1
+    }
+
+    /// Digs it, as long as its inclination asks.
+    fn build(&self, settings: &Cellular, sketch: &mut Sketch) {
+        let [head, foot] = self.ends.map(|knot| sketch.knots[knot]);
+        let out = Vector2::from(SIDES[self.side]);
+        let [head_out, foot_out] = [head, foot].map(|knot| knot.position.coords.xy().dot(&out));
+        let across = (foot.position - head.position).xy();
+        let along_m = (across - out * across.dot(&out)).norm();
+        let slope = GENTLER * libm::tan(settings.ramp_max_deg.to_radians());
+        let needed_m = (head.position.z - foot.position.z).abs() / slope;
+        let beyond_m =
+            (0.5 * (needed_m - along_m - (head_out - foot_out).abs())).max(LEGS_APART * settings.width_min_m);
+        let reach = head_out.max(foot_out) + beyond_m;
+        let corner = |knot: &Knot, from: f64| knot.position.coords.xy() + out * (reach - from);
+        let legs = [reach - head_out, along_m, reach - foot_out];
+        let mut before = self.ends[0];
+        let mut walked = 0.0;
+        for (plan, leg) in [corner(&head, head_out), corner(&foot, foot_out)].into_iter().zip(legs) {
+            walked += leg;
+            let part = walked / legs.iter().sum::<f64>();
+            let z = head.position.z + (foot.position.z - head.position.z) * part;
+            let knot = sketch.add(settings.knot([plan.x, plan.y, z].into(), settings.width_min_m, foot.level));
+            sketch.join(before, knot);
+            before = knot;
+        }
+        sketch.join(before, self.ends[1]);
+    }
+}

@@ -1,0 +1,272 @@
+//! A cave while it grows: stations, passages, and the counts that choices hang on, kept up to date as they change.
+
+use nalgebra::Point3;
+
+use super::GaussianPerlin;
+use super::circle::Compass;
+use super::grid::Grid;
+use super::lengths::Lengths;
+use super::links::Link;
+use super::tuning::{
+    EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK, SPREAD,
+    SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
+};
+use crate::perlin::Perlin;
+use plume_graph::dice::Dice;
+use plume_graph::{Graph, Node, millimetres};
+
+/// What a station belongs to.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    /// The longest branch of a block of planned lengths; spared by connectors.
+    Main,
+    Trunk,
+    Spur,
+    Link,
+    Ramp,
+}
+
+/// A node, and what growth needs to know of it.
+pub(super) struct Station {
+    pub(super) position: Point3<f64>,
+    pub(super) radius: f64,
+    pub(super) parent: Option<usize>,
+    pub(super) neighbors: Vec<usize>,
+    pub(super) kind: Kind,
+    pub(super) level: u32,
+    /// Azimuth in which it was reached.
+    pub(super) heading: f64,
+    pub(super) alive: bool,
+    /// Where it stands in the list of tips.
+    pub(super) tip: Option<usize>,
+}
+
+impl Station {
+    pub(super) fn new(position: Point3<f64>, radius: f64, kind: Kind, level: u32) -> Self {
+        Self {
+            position: position.map(millimetres),
+            radius: millimetres(radius),
+            parent: None,
+            neighbors: Vec::new(),
+            kind,
+            level,
+            heading: 0.0,
+            alive: true,
+            tip: None,
+        }
+    }
+
+    pub(super) fn degree(&self) -> usize {
+        self.neighbors.len()
+    }
+
+    pub(super) fn half_width(&self) -> f64 {
+        half_width(self.radius)
+    }
+}
+
+/// Half the width of the passage at a node of this radius.
+pub(super) fn half_width(radius: f64) -> f64 {
+    0.5 * WIDTH_PER_RADIUS * radius
+}
+
+/// Lengths in metres that follow from the settings.
+pub(super) struct Lot {
+    /// Mean radius on trunks.
+    pub(super) trunk_reach: f64,
+    /// Mean radius on spurs and connectors.
+    pub(super) spur_reach: f64,
+    /// Mean length of a branch.
+    pub(super) mean_length: f64,
+    /// Greatest distance a connector spans.
+    pub(super) join_distance: f64,
+    /// Half the sides of the plan.
+    pub(super) half: [f64; 2],
+}
+
+impl Lot {
+    fn new(settings: &GaussianPerlin) -> Self {
+        let span = settings.reach_max_m - settings.reach_min_m;
+        let trunk_reach = settings.reach_min_m + TRUNK_REACH * span;
+        let stations = f64::from(settings.nodes) / f64::from(settings.layers);
+        let auto = 0.5 * SPREAD * trunk_reach * stations.sqrt() + SPREAD_RIM_M;
+        let half = |side_m: f64| {
+            if side_m > 0.0 { 0.5 * side_m / settings.scale } else { auto }
+        };
+        Self {
+            trunk_reach,
+            spur_reach: settings.reach_min_m + SPUR_REACH * span,
+            mean_length: MEAN_LENGTH * trunk_reach,
+            join_distance: JOIN_DISTANCE * trunk_reach,
+            half: [half(settings.bounds_x_m), half(settings.bounds_y_m)],
+        }
+    }
+}
+
+/// The state of one attempt.
+pub(super) struct Cave<'a> {
+    pub(super) settings: &'a GaussianPerlin,
+    pub(super) lot: Lot,
+    pub(super) dice: Dice,
+    pub(super) compass: Compass,
+    pub(super) relief: Perlin,
+    pub(super) lengths: Lengths,
+    pub(super) stations: Vec<Station>,
+    pub(super) grid: Grid,
+    /// Stations with one passage.
+    pub(super) tips: Vec<usize>,
+    pub(super) deepest: u32,
+    /// Links below each layer.
+    pub(super) links: Vec<Vec<Link>>,
+    mean_degree: f64,
+    /// Stations of the reduced graph: those without exactly two passages.
+    knots: usize,
+    /// Ends of branches at them.
+    knot_ends: usize,
+}
+
+impl<'a> Cave<'a> {
+    pub(super) fn new(settings: &'a GaussianPerlin, mut dice: Dice) -> Self {
+        let lot = Lot::new(settings);
+        Self {
+            compass: Compass::new(settings, &mut dice),
+            relief: Perlin::new(&mut dice),
+            lengths: Lengths::new(settings.nodes, lot.mean_length),
+            mean_degree: 2.0 + settings.loop_closure * dice.between(EXCESS_DEGREE[0], EXCESS_DEGREE[1]),
+            settings,
+            lot,
+            dice,
+            stations: Vec::new(),
+            grid: Grid::default(),
+            tips: Vec::new(),
+            deepest: 0,
+            links: Vec::new(),
+            knots: 0,
+            knot_ends: 0,
+        }
+    }
+
+    /// Nodes that are still to be placed.
+    pub(super) fn room(&self) -> usize {
+        (self.settings.nodes as usize).saturating_sub(self.stations.len())
+    }
+
+    /// Loops that the mean degree of the reduced graph still asks for.
+    pub(super) fn missing_loops(&self) -> f64 {
+        if self.settings.loop_closure == 0.0 || self.knots <= FEW_KNOTS {
+            return 0.0;
+        }
+        0.5 * self.mean_degree * self.knots as f64 - 0.5 * self.knot_ends as f64
+    }
+
+    pub(super) fn position(&self, station: usize) -> &Point3<f64> {
+        &self.stations[station].position
+    }
+
+    /// Azimuth from one station to another.
+    pub(super) fn azimuth(&self, from: usize, to: usize) -> f64 {
+        let way = self.position(to) - self.position(from);
+        libm::atan2(way.y, way.x)
+    }
+
+    /// Distance in the plan.
+    pub(super) fn distance(&self, a: usize, b: usize) -> f64 {
+        (self.position(a).xy() - self.position(b).xy()).norm()
+    }
+
+    /// A radius about `mean`, not far from the one before.
+    pub(super) fn draw_reach(&mut self, mean: f64, before: Option<f64>) -> f64 {
+        let drawn = mean * libm::exp(REACH_JITTER * self.dice.gauss());
+        let smooth = before.map_or(drawn, |radius| drawn.max(radius / REACH_SHRINK).min(radius * REACH_GROWTH));
+        smooth.max(self.settings.reach_min_m).min(self.settings.reach_max_m)
+    }
+
+    pub(super) fn add_station(&mut self, station: Station) -> usize {
+        let index = self.stations.len();
+        let parent = station.parent;
+        self.grid.add_station(index, &station.position);
+        self.deepest = self.deepest.max(station.level);
+        self.stations.push(station);
+        self.count(index);
+        if let Some(parent) = parent {
+            self.add_passage(parent, index);
+        }
+        index
+    }
+
+    /// Takes back the stations from `len` on, and their passages.
+    pub(super) fn truncate(&mut self, len: usize) {
+        for last in (len..self.stations.len()).rev() {
+            for other in self.stations[last].neighbors.clone() {
+                self.remove_passage(last, other);
+            }
+            self.uncount(last);
+            self.grid.remove_station(last, &self.stations[last].position);
+            self.stations.pop();
+        }
+    }
+
+    pub(super) fn add_passage(&mut self, a: usize, b: usize) {
+        self.relink(a, |neighbors| neighbors.push(b));
+        self.relink(b, |neighbors| neighbors.push(a));
+        let ends = [&self.stations[a].position, &self.stations[b].position];
+        self.grid.add_passage([a.min(b), a.max(b)], ends);
+    }
+
+    pub(super) fn remove_passage(&mut self, a: usize, b: usize) {
+        self.relink(a, |neighbors| neighbors.retain(|&other| other != b));
+        self.relink(b, |neighbors| neighbors.retain(|&other| other != a));
+        let ends = [&self.stations[a].position, &self.stations[b].position];
+        self.grid.remove_passage([a.min(b), a.max(b)], ends);
+    }
+
+    fn relink(&mut self, station: usize, change: impl FnOnce(&mut Vec<usize>)) {
+        self.uncount(station);
+        change(&mut self.stations[station].neighbors);
+        self.count(station);
+    }
+
+    fn count(&mut self, station: usize) {
+        let degree = self.stations[station].degree();
+        if degree == 1 {
+            self.stations[station].tip = Some(self.tips.len());
+            self.tips.push(station);
+        }
+        if degree != 2 {
+            self.knots += 1;
+            self.knot_ends += degree;
+        }
+    }
+
+    fn uncount(&mut self, station: usize) {
+        let degree = self.stations[station].degree();
+        if let Some(place) = self.stations[station].tip.take() {
+            self.tips.swap_remove(place);
+            if let Some(&moved) = self.tips.get(place) {
+                self.stations[moved].tip = Some(place);
+            }
+        }
+        if degree != 2 {
+            self.knots -= 1;
+            self.knot_ends -= degree;
+        }
+    }
+
+    pub(super) fn into_graph(self) -> Graph {
+        let mut edges = Vec::with_capacity(self.stations.len());
+        let mut nodes = Vec::with_capacity(self.stations.len());
+        for (index, station) in self.stations.into_iter().enumerate() {
+            edges.extend(station.neighbors.iter().map(|&other| [index, other]));
+            nodes.push(Node {
+                id: index as u64,
+                parent: station.parent,
+                position: station.position,
+                radius: station.radius,
+                active: station.alive && station.neighbors.len() == 1,
+                level: station.level,
+                section: None,
+            });
+        }
+        Graph::new(nodes, edges)
+    }
+}

@@ -1,0 +1,144 @@
+//! Deliberate links between neighbouring layers: counted, spaced, and within a range of slopes.
+//!
+//! A link goes straight down from a station until it meets the surface of the layer below, as steeply as was drawn, and on
+//! along that surface to a passage. Near 90 degrees that is a shaft. Where links are asked for, no others join layers.
+
+use nalgebra::{Point3, Vector2};
+
+use super::GaussianPerlin;
+use super::cave::{Cave, Kind, Station};
+use super::clearance::Goal;
+use super::hops::Hops;
+use super::tuning::{DEGREE, GENTLEST_RAMP, LINK_GOALS, LINK_SHARE, RAMP_HEADS, SHAFT, SINK_ROUNDS};
+use crate::ramp::{Course, Slopes, way_down};
+use plume_graph::millimetres;
+
+/// Where a link starts, and where it meets the layer below.
+pub(super) type Link = [Point3<f64>; 2];
+
+impl GaussianPerlin {
+    /// Whether passages between layers are counted and held to a range of slopes, beyond what ramps have by themselves.
+    pub(super) fn has_links(&self) -> bool {
+        /// Ramps that are walked like other passages are no steeper.
+        const STEEPEST_WALK_DEG: f64 = 60.0;
+        let asked = self.links > 1 || self.ramp_min_deg > 0.0 || self.ramp_max_deg > STEEPEST_WALK_DEG;
+        self.layers > 1 && asked
+    }
+
+    /// Slopes of links, from the least to the greatest, in radians.
+    fn link_slopes(&self) -> Slopes {
+        Slopes::of_degrees(self.ramp_min_deg.max(GENTLEST_RAMP * self.ramp_max_deg), self.ramp_max_deg)
+    }
+}
+
+impl Cave<'_> {
+    /// The upper layer of a pair that lacks links and is ready for one; the deepest layer, which starts at `start`, is when
+    /// part of it is there.
+    pub(super) fn unlinked(&self, start: usize) -> Option<u32> {
+        let share = f64::from(self.settings.nodes) / f64::from(self.settings.layers);
+        let is_ready = (self.stations.len() - start) as f64 >= LINK_SHARE * share;
+        let ready = if is_ready { self.deepest } else { self.deepest.saturating_sub(1) };
+        (0..ready).find(|&upper| self.links_below(upper).len() < self.settings.links as usize)
+    }
+
+    /// Whether every pair of layers has its links.
+    pub(super) fn is_linked(&self) -> bool {
+        (0..self.settings.layers - 1).all(|upper| self.links_below(upper).len() >= self.settings.links as usize)
+    }
+
+    fn links_below(&self, upper: u32) -> &[Link] {
+        self.links.get(upper as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// Links a layer to a passage of the one below.
+    pub(super) fn link(&mut self, upper: u32, hops: &mut Hops) -> bool {
+        (0..RAMP_HEADS).any(|_| {
+            let head = self.dice.index(self.stations.len());
+            let station = &self.stations[head];
+            let fits = station.level == upper && station.degree() <= 2 && station.kind != Kind::Ramp;
+            fits && self.link_from(head, hops)
+        })
+    }
+
+    fn link_from(&mut self, head: usize, hops: &mut Hops) -> bool {
+        let start = self.stations.len();
+        let Some(foot) = self.sink(head) else { return false };
+        hops.count(foot, &self.stations);
+        let lowest = self.stations[foot].level;
+        let mut goals: Vec<(u64, usize)> = (self.grid.stations_near(self.position(foot), self.lot.join_distance))
+            .filter(|&goal| self.stations[goal].level == lowest && self.is_joinable(foot, goal))
+            .map(|goal| ((self.distance(foot, goal) * 1e6) as u64, goal))
+            .collect();
+        goals.sort_unstable();
+        let joined = goals.iter().take(LINK_GOALS).any(|&(_, goal)| self.connect(foot, goal));
+        if !joined {
+            self.links[lowest as usize - 1].pop();
+            self.truncate(start);
+        }
+        joined
+    }
+
+    /// Goes down from a station to the surface of the next layer; the station there, if all found room.
+    pub(super) fn sink(&mut self, head: usize) -> Option<usize> {
+        let slopes = self.settings.link_slopes();
+        let slope = self.dice.between(slopes.least, slopes.greatest);
+        let aside = self.dice.sign() * self.dice.between(40.0, 100.0) * DEGREE;
+        let passing = self.stations[head].degree() == 2;
+        let bearing = self.stations[head].heading + if passing { aside } else { 0.0 };
+        let foot = self.landing(head, bearing, slope);
+        let step_m = self.draw_reach(self.lot.trunk_reach, Some(self.stations[head].radius));
+        let way = way_down([*self.position(head), foot], Course::Straight, &slopes, step_m)?;
+        let level = self.stations[head].level;
+        let is_open = slope >= SHAFT || self.opens(head, bearing);
+        if !is_open || way.len() > self.room() || !self.is_spaced(level, [way[0], foot]) {
+            return None;
+        }
+        let (start, deepest) = (self.stations.len(), self.deepest);
+        let Some(landed) = self.dig(head, &way, bearing) else {
+            self.truncate(start);
+            self.deepest = deepest;
+            return None;
+        };
+        self.links.resize((level as usize + 1).max(self.links.len()), Vec::new());
+        self.links[level as usize].push([way[0], foot]);
+        Some(landed)
+    }
+
+    /// Where a straight way of this slope meets the layer below, or nearly.
+    fn landing(&self, head: usize, bearing: f64, slope: f64) -> Point3<f64> {
+        let (from, level) = (self.position(head), self.stations[head].level + 1);
+        let along = Vector2::new(libm::cos(bearing), libm::sin(bearing));
+        let mut at = from.xy();
+        for _ in 0..SINK_ROUNDS {
+            let drop = from.z - self.surface(at.x, at.y, level);
+            at = from.xy() + along * (drop / libm::tan(slope));
+        }
+        Point3::new(at.x, at.y, self.surface(at.x, at.y, level)).map(millimetres)
+    }
+
+    /// Whether a link keeps its distance from the others of its layers.
+    fn is_spaced(&self, upper: u32, link: Link) -> bool {
+        self.links_below(upper).iter().all(|other| {
+            let apart = |end: usize| (link[end].xy() - other[end].xy()).norm();
+            apart(0).min(apart(1)) >= self.settings.link_spacing_m
+        })
+    }
+
+    /// Adds the stations of a way; the last one, if all are within bounds and clear.
+    fn dig(&mut self, head: usize, way: &[Point3<f64>], bearing: f64) -> Option<usize> {
+        let level = self.stations[head].level + 1;
+        let leg = (way[1] - way[0]).norm();
+        let radius = leg.max(self.settings.reach_min_m).min(self.settings.reach_max_m);
+        let mut tip = head;
+        for position in &way[1..] {
+            let station =
+                Station { parent: Some(tip), heading: bearing, ..Station::new(*position, radius, Kind::Ramp, level) };
+            let inside = position.x.abs() <= self.lot.half[0] && position.y.abs() <= self.lot.half[1];
+            if !inside || !self.is_clear(tip, position, station.half_width(), Goal::Open) {
+                return None;
+            }
+            tip = self.add_station(station);
+        }
+        Some(tip)
+    }
+}

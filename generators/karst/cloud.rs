@@ -1,0 +1,156 @@
+//! Points scattered through the rock, no two of them near each other, more of them on the horizons.
+
+use std::ops::Range;
+
+use nalgebra::{Point3, Vector3};
+
+use super::Karst;
+use super::rock::Rock;
+use plume_graph::dice::Dice;
+
+/// Points are thrown so many times for each cell as large as points are apart (tuned: more of them find no room).
+const THROWS_PER_CELL: f64 = 2.5;
+/// Part of them that is thrown at a horizon.
+const ON_HORIZON: f64 = 0.7;
+/// Heights count so much more than lengths: beds are thin.
+const FLATNESS: f32 = 2.0;
+/// How far off its horizon a point may lie, in metres.
+const BED_M: f64 = 0.6;
+/// Neighbours lie within so many distances between points, stretched as heights are.
+const REACH: usize = 2;
+
+/// The points, column by column of a grid over the plan, so that what is near in the rock is near in memory.
+pub(super) struct Cloud {
+    /// By their height over the dipping plane; those of a column ascend.
+    points: Vec<Point3<f32>>,
+    /// Where the points of each column start, and the end of the last ones.
+    starts: Vec<u32>,
+    /// Columns on a side of the plan.
+    columns: usize,
+    column_m: f64,
+    apart_m: f32,
+}
+
+impl Cloud {
+    /// Throws points and keeps those that have room (dart throwing: Cook, "Stochastic sampling in computer graphics",
+    /// 1986).
+    pub(super) fn scatter(settings: &Karst, rock: &Rock, side_m: f64, dice: &mut Dice) -> Self {
+        let [bottom, top] = rock.extremes();
+        let apart_m = settings.sample_spacing_m;
+        // No narrower than points are apart, so that only columns side by side are in each other's way.
+        let columns = (side_m / apart_m).floor().max(1.0) as usize;
+        let column_m = side_m / columns as f64;
+        let storeys = (f64::from(FLATNESS) * (top - bottom + 2.0 * BED_M) / apart_m).ceil();
+        let mut cloud = Self { points: Vec::new(), starts: vec![0], columns, column_m, apart_m: apart_m as f32 };
+        for column in 0..columns * columns {
+            let corner = [column % columns, column / columns].map(|at| at as f64 * column_m - 0.5 * side_m);
+            for _ in 0..(THROWS_PER_CELL * storeys) as usize {
+                let [x, y] = corner.map(|low| dice.between(low, low + column_m));
+                let z = if dice.chance(ON_HORIZON) {
+                    rock.some_horizon(dice) + dice.between(-BED_M, BED_M)
+                } else {
+                    dice.between(bottom, top)
+                };
+                cloud.offer(column, Point3::new(x, y, z).cast());
+            }
+            let new = cloud.starts[column] as usize..;
+            cloud.points[new].sort_unstable_by(|a, b| a.z.total_cmp(&b.z));
+            cloud.starts.push(cloud.points.len() as u32);
+        }
+        cloud
+    }
+
+    /// Keeps a point in the column that is filled now, if it is near to no other.
+    fn offer(&mut self, column: usize, point: Point3<f32>) {
+        let is_far = |other: &Point3<f32>| stretched(other - point).norm_squared() >= self.apart_m * self.apart_m;
+        let new = self.starts[column] as usize..;
+        let has_room = self.points[new].iter().all(is_far)
+            && self.runs(point, 1, column).all(|run| self.points[run].iter().all(is_far));
+        if has_room {
+            self.points.push(point);
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// A point by its height over the dipping plane.
+    pub(super) fn point(&self, point: usize) -> Point3<f64> {
+        self.points[point].cast()
+    }
+
+    /// The least distance of two points.
+    pub(super) fn least_m(&self) -> f64 {
+        f64::from(self.apart_m / FLATNESS)
+    }
+
+    /// The point nearest to a place, or the first one far from all.
+    pub(super) fn nearest(&self, [x, y]: [f64; 2], z: f64) -> usize {
+        let place = Point3::new(x, y, z).cast();
+        let away = |point: &usize| stretched(self.points[*point] - place).norm_squared();
+        let within = |reach| {
+            let near = self.runs(place, reach, self.starts.len() - 1).flatten();
+            near.min_by(|a, b| away(a).total_cmp(&away(b)).then(a.cmp(b)))
+        };
+        [1, 3, 9].into_iter().find_map(within).unwrap_or(0)
+    }
+
+    /// The neighbours of a point, the nearest first, in place of what is in `found`: points in reach by a way that water
+    /// may take, with no third one in the ball between that both are joined to by such ways (after Gabriel, Sokal: "A new
+    /// statistical approach to geographic variation analysis", 1969). So hardly two ways cross, none leave a point in
+    /// nearly the same direction, and what can be reached at all still can.
+    pub(super) fn neighbours(&self, point: usize, may_take: impl Fn(Vector3<f64>) -> bool, found: &mut Vec<Neighbour>) {
+        let place = self.points[point];
+        let most = REACH as f32 * self.apart_m;
+        found.clear();
+        for other in self.runs(place, REACH, self.starts.len() - 1).flatten() {
+            let way = self.points[other] - place;
+            let square = stretched(way).norm_squared();
+            if other != point && square <= most * most && may_take(way.cast()) {
+                found.push(Neighbour { point: other, way, square });
+            }
+        }
+        found.sort_unstable_by(|a, b| a.square.total_cmp(&b.square).then(a.point.cmp(&b.point)));
+        for last in (1..found.len()).rev() {
+            let way = found[last].way;
+            let is_detour = |between: &Neighbour| {
+                stretched(between.way).dot(&stretched(way)) > between.square && may_take((way - between.way).cast())
+            };
+            if found[..last].iter().any(is_detour) {
+                found.remove(last);
+            }
+        }
+    }
+
+    /// Points at most `reach` columns and as many distances of height away, in runs; of the columns before `end` only.
+    fn runs(&self, point: Point3<f32>, reach: usize, end: usize) -> impl Iterator<Item = Range<usize>> {
+        let half_m = 0.5 * self.column_m * self.columns as f64;
+        let around = |at: f32| {
+            let middle = ((f64::from(at) + half_m) / self.column_m).max(0.0) as usize;
+            middle.saturating_sub(reach)..(middle + reach + 1).min(self.columns)
+        };
+        let (xs, ys) = (around(point.x), around(point.y));
+        let off = reach as f32 * self.apart_m / FLATNESS;
+        let columns = ys.flat_map(move |y| xs.clone().map(move |x| y * self.columns + x));
+        columns.take_while(move |&column| column < end).map(move |column| {
+            let [start, end] = [0, 1].map(|next| self.starts[column + next] as usize);
+            let heights = &self.points[start..end];
+            let low = heights.partition_point(|other| other.z < point.z - off);
+            let high = heights.partition_point(|other| other.z <= point.z + off);
+            start + low..start + high
+        })
+    }
+}
+
+/// A point near another one.
+pub(super) struct Neighbour {
+    pub(super) point: usize,
+    way: Vector3<f32>,
+    square: f32,
+}
+
+/// A way with its height counted as beds want it.
+fn stretched(way: Vector3<f32>) -> Vector3<f32> {
+    Vector3::new(way.x, way.y, FLATNESS * way.z)
+}

@@ -1,0 +1,263 @@
+//! L-systems: passages that a grammar describes.
+//!
+//! Prusinkiewicz, Lindenmayer: "The Algorithmic Beauty of Plants", 1990 (chapters 1.6 and 1.7: bracketed and
+//! stochastic grammars); Mark, Berechet, Mahlmann, Togelius: "Procedural generation of 3D caves for games on the GPU",
+//! 2015, for caves. Letters are rewritten by rules, anew in each iteration; a turtle digs along what comes out. The text is never
+//! written out: a turtle keeps its place in the rules, and each branch has a turtle of its own, which digs one step when it is its
+//! turn, so that all branches grow alike until the nodes are used up. Where the whole grammar is dug before that, it starts
+//! anew from an earlier station. Added here: wander, a slope limit, rock between passages, and loops.
+//!
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, the law of `network`,
+//! and that no grammar takes more memory or time than its nodes allow. Not promised: that every branch of a grammar finds room.
+
+mod grammar;
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+
+use nalgebra::Point3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
+use super::{GenerateError, Generator};
+use grammar::{FORWARD, Grammar, Production};
+use plume_graph::Graph;
+use plume_graph::Outside;
+use plume_graph::dice::Dice;
+
+/// Symbols that are read per node, and besides, before a grammar is found to dig too little.
+const SYMBOLS: [u64; 2] = [256, 100_000];
+/// Turns that a turtle tries where its way is blocked, in degrees.
+const DODGES_DEG: [f64; 5] = [0.0, 25.0, -25.0, 50.0, -50.0];
+
+/// Settings of the L-system generator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct LSystem {
+    /// Number of nodes (stations on the centreline); the grammar is dug until they are used up.
+    #[schemars(range(min = 2, max = 1_000_000))]
+    pub nodes: u32,
+    /// What the grammar begins with.
+    pub axiom: String,
+    /// Rules like `A = F[+A]-A`, or `A 0.5 = FA` with a weight among the rules of one letter. F digs a step and need not
+    /// have a rule; `+` and `-` turn left and right, `^` and `&` rise and fall, `!` narrows, `[` and `]` are round a branch.
+    pub rules: Vec<String>,
+    /// How often letters are rewritten.
+    #[schemars(range(min = 1, max = 100))]
+    pub iterations: u32,
+    /// Length of a step, which is the distance between stations, in metres.
+    #[schemars(range(min = 1.0, max = 20.0))]
+    pub step_m: f64,
+    /// Angle of `+` and `-`, in degrees.
+    #[schemars(range(min = 1.0, max = 120.0))]
+    pub angle_deg: f64,
+    /// Angle of `^` and `&`, in degrees.
+    #[schemars(range(min = 0.0, max = 45.0))]
+    pub pitch_deg: f64,
+    /// How far a passage wanders: standard deviation of the turn of each step, in degrees.
+    #[schemars(range(min = 0.0, max = 60.0))]
+    pub wander_deg: f64,
+    /// Greatest inclination of a passage, in degrees.
+    #[schemars(range(min = 1.0, max = 45.0))]
+    pub max_slope_deg: f64,
+    /// Width of a passage that was narrowed often, in metres.
+    #[schemars(range(min = 1.5, max = 20.0))]
+    pub width_min_m: f64,
+    /// Width with which the axiom begins, in metres.
+    #[schemars(range(min = 1.5, max = 20.0))]
+    pub width_max_m: f64,
+    /// Factor on the width at a `!`.
+    #[schemars(range(min = 0.1, max = 1.0))]
+    pub narrowing: f64,
+    /// Height of a passage above its floor in units of its width.
+    #[schemars(range(min = 0.4, max = 2.0))]
+    pub height_ratio: f64,
+    /// How many loops are closed: 0 for none, 1 for as many as in real caves.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub loop_closure: f64,
+    /// Least rock between passages that do not meet, in metres.
+    #[schemars(range(min = 0.5, max = 20.0))]
+    pub rock_m: f64,
+}
+
+impl Default for LSystem {
+    fn default() -> Self {
+        let rules = [
+            "A 3 = FF^F-F[++!B]F+F&A",
+            "A 3 = FF&F+F[--!B]F-F^A",
+            "A 2 = FFF[++!A]F--FA",
+            "B 3 = F+F-FB",
+            "B 2 = FF[++B]F-F",
+            "B 2 = F",
+        ];
+        Self {
+            nodes: 150,
+            axiom: "[A]++++A".to_owned(),
+            rules: rules.map(str::to_owned).into(),
+            iterations: 12,
+            step_m: 4.0,
+            angle_deg: 35.0,
+            pitch_deg: 8.0,
+            wander_deg: 12.0,
+            max_slope_deg: 20.0,
+            width_min_m: 2.0,
+            width_max_m: 5.0,
+            narrowing: 0.75,
+            height_ratio: 0.75,
+            loop_closure: 1.0,
+            rock_m: 1.0,
+        }
+    }
+}
+
+impl Generator for LSystem {
+    fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
+        in_order(["width_min_m", "width_max_m"], [self.width_min_m, self.width_max_m])?;
+        let grammar = Grammar::read(&self.axiom, &self.rules)?;
+        network::grown(&self.rules(), seed, "l-system", |_, _| {
+            let left = SYMBOLS[0] * u64::from(self.nodes) + SYMBOLS[1];
+            let first = Spot { position: Point3::origin(), size: Size::new(self.width_max_m, self.height_ratio) };
+            (first, Dig { settings: self, grammar: &grammar, turtles: VecDeque::new(), left })
+        })
+    }
+}
+
+impl LSystem {
+    fn rules(&self) -> Rules {
+        Rules {
+            nodes: self.nodes as usize,
+            rock_m: self.rock_m,
+            widest: Size::new(self.width_max_m, self.height_ratio),
+            steepest: self.max_slope_deg.to_radians(),
+            junction: network::JUNCTION,
+            loop_closure: self.loop_closure,
+            spacing_m: self.step_m,
+        }
+    }
+}
+
+/// A place in the rules: symbols of a production that are not read yet.
+#[derive(Clone, Copy)]
+struct Part {
+    production: usize,
+    next: usize,
+    end: usize,
+    /// Iterations that its letters may still be rewritten in.
+    depth: u32,
+}
+
+/// Digs one branch.
+struct Turtle {
+    station: usize,
+    yaw: f64,
+    pitch_deg: f64,
+    width_m: f64,
+    /// What is to be read, the innermost last.
+    parts: Vec<Part>,
+}
+
+/// A grammar while it is dug.
+struct Dig<'a> {
+    settings: &'a LSystem,
+    grammar: &'a Grammar,
+    /// In the order of their turns.
+    turtles: VecDeque<Turtle>,
+    /// Symbols that may still be read.
+    left: u64,
+}
+
+impl Growth for Dig<'_> {
+    fn dig(&mut self, network: &mut Network, dice: &mut Dice) {
+        while network.room() > 0 && self.left > 0 {
+            let turtle = match self.turtles.pop_front() {
+                Some(turtle) => turtle,
+                None => match network.draw_opening(dice) {
+                    Some(station) => self.begin(station, dice),
+                    None => return,
+                },
+            };
+            if let Some(turtle) = self.advance(turtle, network, dice) {
+                self.turtles.push_back(turtle);
+            }
+        }
+    }
+}
+
+impl Dig<'_> {
+    fn begin(&self, station: usize, dice: &mut Dice) -> Turtle {
+        let axiom = self.part(0, self.settings.iterations);
+        let width_m = self.settings.width_max_m;
+        Turtle { station, yaw: dice.between(0.0, TAU), pitch_deg: 0.0, width_m, parts: vec![axiom] }
+    }
+
+    /// Reads on until a step is dug; none when the branch is at its end or finds no room.
+    fn advance(&mut self, mut turtle: Turtle, network: &mut Network, dice: &mut Dice) -> Option<Turtle> {
+        let settings = self.settings;
+        let steepest = settings.max_slope_deg;
+        while self.left > 0 {
+            self.left -= 1;
+            let (symbol, depth) = self.read(&mut turtle)?;
+            match symbol {
+                '+' => turtle.yaw += settings.angle_deg.to_radians(),
+                '-' => turtle.yaw -= settings.angle_deg.to_radians(),
+                '^' => turtle.pitch_deg = (turtle.pitch_deg + settings.pitch_deg).min(steepest),
+                '&' => turtle.pitch_deg = (turtle.pitch_deg - settings.pitch_deg).max(-steepest),
+                '!' => turtle.width_m = (turtle.width_m * settings.narrowing).max(settings.width_min_m),
+                letter => match self.grammar.draw(letter, dice).filter(|_| depth > 0) {
+                    Some(production) => turtle.parts.push(self.part(production, depth - 1)),
+                    None if letter == FORWARD => {
+                        turtle.station = self.step(&mut turtle, network, dice)?;
+                        return Some(turtle);
+                    }
+                    None => {}
+                },
+            }
+        }
+        None
+    }
+
+    fn part(&self, production: usize, depth: u32) -> Part {
+        Part { production, next: 0, end: self.grammar.productions[production].symbols.len(), depth }
+    }
+
+    /// The next symbol of a turtle, and the iterations left for it. A branch is left to a turtle of its own.
+    fn read(&mut self, turtle: &mut Turtle) -> Option<(char, u32)> {
+        loop {
+            let part = turtle.parts.last_mut()?;
+            let Production { symbols, closing } = &self.grammar.productions[part.production];
+            let (at, depth) = (part.next, part.depth);
+            if at == part.end {
+                turtle.parts.pop();
+                continue;
+            }
+            if symbols[at] != '[' {
+                part.next += 1;
+                return Some((symbols[at], depth));
+            }
+            part.next = closing[at] + 1;
+            let branch = Part { next: at + 1, end: closing[at], ..*part };
+            // More branches than nodes can never all be dug.
+            if self.turtles.len() < self.settings.nodes as usize {
+                self.turtles.push_back(Turtle { parts: vec![branch], ..*turtle });
+            }
+            self.left = self.left.saturating_sub(1);
+        }
+    }
+
+    /// Lays a step as the turtle heads, or beside that, which turns it.
+    fn step(&self, turtle: &mut Turtle, network: &mut Network, dice: &mut Dice) -> Option<usize> {
+        let settings = self.settings;
+        let from = *network.position(turtle.station);
+        let yaw = turtle.yaw + (settings.wander_deg * dice.gauss()).to_radians();
+        let size = Size::new(turtle.width_m, settings.height_ratio);
+        for dodge in DODGES_DEG.map(f64::to_radians) {
+            let position = from + settings.step_m * ahead(yaw + dodge, turtle.pitch_deg.to_radians());
+            if let Some(next) = network.lay(turtle.station, &[Spot { position, size }], None) {
+                turtle.yaw = yaw + dodge;
+                return Some(next);
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,113 @@
+//! One layer: a generator, its settings, and where its graph goes.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+use super::super::{GENERATORS, GenerateError, Generator, GeneratorRow};
+use super::NAME;
+use plume_graph::echo::{sentence, shown};
+
+/// A layer of a stack.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Layer {
+    /// What lays it out: any generator but `layers`.
+    #[serde(default = "first")]
+    pub generator: String,
+    /// Depth of its origin below that of the first layer, in metres; none puts it below the layer above.
+    #[serde(default)]
+    pub depth_m: Option<f64>,
+    /// How far east of the middle of the first layer its own middle lies, in metres.
+    #[serde(default)]
+    pub east_m: f64,
+    /// How far north, likewise.
+    #[serde(default)]
+    pub north_m: f64,
+    /// The settings of its generator.
+    #[serde(flatten)]
+    pub settings: Map<String, Value>,
+}
+
+impl Default for Layer {
+    fn default() -> Self {
+        Self { generator: first(), depth_m: None, east_m: 0.0, north_m: 0.0, settings: Map::new() }
+    }
+}
+
+impl Layer {
+    /// The generator with its settings.
+    pub(super) fn generator(&self) -> Result<Box<dyn Generator>, GenerateError> {
+        let Some(row) = rows().find(|row| row.name == self.generator) else {
+            let known: Vec<&str> = rows().map(|row| row.name).collect();
+            let hint = format!("known: {}", known.join(", "));
+            return Err(GenerateError::new(format!("`generator` cannot be {}", shown(&self.generator)), hint));
+        };
+        let told = |error: serde_json::Error| {
+            GenerateError::new(sentence(&error.to_string()), "see `plume schema` for its keys")
+        };
+        (row.read)(Value::Object(self.settings.clone())).map_err(told)
+    }
+}
+
+/// What can lay out a layer.
+fn rows() -> impl Iterator<Item = &'static GeneratorRow> {
+    GENERATORS.iter().filter(|row| row.name != NAME)
+}
+
+fn first() -> String {
+    GENERATORS[0].name.to_owned()
+}
+
+/// One variant for each generator; `generator` tells which, and may be left out for the first.
+impl JsonSchema for Layer {
+    fn schema_name() -> Cow<'static, str> {
+        "Layer".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let variants: Vec<Value> = rows().enumerate().map(|(place, row)| variant(row, place == 0)).collect();
+        json_schema!({ "oneOf": variants, "discriminator": { "propertyName": "generator" } })
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+}
+
+fn variant(row: &GeneratorRow, is_first: bool) -> Value {
+    let mut schema = (row.schema)().to_value();
+    let mut properties = Map::new();
+    properties.insert(
+        "generator".into(),
+        json!({
+            "type": "string", "enum": [row.name], "default": row.name,
+            "description": "How the passages of this layer grow: any generator but `layers`."
+        }),
+    );
+    properties.insert("depth_m".into(), json!({
+        "type": ["number", "null"], "default": null, "minimum": 0.0, "maximum": 10_000.0,
+        "description": "Depth of the layer's origin below that of the first layer, in metres; where it is left out, the \
+                        layer lies as near below the one above as the rock between them allows."
+    }));
+    let aside = |about: &str| {
+        json!({
+            "type": "number", "default": 0.0, "minimum": -10_000.0, "maximum": 10_000.0, "description": about
+        })
+    };
+    let east = "How far east of the middle of the first layer the middle of this one lies, in metres.";
+    properties.insert("east_m".into(), aside(east));
+    properties.insert("north_m".into(), aside("How far north of it, likewise."));
+    if let Some(own) = schema["properties"].as_object() {
+        properties.extend(own.clone());
+    }
+    schema["properties"] = Value::Object(properties);
+    if let Some(schema) = schema.as_object_mut() {
+        schema.remove("$schema");
+    }
+    if !is_first {
+        schema["required"] = json!(["generator"]);
+    }
+    schema
+}

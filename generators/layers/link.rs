@@ -1,0 +1,303 @@
+//! One link after the other between two layers: where it may start and end, how it runs, and whether it finds room.
+
+use std::ops::Range;
+
+use nalgebra::{Point2, Point3, Vector3};
+
+use super::stack::Stack;
+use crate::ramp::{Course, Helix, Slopes, slope, way_down};
+use plume_graph::dice::Dice;
+use plume_graph::{Node, millimetres};
+
+/// What all links keep.
+pub(super) struct Law {
+    pub(super) slopes: Slopes,
+    pub(super) spacing_m: f64,
+    pub(super) rock_m: f64,
+}
+
+/// Head and foot of a link.
+pub(super) type Link = [Point3<f64>; 2];
+
+/// Stations drawn before the one farthest from other links is tried, and times that is done. Tuned: at the defaults one time
+/// in a hundred takes more than two.
+const DRAWN: usize = 32;
+const DRAWS: usize = 8;
+/// Stations of the other layer that are tried for one of this.
+const GOALS: usize = 4;
+/// Least cosine between a link and a passage at its ends: 50 degrees.
+const SHARPEST_COS: f64 = 0.643;
+/// Slopes from which shafts are sunk where passages cross above each other: 75 degrees.
+const SHAFT: f64 = 1.309;
+/// A crossing this near to a station is left, in metres.
+const STUB_M: f64 = 0.3;
+/// Least height of a link, in metres.
+const LEAST_DROP_M: f64 = 1.0;
+/// Most passages at a station that a link may come to.
+const MOST_PASSAGES: usize = 3;
+/// Most whole turns of a helix.
+const MOST_TURNS: u32 = 4;
+/// Distances between stations of a link, in metres.
+const STEP_M: Range<f64> = 2.0..6.0;
+
+/// Where a link may start or end.
+#[derive(Clone, Copy)]
+enum Place {
+    Station(usize),
+    /// Inside the passage between two stations, so far along, at this point of the plan.
+    Passage([usize; 2], f64, Point2<f64>),
+}
+
+impl Stack {
+    /// Makes one more link between a layer and the one below it, far from the `others` there; `None` if none finds room.
+    pub(super) fn link(&mut self, upper: usize, others: &[Link], law: &Law, dice: &mut Dice) -> Option<Link> {
+        let pair = [self.layers[upper].clone(), self.layers[upper + 1].clone()];
+        // The smaller layer is asked, since all of it may lie under or over a small part of the other.
+        let from = usize::from(pair[1].len() < pair[0].len());
+        for _ in 0..DRAWS {
+            let mut drawn: Vec<usize> = (0..DRAWN).map(|_| pair[from].start + dice.index(pair[from].len())).collect();
+            drawn.sort_by_cached_key(|&station| {
+                let at = self.rock.nodes[station].position.xy();
+                let away_um = others.iter().map(|link| ((link[from].xy() - at).norm() * 1e6) as u64);
+                std::cmp::Reverse(away_um.min())
+            });
+            for station in drawn {
+                let link = self.link_from(station, &pair, from, others, law, dice);
+                if link.is_some() {
+                    return link;
+                }
+            }
+        }
+        None
+    }
+
+    /// A link from or to a station, which lies in the first or the second of the `pair`.
+    fn link_from(
+        &mut self,
+        station: usize,
+        pair: &[Range<usize>; 2],
+        from: usize,
+        others: &[Link],
+        law: &Law,
+        dice: &mut Dice,
+    ) -> Option<Link> {
+        let mut ends = Vec::new();
+        if law.slopes.greatest >= SHAFT {
+            ends.extend(self.crossings(station, &pair[1 - from]));
+        }
+        ends.extend(self.goals(station, &pair[1 - from], law, dice));
+        for [this, other] in ends {
+            let ends = if from == 0 { [this, other] } else { [other, this] };
+            let [head, foot] = ends.map(|place| self.node(place).position);
+            let is_spaced = |end: usize, at: &Point3<f64>| {
+                others.iter().all(|link| (link[end].xy() - at.xy()).norm() >= law.spacing_m)
+            };
+            if head.z - foot.z < LEAST_DROP_M || !is_spaced(0, &head) || !is_spaced(1, &foot) {
+                continue;
+            }
+            if self.run(ends, law, dice) {
+                return Some([head, foot]);
+            }
+        }
+        None
+    }
+
+    /// Where passages at a station cross above or below those of the other layer.
+    fn crossings(&self, station: usize, other: &Range<usize>) -> Vec<[Place; 2]> {
+        let at = |node: usize| self.rock.nodes[node].position;
+        let mut found = Vec::new();
+        for &next in &self.rock.neighbors[station] {
+            let ends = [at(station), at(next)];
+            for [a, b] in self.rock.under(ends.map(|end| [end.x, end.y])) {
+                if !other.contains(&a) || !other.contains(&b) {
+                    continue;
+                }
+                let Some([s, t]) = crossing(ends, [at(a), at(b)]) else { continue };
+                let is_inside = |share: f64, length: f64| share * length > STUB_M && (1.0 - share) * length > STUB_M;
+                if is_inside(s, (ends[1] - ends[0]).norm()) && is_inside(t, (at(b) - at(a)).norm()) {
+                    let plan = (ends[0] + (ends[1] - ends[0]) * s).xy().map(millimetres);
+                    found.push([Place::Passage([station, next], s, plan), Place::Passage([a, b], t, plan)]);
+                }
+            }
+        }
+        found
+    }
+
+    /// Stations of the other layer that a link could lead to, those first that a straight one of middling slope would reach.
+    fn goals(&self, station: usize, other: &Range<usize>, law: &Law, dice: &mut Dice) -> Vec<[Place; 2]> {
+        if self.rock.neighbors[station].len() > MOST_PASSAGES {
+            return Vec::new();
+        }
+        let from = self.rock.nodes[station].position;
+        let middling = libm::tan(0.5 * (law.slopes.least + law.slopes.greatest));
+        let mut near = Vec::new();
+        for goal in other.clone() {
+            let way = self.rock.nodes[goal].position - from;
+            let (drop, apart) = (way.z.abs(), way.xy().norm());
+            if apart * libm::tan(law.slopes.least) > drop + 0.001 || self.rock.neighbors[goal].len() > MOST_PASSAGES {
+                continue;
+            }
+            let off_m = (apart - drop / middling).abs();
+            near.push(((off_m * 1e6) as u64, goal));
+        }
+        near.sort_unstable();
+        near.truncate(4 * GOALS);
+        let mut goals = Vec::new();
+        while goals.len() < GOALS && !near.is_empty() {
+            // One of the better half, so that links differ.
+            let (_, goal) = near.remove(dice.index(near.len().div_ceil(2)));
+            goals.push([Place::Station(station), Place::Station(goal)]);
+        }
+        goals
+    }
+
+    /// Makes the link along the first course that finds room.
+    fn run(&mut self, ends: [Place; 2], law: &Law, dice: &mut Dice) -> bool {
+        let [head, foot] = ends.map(|place| self.node(place));
+        let points = [head.position, foot.position];
+        let step_m = (0.5 * (head.radius + foot.radius)).clamp(STEP_M.start, STEP_M.end);
+        courses(points, &law.slopes, dice).into_iter().any(|course| {
+            let Some(way) = way_down(points, course, &law.slopes, step_m) else { return false };
+            self.leaves(ends[0], &way[0], &way[1])
+                && self.leaves(ends[1], &way[way.len() - 1], &way[way.len() - 2])
+                && self.settle_link(ends, &way, law.rock_m)
+        })
+    }
+
+    /// Whether a link turns away from all passages at its end.
+    fn leaves(&self, place: Place, from: &Point3<f64>, to: &Point3<f64>) -> bool {
+        let others = match place {
+            Place::Station(station) => self.rock.neighbors[station].clone(),
+            Place::Passage(ends, ..) => ends.to_vec(),
+        };
+        let way: Vector3<f64> = (to - from).normalize();
+        others.iter().all(|&other| {
+            let passage = self.rock.nodes[other].position - from;
+            passage.dot(&way) <= SHARPEST_COS * passage.norm()
+        })
+    }
+
+    /// Adds the stations of a link, unless it has too little rock round it somewhere.
+    fn settle_link(&mut self, ends: [Place; 2], way: &[Point3<f64>], rock_m: f64) -> bool {
+        let len = self.rock.nodes.len();
+        let [head, foot] = ends.map(|place| self.open(place));
+        let mut stations = vec![head];
+        for (place, &position) in way[1..way.len() - 1].iter().enumerate() {
+            let share = (place + 1) as f64 / (way.len() - 1) as f64;
+            let [head, foot] = [head, foot].map(|end| &self.rock.nodes[end]);
+            let node = Node { position, level: foot.level, ..blend(head, foot, share) };
+            stations.push(self.rock.add(node));
+        }
+        stations.push(foot);
+        let passages: Vec<[usize; 2]> =
+            stations.windows(2).map(|leg| [leg[0].min(leg[1]), leg[0].max(leg[1])]).collect();
+        passages.iter().for_each(|&[a, b]| self.rock.join(a, b));
+        if !self.has_rock(&passages, rock_m) {
+            passages.iter().for_each(|&[a, b]| self.rock.part(a, b));
+            self.rock.truncate(len);
+            ends.into_iter().for_each(|place| self.close(place));
+            return false;
+        }
+        self.rock.settle(&passages);
+        for (place, end) in ends.into_iter().zip([head, foot]) {
+            self.settle_end(place, end);
+        }
+        true
+    }
+
+    /// Whether passages that are not settled keep their distance from those that are, and from each other.
+    fn has_rock(&self, passages: &[[usize; 2]], rock_m: f64) -> bool {
+        let apart = |one: [usize; 2], other: [usize; 2]| self.rock.thin_between(one, other, rock_m).is_none();
+        passages.iter().all(|&passage| self.rock.thin(passage, rock_m).next().is_none())
+            && (passages.iter().enumerate())
+                .all(|(place, &one)| passages[..place].iter().all(|&other| apart(one, other)))
+    }
+
+    /// The station at a place, set into its passage where there is none.
+    fn open(&mut self, place: Place) -> usize {
+        match place {
+            Place::Station(station) => station,
+            Place::Passage([a, b], ..) => {
+                let station = self.rock.add(self.node(place));
+                self.rock.part(a, b);
+                self.rock.join(a, station);
+                self.rock.join(station, b);
+                station
+            }
+        }
+    }
+
+    /// Makes a passage whole again whose station is gone.
+    fn close(&mut self, place: Place) {
+        if let Place::Passage([a, b], ..) = place {
+            self.rock.join(a, b);
+        }
+    }
+
+    /// What a link changes where it ends: a passage in two, or a room.
+    fn settle_end(&mut self, place: Place, station: usize) {
+        match place {
+            Place::Station(_) if self.rock.is_room(station) && self.rock.neighbors[station].len() == 3 => {
+                self.rock.settle(&[[station, station]]);
+            }
+            Place::Station(_) => {}
+            Place::Passage([a, b], ..) => {
+                self.rock.unsettle([a.min(b), a.max(b)]);
+                self.rock.settle(&[[a, station], [b, station]]);
+                if self.rock.is_room(station) {
+                    self.rock.settle(&[[station, station]]);
+                }
+            }
+        }
+    }
+
+    /// The station at a place, as it is or would be.
+    fn node(&self, place: Place) -> Node {
+        match place {
+            Place::Station(station) => self.rock.nodes[station].clone(),
+            Place::Passage([a, b], share, plan) => {
+                let [a, b] = [a, b].map(|end| &self.rock.nodes[end]);
+                let z = millimetres(a.position.z + (b.position.z - a.position.z) * share);
+                let level = if share < 0.5 { a.level } else { b.level };
+                Node { position: Point3::new(plan.x, plan.y, z), level, ..blend(a, b, share) }
+            }
+        }
+    }
+}
+
+/// A station between two, but for its position and level.
+fn blend(a: &Node, b: &Node, share: f64) -> Node {
+    let section = a.section.zip(b.section).map(|(a, b)| a.towards(b, share).map(millimetres));
+    let radius = millimetres(a.radius + (b.radius - a.radius) * share);
+    Node { parent: None, active: false, radius, section, ..a.clone() }
+}
+
+/// How far along each of two passages they cross in the plan.
+fn crossing([a, b]: [Point3<f64>; 2], [c, d]: [Point3<f64>; 2]) -> Option<[f64; 2]> {
+    let (this, other, between) = ((b - a).xy(), (d - c).xy(), (c - a).xy());
+    let area = this.perp(&other);
+    if area.abs() < 1e-6 {
+        return None;
+    }
+    let shares = [between.perp(&other) / area, between.perp(&this) / area];
+    shares.iter().all(|share| (0.0..=1.0).contains(share)).then_some(shares)
+}
+
+/// Ways a link may run, the plainer first: straight, bent, round and round.
+fn courses([head, foot]: [Point3<f64>; 2], slopes: &Slopes, dice: &mut Dice) -> Vec<Course> {
+    let (side, bearing) = (dice.sign(), dice.between(0.0, std::f64::consts::TAU));
+    let gentle = 0.5 * (slopes.least + slopes.greatest);
+    let steep = slopes.greatest - 0.05 * (slopes.greatest - slopes.least);
+    let arc = |slope: f64, turns: u32| [side, -side].map(|side| Course::Round(Helix { slope, turns, side, bearing }));
+    let natural = slope(&head, &foot);
+    let mut courses = vec![Course::Straight];
+    if natural <= slopes.greatest {
+        courses.extend(arc(0.5 * (slopes.least + natural), 0));
+        return courses;
+    }
+    for turns in 0..=MOST_TURNS {
+        courses.extend(arc(gentle, turns));
+        courses.extend(arc(steep, turns));
+    }
+    courses
+}

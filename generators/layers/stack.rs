@@ -1,0 +1,88 @@
+//! Layers put at their depths.
+
+use std::ops::Range;
+
+use nalgebra::{Point3, Vector3};
+
+use super::layer::Layer;
+use plume_graph::clearance::{Body, Girth, Rock};
+use plume_graph::{Graph, millimetres};
+
+/// Least way down when a layer is moved, in metres, so that it comes to an end.
+const LEAST_MOVE_M: f64 = 0.25;
+
+/// Layers and the rock round them.
+#[derive(Clone)]
+pub(super) struct Stack {
+    pub(super) rock: Rock,
+    /// The stations of each layer. Those of links, and those set into passages for links, come after all of them.
+    pub(super) layers: Vec<Range<usize>>,
+    /// Levels of all layers so far.
+    levels: u32,
+    /// Middle of the first layer in the plan.
+    middle: Option<Point3<f64>>,
+}
+
+impl Default for Stack {
+    fn default() -> Self {
+        let rock = Rock::new(&Graph::default(), Girth::default());
+        Self { rock, layers: Vec::new(), levels: 0, middle: None }
+    }
+}
+
+impl Stack {
+    /// Puts a layer below those that are there: at its depth, or as far below it as `rock_m` of rock to all of them asks. One
+    /// without a depth lies so much deeper still.
+    pub(super) fn lay(&mut self, mut graph: Graph, layer: &Layer, rock_m: Option<f64>, deeper_m: f64) {
+        let own = Rock::new(&graph, Girth::default());
+        let bodies: Vec<Body> = own.all_bodies().into_iter().map(|body| own.body(body)).collect();
+        let mut by = self.start(&graph, layer);
+        while let Some(lacking_m) = rock_m.and_then(|rock_m| self.lacking(&bodies, &by, rock_m)) {
+            by.z = millimetres(by.z - lacking_m.max(LEAST_MOVE_M));
+        }
+        if layer.depth_m.is_none() && !self.layers.is_empty() {
+            by.z -= deeper_m;
+        }
+        for node in &mut graph.nodes {
+            node.position = (node.position + by).map(millimetres);
+            node.level += self.levels;
+        }
+        self.append(graph);
+    }
+
+    /// How a layer is moved at first: its middle below that of the first layer, its origin at its depth, or its top at the
+    /// bottom of the layer above.
+    fn start(&mut self, graph: &Graph, layer: &Layer) -> Vector3<f64> {
+        let Some([low, high]) = graph.bounds() else { return Vector3::zeros() };
+        let middle = low + (high - low) * 0.5;
+        let first = *self.middle.get_or_insert(middle);
+        let aside = Vector3::new(layer.east_m, layer.north_m, 0.0);
+        let bottom = self.layers.last().map(|above| {
+            let heights = self.rock.nodes[above.clone()].iter().map(|node| node.position.z);
+            heights.fold(f64::INFINITY, f64::min) - high.z
+        });
+        let z = layer.depth_m.map(|depth_m| -depth_m).or(bottom).unwrap_or(0.0);
+        let mut by = first - middle + aside;
+        by.z = z;
+        by.map(millimetres)
+    }
+
+    /// How much rock lacks between a layer that is moved like this and those above.
+    fn lacking(&self, bodies: &[Body], by: &Vector3<f64>, rock_m: f64) -> Option<f64> {
+        let rocks = bodies.iter().filter_map(|body| self.rock.thinnest(&body.moved(by), rock_m));
+        rocks.min_by(f64::total_cmp).map(|least_m| rock_m - least_m)
+    }
+
+    fn append(&mut self, graph: Graph) {
+        let start = self.rock.nodes.len();
+        self.levels = graph.nodes.iter().map(|node| node.level + 1).max().unwrap_or(self.levels);
+        let joined = |[a, b]: &[usize; 2]| [start + a, start + b];
+        for node in graph.nodes {
+            self.rock.add(node);
+        }
+        graph.edges.iter().map(joined).for_each(|[a, b]| self.rock.join(a, b));
+        self.layers.push(start..self.rock.nodes.len());
+        let new: Vec<[usize; 2]> = self.rock.all_bodies().into_iter().filter(|body| body[0] >= start).collect();
+        self.rock.settle(&new);
+    }
+}

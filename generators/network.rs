@@ -1,0 +1,310 @@
+//! A cave while it grows, for the generators that dig passage by passage.
+//!
+//! A [`Network`] takes ways of stations and refuses those that break its law (see `law`): too steep, too sharp at a
+//! junction, or too near a passage that is far along the cave. What it holds is one component at any time, with at most
+//! [`DEGREE`] passages at a station. `loops` joins dead ends afterwards.
+
+mod cells;
+mod law;
+mod loops;
+mod ways;
+
+use nalgebra::{Point3, Vector3};
+
+pub(super) use cells::Cells;
+
+use super::GenerateError;
+use plume_graph::dice::Dice;
+use plume_graph::section::half_girth_m;
+use plume_graph::seed;
+use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::{Graph, Section, Shape, millimetres};
+
+/// Least angle between passages at a station where no setting says it: 50 degrees.
+pub(super) const JUNCTION: f64 = 50.0 * std::f64::consts::PI / 180.0;
+/// Most passages at a station.
+pub(super) const DEGREE: usize = 4;
+/// Times that a network is begun before its settings are found too tight.
+const ATTEMPTS: u64 = 6;
+/// Nodes held back for connectors, as a part of all with as many loops as real caves have. Tuned.
+const HELD_FOR_LOOPS: f64 = 0.06;
+
+/// What every way has to keep.
+#[derive(Clone, Debug)]
+pub(super) struct Rules {
+    /// Stations of the finished graph.
+    pub(super) nodes: usize,
+    /// Least rock between passages that do not meet, in metres.
+    pub(super) rock_m: f64,
+    /// The largest section of a passage.
+    pub(super) widest: Size,
+    /// Greatest inclination of a passage.
+    pub(super) steepest: f64,
+    /// Least angle between two passages at a station.
+    pub(super) junction: f64,
+    /// How many loops are closed; 1 for as many as in real caves.
+    pub(super) loop_closure: f64,
+    /// Distance between the stations of a connector, in metres.
+    pub(super) spacing_m: f64,
+}
+
+/// How large a passage is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    pub(super) width_m: f64,
+    /// From floor to ceiling.
+    pub(super) height_m: f64,
+}
+
+impl Size {
+    /// A section of this width, its height in units of it.
+    pub(super) fn new(width_m: f64, height_ratio: f64) -> Self {
+        Self { width_m, height_m: width_m * height_ratio }
+    }
+
+    fn half_girth(self) -> f64 {
+        half_girth_m(self.width_m, self.height_m)
+    }
+}
+
+/// Where a station is, and how large the passage is there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub(super) position: Point3<f64>,
+    pub(super) size: Size,
+}
+
+#[derive(Clone, Debug)]
+struct Station {
+    spot: Spot,
+    neighbors: [u32; DEGREE],
+    degree: u8,
+}
+
+/// Stations and lawful passages between them.
+pub(super) struct Network {
+    rules: Rules,
+    /// Most that a passage rises per metre of plan.
+    steepest_slope: f64,
+    /// Cosine of the least angle between passages at a station.
+    sharpest: f64,
+    stations: Vec<Station>,
+    passages: Cells<[u32; 2]>,
+    places: Cells<u32>,
+    /// Stations from which nothing was begun yet.
+    openings: Vec<usize>,
+    /// Stations that are held back for connectors.
+    held: usize,
+}
+
+impl Network {
+    /// A network of one station.
+    pub(super) fn new(rules: Rules, first: Spot) -> Self {
+        let side_m = rules.spacing_m.max(4.0 * rules.widest.half_girth() + 2.0 * rules.rock_m);
+        let mut network = Self {
+            stations: Vec::new(),
+            passages: Cells::new(side_m),
+            places: Cells::new(side_m),
+            openings: Vec::new(),
+            held: 0,
+            steepest_slope: libm::tan(rules.steepest),
+            sharpest: libm::cos(rules.junction),
+            rules,
+        };
+        let first = network.place(first);
+        let at = network.stations[first].spot.position;
+        network.places.add(first as u32, [&at; 2]);
+        network.openings.push(first);
+        network
+    }
+
+    pub(super) fn spot(&self, station: usize) -> &Spot {
+        &self.stations[station].spot
+    }
+
+    pub(super) fn position(&self, station: usize) -> &Point3<f64> {
+        &self.stations[station].spot.position
+    }
+
+    /// The stations that passages join to this one.
+    pub(super) fn neighbors(&self, station: usize) -> impl Iterator<Item = usize> + use<'_> {
+        let station = &self.stations[station];
+        station.neighbors[..usize::from(station.degree)].iter().map(|&other| other as usize)
+    }
+
+    pub(super) fn degree(&self, station: usize) -> usize {
+        usize::from(self.stations[station].degree)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.stations.len()
+    }
+
+    /// Stations that may still be placed.
+    pub(super) fn room(&self) -> usize {
+        (self.rules.nodes - self.held).saturating_sub(self.stations.len())
+    }
+
+    /// Takes a station from which nothing was begun yet, any of them alike.
+    pub(super) fn draw_opening(&mut self, dice: &mut Dice) -> Option<usize> {
+        let last = self.openings.len();
+        (last > 0).then(|| self.openings.swap_remove(dice.index(last)))
+    }
+
+    /// The direction in which the cave came to a dead end, of length 1; none at a junction or at the first station.
+    pub(super) fn heading(&self, tip: usize) -> Option<Vector3<f64>> {
+        let mut others = self.neighbors(tip);
+        let before = others.next().filter(|_| self.degree(tip) == 1)?;
+        (self.position(tip) - self.position(before)).try_normalize(0.0)
+    }
+
+    /// Lays a way of new stations from one station, and on to another where it is to end there. All of it or nothing:
+    /// the last station, or `None` if the way breaks the law or there is no room.
+    pub(super) fn lay(&mut self, from: usize, way: &[Spot], to: Option<usize>) -> Option<usize> {
+        if way.len() > self.room() || !self.is_open(from, to, way.is_empty()) {
+            return None;
+        }
+        let first = self.stations.len();
+        let mut chain = vec![from];
+        chain.extend(way.iter().map(|spot| self.place(*spot)));
+        chain.extend(to);
+        chain.windows(2).for_each(|leg| self.link(leg[0], leg[1]));
+        for (laid, leg) in chain.windows(2).enumerate() {
+            if !self.is_lawful(leg[0], leg[1]) {
+                self.take_up(&chain, laid, first);
+                return None;
+            }
+            let ends = [0, 1].map(|end| &self.stations[leg[end]].spot.position);
+            self.passages.add([leg[0] as u32, leg[1] as u32], ends);
+        }
+        for station in first..self.stations.len() {
+            self.places.add(station as u32, [&self.stations[station].spot.position; 2]);
+            self.openings.push(station);
+        }
+        chain.last().copied()
+    }
+
+    /// Whether the ends of a way can take one passage more.
+    fn is_open(&self, from: usize, to: Option<usize>, is_direct: bool) -> bool {
+        let takes = |station: usize| self.degree(station) < DEGREE;
+        let joins =
+            |to: usize| to != from && takes(to) && !(is_direct && self.neighbors(from).any(|other| other == to));
+        takes(from) && to.is_none_or(joins) && !(is_direct && to.is_none())
+    }
+
+    fn place(&mut self, spot: Spot) -> usize {
+        let spot = Spot { position: spot.position.map(millimetres), ..spot };
+        self.stations.push(Station { spot, neighbors: [0; DEGREE], degree: 0 });
+        self.stations.len() - 1
+    }
+
+    fn link(&mut self, a: usize, b: usize) {
+        for [one, other] in [[a, b], [b, a]] {
+            let station = &mut self.stations[one];
+            station.neighbors[usize::from(station.degree)] = other as u32;
+            station.degree += 1;
+        }
+    }
+
+    /// Undoes a way of which this many legs are in the grid, and whose own stations begin at `first`.
+    fn take_up(&mut self, chain: &[usize], laid: usize, first: usize) {
+        for leg in chain.windows(2).take(laid) {
+            let ends = [0, 1].map(|end| &self.stations[leg[end]].spot.position);
+            self.passages.remove([leg[0] as u32, leg[1] as u32], ends);
+        }
+        for end in [chain[0], chain[chain.len() - 1]] {
+            // The newest neighbour is that of this way.
+            if end < first {
+                self.stations[end].degree -= 1;
+            }
+        }
+        self.stations.truncate(first);
+    }
+
+    /// The station that this one was laid from; none for the first.
+    pub(super) fn parent(&self, station: usize) -> Option<usize> {
+        self.neighbors(station).next().filter(|&other| other < station)
+    }
+
+    /// Gives every passage the size that is told for its station.
+    pub(super) fn resize(&mut self, size: impl Fn(usize) -> Size) {
+        self.stations.iter_mut().enumerate().for_each(|(index, station)| station.spot.size = size(index));
+    }
+
+    fn into_graph(self) -> Graph {
+        let knot = |station: &Station| {
+            let Spot { position, size: Size { width_m, height_m } } = station.spot;
+            Knot { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level: 0 }
+        };
+        let mut sketch = Sketch { knots: self.stations.iter().map(knot).collect(), lines: Vec::new() };
+        for station in 0..self.len() {
+            let older = self.neighbors(station).filter(|&other| other < station);
+            older.for_each(|other| sketch.join(other, station));
+        }
+        sketch.into_graph()
+    }
+}
+
+/// How one generator makes its network grow.
+pub(super) trait Growth {
+    /// Digs until there is no room or nowhere to go on.
+    fn dig(&mut self, network: &mut Network, dice: &mut Dice);
+
+    /// What is left to do when the network has all its stations.
+    fn finish(&self, _network: &mut Network) {}
+}
+
+/// The first network that grows to all its nodes: dug, its loops closed, and dug on with what the loops left.
+///
+/// # Errors
+/// When no attempt has room for the nodes.
+pub(super) fn grown<G: Growth>(
+    rules: &Rules,
+    seed: u64,
+    name: &str,
+    begin: impl Fn(&mut Dice, u64) -> (Spot, G),
+) -> Result<Graph, GenerateError> {
+    let mut most = 0;
+    for attempt in 0..ATTEMPTS {
+        let mut dice = Dice::new(seed::stream(seed, name, attempt));
+        let (first, mut growth) = begin(&mut dice, attempt);
+        let mut network = Network::new(rules.clone(), first);
+        network.fill(&mut growth, &mut dice);
+        if network.room() == 0 {
+            growth.finish(&mut network);
+            return Ok(network.into_graph());
+        }
+        most = most.max(network.len());
+    }
+    Err(GenerateError::new(
+        format!("no room for {} nodes", rules.nodes),
+        format!("{most} were placed; ask for fewer, for narrower passages, for less rock or for steeper ones"),
+    ))
+}
+
+impl Network {
+    fn fill(&mut self, growth: &mut impl Growth, dice: &mut Dice) {
+        self.held = (self.rules.nodes as f64 * HELD_FOR_LOOPS * self.rules.loop_closure) as usize;
+        growth.dig(self, dice);
+        self.held = 0;
+        self.close_loops(dice);
+        growth.dig(self, dice);
+    }
+}
+
+/// The direction of this yaw and inclination, of length 1.
+pub(super) fn ahead(yaw: f64, pitch: f64) -> Vector3<f64> {
+    let level = libm::cos(pitch);
+    Vector3::new(level * libm::cos(yaw), level * libm::sin(yaw), libm::sin(pitch))
+}
+
+/// Refuses two settings of which the least exceeds the greatest.
+pub(super) fn in_order([least, most]: [&str; 2], [low, high]: [f64; 2]) -> Result<(), GenerateError> {
+    if low <= high {
+        return Ok(());
+    }
+    Err(GenerateError::new(
+        format!("`{least}` is {low} but `{most}` is {high}"),
+        "the least may not exceed the greatest",
+    ))
+}

@@ -1,0 +1,103 @@
+//! The law of a network.
+//!
+//! A passage is no steeper than allowed, and opens at enough of an angle to the others at its ends. Where it comes
+//! nearer to another passage than half their girths and the rock between them, the two are also near along the cave: the
+//! way round is at most [`DETOUR`] times the way through the rock, and at most [`NEARBY`] times the distance that was to
+//! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in space, tested at the
+//! nearest points and at the four ends.
+
+use nalgebra::{Point3, Vector3};
+
+use super::Network;
+use super::ways::Ways;
+use plume_graph::segment::segment_distance;
+
+/// The way along the cave between places without rock between them, by their distance. Two straight passages at a
+/// junction keep it from an angle of 47 degrees on.
+const DETOUR: f64 = 2.5;
+/// The same by the distance that their axes should keep.
+const NEARBY: f64 = 2.0;
+
+impl Network {
+    /// Whether a passage between two stations, which know each other as neighbours already, keeps the law.
+    pub(super) fn is_lawful(&self, a: usize, b: usize) -> bool {
+        self.is_walkable(self.position(b) - self.position(a))
+            && self.opens(a, b)
+            && self.opens(b, a)
+            && self.is_clear(a, b)
+    }
+
+    /// Whether a passage in this direction is not too steep.
+    pub(super) fn is_walkable(&self, way: Vector3<f64>) -> bool {
+        way.z.abs() <= self.greatest_rise(way.xy().norm())
+    }
+
+    /// How far up or down a passage may lead over so many metres of plan.
+    pub(super) fn greatest_rise(&self, plan_m: f64) -> f64 {
+        // Rounding to millimetres steepens short passages.
+        const SLACK_M: f64 = 0.002;
+        self.steepest_slope * plan_m + SLACK_M
+    }
+
+    /// Whether the passage to `to` stands apart from the others at `at`.
+    fn opens(&self, at: usize, to: usize) -> bool {
+        let way = |other: usize| self.position(other) - self.position(at);
+        let own = way(to);
+        let most = self.sharpest * own.norm();
+        let mut others = self.neighbors(at).filter(|&other| other != to).map(way);
+        others.all(|other| own.dot(&other) <= most * other.norm())
+    }
+
+    fn is_clear(&self, a: usize, b: usize) -> bool {
+        let ends = [self.position(a), self.position(b)];
+        let width = self.half_girth([a, b]);
+        let reach = width + self.rules.widest.half_girth() + self.rules.rock_m;
+        let mut ways: Option<[Ways; 2]> = None;
+        for other in self.passages.near(ends, reach).map(|other| other.map(|end| end as usize)) {
+            let need = width + self.half_girth(other) + self.rules.rock_m;
+            let is_joined = other.contains(&a) || other.contains(&b);
+            let other_ends = other.map(|end| self.position(end));
+            if is_joined || box_gap(ends, other_ends) >= need || segment_distance(ends, other_ends) >= need {
+                continue;
+            }
+            let ways = ways.get_or_insert_with(|| {
+                let far = NEARBY * reach;
+                [self.ways(a, Some(b), far), self.ways(b, Some(a), far)]
+            });
+            if !self.is_meeting([a, b], other, need, ways) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Whether two passages nearer than `need` are so because the cave joins them here.
+    fn is_meeting(&self, own: [usize; 2], other: [usize; 2], need: f64, ways: &[Ways; 2]) -> bool {
+        let [a, b] = own.map(|end| self.position(end));
+        let [u, v] = other.map(|end| self.position(end));
+        let length = (b - a).norm();
+        let [from_a, from_b] = [ways[0].to_passage(other), ways[1].to_passage(other)];
+        let keeps = |apart: f64, along: f64| apart >= need || along <= (DETOUR * apart).min(NEARBY * need);
+        let to = |end: usize| ways[0].to(end).min(ways[1].to(end));
+        keeps(segment_distance([a, b], [u, v]), from_a.min(from_b))
+            && keeps(from_point(a, [u, v]), from_a.min(from_b + length))
+            && keeps(from_point(b, [u, v]), from_b.min(from_a + length))
+            && keeps(from_point(u, [a, b]), to(other[0]))
+            && keeps(from_point(v, [a, b]), to(other[1]))
+    }
+
+    fn half_girth(&self, [u, v]: [usize; 2]) -> f64 {
+        self.spot(u).size.half_girth().max(self.spot(v).size.half_girth())
+    }
+}
+
+/// A distance that two segments keep at least: the greatest gap between their boxes along an axis.
+fn box_gap([a, b]: [&Point3<f64>; 2], [u, v]: [&Point3<f64>; 2]) -> f64 {
+    let beyond = u.inf(v) - a.sup(b);
+    let before = a.inf(b) - u.sup(v);
+    beyond.sup(&before).max()
+}
+
+fn from_point(point: &Point3<f64>, segment: [&Point3<f64>; 2]) -> f64 {
+    segment_distance([point; 2], segment)
+}

@@ -1,0 +1,217 @@
+//! Ways down at a slope: straight ones, and arcs of a helix where a straight one would be too steep.
+//!
+//! A helix through two points keeps one slope all the way, and its curve is as wide as the ground allows. Promised: every
+//! step of a way keeps the asked slopes, after rounding to 1 mm, or there is no way; nor is there one of over 200 steps.
+
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+
+use nalgebra::{Point3, Vector2};
+
+use plume_graph::millimetres;
+
+/// What rounding to 1 mm may add to a slope, in radians.
+const ROUNDING: f64 = 2e-4;
+/// The longest arc without a whole turn, so that its ends do not meet.
+const LONGEST_ARC: f64 = 0.95 * TAU;
+/// Greatest turn from one station to the next.
+const SHARPEST: f64 = FRAC_PI_4;
+/// Halvings in search of a radius or an angle: to the last bits of a metre.
+const HALVINGS: usize = 60;
+/// Most steps of a way: at 4 m each, what climbs 50 m at 4 degrees.
+const MOST_STEPS: f64 = 200.0;
+/// Rounds in which an arc is lengthened by what its chords cut short.
+const CHORD_ROUNDS: usize = 4;
+
+/// From the least to the greatest slope, in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Slopes {
+    pub(super) least: f64,
+    pub(super) greatest: f64,
+}
+
+impl Slopes {
+    pub(super) fn of_degrees(least: f64, greatest: f64) -> Self {
+        Self { least: least.to_radians(), greatest: greatest.to_radians() }
+    }
+
+    /// Whether a passage has such a slope.
+    pub(super) fn hold(&self, a: &Point3<f64>, b: &Point3<f64>) -> bool {
+        let slope = slope(a, b);
+        slope >= self.least - ROUNDING && slope <= self.greatest + ROUNDING
+    }
+}
+
+/// The slope of a passage, in radians.
+pub(super) fn slope(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
+    libm::atan2((a.z - b.z).abs(), (a.xy() - b.xy()).norm())
+}
+
+/// How a way runs in the plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Course {
+    /// Along a straight line.
+    Straight,
+    /// Along a circle.
+    Round(Helix),
+}
+
+/// A way of one slope round an upright axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Helix {
+    /// In radians.
+    pub(super) slope: f64,
+    /// Whole turns; what is left of one comes on top.
+    pub(super) turns: u32,
+    /// To the left (1) or to the right (-1).
+    pub(super) side: f64,
+    /// Where it sets out between points above each other, in radians from east.
+    pub(super) bearing: f64,
+}
+
+/// The stations of a way down from `top` to `foot`, both included, at most `step_m` apart. `None` where the course does not
+/// lead there, or not within the slopes.
+pub(super) fn way_down(
+    [top, foot]: [Point3<f64>; 2],
+    course: Course,
+    slopes: &Slopes,
+    step_m: f64,
+) -> Option<Vec<Point3<f64>>> {
+    let way = match course {
+        Course::Straight => straight(&top, &foot, step_m)?,
+        Course::Round(helix) => Arc::between([top, foot], helix, step_m)?.stations([top, foot]),
+    };
+    way.windows(2).all(|step| slopes.hold(&step[0], &step[1])).then_some(way)
+}
+
+fn straight(top: &Point3<f64>, foot: &Point3<f64>, step_m: f64) -> Option<Vec<Point3<f64>>> {
+    let steps = ((foot - top).norm() / step_m).ceil().max(1.0);
+    let at = |step: usize| (top + (foot - top) * (step as f64 / steps)).map(millimetres);
+    (steps <= MOST_STEPS).then(|| (0..=steps as usize).map(at).collect())
+}
+
+/// A helix between two points, as it is in the plan.
+struct Arc {
+    center: Vector2<f64>,
+    radius: f64,
+    /// Where on the circle it starts.
+    start: f64,
+    /// How far round it leads, with its sign.
+    turn: f64,
+    steps: usize,
+}
+
+impl Arc {
+    fn between([top, foot]: [Point3<f64>; 2], helix: Helix, step_m: f64) -> Option<Self> {
+        let Helix { slope, turns, side, bearing } = helix;
+        let chord = (foot.xy() - top.xy()).norm();
+        let length = (top.z - foot.z) / libm::tan(slope);
+        let mut arc_length = length;
+        let mut found = None;
+        for _ in 0..CHORD_ROUNDS {
+            let (radius, turn) = if turns == 0 { bow(chord, arc_length)? } else { coil(chord, arc_length, turns)? };
+            let steps = (arc_length / libm::cos(slope) / step_m).ceil().max((turn / SHARPEST).ceil()).max(2.0);
+            if steps > MOST_STEPS {
+                return None;
+            }
+            let half_step = 0.5 * turn / steps;
+            arc_length = length * half_step / libm::sin(half_step);
+            found = Some((radius, turn, steps as usize));
+        }
+        let (radius, turn, steps) = found?;
+        let along = if chord > 0.001 {
+            (foot.xy() - top.xy()) / chord
+        } else {
+            Vector2::new(libm::cos(bearing), libm::sin(bearing))
+        };
+        let left = Vector2::new(-along.y, along.x) * side;
+        // Half a chord on, and as far aside as the circle asks: to the other side beyond half a turn.
+        let bend = 0.5 * turn.rem_euclid(TAU);
+        let center = top.coords.xy() + along * (0.5 * chord) + left * (radius * libm::cos(bend));
+        let out = top.coords.xy() - center;
+        Some(Self { center, radius, start: libm::atan2(out.y, out.x), turn: side * turn, steps })
+    }
+
+    fn stations(&self, [top, foot]: [Point3<f64>; 2]) -> Vec<Point3<f64>> {
+        let inner = (1..self.steps).map(|step| {
+            let share = step as f64 / self.steps as f64;
+            let angle = self.start + self.turn * share;
+            let x = self.center.x + self.radius * libm::cos(angle);
+            let y = self.center.y + self.radius * libm::sin(angle);
+            Point3::new(x, y, top.z + (foot.z - top.z) * share).map(millimetres)
+        });
+        std::iter::once(top).chain(inner).chain([foot]).collect()
+    }
+}
+
+/// Radius and turn of an arc of this length over a chord, less than once round.
+fn bow(chord: f64, length: f64) -> Option<(f64, f64)> {
+    let ratio = |turn: f64| libm::sin(0.5 * turn) / (0.5 * turn);
+    if length <= chord || chord / length < ratio(LONGEST_ARC) {
+        return None;
+    }
+    let turn = halved([1e-3, LONGEST_ARC], |turn| ratio(turn) * length > chord);
+    Some((length / turn, turn))
+}
+
+/// Radius and turn of an arc of this length over a chord that leads round so many times, and on by the short way.
+fn coil(chord: f64, length: f64, turns: u32) -> Option<(f64, f64)> {
+    let round = TAU * f64::from(turns);
+    let turn = |radius: f64| round + 2.0 * libm::asin((0.5 * chord / radius).min(1.0));
+    let least = (0.5 * chord).max(1e-3);
+    if least * turn(least) > length {
+        return None;
+    }
+    let radius = halved([least, length / PI], |radius| radius * turn(radius) < length);
+    Some((radius, turn(radius)))
+}
+
+/// Where, between two values, a condition ends that holds at the first.
+fn halved([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arc(degrees: f64, turns: u32, side: f64) -> Course {
+        Course::Round(Helix { slope: degrees.to_radians(), turns, side, bearing: 1.0 })
+    }
+
+    #[test]
+    fn every_step_has_the_slope_that_was_asked_for() {
+        let slopes = Slopes::of_degrees(14.95, 15.05);
+        for (chord, turns) in [(30.0, 0), (10.0, 0), (6.0, 1), (0.0, 1), (3.0, 2), (0.0, 3)] {
+            for side in [-1.0, 1.0] {
+                let ends = [Point3::new(1.0, 2.0, 0.0), Point3::new(1.0 + 0.6 * chord, 2.0 + 0.8 * chord, -10.0)];
+                let way = way_down(ends, arc(15.0, turns, side), &slopes, 4.0).expect("37 m are enough");
+                assert_eq!([way[0], way[way.len() - 1]], ends);
+                let steps = way.windows(2).map(|step| (step[1] - step[0]).norm());
+                assert!(steps.clone().all(|step| step <= 4.1), "{chord} {turns}");
+                let even = steps.clone().fold(0.0, f64::max) - steps.fold(f64::INFINITY, f64::min);
+                assert!(even < 0.01, "{chord} {turns}: {even}");
+            }
+        }
+    }
+
+    #[test]
+    fn shafts_are_plumb_and_what_cannot_be_is_not() {
+        let slopes = Slopes::of_degrees(90.0, 90.0);
+        let ends = [Point3::new(3.0, 4.0, 5.0), Point3::new(3.0, 4.0, -5.0)];
+        let shaft = way_down(ends, Course::Straight, &slopes, 3.0).expect("it is plumb");
+        assert_eq!(shaft.len(), 5);
+        let gentle = Slopes::of_degrees(10.0, 20.0);
+        assert_eq!(way_down(ends, Course::Straight, &gentle, 3.0), None);
+        assert_eq!(way_down(ends, arc(15.0, 0, 1.0), &gentle, 3.0), None);
+        let far = [Point3::origin(), Point3::new(100.0, 0.0, -10.0)];
+        assert_eq!(way_down(far, arc(15.0, 0, 1.0), &gentle, 3.0), None);
+    }
+}

@@ -1,0 +1,249 @@
+//! Space colonization: passages that branch towards open ground until it is taken.
+//!
+//! Runions, Lane, Prusinkiewicz: "Modeling trees with a space colonization algorithm", 2007. Attractors lie scattered in
+//! a region. Each of them pulls the station that is nearest to it, if it is near enough; every station that is pulled
+//! grows one step in the mean direction; what a station comes near to is taken. Widths follow the pipe model (Murray
+//! 1926 has exponent 3): a passage is as wide as those that it feeds together. Added here: a region that is flat, since
+//! caves are, a slope limit, wander, loops, and rock between passages.
+//!
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the law of
+//! `network`. Not promised: that the whole region is taken, since growth ends with the last node.
+
+mod attractors;
+
+use nalgebra::{Point3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
+use super::{GenerateError, Generator};
+use attractors::Attractors;
+use plume_graph::Graph;
+use plume_graph::Outside;
+use plume_graph::dice::Dice;
+
+/// Ground that a station takes, in squares of a step by the distance at which attractors are taken. Tuned so that the
+/// region is about filled.
+const GROUND: f64 = 2.6;
+/// How much larger the region becomes when it was too small.
+const LARGER: f64 = 1.3;
+/// Least half axis of the region by the distance at which attractors are taken, so that some are out of it.
+const LEAST_REGION: f64 = 3.0;
+/// Turns that a station tries where its way is blocked, in degrees.
+const DODGES_DEG: [f64; 5] = [0.0, 25.0, -25.0, 50.0, -50.0];
+
+/// The outline of the region that is colonized.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Region {
+    /// A box.
+    Box,
+    /// An ellipsoid.
+    #[default]
+    Ellipsoid,
+}
+
+/// Settings of the space colonization generator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields, rename_all = "snake_case")]
+pub struct SpaceColonization {
+    /// Number of nodes (stations on the centreline); the region is made as large as they need.
+    #[schemars(range(min = 2, max = 1_000_000))]
+    pub nodes: u32,
+    /// Outline of the region: `ellipsoid` or `box`.
+    pub region: Region,
+    /// Length of the region, west to east, by its breadth.
+    #[schemars(range(min = 0.1, max = 10.0))]
+    pub elongation: f64,
+    /// Height of the region, in metres; 0 is level. Tens of metres make passages lie above one another.
+    #[schemars(range(min = 0.0, max = 200.0))]
+    pub height_m: f64,
+    /// Mean distance between attractors, in metres: sparse ones make long bare passages.
+    #[schemars(range(min = 2.0, max = 50.0))]
+    pub attractor_spacing_m: f64,
+    /// Distance from which an attractor pulls, in metres. From the paper.
+    #[schemars(range(min = 4.0, max = 150.0))]
+    pub influence_m: f64,
+    /// Distance at which an attractor is taken, in metres. From the paper: two steps and more.
+    #[schemars(range(min = 2.0, max = 50.0))]
+    pub kill_m: f64,
+    /// Length of a step, which is the distance between stations, in metres. From the paper.
+    #[schemars(range(min = 1.0, max = 20.0))]
+    pub step_m: f64,
+    /// Pull in one direction for all, in units of that of the attractors; the paper's tropism.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub tropism: f64,
+    /// Azimuth of that direction, clockwise from north (+Y), in degrees.
+    #[schemars(range(min = 0.0, max = 360.0))]
+    pub tropism_azimuth_deg: f64,
+    /// How far a passage wanders from where it is pulled: standard deviation of the angle of each step, in degrees.
+    #[schemars(range(min = 0.0, max = 60.0))]
+    pub wander_deg: f64,
+    /// Greatest inclination of a passage, in degrees.
+    #[schemars(range(min = 1.0, max = 45.0))]
+    pub max_slope_deg: f64,
+    /// Width of a passage where it ends, in metres.
+    #[schemars(range(min = 1.5, max = 20.0))]
+    pub width_min_m: f64,
+    /// Width that no passage exceeds, in metres.
+    #[schemars(range(min = 1.5, max = 20.0))]
+    pub width_max_m: f64,
+    /// Exponent of the pipe model: widths to this power add up where passages join.
+    #[schemars(range(min = 1.5, max = 4.0))]
+    pub pipe_exponent: f64,
+    /// Height of a passage above its floor in units of its width.
+    #[schemars(range(min = 0.4, max = 2.0))]
+    pub height_ratio: f64,
+    /// How many loops are closed: 0 for none, 1 for as many as in real caves.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub loop_closure: f64,
+    /// Least rock between passages that do not meet, in metres.
+    #[schemars(range(min = 0.5, max = 20.0))]
+    pub rock_m: f64,
+}
+
+impl Default for SpaceColonization {
+    fn default() -> Self {
+        Self {
+            nodes: 150,
+            region: Region::Ellipsoid,
+            elongation: 1.6,
+            height_m: 16.0,
+            attractor_spacing_m: 12.0,
+            influence_m: 40.0,
+            kill_m: 8.0,
+            step_m: 4.0,
+            tropism: 0.2,
+            tropism_azimuth_deg: 60.0,
+            wander_deg: 40.0,
+            max_slope_deg: 20.0,
+            width_min_m: 2.0,
+            width_max_m: 5.0,
+            pipe_exponent: 2.5,
+            height_ratio: 0.75,
+            loop_closure: 1.0,
+            rock_m: 1.0,
+        }
+    }
+}
+
+impl Generator for SpaceColonization {
+    fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
+        in_order(["width_min_m", "width_max_m"], [self.width_min_m, self.width_max_m])?;
+        in_order(["step_m", "kill_m"], [self.step_m, self.kill_m])?;
+        in_order(["kill_m", "influence_m"], [self.kill_m, self.influence_m])?;
+        in_order(["attractor_spacing_m", "influence_m"], [self.attractor_spacing_m, self.influence_m])?;
+        network::grown(&self.rules(), seed, "space-colonization", |dice, attempt| {
+            let scattered = self.scatter(attempt, dice);
+            let attractors = Attractors::new(scattered, [self.kill_m, self.influence_m]);
+            let first = Spot { position: Point3::origin(), size: self.widest() };
+            (first, Colony { settings: self, attractors, met: 0 })
+        })
+    }
+}
+
+impl SpaceColonization {
+    fn rules(&self) -> Rules {
+        Rules {
+            nodes: self.nodes as usize,
+            rock_m: self.rock_m,
+            widest: self.widest(),
+            steepest: self.max_slope_deg.to_radians(),
+            junction: network::JUNCTION,
+            loop_closure: self.loop_closure,
+            spacing_m: self.step_m,
+        }
+    }
+
+    fn widest(&self) -> Size {
+        Size::new(self.width_max_m, self.height_ratio)
+    }
+
+    /// Attractors evenly at random in a region for all nodes, larger with each attempt.
+    fn scatter(&self, attempt: u64, dice: &mut Dice) -> Vec<Point3<f64>> {
+        let growth = (0..attempt).fold(1.0, |growth, _| growth * LARGER);
+        let ground = GROUND * growth * f64::from(self.nodes) * self.step_m * self.kill_m;
+        let least = LEAST_REGION * self.kill_m;
+        let half_breadth = (0.5 * (ground / self.elongation).sqrt()).max(least);
+        let half = Vector3::new((half_breadth * self.elongation).max(least), half_breadth, 0.5 * self.height_m);
+        let storeys = (self.height_m / self.attractor_spacing_m).max(1.0);
+        let count = 4.0 * half.x * half.y * storeys / (self.attractor_spacing_m * self.attractor_spacing_m);
+        let mut place = || Vector3::from_fn(|_, _| dice.between(-1.0, 1.0));
+        let drawn = (0..count.ceil() as usize).map(|_| place());
+        let inside = drawn.filter(|place| self.region == Region::Box || place.norm_squared() <= 1.0);
+        inside.map(|place| Point3::from(place.component_mul(&half))).collect()
+    }
+
+    /// The direction that all passages are drawn to, as long as it is strong.
+    fn tropism(&self) -> Vector3<f64> {
+        let azimuth = self.tropism_azimuth_deg.to_radians();
+        self.tropism * Vector3::new(libm::sin(azimuth), libm::cos(azimuth), 0.0)
+    }
+}
+
+/// A network that takes its ground.
+struct Colony<'a> {
+    settings: &'a SpaceColonization,
+    attractors: Attractors,
+    /// Stations that the attractors know.
+    met: usize,
+}
+
+impl Growth for Colony<'_> {
+    fn dig(&mut self, network: &mut Network, dice: &mut Dice) {
+        self.meet(network);
+        loop {
+            let pulls = self.attractors.pulls(network);
+            if pulls.is_empty() {
+                return;
+            }
+            for (station, pull) in pulls {
+                if network.room() == 0 {
+                    return;
+                }
+                if !self.grow(network, station, pull, dice) {
+                    self.attractors.give_up(station);
+                }
+            }
+            self.meet(network);
+        }
+    }
+
+    fn finish(&self, network: &mut Network) {
+        let power = self.settings.pipe_exponent;
+        let tip = libm::pow(self.settings.width_min_m, power);
+        let mut fed = vec![0.0; network.len()];
+        for station in (1..network.len()).rev() {
+            // What feeds nothing ends here.
+            fed[station] = f64::max(fed[station], tip);
+            if let Some(parent) = network.parent(station) {
+                fed[parent] += fed[station];
+            }
+        }
+        let width = |station: usize| libm::pow(fed[station], 1.0 / power).min(self.settings.width_max_m);
+        network.resize(|station| Size::new(width(station), self.settings.height_ratio));
+    }
+}
+
+impl Colony<'_> {
+    /// Shows the attractors what was laid since they were last asked.
+    fn meet(&mut self, network: &Network) {
+        for station in self.met..network.len() {
+            self.attractors.meet(station, network.position(station));
+        }
+        self.met = network.len();
+    }
+
+    /// Lays a step from a station towards what pulls it, or beside that.
+    fn grow(&self, network: &mut Network, station: usize, pull: Vector3<f64>, dice: &mut Dice) -> bool {
+        let way = pull + self.settings.tropism();
+        let steepest = self.settings.max_slope_deg.to_radians();
+        let pitch = libm::atan2(way.z, way.xy().norm()).clamp(-steepest, steepest);
+        let yaw = libm::atan2(way.y, way.x) + (self.settings.wander_deg * dice.gauss()).to_radians();
+        let from = *network.position(station);
+        DODGES_DEG.into_iter().any(|dodge| {
+            let position = from + self.settings.step_m * ahead(yaw + dodge.to_radians(), pitch);
+            network.lay(station, &[Spot { position, size: self.settings.widest() }], None).is_some()
+        })
+    }
+}

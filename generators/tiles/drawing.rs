@@ -1,0 +1,123 @@
+//! Tiles as centrelines.
+
+use nalgebra::{Point3, Vector3};
+use rustc_hash::FxHashMap;
+
+use super::board::{Board, Cell, Link, SIDES, Tile, bit, opposite};
+use super::{Access, Tiles};
+use plume_graph::dice::Dice;
+use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::{Section, Shape};
+
+/// How far from the middle of its tile a capped connector ends, in sides of a tile.
+const CAPPED: f64 = 0.35;
+/// Knots of a bend beside its ends.
+const BEND_KNOTS: usize = 3;
+
+/// All tiles and links of the board, the first tile first.
+pub(super) fn drawn(settings: &Tiles, board: &Board, dice: &mut Dice) -> Sketch {
+    let mut drawing = Drawing { settings, board, dice, sketch: Sketch::default(), borders: FxHashMap::default() };
+    for tile in &board.tiles {
+        drawing.tile(tile);
+    }
+    for link in &board.links {
+        drawing.link(link);
+    }
+    drawing.sketch
+}
+
+struct Drawing<'a> {
+    settings: &'a Tiles,
+    board: &'a Board,
+    dice: &'a mut Dice,
+    sketch: Sketch,
+    /// The knot in the middle of each side that a passage crosses, by the cell to the west or south and the side.
+    borders: FxHashMap<(Cell, usize), usize>,
+}
+
+impl Drawing<'_> {
+    fn tile(&mut self, tile: &Tile) {
+        let ends: Vec<usize> =
+            (0..4).filter(|&side| tile.doors & bit(side) != 0).map(|side| self.door(tile.cell, side)).collect();
+        match ends.as_slice() {
+            &[a, b] if !tile.is_room => self.way(tile, a, b),
+            _ => {
+                let width_m = if tile.is_room { self.settings.room_width_m } else { self.width() };
+                let middle = self.middle(tile);
+                let middle = self.knot(middle, width_m, tile.cell[2]);
+                ends.into_iter().for_each(|end| self.sketch.join(middle, end));
+            }
+        }
+    }
+
+    /// A passage between two connectors: from straight to a quarter of a circle, moved aside in its middle.
+    fn way(&mut self, tile: &Tile, a: usize, b: usize) {
+        let [from, to] = [a, b].map(|end| self.sketch.knots[end].position);
+        let pull = self.middle(tile);
+        let mut before = a;
+        for place in 1..=BEND_KNOTS {
+            let t = place as f64 / (BEND_KNOTS + 1) as f64;
+            // A Bézier curve through the middle of the tile's corner side.
+            let at = from.coords * ((1.0 - t) * (1.0 - t)) + pull.coords * (2.0 * t * (1.0 - t)) + to.coords * (t * t);
+            let width_m = self.width();
+            let knot = self.knot(at.into(), width_m, tile.cell[2]);
+            self.sketch.join(before, knot);
+            before = knot;
+        }
+        self.sketch.join(before, b);
+    }
+
+    /// The knot at the end of a connector: shared with the next tile, or capped.
+    fn door(&mut self, cell: Cell, side: usize) -> usize {
+        let [dx, dy] = SIDES[side];
+        if !self.board.leads_on(cell, side) {
+            let at = self.at(cell, [CAPPED * f64::from(dx), CAPPED * f64::from(dy)]);
+            let width_m = self.width();
+            return self.knot(at, width_m, cell[2]);
+        }
+        let key = if side < 2 { (cell, side) } else { ([cell[0] + dx, cell[1] + dy, cell[2]], opposite(side)) };
+        if let Some(&knot) = self.borders.get(&key) {
+            return knot;
+        }
+        let at = self.at(cell, [0.5 * f64::from(dx), 0.5 * f64::from(dy)]);
+        let width_m = self.width();
+        let knot = self.knot(at, width_m, cell[2]);
+        self.borders.insert(key, knot);
+        knot
+    }
+
+    /// A way down: straight in the plan, or upright in the middle of its cell.
+    fn link(&mut self, link: &Link) {
+        let [top, bottom] = [self.door(link.cell, opposite(link.side)), self.door(link.last(), link.side)];
+        let mut chain = vec![top];
+        if self.settings.access == Access::Shaft {
+            let width_m = self.settings.width_min_m;
+            chain.push(self.knot(self.at(link.cell, [0.0; 2]), width_m, link.cell[2]));
+            chain.push(self.knot(self.at(link.last(), [0.0; 2]), width_m, link.last()[2]));
+        }
+        chain.push(bottom);
+        chain.windows(2).for_each(|pair| self.sketch.join(pair[0], pair[1]));
+    }
+
+    /// The middle of a tile, a little off.
+    fn middle(&mut self, tile: &Tile) -> Point3<f64> {
+        let wobble = self.settings.wobble;
+        let off = [0, 1].map(|_| self.dice.between(-wobble, wobble));
+        self.at(tile.cell, off)
+    }
+
+    /// A point of a cell, from its middle, in sides of a tile.
+    fn at(&self, cell: Cell, off: [f64; 2]) -> Point3<f64> {
+        let [x, y] = [0, 1].map(|axis| (f64::from(cell[axis]) + off[axis]) * self.settings.pitch_m);
+        Point3::from(Vector3::new(x, y, -f64::from(cell[2]) * self.settings.level_spacing_m))
+    }
+
+    fn width(&mut self) -> f64 {
+        self.dice.between(self.settings.width_min_m, self.settings.width_max_m)
+    }
+
+    fn knot(&mut self, position: Point3<f64>, width_m: f64, level: i32) -> usize {
+        let section = Section { width_m, height_m: self.settings.height_m, shape: Shape::Drift };
+        self.sketch.add(Knot { position, section: Some(section), level: level as u32 })
+    }
+}

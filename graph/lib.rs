@@ -1,0 +1,62 @@
+//! Where the passages go.
+//!
+//! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes, and files only by what
+//! [`Outside`] lets it read. A [`Generator`] makes one from a seed, out of named [random streams](seed) and a
+//! [centreline](sketch) that it draws; [`realism`] says how like a real cave it is.
+
+mod branches;
+pub mod clearance;
+pub mod dice;
+pub mod echo;
+mod generator;
+mod neighbors;
+mod outside;
+pub mod realism;
+pub mod section;
+pub mod seed;
+pub mod segment;
+pub mod sets;
+mod shape;
+pub mod sketch;
+mod spurs;
+mod stations;
+pub mod tidy;
+
+use nalgebra::Point3;
+
+pub use generator::{GenerateError, Generator};
+pub use neighbors::Neighbors;
+pub use outside::{Nowhere, Outside, RunError, Task};
+pub use section::{Section, Shape};
+pub use shape::millimetres;
+
+/// The version that every file Plume writes carries.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A station: a point on the centreline of a passage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Name of the station in files; unique in its graph.
+    pub id: u64,
+    /// Index of the node it grew from; `None` for the origin of each part.
+    pub parent: Option<usize>,
+    /// Position in metres, rounded to 1 mm.
+    pub position: Point3<f64>,
+    /// Reach to the next node in metres, as in the PLUME paper; passages are wide by a factor of it.
+    pub radius: f64,
+    /// Whether the branch ended alive: it may grow on.
+    pub active: bool,
+    /// Storey, 0 at the top.
+    pub level: u32,
+    /// Width and height of the passage here in metres, where they do not follow from the radius (a mine's drift).
+    pub section: Option<Section>,
+}
+
+/// Stations and the passages between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Graph {
+    /// The stations.
+    pub nodes: Vec<Node>,
+    /// Passages as pairs of indices into `nodes`, smaller first, sorted, unique.
+    pub edges: Vec<[usize; 2]>,
+}

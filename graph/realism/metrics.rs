@@ -1,0 +1,211 @@
+//! The numbers that tell a cave from a drawing of one.
+//!
+//! Collon, Bernasconi, Vuilleumier, Renard: "Statistical metrics for the characterization of karst network geometry and
+//! topology", Geomorphology 283, 2017. The definitions are those of their program karstnet, down to the borders of its
+//! classes; a graph measured here and there gives the same (`tests/judges/graph/karstnet_agrees.py`). Shortest paths take the
+//! square of the reduced graph's size; above [`EXACT_TO`] nodes they are sampled, and [`Metrics::sampling`] tells.
+
+use serde::Serialize;
+
+use super::reduced::{Paths, Reduced};
+use super::{METRICS, SCALE_FREE};
+use crate::Graph;
+use crate::branches::Branches;
+
+/// Nodes of the reduced graph up to which every shortest path is counted.
+pub const EXACT_TO: usize = 20_000;
+/// Nodes that the searches of a sample visit together, which bounds their time to seconds.
+const VISITS: usize = 40_000_000;
+
+/// Place of the central point dominance in [`METRICS`].
+const DOMINANCE: usize = 7;
+
+/// The metrics of one graph. A branch runs between two stations that do not have exactly two passages; the reduced graph
+/// has those stations as nodes and the branches as edges. Those without unit, but for counts, do not depend on the size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Metrics {
+    /// Entropy of branch lengths in ten classes of the longest, 0 to 1.
+    pub length_entropy: f64,
+    /// Standard deviation of branch lengths by their mean.
+    pub length_variation: f64,
+    /// Mean of branch length by distance between its ends, over branches that are no rings.
+    pub tortuosity: f64,
+    /// Entropy of azimuths in eighteen classes, weighted by length, 0 to 1.
+    pub orientation_entropy: f64,
+    /// Mean degree in the reduced graph.
+    pub mean_degree: f64,
+    /// Standard deviation of degrees in the reduced graph by their mean.
+    pub degree_variation: f64,
+    /// Correlation of the degrees at the two ends of the edges of the reduced graph, -1 to 1.
+    pub degree_correlation: f64,
+    /// How much the most central node of the reduced graph stands out in betweenness, 0 to 1.
+    pub central_point_dominance: f64,
+    /// Mean length of a branch in metres.
+    pub mean_length_m: f64,
+    /// Mean number of branches on the shortest way between two nodes of the reduced graph, over the nodes of each part.
+    pub average_path: f64,
+    /// Independent loops.
+    pub loops: usize,
+    /// Branches.
+    pub branches: usize,
+    /// Most passages at a station; no real cave has more than 5.
+    pub max_degree: usize,
+    /// How far shortest paths were sampled; `None` if all were counted.
+    pub sampling: Option<Sampling>,
+}
+
+/// What sampling shortest paths costs: standard errors, as they follow from how much the sources differ. The dominance
+/// has an error upwards besides, of the same size at most, being the greatest of many sampled numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sampling {
+    /// Nodes from which paths were counted.
+    pub sources: usize,
+    /// Standard error of the average path.
+    pub average_path_error: f64,
+    /// Standard error of the central point dominance.
+    pub dominance_error: f64,
+}
+
+impl Metrics {
+    /// Measures a graph; `None` if it has no passage.
+    pub fn of(graph: &Graph) -> Option<Self> {
+        Self::of_nearer(graph, f64::INFINITY)
+    }
+
+    /// Measures a graph, but gives up before the shortest paths, which take longest, where [`distance`](Self::distance) cannot
+    /// be less than `most`.
+    pub(super) fn of_nearer(graph: &Graph, most: f64) -> Option<Self> {
+        let branches = Branches::of(&graph.neighbors());
+        let lengths = lengths(&branches, graph);
+        let longest = lengths.iter().copied().reduce(f64::max)?;
+        let reduced = Reduced::of(&branches);
+        let degrees: Vec<f64> = reduced.degrees().map(|degree| degree as f64).collect();
+        let pathless = Self {
+            length_entropy: length_entropy(&lengths, longest),
+            length_variation: variation(&lengths),
+            tortuosity: tortuosity(&branches, &lengths, graph),
+            orientation_entropy: orientation_entropy(graph),
+            mean_degree: mean(&degrees),
+            degree_variation: variation(&degrees),
+            degree_correlation: degree_correlation(&reduced),
+            // No distance at all.
+            central_point_dominance: METRICS[DOMINANCE].range.median,
+            mean_length_m: mean(&lengths),
+            average_path: 0.0,
+            loops: graph.loops(),
+            branches: lengths.len(),
+            max_degree: max_degree(graph),
+            sampling: None,
+        };
+        (pathless.distance() < most).then(|| pathless.with(&reduced.paths(EXACT_TO, VISITS)))
+    }
+
+    fn with(self, paths: &Paths) -> Self {
+        Self { central_point_dominance: paths.dominance, average_path: paths.average, sampling: paths.sampling, ..self }
+    }
+
+    /// The metrics that do not depend on size, in the order of [`METRICS`].
+    pub fn scale_free(&self) -> [f64; SCALE_FREE] {
+        std::array::from_fn(|place| (METRICS[place].of)(self))
+    }
+}
+
+fn max_degree(graph: &Graph) -> usize {
+    let mut degrees = vec![0; graph.nodes.len()];
+    graph.edges.iter().flatten().for_each(|&node| degrees[node] += 1);
+    degrees.into_iter().max().unwrap_or_default()
+}
+
+/// Classes of a tenth of the longest branch; a branch without length belongs to none.
+fn length_entropy(lengths: &[f64], longest: f64) -> f64 {
+    let mut classes = [0.0; 10];
+    for length in lengths.iter().filter(|&&length| length > 0.0) {
+        classes[class(length / longest * 100.0, classes.len())] += 1.0;
+    }
+    entropy(&classes)
+}
+
+/// Classes of ten degrees.
+fn orientation_entropy(graph: &Graph) -> f64 {
+    let mut classes = [0.0; 18];
+    for &[a, b] in &graph.edges {
+        let way = (graph.nodes[b].position - graph.nodes[a].position).xy();
+        if way.norm() > 0.0 {
+            classes[class(azimuth_deg(way.x, way.y), classes.len())] += way.norm();
+        }
+    }
+    entropy(&classes)
+}
+
+/// The class, ten wide, of a number; the last one holds its upper end, too.
+fn class(number: f64, classes: usize) -> usize {
+    ((number / 10.0) as usize).min(classes - 1)
+}
+
+/// The azimuth of an undirected line as karstnet measures it: clockwise from north, below 180.
+fn azimuth_deg(x: f64, y: f64) -> f64 {
+    let across = (x.abs() / (x * x + y * y).sqrt()).min(1.0);
+    let angle = if x * y > 0.0 { libm::asin(across).to_degrees() } else { 90.0 + libm::acos(across).to_degrees() };
+    angle % 180.0
+}
+
+/// Shannon entropy to the base of the number of classes.
+fn entropy(classes: &[f64]) -> f64 {
+    let sum: f64 = classes.iter().sum();
+    let parts = classes.iter().filter(|&&class| class > 0.0);
+    let nats: f64 = parts.map(|class| -class / sum * libm::log(class / sum)).sum();
+    // Adding zero turns the -0.0 of a single class into 0.0.
+    nats / libm::log(classes.len() as f64) + 0.0
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Standard deviation of a sample by its mean; 0 for a single value.
+fn variation(values: &[f64]) -> f64 {
+    let mean = mean(values);
+    if values.len() < 2 || mean == 0.0 {
+        return 0.0;
+    }
+    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+    (squares / (values.len() - 1) as f64).sqrt() / mean
+}
+
+/// The length of each branch in metres.
+fn lengths(branches: &Branches, graph: &Graph) -> Vec<f64> {
+    let leg = |pair: &[usize]| graph.distance_m(pair[0], pair[1]);
+    branches.iter().map(|branch| branch.windows(2).map(leg).sum()).collect()
+}
+
+/// 1 where every branch is a ring.
+fn tortuosity(branches: &Branches, lengths: &[f64], graph: &Graph) -> f64 {
+    let ratios: Vec<f64> = branches
+        .iter()
+        .zip(lengths)
+        .filter_map(|(branch, length)| {
+            let [first, last] = [branch[0], branch[branch.len() - 1]];
+            let apart = (graph.nodes[first].position - graph.nodes[last].position).norm();
+            (apart > 0.0).then(|| length / apart)
+        })
+        .collect();
+    if ratios.is_empty() { 1.0 } else { mean(&ratios) }
+}
+
+/// Pearson's correlation of degrees over edges taken both ways; 1 where all degrees are the same.
+fn degree_correlation(reduced: &Reduced) -> f64 {
+    let (mut count, mut sum, mut squares, mut products) = (0.0, 0.0, 0.0, 0.0);
+    for (a, b) in reduced.directed_edges() {
+        let (a, b) = (reduced.degree(a) as f64, reduced.degree(b) as f64);
+        count += 1.0;
+        sum += a;
+        squares += a * a;
+        products += a * b;
+    }
+    // All sums are whole numbers, so this is 0 exactly where there is no variance.
+    let variance = squares * count - sum * sum;
+    if variance <= 0.0 {
+        return 1.0;
+    }
+    (products * count - sum * sum) / variance
+}

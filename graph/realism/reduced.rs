@@ -1,0 +1,260 @@
+//! The reduced graph: an edge in place of each branch.
+
+use rustc_hash::FxHashMap;
+
+use super::metrics::Sampling;
+use crate::branches::Branches;
+use crate::dice::Dice;
+use crate::seed;
+
+/// Sources sampled at least.
+const FEWEST_SOURCES: usize = 64;
+
+/// A simple graph of branch ends. Rings keep two and parallel branches one of their inner stations, so that neither
+/// collapses.
+pub(super) struct Reduced {
+    neighbors: Vec<Vec<usize>>,
+}
+
+impl Reduced {
+    pub(super) fn of(branches: &Branches) -> Self {
+        let mut parallel: FxHashMap<[usize; 2], u32> = FxHashMap::default();
+        for branch in branches.iter() {
+            *parallel.entry(ends(branch)).or_default() += 1;
+        }
+        let mut builder = Builder::default();
+        for branch in branches.iter() {
+            let last = branch.len() - 1;
+            let [first, end] = ends(branch);
+            if first == end {
+                let third = branch.len() / 3;
+                builder.join(branch[0], branch[third]);
+                builder.join(branch[third], branch[2 * third]);
+                builder.join(branch[2 * third], branch[last]);
+            } else if parallel[&[first, end]] > 1 && branch.len() > 2 {
+                let half = branch.len() / 2;
+                builder.join(branch[0], branch[half]);
+                builder.join(branch[half], branch[last]);
+            } else {
+                builder.join(branch[0], branch[last]);
+            }
+        }
+        Self { neighbors: builder.neighbors }
+    }
+
+    pub(super) fn degree(&self, node: usize) -> usize {
+        self.neighbors[node].len()
+    }
+
+    pub(super) fn degrees(&self) -> impl Iterator<Item = usize> {
+        self.neighbors.iter().map(Vec::len)
+    }
+
+    pub(super) fn directed_edges(&self) -> impl Iterator<Item = (usize, usize)> {
+        let of_one = |(a, others): (usize, &Vec<usize>)| {
+            let pairs: Vec<_> = others.iter().map(|&b| (a, b)).collect();
+            pairs
+        };
+        self.neighbors.iter().enumerate().flat_map(of_one)
+    }
+
+    /// What the shortest paths say: from every node where there are at most `exact_to`, else from as many as make about
+    /// this number of visits.
+    pub(super) fn paths(&self, exact_to: usize, visits: usize) -> Paths {
+        let len = self.neighbors.len();
+        if len <= exact_to {
+            return self.paths_from(&(0..len).collect::<Vec<_>>());
+        }
+        let count = (visits / len).clamp(FEWEST_SOURCES, len);
+        // One source from each of `count` stretches of the list; the same for the same graph.
+        let mut dice = Dice::new(seed::stream(0, "path-sources", len as u64));
+        let starts: Vec<usize> = (0..=count).map(|i| i * len / count).collect();
+        let sources: Vec<usize> = starts.windows(2).map(|pair| pair[0] + dice.index(pair[1] - pair[0])).collect();
+        self.paths_from(&sources)
+    }
+
+    fn paths_from(&self, sources: &[usize]) -> Paths {
+        let len = self.neighbors.len();
+        let mut tally = Tally { between: vec![0.0; len], squares: vec![0.0; len] };
+        let mut search = Search::new(len);
+        let mut means = Vec::with_capacity(sources.len());
+        for &source in sources {
+            search.run(&self.neighbors, source);
+            means.push(search.mean_distance());
+            search.add_to(&self.neighbors, source, &mut tally);
+        }
+        let count = sources.len() as f64;
+        // Each source stands for its share of all nodes.
+        let pairs = count / len as f64 * (len.max(3) - 1) as f64 * (len.max(3) - 2) as f64;
+        let central = tally.most_central();
+        let sampling = (sources.len() < len).then(|| Sampling {
+            sources: sources.len(),
+            average_path_error: standard_error(count, means.iter().sum(), means.iter().map(|m| m * m).sum()),
+            dominance_error: standard_error(count, tally.between[central], tally.squares[central]) * count / pairs,
+        });
+        Paths {
+            average: means.iter().sum::<f64>() / count,
+            dominance: dominance(&tally.between, tally.between[central]) / pairs,
+            sampling,
+        }
+    }
+}
+
+/// What shortest paths say of a reduced graph.
+pub(super) struct Paths {
+    /// Mean over the nodes of the mean distance to the others of their part, in branches.
+    pub(super) average: f64,
+    /// Freeman's centralization of betweenness.
+    pub(super) dominance: f64,
+    pub(super) sampling: Option<Sampling>,
+}
+
+/// Shortest paths over each node, summed over sources (Brandes 2001), and the squares of what each source adds.
+struct Tally {
+    between: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Tally {
+    fn most_central(&self) -> usize {
+        let by = |a: &usize, b: &usize| self.between[*a].total_cmp(&self.between[*b]);
+        (0..self.between.len()).max_by(by).unwrap_or_default()
+    }
+}
+
+/// By how much the most central node stands out, on average.
+fn dominance(between: &[f64], most: f64) -> f64 {
+    let others = between.len().max(2) - 1;
+    between.iter().map(|b| most - b).sum::<f64>() / others as f64
+}
+
+/// Of the mean of `count` numbers with this sum and this sum of squares.
+fn standard_error(count: f64, sum: f64, squares: f64) -> f64 {
+    let mean = sum / count;
+    ((squares / count - mean * mean).max(0.0) / count).sqrt()
+}
+
+fn ends(branch: &[usize]) -> [usize; 2] {
+    let (first, last) = (branch[0], branch[branch.len() - 1]);
+    [first.min(last), first.max(last)]
+}
+
+/// Gives stations their place in the reduced graph as they come.
+#[derive(Default)]
+struct Builder {
+    places: FxHashMap<usize, usize>,
+    neighbors: Vec<Vec<usize>>,
+}
+
+impl Builder {
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.place(a), self.place(b));
+        self.neighbors[a].push(b);
+        self.neighbors[b].push(a);
+    }
+
+    fn place(&mut self, station: usize) -> usize {
+        let next = self.neighbors.len();
+        let place = *self.places.entry(station).or_insert(next);
+        if place == next {
+            self.neighbors.push(Vec::new());
+        }
+        place
+    }
+}
+
+/// Shortest paths from one source.
+struct Search {
+    distance: Vec<u32>,
+    paths: Vec<f64>,
+    dependency: Vec<f64>,
+    order: Vec<usize>,
+}
+
+impl Search {
+    fn new(len: usize) -> Self {
+        Self {
+            distance: vec![u32::MAX; len],
+            paths: vec![0.0; len],
+            dependency: vec![0.0; len],
+            order: Vec::with_capacity(len),
+        }
+    }
+
+    fn run(&mut self, neighbors: &[Vec<usize>], source: usize) {
+        self.distance.fill(u32::MAX);
+        self.paths.fill(0.0);
+        self.dependency.fill(0.0);
+        self.order.clear();
+        self.distance[source] = 0;
+        self.paths[source] = 1.0;
+        self.order.push(source);
+        let mut next = 0;
+        while let Some(&node) = self.order.get(next) {
+            next += 1;
+            for &other in &neighbors[node] {
+                if self.distance[other] == u32::MAX {
+                    self.distance[other] = self.distance[node] + 1;
+                    self.order.push(other);
+                }
+                if self.distance[other] == self.distance[node] + 1 {
+                    self.paths[other] += self.paths[node];
+                }
+            }
+        }
+    }
+
+    /// Mean distance of the other nodes that can be reached.
+    fn mean_distance(&self) -> f64 {
+        let sum: f64 = self.order.iter().map(|&node| f64::from(self.distance[node])).sum();
+        sum / (self.order.len().max(2) - 1) as f64
+    }
+
+    fn add_to(&mut self, neighbors: &[Vec<usize>], source: usize, tally: &mut Tally) {
+        for &node in self.order.iter().rev() {
+            let share = (1.0 + self.dependency[node]) / self.paths[node];
+            for &other in &neighbors[node] {
+                if self.distance[other] + 1 == self.distance[node] {
+                    self.dependency[other] += self.paths[other] * share;
+                }
+            }
+            if node != source {
+                tally.between[node] += self.dependency[node];
+                tally.squares[node] += self.dependency[node] * self.dependency[node];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Graph;
+    use crate::sketch::Sketch;
+
+    /// Streets and crossroads, a fifth of them blocked.
+    fn maze(side: usize) -> Graph {
+        let mut dice = Dice::new(crate::seed::stream(1, "maze", 0));
+        let places: Vec<[f64; 2]> =
+            (0..side * side).map(|at| [10.0 * (at / side) as f64, 10.0 * (at % side) as f64]).collect();
+        let along = (0..side * side).filter(|at| at % side + 1 < side).map(|at| [at, at + 1]);
+        let across = (0..side * (side - 1)).map(|at| [at, at + side]);
+        let lines: Vec<[usize; 2]> = along.chain(across).filter(|_| dice.chance(0.8)).collect();
+        Sketch::flat(&places, &lines).into_graph()
+    }
+
+    #[test]
+    fn a_sample_is_near_the_whole() {
+        let graph = maze(78);
+        let reduced = Reduced::of(&Branches::of(&graph.neighbors()));
+        let len = reduced.neighbors.len();
+        let (whole, sample) = (reduced.paths(len, 0), reduced.paths(0, 200 * len));
+        assert_eq!(whole.sampling, None);
+        let said = sample.sampling.expect("it was sampled");
+        assert_eq!(said.sources, 200);
+        let off = (sample.average - whole.average).abs();
+        assert!(off <= 3.0 * said.average_path_error && said.average_path_error < 0.05 * whole.average, "{off}");
+        let off = (sample.dominance - whole.dominance).abs();
+        assert!(off <= 4.0 * said.dominance_error && said.dominance_error < 0.05, "{off}");
+    }
+}

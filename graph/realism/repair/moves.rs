@@ -1,0 +1,238 @@
+//! The moves of the repair. Each gives a changed graph, or nothing where it does not apply; none asks whether that is better.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Point3, Vector2};
+
+use super::plan::Plan;
+use crate::dice::Dice;
+use crate::{Graph, Node, millimetres};
+
+/// Draws a change.
+pub(super) type Move = fn(&Plan, &mut Dice) -> Option<Graph>;
+
+/// Every move, with the metrics it is there for.
+pub(super) const MOVES: [Move; 9] = [
+    bend,       // tortuosity up
+    straighten, // tortuosity down
+    warp,       // orientation entropy and tortuosity up
+    add_spur,   // length variation up, degree correlation down
+    prune,      // mean degree up, length entropy
+    stretch,    // length variation up, length entropy down
+    shorten,    // length entropy
+    close_loop, // mean degree up
+    open_loop,  // mean degree down, degree variation up
+];
+
+/// Most passages at a station that a move makes.
+pub(super) const MAX_DEGREE: usize = 4;
+/// Least angle between two passages at a station.
+const MIN_ANGLE: f64 = 45.0 * PI / 180.0;
+/// Turn of a new passage from one station to the next, standard deviation in radians.
+const TURN: f64 = 0.45;
+/// Steepest connector, rise per metre on the map: 20 degrees.
+const SLOPE: f64 = 0.36;
+/// Passages that a new loop is made of at least.
+const LOOP_HOPS: usize = 5;
+
+/// Swings the inner stations of a branch to either side, in one half-wave to three; a single passage gets stations first.
+fn bend(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let (mut graph, branch) = divided(plan, drawn(plan, dice));
+    let last = branch.len() - 1;
+    let chord = (graph.nodes[branch[last]].position - graph.nodes[branch[0]].position).xy();
+    let across = Vector2::new(-chord.y, chord.x).try_normalize(1e-6)?;
+    let waves = 1 + dice.index(3.min(last - 1));
+    let swing_m = dice.sign() * dice.between(0.05, 0.4) * chord.norm() / waves as f64;
+    for (place, &station) in branch.iter().enumerate().take(last).skip(1) {
+        let phase = PI * (waves * place) as f64 / last as f64;
+        shift(&mut graph.nodes[station], across * (swing_m * libm::sin(phase)));
+    }
+    Some(graph)
+}
+
+/// Draws the inner stations of a branch towards the straight line.
+fn straighten(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let branch = drawn(plan, dice);
+    let last = branch.len() - 1;
+    let ends = [branch[0], branch[last]].map(|end| plan.graph.nodes[end].position);
+    if last < 2 || ends[0] == ends[1] {
+        return None;
+    }
+    let mut graph = plan.graph.clone();
+    let part = dice.between(0.1, 0.5);
+    for (place, &station) in branch.iter().enumerate().take(last).skip(1) {
+        let straight = ends[0] + (ends[1] - ends[0]) * (place as f64 / last as f64);
+        let by = (straight - graph.nodes[station].position).xy() * part;
+        shift(&mut graph.nodes[station], by);
+    }
+    Some(graph)
+}
+
+/// Moves all stations by a wave across the map, gently enough that neighbours stay neighbours.
+fn warp(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let [low, high] = plan.graph.bounds()?;
+    let (span_m, least_m) = ((high - low).xy().norm(), 4.0 * plan.leg_m);
+    if span_m <= least_m {
+        return None;
+    }
+    let wave_m = least_m * libm::pow(span_m / least_m, dice.unit());
+    let [along, across] = [dice.between(0.0, TAU), dice.between(0.0, TAU)].map(towards);
+    let swing_m = dice.between(0.02, 0.12) * wave_m;
+    let phase = dice.between(0.0, TAU);
+    let mut graph = plan.graph.clone();
+    for node in &mut graph.nodes {
+        let place = node.position.xy().coords.dot(&along);
+        shift(node, across * (swing_m * libm::sin(TAU * place / wave_m + phase)));
+    }
+    Some(graph)
+}
+
+/// Grows a dead end at a station that has a way on.
+fn add_spur(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let foot = dice.index(plan.neighbors.len());
+    let bearing = dice.between(0.0, TAU);
+    let length_m = plan.branch_m * libm::exp(dice.gauss() - 0.7);
+    let fits = (2..MAX_DEGREE).contains(&plan.degree(foot)) && is_open(plan, foot, bearing);
+    fits.then(|| grown(plan, dice, foot, bearing, length_m))
+}
+
+/// Takes a dead end away.
+fn prune(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let branch = drawn(plan, dice);
+    let degrees = [branch[0], branch[branch.len() - 1]].map(|end| plan.degree(end));
+    let is_spur = degrees.contains(&1) && degrees.iter().any(|&degree| degree > 2);
+    is_spur.then(|| without(plan, branch))
+}
+
+/// Leads a dead end on.
+fn stretch(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let branch = outwards(plan, drawn(plan, dice))?;
+    let [before, tip] = [branch[branch.len() - 2], branch[branch.len() - 1]];
+    let way = plan.way(before, tip);
+    let bearing = libm::atan2(way.y, way.x) + TURN * dice.gauss();
+    let length_m = plan.branch_m * dice.between(0.3, 1.5);
+    Some(grown(plan, dice, tip, bearing, length_m))
+}
+
+/// Takes the last stations of a dead end away, but not all.
+fn shorten(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let branch = outwards(plan, drawn(plan, dice)).filter(|branch| branch.len() > 2)?;
+    let left = 2 + dice.index(branch.len() - 2);
+    Some(without(plan, &branch[left - 1..]))
+}
+
+/// Joins two stations that are near in space and far along the cave.
+fn close_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let nodes = &plan.graph.nodes;
+    let from = dice.index(nodes.len());
+    let reach_m = plan.branch_m.max(2.0 * plan.leg_m) * dice.between(0.5, 2.0);
+    let takes_more = |node: usize| (1..MAX_DEGREE).contains(&plan.degree(node));
+    let is_near = |&to: &usize| {
+        let way = nodes[to].position - nodes[from].position;
+        let is_level = nodes[to].level == nodes[from].level && way.z.abs() <= SLOPE * way.xy().norm();
+        to != from && takes_more(to) && is_level && way.norm() <= reach_m
+    };
+    let near: Vec<usize> = (0..nodes.len()).filter(is_near).collect();
+    if !takes_more(from) || near.is_empty() {
+        return None;
+    }
+    let to = near[dice.index(near.len())];
+    let way = plan.way(from, to);
+    let bearing = libm::atan2(way.y, way.x);
+    if plan.are_joined(from, to, LOOP_HOPS - 1) || !is_open(plan, from, bearing) || !is_open(plan, to, bearing + PI) {
+        return None;
+    }
+    let legs = (way.norm() / plan.leg_m).round().max(1.0) as usize;
+    Some(inserted(plan.graph.clone(), from, to, legs - 1).0)
+}
+
+/// Takes a third of a branch on a loop away, or more, up to all of it.
+fn open_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+    let branch = drawn(plan, dice);
+    let legs = branch.len() - 1;
+    let least = legs.div_ceil(3);
+    let taken = least + dice.index(legs - least + 1);
+    let first = dice.index(legs - taken + 1);
+    let is_on_loop = plan.are_joined(branch[first], branch[first + 1], usize::MAX);
+    is_on_loop.then(|| without(plan, &branch[first..=first + taken]))
+}
+
+fn drawn<'a>(plan: &'a Plan, dice: &mut Dice) -> &'a [usize] {
+    &plan.branches[dice.index(plan.branches.len())]
+}
+
+/// A branch with a dead end, that end last.
+fn outwards(plan: &Plan, branch: &[usize]) -> Option<Vec<usize>> {
+    match [branch[0], branch[branch.len() - 1]].map(|end| plan.degree(end)) {
+        [_, 1] => Some(branch.to_vec()),
+        [1, _] => Some(branch.iter().rev().copied().collect()),
+        _ => None,
+    }
+}
+
+fn towards(bearing: f64) -> Vector2<f64> {
+    Vector2::new(libm::cos(bearing), libm::sin(bearing))
+}
+
+fn shift(node: &mut Node, by: Vector2<f64>) {
+    let at = node.position;
+    node.position = Point3::new(at.x + by.x, at.y + by.y, at.z).map(millimetres);
+}
+
+/// Whether no passage leaves a station too near a bearing.
+fn is_open(plan: &Plan, station: usize, bearing: f64) -> bool {
+    let nearest = libm::cos(MIN_ANGLE);
+    let mut ways = plan.neighbors[station].iter().map(|&other| plan.way(station, other));
+    ways.all(|way| way.dot(&towards(bearing)) <= nearest * way.norm())
+}
+
+/// The graph with a level, winding passage from a station on.
+fn grown(plan: &Plan, dice: &mut Dice, from: usize, mut bearing: f64, length_m: f64) -> Graph {
+    let Graph { mut nodes, mut edges } = plan.graph.clone();
+    let legs = (length_m / plan.leg_m).round().max(1.0) as usize;
+    let leg_m = (length_m / legs as f64).max(0.5 * plan.leg_m);
+    let mut tip = from;
+    for _ in 0..legs {
+        let mut node = Node { active: true, position: nodes[tip].position, ..nodes[from].clone() };
+        shift(&mut node, towards(bearing) * leg_m);
+        nodes.push(node);
+        edges.push([tip, nodes.len() - 1]);
+        tip = nodes.len() - 1;
+        bearing += TURN * dice.gauss();
+    }
+    Graph::new(nodes, edges)
+}
+
+/// The graph without the passages of a way.
+fn without(plan: &Plan, way: &[usize]) -> Graph {
+    let mut gone: Vec<[usize; 2]> = way.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]).collect();
+    gone.sort_unstable();
+    let mut graph = plan.graph.clone();
+    graph.edges.retain(|edge| gone.binary_search(edge).is_err());
+    graph
+}
+
+/// The graph with a branch that can be bent: a single passage is divided in four.
+fn divided(plan: &Plan, branch: &[usize]) -> (Graph, Vec<usize>) {
+    match *branch {
+        [a, b] => inserted(plan.graph.clone(), a, b, 3),
+        _ => (plan.graph.clone(), branch.to_vec()),
+    }
+}
+
+/// The graph with two stations joined by so many new ones on a straight line, and the way along it.
+fn inserted(mut graph: Graph, a: usize, b: usize, count: usize) -> (Graph, Vec<usize>) {
+    let ends = [a, b].map(|end| graph.nodes[end].position);
+    let mut way = vec![a];
+    for place in 1..=count {
+        let part = place as f64 / (count + 1) as f64;
+        let position = (ends[0] + (ends[1] - ends[0]) * part).map(millimetres);
+        let nearer = if part < 0.5 { a } else { b };
+        graph.nodes.push(Node { position, active: false, ..graph.nodes[nearer].clone() });
+        way.push(graph.nodes.len() - 1);
+    }
+    way.push(b);
+    graph.edges.retain(|edge| *edge != [a.min(b), a.max(b)]);
+    graph.edges.extend(way.windows(2).map(|pair| [pair[0], pair[1]]));
+    (Graph::new(graph.nodes, graph.edges), way)
+}

@@ -1,0 +1,67 @@
+//! A graph with what moves ask of it.
+
+use nalgebra::Vector2;
+
+use crate::branches::Branches;
+use crate::{Graph, Neighbors};
+
+/// A graph, its branches and its usual lengths.
+pub(super) struct Plan {
+    pub(super) graph: Graph,
+    pub(super) neighbors: Neighbors,
+    pub(super) branches: Vec<Vec<usize>>,
+    /// Stations that have a passage.
+    pub(super) stations: usize,
+    /// Mean length of a passage.
+    pub(super) leg_m: f64,
+    /// Mean length of a branch.
+    pub(super) branch_m: f64,
+}
+
+impl Plan {
+    pub(super) fn of(graph: Graph) -> Self {
+        let neighbors = graph.neighbors();
+        let branches: Vec<Vec<usize>> = Branches::of(&neighbors).iter().map(<[usize]>::to_vec).collect();
+        let length_m = graph.length_m();
+        Self {
+            stations: neighbors.degrees().filter(|&degree| degree > 0).count(),
+            leg_m: length_m / graph.edges.len().max(1) as f64,
+            branch_m: length_m / branches.len().max(1) as f64,
+            graph,
+            neighbors,
+            branches,
+        }
+    }
+
+    pub(super) fn degree(&self, node: usize) -> usize {
+        self.neighbors[node].len()
+    }
+
+    /// The way from one station to another, on the map.
+    pub(super) fn way(&self, from: usize, to: usize) -> Vector2<f64> {
+        (self.graph.nodes[to].position - self.graph.nodes[from].position).xy()
+    }
+
+    /// Whether at most `hops` passages lead from one to the other, not counting one that joins them directly.
+    pub(super) fn are_joined(&self, from: usize, to: usize, hops: usize) -> bool {
+        let mut seen = vec![false; self.neighbors.len()];
+        let mut rim = vec![from];
+        seen[from] = true;
+        for _ in 0..hops {
+            let mut next = Vec::new();
+            for &node in &rim {
+                for &other in self.neighbors[node].iter().filter(|&&other| (node, other) != (from, to)) {
+                    if !seen[other] {
+                        seen[other] = true;
+                        next.push(other);
+                    }
+                }
+            }
+            if seen[to] || next.is_empty() {
+                break;
+            }
+            rim = next;
+        }
+        seen[to]
+    }
+}

@@ -1,0 +1,121 @@
+//! What can be asked of any graph, and how one is put together.
+
+use nalgebra::Point3;
+
+use super::{Graph, Neighbors, Node};
+
+impl Graph {
+    /// A graph of these nodes; edges may come in any order, either way round and more than once.
+    pub fn new(nodes: Vec<Node>, edges: Vec<[usize; 2]>) -> Self {
+        let mut edges: Vec<[usize; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        Self { nodes, edges }
+    }
+
+    /// The same graph numbered by breadth from its first node, and from the first of each further part, so that parents come
+    /// before their children; ids follow the new order. Nodes on no passage are left out; those on several are not active.
+    pub fn numbered_by_breadth(self) -> Self {
+        let neighbors = self.neighbors();
+        let starts = (0..neighbors.len()).filter(|&node| !neighbors[node].is_empty());
+        let mut new = vec![usize::MAX; neighbors.len()];
+        let mut nodes = Vec::with_capacity(neighbors.len());
+        for (old, parent) in neighbors.by_breadth(starts) {
+            new[old] = nodes.len();
+            nodes.push(Node {
+                id: nodes.len() as u64,
+                parent: parent.map(|parent| new[parent]),
+                active: self.nodes[old].active && neighbors[old].len() == 1,
+                ..self.nodes[old].clone()
+            });
+        }
+        Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node])).collect())
+    }
+
+    /// With radii, which were 0: the way to the first child, or back to the parent at a dead end.
+    pub fn with_reaches(mut self) -> Self {
+        // Later children first, so that the first one has the last word.
+        for node in (0..self.nodes.len()).rev() {
+            let Some(parent) = self.nodes[node].parent else { continue };
+            let reach = millimetres(self.distance_m(node, parent)).max(0.001);
+            if self.nodes[node].radius == 0.0 {
+                self.nodes[node].radius = reach;
+            }
+            self.nodes[parent].radius = reach;
+        }
+        self
+    }
+
+    /// The neighbours of each node, ascending.
+    pub fn neighbors(&self) -> Neighbors {
+        Neighbors::of(self.nodes.len(), &self.edges)
+    }
+
+    /// Passages at a node. Looks at all edges: ask [`neighbors`](Self::neighbors) for many nodes.
+    pub fn degree(&self, node: usize) -> usize {
+        self.edges.iter().filter(|edge| edge.contains(&node)).count()
+    }
+
+    /// Straight distance between two nodes in metres.
+    pub fn distance_m(&self, a: usize, b: usize) -> f64 {
+        (self.nodes[a].position - self.nodes[b].position).norm()
+    }
+
+    /// Length of all passages in metres.
+    pub fn length_m(&self) -> f64 {
+        self.edges.iter().map(|&[a, b]| self.distance_m(a, b)).sum()
+    }
+
+    /// Independent loops: passages more than a tree would have.
+    pub fn loops(&self) -> usize {
+        self.edges.len() + self.components().len() - self.nodes.len()
+    }
+
+    /// Sets of nodes that passages connect, each ascending, ordered by their first node.
+    pub fn components(&self) -> Vec<Vec<usize>> {
+        let neighbors = self.neighbors();
+        let mut components: Vec<Vec<usize>> = Vec::new();
+        for (node, parent) in neighbors.by_breadth(0..neighbors.len()) {
+            match components.last_mut().filter(|_| parent.is_some()) {
+                Some(component) => component.push(node),
+                None => components.push(vec![node]),
+            }
+        }
+        components.iter_mut().for_each(|component| component.sort_unstable());
+        components
+    }
+
+    /// Lowest and highest corner of the box round all nodes, in metres; `None` without nodes.
+    pub fn bounds(&self) -> Option<[Point3<f64>; 2]> {
+        let first = self.nodes.first()?.position;
+        let corners = self
+            .nodes
+            .iter()
+            .fold([first, first], |[low, high], node| [low.inf(&node.position), high.sup(&node.position)]);
+        Some(corners)
+    }
+
+    /// The graph enlarged about the origin of its frame: positions, radii and sections, rounded to 1 mm.
+    pub fn scaled(&self, factor: f64) -> Self {
+        let nodes = self.nodes.iter().map(|node| node.scaled(factor)).collect();
+        Self { nodes, edges: self.edges.clone() }
+    }
+}
+
+impl Node {
+    fn scaled(&self, factor: f64) -> Self {
+        let length = |length_m: f64| millimetres(length_m * factor);
+        Self {
+            position: self.position.map(length),
+            radius: length(self.radius),
+            section: self.section.map(|section| section.map(length)),
+            ..self.clone()
+        }
+    }
+}
+
+/// A length in metres, rounded to 1 mm.
+pub fn millimetres(length_m: f64) -> f64 {
+    // Adding zero turns -0.0 into 0.0, which files write differently.
+    (length_m * 1000.0).round() / 1000.0 + 0.0
+}

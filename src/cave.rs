@@ -1,0 +1,176 @@
+//! A cave from its input to its packages: what the command line and the Python package have in common.
+//!
+//! [`make`] runs the stages. [`Cave`] is a folder in which all of them are done, and [`target`] hands it over. Says
+//! nothing to anybody: an [`Observer`] watches, a [`CaveError`] tells what went wrong and what to do.
+
+mod error;
+mod input;
+mod preview;
+mod target;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use plume_exporters::scene::Scene;
+
+pub use self::error::CaveError;
+pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read};
+pub use self::preview::{preview, view_row};
+pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
+use crate::assemble::{self, FolderChunks};
+use crate::pipeline::{self, Disk, Observer, Other, Pipeline, PipelineError};
+use crate::recipe::Recipe;
+use crate::store::{CaveFolder, Stage, Unit};
+use plume_graph::Graph;
+
+/// A finished cave in its folder.
+pub struct Cave {
+    recipe: Recipe,
+    graph: Graph,
+    folder: CaveFolder,
+    walls: Vec<Unit>,
+    fingerprint: String,
+}
+
+impl Cave {
+    /// Makes what is not there yet; `force` replaces another cave in the folder.
+    ///
+    /// # Errors
+    /// As [`make`].
+    pub fn make(
+        input: Input,
+        folder: CaveFolder,
+        force: bool,
+        observer: &dyn Observer,
+        done: &mut dyn FnMut(Stage, &Pipeline),
+    ) -> Result<Self, CaveError> {
+        let pipeline = make(&input, &folder, Stage::Texture, force, observer, done)?;
+        let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
+        let fingerprint = pipeline.cave_fingerprint().to_owned();
+        Ok(Self { recipe: input.recipe, graph, folder, walls, fingerprint })
+    }
+
+    /// Opens a finished cave folder, and writes nothing.
+    ///
+    /// # Errors
+    /// When there is none at `root`, it cannot be read, or a stage is not done.
+    pub fn open(root: &Path, observer: &dyn Observer) -> Result<Self, CaveError> {
+        if !root.is_dir() {
+            return Err(unfit(root, "there is no cave folder"));
+        }
+        let Input { recipe, graph, .. } = Input::read(Some(root), &[], Disk::default())?;
+        let folder = CaveFolder::open(root)?;
+        let pipeline = Pipeline::plan(&recipe, graph, &folder, observer)?;
+        if !pipeline.is_finished() {
+            return Err(unfit(root, "the cave is not finished"));
+        }
+        let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
+        let fingerprint = pipeline.cave_fingerprint().to_owned();
+        Ok(Self { recipe, graph, folder, walls, fingerprint })
+    }
+
+    /// Makes the convex pieces of its chunks, where they are not there yet, and tells `done`.
+    ///
+    /// # Errors
+    /// The disk, another run in the folder, the observer's stop.
+    pub fn make_pieces(
+        &self,
+        observer: &dyn Observer,
+        done: &mut dyn FnMut(Stage, &Pipeline),
+    ) -> Result<(), CaveError> {
+        let pipeline = Pipeline::plan(&self.recipe, Some(self.graph.clone()), &self.folder, observer)?;
+        if pipeline.has_pieces() {
+            return Ok(());
+        }
+        pipeline.pieces()?;
+        done(Stage::Pieces, &pipeline);
+        Ok(pipeline.settle()?)
+    }
+
+    /// What it was made from.
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// Where its passages go.
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The cave folder.
+    pub fn root(&self) -> &Path {
+        self.folder.root()
+    }
+
+    /// Its chunks, loaded one at a time until `stop` is set.
+    pub fn chunks<'a>(&'a self, stop: &'a AtomicBool) -> FolderChunks<'a> {
+        FolderChunks::new(&self.folder, &self.walls, &self.recipe.texture, stop)
+    }
+
+    /// The names of its chunks, in their order.
+    pub fn chunk_names(&self) -> impl Iterator<Item = &str> {
+        self.walls.iter().map(|wall| wall.name.as_str())
+    }
+
+    /// The [field](crate::field) at finite `points` in metres: negative in air, zero on the wall, positive in rock.
+    pub fn distances(&self, points: &[[f32; 3]]) -> Vec<f32> {
+        pipeline::field(&self.recipe, &self.graph).scattered(points)
+    }
+
+    /// The scene, with start poses and lamps.
+    pub fn scene<'a>(&self, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
+        let field = pipeline::field(&self.recipe, &self.graph);
+        let scene = assemble::scene(&self.recipe, &self.graph, &field, chunks);
+        Scene { fingerprint: self.fingerprint.clone(), ..scene }
+    }
+}
+
+/// Makes the stage `last` and those before it in `folder`, tells `done` after each, and settles the folder. Where the
+/// folder is the input, what its recipe and graph now say is followed; `force` replaces another cave.
+///
+/// # Errors
+/// A graph that cannot be, another cave in the folder, the disk, the observer's stop.
+pub fn make<'a>(
+    input: &'a Input,
+    folder: &'a CaveFolder,
+    last: Stage,
+    force: bool,
+    observer: &'a dyn Observer,
+    done: &mut dyn FnMut(Stage, &Pipeline),
+) -> Result<Pipeline<'a>, PipelineError> {
+    let is_own = input.folder.as_deref() == Some(folder.root());
+    let other = match (force, is_own) {
+        (true, _) => Other::Replace,
+        (false, true) => Other::Renew,
+        (false, false) => Other::Refuse,
+    };
+    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, other, observer)?;
+    done(Stage::Graph, &pipeline);
+    let stages: &[Stage] = match last {
+        Stage::Graph => &[],
+        Stage::Preview => &[Stage::Preview],
+        Stage::Mesh => &[Stage::Preview, Stage::Mesh],
+        Stage::Texture => &[Stage::Preview, Stage::Mesh, Stage::Texture],
+        Stage::Pieces => &[Stage::Preview, Stage::Mesh, Stage::Pieces],
+    };
+    for &stage in stages {
+        pipeline.make(stage)?;
+        done(stage, &pipeline);
+    }
+    pipeline.settle()?;
+    Ok(pipeline)
+}
+
+/// SHA-256 of all that the cave of this input follows from.
+///
+/// # Errors
+/// A graph that cannot be.
+pub fn fingerprint(input: &Input, observer: &dyn Observer) -> Result<String, CaveError> {
+    let graph = preview::graph_of(input, observer)?;
+    Ok(pipeline::cave_fingerprint(&input.recipe, &graph))
+}
+
+fn unfit(root: &Path, what: &str) -> CaveError {
+    let message = format!("{}: {what}", root.display());
+    CaveError::Usage { message, hint: "name a folder that `plume generate -o` has finished".into() }
+}

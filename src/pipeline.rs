@@ -1,0 +1,433 @@
+//! The stages, from recipe to finished cave folder, chunk by chunk.
+//!
+//! Every stage is a function of what came before it, is made of units that stand alone, and skips units that are
+//! already finished. Chunks are worked on by all threads; memory is a few chunks per thread, however many there are.
+
+mod error;
+mod maps;
+mod outside;
+mod pieces;
+mod program;
+mod status;
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+pub use self::error::PipelineError;
+pub use self::outside::{Disk, Machine};
+pub use self::status::{StageStatus, State};
+use crate::field::{Bounds, CaveField};
+use crate::mesh::{self, ChunkIndex, Grid, GridError};
+use crate::preview::Subject;
+use crate::recipe::Recipe;
+use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, chunk_name, sha256};
+use plume_graph::{Graph, Outside};
+use plume_survey::{Import, Parts};
+
+/// Watches the work and may stop it.
+pub trait Observer: Sync {
+    /// A stage of `total` units begins.
+    fn begin(&self, stage: Stage, total: usize);
+    /// A unit is done.
+    fn advance(&self, stage: Stage);
+    /// The stage is done.
+    fn end(&self, stage: Stage);
+    /// Set to stop after the units in work.
+    fn stop(&self) -> &AtomicBool;
+    /// Whether recipes may run programs.
+    fn allows_programs(&self) -> bool {
+        false
+    }
+    /// Whether files may name files that lie elsewhere.
+    fn allows_strays(&self) -> bool {
+        false
+    }
+}
+
+/// What becomes of another cave in the folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Other {
+    /// It is an error.
+    Refuse,
+    /// It is this cave, whose recipe or graph has changed: what follows from the change is made anew.
+    Renew,
+    /// It makes room.
+    Replace,
+}
+
+/// One cave in the making.
+pub struct Pipeline<'a> {
+    recipe: &'a Recipe,
+    folder: &'a CaveFolder,
+    observer: &'a dyn Observer,
+    graph: Graph,
+    graph_fingerprint: String,
+    preview_fingerprint: String,
+    mesh_fingerprint: String,
+    texture_fingerprint: String,
+    pieces_fingerprint: String,
+}
+
+impl<'a> Pipeline<'a> {
+    /// Makes or reads the graph and writes recipe and graph into the folder. `given` replaces the recipe's own graph.
+    ///
+    /// # Errors
+    /// When there can be no such graph, or the folder holds what may not be replaced.
+    pub fn start(
+        recipe: &'a Recipe,
+        given: Option<Graph>,
+        folder: &'a CaveFolder,
+        other: Other,
+        observer: &'a dyn Observer,
+    ) -> Result<Self, PipelineError> {
+        observer.begin(Stage::Graph, 1);
+        let is_given = given.is_some();
+        let pipeline = Self::plan(recipe, given, folder, observer)?;
+        if other == Other::Refuse {
+            pipeline.refuse_other_cave()?;
+        }
+        if other != Other::Replace {
+            pipeline.refuse_to_lose_changes()?;
+            if !is_given {
+                pipeline.refuse_to_lose_edits()?;
+            }
+        }
+        pipeline.write_graph()?;
+        observer.advance(Stage::Graph);
+        observer.end(Stage::Graph);
+        Ok(pipeline)
+    }
+
+    /// Makes or reads the graph, and writes nothing. `given` replaces the recipe's own graph.
+    ///
+    /// # Errors
+    /// When there can be no such graph.
+    pub fn plan(
+        recipe: &'a Recipe,
+        given: Option<Graph>,
+        folder: &'a CaveFolder,
+        observer: &'a dyn Observer,
+    ) -> Result<Self, PipelineError> {
+        let graph = match given {
+            Some(graph) => graph,
+            None => generated(recipe, observer)?,
+        };
+        let graph_fingerprint = cave_fingerprint(recipe, &graph);
+        let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
+        let stations = stations(&graph);
+        let maps = [crate::VERSION, &stations, &section(&["name", "passage"])].concat();
+        let preview_fingerprint = sha256(maps.as_bytes());
+        let shape = [crate::VERSION, &stations, &section(&["seed", "passage", "rock", "mesh"])].concat();
+        let mesh_fingerprint = sha256(shape.as_bytes());
+        let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
+        let texture_fingerprint = sha256(colour.as_bytes());
+        let pieces_fingerprint = sha256([mesh_fingerprint.as_str(), &section(&["pieces"])].concat().as_bytes());
+        Ok(Self {
+            recipe,
+            folder,
+            observer,
+            graph,
+            graph_fingerprint,
+            preview_fingerprint,
+            mesh_fingerprint,
+            texture_fingerprint,
+            pieces_fingerprint,
+        })
+    }
+
+    /// The graph.
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The field of this cave.
+    pub fn field(&self) -> CaveField {
+        field(self.recipe, &self.graph)
+    }
+
+    /// Makes what a stage adds to the stages that it follows from.
+    ///
+    /// # Errors
+    /// As the function of the stage.
+    pub fn make(&self, stage: Stage) -> Result<(), PipelineError> {
+        match stage {
+            Stage::Graph => Ok(()),
+            Stage::Preview => self.preview(),
+            Stage::Mesh => self.mesh(),
+            Stage::Texture => self.texture(),
+            Stage::Pieces => self.pieces(),
+        }
+    }
+
+    /// Makes every chunk's triangles.
+    ///
+    /// # Errors
+    /// When the grid is out of reach, there is no wall at all, the disk refuses, or the observer stops.
+    pub fn mesh(&self) -> Result<(), PipelineError> {
+        self.refuse_absurd_size()?;
+        let field = self.field();
+        let grid = Grid::new(field.bounds(), &self.recipe.mesh)?;
+        let indices = grid.indices();
+        let names: Vec<(String, ChunkIndex)> = indices.map(|index| (chunk_name(index), index)).collect();
+        self.each(Stage::Mesh, &names, |(name, index)| {
+            self.unit(Stage::Mesh, name, || {
+                let meshes = mesh::chunk(&field, &grid, *index, &self.recipe.mesh);
+                Ok(match &meshes {
+                    Some(meshes) => (self.write_meshes(name, meshes)?, mesh_facts(meshes)),
+                    None => (Vec::new(), json!({"triangles": 0})),
+                })
+            })
+        })?;
+        if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
+    }
+
+    /// Makes every chunk's images and coarser levels.
+    ///
+    /// # Errors
+    /// When the meshes are not there, the disk refuses, or the observer stops.
+    pub fn texture(&self) -> Result<(), PipelineError> {
+        let field = self.field();
+        let walls: Vec<Unit> = self.walls();
+        self.each(Stage::Texture, &walls, |wall| {
+            self.unit(Stage::Texture, &wall.name, || {
+                let mesh = store::read_mesh(self.folder, &wall.name)?;
+                let Recipe { texture, lod, .. } = self.recipe;
+                let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
+                let facts = texture_facts(&written);
+                Ok((written.files, facts))
+            })
+        })
+    }
+
+    /// Writes the manifest and clears away what belongs to no unit of this cave.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn settle(&self) -> Result<(), PipelineError> {
+        let keep = |unit: &Unit| unit.fingerprint == self.fingerprint(unit.stage);
+        Ok(self.folder.settle(keep)?)
+    }
+
+    /// Finished mesh units that hold a wall, in order of their names.
+    pub fn walls(&self) -> Vec<Unit> {
+        let mut walls = self.units(Stage::Mesh);
+        walls.retain(|unit| !unit.files.is_empty());
+        walls
+    }
+
+    /// Finished units of this cave; the folder may still hold those of another.
+    pub fn units(&self, stage: Stage) -> Vec<Unit> {
+        let mut units = self.folder.units(stage);
+        units.retain(|unit| unit.fingerprint == self.fingerprint(stage));
+        units
+    }
+
+    /// SHA-256 of all that the cave follows from.
+    pub fn cave_fingerprint(&self) -> &str {
+        &self.graph_fingerprint
+    }
+
+    /// Whether every wall has its images. Walls are textured after the last of them is meshed.
+    pub fn is_finished(&self) -> bool {
+        let textured = self.units(Stage::Texture);
+        let walls = self.walls();
+        !walls.is_empty() && walls.iter().all(|wall| textured.iter().any(|unit| unit.name == wall.name))
+    }
+
+    fn fingerprint(&self, stage: Stage) -> &str {
+        match stage {
+            Stage::Graph => &self.graph_fingerprint,
+            Stage::Preview => &self.preview_fingerprint,
+            Stage::Mesh => &self.mesh_fingerprint,
+            Stage::Texture => &self.texture_fingerprint,
+            Stage::Pieces => &self.pieces_fingerprint,
+        }
+    }
+
+    /// Looks at the size before the field does, whose memory grows with it.
+    fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
+        match Grid::new(station_bounds(&self.graph, self.recipe.passage.width_per_radius), &self.recipe.mesh) {
+            Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. })) => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+
+    fn refuse_other_cave(&self) -> Result<(), PipelineError> {
+        for (stage, name) in
+            [(Stage::Graph, "recipe, graph or version"), (Stage::Mesh, "shape"), (Stage::Texture, "look")]
+        {
+            let is_other = |unit: &Unit| unit.fingerprint != self.fingerprint(stage);
+            if self.folder.units(stage).iter().any(is_other) {
+                return Err(PipelineError::OtherCave { path: self.folder.root().to_path_buf(), stage: name });
+            }
+        }
+        Ok(())
+    }
+
+    /// A graph that was edited by hand is not written over by a generated one.
+    fn refuse_to_lose_edits(&self) -> Result<(), PipelineError> {
+        let path = self.folder.root().join(store::GRAPH);
+        let units = self.folder.units(Stage::Graph);
+        for record in units.iter().flat_map(|unit| &unit.files).filter(|file| file.path == store::GRAPH) {
+            let is_edited = self.folder.is_changed(record)? && read_graph(&path, Parts::Keep).is_ok();
+            if is_edited {
+                return Err(PipelineError::EditedGraph { path });
+            }
+        }
+        Ok(())
+    }
+
+    /// Files that somebody has changed are not written over, nor deleted.
+    fn refuse_to_lose_changes(&self) -> Result<(), PipelineError> {
+        let files = self.folder.changes()?;
+        match files.is_empty() {
+            true => Ok(()),
+            false => Err(PipelineError::ChangedFiles { path: self.folder.root().to_path_buf(), files }),
+        }
+    }
+
+    fn write_graph(&self) -> Result<(), PipelineError> {
+        self.unit(Stage::Graph, store::WHOLE_CAVE, || {
+            let recipe =
+                self.folder.write(store::RECIPE, |out| out.write_all(self.recipe.to_kept_toml().as_bytes()))?;
+            let graph = self
+                .folder
+                .write(store::GRAPH, |out| out.write_all(graph_text(self.recipe, &self.graph).as_bytes()))?;
+            let facts = json!({
+                "nodes": self.graph.nodes.len(),
+                "passages": self.graph.edges.len(),
+                "loops": self.graph.loops(),
+                "length_m": self.graph.length_m(),
+            });
+            Ok((vec![recipe, graph], facts))
+        })
+    }
+
+    fn write_meshes(&self, name: &str, meshes: &mesh::ChunkMeshes) -> Result<Vec<FileRecord>, PipelineError> {
+        let visual = store::write_mesh(self.folder, &store::wall_path(name), &meshes.visual)?;
+        let collision = store::write_mesh(self.folder, &store::collision_path(name), &meshes.collision)?;
+        Ok(vec![visual, collision])
+    }
+
+    /// Makes a unit, whose files and facts `make` gives, unless it is there or another folder lends it.
+    fn unit(
+        &self,
+        stage: Stage,
+        name: &str,
+        make: impl FnOnce() -> Result<(Vec<FileRecord>, Value), PipelineError>,
+    ) -> Result<(), PipelineError> {
+        let fingerprint = self.fingerprint(stage);
+        if self.folder.finished(stage, name, fingerprint)?.is_some() {
+            return Ok(());
+        }
+        self.folder.begin_unit(stage, name)?;
+        if self.folder.take_over(stage, name, fingerprint)? {
+            return Ok(());
+        }
+        let (files, facts) = make()?;
+        let unit = Unit { stage, name: name.to_owned(), fingerprint: fingerprint.to_owned(), files, facts };
+        Ok(self.folder.commit(unit)?)
+    }
+
+    /// Runs `work` on every item on all threads, telling the observer, until one fails or the user stops.
+    fn each<T: Sync>(
+        &self,
+        stage: Stage,
+        items: &[T],
+        work: impl Fn(&T) -> Result<(), PipelineError> + Sync,
+    ) -> Result<(), PipelineError> {
+        self.observer.begin(stage, items.len());
+        items.par_iter().try_for_each(|item| {
+            if self.observer.stop().load(Ordering::Relaxed) {
+                return Err(PipelineError::Interrupted);
+            }
+            work(item)?;
+            self.observer.advance(stage);
+            Ok(())
+        })?;
+        self.observer.end(stage);
+        Ok(())
+    }
+}
+
+/// SHA-256 of all that a cave follows from.
+pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph) -> String {
+    sha256(format!("{}\n{}", crate::VERSION, graph_text(recipe, graph)).as_bytes())
+}
+
+/// The field of the cave that this recipe and graph describe.
+pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
+    CaveField::new(graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
+}
+
+/// The cave as previews show it.
+pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -> Subject<'a> {
+    let lamp_spacing_m = recipe.world.lights.then_some(recipe.world.light_spacing_m);
+    Subject { name: &recipe.name, graph, passage: &recipe.passage, field, lamp_spacing_m }
+}
+
+/// The text of the cave's graph file.
+pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
+    plume_survey::json::write(graph, crate::VERSION, recipe.to_json())
+}
+
+fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {
+    json!({
+        "triangles": meshes.visual.triangles.len(),
+        "collision_triangles": meshes.collision.triangles.len(),
+        "area_m2": meshes.visual.area_m2(),
+    })
+}
+
+fn texture_facts(written: &store::Written) -> Value {
+    json!({
+        "texels_per_m": written.textured.texels_per_m,
+        "utilisation": written.textured.utilisation,
+        "lods": written.levels.iter().map(store::LodFacts::of).collect::<Vec<_>>(),
+    })
+}
+
+/// A box round the passages where they are widest, at the stations.
+fn station_bounds(graph: &Graph, width_per_radius: f32) -> Bounds {
+    let mut bounds = Bounds { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+    for node in &graph.nodes {
+        let own_m = node.section.map_or(0.0, |section| section.width_m);
+        let half_m = own_m.max(node.radius * f64::from(width_per_radius)) / 2.0;
+        for axis in 0..3 {
+            bounds.min[axis] = bounds.min[axis].min((node.position[axis] - half_m) as f32);
+            bounds.max[axis] = bounds.max[axis].max((node.position[axis] + half_m) as f32);
+        }
+    }
+    bounds
+}
+
+/// The graph without its recipe: what the shape of the rock depends on.
+fn stations(graph: &Graph) -> String {
+    plume_survey::json::write(graph, "", &Value::Null)
+}
+
+/// The graph that this recipe makes, let through by its gate.
+///
+/// # Errors
+/// When there can be no such graph, or the observer stops.
+pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
+    let disk = Disk { allows_strays: observer.allows_strays() };
+    let machine = Machine { disk, stop: observer.stop() };
+    let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &disk };
+    let graph = recipe.realism.generate(recipe.graph.as_ref(), recipe.seed, outside);
+    graph.map_err(|error| match observer.stop().load(Ordering::Relaxed) {
+        true => PipelineError::Interrupted,
+        false => error.into(),
+    })
+}
+
+/// Reads a graph file.
+///
+/// # Errors
+/// When it cannot be read or is no graph.
+pub fn read_graph(path: &Path, parts: Parts) -> Result<Import, PipelineError> {
+    Disk::default().graph(path, parts)
+}

@@ -1,0 +1,254 @@
+//! What a cave will be like, seconds after asking: drawn from its graph and its field, before there are triangles.
+//!
+//! [`VIEWS`] lists the views. Each gives bytes and neither prints nor touches the disk. The same cave and [`Order`] give
+//! the same bytes for any number of threads; maps and HTML on every machine.
+//!
+//! Maps are drawn once, as SVG; a PNG of a map is that SVG in pixels, for which straight lines and quadratic curves take no
+//! float function of the platform. Not promised: that a preview looks as a simulator will show the cave.
+
+mod flight;
+mod image;
+mod inside;
+mod map;
+mod page;
+mod svg;
+mod theme;
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::atomic::AtomicBool;
+
+use crate::field::{CaveField, PassageSettings};
+use plume_graph::Graph;
+
+pub use self::flight::Pace;
+pub use self::theme::Theme;
+
+/// A cave to be shown.
+pub struct Subject<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Where its passages go.
+    pub graph: &'a Graph,
+    /// How wide and high they are.
+    pub passage: &'a PassageSettings,
+    /// How far is rock.
+    pub field: &'a CaveField,
+    /// Distance between its lamps in metres; `None` where it has none.
+    pub lamp_spacing_m: Option<f64>,
+}
+
+/// How it is to be shown.
+pub struct Order<'a> {
+    /// In which kind of file.
+    pub format: Format,
+    /// On what a map is drawn.
+    pub theme: Theme,
+    /// How large; `None` leaves it to the view.
+    pub size: Option<Size>,
+    /// Where to look from, metres; `None` for that of some start poses that shows most.
+    pub at: Option<[f32; 3]>,
+    /// Yaw and pitch in radians, from +x to +y and up; `None` to look where one sees furthest, about level.
+    pub look: Option<[f32; 2]>,
+    /// How long a flight takes.
+    pub pace: Pace,
+    /// Set to stop.
+    pub stop: &'a AtomicBool,
+}
+
+/// Width and height of an image in pixels, each from 16 to 8192.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// From left to right.
+    pub width: u32,
+    /// From top to bottom.
+    pub height: u32,
+}
+
+impl Size {
+    const LEAST: u32 = 16;
+    const MOST: u32 = 8192;
+
+    /// A size within the limits.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn new(width: u32, height: u32) -> Result<Self, PreviewError> {
+        let fits = |side: u32| (Self::LEAST..=Self::MOST).contains(&side);
+        if fits(width) && fits(height) { Ok(Self { width, height }) } else { Err(PreviewError::Size) }
+    }
+}
+
+impl FromStr for Size {
+    type Err = PreviewError;
+
+    fn from_str(text: &str) -> Result<Self, PreviewError> {
+        let (width, height) = text.split_once('x').ok_or(PreviewError::Size)?;
+        let side = |text: &str| text.parse().map_err(|_| PreviewError::Size);
+        Self::new(side(width)?, side(height)?)
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+/// What files hold a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Outlines.
+    Svg,
+    /// Pixels; animated where the view moves.
+    Png,
+    /// Pixels that move, in 256 colours.
+    Gif,
+    /// A folder of numbered PNGs.
+    Frames,
+    /// A page for a browser.
+    Html,
+}
+
+/// What was drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// The bytes of a file.
+    File(Vec<u8>),
+    /// The bytes of a PNG for each frame.
+    Frames(Vec<Vec<u8>>),
+}
+
+impl Format {
+    /// What the names of such files end with; nothing for a folder.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Png => "png",
+            Self::Gif => "gif",
+            Self::Frames => "",
+            Self::Html => "html",
+        }
+    }
+}
+
+/// A row of [`VIEWS`].
+pub struct ViewRow {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// One line for `plume list`.
+    pub summary: &'static str,
+    /// What it can be written as, the usual first.
+    pub formats: &'static [Format],
+    /// How large it is unless another size is asked for.
+    pub size: Size,
+    /// What of an order it heeds besides the format.
+    pub heeds: &'static [&'static str],
+    draw: fn(&Subject, &Order, Size) -> Result<Drawn, PreviewError>,
+}
+
+impl ViewRow {
+    /// The file of this view. The order's format is one of its own.
+    ///
+    /// # Errors
+    /// When there is nothing to see, or the order was stopped.
+    pub fn draw(&self, subject: &Subject, order: &Order) -> Result<Drawn, PreviewError> {
+        if subject.graph.nodes.is_empty() {
+            return Err(PreviewError::NoPassages);
+        }
+        (self.draw)(subject, order, order.size.unwrap_or(self.size))
+    }
+}
+
+const MAP: Size = Size { width: 1280, height: 900 };
+
+/// Every view, the default first.
+pub static VIEWS: &[ViewRow] = &[
+    ViewRow {
+        name: "plan",
+        summary: "map seen from above, storeys side by side",
+        formats: &[Format::Png, Format::Svg],
+        size: MAP,
+        heeds: &["size", "theme"],
+        draw: map::plan,
+    },
+    ViewRow {
+        name: "profile",
+        summary: "map seen from the side, along the longest axis of the cave",
+        formats: &[Format::Png, Format::Svg],
+        size: Size { height: 640, ..MAP },
+        heeds: &["size", "theme"],
+        draw: map::profile,
+    },
+    ViewRow {
+        name: "inside",
+        summary: "what a robot's camera will see, with the rock and the lamps of the cave",
+        formats: &[Format::Png],
+        size: Size { width: 960, height: 540 },
+        heeds: &["size", "at", "look"],
+        draw: inside::inside,
+    },
+    ViewRow {
+        name: "flight",
+        summary: "flight from the entrance along the longest passages",
+        formats: &[Format::Gif, Format::Png, Format::Frames],
+        size: Size { width: 400, height: 225 },
+        heeds: &["size", "fps", "seconds"],
+        draw: flight::flight,
+    },
+    ViewRow {
+        name: "page",
+        summary: "page for a browser, in which the cave can be turned about and cut open",
+        formats: &[Format::Html],
+        size: MAP,
+        heeds: &[],
+        draw: page::page,
+    },
+];
+
+/// The view called `name`.
+pub fn view(name: &str) -> Option<&'static ViewRow> {
+    VIEWS.iter().find(|row| row.name == name)
+}
+
+/// There is no such view of this cave.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PreviewError {
+    /// Of a graph without stations.
+    #[error("the graph has no stations, so there is nothing to show")]
+    NoPassages,
+    /// Of a size out of reach.
+    #[error("a size is WIDTHxHEIGHT, each from {} to {} pixels", Size::LEAST, Size::MOST)]
+    Size,
+    /// At a pace out of reach.
+    #[error("a flight has 1 to 50 frames in a second, and takes up to 600 seconds")]
+    Pace,
+    /// Of more pixels than memory may hold.
+    #[error("a flight has up to a thousand million pixels in all its frames")]
+    Long,
+    /// Of a cave that is all rock, from inside.
+    #[error("there is no air at any station, so there is nothing to see from inside")]
+    NoAir,
+    /// From a point in rock.
+    #[error("there is rock at {}, {}, {}", .0[0], .0[1], .0[2])]
+    InRock([f32; 3]),
+    /// It was stopped.
+    #[error("interrupted")]
+    Stopped,
+}
+
+impl PreviewError {
+    /// What to do; may be empty.
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::NoPassages => "give the graph at least one station",
+            Self::Size => "for example --size 1280x720",
+            Self::Pace => "for example --fps 10 --seconds 6",
+            Self::Long => "make it smaller or shorter, for example --size 1280x720 --fps 10 --seconds 60",
+            Self::NoAir => "make the passages wider, see `passage` in the recipe",
+            Self::InRock(_) => "give a point in a passage, or leave --at out",
+            Self::Stopped => "",
+        }
+    }
+}

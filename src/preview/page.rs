@@ -1,0 +1,102 @@
+//! A page to turn a cave about in a browser: its passages, and a coarse wall made from the field on the spot.
+//!
+//! One file that needs nothing else and asks no network. Arrays lie in it as Base64, little-endian.
+
+mod solid;
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use rustc_hash::FxHashMap;
+use serde_json::{Value, json};
+
+use self::solid::Solid;
+use super::theme::VIRIDIS;
+use super::{Drawn, Order, PreviewError, Size, Subject};
+use plume_graph::Graph;
+
+/// The page, without a cave.
+static PAGE: &str = include_str!("../../templates/preview/page.html");
+/// Of more stations than this, those near each other are one. Tuned: what a weak graphics card turns about smoothly.
+const MOST_STATIONS: usize = 60_000;
+
+/// The page; its size is that of the window.
+pub fn page(subject: &Subject, order: &Order, _size: Size) -> Result<Drawn, PreviewError> {
+    let solid = Solid::of(subject, order.stop)?;
+    let cave = json!({
+        "name": subject.name,
+        "numbers": numbers(subject),
+        "ramp": VIRIDIS,
+        "graph": skeleton(subject),
+        "solid": solid.map(|solid| solid.to_json()),
+    });
+    // In a script of HTML a closing tag would end it.
+    let cave = cave.to_string().replace('<', "\\u003c");
+    let name = subject.name.replace('&', "&amp;").replace('<', "&lt;");
+    let (head, rest) = PAGE.split_once("{{ name }}").expect("the template has a name");
+    let (body, end) = rest.split_once("{{ cave }}").expect("the template has a cave");
+    Ok(Drawn::File([head, &name, body, &cave, end].concat().into_bytes()))
+}
+
+/// What stands beside the picture.
+fn numbers(subject: &Subject) -> Value {
+    let graph = subject.graph;
+    let mut degree = vec![0_usize; graph.nodes.len()];
+    graph.edges.iter().flatten().for_each(|&end| degree[end] += 1);
+    let count = |fits: fn(usize) -> bool| degree.iter().filter(|&&passages| fits(passages)).count();
+    let [low, high] = graph.bounds().expect("a graph to be shown has stations");
+    let widths = graph.nodes.iter().map(|node| 2.0 * f64::from(subject.passage.reach(node).aside_m));
+    let mean_width_m = widths.sum::<f64>() / graph.nodes.len() as f64;
+    json!([
+        ["nodes", graph.nodes.len().to_string()],
+        ["passages", graph.edges.len().to_string()],
+        ["length", format!("{:.0} m", graph.length_m())],
+        ["loops", graph.loops().to_string()],
+        ["junctions", count(|passages| passages > 2).to_string()],
+        ["dead ends", count(|passages| passages == 1).to_string()],
+        ["mean width", format!("{mean_width_m:.1} m")],
+        ["extent", format!("{:.0} × {:.0} m", high.x - low.x, high.y - low.y)],
+        ["depth", format!("{:.1} m", high.z - low.z)],
+    ])
+}
+
+/// Stations with their half widths, and passages.
+fn skeleton(subject: &Subject) -> Value {
+    let graph = subject.graph;
+    let stands_for = representatives(graph);
+    let mut places: Vec<usize> = vec![0; graph.nodes.len()];
+    let mut stations: Vec<f32> = Vec::new();
+    for (index, node) in graph.nodes.iter().enumerate() {
+        if stands_for[index] == index {
+            places[index] = stations.len() / 4;
+            stations.extend(node.position.iter().map(|c| *c as f32));
+            stations.push(subject.passage.reach(node).aside_m);
+        }
+    }
+    let ends = |edge: &[usize; 2]| edge.map(|end| places[stands_for[end]] as u32);
+    let mut edges: Vec<[u32; 2]> = graph.edges.iter().map(ends).filter(|[a, b]| a != b).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    json!({"stations": packed(stations.iter().flat_map(|x| x.to_le_bytes())),
+           "passages": packed(edges.iter().flatten().flat_map(|x| x.to_le_bytes()))})
+}
+
+/// For each station the one that is shown in its stead: of those in one cube of space, the first.
+fn representatives(graph: &Graph) -> Vec<usize> {
+    let mut cube_m = 1.0;
+    let mut found: Vec<usize> = (0..graph.nodes.len()).collect();
+    let mut count = found.len();
+    while count > MOST_STATIONS {
+        let mut first: FxHashMap<[i64; 3], usize> = FxHashMap::default();
+        for (index, node) in graph.nodes.iter().enumerate() {
+            let cube: [i64; 3] = node.position.coords.map(|c| (c / cube_m).floor() as i64).into();
+            found[index] = *first.entry(cube).or_insert(index);
+        }
+        count = first.len();
+        cube_m *= 1.5;
+    }
+    found
+}
+
+fn packed(bytes: impl Iterator<Item = u8>) -> String {
+    BASE64_STANDARD.encode(bytes.collect::<Vec<u8>>())
+}

@@ -1,0 +1,238 @@
+//! The recipe: what a cave is made from.
+//!
+//! A recipe is TOML with a default for every key. It is checked against the JSON Schema of the settings structs that
+//! stand beside the code they set, so one doc comment and one range serve the reader, the editor and `plume new`.
+
+mod check;
+mod fault;
+mod print;
+mod read;
+mod schema;
+mod world;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value, json};
+
+pub use self::check::did_you_mean;
+pub use self::fault::{Fault, Faults, Origin};
+pub use self::read::MAX_BYTES;
+pub use self::schema::editor_schema;
+pub use self::world::WorldSettings;
+use crate::field::PassageSettings;
+use crate::material::{self, Look, Material};
+use crate::mesh::{MeshSettings, PieceSettings};
+use crate::texture::{LodSettings, TextureSettings};
+use plume_graph::Generator;
+use plume_graph::realism::RealismSettings;
+
+/// A whole recipe: every key has a value, every value is in range.
+#[derive(Debug)]
+pub struct Recipe {
+    /// Name of the cave, and of what is made of it.
+    pub name: String,
+    /// The seed everything random follows from.
+    pub seed: u64,
+    /// What lays out the passages.
+    pub graph: Box<dyn Generator>,
+    /// Whether they have to run as in real caves.
+    pub realism: RealismSettings,
+    /// How wide and high the passages are.
+    pub passage: PassageSettings,
+    /// Shape of the rock.
+    pub rock: Arc<dyn Material>,
+    /// Colour and wetness of the rock.
+    pub look: Look,
+    /// Triangles.
+    pub mesh: MeshSettings,
+    /// Images.
+    pub texture: TextureSettings,
+    /// Coarser triangles for the same images.
+    pub lod: LodSettings,
+    /// Convex pieces for collision.
+    pub pieces: PieceSettings,
+    /// Light, friction, gravity.
+    pub world: WorldSettings,
+    resolved: Value,
+}
+
+impl Recipe {
+    /// Reads TOML. `file` names it in faults; `overrides` are `key=value` pairs that win over it.
+    ///
+    /// # Errors
+    /// Every fault found, each with its line, key and hint.
+    pub fn from_toml(text: &str, file: &Path, overrides: &[String]) -> Result<Self, Faults> {
+        let mut draft = read::toml(text, file)?;
+        read::overrides(&mut draft, overrides)?;
+        Self::from_draft(draft)
+    }
+
+    /// Reads the JSON form that graph files carry.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_toml`].
+    pub fn from_json(value: Value, file: &Path, overrides: &[String]) -> Result<Self, Faults> {
+        let mut draft = read::Draft::new(value, file);
+        read::overrides(&mut draft, overrides)?;
+        Self::from_draft(draft)
+    }
+
+    /// The default recipe with `overrides`.
+    ///
+    /// # Errors
+    /// Faults of the overrides.
+    pub fn from_overrides(overrides: &[String]) -> Result<Self, Faults> {
+        Self::from_json(json!({}), Path::new("default recipe"), overrides)
+    }
+
+    fn from_draft(draft: read::Draft) -> Result<Self, Faults> {
+        let schema = schema::of(&draft.value);
+        check::against(&schema, &draft)?;
+        let resolved = schema::filled(&schema, &draft.value);
+        let graph = generator(&resolved["graph"], &draft)?;
+        let rock = rock(&resolved["rock"], &draft)?;
+        Ok(Self {
+            name: typed(&resolved, "name", &draft)?,
+            seed: typed(&resolved, "seed", &draft)?,
+            graph,
+            realism: typed(&resolved, "realism", &draft)?,
+            passage: typed(&resolved, "passage", &draft)?,
+            rock,
+            look: typed(&resolved, "look", &draft)?,
+            mesh: typed(&resolved, "mesh", &draft)?,
+            texture: typed(&resolved, "texture", &draft)?,
+            lod: typed(&resolved, "lod", &draft)?,
+            pieces: typed(&resolved, "pieces", &draft)?,
+            world: typed(&resolved, "world", &draft)?,
+            resolved,
+        })
+    }
+
+    /// The recipe as commented TOML that reads back as itself.
+    pub fn to_toml(&self) -> String {
+        print::commented(&schema::of(&self.resolved), &self.resolved)
+    }
+
+    /// The recipe as a cave folder keeps it: with a last line that shows that nothing is cut off.
+    pub fn to_kept_toml(&self) -> String {
+        format!("{}\n{LAST_LINE}\n", self.to_toml())
+    }
+
+    /// Reads the recipe of a cave folder, which may be edited but has every key and its last line: a part of it would make
+    /// another cave.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_toml`]; when a key or the last line is missing.
+    pub fn from_kept_toml(text: &str, file: &Path) -> Result<Self, Faults> {
+        if text.trim_end().lines().next_back() != Some(LAST_LINE) {
+            return Err(incomplete(file, "is cut off: its last line is missing".to_owned()));
+        }
+        let recipe = Self::from_toml(text, file, &[])?;
+        match missing_key("", &recipe.resolved, &read::toml(text, file)?.value) {
+            Some(key) => Err(incomplete(file, format!("is not complete: {key} is missing"))),
+            None => Ok(recipe),
+        }
+    }
+
+    /// The recipe as JSON, every key with its value.
+    pub fn to_json(&self) -> &Value {
+        &self.resolved
+    }
+}
+
+/// What `now` says otherwise than `before`, key by key: `graph.nodes: 8 → 9`.
+pub fn differences(before: &Value, now: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    collect_differences("", before, now, &mut found);
+    found
+}
+
+fn collect_differences(path: &str, before: &Value, now: &Value, found: &mut Vec<String>) {
+    match (before, now) {
+        (Value::Object(old), Value::Object(new)) => {
+            let keys = old.keys().chain(new.keys().filter(|key| !old.contains_key(*key)));
+            for key in keys {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                collect_differences(&path, &before[key], &now[key], found);
+            }
+        }
+        _ if before != now => found.push(format!("{path}: {before} → {now}")),
+        _ => {}
+    }
+}
+
+/// The last line of the recipe of a cave folder.
+const LAST_LINE: &str = "# End of the recipe: keep this line.";
+
+fn incomplete(file: &Path, message: String) -> Faults {
+    let hint = format!("`plume new` prints every key; the last line of a cave folder's recipe is {LAST_LINE:?}");
+    Fault { origin: Origin::File(file.to_path_buf()), message, hint }.into()
+}
+
+/// The first key of `whole` that `part` does not have. Keys without a value need not be written.
+fn missing_key(path: &str, whole: &Value, part: &Value) -> Option<String> {
+    let keys = whole.as_object()?.iter().filter(|(_, value)| !value.is_null());
+    keys.map(|(key, value)| (if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, &part[key]))
+        .find_map(|(path, value, part)| if part.is_null() { Some(path) } else { missing_key(&path, value, part) })
+}
+
+/// Settings given as `key=value` pairs alone, checked against their schema, every key with its value.
+///
+/// # Errors
+/// Every fault found.
+pub fn options(schema: &Value, pairs: &[String]) -> Result<Value, Faults> {
+    let schema = schema::plain(schema.clone());
+    let mut draft = read::Draft::new(json!({}), Path::new("options"));
+    read::overrides(&mut draft, pairs)?;
+    check::against(&schema, &draft)?;
+    Ok(schema::filled(&schema, &draft.value))
+}
+
+fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>, Faults> {
+    let (name, mut settings) = split_choice(section, "generator");
+    let row = plume_generators::generator(name).expect("the schema admits only rows of the table");
+    let schema = (row.schema)().to_value();
+    for (key, setting) in &mut settings {
+        anchor(&schema["properties"][key], setting, &format!("graph.{key}"), draft)?;
+    }
+    (row.read)(Value::Object(settings)).map_err(|e| draft.fault("graph", e.to_string()))
+}
+
+/// Takes the paths in settings relative to the recipe.
+fn anchor(schema: &Value, settings: &mut Value, key: &str, draft: &read::Draft) -> Result<(), Faults> {
+    let schema = schema::chosen(schema, settings);
+    match settings {
+        Value::String(path) if schema["format"] == "path" => *path = draft.beside(key, path)?,
+        Value::Array(items) => {
+            for (place, item) in items.iter_mut().enumerate() {
+                anchor(&schema["items"], item, &format!("{key}[{place}]"), draft)?;
+            }
+        }
+        Value::Object(map) => {
+            for (name, setting) in map {
+                anchor(&schema["properties"][name], setting, &format!("{key}.{name}"), draft)?;
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {
+    let (name, settings) = split_choice(section, "kind");
+    let row = material::material(name).expect("the schema admits only rows of the table");
+    (row.read)(Value::Object(settings)).map_err(|e| draft.fault("rock", e.to_string()))
+}
+
+/// Splits `{kind: "a", …settings}` into the chosen row's name and its settings.
+fn split_choice<'a>(section: &'a Value, key: &str) -> (&'a str, Map<String, Value>) {
+    let mut settings = section.as_object().cloned().unwrap_or_default();
+    settings.remove(key);
+    (section[key].as_str().unwrap_or_default(), settings)
+}
+
+fn typed<T: DeserializeOwned>(all: &Value, key: &str, draft: &read::Draft) -> Result<T, Faults> {
+    serde_json::from_value(all[key].clone()).map_err(|e| draft.fault(key, e.to_string()))
+}

@@ -1,0 +1,426 @@
+//! Stations by name, and what text files say of them, until all of it is known.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use super::files::{Files, Spot};
+use super::limits::{MAX_LEGS, MAX_STATIONS};
+use super::measure::Measured;
+use super::survey::{Leg, Station, Survey, Walls};
+use super::traverse::{Fix, Shot, Traverse};
+use super::{Import, Parts, ReadError, Source};
+use plume_graph::echo::shown;
+
+/// Stations named where pieces of a survey are not joined: one of each.
+const NAMED: usize = 10;
+const PIECES_HINT: &str = "fix a station of each, equate stations of theirs, add the shots that are missing, or take the `longest` of the parts";
+
+/// A name within a survey: index into [`Names`].
+pub(super) type Name = usize;
+
+/// The surveys and stations that names lead to, as a tree.
+#[derive(Debug)]
+pub(super) struct Names {
+    below: Vec<BTreeMap<Box<str>, Name>>,
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self { below: vec![BTreeMap::new()] }
+    }
+}
+
+impl Names {
+    /// What all names are below.
+    pub(super) const ROOT: Name = 0;
+
+    /// What is called so below another, new or known.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn below(&mut self, above: Name, name: &str) -> Result<Name, String> {
+        if let Some(&known) = self.below[above].get(name) {
+            return Ok(known);
+        }
+        let new = self.add()?;
+        self.below[above].insert(name.into(), new);
+        Ok(new)
+    }
+
+    /// Something without a name.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn add(&mut self) -> Result<Name, String> {
+        check_room(self.below.len(), MAX_NAMES, "stations and surveys")?;
+        self.below.push(BTreeMap::new());
+        Ok(self.below.len() - 1)
+    }
+
+    /// The whole names of some stations, for messages.
+    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+        let mut above: Vec<Option<(Name, &str)>> = vec![None; self.below.len()];
+        for (survey, below) in self.below.iter().enumerate() {
+            below.iter().for_each(|(name, &of)| above[of] = Some((survey, name)));
+        }
+        let told = names.map(|name| {
+            let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
+            let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
+            parts.reverse();
+            shown(&parts.join("."))
+        });
+        told.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Names of stations and of what they are in: a station may have several.
+const MAX_NAMES: usize = 2 * MAX_STATIONS;
+/// One at each end of a leg.
+const MAX_SECTIONS: usize = 2 * MAX_LEGS;
+
+fn check_room(count: usize, most: usize, what: &str) -> Result<(), String> {
+    if count < most { Ok(()) } else { Err(format!("the survey has more than {most} {what}")) }
+}
+
+/// A station that is said to be somewhere.
+struct Claim {
+    name: Name,
+    position: Point3<f64>,
+    covariance: Option<Matrix3<f64>>,
+    spot: Spot,
+}
+
+/// A cross-section, by names.
+pub(super) struct Section {
+    pub(super) station: Name,
+    pub(super) looking: [Name; 2],
+    /// Left, right, up and down in metres.
+    pub(super) walls_m: [Option<f64>; 4],
+}
+
+fn is_noted(walls_m: &[Option<f64>; 4]) -> bool {
+    walls_m.iter().any(Option::is_some)
+}
+
+/// What shots are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Flags {
+    surface: bool,
+    duplicate: bool,
+    splay: bool,
+}
+
+impl Flags {
+    /// Sets flags as they are written: those behind `not` are off, others stay.
+    pub(super) fn read(&mut self, words: &[&str]) -> Result<(), String> {
+        let mut on = true;
+        for word in words {
+            let flag = match word.to_ascii_lowercase().as_str() {
+                "not" => {
+                    on = false;
+                    continue;
+                }
+                "surface" => &mut self.surface,
+                "duplicate" => &mut self.duplicate,
+                "splay" => &mut self.splay,
+                "approx" | "approximate" => {
+                    on = true;
+                    continue;
+                }
+                _ => return Err(format!("{} is no flag", shown(word))),
+            };
+            *flag = on;
+            on = true;
+        }
+        Ok(())
+    }
+
+    /// What a shot is, which may end at a wall.
+    pub(super) fn leg(self, at_wall: bool) -> Leg {
+        if self.splay || at_wall {
+            Leg::Splay
+        } else if self.surface {
+            Leg::Surface
+        } else if self.duplicate {
+            Leg::Duplicate
+        } else {
+            Leg::Passage
+        }
+    }
+}
+
+/// What was read so far.
+#[derive(Default)]
+pub(super) struct Centreline {
+    pub(super) names: Names,
+    /// What is the same station as another, and what leads on to that.
+    same: BTreeMap<Name, Name>,
+    legs: Vec<([Name; 2], Leg)>,
+    shots: Vec<([Name; 2], Vector3<f64>, Matrix3<f64>)>,
+    /// How often the last shot was measured in a row.
+    repeats: usize,
+    sections: Vec<Section>,
+    claims: Vec<Claim>,
+    entrances: BTreeSet<Name>,
+    /// The cross-sections of the tube that is being read.
+    tube: Vec<(Name, [Option<f64>; 4])>,
+    /// The coordinate system.
+    system: Option<String>,
+}
+
+impl Centreline {
+    /// Adds a leg.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn leg(&mut self, ends: [Name; 2], leg: Leg, measured: Measured) -> Result<(), String> {
+        check_room(self.legs.len(), MAX_LEGS, "legs")?;
+        if measured == Measured::Nothing {
+            self.equate(ends[0], ends[1]);
+            return Ok(());
+        }
+        if ends[0] == ends[1] {
+            return Err("the shot ends at the station where it begins".to_owned());
+        }
+        if self.repeat(ends, &measured) {
+            return Ok(());
+        }
+        self.legs.push((ends, leg));
+        if let Measured::Shot { vector, covariance } = measured {
+            self.shots.push((ends, vector, covariance));
+            self.repeats = 1;
+        }
+        Ok(())
+    }
+
+    /// A shot that was just measured between the same stations counts as one, which is their mean.
+    fn repeat(&mut self, ends: [Name; 2], measured: &Measured) -> bool {
+        let (Measured::Shot { vector: again, .. }, Some((last, vector, _))) = (measured, self.shots.last_mut()) else {
+            return false;
+        };
+        if *last != ends {
+            return false;
+        }
+        self.repeats += 1;
+        *vector += (again - *vector) / self.repeats as f64;
+        true
+    }
+
+    /// Says that two stations are one.
+    pub(super) fn equate(&mut self, a: Name, b: Name) {
+        let (a, b) = (self.found(a), self.found(b));
+        if a != b {
+            self.same.insert(a.max(b), a.min(b));
+        }
+    }
+
+    /// The first name of a station.
+    fn found(&mut self, name: Name) -> Name {
+        let mut at = name;
+        while let Some(&next) = self.same.get(&at) {
+            at = next;
+        }
+        // Shortened, so that chains of equates are walked once.
+        let mut walked = name;
+        while let Some(next) = self.same.get_mut(&walked).filter(|next| **next != at) {
+            walked = std::mem::replace(next, at);
+        }
+        at
+    }
+
+    /// Says where a station is; without covariance, exactly.
+    ///
+    /// # Errors
+    /// When there are too many such.
+    pub(super) fn fix(
+        &mut self,
+        name: Name,
+        position: Point3<f64>,
+        covariance: Option<Matrix3<f64>>,
+        spot: Spot,
+    ) -> Result<(), String> {
+        check_room(self.claims.len(), MAX_STATIONS, "fixes")?;
+        self.claims.push(Claim { name, position, covariance, spot });
+        Ok(())
+    }
+
+    /// Says that the cave opens to the surface at a station.
+    pub(super) fn entrance(&mut self, name: Name) {
+        self.entrances.insert(name);
+    }
+
+    /// Notes distances to walls, where there are any.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn section(&mut self, section: Section) -> Result<(), String> {
+        check_room(self.sections.len(), MAX_SECTIONS, "cross-sections")?;
+        if is_noted(&section.walls_m) {
+            self.sections.push(section);
+        }
+        Ok(())
+    }
+
+    /// Adds a cross-section to a tube.
+    ///
+    /// # Errors
+    /// When there are too many.
+    pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) -> Result<(), String> {
+        check_room(self.sections.len() + self.tube.len(), MAX_SECTIONS, "cross-sections")?;
+        self.tube.push((station, walls_m));
+        Ok(())
+    }
+
+    /// Notes the cross-sections of the tube: at its ends one looks along its first and last leg, between them from the
+    /// station before to that behind.
+    pub(super) fn end_tube(&mut self) {
+        let tube = std::mem::take(&mut self.tube);
+        for (place, &(station, walls_m)) in tube.iter().enumerate().filter(|(_, (_, walls_m))| is_noted(walls_m)) {
+            let before = tube[place.saturating_sub(1)].0;
+            let behind = tube[(place + 1).min(tube.len() - 1)].0;
+            self.sections.push(Section { station, looking: [before, behind], walls_m });
+        }
+    }
+
+    /// Counts coordinates in this system, which has to be the only one.
+    ///
+    /// # Errors
+    /// When positions would have to be projected or turned.
+    pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
+        let system = system.to_ascii_lowercase();
+        if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
+            return Err(format!("coordinates in {} would have to be projected", shown(&system)));
+        }
+        match &self.system {
+            // What the other is called may stand in a file of which nothing is shown.
+            Some(known) if *known != system => Err(format!(
+                "coordinates in {} besides those in another system would have to be projected",
+                shown(&system)
+            )),
+            _ => {
+                self.system = Some(system);
+                Ok(())
+            }
+        }
+    }
+
+    /// The graph of it all.
+    pub(super) fn into_import(mut self, source: &Source, parts: Parts, files: &Files) -> Result<Import, ReadError> {
+        self.end_tube();
+        let mut numbers = Numbers { of: vec![None; self.names.below.len()], count: 0 };
+        let legs: Vec<([Name; 2], Leg)> = std::mem::take(&mut self.legs);
+        let legs: Vec<([usize; 2], Leg)> =
+            legs.into_iter().map(|(ends, leg)| (ends.map(|end| numbers.of(self.found(end))), leg)).collect();
+        if legs.is_empty() {
+            return Err(ReadError::whole(
+                source.path,
+                "has no legs",
+                "a cave takes two stations and a shot between them",
+            ));
+        }
+        let shots = std::mem::take(&mut self.shots).into_iter().map(|(ends, vector, covariance)| Shot {
+            ends: ends.map(|end| numbers.of(self.found(end))),
+            vector,
+            covariance,
+        });
+        let shots = shots.collect();
+        let fixes = self.fixes(&mut numbers, files)?;
+        let held = usize::from(!fixes.is_empty());
+        let traverse = Traverse { stations: numbers.count, shots, fixes };
+        let Some(placed) = traverse.place() else {
+            let hint = "its errors or standard deviations are beyond all measure; check the largest";
+            return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
+        };
+        // Of pieces that lie anywhere, all but the longest may go; they cannot be kept or joined.
+        if held + placed.adrift.len() > 1 && parts != Parts::Longest {
+            let those = match files.has_strays() {
+                true => "some".to_owned(),
+                false => {
+                    let named = &placed.adrift[..placed.adrift.len().min(NAMED)];
+                    format!("those of {}", self.names.told(numbers.names(named)))
+                }
+            };
+            let message = format!("has {} pieces, and nothing says how {those} lie", held + placed.adrift.len());
+            return Err(ReadError::whole(source.path, message, PIECES_HINT));
+        }
+        let station = |position| Station { position, entrance: false };
+        let mut survey =
+            Survey { stations: placed.positions.into_iter().map(station).collect(), legs, walls: Vec::new() };
+        for entrance in std::mem::take(&mut self.entrances) {
+            if let Some(number) = numbers.of[self.found(entrance)] {
+                survey.stations[number].entrance = true;
+            }
+        }
+        survey.walls = self.walls(&numbers);
+        survey.into_import(source, parts)
+    }
+
+    /// One fix for each station, an exact one where there are several.
+    fn fixes(&mut self, numbers: &mut Numbers, files: &Files) -> Result<Vec<Fix>, ReadError> {
+        let mut fixes: BTreeMap<usize, Fix> = BTreeMap::new();
+        for claim in std::mem::take(&mut self.claims) {
+            // A benchmark that no leg leads to is no part of the survey.
+            let Some(station) = numbers.of[self.found(claim.name)] else { continue };
+            let fix = Fix { station, position: claim.position, covariance: claim.covariance };
+            match fixes.get(&station) {
+                Some(known) if known.covariance.is_none() && fix.covariance.is_none() => {
+                    if known.position != fix.position {
+                        let message = "the station is fixed at another place, too";
+                        return Err(files.fault(claim.spot, message, "fix it once, or look for an equate too many"));
+                    }
+                }
+                Some(known) if known.covariance.is_none() || fix.covariance.is_some() => {}
+                _ => {
+                    fixes.insert(station, fix);
+                }
+            }
+        }
+        Ok(fixes.into_values().collect())
+    }
+
+    fn walls(&mut self, numbers: &Numbers) -> Vec<Walls> {
+        let sections = std::mem::take(&mut self.sections);
+        let walls = sections.into_iter().filter_map(|section| {
+            let [left_m, right_m, up_m, down_m] = section.walls_m;
+            let mut number = |name| numbers.of[self.found(name)];
+            let station = number(section.station)?;
+            let looking = [number(section.looking[0])?, number(section.looking[1])?];
+            Some(Walls { station, looking, left_m, right_m, up_m, down_m })
+        });
+        walls.collect()
+    }
+}
+
+/// Numbers of the stations that legs lead to.
+struct Numbers {
+    of: Vec<Option<usize>>,
+    count: usize,
+}
+
+impl Numbers {
+    fn of(&mut self, name: Name) -> usize {
+        *self.of[name].get_or_insert_with(|| {
+            self.count += 1;
+            self.count - 1
+        })
+    }
+
+    /// The names that these stations have.
+    fn names(&self, stations: &[usize]) -> impl Iterator<Item = Name> {
+        stations.iter().filter_map(|&station| self.of.iter().position(|&number| number == Some(station)))
+    }
+}
+
+/// The covariance of a fix by its standard deviations in metres: one for all axes, one for the plan and one for the
+/// height, or one for each axis. None where it is exact.
+pub(super) fn spread(spreads_m: &[f64]) -> Option<Matrix3<f64>> {
+    let spreads = match *spreads_m {
+        [] => return None,
+        [all] => [all; 3],
+        [plan, height] => [plan, plan, height],
+        [east, north, height, ..] => [east, north, height],
+    };
+    let variances = Vector3::from(spreads).map(|spread| (spread * spread).clamp(1e-6, 1e8));
+    spreads.iter().any(|&spread| spread > 0.0).then(|| Matrix3::from_diagonal(&variances))
+}

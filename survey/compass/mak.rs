@@ -1,0 +1,127 @@
+//! Projects: which books belong together, which stations they share, and where some of them are.
+//!
+//! ```text
+//! #DEEP1.DAT,A1[F,10.1,20.2,30.3];    / a book, with a station at known coordinates in feet
+//! #DEEP2.DAT,A7,A9;                   / a book that shares two stations with those before it
+//! ```
+//! A book that names such links may use the other names of those before it anew, which Compass keeps apart and Survex does
+//! not. Folders, datums, zones and settings are passed over.
+
+use nalgebra::Point3;
+
+use super::Reader;
+use crate::ReadError;
+use crate::files::{self, Spot};
+use crate::limits::MAX_COORDINATE_M;
+use crate::measure::METRES_PER_FOOT;
+use plume_graph::echo::shown;
+
+const HINT: &str = "a book is #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at its end";
+
+/// One of the books of a project.
+struct Book {
+    file: String,
+    /// Stations that it shares with the books before it, if only some.
+    links: Vec<String>,
+    /// Stations whose coordinates are known, in metres.
+    fixes: Vec<(String, Point3<f64>)>,
+}
+
+impl Reader<'_> {
+    /// Reads all books of a project.
+    pub(super) fn read_project(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
+        let text = files::text(bytes);
+        let entries = entries(&text);
+        if entries.is_empty() {
+            return Err(self.files.fault_of_file("names no book", HINT));
+        }
+        for (line, entry) in entries {
+            let spot = self.files.spot(line);
+            let book = entry.ok_or_else(|| "names a book that does not end".to_owned()).and_then(|entry| book(&entry));
+            let begun = book.and_then(|book| self.begin(spot, &book).map(|()| book));
+            let book = begun.map_err(|message| self.files.fault(spot, message, HINT))?;
+            let bytes = self.files.open(spot, &book.file, ".dat")?;
+            self.read_book(&bytes)?;
+            self.files.close();
+        }
+        Ok(())
+    }
+
+    /// Says which stations a book knows, and where some of them are.
+    fn begin(&mut self, spot: Spot, book: &Book) -> Result<(), String> {
+        if !book.links.is_empty() {
+            let before = std::mem::replace(&mut self.book, self.centreline.names.add()?);
+            for name in book.links.iter().chain(book.fixes.iter().map(|(name, _)| name)) {
+                let known = self.centreline.names.below(before, name)?;
+                let here = self.station(name)?;
+                self.centreline.equate(known, here);
+            }
+        }
+        for (name, position) in &book.fixes {
+            let station = self.station(name)?;
+            self.centreline.fix(station, *position, None, spot)?;
+        }
+        Ok(())
+    }
+}
+
+/// What stands between each `#` and its semicolon, without blanks and comments, and the line where it starts; `None`
+/// where the semicolon is missing. Comments reach from a slash to the next or to the end of the line.
+fn entries(text: &str) -> Vec<(usize, Option<String>)> {
+    let mut entries = Vec::new();
+    let (mut line, mut in_comment) = (1, false);
+    let mut entry: Option<(usize, String)> = None;
+    for letter in text.chars() {
+        line += usize::from(letter == '\n');
+        in_comment = match letter {
+            '\n' => false,
+            '/' => !in_comment,
+            _ => in_comment,
+        };
+        if in_comment || letter == '/' || letter.is_ascii_whitespace() {
+            continue;
+        }
+        match (letter, entry.as_mut()) {
+            ('#', None) => entry = Some((line, String::new())),
+            (';', Some(_)) => entries.extend(entry.take().map(|(line, text)| (line, Some(text)))),
+            (_, Some((_, text))) => text.push(letter),
+            _ => {}
+        }
+    }
+    entries.extend(entry.map(|(line, _)| (line, None)));
+    entries
+}
+
+fn book(entry: &str) -> Result<Book, String> {
+    let (file, mut rest) = entry.split_once(',').unwrap_or((entry, ""));
+    if file.is_empty() {
+        return Err("names a book without a name".to_owned());
+    }
+    let mut book = Book { file: file.to_owned(), links: Vec::new(), fixes: Vec::new() };
+    while !rest.is_empty() {
+        let end = rest.find([',', '[']).unwrap_or(rest.len());
+        let (name, after) = rest.split_at(end);
+        rest = after.strip_prefix(',').unwrap_or(after);
+        if let Some(fix) = after.strip_prefix('[') {
+            let (place, after) = fix.split_once(']').ok_or_else(|| format!("fixes {} without an end", shown(name)))?;
+            let position = position(place).ok_or_else(|| format!("fixes {} at {}", shown(name), shown(place)))?;
+            book.fixes.push((name.to_owned(), position));
+            rest = after.strip_prefix(',').unwrap_or(after);
+        } else if !name.is_empty() {
+            book.links.push(name.to_owned());
+        }
+    }
+    Ok(book)
+}
+
+/// A unit and three numbers.
+fn position(text: &str) -> Option<Point3<f64>> {
+    let mut parts = text.split(',');
+    let metres = match parts.next()? {
+        "F" | "f" => METRES_PER_FOOT,
+        "M" | "m" => 1.0,
+        _ => return None,
+    };
+    let mut number = || parts.next()?.parse().ok().filter(|number: &f64| number.abs() <= MAX_COORDINATE_M);
+    Some(Point3::new(number()?, number()?, number()?) * metres)
+}

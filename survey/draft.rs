@@ -1,0 +1,137 @@
+//! A graph as a file has it, and how it is finished.
+//!
+//! Unlike what is [sketched](plume_graph::sketch), nodes keep their order, their ids and their radii, so that a graph
+//! comes back from a file as it went in. What a file leaves out is filled in: parents follow from a walk from the first
+//! node of each part that names none, a radius is the distance to the nearest neighbour.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+
+use super::limits::MAX_LENGTH_M;
+use super::parts::{Disconnected, Fate, first_at_place};
+use super::{Parts, ReadError, Tally};
+use plume_graph::{Graph, Node, millimetres};
+
+/// Nodes and edges in any order. A radius of 0 is not known; parents are neighbours and lead in no circle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Draft {
+    pub(super) nodes: Vec<Node>,
+    pub(super) edges: Vec<[usize; 2]>,
+}
+
+/// A node of which no more than its place is known.
+pub(super) fn node_at(id: u64, position: Point3<f64>) -> Node {
+    Node { id, parent: None, position, radius: 0.0, active: false, level: 0, section: None }
+}
+
+/// Why no graph came of a draft.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum DraftError {
+    /// Nothing to make a passage of: what there is instead, in words.
+    TooFew(&'static str),
+    /// A node on no passage, where parts are refused.
+    Lone(usize),
+    /// Several parts, where they are refused.
+    Disconnected(Disconnected),
+}
+
+impl DraftError {
+    /// The same as a fault of the whole file, which calls its nodes by these names.
+    pub(super) fn into_error(self, path: &Path, name: impl Fn(usize) -> String) -> ReadError {
+        match self {
+            Self::TooFew(nodes) => ReadError::whole(path, format!("a graph of {nodes} makes no cave"), TOO_FEW_HINT),
+            Self::Lone(node) => ReadError::whole(path, format!("{} is on no passage", name(node)), LONE_HINT),
+            Self::Disconnected(error) => error.into_error(path, name),
+        }
+    }
+}
+
+pub(super) const TOO_FEW_HINT: &str = "a cave takes two nodes and a passage between them";
+pub(super) const LONE_HINT: &str = "drop it or add its passages; wherever parts are not refused, it is left out";
+
+impl Draft {
+    /// The graph, lengths rounded to 1 mm, nodes in one place welded to the first of them, parts as asked; and a tally of
+    /// what that took. Nodes on no passage are left out, or refused where parts are.
+    pub(super) fn finished(self, parts: Parts) -> Result<(Graph, Tally), DraftError> {
+        let places: Vec<Point3<f64>> = self.nodes.iter().map(|node| node.position).collect();
+        let welds = first_at_place(&places);
+        match welds.iter().enumerate().filter(|&(node, &first)| node == first).take(2).count() {
+            0 => return Err(DraftError::TooFew("no nodes")),
+            1 => return Err(DraftError::TooFew("one node")),
+            _ => {}
+        }
+        let fate = Fate::of(&places, &self.edges, parts).map_err(DraftError::Disconnected)?;
+        if !fate.stays.contains(&true) {
+            return Err(DraftError::TooFew("nodes without passages"));
+        }
+        match fate.stays.iter().position(|stays| !stays) {
+            Some(lone) if parts == Parts::Refuse => return Err(DraftError::Lone(lone)),
+            _ => {}
+        }
+        let left_out = fate.stays.iter().filter(|stays| !**stays).count();
+        let tally = Tally { joined: fate.joins.len(), left_out, ..Tally::default() };
+        Ok((self.graph(&fate, &welds), tally))
+    }
+
+    /// The graph of the nodes that stay, each where the `welds` put it.
+    fn graph(self, fate: &Fate, welds: &[usize]) -> Graph {
+        let mut new = vec![usize::MAX; self.nodes.len()];
+        let mut graph = Graph::default();
+        let mut parents = Vec::new();
+        let mut merged = false;
+        for (old, node) in self.nodes.into_iter().enumerate().filter(|&(old, _)| fate.stays[old]) {
+            let parent = node.parent;
+            if welds[old] == old {
+                new[old] = graph.nodes.len();
+                graph.nodes.push(Node { parent: None, ..rounded(node) });
+                parents.push(parent);
+                continue;
+            }
+            merged = true;
+            new[old] = new[welds[old]];
+            parents[new[old]] = parents[new[old]].or(parent);
+        }
+        let edges = self.edges.into_iter().filter(|edge| edge.iter().all(|&end| fate.stays[end]));
+        let edges = edges.chain(fate.joins.iter().copied()).map(|edge| edge.map(|end| new[end]));
+        let mut graph = Graph::new(graph.nodes, edges.filter(|[a, b]| a != b).collect());
+        let mut parents: Vec<Option<usize>> =
+            parents.into_iter().map(|parent| parent.map(|parent| new[parent])).collect();
+        let roots = parents.iter().filter(|parent| parent.is_none()).count();
+        if merged || !fate.joins.is_empty() || roots != fate.parts {
+            parents = forest(&graph, &parents);
+        }
+        graph.nodes.iter_mut().zip(parents).for_each(|(node, parent)| node.parent = parent);
+        fill_radii(&mut graph);
+        graph
+    }
+}
+
+fn rounded(node: Node) -> Node {
+    let length = |length_m: f64| millimetres(length_m).clamp(0.001, MAX_LENGTH_M);
+    let section = node.section.map(|section| section.map(length));
+    let radius = if node.radius > 0.0 { length(node.radius) } else { 0.0 };
+    Node { position: node.position.map(millimetres), radius, section, ..node }
+}
+
+/// Parents by breadth from the first node of each part that had none, or from its first.
+fn forest(graph: &Graph, had: &[Option<usize>]) -> Vec<Option<usize>> {
+    let origins = had.iter().enumerate().filter(|(_, parent)| parent.is_none()).map(|(node, _)| node);
+    let mut parents = vec![None; graph.nodes.len()];
+    for (node, parent) in graph.neighbors().by_breadth(origins.chain(0..graph.nodes.len())) {
+        parents[node] = parent;
+    }
+    parents
+}
+
+/// A node without a radius reaches as far as its nearest neighbour.
+fn fill_radii(graph: &mut Graph) {
+    let neighbors = graph.neighbors();
+    for (node, others) in neighbors.iter().enumerate() {
+        if graph.nodes[node].radius > 0.0 {
+            continue;
+        }
+        let nearest = others.iter().map(|&other| graph.distance_m(node, other)).fold(f64::INFINITY, f64::min);
+        graph.nodes[node].radius = millimetres(nearest).clamp(0.001, MAX_LENGTH_M);
+    }
+}

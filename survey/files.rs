@@ -1,0 +1,139 @@
+//! Texts that name other texts, read within bounds.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use super::limits::{MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_LINE};
+use super::{ReadError, STRAY, STRAY_HINT, STRAY_LINE, STRAY_LINE_HINT, Source};
+use plume_graph::echo::shown;
+
+/// A line of a file that was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Spot {
+    file: usize,
+    /// From 1.
+    pub(super) line: usize,
+}
+
+/// The files of one survey.
+pub(super) struct Files<'a> {
+    source: &'a Source<'a>,
+    /// Every file that was read, in order.
+    paths: Vec<PathBuf>,
+    /// Whether each lies elsewhere than below the folder of the first.
+    strays: Vec<bool>,
+    /// Those that are being read, the innermost last.
+    open: Vec<usize>,
+    bytes: usize,
+}
+
+impl<'a> Files<'a> {
+    /// With the file that leads to all others.
+    pub(super) fn new(source: &'a Source<'a>) -> Self {
+        let paths = vec![source.path.to_path_buf()];
+        Self { source, paths, strays: vec![false], open: vec![0], bytes: source.bytes.len() }
+    }
+
+    /// A line of the file that is being read.
+    pub(super) fn spot(&self, line: usize) -> Spot {
+        Spot { file: self.open.last().copied().unwrap_or_default(), line }
+    }
+
+    /// A fault in a line.
+    pub(super) fn fault(&self, spot: Spot, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
+        match self.strays[spot.file] {
+            true => ReadError::line(&self.paths[spot.file], spot.line, STRAY_LINE, STRAY_LINE_HINT),
+            false => ReadError::line(&self.paths[spot.file], spot.line, message, hint),
+        }
+    }
+
+    /// A fault of the whole file that is being read.
+    pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
+        let file = self.spot(0).file;
+        match self.strays[file] {
+            true => ReadError::whole(&self.paths[file], STRAY_LINE, STRAY_LINE_HINT),
+            false => ReadError::whole(&self.paths[file], message, hint),
+        }
+    }
+
+    /// Whether names may come from files of which nothing is shown.
+    pub(super) fn has_strays(&self) -> bool {
+        self.strays.contains(&true)
+    }
+
+    /// Opens the file that a line names, relative to the file it stands in: as it is named, or with an ending, in the
+    /// case it has or in lower case. To be closed again. One that lies elsewhere than below the folder of the first file is
+    /// refused, unless the outside allows it.
+    pub(super) fn open(&mut self, spot: Spot, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
+        let refused = |message: String, hint: &str| Err(self.fault(spot, message, hint));
+        if self.open.len() >= MAX_DEPTH {
+            return refused(format!("files name each other more than {MAX_DEPTH} deep"), "");
+        }
+        if self.paths.len() >= MAX_FILES {
+            return refused(format!("this leads to more than {MAX_FILES} files"), "");
+        }
+        let folder = self.paths[spot.file].parent().unwrap_or(Path::new(""));
+        let name = name.replace('\\', "/");
+        let small = name.to_ascii_lowercase();
+        let names = [name.clone(), format!("{name}{ending}"), small.clone(), format!("{small}{ending}")];
+        let (mut first, mut is_refused) = (None, false);
+        for path in names.iter().map(|name| folder.join(name)) {
+            if self.open.iter().any(|&open| self.paths[open] == path) {
+                return refused(format!("{} leads back to itself", shown(&name)), "a file cannot be part of itself");
+            }
+            let is_stray = self.source.is_stray(&path);
+            if self.source.refuses(is_stray) {
+                is_refused = true;
+                continue;
+            }
+            match self.source.outside.read(&path) {
+                Ok(bytes) if self.bytes + bytes.len() > MAX_BYTES => {
+                    let message = format!("the files hold more than {} MiB together", MAX_BYTES >> 20);
+                    return refused(message, "");
+                }
+                Ok(bytes) => {
+                    self.bytes += bytes.len();
+                    self.open.push(self.paths.len());
+                    self.paths.push(path);
+                    self.strays.push(is_stray);
+                    return Ok(bytes);
+                }
+                Err(error) => first = first.or(Some(error)),
+            }
+        }
+        if is_refused {
+            return refused(format!("{} {STRAY}", shown(&name)), STRAY_HINT);
+        }
+        let why = first.map(|error| error.to_string()).unwrap_or_default();
+        refused(
+            format!("{} cannot be read: {why}", shown(&name)),
+            "files are looked for beside the file that names them",
+        )
+    }
+
+    /// Is done with the innermost file.
+    pub(super) fn close(&mut self) {
+        self.open.pop();
+    }
+
+    /// The lines of a text with their numbers.
+    ///
+    /// # Errors
+    /// Each, when it is longer than any line may be.
+    pub(super) fn line<'t>(&self, number: usize, line: &'t str) -> Result<&'t str, ReadError> {
+        if line.len() > MAX_LINE {
+            let message = format!("a line of more than {} KiB", MAX_LINE >> 10);
+            return Err(self.fault(self.spot(number), message, "is this a text?"));
+        }
+        Ok(line.strip_suffix('\r').unwrap_or(line))
+    }
+}
+
+/// The text of a file: UTF-8, or else Latin-1, which old surveys are written in.
+pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
+    }
+}

@@ -1,0 +1,309 @@
+//! From GraphML to a graph, one element at a time: memory grows with the graph, not with the file.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesRef, BytesStart, Event};
+use quick_xml::reader::Reader;
+
+use crate::draft::Draft;
+use crate::fields::{Field, Fields, field};
+use crate::limits::{MAX_DEPTH, MAX_LEGS, MAX_LINE, MAX_STATIONS};
+use crate::text::{LENGTH_HINT, coordinate, line_of, utf8};
+use crate::{Import, Parts, ReadError, Source};
+use plume_graph::echo::{sentence, shown};
+
+/// Reads the one graph of the file.
+pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
+    let text = utf8(source.path, source.bytes)?;
+    let mut reader = Reader::from_str(text);
+    reader.config_mut().expand_empty_elements = true;
+    let mut walk = Walk::default();
+    loop {
+        let at = reader.buffer_position();
+        let event =
+            reader.read_event().map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"));
+        let event = event.map_err(|fault| fault.at(source.path, text, reader.error_position()))?;
+        if event == Event::Eof {
+            break;
+        }
+        walk.take(event, at).map_err(|fault| fault.at(source.path, text, at))?;
+    }
+    walk.end().map_err(|fault| fault.at(source.path, text, text.len() as u64))?;
+    walk.resolve_edges().map_err(|(fault, at)| fault.at(source.path, text, at))?;
+    let Walk { mut draft, names, .. } = walk;
+    let names = by_node(names);
+    number(&mut draft, &names);
+    let name = |node: usize| format!("node {}", shown(&names[node]));
+    draft.into_import(source.path, parts, name)
+}
+
+/// What is wrong, without the place.
+struct Fault {
+    message: String,
+    hint: &'static str,
+}
+
+impl Fault {
+    fn new(message: impl Into<String>, hint: &'static str) -> Self {
+        Self { message: message.into(), hint }
+    }
+
+    /// At a byte of the text, told as its line.
+    fn at(self, path: &Path, text: &str, byte: u64) -> ReadError {
+        ReadError::line(path, line_of(text, byte as usize), self.message, self.hint)
+    }
+}
+
+/// Keys that a file may declare; others than ours are read over.
+const MAX_KEYS: usize = 1000;
+const SHAPE_HINT: &str = "a GraphML file holds one <graph> of <node> and <edge> elements inside <graphml>";
+
+/// An element that is open, as far as it matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Element {
+    GraphMl,
+    Key,
+    /// The value of a key where a node has none.
+    Default,
+    Graph,
+    Node,
+    /// A value of a node.
+    Data(Option<Field>),
+    Other,
+}
+
+#[derive(Default)]
+struct Walk {
+    open: Vec<Element>,
+    graphs: usize,
+    /// What the keys mean, by their ids.
+    fields: HashMap<String, Option<Field>>,
+    /// The key that is open.
+    key: Option<Field>,
+    defaults: Fields,
+    node: Fields,
+    /// Text of the value that is open.
+    value: String,
+    draft: Draft,
+    /// Nodes by name, hashed at random: no file can make its names collide.
+    names: HashMap<String, usize>,
+    /// Edges whose nodes come later, and where they are.
+    pending: Vec<([String; 2], u64)>,
+}
+
+impl Walk {
+    fn take(&mut self, event: Event, at: u64) -> Result<(), Fault> {
+        match event {
+            Event::Start(element) => self.start(&element, at),
+            Event::End(_) => self.close(),
+            Event::Text(text) => self.text(&text),
+            Event::CData(text) => self.text(&text),
+            Event::GeneralRef(reference) => self.reference(&reference),
+            Event::DocType(_) => {
+                Err(Fault::new("has a document type", "take the <!DOCTYPE …> out: GraphML needs none"))
+            }
+            Event::Decl(_) | Event::PI(_) | Event::Comment(_) | Event::Empty(_) | Event::Eof => Ok(()),
+        }
+    }
+
+    fn start(&mut self, element: &BytesStart, at: u64) -> Result<(), Fault> {
+        if self.open.len() == MAX_DEPTH {
+            return Err(Fault::new(format!("nests deeper than {MAX_DEPTH} elements"), SHAPE_HINT));
+        }
+        let name = element.local_name();
+        let open = match (self.open.last(), name.as_ref()) {
+            (None, "graphml") => Element::GraphMl,
+            (None, other) => return Err(Fault::new(format!("is no GraphML, but <{other}>"), SHAPE_HINT)),
+            (Some(Element::GraphMl), "key") => self.key(element)?,
+            (Some(Element::Key), "default") => Element::Default,
+            (Some(Element::GraphMl), "graph") => self.graph()?,
+            (Some(Element::Graph), "node") => self.node(element)?,
+            (Some(Element::Graph), "edge") => self.edge(element, at)?,
+            (Some(Element::Graph), "hyperedge") => {
+                return Err(Fault::new("is a hyperedge", "write it as edges between two nodes each"));
+            }
+            (Some(Element::Node), "graph") => {
+                return Err(Fault::new("is a graph inside a node", "take the nodes out of their groups"));
+            }
+            (Some(Element::Node), "data") => self.data(element)?,
+            (Some(_), "Geometry") if self.open.contains(&Element::Node) => self.drawn(element)?,
+            _ => Element::Other,
+        };
+        self.value.clear();
+        self.open.push(open);
+        Ok(())
+    }
+
+    fn key(&mut self, element: &BytesStart) -> Result<Element, Fault> {
+        let [id, of, name] = attributes(element, ["id", "for", "attr.name"])?;
+        let id = id.ok_or_else(|| Fault::new("a key has no id", SHAPE_HINT))?;
+        let is_of_nodes = of.is_none_or(|of| of == "node" || of == "all");
+        if self.fields.len() == MAX_KEYS {
+            return Err(Fault::new(format!("there are more than {MAX_KEYS} keys"), SHAPE_HINT));
+        }
+        self.key = name.as_deref().filter(|_| is_of_nodes).and_then(field);
+        if self.fields.insert(id.clone(), self.key).is_some() {
+            return Err(Fault::new(format!("two keys have the id {}", shown(&id)), SHAPE_HINT));
+        }
+        Ok(Element::Key)
+    }
+
+    fn graph(&mut self) -> Result<Element, Fault> {
+        self.graphs += 1;
+        match self.graphs {
+            1 => Ok(Element::Graph),
+            _ => Err(Fault::new("is a second graph", "keep one graph in a file")),
+        }
+    }
+
+    fn node(&mut self, element: &BytesStart) -> Result<Element, Fault> {
+        let [id] = attributes(element, ["id"])?;
+        let id = id.ok_or_else(|| Fault::new("a node has no id", SHAPE_HINT))?;
+        let next = self.names.len();
+        if next == MAX_STATIONS {
+            let message = format!("there are more than {MAX_STATIONS} nodes");
+            return Err(Fault::new(message, "split the graph into several caves"));
+        }
+        if self.names.contains_key(&id) {
+            return Err(Fault::new(
+                format!("two nodes have the id {}", shown(&id)),
+                "give every node an id of its own",
+            ));
+        }
+        self.names.insert(id, next);
+        self.node = self.defaults;
+        Ok(Element::Node)
+    }
+
+    fn edge(&mut self, element: &BytesStart, at: u64) -> Result<Element, Fault> {
+        let [source, target] = attributes(element, ["source", "target"])?;
+        let (Some(source), Some(target)) = (source, target) else {
+            return Err(Fault::new("an edge has no source or no target", SHAPE_HINT));
+        };
+        if self.draft.edges.len() + self.pending.len() == MAX_LEGS {
+            let message = format!("there are more than {MAX_LEGS} edges");
+            return Err(Fault::new(message, "split the graph into several caves"));
+        }
+        match (self.names.get(&source), self.names.get(&target)) {
+            (Some(&source), Some(&target)) => self.draft.edges.push([source, target]),
+            _ => self.pending.push(([source, target], at)),
+        }
+        Ok(Element::Other)
+    }
+
+    /// Keys that are nowhere declared mean what their ids say.
+    fn data(&self, element: &BytesStart) -> Result<Element, Fault> {
+        let [key] = attributes(element, ["key"])?;
+        let key = key.unwrap_or_default();
+        Ok(Element::Data(self.fields.get(&key).copied().unwrap_or_else(|| field(&key))))
+    }
+
+    /// The box that yEd draws round a node, its y downwards.
+    fn drawn(&mut self, element: &BytesStart) -> Result<Element, Fault> {
+        let [x, y, width, height] = attributes(element, ["x", "y", "width", "height"])?;
+        let read = |text: Option<String>| {
+            text.map_or(Ok(0.0), |text| coordinate(&text)).map_err(|fault| Fault::new(fault, LENGTH_HINT))
+        };
+        if x.is_some() && y.is_some() {
+            self.node.draw_at([read(x)? + read(width)? / 2.0, -(read(y)? + read(height)? / 2.0)]);
+        }
+        Ok(Element::Other)
+    }
+
+    fn text(&mut self, text: &str) -> Result<(), Fault> {
+        if !matches!(self.open.last(), Some(Element::Data(Some(_)) | Element::Default)) {
+            return Ok(());
+        }
+        if self.value.len() + text.len() > MAX_LINE {
+            return Err(Fault::new("is too long a value", LENGTH_HINT));
+        }
+        self.value.push_str(text);
+        Ok(())
+    }
+
+    fn reference(&mut self, reference: &BytesRef) -> Result<(), Fault> {
+        let unknown = || Fault::new(format!("&{}; stands for nothing", &**reference), "write the text itself");
+        let letter = match &**reference {
+            "lt" => '<',
+            "gt" => '>',
+            "amp" => '&',
+            "apos" => '\'',
+            "quot" => '"',
+            _ => reference.resolve_char_ref().ok().flatten().ok_or_else(unknown)?,
+        };
+        self.text(letter.encode_utf8(&mut [0; 4]))
+    }
+
+    fn close(&mut self) -> Result<(), Fault> {
+        let value = std::mem::take(&mut self.value);
+        let wrong = |(message, hint): (String, _)| Fault::new(message, hint);
+        match (self.open.pop(), self.key) {
+            (Some(Element::Data(Some(field))), _) => self.node.set(field, &value).map_err(wrong)?,
+            (Some(Element::Default), Some(field)) => self.defaults.set(field, &value).map_err(wrong)?,
+            (Some(Element::Key), _) => self.key = None,
+            (Some(Element::Node), _) => {
+                let node = self.node.node(self.draft.nodes.len() as u64);
+                let missing =
+                    |axis| Fault::new(format!("the node has no {axis}"), "give nodes data with keys x, y and z");
+                self.draft.nodes.push(node.map_err(missing)?);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn end(&self) -> Result<(), Fault> {
+        match self.graphs {
+            _ if !self.open.is_empty() => Err(Fault::new("ends before its elements do", "the file is cut off")),
+            0 => Err(Fault::new("holds no graph", SHAPE_HINT)),
+            _ => Ok(()),
+        }
+    }
+
+    fn resolve_edges(&mut self) -> Result<(), (Fault, u64)> {
+        for (ends, at) in std::mem::take(&mut self.pending) {
+            let find = |name: &String| {
+                let unknown =
+                    || Fault::new(format!("there is no node {}", shown(name)), "edges name nodes by their ids");
+                self.names.get(name).copied().ok_or_else(|| (unknown(), at))
+            };
+            let edge = [find(&ends[0])?, find(&ends[1])?];
+            self.draft.edges.push(edge);
+        }
+        Ok(())
+    }
+}
+
+/// The values of these attributes; of one that comes twice, the first.
+fn attributes<const N: usize>(element: &BytesStart, names: [&str; N]) -> Result<[Option<String>; N], Fault> {
+    let mut values = [const { None }; N];
+    let mut all = element.attributes();
+    for attribute in all.with_checks(false) {
+        let attribute =
+            attribute.map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"))?;
+        let Some(place) = names.iter().position(|&name| name == attribute.key.as_ref()) else { continue };
+        let value = attribute.normalized_value(XmlVersion::Implicit1_0);
+        let value = value.map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"))?;
+        values[place].get_or_insert_with(|| value.into_owned());
+    }
+    Ok(values)
+}
+
+fn by_node(names: HashMap<String, usize>) -> Vec<String> {
+    let mut names: Vec<(String, usize)> = names.into_iter().collect();
+    names.sort_unstable_by_key(|&(_, node)| node);
+    names.into_iter().map(|(name, _)| name).collect()
+}
+
+/// Gives nodes the numbers that are their names, if all are numbers and no two the same.
+fn number(draft: &mut Draft, names: &[String]) {
+    let ids = names.iter().map(|name| name.strip_prefix('n').unwrap_or(name).parse().ok());
+    let Some(ids) = ids.collect::<Option<Vec<u64>>>() else { return };
+    let mut sorted = ids.clone();
+    sorted.sort_unstable();
+    if sorted.windows(2).all(|pair| pair[0] < pair[1]) {
+        draft.nodes.iter_mut().zip(ids).for_each(|(node, id)| node.id = id);
+    }
+}

@@ -1,0 +1,50 @@
+//! From a graph to GraphML: one node a line.
+
+use std::fmt::Write;
+
+use crate::Written;
+use crate::fields::shape_name;
+use plume_graph::{Graph, Node};
+
+const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<graphml xmlns="http://graphml.graphdrawing.org/xmlns">
+<key id="x" for="node" attr.name="x" attr.type="double"/>
+<key id="y" for="node" attr.name="y" attr.type="double"/>
+<key id="z" for="node" attr.name="z" attr.type="double"/>
+<key id="radius" for="node" attr.name="radius" attr.type="double"/>
+<key id="level" for="node" attr.name="level" attr.type="int"/>
+<key id="active" for="node" attr.name="active" attr.type="boolean"/>
+<key id="width_m" for="node" attr.name="width_m" attr.type="double"/>
+<key id="height_m" for="node" attr.name="height_m" attr.type="double"/>
+<key id="shape" for="node" attr.name="shape" attr.type="string"/>
+<graph id="cave" edgedefault="undirected">
+"#;
+
+/// Writes the graph.
+pub(crate) fn export(graph: &Graph) -> Vec<Written> {
+    let mut text = HEAD.to_owned();
+    for node in &graph.nodes {
+        write_node(&mut text, node).expect("memory takes any text");
+    }
+    for edge in &graph.edges {
+        let [a, b] = edge.map(|node| graph.nodes[node].id);
+        writeln!(text, r#"<edge source="n{a}" target="n{b}"/>"#).expect("memory takes any text");
+    }
+    text.push_str("</graph>\n</graphml>\n");
+    vec![Written { suffix: "", bytes: text.into_bytes() }]
+}
+
+fn write_node(text: &mut String, node: &Node) -> std::fmt::Result {
+    let [x, y, z] = node.position.coords.into();
+    write!(text, r#"<node id="n{}">"#, node.id)?;
+    write!(text, r#"<data key="x">{x}</data><data key="y">{y}</data><data key="z">{z}</data>"#)?;
+    write!(text, r#"<data key="radius">{}</data><data key="level">{}</data>"#, node.radius, node.level)?;
+    write!(text, r#"<data key="active">{}</data>"#, node.active)?;
+    if let Some(section) = node.section {
+        write!(text, r#"<data key="width_m">{}</data>"#, section.width_m)?;
+        write!(text, r#"<data key="height_m">{}</data>"#, section.height_m)?;
+        write!(text, r#"<data key="shape">{}</data>"#, shape_name(section.shape))?;
+    }
+    text.push_str("</node>\n");
+    Ok(())
+}

@@ -1,0 +1,74 @@
+//! From stations to a draft: ids become indices.
+
+use std::collections::HashMap;
+
+use super::error::ReadError;
+use super::parse::Station;
+use crate::draft::Draft;
+use plume_graph::Node;
+
+/// Puts a graph together.
+pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
+    let indices = indices(stations)?;
+    let find = |from: &Station, key: &'static str, id: u64| {
+        indices.get(&id).copied().ok_or_else(|| ReadError::Node {
+            node: format!("node {}", from.id),
+            key,
+            fault: format!("has {id}, which is no node"),
+        })
+    };
+    let mut draft = Draft::default();
+    for (at, station) in stations.iter().enumerate() {
+        for &other in &station.edges {
+            draft.edges.push([at, find(station, "edges", other)?]);
+        }
+        let parent = station.parent.map(|parent| find(station, "parent", parent)).transpose()?;
+        draft.edges.extend(parent.map(|parent| [at, parent]));
+        draft.nodes.push(node(station, parent));
+    }
+    check_parents(&draft.nodes)?;
+    Ok(draft)
+}
+
+/// Where the station of each id stands, hashed at random: no file can make its ids collide.
+fn indices(stations: &[Station]) -> Result<HashMap<u64, usize>, ReadError> {
+    let mut indices = HashMap::new();
+    for (index, station) in stations.iter().enumerate() {
+        if indices.insert(station.id, index).is_some() {
+            return Err(ReadError::DuplicateId { id: station.id });
+        }
+    }
+    Ok(indices)
+}
+
+fn node(station: &Station, parent: Option<usize>) -> Node {
+    Node {
+        id: station.id,
+        parent,
+        position: station.position,
+        radius: station.radius.unwrap_or_default(),
+        active: station.active,
+        level: station.level,
+        section: station.section,
+    }
+}
+
+/// Refuses parents that lead round in a circle.
+fn check_parents(nodes: &[Node]) -> Result<(), ReadError> {
+    let mut walk_of = vec![usize::MAX; nodes.len()];
+    for start in 0..nodes.len() {
+        let mut at = start;
+        while walk_of[at] == usize::MAX {
+            walk_of[at] = start;
+            match nodes[at].parent {
+                Some(parent) => at = parent,
+                None => break,
+            }
+        }
+        let ended = nodes[at].parent.is_none();
+        if walk_of[at] == start && !ended {
+            return Err(ReadError::ParentCircle { id: nodes[at].id });
+        }
+    }
+    Ok(())
+}

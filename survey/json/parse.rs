@@ -1,0 +1,347 @@
+//! From text to stations, one at a time, each checked as it comes.
+
+use std::fmt;
+
+use nalgebra::Point3;
+use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use serde_json::{Map, Value};
+
+use super::error::ReadError;
+use crate::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
+use plume_graph::echo::{plain, sentence, shown};
+use plume_graph::{Section, Shape, millimetres};
+
+/// A node as the file has it.
+pub(super) struct Station {
+    pub(super) id: u64,
+    pub(super) parent: Option<u64>,
+    pub(super) edges: Vec<u64>,
+    pub(super) position: Point3<f64>,
+    pub(super) radius: Option<f64>,
+    pub(super) active: bool,
+    pub(super) level: u32,
+    pub(super) section: Option<Section>,
+}
+
+/// A file as it stands.
+pub(super) struct File {
+    pub(super) version: Option<Value>,
+    pub(super) recipe: Option<Value>,
+    pub(super) stations: Vec<Station>,
+}
+
+/// Reads the text of a file.
+pub(super) fn parse(text: &str) -> Result<File, ReadError> {
+    let keys: Keys = serde_json::from_str(text).map_err(|error| explained(&error, text))?;
+    let stations = keys.nodes.ok_or_else(|| ReadError::Shape { what: "there is no key `nodes`".to_owned() })?;
+    // An imported graph has none, which is written as null.
+    let recipe = keys.recipe.filter(|recipe| !recipe.is_null());
+    Ok(File { version: keys.version, recipe, stations: stations? })
+}
+
+/// The parser's error, told better where a foreign program is known to be its cause.
+fn explained(error: &serde_json::Error, text: &str) -> ReadError {
+    let (line, column) = (error.line(), error.column());
+    let message = error.to_string();
+    let message = sentence(message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message));
+    if error.is_data() {
+        let what = format!("line {line} column {column}: {message}");
+        return ReadError::Shape { what };
+    }
+    let before = text.lines().nth(line.saturating_sub(1)).unwrap_or_default();
+    let at = before.get(column.saturating_sub(1)..).unwrap_or_default();
+    let literal = match at.trim_start_matches('-') {
+        rest if rest.starts_with('N') => Some("NaN"),
+        rest if rest.starts_with('I') => Some("Infinity"),
+        _ => None,
+    };
+    match literal {
+        Some(literal) => ReadError::NotANumber { line, column, literal },
+        None => ReadError::Syntax { line, column, message },
+    }
+}
+
+/// The keys of the file that matter.
+#[derive(Default)]
+struct Keys {
+    version: Option<Value>,
+    recipe: Option<Value>,
+    nodes: Option<Result<Vec<Station>, ReadError>>,
+}
+
+impl<'de> Deserialize<'de> for Keys {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(KeysVisitor)
+    }
+}
+
+struct KeysVisitor;
+
+impl<'de> Visitor<'de> for KeysVisitor {
+    type Value = Keys;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an object with a key `nodes`")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Keys, A::Error> {
+        let mut keys = Keys::default();
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "plume" => keys.version = Some(map.next_value()?),
+                "recipe" => keys.recipe = Some(map.next_value()?),
+                "nodes" if keys.nodes.is_some() => {
+                    return Err(A::Error::custom("the key `nodes` comes twice"));
+                }
+                "nodes" => keys.nodes = Some(map.next_value_seed(Nodes::default())?),
+                _ => drop(map.next_value::<IgnoredAny>()?),
+            }
+        }
+        Ok(keys)
+    }
+}
+
+/// Both ends name an edge.
+const MAX_ENDS: usize = 2 * MAX_LEGS;
+
+/// Gathers stations until one of them is at fault.
+#[derive(Default)]
+struct Nodes {
+    stations: Vec<Station>,
+    /// Edges of all of them, each as often as it is named.
+    edges: usize,
+    fault: Option<ReadError>,
+}
+
+impl Nodes {
+    fn take(&mut self, place: &str, keyed: bool, node: Value) {
+        if self.fault.is_some() {
+            return;
+        }
+        if self.stations.len() == MAX_STATIONS {
+            self.fault = Some(ReadError::TooMany { what: "nodes", most: MAX_STATIONS });
+            return;
+        }
+        match station(place, keyed, node) {
+            Ok(station) if self.edges + station.edges.len() > MAX_ENDS => {
+                self.fault = Some(ReadError::TooMany { what: "edges", most: MAX_LEGS });
+            }
+            Ok(station) => {
+                self.edges += station.edges.len();
+                self.stations.push(station);
+            }
+            Err(fault) => self.fault = Some(fault),
+        }
+    }
+
+    fn done(self) -> Result<Vec<Station>, ReadError> {
+        self.fault.map_or(Ok(self.stations), Err)
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Nodes {
+    type Value = Result<Vec<Station>, ReadError>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Nodes {
+    type Value = Result<Vec<Station>, ReadError>;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("`nodes` to be a list, or an object keyed by id")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut nodes: A) -> Result<Self::Value, A::Error> {
+        let mut place = 0;
+        while let Some(node) = nodes.next_element()? {
+            self.take(&format!("nodes[{place}]"), false, node);
+            place += 1;
+        }
+        Ok(self.done())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(mut self, mut nodes: A) -> Result<Self::Value, A::Error> {
+        while let Some((key, node)) = nodes.next_entry::<String, Value>()? {
+            self.take(&key, true, node);
+        }
+        Ok(self.done())
+    }
+}
+
+/// Reads one node; `place` is its key where nodes are `keyed` by id.
+fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> {
+    let label = if keyed { format!("node {}", plain(place)) } else { place.to_owned() };
+    let Value::Object(fields) = node else {
+        let what = format!("{label} must be an object, found {}", kind(&node));
+        return Err(ReadError::Shape { what });
+    };
+    let id = match (fields.get("id"), keyed) {
+        (None, true) => place.parse().ok(),
+        (id, _) => id.and_then(Value::as_u64),
+    };
+    let Some(id) = id else {
+        let fault = fields.get("id").map_or_else(
+            || "is missing".to_owned(),
+            |id| format!("must be a whole number, found {}", plain(&id.to_string())),
+        );
+        return Err(ReadError::Node { node: label, key: "id", fault });
+    };
+    let fields = Fields { id, fields };
+    if keyed && place.parse() != Ok(id) {
+        return Err(fields.fault("id", format!("differs from its key {}", shown(place))));
+    }
+    fields.station()
+}
+
+/// The fields of the node with this id.
+struct Fields {
+    id: u64,
+    fields: Map<String, Value>,
+}
+
+impl Fields {
+    fn station(&self) -> Result<Station, ReadError> {
+        Ok(Station {
+            id: self.id,
+            parent: self.parent()?,
+            edges: self.edges()?,
+            position: self.position()?,
+            radius: self.radius()?,
+            active: self.active()?,
+            level: self.level()?,
+            section: self.section()?,
+        })
+    }
+
+    fn get(&self, key: &str) -> Option<&Value> {
+        self.fields.get(key).filter(|value| !value.is_null())
+    }
+
+    fn parent(&self) -> Result<Option<u64>, ReadError> {
+        let Some(value) = self.get("parent") else {
+            return Ok(None);
+        };
+        match value.as_u64() {
+            Some(parent) if parent == self.id => Err(self.fault("parent", "is the node itself".to_owned())),
+            Some(parent) => Ok(Some(parent)),
+            None => Err(self.unexpected("parent", "an id or null", value)),
+        }
+    }
+
+    fn edges(&self) -> Result<Vec<u64>, ReadError> {
+        let Some(value) = self.get("edges") else {
+            return Ok(Vec::new());
+        };
+        let Value::Array(edges) = value else {
+            return Err(self.unexpected("edges", "a list of ids", value));
+        };
+        edges
+            .iter()
+            .map(|edge| match edge.as_u64() {
+                Some(id) if id == self.id => Err(self.fault("edges", "lead to the node itself".to_owned())),
+                Some(id) => Ok(id),
+                None => Err(self.unexpected("edges", "ids", edge)),
+            })
+            .collect()
+    }
+
+    fn position(&self) -> Result<Point3<f64>, ReadError> {
+        let Some(value) = self.get("coordinates") else {
+            return Err(self.fault("coordinates", "are missing".to_owned()));
+        };
+        let Value::Object(axes) = value else {
+            return Err(self.unexpected("coordinates", "an object", value));
+        };
+        let x = self.coordinate("coordinates.x", axes.get("x"))?;
+        let y = self.coordinate("coordinates.y", axes.get("y"))?;
+        // Graphs drawn in the plan alone have no height.
+        let z = match axes.get("z") {
+            None => 0.0,
+            z => self.coordinate("coordinates.z", z)?,
+        };
+        Ok(Point3::new(x, y, z).map(millimetres))
+    }
+
+    fn coordinate(&self, key: &'static str, value: Option<&Value>) -> Result<f64, ReadError> {
+        let Some(value) = value else {
+            return Err(self.fault(key, "is missing".to_owned()));
+        };
+        match value.as_f64() {
+            Some(number) if number.abs() <= MAX_LENGTH_M => Ok(number),
+            Some(_) => Err(self.fault(key, format!("is too far away: {value}"))),
+            None => Err(self.unexpected(key, "a number", value)),
+        }
+    }
+
+    fn radius(&self) -> Result<Option<f64>, ReadError> {
+        self.get("radius").map(|value| self.length("radius", value)).transpose()
+    }
+
+    /// A length of at least 1 mm.
+    fn length(&self, key: &'static str, value: &Value) -> Result<f64, ReadError> {
+        match value.as_f64() {
+            Some(number) if number > MAX_LENGTH_M => Err(self.fault(key, format!("is too large: {value}"))),
+            Some(number) if millimetres(number) > 0.0 => Ok(millimetres(number)),
+            Some(_) => Err(self.fault(key, format!("must be at least 0.001, found {value}"))),
+            None => Err(self.unexpected(key, "a number", value)),
+        }
+    }
+
+    fn active(&self) -> Result<bool, ReadError> {
+        self.get("active")
+            .map_or(Ok(false), |value| value.as_bool().ok_or_else(|| self.unexpected("active", "true or false", value)))
+    }
+
+    fn level(&self) -> Result<u32, ReadError> {
+        self.get("level").map_or(Ok(0), |value| {
+            let level = value.as_u64().and_then(|level| u32::try_from(level).ok());
+            level.ok_or_else(|| self.unexpected("level", "a whole number", value))
+        })
+    }
+
+    fn section(&self) -> Result<Option<Section>, ReadError> {
+        let Some(value) = self.get("section") else {
+            return Ok(None);
+        };
+        let (Some(width), Some(height)) = (value.get("width_m"), value.get("height_m")) else {
+            return Err(self.fault("section", "has no `width_m` and `height_m`".to_owned()));
+        };
+        Ok(Some(Section {
+            width_m: self.length("section.width_m", width)?,
+            height_m: self.length("section.height_m", height)?,
+            shape: self.shape(value.get("shape"))?,
+        }))
+    }
+
+    fn shape(&self, value: Option<&Value>) -> Result<Shape, ReadError> {
+        let read = |value: &Value| {
+            let shape = Shape::deserialize(value);
+            shape.map_err(|_| self.unexpected("section.shape", "`drift` or `cave`", value))
+        };
+        value.map_or(Ok(Shape::Drift), read)
+    }
+
+    fn unexpected(&self, key: &'static str, expected: &str, found: &Value) -> ReadError {
+        self.fault(key, format!("must be {expected}, found {}", kind(found)))
+    }
+
+    fn fault(&self, key: &'static str, fault: String) -> ReadError {
+        ReadError::Node { node: format!("node {}", self.id), key, fault }
+    }
+}
+
+/// A value in words, short enough for a message.
+fn kind(value: &Value) -> String {
+    match value {
+        Value::Null => "null".to_owned(),
+        Value::Bool(value) => format!("`{value}`"),
+        Value::Number(number) => format!("the number {number}"),
+        Value::String(text) => format!("the text {}", shown(text)),
+        Value::Array(_) => "a list".to_owned(),
+        Value::Object(_) => "an object".to_owned(),
+    }
+}

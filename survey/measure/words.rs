@@ -1,0 +1,137 @@
+//! Settings as both formats write them: the words behind a command.
+
+use super::{Dialect, Instruments, Order, Quantity, Reading, Style, Unit};
+use plume_graph::echo::shown;
+
+/// Reads a number.
+type Number<'a> = &'a dyn Fn(&str) -> Option<f64>;
+
+impl Order {
+    /// The words behind `data`: `<style> <column>…`, or `default`.
+    pub(in super::super) fn read(words: &[&str]) -> Result<Self, String> {
+        let Some((style, columns)) = words.split_first() else { return Err("there is no style of data".to_owned()) };
+        if style.eq_ignore_ascii_case("default") {
+            return Ok(Self::default());
+        }
+        let style = Style::named(style).ok_or_else(|| format!("{} is no style of data", shown(style)))?;
+        let column = |word: &&str| Reading::named(word).ok_or_else(|| format!("{} is no reading", shown(word)));
+        let columns: Result<Vec<Reading>, String> = columns.iter().map(column).collect();
+        Self::new(style, &columns?)
+    }
+}
+
+impl Instruments {
+    /// Obeys one of `units`, `calibrate`, `sd`, `declination` and `infer`.
+    pub(in super::super) fn obey(&mut self, command: &str, words: &[&str], number: Number) -> Result<(), String> {
+        match command {
+            "units" => self.read_units(words, number),
+            "calibrate" => self.read_calibration(words, number),
+            "sd" => self.read_spread(words, number),
+            "declination" => self.read_declination(words, number),
+            "infer" => self.infer(words),
+            _ => Err(format!("`{command}` is no setting")),
+        }
+    }
+
+    /// `units <quantities> [<factor>] <unit>`
+    fn read_units(&mut self, words: &[&str], number: Number) -> Result<(), String> {
+        if is_default(words) {
+            self.reset_units();
+            return Ok(());
+        }
+        let (quantities, rest) = self.quantities(words)?;
+        let (factor, unit) = match rest {
+            [unit] => (1.0, unit),
+            [factor, unit] => (some(factor, number)?, unit),
+            _ => return Err("units are said by their name, with a factor before it".to_owned()),
+        };
+        self.set_unit(&quantities, factor, named_unit(unit)?)
+    }
+
+    /// `calibrate <quantities> <zero error> [<unit>] [<scale>]`
+    fn read_calibration(&mut self, words: &[&str], number: Number) -> Result<(), String> {
+        if is_default(words) {
+            self.reset_calibration();
+            return Ok(());
+        }
+        let (quantities, rest) = self.quantities(words)?;
+        let [zero, rest @ ..] = rest else { return Err("there is no zero error".to_owned()) };
+        let zero = some(zero, number)?;
+        let (unit, rest) = match rest {
+            [word, rest @ ..] if Unit::named(word).is_some() => (Unit::named(word), rest),
+            rest => (None, rest),
+        };
+        let scale = match rest {
+            [] => 1.0,
+            [scale] => some(scale, number)?,
+            _ => return Err("a calibration is a zero error and a scale".to_owned()),
+        };
+        self.calibrate(&quantities, zero, unit, scale)
+    }
+
+    /// `sd <quantities> <standard deviation> <unit>`
+    fn read_spread(&mut self, words: &[&str], number: Number) -> Result<(), String> {
+        let (quantities, rest) = self.quantities(words)?;
+        let [spread, unit] = rest else { return Err("a standard deviation is a number and its unit".to_owned()) };
+        self.set_spread(&quantities, some(spread, number)?, named_unit(unit)?)
+    }
+
+    /// `declination <angle> <unit>`
+    fn read_declination(&mut self, words: &[&str], number: Number) -> Result<(), String> {
+        match words {
+            [auto, ..] if auto.eq_ignore_ascii_case("auto") => {
+                Err("`declination auto` takes a model of the earth's magnetic field".to_owned())
+            }
+            [declination, unit] => {
+                let Unit::Angle(factor) = named_unit(unit)? else { return Err(format!("{} is no angle", shown(unit))) };
+                self.set_declination(some(declination, number)? * factor);
+                Ok(())
+            }
+            _ => Err("a declination is an angle and its unit".to_owned()),
+        }
+    }
+
+    /// The quantities that a command begins with, and what follows.
+    fn quantities<'a, 'b>(&self, words: &'a [&'b str]) -> Result<(Vec<Quantity>, &'a [&'b str]), String> {
+        let mut quantities: Vec<Quantity> = words.iter().map_while(|word| Quantity::named(word)).collect();
+        if quantities.is_empty() {
+            let found = words.first().copied().unwrap_or_default();
+            return Err(format!("{} is nothing that is measured", shown(found)));
+        }
+        let rest = &words[quantities.len()..];
+        if self.dialect == Dialect::Therion {
+            let backs: Vec<Quantity> = quantities.iter().filter_map(|quantity| quantity.back()).collect();
+            quantities.extend(backs);
+        }
+        Ok((quantities, rest))
+    }
+
+    /// `infer <what> on|off`
+    fn infer(&mut self, words: &[&str]) -> Result<(), String> {
+        let &[what, switch] = words else { return Err("`infer` takes what, and on or off".to_owned()) };
+        let on = match switch.to_ascii_lowercase().as_str() {
+            "on" => true,
+            "off" => false,
+            _ => return Err("what is inferred is neither on nor off".to_owned()),
+        };
+        match what.to_ascii_lowercase().as_str() {
+            "plumbs" => self.infer_plumbs = on,
+            "equates" => self.infer_equates = on,
+            "exports" => {}
+            _ => return Err(format!("{} cannot be inferred", shown(what))),
+        }
+        Ok(())
+    }
+}
+
+fn is_default(words: &[&str]) -> bool {
+    words.len() == 1 && words[0].eq_ignore_ascii_case("default")
+}
+
+fn named_unit(word: &str) -> Result<Unit, String> {
+    Unit::named(word).ok_or_else(|| format!("{} is no unit", shown(word)))
+}
+
+fn some(word: &str, number: Number) -> Result<f64, String> {
+    number(word).ok_or_else(|| format!("{} is no number", shown(word)))
+}

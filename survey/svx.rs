@@ -1,0 +1,206 @@
+//! Survex survey data (`.svx`): shots as they were read, before cavern has made positions of them.
+//!
+//! After the Survex manual 1.4, chapter 4. Read are all data styles with any order of columns, units, calibrations,
+//! fixed declinations, standard deviations, names with any depth of surveys, equates, fixes, flags, anonymous stations,
+//! and includes. Loops are closed as Survex closes them, so stations come out where cavern puts them; those of diving shots
+//! within loops may differ by a share of the misclosure, since their covariances do.
+//!
+//! Not read: `*declination auto`, which takes a model of the earth's field, positions in a `*cs` in degrees or in two of them,
+//! and the files of Compass that `*include` may name; the error sends the user to cavern. Covariances of fixes between axes are
+//! left out. What only describes (`*title`, `*team`) is passed over, as are `*export` and `*solve`:
+//! whoever reads a survey to walk in it wants the whole of it at its best.
+
+mod command;
+mod lex;
+
+use std::rc::Rc;
+
+use lex::Marks;
+
+use super::centreline::{Centreline, Flags, Name, Names, Section};
+use super::files::{self, Files, Spot};
+use super::limits::MAX_DEPTH;
+use super::measure::{Columns, Instruments, Order, Row, Style};
+use super::{Import, Parts, ReadError, Source};
+use plume_graph::echo::shown;
+
+/// What to do about a survey that says more than we read.
+const HINT: &str = "run `cavern` on the survey, and import the `.3d` it writes";
+
+/// Reads a survey with all that it includes.
+pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
+    let mut reader = Reader {
+        files: Files::new(source),
+        centreline: Centreline::default(),
+        settings: Settings::default(),
+        blocks: Vec::new(),
+        columns: Columns::default(),
+    };
+    reader.read(source.bytes)?;
+    reader.centreline.into_import(source, parts, &reader.files)
+}
+
+/// How names are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Case {
+    #[default]
+    Lower,
+    Upper,
+    Kept,
+}
+
+/// What `*begin` keeps and `*end` brings back.
+#[derive(Clone, Debug, Default)]
+struct Settings {
+    marks: Rc<Marks>,
+    order: Rc<Order>,
+    instruments: Instruments,
+    flags: Flags,
+    case: Case,
+    /// Characters of a name that count.
+    significant: Option<usize>,
+    /// Whether `-` is a station on a wall.
+    dash_is_wall: bool,
+    survey: Name,
+}
+
+/// An open block.
+struct Block {
+    /// The survey it named.
+    name: Option<String>,
+    settings: Settings,
+    spot: Spot,
+}
+
+/// A survey while it is read.
+struct Reader<'a> {
+    files: Files<'a>,
+    centreline: Centreline,
+    settings: Settings,
+    blocks: Vec<Block>,
+    columns: Columns,
+}
+
+impl Reader<'_> {
+    /// Reads a file.
+    fn read(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
+        let text = files::text(bytes);
+        let blocks = self.blocks.len();
+        for (index, line) in text.split('\n').enumerate() {
+            let line = self.files.line(index + 1, line)?;
+            let spot = self.files.spot(index + 1);
+            let marks = Rc::clone(&self.settings.marks);
+            match marks.command(line) {
+                Some(command) => self.command(spot, command, blocks)?,
+                None if marks.is_comment(line) => {}
+                None => self.data(&marks.words(line)).map_err(|message| self.files.fault(spot, message, HINT))?,
+            }
+        }
+        self.centreline.end_tube();
+        self.columns = Columns::default();
+        match self.blocks.get(blocks) {
+            Some(open) => Err(self.files.fault(open.spot, "the block is never closed", "add an `*end`")),
+            None => Ok(()),
+        }
+    }
+
+    /// Reads a line of readings.
+    fn data(&mut self, words: &[&str]) -> Result<(), String> {
+        let order = Rc::clone(&self.settings.order);
+        let marks = Rc::clone(&self.settings.marks);
+        let Some(row) = self.columns.take(&order, words, &|reading, word| marks.cell(reading, word))? else {
+            return Ok(());
+        };
+        if order.style == Style::Passage { self.cross_section(&row) } else { self.leg(order.style, &row) }
+    }
+
+    fn leg(&mut self, style: Style, row: &Row) -> Result<(), String> {
+        let to = row.to.as_deref().unwrap_or_default();
+        let [(from, from_wall), (to, to_wall)] = [self.end(&row.from)?, self.end(to)?];
+        let leg = self.settings.flags.leg(from_wall || to_wall);
+        let walls_m = self.settings.instruments.walls(row, false);
+        self.centreline.section(Section { station: from, looking: [from, to], walls_m })?;
+        let measured = self.settings.instruments.shot(style, row)?;
+        self.centreline.leg([from, to], leg, measured)
+    }
+
+    fn cross_section(&mut self, row: &Row) -> Result<(), String> {
+        let station = self.station(&row.from)?;
+        self.centreline.add_to_tube(station, self.settings.instruments.walls(row, false))
+    }
+
+    /// The end of a leg, and whether it is no station but a point on a wall or in the open.
+    fn end(&mut self, word: &str) -> Result<(Name, bool), String> {
+        if self.settings.dash_is_wall && word == "-" {
+            return Ok((self.centreline.names.add()?, true));
+        }
+        match self.settings.marks.dots(word) {
+            Some(dots @ 1..=3) => Ok((self.centreline.names.add()?, dots < 3)),
+            _ => Ok((self.station(word)?, false)),
+        }
+    }
+
+    /// The station of this name in the survey that is open.
+    fn station(&mut self, name: &str) -> Result<Name, String> {
+        self.named(self.settings.survey, name)
+    }
+
+    /// What is called so in a survey, or in none of them if the name starts at the root.
+    fn named(&mut self, survey: Name, name: &str) -> Result<Name, String> {
+        let marks = Rc::clone(&self.settings.marks);
+        let (mut at, name) = marks.behind_root(name).map_or((survey, name), |name| (Names::ROOT, name));
+        for part in marks.parts(name)? {
+            at = self.centreline.names.below(at, &self.settings.spelled(part))?;
+        }
+        Ok(at)
+    }
+
+    fn begin(&mut self, spot: Spot, name: Option<&str>) -> Result<(), String> {
+        if self.blocks.len() >= MAX_DEPTH {
+            return Err(format!("blocks are more than {MAX_DEPTH} deep"));
+        }
+        let survey = match name {
+            Some(name) => self.named(self.settings.survey, name)?,
+            None => self.settings.survey,
+        };
+        let kept = self.settings.clone();
+        self.blocks.push(Block { name: name.map(|name| kept.spelled(name)), settings: kept, spot });
+        self.settings.survey = survey;
+        Ok(())
+    }
+
+    /// Closes a block that was opened in this file, in which `outer` were open before.
+    fn end_block(&mut self, name: Option<&str>, outer: usize) -> Result<(), String> {
+        let Some(block) = self.blocks.pop().filter(|_| self.blocks.len() >= outer) else {
+            return Err("no block is open in this file".to_owned());
+        };
+        let name = name.map(|name| block.settings.spelled(name));
+        if name != block.name {
+            let name = shown(&block.name.unwrap_or_default());
+            return Err(format!("this does not close the block {name} of line {}", block.spot.line));
+        }
+        self.settings = block.settings;
+        Ok(())
+    }
+
+    fn include(&mut self, spot: Spot, name: &str) -> Result<(), ReadError> {
+        let bytes = self.files.open(spot, name, ".svx")?;
+        let survey = self.settings.survey;
+        self.read(&bytes)?;
+        self.settings.survey = survey;
+        self.files.close();
+        Ok(())
+    }
+}
+
+impl Settings {
+    /// A name as far as its letters count.
+    fn spelled(&self, name: &str) -> String {
+        let kept = name.chars().take(self.significant.unwrap_or(usize::MAX));
+        match self.case {
+            Case::Lower => kept.map(|letter| letter.to_ascii_lowercase()).collect(),
+            Case::Upper => kept.map(|letter| letter.to_ascii_uppercase()).collect(),
+            Case::Kept => kept.collect(),
+        }
+    }
+}
