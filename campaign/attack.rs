@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::desk::Desk;
-use crate::dice::Dice;
 use crate::python::Python;
+use crate::rng::Rng;
 use crate::tally::Tally;
 
 /// A row of the table.
@@ -33,7 +33,7 @@ pub struct Context<'a> {
     /// A folder for the tries.
     pub scratch: PathBuf,
     /// Random numbers.
-    pub dice: Dice,
+    pub rng: Rng,
     /// How much is to be tried.
     pub length: Length,
 }

@@ -12,12 +12,12 @@ mod attack;
 mod attacks;
 mod cave;
 mod desk;
-mod dice;
 mod folder;
 mod packages;
 mod program;
 mod python;
 mod report;
+mod rng;
 mod scenario;
 mod strace;
 mod tally;
@@ -30,9 +30,9 @@ use std::time::{Duration, Instant};
 use crate::arguments::Arguments;
 use crate::attack::{Attack, Context, Length};
 use crate::attacks::ATTACKS;
-use crate::dice::Dice;
 use crate::python::Python;
 use crate::report::Row;
+use crate::rng::Rng;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::read(std::env::args().skip(1)) {
@@ -67,7 +67,7 @@ fn run(chosen: &[&'static Attack], arguments: &Arguments) -> Vec<Row> {
                 python: python.as_ref(),
                 cave: &cave,
                 scratch: folder,
-                dice: Dice::new(arguments.seed, attack.name),
+                rng: Rng::new(arguments.seed, attack.name),
                 length: length(attack, arguments),
             };
             let tally = (attack.run)(&mut context);

@@ -18,12 +18,12 @@ use minijinja::value::Serde;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::chunk_files::{self, ChunkFiles, Stem, TempFile, Triangles};
 use crate::error::ExportError;
 use crate::format::obj::{self, Maps};
 use crate::frame::{Axes, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
-use crate::sheaf::{self, Growing, Sheaf, Stem, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -72,8 +72,8 @@ impl Target for Obj {
         scene.check()?;
         let comment = format!("{}, made by {}; metres, right-handed, Z up", scene.name, scene.generator);
         let [visual_triangles, collision_triangles] =
-            sheaf::write(scene, self.0.per_chunk, out, |stem| ObjFiles::start(&self.0, &comment, stem))?;
-        let open = sheaf::how_to_open(scene, self.0.per_chunk, "obj");
+            chunk_files::write(scene, self.0.per_chunk, out, |stem| ObjFiles::start(&self.0, &comment, stem))?;
+        let open = chunk_files::how_to_open(scene, self.0.per_chunk, "obj");
         let values = context! {
             name => &scene.name,
             description => &scene.description,
@@ -103,7 +103,7 @@ impl Target for Obj {
 struct ObjFiles<'a> {
     settings: &'a ObjSettings,
     stem: Stem,
-    materials: Growing,
+    materials: TempFile,
     /// Full detail first. Each holds the chunks so far at its level or at their coarsest.
     levels: Vec<ObjFile>,
     collision: Option<ObjFile>,
@@ -169,7 +169,7 @@ impl<'a> ObjFiles<'a> {
     }
 }
 
-impl Sheaf for ObjFiles<'_> {
+impl ChunkFiles for ObjFiles<'_> {
     fn add(
         &mut self,
         scene: &Scene,
@@ -191,7 +191,7 @@ impl Sheaf for ObjFiles<'_> {
 
 /// An OBJ that grows.
 struct ObjFile {
-    file: Growing,
+    file: TempFile,
     vertices: u64,
 }
 

@@ -16,13 +16,13 @@ use minijinja::context;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::chunk_files::{self, ChunkFiles, TempFile, Triangles};
 use crate::error::ExportError;
 use crate::format::pixels::Sampler;
 use crate::format::ply;
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Mesh, Scene, Zone};
-use crate::sheaf::{self, Growing, Sheaf, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, slope, template};
 
 /// The row of this target.
@@ -53,11 +53,11 @@ impl Target for Ply {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
         let comments = comments(scene);
-        let [visual_triangles, collision_triangles] = sheaf::write(scene, self.0.per_chunk, out, |stem| {
+        let [visual_triangles, collision_triangles] = chunk_files::write(scene, self.0.per_chunk, out, |stem| {
             let (body, faces) = (stem.grow(".ply")?, stem.grow(".faces")?);
             Ok(Cloud { comments: &comments, body, faces, counts: [0, 0] })
         })?;
-        let open = sheaf::how_to_open(scene, self.0.per_chunk, "ply");
+        let open = chunk_files::how_to_open(scene, self.0.per_chunk, "ply");
         let values = context! {
             name => &scene.name,
             description => &scene.description,
@@ -92,8 +92,8 @@ fn label_text(zone: Zone) -> String {
 /// A file that grows, and its second half.
 struct Cloud<'a> {
     comments: &'a [String],
-    body: Growing,
-    faces: Growing,
+    body: TempFile,
+    faces: TempFile,
     /// Vertices and faces.
     counts: [u64; 2],
 }
@@ -105,7 +105,7 @@ impl Cloud<'_> {
     }
 }
 
-impl Sheaf for Cloud<'_> {
+impl ChunkFiles for Cloud<'_> {
     fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
         chunk.material.refuse_unless("ply", &ImageFormat::COMMON)?;
         let mesh = &chunk.visual;

@@ -11,12 +11,12 @@ use minijinja::context;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::chunk_files::{self, ChunkFiles, TempFile, Triangles};
 use crate::error::ExportError;
 use crate::format::stl;
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
-use crate::sheaf::{self, Growing, Sheaf, Triangles};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 /// The row of this target.
@@ -60,10 +60,10 @@ impl Target for Stl {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
         let comment = format!("{}, made by {}; binary STL, metres, Z up", scene.name, scene.generator);
-        let [visual_triangles, collision_triangles] = sheaf::write(scene, self.0.per_chunk, out, |stem| {
+        let [visual_triangles, collision_triangles] = chunk_files::write(scene, self.0.per_chunk, out, |stem| {
             Ok(Solid { shape: self.0.mesh, comment: &comment, body: stem.grow(".stl")?, triangles: 0 })
         })?;
-        let open = sheaf::how_to_open(scene, self.0.per_chunk, "stl");
+        let open = chunk_files::how_to_open(scene, self.0.per_chunk, "stl");
         let triangles = visual_triangles + collision_triangles;
         let values = context! {
             name => &scene.name,
@@ -88,11 +88,11 @@ impl Target for Stl {
 struct Solid<'a> {
     shape: Shape,
     comment: &'a str,
-    body: Growing,
+    body: TempFile,
     triangles: u64,
 }
 
-impl Sheaf for Solid<'_> {
+impl ChunkFiles for Solid<'_> {
     fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
         let (mesh, triangles) = match self.shape {
             Shape::Visual => (&chunk.visual, [chunk.visual.triangles(), 0]),

@@ -19,9 +19,9 @@ use super::{GenerateError, Generator};
 use crate::perlin::Perlin;
 use crate::raster::{self, Mask};
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::rng::Rng;
 use plume_graph::seed;
-use plume_graph::sketch::{Knot, Sketch};
 use plume_graph::{Graph, Section, Shape};
 
 /// Cells of plan for each cell of length of its middle lines (tuned at the default fill), and more to be cut from.
@@ -113,16 +113,16 @@ impl Default for Cellular {
 impl Generator for Cellular {
     fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         self.check()?;
-        let relief = Relief::new(self, &mut Dice::new(seed::stream(seed, "cellular relief", 0)));
+        let relief = Relief::new(self, &mut Rng::new(seed::stream(seed, "cellular relief", 0)));
         let length_m = f64::from(self.nodes) * self.station_spacing_m / f64::from(self.layers);
         let layers = (0..self.layers).map(|level| {
-            let mask = self.plan(length_m, Dice::new(seed::stream(seed, "cellular", u64::from(level))));
-            let sketch = raster::traced(&mask, self.cell_m).rooted_in_the_middle();
-            self.shaped(sketch.cut_to(length_m).without_spurs(), level, &relief)
+            let mask = self.plan(length_m, Rng::new(seed::stream(seed, "cellular", u64::from(level))));
+            let centreline = raster::traced(&mask, self.cell_m).rooted_in_the_middle();
+            self.shaped(centreline.cut_to(length_m).without_spurs(), level, &relief)
         });
-        let sketch = layers::joined(self, layers.collect());
+        let centreline = layers::joined(self, layers.collect());
         let slope_max = libm::tan(self.ramp_max_deg.to_radians());
-        sketch.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| self.no_room())
+        centreline.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| self.no_room())
     }
 }
 
@@ -156,10 +156,10 @@ impl Cellular {
     }
 
     /// The open cells of a layer whose passages are about so long: one region.
-    fn plan(&self, length_m: f64, mut dice: Dice) -> Mask {
+    fn plan(&self, length_m: f64, mut rng: Rng) -> Mask {
         let cells = length_m / self.cell_m * PLAN_PER_LENGTH;
         let side = LEAST_SIDE.max(cells.sqrt().ceil() as usize);
-        let mut mask = automaton::filled(side, self.fill, &mut dice);
+        let mut mask = automaton::filled(side, self.fill, &mut rng);
         for _ in 0..self.iterations {
             automaton::step(&mut mask, self.rock_neighbours);
         }
@@ -172,18 +172,18 @@ impl Cellular {
     }
 
     /// The passages of a layer at their height, no wider and no higher than the settings allow.
-    fn shaped(&self, mut sketch: Sketch, level: u32, relief: &Relief) -> Sketch {
-        for knot in &mut sketch.knots {
-            let width_m = knot.section.map_or(0.0, |section| section.width_m);
-            *knot = self.knot(relief.at(knot.position, level), width_m, level);
+    fn shaped(&self, mut centreline: CentrelineBuilder, level: u32, relief: &Relief) -> CentrelineBuilder {
+        for vertex in &mut centreline.vertices {
+            let width_m = vertex.section.map_or(0.0, |section| section.width_m);
+            *vertex = self.vertex(relief.at(vertex.position, level), width_m, level);
         }
-        sketch
+        centreline
     }
 
-    fn knot(&self, position: Point3<f64>, width_m: f64, level: u32) -> Knot {
+    fn vertex(&self, position: Point3<f64>, width_m: f64, level: u32) -> Vertex {
         let width_m = width_m.clamp(self.width_min_m, self.width_max_m);
         let height_m = (width_m * self.height_ratio).min(self.height_max_m);
-        Knot { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level }
+        Vertex { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level }
     }
 }
 
@@ -196,9 +196,9 @@ struct Relief {
 }
 
 impl Relief {
-    fn new(settings: &Cellular, dice: &mut Dice) -> Self {
+    fn new(settings: &Cellular, rng: &mut Rng) -> Self {
         Self {
-            noise: Perlin::new(dice),
+            noise: Perlin::new(rng),
             height_m: settings.relief_m,
             length_m: (RELIEF_LENGTH * settings.relief_m).max(RELIEF_LEAST_M),
             spacing_m: settings.layer_spacing_m,

@@ -34,8 +34,8 @@ use super::{GenerateError, Generator};
 use growth::Shortfall;
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
 use plume_graph::realism::{LEAST_STATIONS, Metrics};
+use plume_graph::rng::Rng;
 use plume_graph::seed;
 
 /// More nodes than this are not measured: betweenness takes the square of their number.
@@ -203,7 +203,7 @@ impl GaussianPerlin {
     /// Grows one graph.
     fn attempt(&self, seed: u64, attempt: u32) -> Result<Graph, Shortfall> {
         let stream = seed::stream(seed, "graph", u64::from(attempt));
-        growth::grow(self, Dice::new(stream))
+        growth::grow(self, Rng::new(stream))
     }
 
     /// Relations between settings.

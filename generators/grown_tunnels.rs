@@ -21,7 +21,7 @@ use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
 use super::{GenerateError, Generator};
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Times that a tunnel is drawn at one station; every station is tried once, where the paper tries ten times at random.
 const TRIES: usize = 3;
@@ -134,9 +134,9 @@ impl Generator for GrownTunnels {
     fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         in_order(["length_min_m", "length_max_m"], [self.length_min_m, self.length_max_m])?;
         in_order(["width_min_m", "width_max_m"], [self.width_min_m, self.width_max_m])?;
-        network::grown(&self.rules(), seed, "grown-tunnels", |dice, _| {
+        network::grown(&self.rules(), seed, "grown-tunnels", |rng, _| {
             let tunnels = Tunnels { settings: self, connectors_due: 0.0 };
-            (self.spot(Point3::origin(), self.draw_width(dice)), tunnels)
+            (self.spot(Point3::origin(), self.draw_width(rng)), tunnels)
         })
     }
 }
@@ -155,8 +155,8 @@ impl GrownTunnels {
         }
     }
 
-    fn draw_width(&self, dice: &mut Dice) -> f64 {
-        dice.between(self.width_min_m, self.width_max_m)
+    fn draw_width(&self, rng: &mut Rng) -> f64 {
+        rng.between(self.width_min_m, self.width_max_m)
     }
 
     fn spot(&self, position: Point3<f64>, width_m: f64) -> Spot {
@@ -171,15 +171,15 @@ struct Tunnels<'a> {
 }
 
 impl Growth for Tunnels<'_> {
-    fn dig(&mut self, network: &mut Network, dice: &mut Dice) {
+    fn dig(&mut self, network: &mut Network, rng: &mut Rng) {
         while network.room() > 0 {
-            let Some(from) = network.draw_opening(dice) else { return };
+            let Some(from) = network.draw_opening(rng) else { return };
             if network.is_near_junction(from, self.settings.junction_spacing_m) {
                 continue;
             }
-            if (0..TRIES).any(|_| self.grow(network, from, dice)) {
+            if (0..TRIES).any(|_| self.grow(network, from, rng)) {
                 self.connectors_due += self.settings.connectors;
-                self.connect_some(network, dice);
+                self.connect_some(network, rng);
             }
         }
     }
@@ -187,79 +187,77 @@ impl Growth for Tunnels<'_> {
 
 impl Tunnels<'_> {
     /// Draws a tunnel from a station and lays it, as far as the stations go.
-    fn grow(&self, network: &mut Network, from: usize, dice: &mut Dice) -> bool {
-        let corners = self.draw_corners(*network.position(from), dice);
+    fn grow(&self, network: &mut Network, from: usize, rng: &mut Rng) -> bool {
+        let corners = self.draw_corners(*network.position(from), rng);
         let mut way = spaced(&spline(&corners), self.settings.station_spacing_m);
         way.truncate(network.room());
-        let width = self.settings.draw_width(dice);
+        let width = self.settings.draw_width(rng);
         let spots: Vec<Spot> = way.into_iter().map(|at| self.settings.spot(at, width)).collect();
         network.lay(from, &spots, None).is_some()
     }
 
     /// The ends of a tunnel's segments.
-    fn draw_corners(&self, from: Point3<f64>, dice: &mut Dice) -> Vec<Point3<f64>> {
+    fn draw_corners(&self, from: Point3<f64>, rng: &mut Rng) -> Vec<Point3<f64>> {
         let settings = self.settings;
-        let length = settings.length_min_m * libm::pow(settings.length_max_m / settings.length_min_m, dice.unit());
+        let length = settings.length_min_m * libm::pow(settings.length_max_m / settings.length_min_m, rng.unit());
         // Segments shorter than stations are apart would curl up a short tunnel.
         let segments = f64::from(settings.segments).min(length / settings.station_spacing_m).max(1.0);
         let mean = length / segments;
-        let mut part = |most_deg: f64| most_deg.to_radians() * dice.between(-1.0, 1.0);
+        let mut part = |most_deg: f64| most_deg.to_radians() * rng.between(-1.0, 1.0);
         let (turn, turn_noise) = (part(settings.yaw_tendency_deg), part(settings.yaw_noise_deg));
         let (rise, rise_noise) = (part(settings.inclination_tendency_deg), part(settings.inclination_noise_deg));
-        let mut yaw = dice.between(0.0, TAU);
+        let mut yaw = rng.between(0.0, TAU);
         let mut corners = vec![from];
         let mut at = from;
         let mut drawn = 0.0;
         while drawn < length {
-            let step = mean * dice.between(SHORTEST, 2.0 - SHORTEST);
-            let pitch = rise + rise_noise * dice.between(-1.0, 1.0);
+            let step = mean * rng.between(SHORTEST, 2.0 - SHORTEST);
+            let pitch = rise + rise_noise * rng.between(-1.0, 1.0);
             at += step * ahead(yaw, pitch);
             corners.push(at);
             drawn += step;
-            yaw += turn + turn_noise * dice.between(-1.0, 1.0);
+            yaw += turn + turn_noise * rng.between(-1.0, 1.0);
         }
         corners
     }
 
     /// Lays the connectors that are due, as far as places for them are found.
-    fn connect_some(&mut self, network: &mut Network, dice: &mut Dice) {
+    fn connect_some(&mut self, network: &mut Network, rng: &mut Rng) {
         while self.connectors_due >= 1.0 {
             self.connectors_due -= 1.0;
-            let _is_found = (0..CONNECTOR_TRIES).any(|_| self.connect(network, dice));
+            let _is_found = (0..CONNECTOR_TRIES).any(|_| self.connect(network, rng));
         }
     }
 
-    fn connect(&self, network: &mut Network, dice: &mut Dice) -> bool {
-        let from = dice.index(network.len());
+    fn connect(&self, network: &mut Network, rng: &mut Rng) -> bool {
+        let from = rng.index(network.len());
         let spacing = self.settings.junction_spacing_m;
         if network.is_near_junction(from, spacing) {
             return false;
         }
         let reach = [2.0 * self.settings.station_spacing_m, self.settings.connector_max_m];
-        let goals = network.goals(from, reach, dice);
-        goals
-            .into_iter()
-            .any(|to| !network.is_near_junction(to, spacing) && self.lay_connector(network, from, to, dice))
+        let goals = network.goals(from, reach, rng);
+        goals.into_iter().any(|to| !network.is_near_junction(to, spacing) && self.lay_connector(network, from, to, rng))
     }
 
-    fn lay_connector(&self, network: &mut Network, from: usize, to: usize, dice: &mut Dice) -> bool {
-        let corners = self.draw_connector(*network.position(from), *network.position(to), dice);
+    fn lay_connector(&self, network: &mut Network, from: usize, to: usize, rng: &mut Rng) -> bool {
+        let corners = self.draw_connector(*network.position(from), *network.position(to), rng);
         let mut way = spaced(&spline(&corners), self.settings.station_spacing_m);
         way.pop();
-        let width = self.settings.draw_width(dice);
+        let width = self.settings.draw_width(rng);
         let spots: Vec<Spot> = way.into_iter().map(|at| self.settings.spot(at, width)).collect();
         network.lay(from, &spots, Some(to)).is_some()
     }
 
     /// The ends of a connector's segments; the first and the last inner ones stay in line, as in the paper's program.
-    fn draw_connector(&self, from: Point3<f64>, to: Point3<f64>, dice: &mut Dice) -> Vec<Point3<f64>> {
+    fn draw_connector(&self, from: Point3<f64>, to: Point3<f64>, rng: &mut Rng) -> Vec<Point3<f64>> {
         let way = to - from;
         let segments = (way.norm() / self.settings.connector_segment_m).ceil().max(1.0) as usize;
         let mut corners = vec![from];
         for inner in 1..segments {
             let mut at = from + way * (inner as f64 / segments as f64);
             if inner > 1 && inner + 1 < segments {
-                let mut off = |most: f64| dice.between(-most, most);
+                let mut off = |most: f64| rng.between(-most, most);
                 let lateral = self.settings.connector_lateral_noise_m;
                 at += Vector3::new(off(lateral), off(lateral), off(self.settings.connector_vertical_noise_m));
             }

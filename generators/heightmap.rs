@@ -22,7 +22,7 @@ use super::{GenerateError, Generator};
 use crate::raster::{self, Mask};
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::sketch::Sketch;
+use plume_graph::centreline::CentrelineBuilder;
 
 /// Specks of rock or of void smaller than this many cells are left out (tuned: smaller ones have no room between stations).
 const LEAST_CELLS: usize = 24;
@@ -105,8 +105,8 @@ impl Generator for Heightmap {
             Some(path) => (image::read(path, self, outside)?, f64::INFINITY),
             None => (relief::ridges(self, length_m, seed), length_m),
         };
-        let sketch = self.shaped(raster::traced(&self.open(&heights), heights.cell_m), &heights);
-        let cut = sketch.rooted_in_the_middle().cut_to(most_m).without_spurs();
+        let centreline = self.shaped(raster::traced(&self.open(&heights), heights.cell_m), &heights);
+        let cut = centreline.rooted_in_the_middle().cut_to(most_m).without_spurs();
         cut.with_nodes(self.nodes as usize, f64::INFINITY).ok_or_else(|| self.nothing_open())
     }
 }
@@ -142,16 +142,16 @@ impl Heightmap {
     }
 
     /// Passages with the heights of the relief and its mirror image.
-    fn shaped(&self, mut sketch: Sketch, heights: &Heights) -> Sketch {
+    fn shaped(&self, mut centreline: CentrelineBuilder, heights: &Heights) -> CentrelineBuilder {
         let threshold = self.threshold;
-        for knot in &mut sketch.knots {
-            let above = self.value(heights.at(knot.position)) - threshold;
-            if let Some(section) = &mut knot.section {
+        for vertex in &mut centreline.vertices {
+            let above = self.value(heights.at(vertex.position)) - threshold;
+            if let Some(section) = &mut vertex.section {
                 section.width_m = section.width_m.clamp(self.width_min_m, self.width_max_m);
                 section.height_m = (2.0 * above * heights.range_m).clamp(self.height_min_m, self.height_max_m);
             }
         }
-        sketch
+        centreline
     }
 }
 

@@ -32,9 +32,9 @@ use super::{GenerateError, Generator};
 use cloud::Cloud;
 use paths::Paths;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::seed;
-use plume_graph::{Graph, sketch::Sketch};
+use plume_graph::{Graph, centreline::CentrelineBuilder};
 use rock::Rock;
 
 /// Square metres of plan for each metre of passages, per metre between key points (tuned at the defaults; a sixth more
@@ -187,14 +187,14 @@ impl Karst {
     }
 
     /// All passages of the rock, and some more than are needed.
-    fn drawn(&self, seed: u64) -> Sketch {
-        let mut dice = Dice::new(seed::stream(seed, "karst", 0));
-        let rock = Rock::new(self, &mut dice);
+    fn drawn(&self, seed: u64) -> CentrelineBuilder {
+        let mut rng = Rng::new(seed::stream(seed, "karst", 0));
+        let rock = Rock::new(self, &mut rng);
         let side_m = self.side_m();
-        let cloud = Cloud::scatter(self, &rock, side_m, &mut dice);
-        let keys = self.keys(&rock, &cloud, side_m, &mut dice);
-        let used = Paths::between(&keys, &cloud, &rock).network(self, &cloud, &rock, &mut dice);
-        network::drawn(self, &rock, &cloud, &used, &keys, &mut dice)
+        let cloud = Cloud::scatter(self, &rock, side_m, &mut rng);
+        let keys = self.keys(&rock, &cloud, side_m, &mut rng);
+        let used = Paths::between(&keys, &cloud, &rock).network(self, &cloud, &rock, &mut rng);
+        network::drawn(self, &rock, &cloud, &used, &keys, &mut rng)
     }
 
     /// Side of the plan.
@@ -204,9 +204,9 @@ impl Karst {
     }
 
     /// Samples next to the key points, each once, a spring first.
-    fn keys(&self, rock: &Rock, cloud: &Cloud, side_m: f64, dice: &mut Dice) -> Vec<usize> {
+    fn keys(&self, rock: &Rock, cloud: &Cloud, side_m: f64, rng: &mut Rng) -> Vec<usize> {
         let count = ((side_m / self.key_spacing_m) * (side_m / self.key_spacing_m)).ceil().max(2.0) as usize;
-        let mut drawn = |edge: f64| [0, 1].map(|_| dice.between(-0.5, 0.5) * side_m * edge);
+        let mut drawn = |edge: f64| [0, 1].map(|_| rng.between(-0.5, 0.5) * side_m * edge);
         let springs = or_drawn(&self.springs, count.div_ceil(KEYS_PER_SPRING), || rock.down_dip(drawn(1.0), side_m));
         let sinks = or_drawn(&self.sinks, (count as f64 * SINKS) as usize, || drawn(1.0));
         let waypoints = count.saturating_sub(springs.len() + sinks.len());
@@ -214,18 +214,18 @@ impl Karst {
         let [low, high] = rock.extremes();
         let mut keys: Vec<usize> = springs.iter().map(|&at| cloud.nearest(at, low)).collect();
         keys.extend(sinks.iter().map(|&at| cloud.nearest(at, high)));
-        keys.extend(waypoints.into_iter().map(|at| cloud.nearest(at, rock.some_horizon(dice))));
+        keys.extend(waypoints.into_iter().map(|at| cloud.nearest(at, rock.some_horizon(rng))));
         let mut seen = rustc_hash::FxHashSet::default();
         keys.retain(|&key| seen.insert(key));
         keys
     }
 
     /// A graph of the asked number of nodes: what is near the root, or all of it where key points are given.
-    fn fitted(&self, sketch: Sketch) -> Result<Graph, GenerateError> {
+    fn fitted(&self, centreline: CentrelineBuilder) -> Result<Graph, GenerateError> {
         let is_drawn = self.sinks.is_empty() && self.springs.is_empty();
         let most_m = if is_drawn { f64::from(self.nodes) * self.station_spacing_m } else { f64::INFINITY };
         let slope_max = libm::tan(self.slope_max_deg.to_radians());
-        let cut = sketch.cut_to(most_m).without_spurs();
+        let cut = centreline.cut_to(most_m).without_spurs();
         cut.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| {
             GenerateError::new(
                 format!("found no ways for {} nodes through this rock", self.nodes),
@@ -244,7 +244,7 @@ fn or_drawn(given: &[[f64; 2]], count: usize, mut draw: impl FnMut() -> [f64; 2]
 mod tests {
     use super::*;
     use plume_graph::Nowhere;
-    use plume_graph::clearance::{Girth, thin_rock};
+    use plume_graph::clearance::{PassageSize, thin_rock};
 
     fn graphs(settings: Karst) -> impl Iterator<Item = Graph> {
         (0..6).map(move |seed| settings.generate(seed, &Nowhere).expect("the rock has ways"))
@@ -301,7 +301,7 @@ mod tests {
 
     #[test]
     fn hardly_two_passages_run_through_each_other() {
-        let through = |graph: Graph| thin_rock(&graph, Girth::default(), 0.0).len();
+        let through = |graph: Graph| thin_rock(&graph, PassageSize::default(), 0.0).len();
         let counts: Vec<usize> = graphs(Karst { nodes: 250, ..Karst::default() }).map(through).collect();
         // Were passages only drawn as they wind, there would be eighty.
         assert!(counts.iter().sum::<usize>() <= 6, "{counts:?}");

@@ -24,7 +24,7 @@ use super::{GenerateError, Generator};
 use grammar::{FORWARD, Grammar, Production};
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Symbols that are read per node, and besides, before a grammar is found to dig too little.
 const SYMBOLS: [u64; 2] = [256, 100_000];
@@ -168,16 +168,16 @@ struct Dig<'a> {
 }
 
 impl Growth for Dig<'_> {
-    fn dig(&mut self, network: &mut Network, dice: &mut Dice) {
+    fn dig(&mut self, network: &mut Network, rng: &mut Rng) {
         while network.room() > 0 && self.left > 0 {
             let turtle = match self.turtles.pop_front() {
                 Some(turtle) => turtle,
-                None => match network.draw_opening(dice) {
-                    Some(station) => self.begin(station, dice),
+                None => match network.draw_opening(rng) {
+                    Some(station) => self.begin(station, rng),
                     None => return,
                 },
             };
-            if let Some(turtle) = self.advance(turtle, network, dice) {
+            if let Some(turtle) = self.advance(turtle, network, rng) {
                 self.turtles.push_back(turtle);
             }
         }
@@ -185,14 +185,14 @@ impl Growth for Dig<'_> {
 }
 
 impl Dig<'_> {
-    fn begin(&self, station: usize, dice: &mut Dice) -> Turtle {
+    fn begin(&self, station: usize, rng: &mut Rng) -> Turtle {
         let axiom = self.part(0, self.settings.iterations);
         let width_m = self.settings.width_max_m;
-        Turtle { station, yaw: dice.between(0.0, TAU), pitch_deg: 0.0, width_m, parts: vec![axiom] }
+        Turtle { station, yaw: rng.between(0.0, TAU), pitch_deg: 0.0, width_m, parts: vec![axiom] }
     }
 
     /// Reads on until a step is dug; none when the branch is at its end or finds no room.
-    fn advance(&mut self, mut turtle: Turtle, network: &mut Network, dice: &mut Dice) -> Option<Turtle> {
+    fn advance(&mut self, mut turtle: Turtle, network: &mut Network, rng: &mut Rng) -> Option<Turtle> {
         let settings = self.settings;
         let steepest = settings.max_slope_deg;
         while self.left > 0 {
@@ -204,10 +204,10 @@ impl Dig<'_> {
                 '^' => turtle.pitch_deg = (turtle.pitch_deg + settings.pitch_deg).min(steepest),
                 '&' => turtle.pitch_deg = (turtle.pitch_deg - settings.pitch_deg).max(-steepest),
                 '!' => turtle.width_m = (turtle.width_m * settings.narrowing).max(settings.width_min_m),
-                letter => match self.grammar.draw(letter, dice).filter(|_| depth > 0) {
+                letter => match self.grammar.draw(letter, rng).filter(|_| depth > 0) {
                     Some(production) => turtle.parts.push(self.part(production, depth - 1)),
                     None if letter == FORWARD => {
-                        turtle.station = self.step(&mut turtle, network, dice)?;
+                        turtle.station = self.step(&mut turtle, network, rng)?;
                         return Some(turtle);
                     }
                     None => {}
@@ -246,10 +246,10 @@ impl Dig<'_> {
     }
 
     /// Lays a step as the turtle heads, or beside that, which turns it.
-    fn step(&self, turtle: &mut Turtle, network: &mut Network, dice: &mut Dice) -> Option<usize> {
+    fn step(&self, turtle: &mut Turtle, network: &mut Network, rng: &mut Rng) -> Option<usize> {
         let settings = self.settings;
         let from = *network.position(turtle.station);
-        let yaw = turtle.yaw + (settings.wander_deg * dice.gauss()).to_radians();
+        let yaw = turtle.yaw + (settings.wander_deg * rng.normal()).to_radians();
         let size = Size::new(turtle.width_m, settings.height_ratio);
         for dodge in DODGES_DEG.map(f64::to_radians) {
             let position = from + settings.step_m * ahead(yaw + dodge, turtle.pitch_deg.to_radians());

@@ -14,7 +14,7 @@ mod layer;
 mod link;
 mod stack;
 
-use rand::Rng;
+use rand::Rng as _;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ use crate::ramp::Slopes;
 use link::Law;
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::seed;
 use stack::Stack;
 
@@ -101,8 +101,8 @@ impl Generator for Layers {
         let mut fault = None;
         for attempt in 0..ATTEMPTS {
             let mut stack = self.pile(seed, attempt, outside)?;
-            let mut dice = Dice::new(seed::stream(seed, "layer-links", attempt));
-            match self.link(&mut stack, &law, &mut dice) {
+            let mut rng = Rng::new(seed::stream(seed, "layer-links", attempt));
+            match self.link(&mut stack, &law, &mut rng) {
                 Ok(()) => return Ok(stack.rock.into_graph().numbered_by_breadth()),
                 Err(error) => fault = Some(error),
             }
@@ -150,11 +150,11 @@ impl Layers {
     }
 
     /// Joins each pair of neighbouring layers.
-    fn link(&self, stack: &mut Stack, law: &Law, dice: &mut Dice) -> Result<(), GenerateError> {
+    fn link(&self, stack: &mut Stack, law: &Law, rng: &mut Rng) -> Result<(), GenerateError> {
         for upper in 0..self.layer.len() - 1 {
             let mut links = Vec::new();
             while links.len() < self.link_count as usize {
-                let Some(link) = stack.link(upper, &links, law, dice) else {
+                let Some(link) = stack.link(upper, &links, law, rng) else {
                     return Err(self.too_few(upper, links.len()));
                 };
                 links.push(link);

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{GenerateError, Generator};
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::seed;
 use plume_graph::{Graph, Node, Section, Shape, millimetres};
 
@@ -106,7 +106,7 @@ impl Generator for Mine {
     fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         self.check_rock()?;
         let shares = self.shares()?;
-        let mut survey = Survey::new(self, Dice::new(seed::stream(seed, "mine", 0)));
+        let mut survey = Survey::new(self, Rng::new(seed::stream(seed, "mine", 0)));
         let mut first = survey.place(None, Point3::origin(), 0);
         for (level, share) in shares.into_iter().enumerate() {
             if level > 0 {
@@ -184,7 +184,7 @@ impl Mine {
 /// A mine while it is laid out.
 struct Survey<'a> {
     mine: &'a Mine,
-    dice: Dice,
+    rng: Rng,
     nodes: Vec<Node>,
     edges: Vec<[usize; 2]>,
     /// Where each node would be without jitter.
@@ -194,8 +194,8 @@ struct Survey<'a> {
 }
 
 impl<'a> Survey<'a> {
-    fn new(mine: &'a Mine, dice: Dice) -> Self {
-        Self { mine, dice, nodes: Vec::new(), edges: Vec::new(), layout: Vec::new(), left: 0 }
+    fn new(mine: &'a Mine, rng: Rng) -> Self {
+        Self { mine, rng, nodes: Vec::new(), edges: Vec::new(), layout: Vec::new(), left: 0 }
     }
 
     /// Adds a station where the layout has it.
@@ -225,7 +225,7 @@ impl<'a> Survey<'a> {
         let level = self.nodes[from].level;
         let station = self.place(Some(from), self.layout[from] + step, level);
         let jitter = self.mine.jitter_m;
-        let mut off = || self.dice.between(-jitter, jitter);
+        let mut off = || self.rng.between(-jitter, jitter);
         let aside = Vector3::new(off(), off(), 0.0);
         let position = self.layout[station] + aside;
         self.nodes[station].position = position.map(millimetres);
@@ -274,7 +274,7 @@ impl<'a> Survey<'a> {
             let &[Some(south), Some(north)] = pair else {
                 continue;
             };
-            if !self.dice.chance(self.mine.irregularity) {
+            if !self.rng.chance(self.mine.irregularity) {
                 self.join(south, north)?;
             }
         }
@@ -285,7 +285,7 @@ impl<'a> Survey<'a> {
     fn stop_some(&mut self, faces: &mut [Option<usize>]) {
         let mut open = faces.iter().flatten().count();
         for face in faces.iter_mut() {
-            let stops = self.dice.chance(STOPS_PER_SKIP * self.mine.irregularity);
+            let stops = self.rng.chance(STOPS_PER_SKIP * self.mine.irregularity);
             if stops && face.is_some() && open > 1 {
                 *face = None;
                 open -= 1;

@@ -14,10 +14,10 @@ use nalgebra::{Point3, Vector3};
 pub(super) use cells::Cells;
 
 use super::GenerateError;
-use plume_graph::dice::Dice;
-use plume_graph::section::half_girth_m;
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::rng::Rng;
+use plume_graph::section::clearance_radius_m;
 use plume_graph::seed;
-use plume_graph::sketch::{Knot, Sketch};
 use plume_graph::{Graph, Section, Shape, millimetres};
 
 /// Least angle between passages at a station where no setting says it: 50 degrees.
@@ -62,8 +62,8 @@ impl Size {
         Self { width_m, height_m: width_m * height_ratio }
     }
 
-    fn half_girth(self) -> f64 {
-        half_girth_m(self.width_m, self.height_m)
+    fn clearance_radius(self) -> f64 {
+        clearance_radius_m(self.width_m, self.height_m)
     }
 }
 
@@ -100,7 +100,7 @@ pub(super) struct Network {
 impl Network {
     /// A network of one station.
     pub(super) fn new(rules: Rules, first: Spot) -> Self {
-        let side_m = rules.spacing_m.max(4.0 * rules.widest.half_girth() + 2.0 * rules.rock_m);
+        let side_m = rules.spacing_m.max(4.0 * rules.widest.clearance_radius() + 2.0 * rules.rock_m);
         let mut network = Self {
             stations: Vec::new(),
             passages: Cells::new(side_m),
@@ -146,9 +146,9 @@ impl Network {
     }
 
     /// Takes a station from which nothing was begun yet, any of them alike.
-    pub(super) fn draw_opening(&mut self, dice: &mut Dice) -> Option<usize> {
+    pub(super) fn draw_opening(&mut self, rng: &mut Rng) -> Option<usize> {
         let last = self.openings.len();
-        (last > 0).then(|| self.openings.swap_remove(dice.index(last)))
+        (last > 0).then(|| self.openings.swap_remove(rng.index(last)))
     }
 
     /// The direction in which the cave came to a dead end, of length 1; none at a junction or at the first station.
@@ -171,7 +171,7 @@ impl Network {
         chain.windows(2).for_each(|leg| self.link(leg[0], leg[1]));
         for (laid, leg) in chain.windows(2).enumerate() {
             if !self.is_lawful(leg[0], leg[1]) {
-                self.take_up(&chain, laid, first);
+                self.rollback(&chain, laid, first);
                 return None;
             }
             let ends = [0, 1].map(|end| &self.stations[leg[end]].spot.position);
@@ -207,7 +207,7 @@ impl Network {
     }
 
     /// Undoes a way of which this many legs are in the grid, and whose own stations begin at `first`.
-    fn take_up(&mut self, chain: &[usize], laid: usize, first: usize) {
+    fn rollback(&mut self, chain: &[usize], laid: usize, first: usize) {
         for leg in chain.windows(2).take(laid) {
             let ends = [0, 1].map(|end| &self.stations[leg[end]].spot.position);
             self.passages.remove([leg[0] as u32, leg[1] as u32], ends);
@@ -232,23 +232,24 @@ impl Network {
     }
 
     fn into_graph(self) -> Graph {
-        let knot = |station: &Station| {
+        let vertex = |station: &Station| {
             let Spot { position, size: Size { width_m, height_m } } = station.spot;
-            Knot { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level: 0 }
+            Vertex { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level: 0 }
         };
-        let mut sketch = Sketch { knots: self.stations.iter().map(knot).collect(), lines: Vec::new() };
+        let mut centreline =
+            CentrelineBuilder { vertices: self.stations.iter().map(vertex).collect(), lines: Vec::new() };
         for station in 0..self.len() {
             let older = self.neighbors(station).filter(|&other| other < station);
-            older.for_each(|other| sketch.join(other, station));
+            older.for_each(|other| centreline.join(other, station));
         }
-        sketch.into_graph()
+        centreline.into_graph()
     }
 }
 
 /// How one generator makes its network grow.
 pub(super) trait Growth {
     /// Digs until there is no room or nowhere to go on.
-    fn dig(&mut self, network: &mut Network, dice: &mut Dice);
+    fn dig(&mut self, network: &mut Network, rng: &mut Rng);
 
     /// What is left to do when the network has all its stations.
     fn finish(&self, _network: &mut Network) {}
@@ -262,14 +263,14 @@ pub(super) fn grown<G: Growth>(
     rules: &Rules,
     seed: u64,
     name: &str,
-    begin: impl Fn(&mut Dice, u64) -> (Spot, G),
+    begin: impl Fn(&mut Rng, u64) -> (Spot, G),
 ) -> Result<Graph, GenerateError> {
     let mut most = 0;
     for attempt in 0..ATTEMPTS {
-        let mut dice = Dice::new(seed::stream(seed, name, attempt));
-        let (first, mut growth) = begin(&mut dice, attempt);
+        let mut rng = Rng::new(seed::stream(seed, name, attempt));
+        let (first, mut growth) = begin(&mut rng, attempt);
         let mut network = Network::new(rules.clone(), first);
-        network.fill(&mut growth, &mut dice);
+        network.fill(&mut growth, &mut rng);
         if network.room() == 0 {
             growth.finish(&mut network);
             return Ok(network.into_graph());
@@ -283,12 +284,12 @@ pub(super) fn grown<G: Growth>(
 }
 
 impl Network {
-    fn fill(&mut self, growth: &mut impl Growth, dice: &mut Dice) {
+    fn fill(&mut self, growth: &mut impl Growth, rng: &mut Rng) {
         self.held = (self.rules.nodes as f64 * HELD_FOR_LOOPS * self.rules.loop_closure) as usize;
-        growth.dig(self, dice);
+        growth.dig(self, rng);
         self.held = 0;
-        self.close_loops(dice);
-        growth.dig(self, dice);
+        self.close_loops(rng);
+        growth.dig(self, rng);
     }
 }
 

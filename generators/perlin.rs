@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// A noise field over the plane: 0 on the integer lattice, within ±0.75 elsewhere, period 256.
 pub(super) struct Perlin {
@@ -11,10 +11,10 @@ pub(super) struct Perlin {
 }
 
 impl Perlin {
-    pub(super) fn new(dice: &mut Dice) -> Self {
+    pub(super) fn new(rng: &mut Rng) -> Self {
         let mut order = std::array::from_fn(|i| i as u8);
         for last in (1..order.len()).rev() {
-            order.swap(last, dice.index(last + 1));
+            order.swap(last, rng.index(last + 1));
         }
         let gradients = std::array::from_fn(|i| {
             let angle = i as f64 * TAU / 16.0;
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn noise_is_0_on_the_lattice_and_repeats_but_nowhere_jumps_or_exceeds_its_range() {
-        let perlin = Perlin::new(&mut Dice::new(plume_graph::seed::stream(1, "test", 0)));
+        let perlin = Perlin::new(&mut Rng::new(plume_graph::seed::stream(1, "test", 0)));
         let mut greatest: f64 = 0.0;
         for step in 0..20_000 {
             let (x, y) = (f64::from(step) / 16.0 - 300.0, f64::from(step) / 64.0 + 0.25);

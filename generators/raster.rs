@@ -2,7 +2,7 @@
 //!
 //! A [`Mask`] says which cells are open. Its open regions can be sifted and joined ([`regions`]), the distance of every
 //! cell to rock measured ([`distance`]), and the open cells thinned to lines one cell wide ([`thin`]) that become a
-//! [`Sketch`](super::sketch::Sketch) ([`trace`]). All of it is integer arithmetic up to the tracing, in time linear in
+//! [`CentrelineBuilder`](super::centreline::CentrelineBuilder) ([`trace`]). All of it is integer arithmetic up to the tracing, in time linear in
 //! the number of cells.
 
 mod distance;

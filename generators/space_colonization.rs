@@ -20,7 +20,7 @@ use super::{GenerateError, Generator};
 use attractors::Attractors;
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Ground that a station takes, in squares of a step by the distance at which attractors are taken. Tuned so that the
 /// region is about filled.
@@ -133,8 +133,8 @@ impl Generator for SpaceColonization {
         in_order(["step_m", "kill_m"], [self.step_m, self.kill_m])?;
         in_order(["kill_m", "influence_m"], [self.kill_m, self.influence_m])?;
         in_order(["attractor_spacing_m", "influence_m"], [self.attractor_spacing_m, self.influence_m])?;
-        network::grown(&self.rules(), seed, "space-colonization", |dice, attempt| {
-            let scattered = self.scatter(attempt, dice);
+        network::grown(&self.rules(), seed, "space-colonization", |rng, attempt| {
+            let scattered = self.scatter(attempt, rng);
             let attractors = Attractors::new(scattered, [self.kill_m, self.influence_m]);
             let first = Spot { position: Point3::origin(), size: self.widest() };
             (first, Colony { settings: self, attractors, met: 0 })
@@ -160,7 +160,7 @@ impl SpaceColonization {
     }
 
     /// Attractors evenly at random in a region for all nodes, larger with each attempt.
-    fn scatter(&self, attempt: u64, dice: &mut Dice) -> Vec<Point3<f64>> {
+    fn scatter(&self, attempt: u64, rng: &mut Rng) -> Vec<Point3<f64>> {
         let growth = (0..attempt).fold(1.0, |growth, _| growth * LARGER);
         let ground = GROUND * growth * f64::from(self.nodes) * self.step_m * self.kill_m;
         let least = LEAST_REGION * self.kill_m;
@@ -168,7 +168,7 @@ impl SpaceColonization {
         let half = Vector3::new((half_breadth * self.elongation).max(least), half_breadth, 0.5 * self.height_m);
         let storeys = (self.height_m / self.attractor_spacing_m).max(1.0);
         let count = 4.0 * half.x * half.y * storeys / (self.attractor_spacing_m * self.attractor_spacing_m);
-        let mut place = || Vector3::from_fn(|_, _| dice.between(-1.0, 1.0));
+        let mut place = || Vector3::from_fn(|_, _| rng.between(-1.0, 1.0));
         let drawn = (0..count.ceil() as usize).map(|_| place());
         let inside = drawn.filter(|place| self.region == Region::Box || place.norm_squared() <= 1.0);
         inside.map(|place| Point3::from(place.component_mul(&half))).collect()
@@ -190,7 +190,7 @@ struct Colony<'a> {
 }
 
 impl Growth for Colony<'_> {
-    fn dig(&mut self, network: &mut Network, dice: &mut Dice) {
+    fn dig(&mut self, network: &mut Network, rng: &mut Rng) {
         self.meet(network);
         loop {
             let pulls = self.attractors.pulls(network);
@@ -201,7 +201,7 @@ impl Growth for Colony<'_> {
                 if network.room() == 0 {
                     return;
                 }
-                if !self.grow(network, station, pull, dice) {
+                if !self.grow(network, station, pull, rng) {
                     self.attractors.give_up(station);
                 }
             }
@@ -235,11 +235,11 @@ impl Colony<'_> {
     }
 
     /// Lays a step from a station towards what pulls it, or beside that.
-    fn grow(&self, network: &mut Network, station: usize, pull: Vector3<f64>, dice: &mut Dice) -> bool {
+    fn grow(&self, network: &mut Network, station: usize, pull: Vector3<f64>, rng: &mut Rng) -> bool {
         let way = pull + self.settings.tropism();
         let steepest = self.settings.max_slope_deg.to_radians();
         let pitch = libm::atan2(way.z, way.xy().norm()).clamp(-steepest, steepest);
-        let yaw = libm::atan2(way.y, way.x) + (self.settings.wander_deg * dice.gauss()).to_radians();
+        let yaw = libm::atan2(way.y, way.x) + (self.settings.wander_deg * rng.normal()).to_radians();
         let from = *network.position(station);
         DODGES_DEG.into_iter().any(|dodge| {
             let position = from + self.settings.step_m * ahead(yaw + dodge.to_radians(), pitch);

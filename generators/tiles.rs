@@ -19,7 +19,7 @@ use super::{GenerateError, Generator};
 use board::Board;
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::seed;
 
 /// Nodes that a level takes beside the way down to the next one.
@@ -122,13 +122,13 @@ impl Default for Tiles {
 impl Generator for Tiles {
     fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         self.check()?;
-        let board = self.grown(Dice::new(seed::stream(seed, "tiles", 0)))?;
-        let sketch = drawing::drawn(self, &board, &mut Dice::new(seed::stream(seed, "tiles drawing", 0)));
+        let board = self.grown(Rng::new(seed::stream(seed, "tiles", 0)))?;
+        let centreline = drawing::drawn(self, &board, &mut Rng::new(seed::stream(seed, "tiles drawing", 0)));
         let slope_max = match self.access {
             Access::Ramp => libm::tan(self.ramp_max_deg.to_radians()),
             Access::Shaft => f64::INFINITY,
         };
-        sketch.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| self.no_room())
+        centreline.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| self.no_room())
     }
 }
 
@@ -187,16 +187,16 @@ impl Tiles {
     }
 
     /// Levels from the top down, each with its share of the length, then the ways to the next one.
-    fn grown(&self, mut dice: Dice) -> Result<Board, GenerateError> {
+    fn grown(&self, mut rng: Rng) -> Result<Board, GenerateError> {
         let tiles = f64::from(self.nodes) * self.station_spacing_m / self.pitch_m;
-        let mut board = Board::new(self, &mut dice);
+        let mut board = Board::new(self, &mut rng);
         for level in 0..self.levels {
             let links = if level + 1 < self.levels { self.links as usize } else { 0 };
             let share = tiles * f64::from(level + 1) / f64::from(self.levels) - (links * self.link_tiles()) as f64;
             while board.length < share {
-                board.grow(self, level as i32, &mut dice);
+                board.grow(self, level as i32, &mut rng);
             }
-            let dug = (0..links).filter(|_| board.descend(self.link_tiles(), level as i32, &mut dice)).count();
+            let dug = (0..links).filter(|_| board.descend(self.link_tiles(), level as i32, &mut rng)).count();
             if links > 0 && dug == 0 {
                 return Err(self.no_room());
             }

@@ -19,7 +19,7 @@ use super::{GenerateError, Generator};
 use crate::perlin::Perlin;
 use plume_graph::Graph;
 use plume_graph::Outside;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Bearings that a worm tries where it starts.
 const STARTS: usize = 4;
@@ -113,8 +113,8 @@ impl Default for Worms {
 impl Generator for Worms {
     fn generate(&self, seed: u64, _: &dyn Outside) -> Result<Graph, GenerateError> {
         network::in_order(["width_min_m", "width_max_m"], [self.width_min_m, self.width_max_m])?;
-        network::grown(&self.rules(), seed, "worms", |dice, _| {
-            let crawl = Crawl { settings: self, noise: Perlin::new(dice) };
+        network::grown(&self.rules(), seed, "worms", |rng, _| {
+            let crawl = Crawl { settings: self, noise: Perlin::new(rng) };
             let size = Size::new(0.5 * (self.width_min_m + self.width_max_m), self.height_ratio);
             (Spot { position: Point3::origin(), size }, crawl)
         })
@@ -134,8 +134,8 @@ impl Worms {
         }
     }
 
-    fn draw_length_m(&self, dice: &mut Dice) -> f64 {
-        let drawn = self.length_m * libm::exp(self.length_spread * dice.gauss());
+    fn draw_length_m(&self, rng: &mut Rng) -> f64 {
+        let drawn = self.length_m * libm::exp(self.length_spread * rng.normal());
         drawn.max(SHORTEST * self.step_m)
     }
 }
@@ -152,21 +152,21 @@ struct Worm {
     swing: f64,
     drift: f64,
     rise: f64,
-    girth: f64,
+    passage_size: f64,
 }
 
 impl Growth for Crawl<'_> {
-    fn dig(&mut self, network: &mut Network, dice: &mut Dice) {
+    fn dig(&mut self, network: &mut Network, rng: &mut Rng) {
         while network.room() > 0 {
-            let Some(from) = network.draw_opening(dice) else { return };
+            let Some(from) = network.draw_opening(rng) else { return };
             if network.is_near_junction(from, self.settings.branch_spacing_m) {
                 continue;
             }
-            let length = self.settings.draw_length_m(dice);
+            let length = self.settings.draw_length_m(rng);
             for _ in 0..STARTS {
-                let mut lane = || dice.between(0.0, 256.0);
-                let [swing, drift, rise, girth] = [lane(), lane(), lane(), lane()];
-                let mut worm = Worm { bearing: dice.between(0.0, TAU), swing, drift, rise, girth };
+                let mut lane = || rng.between(0.0, 256.0);
+                let [swing, drift, rise, passage_size] = [lane(), lane(), lane(), lane()];
+                let mut worm = Worm { bearing: rng.between(0.0, TAU), swing, drift, rise, passage_size };
                 if self.crawl(network, &mut worm, from, length) {
                     break;
                 }
@@ -224,7 +224,7 @@ impl Crawl<'_> {
     }
 
     fn size(&self, worm: &Worm, crawled_m: f64) -> Size {
-        let part = 0.5 + 0.5 * self.noise(crawled_m / self.settings.girth_length_m, worm.girth).clamp(-1.0, 1.0);
+        let part = 0.5 + 0.5 * self.noise(crawled_m / self.settings.girth_length_m, worm.passage_size).clamp(-1.0, 1.0);
         let (least, most) = (self.settings.width_min_m, self.settings.width_max_m);
         Size::new(least + (most - least) * part, self.settings.height_ratio)
     }

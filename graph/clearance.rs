@@ -32,7 +32,7 @@ const ROUNDING_M: f64 = 1e-6;
 
 /// How large passages are where a station does not say it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Girth {
+pub struct PassageSize {
     /// Width in units of the radius of a station.
     pub width_per_radius: f64,
     /// Least width in metres.
@@ -45,7 +45,7 @@ pub struct Girth {
     pub room_factor: f64,
 }
 
-impl Default for Girth {
+impl Default for PassageSize {
     /// Passages as recipes make them that say nothing of them.
     fn default() -> Self {
         Self { width_per_radius: 0.6, width_min_m: 1.4, height_ratio: 1.1, floor_drop: 0.5, room_factor: 1.5 }
@@ -90,8 +90,8 @@ pub struct RockReport {
 
 impl RockReport {
     /// The report of a graph.
-    pub fn of(graph: &Graph, girth: Girth, least_m: f64) -> Self {
-        let mut thin = thin_rock(graph, girth, least_m);
+    pub fn of(graph: &Graph, passage_size: PassageSize, least_m: f64) -> Self {
+        let mut thin = thin_rock(graph, passage_size, least_m);
         thin.sort_by(Thin::thinner_first);
         let count = |is: fn(&Thin) -> bool| thin.iter().filter(|place| is(place)).count();
         Self {
@@ -107,8 +107,8 @@ impl RockReport {
 
 /// Every pair of passages of a graph with less than `least_m` of rock between them, unless a short way joins them; in the
 /// order of the passages.
-pub fn thin_rock(graph: &Graph, girth: Girth, least_m: f64) -> Vec<Thin> {
-    let rock = Rock::new(graph, girth);
+pub fn thin_rock(graph: &Graph, passage_size: PassageSize, least_m: f64) -> Vec<Thin> {
+    let rock = Rock::new(graph, passage_size);
     let bodies = rock.all_bodies();
     let of_one = |&body: &[usize; 2]| {
         let mut thin: Vec<Thin> = rock.thin(body, least_m).filter(|thin| thin.passages[0] == body).collect();
@@ -129,19 +129,19 @@ struct Profile {
 }
 
 impl Profile {
-    fn of(node: &Node, girth: &Girth) -> Self {
-        let of_width = |width: f64| 0.5 * width.max(girth.width_min_m);
+    fn of(node: &Node, passage_size: &PassageSize) -> Self {
+        let of_width = |width: f64| 0.5 * width.max(passage_size.width_min_m);
         match node.section {
             Some(Section { width_m, height_m, shape: Shape::Drift }) => {
                 Self { half_width: 0.5 * width_m, half_height: height_m / (1.0 + Section::DRIFT_DROP), square: true }
             }
             Some(Section { width_m, height_m, shape: Shape::Cave }) => {
-                let half_height = height_m.max(girth.width_min_m) / (1.0 + girth.floor_drop);
+                let half_height = height_m.max(passage_size.width_min_m) / (1.0 + passage_size.floor_drop);
                 Self { half_width: of_width(width_m), half_height, square: false }
             }
             None => {
-                let half_width = of_width(node.radius * girth.width_per_radius);
-                Self { half_width, half_height: half_width * girth.height_ratio, square: false }
+                let half_width = of_width(node.radius * passage_size.width_per_radius);
+                Self { half_width, half_height: half_width * passage_size.height_ratio, square: false }
             }
         }
     }
@@ -215,7 +215,7 @@ impl Body {
 /// The passages of a graph that grows, and where they are.
 #[derive(Clone)]
 pub struct Rock {
-    girth: Girth,
+    passage_size: PassageSize,
     /// The stations.
     pub nodes: Vec<Node>,
     /// For each station those that passages join to it.
@@ -225,9 +225,9 @@ pub struct Rock {
 
 impl Rock {
     /// The rock round a graph.
-    pub fn new(graph: &Graph, girth: Girth) -> Self {
+    pub fn new(graph: &Graph, passage_size: PassageSize) -> Self {
         let neighbors = graph.neighbors().iter().map(<[usize]>::to_vec).collect();
-        let mut rock = Self { girth, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
+        let mut rock = Self { passage_size, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
         let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
         rock.bodies = RTree::bulk_load(entries);
         rock
@@ -299,8 +299,8 @@ impl Rock {
 
     /// The hull of a passage, or of a room.
     pub fn body(&self, [a, b]: [usize; 2]) -> Body {
-        let [start, end] = [a, b].map(|node| Profile::of(&self.nodes[node], &self.girth));
-        let profile = if a == b { start.room(self.girth.room_factor) } else { start.wider(end) };
+        let [start, end] = [a, b].map(|node| Profile::of(&self.nodes[node], &self.passage_size));
+        let profile = if a == b { start.room(self.passage_size.room_factor) } else { start.wider(end) };
         Body { ends: [a, b].map(|node| self.nodes[node].position), profile }
     }
 

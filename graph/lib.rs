@@ -2,22 +2,22 @@
 //!
 //! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes, and files only by what
 //! [`Outside`] lets it read. A [`Generator`] makes one from a seed, out of named [random streams](seed) and a
-//! [centreline](sketch) that it draws; [`realism`] says how like a real cave it is.
+//! [centreline] that it draws; [`realism`] says how like a real cave it is.
 
 mod branches;
+pub mod centreline;
 pub mod clearance;
-pub mod dice;
 pub mod echo;
 mod generator;
 mod neighbors;
 mod outside;
 pub mod realism;
+pub mod rng;
 pub mod section;
 pub mod seed;
 pub mod segment;
 pub mod sets;
 mod shape;
-pub mod sketch;
 mod spurs;
 mod stations;
 pub mod tidy;

@@ -47,7 +47,7 @@ impl Section {
 }
 
 /// How far a passage reaches from its axis in any direction; the axis lies a third of the height above the floor.
-pub fn half_girth_m(width_m: f64, height_m: f64) -> f64 {
+pub fn clearance_radius_m(width_m: f64, height_m: f64) -> f64 {
     (0.5 * width_m).max(height_m / 1.5)
 }
 

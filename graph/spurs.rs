@@ -1,12 +1,12 @@
 //! Dead ends that go: bumps in a wall, and those for which there is no room.
 
 use super::Neighbors;
-use super::sketch::{Branch, Sketch};
+use super::centreline::{Branch, CentrelineBuilder};
 
 /// A spur whose end reaches less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
 const SPUR_REACH: f64 = 0.7;
 
-impl Sketch {
+impl CentrelineBuilder {
     /// Without spurs that are mere bumps in the wall of the passage they leave.
     pub fn without_spurs(mut self) -> Self {
         loop {
@@ -26,7 +26,7 @@ impl Sketch {
     }
 
     fn is_bump(&self, spur: &Spur) -> bool {
-        let [foot, tip] = [spur.foot, spur.tip].map(|end| self.knots[end].half_width_m());
+        let [foot, tip] = [spur.foot, spur.tip].map(|end| self.vertices[end].half_width_m());
         spur.branch.length_m + tip < foot + SPUR_REACH * foot.max(tip)
     }
 }
@@ -49,7 +49,7 @@ impl<'a> Spur<'a> {
     }
 }
 
-/// Which knots go with the shortest spurs, at most so many of them; `None` if none can go. A junction keeps two passages, so
+/// Which vertices go with the shortest spurs, at most so many of them; `None` if none can go. A junction keeps two passages, so
 /// that no spur turns what is left into points.
 fn shortest(mut spurs: Vec<Spur>, most: usize, neighbors: &Neighbors) -> Option<Vec<bool>> {
     spurs.sort_by(|a, b| a.branch.shorter_first(b.branch));
@@ -60,7 +60,7 @@ fn shortest(mut spurs: Vec<Spur>, most: usize, neighbors: &Neighbors) -> Option<
         if lost < most && left[foot] > 2 {
             left[foot] -= 1;
             lost += 1;
-            branch.knots.iter().filter(|&&knot| knot != foot).for_each(|&knot| gone[knot] = true);
+            branch.vertices.iter().filter(|&&vertex| vertex != foot).for_each(|&vertex| gone[vertex] = true);
         }
     }
     (lost > 0).then_some(gone)
@@ -70,14 +70,14 @@ fn shortest(mut spurs: Vec<Spur>, most: usize, neighbors: &Neighbors) -> Option<
 mod tests {
     use super::*;
 
-    fn sketch(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Sketch {
-        Sketch::flat(places, lines).hollow(4.0)
+    fn centreline(places: &[[f64; 2]], lines: &[[usize; 2]]) -> CentrelineBuilder {
+        CentrelineBuilder::flat(places, lines).hollow(4.0)
     }
 
     #[test]
     fn bumps_go_and_side_passages_stay() {
         let places = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [10.0, 1.0], [30.0, 0.0], [20.0, 9.0]];
-        let rough = sketch(&places, &[[0, 1], [1, 2], [1, 3], [2, 4], [2, 5]]);
+        let rough = centreline(&places, &[[0, 1], [1, 2], [1, 3], [2, 4], [2, 5]]);
         assert_eq!(rough.without_spurs().lines, [[0, 1], [1, 2], [2, 4], [2, 5]]);
     }
 }

@@ -1,61 +1,61 @@
-//! Stations spread along the centrelines of a sketch, as many as are asked for.
+//! Stations spread along the centrelines, as many as are asked for.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
 
-use super::sketch::{Branch, Knot, Sketch};
+use super::centreline::{Branch, CentrelineBuilder, Vertex};
 
-impl Sketch {
-    /// The same centrelines with exactly `count` knots, spread as evenly along them as junctions allow. Where junctions
+impl CentrelineBuilder {
+    /// The same centrelines with exactly `count` vertices, spread as evenly along them as junctions allow. Where junctions
     /// alone are more, the shortest dead ends go first. `None` if fewer than `count` can be had or they cannot be lost.
     pub fn with_stations(self, count: usize) -> Option<Self> {
-        let mut sketch = self.welded();
+        let mut centreline = self.welded();
         loop {
-            let neighbors = sketch.neighbors();
-            let branches = sketch.branches_among(&neighbors);
+            let neighbors = centreline.neighbors();
+            let branches = centreline.branches_among(&neighbors);
             let fixed = ends(&branches);
             let shares = least_inside(&branches);
             let least: usize = shares.iter().sum();
             if fixed + least <= count {
                 let shares = with_more(shares, &branches, count - fixed - least);
-                return Some(sketch.spread(&branches, &shares));
+                return Some(centreline.spread(&branches, &shares));
             }
-            sketch = sketch.pruned(&branches, &neighbors, fixed + least - count)?;
+            centreline = centreline.pruned(&branches, &neighbors, fixed + least - count)?;
         }
     }
 
     /// The branches with their shares of stations between their ends.
     fn spread(&self, branches: &[Branch], shares: &[usize]) -> Self {
-        let mut sketch = Self::default();
+        let mut centreline = Self::default();
         let mut ends: FxHashMap<usize, usize> = FxHashMap::default();
         for (branch, &share) in branches.iter().zip(shares) {
-            let mut end = |knot: usize| *ends.entry(knot).or_insert_with(|| sketch.add(self.knots[knot]));
+            let mut end = |vertex: usize| *ends.entry(vertex).or_insert_with(|| centreline.add(self.vertices[vertex]));
             let (first, last) = (end(branch.first()), end(branch.last()));
             let mut before = first;
             for station in self.along(branch, share) {
-                let next = sketch.add(station);
-                sketch.join(before, next);
+                let next = centreline.add(station);
+                centreline.join(before, next);
                 before = next;
             }
-            sketch.join(before, last);
+            centreline.join(before, last);
         }
-        sketch
+        centreline
     }
 
-    /// `count` knots between the ends of a branch, evenly along it.
-    fn along<'a>(&'a self, branch: &'a Branch, count: usize) -> impl Iterator<Item = Knot> + 'a {
+    /// `count` vertices between the ends of a branch, evenly along it.
+    fn along<'a>(&'a self, branch: &'a Branch, count: usize) -> impl Iterator<Item = Vertex> + 'a {
         let step = branch.length_m / (count + 1) as f64;
         let (mut leg, mut start) = (0, 0.0);
         (1..=count).map(move |place| {
             let at = step * place as f64;
             loop {
-                let [a, b] = [branch.knots[leg], branch.knots[leg + 1]];
+                let [a, b] = [branch.vertices[leg], branch.vertices[leg + 1]];
                 let length = self.distance_m(a, b);
-                if at <= start + length || leg + 2 == branch.knots.len() {
+                if at <= start + length || leg + 2 == branch.vertices.len() {
                     let share = if length > 0.0 { ((at - start) / length).min(1.0) } else { 0.0 };
-                    return between(&self.knots[a], &self.knots[b], share);
+                    return between(&self.vertices[a], &self.vertices[b], share);
                 }
                 start += length;
                 leg += 1;
@@ -64,7 +64,7 @@ impl Sketch {
     }
 }
 
-/// Knots at the ends of branches.
+/// Vertices at the ends of branches.
 fn ends(branches: &[Branch]) -> usize {
     let mut ends: Vec<usize> = branches.iter().flat_map(|branch| [branch.first(), branch.last()]).collect();
     ends.sort_unstable();
@@ -72,13 +72,13 @@ fn ends(branches: &[Branch]) -> usize {
     ends.len()
 }
 
-/// Knots that each branch keeps inside: a ring two, and one where another branch has the same ends, lest two become one.
+/// Vertices that each branch keeps inside: a ring two, and one where another branch has the same ends, lest two become one.
 fn least_inside(branches: &[Branch]) -> Vec<usize> {
     let mut alike: FxHashMap<[usize; 2], usize> = FxHashMap::default();
     branches.iter().for_each(|branch| *alike.entry(branch.ends()).or_default() += 1);
     let least = |branch: &Branch| match branch.ends() {
         [a, b] if a == b => 2,
-        both => usize::from(alike[&both] > 1 && branch.knots.len() > 2),
+        both => usize::from(alike[&both] > 1 && branch.vertices.len() > 2),
     };
     branches.iter().map(least).collect()
 }
@@ -106,14 +106,14 @@ struct Lack {
     branch: Reverse<usize>,
 }
 
-/// The knot this share of the way from one to the next.
-fn between(a: &Knot, b: &Knot, share: f64) -> Knot {
+/// The vertex this share of the way from one to the next.
+fn between(a: &Vertex, b: &Vertex, share: f64) -> Vertex {
     let section = match (a.section, b.section) {
         (Some(a), Some(b)) => Some(a.towards(b, share)),
         (one, other) => one.or(other),
     };
     let position = a.position + (b.position - a.position) * share;
-    Knot { position, section, level: if share < 0.5 { a.level } else { b.level } }
+    Vertex { position, section, level: if share < 0.5 { a.level } else { b.level } }
 }
 
 #[cfg(test)]
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn stations_are_spread_evenly_and_exactly() {
-        let line = Sketch::flat(&[[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]], &[[0, 1], [1, 2]]);
+        let line = CentrelineBuilder::flat(&[[0.0, 0.0], [1.0, 0.0], [10.0, 0.0]], &[[0, 1], [1, 2]]);
         let graph = line.with_stations(5).expect("it is long enough").into_graph();
         let x: Vec<f64> = graph.nodes.iter().map(|node| node.position.x).collect();
         assert_eq!(x, [0.0, 2.5, 5.0, 7.5, 10.0]);
@@ -132,11 +132,14 @@ mod tests {
 
     #[test]
     fn rings_and_parallel_passages_stay_apart() {
-        let ring = Sketch::flat(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]], &[[0, 1], [1, 2], [2, 3], [3, 0]]);
+        let ring = CentrelineBuilder::flat(
+            &[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]],
+            &[[0, 1], [1, 2], [2, 3], [3, 0]],
+        );
         let graph = ring.with_stations(3).expect("a triangle").into_graph();
         assert_eq!((graph.nodes.len(), graph.loops()), (3, 1));
         let eight = [[0.0, 0.0], [8.0, 0.0], [4.0, 3.0], [4.0, -3.0], [-5.0, 0.0], [13.0, 0.0]];
-        let eight = Sketch::flat(&eight, &[[0, 2], [2, 1], [0, 3], [3, 1], [4, 0], [5, 1]]);
+        let eight = CentrelineBuilder::flat(&eight, &[[0, 2], [2, 1], [0, 3], [3, 1], [4, 0], [5, 1]]);
         let graph = eight.with_stations(20).expect("long enough").into_graph();
         assert_eq!((graph.nodes.len(), graph.loops()), (20, 1));
     }
@@ -144,7 +147,7 @@ mod tests {
     #[test]
     fn the_shortest_dead_ends_go_first() {
         let star = [[0.0, 0.0], [9.0, 0.0], [0.0, 8.0], [-7.0, 0.0], [0.0, -1.0]];
-        let star = Sketch::flat(&star, &[[0, 1], [0, 2], [0, 3], [0, 4]]);
+        let star = CentrelineBuilder::flat(&star, &[[0, 1], [0, 2], [0, 3], [0, 4]]);
         let graph = star.clone().with_stations(4).expect("one may go").into_graph();
         assert_eq!(graph.nodes.len(), 4);
         assert!(graph.nodes.iter().all(|node| node.position.y >= 0.0));

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Graph;
-use super::sketch::{Branch, Knot, Sketch};
+use super::centreline::{Branch, CentrelineBuilder, Vertex};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
 pub const MOST_PASSAGES: usize = 5;
@@ -13,7 +13,7 @@ const SLOPE_ROUNDS: usize = 300;
 /// What a line that is too steep gets of the greatest slope.
 const GENTLER: f64 = 0.95;
 
-impl Sketch {
+impl CentrelineBuilder {
     /// Junctions joined by a passage shorter than `part` of the width there made one, as long as no more than five
     /// passages meet at it.
     pub fn with_junctions_merged(self, part: f64) -> Self {
@@ -21,42 +21,45 @@ impl Sketch {
         let mut branches = self.branches_among(&neighbors);
         branches.sort_by(Branch::shorter_first);
         let mut degrees: Vec<usize> = neighbors.degrees().collect();
-        let mut into: Vec<usize> = (0..self.knots.len()).collect();
-        let mut gone = vec![false; self.knots.len()];
+        let mut into: Vec<usize> = (0..self.vertices.len()).collect();
+        let mut gone = vec![false; self.vertices.len()];
         for branch in &branches {
             let [a, b] = [branch.first(), branch.last()].map(|end| root(&into, end));
-            let width = 2.0 * self.knots[a].half_width_m().min(self.knots[b].half_width_m());
+            let width = 2.0 * self.vertices[a].half_width_m().min(self.vertices[b].half_width_m());
             let sum = degrees[a] + degrees[b];
             let crowded = degrees[a] > 2 && degrees[b] > 2 && branch.length_m < part * width;
             if !crowded || a == b || sum - 2 > MOST_PASSAGES {
                 continue;
             }
             let [kept, lost] =
-                if self.knots[b].half_width_m() > self.knots[a].half_width_m() { [b, a] } else { [a, b] };
+                if self.vertices[b].half_width_m() > self.vertices[a].half_width_m() { [b, a] } else { [a, b] };
             into[lost] = kept;
             degrees[kept] = sum - 2;
-            branch.knots[1..branch.knots.len() - 1].iter().for_each(|&knot| gone[knot] = true);
+            branch.vertices[1..branch.vertices.len() - 1].iter().for_each(|&vertex| gone[vertex] = true);
         }
-        let lines = self.lines.iter().filter(|line| line.iter().all(|&knot| !gone[knot]));
-        let lines = lines.map(|line| line.map(|knot| root(&into, knot))).filter(|[a, b]| a != b).collect();
-        Self { lines, knots: self.knots }
+        let lines = self.lines.iter().filter(|line| line.iter().all(|&vertex| !gone[vertex]));
+        let lines = lines.map(|line| line.map(|vertex| root(&into, vertex))).filter(|[a, b]| a != b).collect();
+        Self { lines, vertices: self.vertices }
     }
 
-    /// Each bend rounded: so many times, every knot between junctions moves to the middle of itself and its neighbours,
+    /// Each bend rounded: as often as asked, every vertex between junctions moves to the middle of itself and its neighbours,
     /// and takes the width there. Junctions and dead ends stay.
     pub fn smoothed(mut self, rounds: usize) -> Self {
         for branch in self.branches() {
-            let mut knots: Vec<Knot> = branch.knots.iter().map(|&knot| self.knots[knot]).collect();
+            let mut vertices: Vec<Vertex> = branch.vertices.iter().map(|&vertex| self.vertices[vertex]).collect();
             for _ in 0..rounds {
-                let mut before = knots[0];
-                for at in 1..knots.len() - 1 {
-                    let here = knots[at];
-                    knots[at] = middle(&before, &here, &knots[at + 1]);
+                let mut before = vertices[0];
+                for at in 1..vertices.len() - 1 {
+                    let here = vertices[at];
+                    vertices[at] = middle(&before, &here, &vertices[at + 1]);
                     before = here;
                 }
             }
-            let inner = 1..knots.len() - 1;
-            branch.knots[inner.clone()].iter().zip(&knots[inner]).for_each(|(&at, knot)| self.knots[at] = *knot);
+            let inner = 1..vertices.len() - 1;
+            branch.vertices[inner.clone()]
+                .iter()
+                .zip(&vertices[inner])
+                .for_each(|(&at, vertex)| self.vertices[at] = *vertex);
         }
         self
     }
@@ -68,14 +71,14 @@ impl Sketch {
             let mut steep = false;
             // What is too steep is made gentler than it must be, or the rounds would only come near the end.
             for &[a, b] in &self.lines {
-                let way = self.knots[b].position - self.knots[a].position;
+                let way = self.vertices[b].position - self.vertices[a].position;
                 let plan = way.xy().norm();
                 if way.z.abs() > most * plan + 0.001 {
                     steep = true;
                     let excess = way.z.abs() - GENTLER * most * plan;
                     let each = 0.5 * excess.copysign(way.z);
-                    self.knots[a].position.z += each;
-                    self.knots[b].position.z -= each;
+                    self.vertices[a].position.z += each;
+                    self.vertices[b].position.z -= each;
                 }
             }
             if !steep {
@@ -85,19 +88,19 @@ impl Sketch {
         self
     }
 
-    /// With every so many of the knots between junctions, and without those that no line joins.
+    /// With one in `step` vertices between junctions, and without those that no line joins.
     pub fn with_every(self, step: usize) -> Self {
         let mut sparse = Self::default();
-        let mut new = vec![usize::MAX; self.knots.len()];
+        let mut new = vec![usize::MAX; self.vertices.len()];
         for branch in self.branches() {
-            let last = branch.knots.len() - 1;
-            // A ring keeps two knots between its ends, which are one.
+            let last = branch.vertices.len() - 1;
+            // A ring keeps two vertices between its ends, which are one.
             let step = step.min(last / 3).max(1);
             let kept = (0..last).step_by(step).chain([last]);
             let mut before = None;
-            for old in kept.map(|place| branch.knots[place]) {
+            for old in kept.map(|place| branch.vertices[place]) {
                 if new[old] == usize::MAX {
-                    new[old] = sparse.add(self.knots[old]);
+                    new[old] = sparse.add(self.vertices[old]);
                 }
                 if let Some(before) = before.replace(new[old]) {
                     sparse.join(before, new[old]);
@@ -107,49 +110,49 @@ impl Sketch {
         sparse
     }
 
-    /// With this knot as the first one.
+    /// With this vertex as the first one.
     fn rooted(mut self, root: usize) -> Self {
-        let moved = |knot: usize| match knot {
+        let moved = |vertex: usize| match vertex {
             0 => root,
-            knot if knot == root => 0,
-            knot => knot,
+            vertex if vertex == root => 0,
+            vertex => vertex,
         };
         self.lines.iter_mut().for_each(|line| *line = line.map(moved));
-        self.knots.swap(0, root);
+        self.vertices.swap(0, root);
         self
     }
 
-    /// With the knot nearest to the origin as the first one, among those where passages meet or end.
+    /// With the vertex nearest to the origin as the first one, among those where passages meet or end.
     pub fn rooted_in_the_middle(self) -> Self {
         let neighbors = self.neighbors();
-        let away = |&knot: &usize| {
-            let passages = neighbors[knot].len();
-            (passages == 0, passages == 2, self.knots[knot].position.coords.norm_squared().to_bits())
+        let away = |&vertex: &usize| {
+            let passages = neighbors[vertex].len();
+            (passages == 0, passages == 2, self.vertices[vertex].position.coords.norm_squared().to_bits())
         };
-        let root = (0..self.knots.len()).min_by_key(away);
+        let root = (0..self.vertices.len()).min_by_key(away);
         root.map_or(Self::default(), |root| self.rooted(root))
     }
 
-    /// What lies nearest to the first knot along the passages, up to `most_m` of them. What does not hang together with the
-    /// first knot is left out.
+    /// What lies nearest to the first vertex along the passages, up to `most_m` of them. What does not hang together with the
+    /// first vertex is left out.
     pub fn cut_to(self, most_m: f64) -> Self {
-        if self.knots.is_empty() {
+        if self.vertices.is_empty() {
             return self;
         }
         let neighbors = self.neighbors();
-        let mut distances = vec![f64::INFINITY; self.knots.len()];
-        let mut near = vec![false; self.knots.len()];
+        let mut distances = vec![f64::INFINITY; self.vertices.len()];
+        let mut near = vec![false; self.vertices.len()];
         // Distances are not negative, so their bits are in their order.
         let mut front = BinaryHeap::from([Reverse((0_u64, 0_usize))]);
         distances[0] = 0.0;
         let mut sum_m = 0.0;
-        while let Some(Reverse((bits, knot))) = front.pop() {
-            if near[knot] || sum_m > most_m {
+        while let Some(Reverse((bits, vertex))) = front.pop() {
+            if near[vertex] || sum_m > most_m {
                 continue;
             }
-            near[knot] = true;
-            for &other in &neighbors[knot] {
-                let length = self.distance_m(knot, other);
+            near[vertex] = true;
+            for &other in &neighbors[vertex] {
+                let length = self.distance_m(vertex, other);
                 if near[other] {
                     sum_m += length;
                 } else if f64::from_bits(bits) + length < distances[other] {
@@ -162,48 +165,48 @@ impl Sketch {
         self.without(&gone)
     }
 
-    /// A graph of exactly `nodes` nodes, the first one nearest to the first knot, no passage rising more than
+    /// A graph of exactly `nodes` nodes, the first one nearest to the first vertex, no passage rising more than
     /// `slope_max` per metre as far as that can be had; `None` if there is nothing to put them on. Where too few nodes are
     /// asked to tell all loops apart, loops are opened.
     pub fn with_nodes(self, nodes: usize, slope_max: f64) -> Option<Graph> {
-        let root = self.knots.first()?.position;
-        let fit = |sketch: Self| {
-            let stations = sketch.with_stations(nodes)?;
-            let away = |&knot: &usize| (stations.knots[knot].position - root).norm_squared().to_bits();
-            let first = (0..stations.knots.len()).min_by_key(away)?;
+        let root = self.vertices.first()?.position;
+        let fit = |centreline: Self| {
+            let stations = centreline.with_stations(nodes)?;
+            let away = |&vertex: &usize| (stations.vertices[vertex].position - root).norm_squared().to_bits();
+            let first = (0..stations.vertices.len()).min_by_key(away)?;
             let graph = stations.rooted(first).with_slopes_under(slope_max).into_graph();
             (graph.nodes.len() == nodes).then_some(graph)
         };
         fit(self.clone()).or_else(|| fit(self.opened()))
     }
 
-    /// A tree of the same passages: breadth first from the first knot.
+    /// A tree of the same passages: breadth first from the first vertex.
     fn opened(mut self) -> Self {
         let neighbors = self.neighbors();
         let walk = neighbors.by_breadth(0..neighbors.len());
-        self.lines = walk.filter_map(|(knot, parent)| Some([parent?, knot])).collect();
+        self.lines = walk.filter_map(|(vertex, parent)| Some([parent?, vertex])).collect();
         self
     }
 }
 
-/// What a knot has become part of. That is not far: more than three junctions have too many passages to be one.
-fn root(into: &[usize], mut knot: usize) -> usize {
-    while into[knot] != knot {
-        knot = into[knot];
+/// What a vertex has become part of. That is not far: more than three junctions have too many passages to be one.
+fn root(into: &[usize], mut vertex: usize) -> usize {
+    while into[vertex] != vertex {
+        vertex = into[vertex];
     }
-    knot
+    vertex
 }
 
-/// A knot drawn half way to the middle of its neighbours.
-fn middle(before: &Knot, here: &Knot, after: &Knot) -> Knot {
+/// A vertex drawn half way to the middle of its neighbours.
+fn middle(before: &Vertex, here: &Vertex, after: &Vertex) -> Vertex {
     let blend = |a: f64, b: f64, c: f64| 0.25 * a + 0.5 * b + 0.25 * c;
     let coords = before.position.coords.zip_zip_map(&here.position.coords, &after.position.coords, blend);
-    let mut knot = Knot { position: coords.into(), ..*here };
-    if let (Some(a), Some(b), Some(c)) = (before.section, &mut knot.section, after.section) {
+    let mut vertex = Vertex { position: coords.into(), ..*here };
+    if let (Some(a), Some(b), Some(c)) = (before.section, &mut vertex.section, after.section) {
         b.width_m = blend(a.width_m, b.width_m, c.width_m);
         b.height_m = blend(a.height_m, b.height_m, c.height_m);
     }
-    knot
+    vertex
 }
 
 #[cfg(test)]
@@ -212,36 +215,37 @@ mod tests {
 
     use super::*;
 
-    fn sketch(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Sketch {
-        Sketch::flat(places, lines).hollow(4.0)
+    fn centreline(places: &[[f64; 2]], lines: &[[usize; 2]]) -> CentrelineBuilder {
+        CentrelineBuilder::flat(places, lines).hollow(4.0)
     }
 
     #[test]
     fn crowded_junctions_are_one() {
         let places = [[0.0, 0.0], [1.0, 0.0], [-9.0, 5.0], [-9.0, -5.0], [9.0, 5.0], [9.0, -5.0]];
         let lines = [[0, 1], [0, 2], [0, 3], [1, 4], [1, 5]];
-        let degrees = |sketch: Sketch| sketch.neighbors().degrees().max();
-        assert_eq!(degrees(sketch(&places, &lines).with_junctions_merged(0.5)), Some(4));
-        assert_eq!(degrees(sketch(&places, &lines).with_junctions_merged(0.1)), Some(3));
+        let degrees = |centreline: CentrelineBuilder| centreline.neighbors().degrees().max();
+        assert_eq!(degrees(centreline(&places, &lines).with_junctions_merged(0.5)), Some(4));
+        assert_eq!(degrees(centreline(&places, &lines).with_junctions_merged(0.1)), Some(3));
     }
 
     #[test]
     fn what_is_cut_is_farthest_from_the_first_knot() {
-        let chain = sketch(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [-4.0, 0.0], [50.0, 0.0]], &[[0, 1], [1, 2], [0, 3]]);
+        let chain =
+            centreline(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [-4.0, 0.0], [50.0, 0.0]], &[[0, 1], [1, 2], [0, 3]]);
         assert_eq!(chain.cut_to(7.0).lines, [[0, 1], [0, 3]]);
     }
 
     #[test]
     fn a_bend_is_rounded_and_its_ends_stay() {
-        let bend = sketch(&[[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]], &[[0, 1], [1, 2]]).smoothed(1);
-        assert_eq!(bend.knots[1].position, Point3::new(3.75, 1.25, 0.0));
-        assert_eq!(bend.knots[2].position, Point3::new(5.0, 5.0, 0.0));
+        let bend = centreline(&[[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]], &[[0, 1], [1, 2]]).smoothed(1);
+        assert_eq!(bend.vertices[1].position, Point3::new(3.75, 1.25, 0.0));
+        assert_eq!(bend.vertices[2].position, Point3::new(5.0, 5.0, 0.0));
     }
 
     #[test]
     fn steep_passages_are_evened_out() {
-        let mut stairs = sketch(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [12.0, 0.0]], &[[0, 1], [1, 2], [2, 3]]);
-        stairs.knots[2].position.z = 3.0;
+        let mut stairs = centreline(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [12.0, 0.0]], &[[0, 1], [1, 2], [2, 3]]);
+        stairs.vertices[2].position.z = 3.0;
         let graph = stairs.with_nodes(4, 0.25).expect("there is a line");
         let way = |&[a, b]: &[usize; 2]| graph.nodes[b].position - graph.nodes[a].position;
         assert!(graph.edges.iter().map(way).all(|way| way.z.abs() <= 0.25 * way.x.abs() + 0.003), "{:?}", graph.nodes);
@@ -249,7 +253,7 @@ mod tests {
 
     #[test]
     fn loops_that_too_few_nodes_cannot_tell_are_opened() {
-        let square = sketch(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]], &[[0, 1], [1, 2], [2, 3], [0, 3]]);
+        let square = centreline(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]], &[[0, 1], [1, 2], [2, 3], [0, 3]]);
         let two = square.with_nodes(2, 1.0).expect("a line is left");
         assert_eq!((two.nodes.len(), two.edges.len()), (2, 1));
     }

@@ -9,11 +9,11 @@ use plume_exporters::scene::{self, ByZone, Chunks, Light, Scene};
 
 use crate::field::Field;
 use crate::mesh;
+use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
 use crate::texture::{HEIGHT_AMPLITUDE_M, ImageFormat, TextureSettings};
-use crate::truth::{self, Lamp};
 use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
@@ -175,7 +175,7 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
 
 /// Start poses; where there is no headroom at all, the first station, since a scene must have one.
 fn spawns(field: &dyn Field, graph: &Graph, count: usize) -> Vec<Isometry3<f64>> {
-    let spawns: Vec<_> = truth::spawns(field, graph, count).into_iter().map(|spawn| spawn.pose).collect();
+    let spawns: Vec<_> = placement::spawns(field, graph, count).into_iter().map(|spawn| spawn.pose).collect();
     if !spawns.is_empty() {
         return spawns;
     }
@@ -192,5 +192,5 @@ fn lights(field: &dyn Field, graph: &Graph, world: &WorldSettings) -> Vec<Light>
         intensity_cd: LAMP_CD_PER_M2 * spacing_m * spacing_m,
         range_m: LAMP_REACH * spacing_m,
     };
-    truth::lamps(field, graph, spacing_m).into_iter().enumerate().map(light).collect()
+    placement::lamps(field, graph, spacing_m).into_iter().enumerate().map(light).collect()
 }

@@ -3,7 +3,7 @@
 //! One [`recipe`] and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in
 //! chunks, a [`texture`] set per chunk, and from them a package for a simulator.
 //!
-//! Arrows point one way: `cave → pipeline, assemble → store → truth, texture → mesh → field → material → noise`, and
+//! Arrows point one way: `cave → pipeline, assemble → store → placement, texture → mesh → field → material → noise`, and
 //! `field → graph`. See `ARCHITECTURE.md`.
 
 pub mod cave;
@@ -15,8 +15,8 @@ pub mod preview;
 pub mod recipe;
 pub mod store;
 
+pub mod placement;
 pub mod texture;
-pub mod truth;
 
 pub mod mesh;
 

@@ -20,7 +20,7 @@ pub use basalt::Basalt;
 pub use limestone::Limestone;
 pub use look::Look;
 pub use rock::{Detail, Floor, Form, PROTRUSION, Paint, RECESS_M, Rock, Wall};
-pub use site::{BLOCK, Band, Channel, Ground, Site, Sites, Skins, Stored};
+pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSamples};
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ use serde_json::Value;
 
 /// How a rock bends the passages it is in, before their distance is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wander {
+pub struct DomainWarp {
     /// Wavelengths in metres, long and short.
     pub length_m: [f32; 2],
     /// How far each pushes a wall along one horizontal axis at most, in metres; 0.6 of it vertically.
@@ -40,13 +40,20 @@ pub struct Wander {
 /// A rock, asked a block at a time.
 pub trait Material: std::fmt::Debug + Send + Sync {
     /// How it bends passages.
-    fn wander(&self) -> Wander;
+    fn domain_warp(&self) -> DomainWarp;
     /// The field at the sites, negative in air, metres; one value per site.
     fn distances(&self, sites: &Sites, out: &mut [f32]);
     /// Gradients of [`Material::distances`].
     fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]);
     /// What the wall looks like at the sites. `normals` are unit normals of the mesh there, into the air.
-    fn skins(&self, sites: &Sites, look: &Look, band: Band, normals: &[[f32; 3]], out: &mut Skins);
+    fn surface_samples(
+        &self,
+        sites: &Sites,
+        look: &Look,
+        footprint: Footprint,
+        normals: &[[f32; 3]],
+        out: &mut SurfaceSamples,
+    );
 }
 
 /// A row of [`MATERIALS`].

@@ -8,16 +8,17 @@
 //! closed, every edge between two triangles, every vertex one fan, consistent winding, no triangle without area. Not
 //! promised: that no two triangles intersect.
 
-mod apart;
 mod bubbles;
 mod cell;
 mod chunk;
 mod collapse;
+mod collapse_mesh;
 mod collide;
 mod corners;
 mod extract;
 mod facet;
 mod grid;
+mod hausdorff;
 mod lattice;
 pub mod measure;
 mod nearest;
@@ -25,17 +26,16 @@ mod normals;
 mod quadric;
 mod queue;
 mod settings;
-mod shape;
 mod simplify;
 mod smooth;
 
-pub(crate) use apart::Gauge;
 pub use chunk::{ChunkMeshes, chunk};
-pub(crate) use collapse::{Collapser, Goal, Rule};
+pub(crate) use collapse::{CollapsePolicy, Collapser, StopCriterion};
+pub(crate) use collapse_mesh::{Collapse, CollapseMesh};
 pub use collide::{MOST_CORNERS, Piece, PieceMeasures, PieceReport, PieceSettings, Zone, measure_pieces, pieces};
 pub use grid::{ChunkIndex, Grid, GridError};
+pub(crate) use hausdorff::HausdorffBound;
 pub use settings::MeshSettings;
-pub(crate) use shape::{Collapse, Shape};
 
 /// Positions are whole multiples of `1 / QUANTA_PER_M` metres, so that they can be compared and welded exactly, and so
 /// that they are exact as `f32` within 4096 m of the origin.

@@ -1,6 +1,6 @@
 //! A graph as a file has it, and how it is finished.
 //!
-//! Unlike what is [sketched](plume_graph::sketch), nodes keep their order, their ids and their radii, so that a graph
+//! Unlike what is [drawn](plume_graph::centreline), nodes keep their order, their ids and their radii, so that a graph
 //! comes back from a file as it went in. What a file leaves out is filled in: parents follow from a walk from the first
 //! node of each part that names none, a radius is the distance to the nearest neighbour.
 

@@ -153,79 +153,82 @@ pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::sketch::{Knot, Sketch};
+    use plume_graph::centreline::{CentrelineBuilder, Vertex};
 
-    /// A sketch whose parts are as they were asked.
+    /// A centreline whose parts are as they were asked for.
     #[derive(Clone, Debug, PartialEq)]
     struct Settled {
-        sketch: Sketch,
+        centreline: CentrelineBuilder,
         /// Lines that were added to join parts.
         joined: usize,
-        /// Knots of parts that were left out; those that hung on nothing do not count.
+        /// Vertices of parts that were left out; those that hung on nothing do not count.
         left_out: usize,
     }
 
-    /// Drops knots that hang on nothing and does with the parts as asked.
-    fn settled(sketch: Sketch, parts: Parts) -> Result<Settled, Disconnected> {
-        let places: Vec<Point3<f64>> = sketch.knots.iter().map(|knot| knot.position).collect();
-        let fate = Fate::of(&places, &sketch.lines, parts)?;
-        let mut settled = Settled { sketch: Sketch::default(), joined: fate.joins.len(), left_out: fate.left_out };
-        let mut new = vec![usize::MAX; sketch.knots.len()];
-        for (index, knot) in sketch.knots.into_iter().enumerate().filter(|&(index, _)| fate.stays[index]) {
-            new[index] = settled.sketch.add(knot);
+    /// Drops vertices that hang on nothing and does with the parts as asked.
+    fn settled(centreline: CentrelineBuilder, parts: Parts) -> Result<Settled, Disconnected> {
+        let places: Vec<Point3<f64>> = centreline.vertices.iter().map(|vertex| vertex.position).collect();
+        let fate = Fate::of(&places, &centreline.lines, parts)?;
+        let mut settled =
+            Settled { centreline: CentrelineBuilder::default(), joined: fate.joins.len(), left_out: fate.left_out };
+        let mut new = vec![usize::MAX; centreline.vertices.len()];
+        for (index, vertex) in centreline.vertices.into_iter().enumerate().filter(|&(index, _)| fate.stays[index]) {
+            new[index] = settled.centreline.add(vertex);
         }
-        let lines = sketch.lines.into_iter().filter(|line| line.iter().all(|&end| fate.stays[end]));
-        settled.sketch.lines = lines.chain(fate.joins).map(|line| line.map(|end| new[end])).collect();
+        let lines = centreline.lines.into_iter().filter(|line| line.iter().all(|&end| fate.stays[end]));
+        settled.centreline.lines = lines.chain(fate.joins).map(|line| line.map(|end| new[end])).collect();
         Ok(settled)
     }
 
-    fn sketch(places: &[[f64; 3]], lines: &[[usize; 2]]) -> Sketch {
-        let knot = |&place: &[f64; 3]| Knot { position: place.into(), section: None, level: 0 };
-        Sketch { knots: places.iter().map(knot).collect(), lines: lines.to_vec() }
+    fn centreline(places: &[[f64; 3]], lines: &[[usize; 2]]) -> CentrelineBuilder {
+        let vertex = |&place: &[f64; 3]| Vertex { position: place.into(), section: None, level: 0 };
+        CentrelineBuilder { vertices: places.iter().map(vertex).collect(), lines: lines.to_vec() }
     }
 
-    /// Three parts along x, a knot that hangs on nothing and a line without length.
-    fn three() -> Sketch {
+    /// Three parts along x, a vertex that hangs on nothing and a line without length.
+    fn three() -> CentrelineBuilder {
         let places = [[0.0; 3], [2.0, 0.0, 0.0], [90.0, 0.0, 0.0], [4.0, 1.0, 0.0], [4.0, 9.0, 0.0], [7.0, 3.0, 0.0]];
         let more = [[7.0, 4.0, 0.0], [50.0, 0.0, 0.0], [50.0002, 0.0, 0.0]];
-        sketch(&[&places[..], &more].concat(), &[[0, 1], [3, 4], [5, 6], [7, 8]])
+        centreline(&[&places[..], &more].concat(), &[[0, 1], [3, 4], [5, 6], [7, 8]])
     }
 
     #[test]
     fn parts_are_refused_by_name() {
         let error = settled(three(), Parts::Refuse).expect_err("there are three");
         assert_eq!(error, Disconnected { parts: 3, members: vec![0, 3, 5] });
-        assert_eq!(error.message(|knot| format!("#{knot}")), "the graph is in 3 parts, with #0, #3, #5");
+        assert_eq!(error.message(|vertex| format!("#{vertex}")), "the graph is in 3 parts, with #0, #3, #5");
         let many: Vec<[f64; 3]> = (0..40).map(|x| [f64::from(x), 0.0, 0.0]).collect();
         let pairs: Vec<[usize; 2]> = (0..20).map(|pair| [2 * pair, 2 * pair + 1]).collect();
-        let error = settled(sketch(&many, &pairs), Parts::Refuse).expect_err("there are twenty");
+        let error = settled(centreline(&many, &pairs), Parts::Refuse).expect_err("there are twenty");
         assert!(
-            error.message(|knot| knot.to_string()).ends_with(" 20 parts, with 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, …")
+            error
+                .message(|vertex| vertex.to_string())
+                .ends_with(" 20 parts, with 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, …")
         );
     }
 
     #[test]
     fn parts_are_joined_where_they_are_nearest() {
-        let Settled { sketch, joined, left_out } = settled(three(), Parts::Join).expect("joined");
-        assert_eq!((sketch.knots.len(), joined, left_out), (6, 2, 0));
-        assert_eq!(sketch.lines, [[0, 1], [2, 3], [4, 5], [1, 2], [2, 4]]);
+        let Settled { centreline, joined, left_out } = settled(three(), Parts::Join).expect("joined");
+        assert_eq!((centreline.vertices.len(), joined, left_out), (6, 2, 0));
+        assert_eq!(centreline.lines, [[0, 1], [2, 3], [4, 5], [1, 2], [2, 4]]);
     }
 
     #[test]
     fn parts_are_kept_or_the_longest_stays() {
         let kept = settled(three(), Parts::Keep).expect("kept");
-        assert_eq!((kept.sketch.knots.len(), kept.joined, kept.left_out), (6, 0, 0));
-        assert_eq!(kept.sketch.into_graph().components().len(), 3);
+        assert_eq!((kept.centreline.vertices.len(), kept.joined, kept.left_out), (6, 0, 0));
+        assert_eq!(kept.centreline.into_graph().components().len(), 3);
         let longest = settled(three(), Parts::Longest).expect("one stays");
-        assert_eq!((longest.sketch.knots.len(), longest.joined, longest.left_out), (2, 0, 4));
-        assert_eq!(longest.sketch.knots[1].position.y, 9.0);
+        assert_eq!((longest.centreline.vertices.len(), longest.joined, longest.left_out), (2, 0, 4));
+        assert_eq!(longest.centreline.vertices[1].position.y, 9.0);
     }
 
     #[test]
     fn knots_in_one_place_are_in_one_part() {
-        let touching = sketch(&[[0.0; 3], [5.0, 0.0, 0.0], [5.0001, 0.0, 0.0], [9.0, 0.0, 0.0]], &[[0, 1], [2, 3]]);
-        assert_eq!(settled(touching.clone(), Parts::Refuse).map(|settled| settled.sketch), Ok(touching));
-        let nothing = settled(Sketch::default(), Parts::Join).expect("no parts");
-        assert_eq!(nothing.sketch, Sketch::default());
+        let touching = centreline(&[[0.0; 3], [5.0, 0.0, 0.0], [5.0001, 0.0, 0.0], [9.0, 0.0, 0.0]], &[[0, 1], [2, 3]]);
+        assert_eq!(settled(touching.clone(), Parts::Refuse).map(|settled| settled.centreline), Ok(touching));
+        let nothing = settled(CentrelineBuilder::default(), Parts::Join).expect("no parts");
+        assert_eq!(nothing.centreline, CentrelineBuilder::default());
     }
 }

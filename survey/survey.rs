@@ -22,7 +22,7 @@ use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::parts::Fate;
 use super::{Import, Parts, ReadError, Source, origin};
 use plume_graph::Graph;
-use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
 
 /// The least and the greatest reach of a station near which nothing was measured, in metres. Legs are as long as
 /// the view was, up to 30 m and more, and passages are not as wide as that: with the default width of 0.6 reaches
@@ -174,22 +174,22 @@ fn no_passages(path: &Path) -> ReadError {
 
 /// The graph with `first` as its first node and the origin of its frame.
 fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>], first: usize) -> Graph {
-    let mut sketch = Sketch::default();
+    let mut centreline = CentrelineBuilder::default();
     for (place, room) in places.iter().zip(rooms) {
         let position = origin::counted_from(places[first], *place);
-        sketch.add(match room {
-            Some(room) => Knot { position: position + room.middle, section: Some(room.section), level: 0 },
-            None => Knot { position, section: None, level: 0 },
+        centreline.add(match room {
+            Some(room) => Vertex { position: position + room.middle, section: Some(room.section), level: 0 },
+            None => Vertex { position, section: None, level: 0 },
         });
     }
-    sketch.knots.swap(0, first);
-    let swapped = |knot: usize| match knot {
+    centreline.vertices.swap(0, first);
+    let swapped = |vertex: usize| match vertex {
         0 => first,
-        knot if knot == first => 0,
-        knot => knot,
+        vertex if vertex == first => 0,
+        vertex => vertex,
     };
-    sketch.lines = lines.into_iter().map(|line| line.map(swapped)).collect();
-    let mut graph = sketch.into_graph();
+    centreline.lines = lines.into_iter().map(|line| line.map(swapped)).collect();
+    let mut graph = centreline.into_graph();
     for node in graph.nodes.iter_mut().filter(|node| node.section.is_none()) {
         node.radius = node.radius.clamp(REACH_M[0], REACH_M[1]);
     }

@@ -124,8 +124,8 @@ impl Traverse {
         self.tie_soft_fixes();
         let mut tree = self.tree();
         if let Some(core) = Core::of(&self.shots, &tree) {
-            let moves = core.moves(&self.shots, &tree)?;
-            tree.positions.iter_mut().zip(moves).for_each(|(position, by)| *position += by);
+            let corrections = core.corrections(&self.shots, &tree)?;
+            tree.positions.iter_mut().zip(corrections).for_each(|(position, by)| *position += by);
         }
         tree.positions.truncate(self.stations);
         let positions = tree.positions.into_iter().map(Point3::from).collect();
@@ -223,8 +223,8 @@ mod tests {
         let mut greatest: f64 = 0.0;
         for shot in &traverse.shots {
             let [from, to] = shot.ends;
-            let misses = shot.vector - (placed.positions[to] - placed.positions[from]);
-            let pull = shot.covariance.try_inverse().unwrap() * misses;
+            let misclosure = shot.vector - (placed.positions[to] - placed.positions[from]);
+            let pull = shot.covariance.try_inverse().unwrap() * misclosure;
             greatest = greatest.max(pull.norm());
             pulls[from] -= pull;
             pulls[to] += pull;

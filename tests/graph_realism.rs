@@ -4,7 +4,7 @@
 use std::fs;
 
 use plume::generators::{GaussianPerlin, Layers, Mine};
-use plume::graph::clearance::{Girth, thin_rock};
+use plume::graph::clearance::{PassageSize, thin_rock};
 use plume::graph::realism::{CAVES, Gate, Likeness, METRICS, Metrics, RealismSettings, Verdict, percentile};
 use plume::graph::{Generator, Graph, Node, Nowhere};
 
@@ -208,7 +208,7 @@ fn repaired_mines_are_like_caves_and_keep_their_laws() {
         assert!((0..levels).all(|level| graph.nodes.iter().any(|node| node.level == level)), "{name}");
         let parents = graph.nodes.iter().enumerate().skip(1);
         assert!(parents.into_iter().all(|(i, node)| node.parent.is_some_and(|parent| parent < i)), "{name}");
-        let thin = |graph: &Graph| thin_rock(graph, Girth::default(), 0.8).len();
+        let thin = |graph: &Graph| thin_rock(graph, PassageSize::default(), 0.8).len();
         assert!(thin(&graph) <= thin(&before), "{name}");
     }
 }

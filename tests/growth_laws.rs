@@ -97,7 +97,7 @@ fn no_passage_runs_through_another() {
         let neighbors = graph.neighbors();
         for (place, &first) in graph.edges.iter().enumerate() {
             for &second in &graph.edges[place + 1..] {
-                let need = half_girth(graph, first) + half_girth(graph, second) + case.rock_m;
+                let need = clearance_radius(graph, first) + clearance_radius(graph, second) + case.rock_m;
                 let ends = |[a, b]: [usize; 2]| [graph.nodes[a].position, graph.nodes[b].position];
                 let apart = distance(ends(first), ends(second));
                 if apart < need - 0.01 && !is_joined(graph, &neighbors, first, second, 2.0 * need.max(case.dug_m())) {
@@ -188,7 +188,7 @@ fn hostile_grammars_end() {
     }
 }
 
-fn half_girth(graph: &Graph, ends: [usize; 2]) -> f64 {
+fn clearance_radius(graph: &Graph, ends: [usize; 2]) -> f64 {
     let of = |node: &Node| {
         let section = node.section.expect("what is dug has a size");
         (section.width_m / 2.0).max(section.height_m / 1.5)

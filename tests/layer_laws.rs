@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
 use plume::generators::generator;
-use plume::graph::clearance::{Girth, RockReport, thin_rock};
+use plume::graph::clearance::{PassageSize, RockReport, thin_rock};
 use plume::graph::{Graph, Node};
 use serde_json::{Value, json};
 use world::World;
@@ -205,7 +205,7 @@ fn rock_stays_between_layers_and_round_links() {
             let apart = |one, other| !levels(one).iter().any(|level| levels(other).contains(level));
             let least_m = least_rock(&graph, asked_m, apart);
             assert!(least_m >= asked_m, "{settings} seed {seed}: {least_m}");
-            let report = RockReport::of(&graph, Girth::default(), asked_m);
+            let report = RockReport::of(&graph, PassageSize::default(), asked_m);
             assert_eq!(report.thin_between_levels, 0, "{settings} seed {seed}: {report:?}");
         }
     }
@@ -222,7 +222,7 @@ fn layers_that_may_break_into_each_other_are_told_of() {
         let row = generator("layers").unwrap();
         let Ok(graph) = (row.read)(settings.clone()).unwrap().generate(seed, &World) else { continue };
         graphs += 1;
-        found += RockReport::of(&graph, Girth::default(), 1.0).breakthroughs_between_levels;
+        found += RockReport::of(&graph, PassageSize::default(), 1.0).breakthroughs_between_levels;
     }
     assert!(graphs > 0 && found > 0, "{found} in {graphs}");
 }
@@ -281,9 +281,11 @@ fn the_thickness_of_rock_is_told_to_the_millimetre() {
         (Vector3::new(0.0, 0.0, -2.0), 2.0 - 2.64),
     ] {
         let graph = pair(apart);
-        let thin = thin_rock(&graph, Girth::default(), 4.0);
+        let thin = thin_rock(&graph, PassageSize::default(), 4.0);
         let found = thin.iter().find(|thin| thin.passages == [[0, 1], [4, 5]]).expect("it is thinner than 4 m");
         assert!((found.rock_m - rock_m).abs() < 1e-3, "{apart}: {}", found.rock_m);
-        assert!(!thin_rock(&graph, Girth::default(), rock_m - 0.001).iter().any(|t| t.passages == [[0, 1], [4, 5]]));
+        assert!(
+            !thin_rock(&graph, PassageSize::default(), rock_m - 0.001).iter().any(|t| t.passages == [[0, 1], [4, 5]])
+        );
     }
 }

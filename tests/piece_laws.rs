@@ -170,12 +170,12 @@ fn assert_no_ray_escapes(cave: &Cave) {
     let whole = weld(&cave.walls);
     let near = Near::new(&whole, 0.2);
     let all: Vec<Convex> = cave.all_pieces().map(Convex::of).collect();
-    let mut dice = Pcg64Mcg::seed_from_u64(7);
+    let mut rng = Pcg64Mcg::seed_from_u64(7);
     let bounds = cave.field.bounds();
     let mut rays = Vec::new();
     while rays.len() < RAYS {
-        let from = Point::from_fn(|i, _| dice.random_range(f64::from(bounds.min[i])..f64::from(bounds.max[i])));
-        let to = Point::from_fn(|_, _| dice.random_range(-1.0..1.0));
+        let from = Point::from_fn(|i, _| rng.random_range(f64::from(bounds.min[i])..f64::from(bounds.max[i])));
+        let to = Point::from_fn(|_, _| rng.random_range(-1.0..1.0));
         if cave.field_at(&[from])[0] < -0.5 && (0.1..=1.0).contains(&to.norm()) {
             rays.push((from, to.normalize()));
         }

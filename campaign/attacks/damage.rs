@@ -6,10 +6,10 @@ use std::path::Path;
 
 use crate::attack::{Attack, Context};
 use crate::desk::Desk;
-use crate::dice::Dice;
 use crate::packages::{BUNDLES, TARGETS};
 use crate::program::Outcome;
 use crate::python;
+use crate::rng::Rng;
 use crate::tally::Tally;
 use crate::tree::Tree;
 
@@ -83,7 +83,7 @@ fn damage_cave(context: &mut Context, tally: &mut Tally, targets: &[&'static str
     for round in context.length.rounds(all.len(), 4 * all.len()) {
         let (file, kind) = all[round % all.len()];
         let bytes = fs::read(undamaged.desk.path("c").join(file)).expect("a file can be read");
-        let damaged = (kind.1)(&bytes, &mut context.dice);
+        let damaged = (kind.1)(&bytes, &mut context.rng);
         if damaged == bytes {
             continue;
         }
@@ -99,22 +99,22 @@ fn damage_cave(context: &mut Context, tally: &mut Tally, targets: &[&'static str
     }
 }
 
-type Kind = (&'static str, fn(&[u8], &mut Dice) -> Vec<u8>);
+type Kind = (&'static str, fn(&[u8], &mut Rng) -> Vec<u8>);
 
 const KINDS: [Kind; 4] = [
-    ("cut", |bytes, dice| bytes[..dice.below(bytes.len())].to_vec()),
+    ("cut", |bytes, rng| bytes[..rng.below(bytes.len())].to_vec()),
     ("emptied", |_, _| Vec::new()),
-    ("zeroed in part", |bytes, dice| {
+    ("zeroed in part", |bytes, rng| {
         let mut bytes = bytes.to_vec();
-        let from = dice.below(bytes.len());
-        let end = (from + 1 + dice.below(4096)).min(bytes.len());
+        let from = rng.below(bytes.len());
+        let end = (from + 1 + rng.below(4096)).min(bytes.len());
         bytes[from..end].fill(0);
         bytes
     }),
-    ("changed in one bit", |bytes, dice| {
+    ("changed in one bit", |bytes, rng| {
         let mut bytes = bytes.to_vec();
-        let at = dice.below(bytes.len());
-        bytes[at] ^= 1 << dice.below(8);
+        let at = rng.below(bytes.len());
+        bytes[at] ^= 1 << rng.below(8);
         bytes
     }),
 ];
@@ -247,7 +247,7 @@ fn damage_packages(context: &mut Context, tally: &mut Tally) {
         let file = &all[round % all.len()];
         let kind = KINDS[(round + round / all.len()) % KINDS.len()];
         let bytes = fs::read(desk.path(file)).expect("a file can be read");
-        let damaged = (kind.1)(&bytes, &mut context.dice);
+        let damaged = (kind.1)(&bytes, &mut context.rng);
         if damaged == bytes {
             continue;
         }

@@ -57,7 +57,7 @@ fn fuzz(context: &mut Context, tally: &mut Tally, program: &Path, name: &str, sh
     let found = context.repository.join("target/campaign");
     let _ = std::fs::create_dir_all(&found);
     let mut words = vec![
-        format!("-seed={}", 1 + context.dice.below(1 << 31)),
+        format!("-seed={}", 1 + context.rng.below(1 << 31)),
         "-max_len=4096".to_owned(),
         "-timeout=20".to_owned(),
         "-rss_limit_mb=2048".to_owned(),

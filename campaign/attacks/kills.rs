@@ -27,7 +27,7 @@ fn run(context: &mut Context) -> Tally {
     }
     for round in context.length.rounds(known.len(), MANY) {
         let (scenario, reference) = &known[round % known.len()];
-        let part = context.dice.unit();
+        let part = context.rng.unit();
         tally.enter(
             &format!("`{}` killed after {part:.3} of its time", scenario.line()),
             kill(context, scenario, reference, part),

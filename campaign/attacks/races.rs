@@ -34,7 +34,7 @@ fn run(context: &mut Context) -> Tally {
         for race in races() {
             let count = 2 + round % (MOST - 1);
             // Those that start together do not always meet where they write.
-            let delay = Duration::from_micros(context.dice.below(1 + 15_000 * (round % 3)) as u64);
+            let delay = Duration::from_micros(context.rng.below(1 + 15_000 * (round % 3)) as u64);
             let what = format!("{count} times `plume {}`, {} µs apart", race.line, delay.as_micros());
             tally.enter(&what, several(context, &race, count, delay));
         }

@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use crate::attack::{Attack, Context};
 use crate::desk::Desk;
-use crate::dice::Dice;
 use crate::program::{End, Outcome};
+use crate::rng::Rng;
 use crate::tally::Tally;
 
 pub const ATTACK: Attack = Attack {
@@ -37,11 +37,11 @@ fn run(context: &mut Context) -> Tally {
     tally.note(format!("{} numeric keys", keys.len()));
     let alone: Vec<(&Key, Choice)> = keys.iter().flat_map(|key| CHOICES.map(|choice| (key, choice))).collect();
     for (key, choice) in context.length.some_of(&alone, FEW[0]) {
-        let drawn = [key.drawn(choice, &mut context.dice)];
+        let drawn = [key.drawn(choice, &mut context.rng)];
         try_recipe(context, &mut tally, &drawn);
     }
     for _ in context.length.rounds(FEW[1], MANY) {
-        let pair = pair(&keys, &mut context.dice);
+        let pair = pair(&keys, &mut context.rng);
         try_recipe(context, &mut tally, &pair);
     }
     known(context, &mut tally);
@@ -81,7 +81,7 @@ enum Choice {
 const CHOICES: [Choice; 5] = [Choice::Least, Choice::Below, Choice::Most, Choice::Above, Choice::Between];
 
 impl Key {
-    fn drawn(&self, choice: Choice, dice: &mut Dice) -> Drawn {
+    fn drawn(&self, choice: Choice, rng: &mut Rng) -> Drawn {
         let span = self.most - self.least;
         let step = if self.is_whole { 1.0 } else { span.max(1e-3) * 1e-3 };
         let number = match choice {
@@ -90,7 +90,7 @@ impl Key {
             Choice::Below => self.least - step,
             Choice::Above => self.most + step,
             // Most keys have their usual values near the lower bound.
-            Choice::Between => self.least + span * dice.unit() * dice.unit() * dice.unit(),
+            Choice::Between => self.least + span * rng.unit() * rng.unit() * rng.unit(),
         };
         let number = if self.is_whole { format!("{number:.0}") } else { format!("{number:?}") };
         let value = match self.count {
@@ -103,10 +103,10 @@ impl Key {
 }
 
 /// Two keys that can stand in one recipe.
-fn pair(keys: &[Key], dice: &mut Dice) -> [Drawn; 2] {
-    let one = dice.pick(keys);
+fn pair(keys: &[Key], rng: &mut Rng) -> [Drawn; 2] {
+    let one = rng.pick(keys);
     let other = loop {
-        let other = dice.pick(keys);
+        let other = rng.pick(keys);
         let same_part =
             |of: &str| other.of.as_deref().is_some_and(|it| it != of && it.split('=').next() == of.split('=').next());
         if other.path != one.path && !one.of.as_deref().is_some_and(same_part) {
@@ -114,7 +114,7 @@ fn pair(keys: &[Key], dice: &mut Dice) -> [Drawn; 2] {
         }
     };
     let inside = [Choice::Least, Choice::Most, Choice::Between, Choice::Between];
-    [one, other].map(|key| key.drawn(*dice.pick(&inside), dice))
+    [one, other].map(|key| key.drawn(*rng.pick(&inside), rng))
 }
 
 /// The numeric keys of the schema with their bounds.

@@ -45,7 +45,7 @@ fn at_work(context: &mut Context, tally: &mut Tally, (name, signal): (&str, Sign
     let scenarios = scenario::all();
     for round in context.length.rounds(scenarios.len(), 4 * scenarios.len()) {
         let scenario = &scenarios[round % scenarios.len()];
-        let part = context.dice.unit();
+        let part = context.rng.unit();
         let what = format!("`{}`, {name} after {part:.3} of its time", scenario.line());
         let held = scenario.reference(context).and_then(|reference| {
             let desk = scenario.desk(context)?;

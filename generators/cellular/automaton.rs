@@ -1,13 +1,13 @@
 //! The automaton: cells filled at random, and the rule that smooths them.
 
 use crate::raster::Mask;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// A square of cells, each rock with this probability.
-pub(super) fn filled(side: usize, rock: f64, dice: &mut Dice) -> Mask {
+pub(super) fn filled(side: usize, rock: f64, rng: &mut Rng) -> Mask {
     let mut mask = Mask::rock(side, side);
     for cell in mask.inner() {
-        mask.open[cell] = !dice.chance(rock);
+        mask.open[cell] = !rng.chance(rock);
     }
     mask
 }
@@ -47,8 +47,8 @@ mod tests {
 
     #[test]
     fn a_step_is_the_rule_of_the_paper() {
-        let mut dice = Dice::new(plume_graph::seed::stream(1, "test", 0));
-        let before = filled(20, 0.5, &mut dice);
+        let mut rng = Rng::new(plume_graph::seed::stream(1, "test", 0));
+        let before = filled(20, 0.5, &mut rng);
         let mut after = before.clone();
         step(&mut after, 5);
         for cell in before.inner() {

@@ -6,7 +6,7 @@
 use nalgebra::Vector2;
 
 use super::Cellular;
-use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
 
 /// Nodes of a layer that tell its passages and the ramp to it.
 pub(super) const LEAST_NODES: u32 = 12;
@@ -17,20 +17,20 @@ const GENTLER: f64 = 0.7;
 /// Outwards, to each side of the plan.
 const SIDES: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
 
-/// One sketch of all layers, from the top down.
-pub(super) fn joined(settings: &Cellular, layers: Vec<Sketch>) -> Sketch {
+/// The centrelines of all layers, from the top down.
+pub(super) fn joined(settings: &Cellular, layers: Vec<CentrelineBuilder>) -> CentrelineBuilder {
     let mut layers = layers.into_iter();
     let mut whole = layers.next().unwrap_or_default();
-    let mut above = 0..whole.knots.len();
+    let mut above = 0..whole.vertices.len();
     let mut side = None;
     for layer in layers {
-        let start = whole.knots.len();
-        whole.knots.extend(layer.knots);
-        whole.lines.extend(layer.lines.iter().map(|line| line.map(|knot| knot + start)));
-        let below = start..whole.knots.len();
+        let start = whole.vertices.len();
+        whole.vertices.extend(layer.vertices);
+        whole.lines.extend(layer.lines.iter().map(|line| line.map(|vertex| vertex + start)));
+        let below = start..whole.vertices.len();
         let neighbors = whole.neighbors();
         let passages =
-            |layer: &std::ops::Range<usize>| layer.clone().filter(|&knot| !neighbors[knot].is_empty()).collect();
+            |layer: &std::ops::Range<usize>| layer.clone().filter(|&vertex| !neighbors[vertex].is_empty()).collect();
         let ramp = Ramp::choose(settings, &whole, [passages(&above), passages(&below)], side);
         side = Some(ramp.side);
         ramp.build(settings, &mut whole);
@@ -47,18 +47,24 @@ struct Ramp {
 
 impl Ramp {
     /// On the side, other than the last one, where its legs are farthest apart.
-    fn choose(settings: &Cellular, sketch: &Sketch, layers: [Vec<usize>; 2], last: Option<usize>) -> Self {
-        let at = |knot: usize, way: [f64; 2]| sketch.knots[knot].position.coords.xy().dot(&Vector2::from(way));
+    fn choose(
+        settings: &Cellular,
+        centreline: &CentrelineBuilder,
+        layers: [Vec<usize>; 2],
+        last: Option<usize>,
+    ) -> Self {
+        let at =
+            |vertex: usize, way: [f64; 2]| centreline.vertices[vertex].position.coords.xy().dot(&Vector2::from(way));
         let outermost = |layer: &[usize], way: [f64; 2], may: &dyn Fn(usize) -> bool| {
-            let knots = layer.iter().copied().filter(|&knot| may(knot));
-            knots.max_by(|&a, &b| at(a, way).total_cmp(&at(b, way)))
+            let vertices = layer.iter().copied().filter(|&vertex| may(vertex));
+            vertices.max_by(|&a, &b| at(a, way).total_cmp(&at(b, way)))
         };
         let least = LEGS_APART * settings.width_min_m;
         let on = |side: usize| {
             let (way, along) = (SIDES[side], [SIDES[side][1], SIDES[side][0]]);
             let head = outermost(&layers[0], way, &|_| true)?;
-            let apart = |knot: usize| (at(knot, along) - at(head, along)).abs();
-            let far = |knot: usize| apart(knot) >= least;
+            let apart = |vertex: usize| (at(vertex, along) - at(head, along)).abs();
+            let far = |vertex: usize| apart(vertex) >= least;
             let foot = outermost(&layers[1], way, &far).or_else(|| outermost(&layers[1], way, &|_| true))?;
             Some((apart(foot), Self { side, ends: [head, foot] }))
         };
@@ -68,10 +74,10 @@ impl Ramp {
     }
 
     /// Digs it, as long as its inclination asks.
-    fn build(&self, settings: &Cellular, sketch: &mut Sketch) {
-        let [head, foot] = self.ends.map(|knot| sketch.knots[knot]);
+    fn build(&self, settings: &Cellular, centreline: &mut CentrelineBuilder) {
+        let [head, foot] = self.ends.map(|vertex| centreline.vertices[vertex]);
         let out = Vector2::from(SIDES[self.side]);
-        let [head_out, foot_out] = [head, foot].map(|knot| knot.position.coords.xy().dot(&out));
+        let [head_out, foot_out] = [head, foot].map(|vertex| vertex.position.coords.xy().dot(&out));
         let across = (foot.position - head.position).xy();
         let along_m = (across - out * across.dot(&out)).norm();
         let slope = GENTLER * libm::tan(settings.ramp_max_deg.to_radians());
@@ -79,7 +85,7 @@ impl Ramp {
         let beyond_m =
             (0.5 * (needed_m - along_m - (head_out - foot_out).abs())).max(LEGS_APART * settings.width_min_m);
         let reach = head_out.max(foot_out) + beyond_m;
-        let corner = |knot: &Knot, from: f64| knot.position.coords.xy() + out * (reach - from);
+        let corner = |vertex: &Vertex, from: f64| vertex.position.coords.xy() + out * (reach - from);
         let legs = [reach - head_out, along_m, reach - foot_out];
         let mut before = self.ends[0];
         let mut walked = 0.0;
@@ -87,10 +93,10 @@ impl Ramp {
             walked += leg;
             let part = walked / legs.iter().sum::<f64>();
             let z = head.position.z + (foot.position.z - head.position.z) * part;
-            let knot = sketch.add(settings.knot([plan.x, plan.y, z].into(), settings.width_min_m, foot.level));
-            sketch.join(before, knot);
-            before = knot;
+            let vertex = centreline.add(settings.vertex([plan.x, plan.y, z].into(), settings.width_min_m, foot.level));
+            centreline.join(before, vertex);
+            before = vertex;
         }
-        sketch.join(before, self.ends[1]);
+        centreline.join(before, self.ends[1]);
     }
 }

@@ -38,7 +38,7 @@ impl Cave<'_> {
             };
             grown += self.stations[tip].radius;
             tip = next;
-            bearing += DRIFT * self.dice.gauss();
+            bearing += DRIFT * self.rng.normal();
             bearing = self.turned_from_wall(tip, bearing);
             heading = self.pulled(tip, bearing);
         }
@@ -55,24 +55,24 @@ impl Cave<'_> {
     }
 
     fn draw_length(&mut self, trunk: bool) -> (f64, bool) {
-        if trunk { self.lengths.trunk(&mut self.dice) } else { (self.lengths.spur(&mut self.dice), false) }
+        if trunk { self.lengths.trunk(&mut self.rng) } else { (self.lengths.spur(&mut self.rng), false) }
     }
 
     /// The mean radius in a branch of this length: long spurs walk like trunks.
     fn reach_in(&self, length: f64, trunk: bool) -> f64 {
-        let usual = if trunk { self.lot.trunk_reach } else { self.lot.spur_reach };
-        usual.max(length / NODES_IN_BRANCH).min(self.lot.trunk_reach)
+        let usual = if trunk { self.derived.trunk_reach } else { self.derived.spur_reach };
+        usual.max(length / NODES_IN_BRANCH).min(self.derived.trunk_reach)
     }
 
     /// The bearing, turned to slide along the bounds where it would run into them.
     fn turned_from_wall(&self, station: usize, bearing: f64) -> f64 {
         const INWARD: f64 = 0.35;
         let at = self.position(station);
-        let rim = 2.0 * self.lot.trunk_reach;
+        let rim = 2.0 * self.derived.trunk_reach;
         let (mut x, mut y) = (libm::cos(bearing), libm::sin(bearing));
         let meets = |at: f64, half: f64, along: f64| at.abs() > half - rim && along * at > 0.0;
-        let east_west = meets(at.x, self.lot.half[0], x);
-        let north_south = meets(at.y, self.lot.half[1], y);
+        let east_west = meets(at.x, self.derived.half[0], x);
+        let north_south = meets(at.y, self.derived.half[1], y);
         if !east_west && !north_south {
             return bearing;
         }

@@ -12,7 +12,7 @@ use super::tuning::{
     SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
 };
 use crate::perlin::Perlin;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::{Graph, Node, millimetres};
 
 /// What a station belongs to.
@@ -71,7 +71,7 @@ pub(super) fn half_width(radius: f64) -> f64 {
 }
 
 /// Lengths in metres that follow from the settings.
-pub(super) struct Lot {
+pub(super) struct DerivedLengths {
     /// Mean radius on trunks.
     pub(super) trunk_reach: f64,
     /// Mean radius on spurs and connectors.
@@ -84,7 +84,7 @@ pub(super) struct Lot {
     pub(super) half: [f64; 2],
 }
 
-impl Lot {
+impl DerivedLengths {
     fn new(settings: &GaussianPerlin) -> Self {
         let span = settings.reach_max_m - settings.reach_min_m;
         let trunk_reach = settings.reach_min_m + TRUNK_REACH * span;
@@ -106,8 +106,8 @@ impl Lot {
 /// The state of one attempt.
 pub(super) struct Cave<'a> {
     pub(super) settings: &'a GaussianPerlin,
-    pub(super) lot: Lot,
-    pub(super) dice: Dice,
+    pub(super) derived: DerivedLengths,
+    pub(super) rng: Rng,
     pub(super) compass: Compass,
     pub(super) relief: Perlin,
     pub(super) lengths: Lengths,
@@ -120,28 +120,28 @@ pub(super) struct Cave<'a> {
     pub(super) links: Vec<Vec<Link>>,
     mean_degree: f64,
     /// Stations of the reduced graph: those without exactly two passages.
-    knots: usize,
+    vertices: usize,
     /// Ends of branches at them.
     knot_ends: usize,
 }
 
 impl<'a> Cave<'a> {
-    pub(super) fn new(settings: &'a GaussianPerlin, mut dice: Dice) -> Self {
-        let lot = Lot::new(settings);
+    pub(super) fn new(settings: &'a GaussianPerlin, mut rng: Rng) -> Self {
+        let derived = DerivedLengths::new(settings);
         Self {
-            compass: Compass::new(settings, &mut dice),
-            relief: Perlin::new(&mut dice),
-            lengths: Lengths::new(settings.nodes, lot.mean_length),
-            mean_degree: 2.0 + settings.loop_closure * dice.between(EXCESS_DEGREE[0], EXCESS_DEGREE[1]),
+            compass: Compass::new(settings, &mut rng),
+            relief: Perlin::new(&mut rng),
+            lengths: Lengths::new(settings.nodes, derived.mean_length),
+            mean_degree: 2.0 + settings.loop_closure * rng.between(EXCESS_DEGREE[0], EXCESS_DEGREE[1]),
             settings,
-            lot,
-            dice,
+            derived,
+            rng,
             stations: Vec::new(),
             grid: Grid::default(),
             tips: Vec::new(),
             deepest: 0,
             links: Vec::new(),
-            knots: 0,
+            vertices: 0,
             knot_ends: 0,
         }
     }
@@ -153,10 +153,10 @@ impl<'a> Cave<'a> {
 
     /// Loops that the mean degree of the reduced graph still asks for.
     pub(super) fn missing_loops(&self) -> f64 {
-        if self.settings.loop_closure == 0.0 || self.knots <= FEW_KNOTS {
+        if self.settings.loop_closure == 0.0 || self.vertices <= FEW_KNOTS {
             return 0.0;
         }
-        0.5 * self.mean_degree * self.knots as f64 - 0.5 * self.knot_ends as f64
+        0.5 * self.mean_degree * self.vertices as f64 - 0.5 * self.knot_ends as f64
     }
 
     pub(super) fn position(&self, station: usize) -> &Point3<f64> {
@@ -176,7 +176,7 @@ impl<'a> Cave<'a> {
 
     /// A radius about `mean`, not far from the one before.
     pub(super) fn draw_reach(&mut self, mean: f64, before: Option<f64>) -> f64 {
-        let drawn = mean * libm::exp(REACH_JITTER * self.dice.gauss());
+        let drawn = mean * libm::exp(REACH_JITTER * self.rng.normal());
         let smooth = before.map_or(drawn, |radius| drawn.max(radius / REACH_SHRINK).min(radius * REACH_GROWTH));
         smooth.max(self.settings.reach_min_m).min(self.settings.reach_max_m)
     }
@@ -233,7 +233,7 @@ impl<'a> Cave<'a> {
             self.tips.push(station);
         }
         if degree != 2 {
-            self.knots += 1;
+            self.vertices += 1;
             self.knot_ends += degree;
         }
     }
@@ -247,7 +247,7 @@ impl<'a> Cave<'a> {
             }
         }
         if degree != 2 {
-            self.knots -= 1;
+            self.vertices -= 1;
             self.knot_ends -= degree;
         }
     }

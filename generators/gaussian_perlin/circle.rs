@@ -12,7 +12,7 @@ use super::tuning::{
     DEGREE, FRACTURE, FRACTURE_KAPPA, LINK_SIGMA, PERLIN_FLOOR, PERLIN_SCALE_M, RULED_OUT, SPUR_SIGMA,
 };
 use crate::perlin::Perlin;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Sections of a circle.
 const SECTIONS: usize = 360;
@@ -42,11 +42,11 @@ pub(super) struct Compass {
 }
 
 impl Compass {
-    pub(super) fn new(settings: &GaussianPerlin, dice: &mut Dice) -> Self {
+    pub(super) fn new(settings: &GaussianPerlin, rng: &mut Rng) -> Self {
         let sigma = settings.sigma_deg * DEGREE;
-        let fracture = fracture(dice);
+        let fracture = fracture(rng);
         Self {
-            noise: Perlin::new(dice),
+            noise: Perlin::new(rng),
             perlin_weight: match settings.distribution {
                 Distribution::Gaussian => 0.0,
                 Distribution::Hybrid => settings.perlin_weight,
@@ -110,18 +110,18 @@ impl Circle {
     }
 
     /// An azimuth drawn by weight, uniform in its section; `None` when no section is left.
-    pub(super) fn draw(&self, dice: &mut Dice) -> Option<f64> {
+    pub(super) fn draw(&self, rng: &mut Rng) -> Option<f64> {
         let total: u64 = self.weights.iter().sum();
         if total == 0 {
             return None;
         }
-        let mut left = dice.below(total);
+        let mut left = rng.below(total);
         let drawn = self.weights.iter().position(|&weight| {
             let found = left < weight;
             left = left.saturating_sub(weight);
             found
         })?;
-        Some((drawn as f64 + dice.unit()) * DEGREE)
+        Some((drawn as f64 + rng.unit()) * DEGREE)
     }
 
     /// Allows nothing near an azimuth that was drawn and failed.
@@ -156,10 +156,10 @@ fn gaussian(sigma: f64) -> Table {
 }
 
 /// How much each azimuth is preferred: two sets of parallel fractures, mean 1.
-fn fracture(dice: &mut Dice) -> Table {
-    let first = dice.between(0.0, PI);
-    let second = first + dice.between(55.0 * DEGREE, 90.0 * DEGREE);
-    let strength = dice.between(0.4, 1.0);
+fn fracture(rng: &mut Rng) -> Table {
+    let first = rng.between(0.0, PI);
+    let second = first + rng.between(55.0 * DEGREE, 90.0 * DEGREE);
+    let strength = rng.between(0.4, 1.0);
     let peak = |angle: f64| libm::exp(FRACTURE_KAPPA * (libm::cos(2.0 * angle) - 1.0));
     let raw: Table = std::array::from_fn(|s| {
         let angle = middle(s);
@@ -177,18 +177,18 @@ fn normalized(table: Table) -> Table {
 mod tests {
     use super::*;
 
-    fn compass(distribution: Distribution) -> (Compass, Dice) {
-        let mut dice = Dice::new(plume_graph::seed::stream(1, "test", 0));
+    fn compass(distribution: Distribution) -> (Compass, Rng) {
+        let mut rng = Rng::new(plume_graph::seed::stream(1, "test", 0));
         let settings = GaussianPerlin { distribution, ..Default::default() };
-        (Compass::new(&settings, &mut dice), dice)
+        (Compass::new(&settings, &mut rng), rng)
     }
 
     #[test]
     fn a_gaussian_circle_looks_ahead_across_the_wrap() {
-        let (compass, mut dice) = compass(Distribution::Gaussian);
+        let (compass, mut rng) = compass(Distribution::Gaussian);
         let circle = compass.circle([0.0, 0.0], 4.0, -0.01, Spread::Link);
         for _ in 0..500 {
-            let azimuth = circle.draw(&mut dice).expect("no arc is forbidden");
+            let azimuth = circle.draw(&mut rng).expect("no arc is forbidden");
             assert!(wrap(azimuth).abs() < 5.0 * LINK_SIGMA, "{azimuth}");
         }
     }
@@ -203,24 +203,24 @@ mod tests {
 
     #[test]
     fn nothing_is_drawn_from_a_forbidden_arc() {
-        let (compass, mut dice) = compass(Distribution::Hybrid);
+        let (compass, mut rng) = compass(Distribution::Hybrid);
         let mut circle = compass.circle([0.0, 0.0], 4.0, 3.0, Spread::Spur);
         circle.forbid(-3.1, 1.0);
         for _ in 0..500 {
-            let azimuth = circle.draw(&mut dice).expect("most of the circle is free");
+            let azimuth = circle.draw(&mut rng).expect("most of the circle is free");
             assert!(wrap(azimuth + 3.1).abs() > 1.0 - DEGREE);
         }
         circle.forbid(0.0, 4.0);
-        assert_eq!(circle.draw(&mut dice), None);
+        assert_eq!(circle.draw(&mut rng), None);
     }
 
     #[test]
     fn a_failed_section_is_not_drawn_again() {
-        let (compass, mut dice) = compass(Distribution::Hybrid);
+        let (compass, mut rng) = compass(Distribution::Hybrid);
         let mut circle = compass.circle([0.0, 0.0], 4.0, 0.0, Spread::Trunk);
         circle.rule_out(0.001);
         for _ in 0..500 {
-            let azimuth = circle.draw(&mut dice).expect("most of the circle is free");
+            let azimuth = circle.draw(&mut rng).expect("most of the circle is free");
             assert!(wrap(azimuth).abs() >= 7.0 * DEGREE);
         }
     }

@@ -13,7 +13,7 @@ use super::tuning::{
     WAKE_TRUNK,
 };
 use plume_graph::Graph;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Nodes drawn in search of one to wake.
 const WAKE_DRAWS: usize = 64;
@@ -30,8 +30,8 @@ pub(super) struct Shortfall {
 }
 
 /// Grows one graph.
-pub(super) fn grow(settings: &GaussianPerlin, dice: Dice) -> Result<Graph, Shortfall> {
-    let mut growth = Growth::new(Cave::new(settings, dice));
+pub(super) fn grow(settings: &GaussianPerlin, rng: Rng) -> Result<Graph, Shortfall> {
+    let mut growth = Growth::new(Cave::new(settings, rng));
     growth.run();
     let cave = growth.cave;
     let is_whole = cave.room() == 0 && cave.deepest + 1 >= settings.layers;
@@ -88,14 +88,14 @@ impl<'a> Growth<'a> {
     /// The origin and its branches.
     fn plant(&mut self) {
         let cave = &mut self.cave;
-        let radius = cave.draw_reach(cave.lot.trunk_reach, None);
-        let heading = cave.dice.between(0.0, 2.0 * PI);
+        let radius = cave.draw_reach(cave.derived.trunk_reach, None);
+        let heading = cave.rng.between(0.0, 2.0 * PI);
         let position = Point3::new(0.0, 0.0, cave.surface(0.0, 0.0, 0));
         let origin = cave.add_station(Station { heading, ..Station::new(position, radius, Kind::Trunk, 0) });
-        let opposite = heading + cave.dice.between(130.0, 230.0) * DEGREE;
-        let third = cave.dice.chance(THIRD_AT_ORIGIN);
-        let aside = cave.dice.sign() * cave.dice.between(60.0, 120.0) * DEGREE;
-        let aside_trunk = cave.dice.chance(0.5);
+        let opposite = heading + cave.rng.between(130.0, 230.0) * DEGREE;
+        let third = cave.rng.chance(THIRD_AT_ORIGIN);
+        let aside = cave.rng.sign() * cave.rng.between(60.0, 120.0) * DEGREE;
+        let aside_trunk = cave.rng.chance(0.5);
         self.bud(origin, heading, true);
         self.bud(origin, opposite, true);
         if third {
@@ -156,17 +156,17 @@ impl<'a> Growth<'a> {
     }
 
     fn next_bud(&mut self) -> Bud {
-        let dice = &mut self.cave.dice;
-        let trunk_first = dice.chance(TRUNK_FIRST);
+        let rng = &mut self.cave.rng;
+        let trunk_first = rng.chance(TRUNK_FIRST);
         let (trunks, spurs) = (self.trunks.len(), self.spurs.len());
         if trunks + spurs + self.above.len() == 0 {
             return self.wake();
         }
         if trunks + spurs == 0 {
-            return self.above.swap_remove(dice.index(self.above.len()));
+            return self.above.swap_remove(rng.index(self.above.len()));
         }
         let choices = if trunk_first && trunks > 0 { trunks } else { trunks + spurs };
-        let drawn = dice.index(choices);
+        let drawn = rng.index(choices);
         if drawn < trunks { self.trunks.swap_remove(drawn) } else { self.spurs.swap_remove(drawn - trunks) }
     }
 
@@ -174,12 +174,12 @@ impl<'a> Growth<'a> {
     fn wake(&mut self) -> Bud {
         let station = self.wakeable();
         let cave = &mut self.cave;
-        let aside = cave.dice.sign() * cave.dice.between(60.0, 110.0) * DEGREE;
+        let aside = cave.rng.sign() * cave.rng.between(60.0, 110.0) * DEGREE;
         let end = cave.stations[station].degree() < 2;
         Bud {
             station,
             bearing: cave.stations[station].heading + if end { 0.0 } else { aside },
-            trunk: cave.dice.chance(WAKE_TRUNK),
+            trunk: cave.rng.chance(WAKE_TRUNK),
         }
     }
 
@@ -191,14 +191,14 @@ impl<'a> Growth<'a> {
             return;
         }
         let heading = self.cave.stations[tip].heading;
-        let dice = &mut self.cave.dice;
-        let side = dice.sign();
-        let mut turn = |low: f64, high: f64| side * dice.between(low, high) * DEGREE;
+        let rng = &mut self.cave.rng;
+        let side = rng.sign();
+        let mut turn = |low: f64, high: f64| side * rng.between(low, high) * DEGREE;
         if trunk {
             let ahead = heading - turn(0.0, 25.0);
             let aside = heading + turn(55.0, 100.0);
             let beyond = heading - turn(70.0, 105.0);
-            let aside_trunk = self.cave.dice.chance(SIDE_TRUNK);
+            let aside_trunk = self.cave.rng.chance(SIDE_TRUNK);
             let buds = [(ahead, true), (aside, aside_trunk), (beyond, false)];
             for &(bearing, trunk) in &buds[..children] {
                 self.bud(tip, bearing, trunk);
@@ -213,17 +213,17 @@ impl<'a> Growth<'a> {
 
     /// How many branches go on where one ends.
     fn children(&mut self, trunk: bool) -> usize {
-        let dice = &mut self.cave.dice;
+        let rng = &mut self.cave.rng;
         let least = self.cave.settings.children_min as usize;
         let most = self.cave.settings.children_max as usize;
         if !trunk {
-            let splits = dice.chance(SPUR_SPLITS);
+            let splits = rng.chance(SPUR_SPLITS);
             return if splits { most.min(2) } else { 0 };
         }
-        if dice.chance(TRUNK_DIES) {
+        if rng.chance(TRUNK_DIES) {
             return 0;
         }
-        let extra = (least..most).filter(|_| dice.chance(EXTRA_CHILD)).count();
+        let extra = (least..most).filter(|_| rng.chance(EXTRA_CHILD)).count();
         least + extra
     }
 
@@ -231,11 +231,11 @@ impl<'a> Growth<'a> {
     fn wakeable(&mut self) -> usize {
         let cave = &mut self.cave;
         let deep = cave.stations.len() - self.layer_start;
-        let drawn = (0..WAKE_DRAWS).map(|_| self.layer_start + cave.dice.index(deep));
+        let drawn = (0..WAKE_DRAWS).map(|_| self.layer_start + cave.rng.index(deep));
         let open = drawn.into_iter().find(|&drawn| {
             let station = &cave.stations[drawn];
             station.degree() == 2 && matches!(station.kind, Kind::Trunk | Kind::Spur)
         });
-        open.unwrap_or_else(|| cave.dice.index(cave.stations.len()))
+        open.unwrap_or_else(|| cave.rng.index(cave.stations.len()))
     }
 }

@@ -29,7 +29,7 @@ impl Cave<'_> {
     /// room.
     pub(super) fn descend(&mut self, start: usize) -> Option<usize> {
         (0..RAMP_HEADS).find_map(|_| {
-            let head = start + self.dice.index(self.stations.len() - start);
+            let head = start + self.rng.index(self.stations.len() - start);
             let station = &self.stations[head];
             let fits = station.level == self.deepest && station.degree() <= 2 && station.kind != Kind::Ramp;
             if !fits {
@@ -42,8 +42,8 @@ impl Cave<'_> {
     fn grow_ramp(&mut self, head: usize) -> Option<usize> {
         let start = self.stations.len();
         let steepest = self.settings.ramp_max_deg;
-        let slope = self.dice.between(GENTLEST_RAMP * steepest, steepest);
-        let aside = self.dice.sign() * self.dice.between(40.0, 100.0) * DEGREE;
+        let slope = self.rng.between(GENTLEST_RAMP * steepest, steepest);
+        let aside = self.rng.sign() * self.rng.between(40.0, 100.0) * DEGREE;
         let passing = self.stations[head].degree() == 2;
         let bearing = self.stations[head].heading + if passing { aside } else { 0.0 };
         let foot = self.walk_down(head, bearing, libm::tan(slope * DEGREE));
@@ -61,7 +61,7 @@ impl Cave<'_> {
             let step = Step {
                 heading,
                 spread: Spread::Trunk,
-                radius: self.draw_reach(self.lot.trunk_reach, Some(self.stations[tip].radius)),
+                radius: self.draw_reach(self.derived.trunk_reach, Some(self.stations[tip].radius)),
                 kind: Kind::Ramp,
                 level,
                 floor: Floor::Ramp(slope),

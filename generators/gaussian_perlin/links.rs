@@ -53,7 +53,7 @@ impl Cave<'_> {
     /// Links a layer to a passage of the one below.
     pub(super) fn link(&mut self, upper: u32, hops: &mut Hops) -> bool {
         (0..RAMP_HEADS).any(|_| {
-            let head = self.dice.index(self.stations.len());
+            let head = self.rng.index(self.stations.len());
             let station = &self.stations[head];
             let fits = station.level == upper && station.degree() <= 2 && station.kind != Kind::Ramp;
             fits && self.link_from(head, hops)
@@ -65,7 +65,7 @@ impl Cave<'_> {
         let Some(foot) = self.sink(head) else { return false };
         hops.count(foot, &self.stations);
         let lowest = self.stations[foot].level;
-        let mut goals: Vec<(u64, usize)> = (self.grid.stations_near(self.position(foot), self.lot.join_distance))
+        let mut goals: Vec<(u64, usize)> = (self.grid.stations_near(self.position(foot), self.derived.join_distance))
             .filter(|&goal| self.stations[goal].level == lowest && self.is_joinable(foot, goal))
             .map(|goal| ((self.distance(foot, goal) * 1e6) as u64, goal))
             .collect();
@@ -81,12 +81,12 @@ impl Cave<'_> {
     /// Goes down from a station to the surface of the next layer; the station there, if all found room.
     pub(super) fn sink(&mut self, head: usize) -> Option<usize> {
         let slopes = self.settings.link_slopes();
-        let slope = self.dice.between(slopes.least, slopes.greatest);
-        let aside = self.dice.sign() * self.dice.between(40.0, 100.0) * DEGREE;
+        let slope = self.rng.between(slopes.least, slopes.greatest);
+        let aside = self.rng.sign() * self.rng.between(40.0, 100.0) * DEGREE;
         let passing = self.stations[head].degree() == 2;
         let bearing = self.stations[head].heading + if passing { aside } else { 0.0 };
         let foot = self.landing(head, bearing, slope);
-        let step_m = self.draw_reach(self.lot.trunk_reach, Some(self.stations[head].radius));
+        let step_m = self.draw_reach(self.derived.trunk_reach, Some(self.stations[head].radius));
         let way = way_down([*self.position(head), foot], Course::Straight, &slopes, step_m)?;
         let level = self.stations[head].level;
         let is_open = slope >= SHAFT || self.opens(head, bearing);
@@ -133,7 +133,7 @@ impl Cave<'_> {
         for position in &way[1..] {
             let station =
                 Station { parent: Some(tip), heading: bearing, ..Station::new(*position, radius, Kind::Ramp, level) };
-            let inside = position.x.abs() <= self.lot.half[0] && position.y.abs() <= self.lot.half[1];
+            let inside = position.x.abs() <= self.derived.half[0] && position.y.abs() <= self.derived.half[1];
             if !inside || !self.is_clear(tip, position, station.half_width(), Goal::Open) {
                 return None;
             }

@@ -45,11 +45,11 @@ impl Cave<'_> {
         let mut sources = if self.tips.len() <= JOIN_TRIES {
             self.tips.clone()
         } else {
-            (0..JOIN_TRIES).map(|_| self.tips[self.dice.index(self.tips.len())]).collect()
+            (0..JOIN_TRIES).map(|_| self.tips[self.rng.index(self.tips.len())]).collect()
         };
         let mut mids = 0;
         for _ in 0..4 * MID_TRIES {
-            let drawn = self.dice.index(self.stations.len());
+            let drawn = self.rng.index(self.stations.len());
             let station = &self.stations[drawn];
             let plain = !matches!(station.kind, Kind::Ramp | Kind::Main);
             if mids < MID_TRIES && plain && station.degree() == 2 {
@@ -63,13 +63,13 @@ impl Cave<'_> {
     }
 
     fn find_goals(&mut self, from: usize, hops: &Hops, found: &mut Vec<Candidate>) {
-        let near: Vec<usize> = self.grid.stations_near(self.position(from), self.lot.join_distance).collect();
+        let near: Vec<usize> = self.grid.stations_near(self.position(from), self.derived.join_distance).collect();
         for to in near {
             let way_round = hops.to(to);
             if way_round < LOOP_HOPS || !self.is_joinable(from, to) {
                 continue;
             }
-            if self.stations[to].kind == Kind::Main && self.dice.chance(KEEP_MAIN) {
+            if self.stations[to].kind == Kind::Main && self.rng.chance(KEEP_MAIN) {
                 continue;
             }
             let cost = self.cost_m(from, to) / libm::pow(f64::from(way_round), LOOP_BIAS);
@@ -79,7 +79,7 @@ impl Cave<'_> {
 
     /// What a connector costs in metres of passage: drawn within limits, less between layers, more at a tip.
     fn cost_m(&mut self, from: usize, to: usize) -> f64 {
-        let drawn = self.distance(from, to) * self.dice.between(1.0, DEAREST);
+        let drawn = self.distance(from, to) * self.rng.between(1.0, DEAREST);
         let (a, b) = (&self.stations[from], &self.stations[to]);
         let layers = if a.level == b.level { 1.0 } else { LAYER_DISCOUNT };
         let tip = if b.degree() == 1 { TIP_COST_M } else { 0.0 };
@@ -93,7 +93,7 @@ impl Cave<'_> {
         b.degree() <= 2
             && b.kind != Kind::Ramp
             && a.level.abs_diff(b.level) <= u32::from(!self.settings.has_links())
-            && apart <= self.lot.join_distance
+            && apart <= self.derived.join_distance
             && apart >= LAST_LEG * self.settings.reach_min_m
             && (a.level == b.level || self.is_walkable(from, to, Kind::Ramp))
             && self.legs(apart) - 1.0 <= self.room() as f64
@@ -101,7 +101,7 @@ impl Cave<'_> {
 
     /// Passages that a connector over this distance is likely to need.
     fn legs(&self, distance: f64) -> f64 {
-        0.75 * distance / self.lot.spur_reach
+        0.75 * distance / self.derived.spur_reach
     }
 
     pub(super) fn connect(&mut self, from: usize, to: usize) -> bool {
@@ -127,7 +127,7 @@ impl Cave<'_> {
     fn walk_to(&mut self, from: usize, to: usize) -> bool {
         let first = self.stations.len();
         let crosses = self.stations[from].level != self.stations[to].level;
-        let mut bend = self.dice.sign() * self.dice.between(15.0, 55.0) * DEGREE;
+        let mut bend = self.rng.sign() * self.rng.between(15.0, 55.0) * DEGREE;
         let mut tip = from;
         for _ in 0..LINK_STEPS {
             if self.can_join(tip, to, crosses) {
@@ -139,7 +139,7 @@ impl Cave<'_> {
             let step = Step {
                 heading: self.azimuth(tip, to) + bend,
                 spread: Spread::Link,
-                radius: self.draw_reach(self.lot.spur_reach, Some(self.stations[tip].radius)),
+                radius: self.draw_reach(self.derived.spur_reach, Some(self.stations[tip].radius)),
                 kind: if crosses { Kind::Ramp } else { Kind::Link },
                 level: self.stations[tip].level,
                 floor: if crosses { Floor::Straight(to) } else { Floor::Surface },

@@ -35,7 +35,7 @@ impl Cave<'_> {
     pub(super) fn step(&mut self, from: usize, step: &Step) -> Option<usize> {
         let mut circle = self.circle(from, step);
         for _ in 0..DRAWS {
-            let Some(azimuth) = circle.draw(&mut self.dice) else {
+            let Some(azimuth) = circle.draw(&mut self.rng) else {
                 break;
             };
             let position = self.placed(from, azimuth, step);
@@ -82,7 +82,7 @@ impl Cave<'_> {
 
     fn accepts(&self, from: usize, position: &Point3<f64>, step: &Step) -> bool {
         let rise = (position.z - self.position(from).z).abs();
-        let inside = position.x.abs() <= self.lot.half[0] && position.y.abs() <= self.lot.half[1];
+        let inside = position.x.abs() <= self.derived.half[0] && position.y.abs() <= self.derived.half[1];
         inside
             && rise <= self.stations[from].radius * self.greatest_slope(step.kind) + 1e-9
             && self.approaches(from, position, step.goal)

@@ -3,7 +3,7 @@
 
 use super::{Heightmap, Heights};
 use crate::perlin::Perlin;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::seed;
 
 /// Square metres of plan for each metre of ridges, per metre between them (tuned; a fifth more than needed, to be cut
@@ -23,8 +23,8 @@ const NOISE_REACH: f64 = 0.5;
 
 /// A relief whose ridges are at least `length_m` long.
 pub(super) fn ridges(settings: &Heightmap, length_m: f64, seed: u64) -> Heights {
-    let mut dice = Dice::new(seed::stream(seed, "heightmap", 0));
-    let noises = [Perlin::new(&mut dice), Perlin::new(&mut dice)];
+    let mut rng = Rng::new(seed::stream(seed, "heightmap", 0));
+    let noises = [Perlin::new(&mut rng), Perlin::new(&mut rng)];
     let spacing_m = settings.ridge_spacing_m;
     let side_m = (length_m * spacing_m * PLAN_PER_LENGTH).sqrt().max(LEAST_SIDE * spacing_m);
     let cell_m =

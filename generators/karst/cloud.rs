@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Karst;
 use super::rock::Rock;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Points are thrown so many times for each cell as large as points are apart (tuned: more of them find no room).
 const THROWS_PER_CELL: f64 = 2.5;
@@ -34,7 +34,7 @@ pub(super) struct Cloud {
 impl Cloud {
     /// Throws points and keeps those that have room (dart throwing: Cook, "Stochastic sampling in computer graphics",
     /// 1986).
-    pub(super) fn scatter(settings: &Karst, rock: &Rock, side_m: f64, dice: &mut Dice) -> Self {
+    pub(super) fn scatter(settings: &Karst, rock: &Rock, side_m: f64, rng: &mut Rng) -> Self {
         let [bottom, top] = rock.extremes();
         let apart_m = settings.sample_spacing_m;
         // No narrower than points are apart, so that only columns side by side are in each other's way.
@@ -45,11 +45,11 @@ impl Cloud {
         for column in 0..columns * columns {
             let corner = [column % columns, column / columns].map(|at| at as f64 * column_m - 0.5 * side_m);
             for _ in 0..(THROWS_PER_CELL * storeys) as usize {
-                let [x, y] = corner.map(|low| dice.between(low, low + column_m));
-                let z = if dice.chance(ON_HORIZON) {
-                    rock.some_horizon(dice) + dice.between(-BED_M, BED_M)
+                let [x, y] = corner.map(|low| rng.between(low, low + column_m));
+                let z = if rng.chance(ON_HORIZON) {
+                    rock.some_horizon(rng) + rng.between(-BED_M, BED_M)
                 } else {
-                    dice.between(bottom, top)
+                    rng.between(bottom, top)
                 };
                 cloud.offer(column, Point3::new(x, y, z).cast());
             }

@@ -2,20 +2,20 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use plume_graph::centreline::{Branch, CentrelineBuilder};
 use plume_graph::sets::Sets;
-use plume_graph::sketch::{Branch, Sketch};
 
-/// Drops passages of which a knot is too near to another one, as these pairs say. They are laid anew after all others, the
+/// Drops passages of which a vertex is too near to another one, as these pairs say. They are laid anew after all others, the
 /// longest first: dead ends where they are clear of what is there by then, the others also where nothing else joins their
-/// ends. Passages through the knots of `kept` stay.
-pub(super) fn drop_crowds(sketch: &mut Sketch, crowds: &[[u32; 2]], kept: &FxHashSet<usize>) {
-    let degrees: Vec<usize> = sketch.neighbors().degrees().collect();
-    let mut cave = Cave::empty(sketch.knots.len(), crowds);
-    let (mut crowded, clear): (Vec<Branch>, Vec<Branch>) = sketch
+/// ends. Passages through the vertices of `kept` stay.
+pub(super) fn drop_crowds(centreline: &mut CentrelineBuilder, crowds: &[[u32; 2]], kept: &FxHashSet<usize>) {
+    let degrees: Vec<usize> = centreline.neighbors().degrees().collect();
+    let mut cave = Cave::empty(centreline.vertices.len(), crowds);
+    let (mut crowded, clear): (Vec<Branch>, Vec<Branch>) = centreline
         .branches()
         .into_iter()
-        .partition(|branch| cave.is_crowded(branch) && !branch.knots.iter().any(|knot| kept.contains(knot)));
-    crowded.sort_by(|a, b| b.length_m.total_cmp(&a.length_m).then(a.knots.cmp(&b.knots)));
+        .partition(|branch| cave.is_crowded(branch) && !branch.vertices.iter().any(|vertex| kept.contains(vertex)));
+    crowded.sort_by(|a, b| b.length_m.total_cmp(&a.length_m).then(a.vertices.cmp(&b.vertices)));
     let is_dead_end = |branch: &Branch| [branch.first(), branch.last()].iter().any(|&end| degrees[end] == 1);
     let (dead_ends, inner): (Vec<Branch>, Vec<Branch>) = crowded.into_iter().partition(is_dead_end);
     clear.iter().for_each(|branch| cave.lay(branch));
@@ -29,37 +29,37 @@ pub(super) fn drop_crowds(sketch: &mut Sketch, crowds: &[[u32; 2]], kept: &FxHas
             cave.lay(branch);
         }
     }
-    sketch.lines = cave.lines;
+    centreline.lines = cave.lines;
 }
 
 /// Passages while they are laid.
 struct Cave {
     lines: Vec<[usize; 2]>,
     is_laid: Vec<bool>,
-    /// Knots that are joined by what is laid.
+    /// Vertices that are joined by what is laid.
     parts: Sets,
-    /// Which knots are too near to each one that has any.
+    /// Which vertices are too near to each one that has any.
     against: FxHashMap<usize, Vec<usize>>,
 }
 
 impl Cave {
-    fn empty(knots: usize, crowds: &[[u32; 2]]) -> Self {
+    fn empty(vertices: usize, crowds: &[[u32; 2]]) -> Self {
         let mut against: FxHashMap<usize, Vec<usize>> = FxHashMap::default();
-        for [a, b] in crowds.iter().map(|pair| pair.map(|knot| knot as usize)) {
+        for [a, b] in crowds.iter().map(|pair| pair.map(|vertex| vertex as usize)) {
             against.entry(a).or_default().push(b);
             against.entry(b).or_default().push(a);
         }
-        Self { lines: Vec::new(), is_laid: vec![false; knots], parts: Sets::new(knots), against }
+        Self { lines: Vec::new(), is_laid: vec![false; vertices], parts: Sets::new(vertices), against }
     }
 
     fn is_crowded(&self, branch: &Branch) -> bool {
-        branch.knots.iter().any(|knot| self.against.contains_key(knot))
+        branch.vertices.iter().any(|vertex| self.against.contains_key(vertex))
     }
 
     /// Whether nothing that is laid is too near.
     fn has_room(&self, branch: &Branch) -> bool {
-        let others = branch.knots.iter().filter_map(|knot| self.against.get(knot)).flatten();
-        others.filter(|other| !branch.knots.contains(other)).all(|&other| !self.is_laid[other])
+        let others = branch.vertices.iter().filter_map(|vertex| self.against.get(vertex)).flatten();
+        others.filter(|other| !branch.vertices.contains(other)).all(|&other| !self.is_laid[other])
     }
 
     /// Whether one comes from one end to the other already.
@@ -68,8 +68,8 @@ impl Cave {
     }
 
     fn lay(&mut self, branch: &Branch) {
-        self.lines.extend(branch.knots.windows(2).map(|line| [line[0], line[1]]));
-        branch.knots.iter().for_each(|&knot| self.is_laid[knot] = true);
+        self.lines.extend(branch.vertices.windows(2).map(|line| [line[0], line[1]]));
+        branch.vertices.iter().for_each(|&vertex| self.is_laid[vertex] = true);
         self.parts.unite(branch.first(), branch.last());
     }
 }

@@ -1,43 +1,43 @@
-//! Forks opened: passages leave a knot at an angle that can be told, and not too many of them.
+//! Forks opened: passages leave a vertex at an angle that can be told, and not too many of them.
 
 use nalgebra::Vector3;
 
-use plume_graph::sketch::Sketch;
+use plume_graph::centreline::CentrelineBuilder;
 use plume_graph::tidy::MOST_PASSAGES;
 
 /// Cosine of the angle at which passages fork, or at a wider one: 30 degrees.
 const LEAST_FORK_COSINE: f64 = 0.866;
 const ROUNDS: usize = 64;
 
-/// Where two passages leave a knot in nearly the same direction, or too many do, the longer one leaves from the end of the
+/// Where two passages leave a vertex in nearly the same direction, or too many do, the longer one leaves from the end of the
 /// shorter one instead. What is moved gets shorter each time, so there is an end to it.
-pub(super) fn open_forks(sketch: &mut Sketch) {
+pub(super) fn open_forks(centreline: &mut CentrelineBuilder) {
     for _ in 0..ROUNDS {
-        if !open_some(sketch) {
+        if !open_some(centreline) {
             break;
         }
     }
 }
 
-/// One round over all knots. Whether there was such a place.
-fn open_some(sketch: &mut Sketch) -> bool {
-    sketch.lines.iter_mut().for_each(|line| line.sort_unstable());
-    sketch.lines.sort_unstable();
-    sketch.lines.dedup();
-    let ends = |(line, ends): (usize, &[usize; 2])| ends.map(|knot| (knot as u32, line as u32));
-    let mut at_knots: Vec<(u32, u32)> = sketch.lines.iter().enumerate().flat_map(ends).collect();
+/// One round over all vertices. Whether there was such a place.
+fn open_some(centreline: &mut CentrelineBuilder) -> bool {
+    centreline.lines.iter_mut().for_each(|line| line.sort_unstable());
+    centreline.lines.sort_unstable();
+    centreline.lines.dedup();
+    let ends = |(line, ends): (usize, &[usize; 2])| ends.map(|vertex| (vertex as u32, line as u32));
+    let mut at_knots: Vec<(u32, u32)> = centreline.lines.iter().enumerate().flat_map(ends).collect();
     at_knots.sort_unstable();
-    let mut touched = vec![false; sketch.lines.len()];
+    let mut touched = vec![false; centreline.lines.len()];
     let mut left = Vec::new();
     for at_knot in at_knots.chunk_by(|a, b| a.0 == b.0) {
-        let knot = at_knot[0].0 as usize;
+        let vertex = at_knot[0].0 as usize;
         left.clear();
         left.extend(at_knot.iter().map(|&(_, line)| line as usize).filter(|&line| !touched[line]));
-        while let Some((cosine, short, long)) = narrowest(sketch, knot, &left) {
+        while let Some((cosine, short, long)) = narrowest(centreline, vertex, &left) {
             if cosine <= LEAST_FORK_COSINE && left.len() <= MOST_PASSAGES {
                 break;
             }
-            sketch.lines[long] = [other_end(sketch, short, knot), other_end(sketch, long, knot)];
+            centreline.lines[long] = [other_end(centreline, short, vertex), other_end(centreline, long, vertex)];
             touched[long] = true;
             touched[short] = true;
             left.retain(|&line| line != long);
@@ -47,9 +47,9 @@ fn open_some(sketch: &mut Sketch) -> bool {
 }
 
 /// The two of these lines with the least angle between them: its cosine, the shorter line, the longer one.
-fn narrowest(sketch: &Sketch, knot: usize, lines: &[usize]) -> Option<(f64, usize, usize)> {
+fn narrowest(centreline: &CentrelineBuilder, vertex: usize, lines: &[usize]) -> Option<(f64, usize, usize)> {
     let way = |line: usize| -> Vector3<f64> {
-        sketch.knots[other_end(sketch, line, knot)].position - sketch.knots[knot].position
+        centreline.vertices[other_end(centreline, line, vertex)].position - centreline.vertices[vertex].position
     };
     let mut least: Option<(f64, usize, usize)> = None;
     for (place, &a) in lines.iter().enumerate() {
@@ -65,7 +65,7 @@ fn narrowest(sketch: &Sketch, knot: usize, lines: &[usize]) -> Option<(f64, usiz
     least
 }
 
-fn other_end(sketch: &Sketch, line: usize, knot: usize) -> usize {
-    let [a, b] = sketch.lines[line];
-    if a == knot { b } else { a }
+fn other_end(centreline: &CentrelineBuilder, line: usize, vertex: usize) -> usize {
+    let [a, b] = centreline.lines[line];
+    if a == vertex { b } else { a }
 }

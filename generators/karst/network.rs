@@ -11,8 +11,8 @@ use super::crowds::drop_crowds;
 use super::forks::open_forks;
 use super::rock::Rock;
 use super::room::{crowds, give_way, watched};
-use plume_graph::dice::Dice;
-use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::rng::Rng;
 use plume_graph::{Section, Shape};
 
 /// Most of the way between two points that a dead end falls short of (tuned for short branches beside long ones).
@@ -29,28 +29,28 @@ pub(super) fn drawn(
     cloud: &Cloud,
     lines: &[[usize; 2]],
     keys: &[usize],
-    dice: &mut Dice,
-) -> Sketch {
-    let (mut sketch, at_keys) = traced(cloud, lines, keys);
-    open_forks(&mut sketch);
-    shorten_tips(&mut sketch, dice);
-    let mut sketch = wound(settings, sketch, dice).smoothed(1);
-    for knot in &mut sketch.knots {
-        let width_m = rock.width_m(knot.position);
+    rng: &mut Rng,
+) -> CentrelineBuilder {
+    let (mut centreline, at_keys) = traced(cloud, lines, keys);
+    open_forks(&mut centreline);
+    shorten_tips(&mut centreline, rng);
+    let mut centreline = wound(settings, centreline, rng).smoothed(1);
+    for vertex in &mut centreline.vertices {
+        let width_m = rock.width_m(vertex.position);
         let height_m = (width_m * settings.height_ratio).max(1.0);
-        knot.section = Some(Section { width_m, height_m, shape: Shape::Cave });
+        vertex.section = Some(Section { width_m, height_m, shape: Shape::Cave });
     }
-    join_crossings(&mut sketch, &at_keys);
-    let watched = watched(&sketch);
-    let crowds = crowds(&sketch, &watched);
-    drop_crowds(&mut sketch, &crowds, &at_keys);
-    give_way(&mut sketch, &watched);
-    sketch.knots.iter_mut().for_each(|knot| knot.position = rock.in_world(knot.position));
-    sketch
+    join_crossings(&mut centreline, &at_keys);
+    let watched = watched(&centreline);
+    let crowds = crowds(&centreline, &watched);
+    drop_crowds(&mut centreline, &crowds, &at_keys);
+    give_way(&mut centreline, &watched);
+    centreline.vertices.iter_mut().for_each(|vertex| vertex.position = rock.in_world(vertex.position));
+    centreline
 }
 
-/// A knot for each point of the lines, and which of them are at key points, the first of these first of all.
-fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (Sketch, FxHashSet<usize>) {
+/// A vertex for each point of the lines, and which of them are at key points, the first of these first of all.
+fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBuilder, FxHashSet<usize>) {
     let mut points: Vec<usize> = lines.iter().flatten().copied().collect();
     points.sort_unstable();
     points.dedup();
@@ -62,51 +62,52 @@ fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (Sketch, FxHas
         at if at == root => Some(0),
         at => Some(at),
     };
-    let knot = |&point: &usize| Knot { position: cloud.point(point), section: None, level: 0 };
-    let mut sketch = Sketch { knots: points.iter().map(knot).collect(), lines: Vec::with_capacity(lines.len()) };
-    if !sketch.knots.is_empty() {
-        sketch.knots.swap(0, root);
+    let vertex = |&point: &usize| Vertex { position: cloud.point(point), section: None, level: 0 };
+    let mut centreline =
+        CentrelineBuilder { vertices: points.iter().map(vertex).collect(), lines: Vec::with_capacity(lines.len()) };
+    if !centreline.vertices.is_empty() {
+        centreline.vertices.swap(0, root);
     }
     for ends in lines {
         let [a, b] = ends.map(|point| knot_of(point).expect("it is a point of a line"));
-        sketch.join(a, b);
+        centreline.join(a, b);
     }
-    (sketch, keys.iter().filter_map(|&key| knot_of(key)).collect())
+    (centreline, keys.iter().filter_map(|&key| knot_of(key)).collect())
 }
 
 /// Lets dead ends end anywhere between the two points they lie between; the root stays.
-fn shorten_tips(sketch: &mut Sketch, dice: &mut Dice) {
-    let neighbors = sketch.neighbors();
-    for tip in 1..sketch.knots.len() {
+fn shorten_tips(centreline: &mut CentrelineBuilder, rng: &mut Rng) {
+    let neighbors = centreline.neighbors();
+    for tip in 1..centreline.vertices.len() {
         if let &[before] = &neighbors[tip] {
-            let to = sketch.knots[before].position;
-            let way = to - sketch.knots[tip].position;
-            sketch.knots[tip].position += way * dice.between(0.0, MOST_SHORTENED);
+            let to = centreline.vertices[before].position;
+            let way = to - centreline.vertices[tip].position;
+            centreline.vertices[tip].position += way * rng.between(0.0, MOST_SHORTENED);
         }
     }
 }
 
 /// The same lines with midpoints moved aside, again and again (Fournier, Fussell, Carpenter: "Computer rendering of
 /// stochastic models", 1982).
-fn wound(settings: &Karst, mut sketch: Sketch, dice: &mut Dice) -> Sketch {
-    let lines = std::mem::take(&mut sketch.lines);
+fn wound(settings: &Karst, mut centreline: CentrelineBuilder, rng: &mut Rng) -> CentrelineBuilder {
+    let lines = std::mem::take(&mut centreline.lines);
     let mut left: Vec<[usize; 2]> = Vec::new();
     for line in lines {
         left.push(line);
         while let Some([a, b]) = left.pop() {
-            let way = sketch.knots[b].position - sketch.knots[a].position;
+            let way = centreline.vertices[b].position - centreline.vertices[a].position;
             if way.norm() <= WINDING_M {
-                sketch.join(a, b);
+                centreline.join(a, b);
                 continue;
             }
-            let aside = settings.roughness * dice.gauss().clamp(-2.0, 2.0);
-            let up = UPS_AND_DOWNS * aside.abs() * dice.sign();
+            let aside = settings.roughness * rng.normal().clamp(-2.0, 2.0);
+            let up = UPS_AND_DOWNS * aside.abs() * rng.sign();
             let moved = Vector3::new(-way.y * aside, way.x * aside, way.xy().norm() * up);
-            let position = sketch.knots[a].position + 0.5 * way + moved;
-            let middle = sketch.add(Knot { position, section: None, level: 0 });
+            let position = centreline.vertices[a].position + 0.5 * way + moved;
+            let middle = centreline.add(Vertex { position, section: None, level: 0 });
             left.push([middle, b]);
             left.push([a, middle]);
         }
     }
-    sketch
+    centreline
 }

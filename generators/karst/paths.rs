@@ -12,7 +12,7 @@ use super::Karst;
 use super::cloud::{Cloud, Neighbour};
 use super::rock::Rock;
 use plume_graph::Neighbors;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 const NONE: u32 = u32::MAX;
 /// Most steps of a dead end; short ones are more.
@@ -53,10 +53,10 @@ impl Paths {
     }
 
     /// Lines between points that are passages.
-    pub(super) fn network(&self, settings: &Karst, cloud: &Cloud, rock: &Rock, dice: &mut Dice) -> Vec<[usize; 2]> {
+    pub(super) fn network(&self, settings: &Karst, cloud: &Cloud, rock: &Rock, rng: &mut Rng) -> Vec<[usize; 2]> {
         let mut used = vec![false; self.back.len()];
         let mut lines = Vec::new();
-        for meeting in self.kept(settings.gamma, settings.cycles, dice) {
+        for meeting in self.kept(settings.gamma, settings.cycles, rng) {
             let [a, b] = meeting.points.map(|point| point as usize);
             lines.push([a, b]);
             [a, b].iter().for_each(|&end| self.follow(end, usize::MAX, &mut used, &mut lines));
@@ -67,8 +67,8 @@ impl Paths {
             if missing == 0 {
                 break;
             }
-            let tip = dice.index(self.back.len());
-            let steps = 1 + dice.index(DEAD_END_STEPS).min(dice.index(DEAD_END_STEPS));
+            let tip = rng.index(self.back.len());
+            let steps = 1 + rng.index(DEAD_END_STEPS).min(rng.index(DEAD_END_STEPS));
             let arrives = self.arrives(tip, steps, &used);
             if arrives && rock.tightness(cloud.point(tip)) < SOFT {
                 self.follow(tip, steps, &mut used, &mut lines);
@@ -84,7 +84,7 @@ impl Paths {
     }
 
     /// Meetings that survive: no third key point makes for a way that costs less when each part is raised to `gamma`.
-    fn kept(&self, gamma: f64, cycles: f64, dice: &mut Dice) -> Vec<Meeting> {
+    fn kept(&self, gamma: f64, cycles: f64, rng: &mut Rng) -> Vec<Meeting> {
         let pairs: Vec<[usize; 2]> = self.meetings.iter().map(|meeting| meeting.keys.map(|key| key as usize)).collect();
         let around = Neighbors::of(self.keys(), &pairs);
         let raised = |meeting: &Meeting| libm::pow(f64::from(meeting.cost), gamma);
@@ -95,7 +95,7 @@ impl Paths {
                 part(a) + part(b)
             };
             let shortest = around[a].iter().map(detour).fold(f64::INFINITY, f64::min);
-            shortest >= costs[&[a, b]] || dice.chance(cycles)
+            shortest >= costs[&[a, b]] || rng.chance(cycles)
         };
         let kept: Vec<bool> = pairs.iter().copied().map(survives).collect();
         self.meetings.iter().zip(kept).filter_map(|(meeting, kept)| kept.then_some(*meeting)).collect()

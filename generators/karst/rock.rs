@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 
 use super::Karst;
 use crate::perlin::Perlin;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Height above or below a horizon at which it is felt by half, in metres (tuned).
 const HORIZON_REACH_M: f64 = 1.5;
@@ -34,7 +34,7 @@ pub(super) struct Rock {
 }
 
 impl Rock {
-    pub(super) fn new(settings: &Karst, dice: &mut Dice) -> Self {
+    pub(super) fn new(settings: &Karst, rng: &mut Rng) -> Self {
         let mut horizons = settings.horizons_m.clone();
         horizons.sort_by(f64::total_cmp);
         let dip = libm::tan(settings.dip_deg.to_radians());
@@ -42,7 +42,7 @@ impl Rock {
             horizons,
             dip: compass(settings.dip_azimuth_deg) * dip,
             fractures: settings.fracture_azimuths_deg.iter().map(|&azimuth| compass(azimuth)).collect(),
-            noise: Perlin::new(dice),
+            noise: Perlin::new(rng),
             scale_m: settings.permeability_scale_m,
             weights: [settings.horizon_weight, settings.fracture_weight, settings.permeability_weight],
             slope_max: libm::tan(settings.slope_max_deg.to_radians()),
@@ -56,8 +56,8 @@ impl Rock {
         [self.horizons[0], self.horizons[self.horizons.len() - 1]]
     }
 
-    pub(super) fn some_horizon(&self, dice: &mut Dice) -> f64 {
-        self.horizons[dice.index(self.horizons.len())]
+    pub(super) fn some_horizon(&self, rng: &mut Rng) -> f64 {
+        self.horizons[rng.index(self.horizons.len())]
     }
 
     /// A point moved to the side of the plan towards which the horizons sink.

@@ -1,40 +1,40 @@
 //! Room between passages: where two of them run too near to each other, both give way.
 
 use plume_graph::Neighbors;
-use plume_graph::section::{Section, half_girth_m};
-use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::section::{Section, clearance_radius_m};
 
 /// Least rock between passages, beside what rounding bends to stations takes, in metres (tuned).
 const ROCK_M: f64 = 1.0;
-/// Knots are watched that are so much farther from each other than they need to be, in metres.
+/// Vertices are watched up to this much beyond the distance that they need, in metres.
 const WATCHED_M: f64 = 1.0;
 const ROUNDS: usize = 24;
 /// Most that two passages give way together, in metres (tuned: more makes kinks, less drops many passages).
 const MOST_GIVEN_M: f64 = 2.0;
-/// Ways are walked so much farther than the girth where they start asks for; the other passage may be wider.
+/// Ways are walked so much farther than the passage where they start is wide; the other passage may be wider.
 const FARTHEST: f64 = 1.3;
 /// Least distance by the way along the cave where a short one joins two places: forks of 74 degrees keep it.
 const PART_OF_WAY: f64 = 0.6;
 /// What is left of a height between passages when their slopes are evened out (tuned).
 const LEVELLED: f64 = 0.8;
 
-/// Moves knots aside until hardly two passages are nearer than their girths and the rock between them, or than a part of
+/// Moves vertices aside until hardly two passages are nearer than their clearance radii and the rock between them, or than a part of
 /// the way that joins them.
-pub(super) fn give_way(sketch: &mut Sketch, watched: &[Watched]) {
-    let is_there: Vec<bool> = sketch.neighbors().degrees().map(|passages| passages > 0).collect();
-    let is_left = |watched: &&Watched| watched.pair.iter().all(|&knot| is_there[knot as usize]);
+pub(super) fn give_way(centreline: &mut CentrelineBuilder, watched: &[Watched]) {
+    let is_there: Vec<bool> = centreline.neighbors().degrees().map(|passages| passages > 0).collect();
+    let is_left = |watched: &&Watched| watched.pair.iter().all(|&vertex| is_there[vertex as usize]);
     for _ in 0..ROUNDS {
         let mut is_still = true;
         for &Watched { pair, least_m } in watched.iter().filter(is_left) {
-            let [a, b] = pair.map(|knot| knot as usize);
-            let way = sketch.knots[b].position - sketch.knots[a].position;
+            let [a, b] = pair.map(|vertex| vertex as usize);
+            let way = centreline.vertices[b].position - centreline.vertices[a].position;
             // Slopes are bounded, so there is room at the sides only.
             let up = LEVELLED * way.z;
             let aside = (least_m * least_m - up * up).max(0.0).sqrt() - way.xy().norm();
             if let (true, Some(along)) = (aside > 0.01, way.xy().try_normalize(1e-6)) {
                 let moved = (along * (0.5 * aside)).push(0.0);
-                sketch.knots[a].position -= moved;
-                sketch.knots[b].position += moved;
+                centreline.vertices[a].position -= moved;
+                centreline.vertices[b].position += moved;
                 is_still = false;
             }
         }
@@ -44,33 +44,33 @@ pub(super) fn give_way(sketch: &mut Sketch, watched: &[Watched]) {
     }
 }
 
-/// Pairs of knots that could not give way without bending passages out of shape.
-pub(super) fn crowds(sketch: &Sketch, watched: &[Watched]) -> Vec<[u32; 2]> {
+/// Pairs of vertices that could not give way without bending passages out of shape.
+pub(super) fn crowds(centreline: &CentrelineBuilder, watched: &[Watched]) -> Vec<[u32; 2]> {
     let is_crowded = |Watched { pair: [a, b], least_m }: &&Watched| {
-        sketch.distance_m(*a as usize, *b as usize) < least_m - MOST_GIVEN_M
+        centreline.distance_m(*a as usize, *b as usize) < least_m - MOST_GIVEN_M
     };
     watched.iter().filter(is_crowded).map(|watched| watched.pair).collect()
 }
 
-/// Two knots that may come too near to each other.
+/// Two vertices that may come too near to each other.
 pub(super) struct Watched {
     pair: [u32; 2],
     /// The distance that they should keep.
     least_m: f64,
 }
 
-/// Knots that are too near to each other, or nearly so.
-pub(super) fn watched(sketch: &Sketch) -> Vec<Watched> {
-    let neighbors = sketch.neighbors();
-    let near = near_pairs(&sketch.knots);
+/// Vertices that are too near to each other, or nearly so.
+pub(super) fn watched(centreline: &CentrelineBuilder) -> Vec<Watched> {
+    let neighbors = centreline.neighbors();
+    let near = near_pairs(&centreline.vertices);
     let mut walk = Walk::default();
     let mut watched = Vec::new();
     for pairs in near.chunk_by(|a, b| a[0] == b[0]) {
-        walk.start(sketch, &neighbors, pairs[0][0] as usize);
+        walk.start(centreline, &neighbors, pairs[0][0] as usize);
         for &pair in pairs {
-            let [a, b] = pair.map(|knot| knot as usize);
-            let least_m = least_m(&sketch.knots[a], &sketch.knots[b]).min(PART_OF_WAY * walk.way_m(b));
-            if sketch.distance_m(a, b) < least_m + WATCHED_M {
+            let [a, b] = pair.map(|vertex| vertex as usize);
+            let least_m = least_m(&centreline.vertices[a], &centreline.vertices[b]).min(PART_OF_WAY * walk.way_m(b));
+            if centreline.distance_m(a, b) < least_m + WATCHED_M {
                 watched.push(Watched { pair, least_m });
             }
         }
@@ -79,33 +79,33 @@ pub(super) fn watched(sketch: &Sketch) -> Vec<Watched> {
 }
 
 /// The distance that two passages should keep.
-pub(super) fn least_m(a: &Knot, b: &Knot) -> f64 {
+pub(super) fn least_m(a: &Vertex, b: &Vertex) -> f64 {
     reach_m(a) + reach_m(b) + ROCK_M
 }
 
 /// Nothing without a section.
-fn reach_m(knot: &Knot) -> f64 {
-    knot.section.map_or(0.0, |Section { width_m, height_m, .. }| half_girth_m(width_m, height_m))
+fn reach_m(vertex: &Vertex) -> f64 {
+    vertex.section.map_or(0.0, |Section { width_m, height_m, .. }| clearance_radius_m(width_m, height_m))
 }
 
-/// Where a knot lies on a sweep over the rows of the plan.
+/// Where a vertex lies on a sweep over the rows of the plan.
 struct Swept {
     row: i32,
     x: f64,
-    knot: u32,
+    vertex: u32,
 }
 
-/// Pairs of knots that are nearer to each other than they should be, or nearly so.
-fn near_pairs(knots: &[Knot]) -> Vec<[u32; 2]> {
-    let widest = knots.iter().map(reach_m).fold(0.0, f64::max);
+/// Pairs of vertices that are nearer to each other than they should be, or nearly so.
+fn near_pairs(vertices: &[Vertex]) -> Vec<[u32; 2]> {
+    let widest = vertices.iter().map(reach_m).fold(0.0, f64::max);
     let most_m = 2.0 * widest + ROCK_M + WATCHED_M;
-    let swept = |(place, knot): (usize, &Knot)| Swept {
-        row: (knot.position.y / most_m).floor() as i32,
-        x: knot.position.x,
-        knot: place as u32,
+    let swept = |(place, vertex): (usize, &Vertex)| Swept {
+        row: (vertex.position.y / most_m).floor() as i32,
+        x: vertex.position.x,
+        vertex: place as u32,
     };
-    let mut sweep: Vec<Swept> = knots.iter().enumerate().map(swept).collect();
-    sweep.sort_unstable_by(|a, b| a.row.cmp(&b.row).then(a.x.total_cmp(&b.x)).then(a.knot.cmp(&b.knot)));
+    let mut sweep: Vec<Swept> = vertices.iter().enumerate().map(swept).collect();
+    sweep.sort_unstable_by(|a, b| a.row.cmp(&b.row).then(a.x.total_cmp(&b.x)).then(a.vertex.cmp(&b.vertex)));
     let mut pairs = Vec::new();
     // Where the sweep of the next row stands.
     let mut above = 0;
@@ -117,26 +117,26 @@ fn near_pairs(knots: &[Knot]) -> Vec<[u32; 2]> {
         let beside = |from: usize, row: i32| {
             sweep[from..].iter().take_while(move |other| other.row == row && other.x <= here.x + most_m)
         };
-        let knot = &knots[here.knot as usize];
+        let vertex = &vertices[here.vertex as usize];
         let is_near = |&other: &u32| {
-            let other = &knots[other as usize];
-            let most_m = least_m(knot, other) + WATCHED_M;
-            (other.position - knot.position).norm_squared() < most_m * most_m
+            let other = &vertices[other as usize];
+            let most_m = least_m(vertex, other) + WATCHED_M;
+            (other.position - vertex.position).norm_squared() < most_m * most_m
         };
-        let others = beside(place + 1, here.row).chain(beside(above, here.row + 1)).map(|other| other.knot);
-        pairs.extend(others.filter(is_near).map(|other| [here.knot, other]));
+        let others = beside(place + 1, here.row).chain(beside(above, here.row + 1)).map(|other| other.vertex);
+        pairs.extend(others.filter(is_near).map(|other| [here.vertex, other]));
     }
     pairs
 }
 
-/// The shortest ways along the cave from one knot to those around it.
+/// The shortest ways along the cave from one vertex to those around it.
 #[derive(Default)]
 struct Walk(Vec<(usize, f64)>);
 
 impl Walk {
-    /// Begins anew at a knot, and goes as far as ways matter.
-    fn start(&mut self, sketch: &Sketch, neighbors: &Neighbors, from: usize) {
-        let most_m = 2.0 * reach_m(&sketch.knots[from]) + ROCK_M;
+    /// Begins anew at a vertex, and goes as far as ways matter.
+    fn start(&mut self, centreline: &CentrelineBuilder, neighbors: &Neighbors, from: usize) {
+        let most_m = 2.0 * reach_m(&centreline.vertices[from]) + ROCK_M;
         let most_m = FARTHEST * most_m / PART_OF_WAY;
         self.0.clear();
         self.0.push((from, 0.0));
@@ -144,7 +144,7 @@ impl Walk {
         while let Some(&(at, way_m)) = self.0.get(next) {
             next += 1;
             for &to in &neighbors[at] {
-                let to_m = way_m + sketch.distance_m(at, to);
+                let to_m = way_m + centreline.distance_m(at, to);
                 if to_m <= most_m && to_m < self.way_m(to) {
                     self.0.push((to, to_m));
                 }
@@ -153,7 +153,7 @@ impl Walk {
     }
 
     /// Infinite where the walk did not come.
-    fn way_m(&self, knot: usize) -> f64 {
-        self.0.iter().filter(|(at, _)| *at == knot).map(|&(_, way_m)| way_m).fold(f64::INFINITY, f64::min)
+    fn way_m(&self, vertex: usize) -> f64 {
+        self.0.iter().filter(|(at, _)| *at == vertex).map(|&(_, way_m)| way_m).fold(f64::INFINITY, f64::min)
     }
 }

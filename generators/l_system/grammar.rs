@@ -1,7 +1,7 @@
 //! A stochastic bracketed grammar, read from the texts of a recipe.
 
 use crate::GenerateError;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// The letter that digs a passage.
 pub(super) const FORWARD: char = 'F';
@@ -84,10 +84,10 @@ impl Grammar {
     }
 
     /// The production that a letter becomes, drawn by weight; none where no rule has it.
-    pub(super) fn draw(&self, letter: char, dice: &mut Dice) -> Option<usize> {
+    pub(super) fn draw(&self, letter: char, rng: &mut Rng) -> Option<usize> {
         let fitting = || self.rules.iter().filter(|rule| rule.letter == letter);
         let last = fitting().next_back()?.production;
-        let mut drawn = dice.unit() * fitting().map(|rule| rule.weight).sum::<f64>();
+        let mut drawn = rng.unit() * fitting().map(|rule| rule.weight).sum::<f64>();
         let chosen = fitting().find(|rule| {
             drawn -= rule.weight;
             drawn < 0.0

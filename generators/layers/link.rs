@@ -6,7 +6,7 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::stack::Stack;
 use crate::ramp::{Course, Helix, Slopes, slope, way_down};
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 use plume_graph::{Node, millimetres};
 
 /// What all links keep.
@@ -50,19 +50,19 @@ enum Place {
 
 impl Stack {
     /// Makes one more link between a layer and the one below it, far from the `others` there; `None` if none finds room.
-    pub(super) fn link(&mut self, upper: usize, others: &[Link], law: &Law, dice: &mut Dice) -> Option<Link> {
+    pub(super) fn link(&mut self, upper: usize, others: &[Link], law: &Law, rng: &mut Rng) -> Option<Link> {
         let pair = [self.layers[upper].clone(), self.layers[upper + 1].clone()];
         // The smaller layer is asked, since all of it may lie under or over a small part of the other.
         let from = usize::from(pair[1].len() < pair[0].len());
         for _ in 0..DRAWS {
-            let mut drawn: Vec<usize> = (0..DRAWN).map(|_| pair[from].start + dice.index(pair[from].len())).collect();
+            let mut drawn: Vec<usize> = (0..DRAWN).map(|_| pair[from].start + rng.index(pair[from].len())).collect();
             drawn.sort_by_cached_key(|&station| {
                 let at = self.rock.nodes[station].position.xy();
                 let away_um = others.iter().map(|link| ((link[from].xy() - at).norm() * 1e6) as u64);
                 std::cmp::Reverse(away_um.min())
             });
             for station in drawn {
-                let link = self.link_from(station, &pair, from, others, law, dice);
+                let link = self.link_from(station, &pair, from, others, law, rng);
                 if link.is_some() {
                     return link;
                 }
@@ -79,13 +79,13 @@ impl Stack {
         from: usize,
         others: &[Link],
         law: &Law,
-        dice: &mut Dice,
+        rng: &mut Rng,
     ) -> Option<Link> {
         let mut ends = Vec::new();
         if law.slopes.greatest >= SHAFT {
             ends.extend(self.crossings(station, &pair[1 - from]));
         }
-        ends.extend(self.goals(station, &pair[1 - from], law, dice));
+        ends.extend(self.goals(station, &pair[1 - from], law, rng));
         for [this, other] in ends {
             let ends = if from == 0 { [this, other] } else { [other, this] };
             let [head, foot] = ends.map(|place| self.node(place).position);
@@ -95,7 +95,7 @@ impl Stack {
             if head.z - foot.z < LEAST_DROP_M || !is_spaced(0, &head) || !is_spaced(1, &foot) {
                 continue;
             }
-            if self.run(ends, law, dice) {
+            if self.run(ends, law, rng) {
                 return Some([head, foot]);
             }
         }
@@ -124,7 +124,7 @@ impl Stack {
     }
 
     /// Stations of the other layer that a link could lead to, those first that a straight one of middling slope would reach.
-    fn goals(&self, station: usize, other: &Range<usize>, law: &Law, dice: &mut Dice) -> Vec<[Place; 2]> {
+    fn goals(&self, station: usize, other: &Range<usize>, law: &Law, rng: &mut Rng) -> Vec<[Place; 2]> {
         if self.rock.neighbors[station].len() > MOST_PASSAGES {
             return Vec::new();
         }
@@ -145,18 +145,18 @@ impl Stack {
         let mut goals = Vec::new();
         while goals.len() < GOALS && !near.is_empty() {
             // One of the better half, so that links differ.
-            let (_, goal) = near.remove(dice.index(near.len().div_ceil(2)));
+            let (_, goal) = near.remove(rng.index(near.len().div_ceil(2)));
             goals.push([Place::Station(station), Place::Station(goal)]);
         }
         goals
     }
 
     /// Makes the link along the first course that finds room.
-    fn run(&mut self, ends: [Place; 2], law: &Law, dice: &mut Dice) -> bool {
+    fn run(&mut self, ends: [Place; 2], law: &Law, rng: &mut Rng) -> bool {
         let [head, foot] = ends.map(|place| self.node(place));
         let points = [head.position, foot.position];
         let step_m = (0.5 * (head.radius + foot.radius)).clamp(STEP_M.start, STEP_M.end);
-        courses(points, &law.slopes, dice).into_iter().any(|course| {
+        courses(points, &law.slopes, rng).into_iter().any(|course| {
             let Some(way) = way_down(points, course, &law.slopes, step_m) else { return false };
             self.leaves(ends[0], &way[0], &way[1])
                 && self.leaves(ends[1], &way[way.len() - 1], &way[way.len() - 2])
@@ -284,8 +284,8 @@ fn crossing([a, b]: [Point3<f64>; 2], [c, d]: [Point3<f64>; 2]) -> Option<[f64; 
 }
 
 /// Ways a link may run, the plainer first: straight, bent, round and round.
-fn courses([head, foot]: [Point3<f64>; 2], slopes: &Slopes, dice: &mut Dice) -> Vec<Course> {
-    let (side, bearing) = (dice.sign(), dice.between(0.0, std::f64::consts::TAU));
+fn courses([head, foot]: [Point3<f64>; 2], slopes: &Slopes, rng: &mut Rng) -> Vec<Course> {
+    let (side, bearing) = (rng.sign(), rng.between(0.0, std::f64::consts::TAU));
     let gentle = 0.5 * (slopes.least + slopes.greatest);
     let steep = slopes.greatest - 0.05 * (slopes.greatest - slopes.least);
     let arc = |slope: f64, turns: u32| [side, -side].map(|side| Course::Round(Helix { slope, turns, side, bearing }));

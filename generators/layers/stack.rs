@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use super::layer::Layer;
-use plume_graph::clearance::{Body, Girth, Rock};
+use plume_graph::clearance::{Body, PassageSize, Rock};
 use plume_graph::{Graph, millimetres};
 
 /// Least way down when a layer is moved, in metres, so that it comes to an end.
@@ -25,7 +25,7 @@ pub(super) struct Stack {
 
 impl Default for Stack {
     fn default() -> Self {
-        let rock = Rock::new(&Graph::default(), Girth::default());
+        let rock = Rock::new(&Graph::default(), PassageSize::default());
         Self { rock, layers: Vec::new(), levels: 0, middle: None }
     }
 }
@@ -34,7 +34,7 @@ impl Stack {
     /// Puts a layer below those that are there: at its depth, or as far below it as `rock_m` of rock to all of them asks. One
     /// without a depth lies so much deeper still.
     pub(super) fn lay(&mut self, mut graph: Graph, layer: &Layer, rock_m: Option<f64>, deeper_m: f64) {
-        let own = Rock::new(&graph, Girth::default());
+        let own = Rock::new(&graph, PassageSize::default());
         let bodies: Vec<Body> = own.all_bodies().into_iter().map(|body| own.body(body)).collect();
         let mut by = self.start(&graph, layer);
         while let Some(lacking_m) = rock_m.and_then(|rock_m| self.lacking(&bodies, &by, rock_m)) {

@@ -86,12 +86,12 @@ impl<T: Copy> Column<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::dice::Dice;
+    use plume_graph::rng::Rng;
 
     #[test]
     fn what_is_near_is_found_until_it_is_removed() {
-        let mut dice = Dice::new(plume_graph::seed::stream(1, "test", 0));
-        let mut point = || Point3::from([40.0, 40.0, 20.0].map(|side: f64| dice.between(-side, side)));
+        let mut rng = Rng::new(plume_graph::seed::stream(1, "test", 0));
+        let mut point = || Point3::from([40.0, 40.0, 20.0].map(|side: f64| rng.between(-side, side)));
         let boxes: Vec<[Point3<f64>; 2]> =
             (0..200).map(|_| point()).map(|at| [at, at + Vector3::new(3.0, -9.0, 7.0)]).collect();
         let mut cells = Cells::new(6.0);

@@ -1,7 +1,7 @@
 //! The law of a network.
 //!
 //! A passage is no steeper than allowed, and opens at enough of an angle to the others at its ends. Where it comes
-//! nearer to another passage than half their girths and the rock between them, the two are also near along the cave: the
+//! nearer to another passage than half their clearance_radii and the rock between them, the two are also near along the cave: the
 //! way round is at most [`DETOUR`] times the way through the rock, and at most [`NEARBY`] times the distance that was to
 //! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in space, tested at the
 //! nearest points and at the four ends.
@@ -50,11 +50,11 @@ impl Network {
 
     fn is_clear(&self, a: usize, b: usize) -> bool {
         let ends = [self.position(a), self.position(b)];
-        let width = self.half_girth([a, b]);
-        let reach = width + self.rules.widest.half_girth() + self.rules.rock_m;
+        let width = self.clearance_radius([a, b]);
+        let reach = width + self.rules.widest.clearance_radius() + self.rules.rock_m;
         let mut ways: Option<[Ways; 2]> = None;
         for other in self.passages.near(ends, reach).map(|other| other.map(|end| end as usize)) {
-            let need = width + self.half_girth(other) + self.rules.rock_m;
+            let need = width + self.clearance_radius(other) + self.rules.rock_m;
             let is_joined = other.contains(&a) || other.contains(&b);
             let other_ends = other.map(|end| self.position(end));
             if is_joined || box_gap(ends, other_ends) >= need || segment_distance(ends, other_ends) >= need {
@@ -86,8 +86,8 @@ impl Network {
             && keeps(from_point(v, [a, b]), to(other[1]))
     }
 
-    fn half_girth(&self, [u, v]: [usize; 2]) -> f64 {
-        self.spot(u).size.half_girth().max(self.spot(v).size.half_girth())
+    fn clearance_radius(&self, [u, v]: [usize; 2]) -> f64 {
+        self.spot(u).size.clearance_radius().max(self.spot(v).size.clearance_radius())
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Network, Size, Spot};
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Loops of a real cave by ends and junctions, and one more (Collon et al. 2017: a mean degree of 2.13). Tuned.
 const LOOPS_PER_END: f64 = 0.07;
@@ -28,39 +28,39 @@ const SWING: f64 = 0.22;
 
 impl Network {
     /// Closes as many loops as the rules ask for, or as find room. Dead ends come first, then other stations.
-    pub(super) fn close_loops(&mut self, dice: &mut Dice) {
+    pub(super) fn close_loops(&mut self, rng: &mut Rng) {
         let ends = (0..self.len()).filter(|&station| self.degree(station) != 2).count();
         let wanted = self.rules.loop_closure * (1.0 + LOOPS_PER_END * ends as f64);
-        let mut missing = (wanted + dice.unit()) as usize;
-        for from in self.sources(missing, dice) {
+        let mut missing = (wanted + rng.unit()) as usize;
+        for from in self.sources(missing, rng) {
             if missing == 0 {
                 return;
             }
-            missing -= usize::from(self.join(from, dice));
+            missing -= usize::from(self.join(from, rng));
         }
     }
 
     /// Where connectors may start: the dead ends in any order, and as many stations inside passages as may be needed.
-    fn sources(&self, loops: usize, dice: &mut Dice) -> Vec<usize> {
+    fn sources(&self, loops: usize, rng: &mut Rng) -> Vec<usize> {
         let mut sources: Vec<usize> = (1..self.len()).filter(|&station| self.degree(station) == 1).collect();
         for last in (1..sources.len()).rev() {
-            sources.swap(last, dice.index(last + 1));
+            sources.swap(last, rng.index(last + 1));
         }
-        sources.extend((0..TRIES * loops).map(|_| dice.index(self.len())));
+        sources.extend((0..TRIES * loops).map(|_| rng.index(self.len())));
         sources
     }
 
     /// Joins a station to a place far along the cave, if one is near.
-    pub(crate) fn join(&mut self, from: usize, dice: &mut Dice) -> bool {
+    pub(crate) fn join(&mut self, from: usize, rng: &mut Rng) -> bool {
         let spacing = self.rules.spacing_m;
-        let goals = self.goals(from, [LEAST_REACH * spacing, REACH * spacing], dice);
-        goals.into_iter().take(TRIES).any(|to| self.connect(from, to, dice))
+        let goals = self.goals(from, [LEAST_REACH * spacing, REACH * spacing], rng);
+        goals.into_iter().take(TRIES).any(|to| self.connect(from, to, rng))
     }
 
     /// Places worth joining between the nearest and the farthest distance, the cheapest first.
-    pub(crate) fn goals(&self, from: usize, [nearest, farthest]: [f64; 2], dice: &mut Dice) -> Vec<usize> {
+    pub(crate) fn goals(&self, from: usize, [nearest, farthest]: [f64; 2], rng: &mut Rng) -> Vec<usize> {
         let at = self.position(from);
-        let found = self.cheapest(from, [nearest, farthest], dice);
+        let found = self.cheapest(from, [nearest, farthest], rng);
         // Only what is left is worth the walk along the cave.
         let Some(most) = found.iter().map(|&to| (self.position(to) - at).norm()).reduce(f64::max) else {
             return Vec::new();
@@ -72,13 +72,13 @@ impl Network {
 
     /// The cheapest places between two distances, looked for in rings. A place costs its distance at least, so none in
     /// the rings beyond is cheaper than what costs less than this ring is wide.
-    fn cheapest(&self, from: usize, [nearest, farthest]: [f64; 2], dice: &mut Dice) -> Vec<usize> {
+    fn cheapest(&self, from: usize, [nearest, farthest]: [f64; 2], rng: &mut Rng) -> Vec<usize> {
         let mut found: Vec<(f64, usize)> = Vec::new();
         let mut outer = nearest;
         while outer < farthest && found.iter().filter(|(cost, _)| *cost <= outer).count() < CONSIDERED {
             let inner = outer;
             outer = (RING * inner).min(farthest);
-            found.extend(self.ring(from, [inner, outer]).map(|(apart, to)| (apart * dice.between(1.0, DEAREST), to)));
+            found.extend(self.ring(from, [inner, outer]).map(|(apart, to)| (apart * rng.between(1.0, DEAREST), to)));
         }
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found.into_iter().map(|(_, to)| to).take(CONSIDERED).collect()
@@ -101,13 +101,13 @@ impl Network {
     }
 
     /// Lays a connector that leaves a dead end as it was heading and swings to its goal.
-    fn connect(&mut self, from: usize, to: usize, dice: &mut Dice) -> bool {
+    fn connect(&mut self, from: usize, to: usize, rng: &mut Rng) -> bool {
         let way = self.position(to) - self.position(from);
         let inner = ((way.norm() / self.rules.spacing_m).round() as usize).saturating_sub(1);
         if inner > self.room() {
             return false;
         }
-        let across = Vector3::new(-way.y, way.x, 0.0) * (SWING * dice.between(-1.0, 1.0));
+        let across = Vector3::new(-way.y, way.x, 0.0) * (SWING * rng.between(-1.0, 1.0));
         let swing = match self.heading(from) {
             Some(heading) => across + heading * (SWING * way.norm()),
             None => across,

@@ -82,9 +82,9 @@ mod tests {
     #[test]
     fn distances_are_those_to_the_nearest_rock() {
         let mut mask = Mask::rock(31, 23);
-        let mut dice = plume_graph::dice::Dice::new(plume_graph::seed::stream(1, "test", 0));
+        let mut rng = plume_graph::rng::Rng::new(plume_graph::seed::stream(1, "test", 0));
         for cell in mask.inner() {
-            mask.open[cell] = dice.chance(0.93);
+            mask.open[cell] = rng.chance(0.93);
         }
         let rock: Vec<[usize; 2]> = (0..mask.open.len()).filter(|&c| !mask.open[c]).map(|c| mask.place(c)).collect();
         for (cell, &found) in squares(&mask).iter().enumerate() {

@@ -1,47 +1,47 @@
-//! A thinned plan as centrelines: smooth, without the spurs and steps that cells leave, each knot with the width there.
+//! A thinned plan as centrelines: smooth, without the spurs and steps that cells leave, each vertex with the width there.
 
 use nalgebra::Point3;
 
 use super::{Mask, distance, thin};
-use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
 use plume_graph::{Section, Shape};
 
 /// Rounds of smoothing: a step of one cell becomes a bend of about five (tuned: fewer leave stairs, more cut corners).
 const SMOOTHING: usize = 12;
-/// Of so many knots of a smooth line, one is enough.
+/// One in this many vertices of a smooth line is enough.
 const EVERY: usize = 3;
 /// Junctions nearer to each other than this part of their width are one (tuned).
 const ONE_JUNCTION: f64 = 0.6;
 
 /// The centrelines of a plan in metres, its middle at the origin, its first row in the north. Widths reach from wall to
 /// wall; heights are left at 0.
-pub(crate) fn traced(mask: &Mask, cell_m: f64) -> Sketch {
+pub(crate) fn traced(mask: &Mask, cell_m: f64) -> CentrelineBuilder {
     rough(mask, cell_m).without_spurs().with_junctions_merged(ONE_JUNCTION).smoothed(SMOOTHING).with_every(EVERY)
 }
 
-/// A knot in each cell that thinning leaves, joined to its neighbours.
-fn rough(mask: &Mask, cell_m: f64) -> Sketch {
+/// A vertex in each cell that thinning leaves, joined to its neighbours.
+fn rough(mask: &Mask, cell_m: f64) -> CentrelineBuilder {
     let squares = distance::squares(mask);
     let thin = thin::thinned(mask, &squares);
-    let mut sketch = Sketch::default();
-    let mut knots = vec![u32::MAX; thin.open.len()];
+    let mut centreline = CentrelineBuilder::default();
+    let mut vertices = vec![u32::MAX; thin.open.len()];
     for cell in (0..thin.open.len()).filter(|&cell| thin.open[cell]) {
-        knots[cell] = sketch.add(knot(mask, &squares, cell, cell_m)) as u32;
+        vertices[cell] = centreline.add(vertex(mask, &squares, cell, cell_m)) as u32;
         for to in earlier_neighbours(&thin, cell) {
-            sketch.join(knots[to] as usize, knots[cell] as usize);
+            centreline.join(vertices[to] as usize, vertices[cell] as usize);
         }
     }
-    sketch
+    centreline
 }
 
-fn knot(mask: &Mask, squares: &[u32], cell: usize, cell_m: f64) -> Knot {
+fn vertex(mask: &Mask, squares: &[u32], cell: usize, cell_m: f64) -> Vertex {
     let [column, row] = mask.place(cell).map(|at| at as f64 + 0.5);
     let x = (column - 0.5 * mask.columns as f64) * cell_m;
     let y = (0.5 * mask.rows() as f64 - row) * cell_m;
     // From the middle of a cell of rock to its side is half a cell.
     let half_width_m = (f64::from(squares[cell]).sqrt() - 0.5) * cell_m;
     let section = Section { width_m: 2.0 * half_width_m, height_m: 0.0, shape: Shape::Cave };
-    Knot { position: Point3::new(x, y, 0.0), section: Some(section), level: 0 }
+    Vertex { position: Point3::new(x, y, 0.0), section: Some(section), level: 0 }
 }
 
 /// The open neighbours of a cell that come before it; across a corner only where no cell at the side joins the two.
@@ -68,13 +68,13 @@ mod tests {
         let closed = "#".repeat(41);
         let open = format!("#{}#", ".".repeat(39));
         let mask = Mask::drawn(&[&closed, &open, &open, &open, &closed, &closed, &closed]);
-        let sketch = traced(&mask, 2.0);
-        let inner: Vec<&Knot> = sketch.knots.iter().filter(|knot| knot.position.x.abs() < 12.0).collect();
-        assert!(inner.len() >= 3 && sketch.lines.len() == sketch.knots.len() - 1, "{sketch:?}");
+        let centreline = traced(&mask, 2.0);
+        let inner: Vec<&Vertex> = centreline.vertices.iter().filter(|vertex| vertex.position.x.abs() < 12.0).collect();
+        assert!(inner.len() >= 3 && centreline.lines.len() == centreline.vertices.len() - 1, "{centreline:?}");
         // The middle of the passage is the third row of seven.
-        for knot in inner {
-            let width_m = knot.section.map_or(0.0, |section| section.width_m);
-            assert!((knot.position.y - 2.0).abs() < 0.01 && (width_m - 6.0).abs() < 0.01, "{knot:?}");
+        for vertex in inner {
+            let width_m = vertex.section.map_or(0.0, |section| section.width_m);
+            assert!((vertex.position.y - 2.0).abs() < 0.01 && (width_m - 6.0).abs() < 0.01, "{vertex:?}");
         }
     }
 
@@ -86,8 +86,8 @@ mod tests {
         let mut rows: Vec<&str> = vec![&along; 21];
         rows[9..12].fill(&across);
         let rows: Vec<&str> = [&wall[..]].into_iter().chain(rows).chain([&wall[..]]).collect();
-        let sketch = traced(&Mask::drawn(&rows), 1.0);
-        let mut degrees: Vec<usize> = sketch.neighbors().degrees().filter(|&degree| degree != 2).collect();
+        let centreline = traced(&Mask::drawn(&rows), 1.0);
+        let mut degrees: Vec<usize> = centreline.neighbors().degrees().filter(|&degree| degree != 2).collect();
         degrees.sort_unstable();
         assert_eq!(degrees, [1, 1, 1, 1, 4]);
     }

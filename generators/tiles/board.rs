@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::Tiles;
-use plume_graph::dice::Dice;
+use plume_graph::rng::Rng;
 
 /// Column, row and level.
 pub(super) type Cell = [i32; 3];
@@ -47,7 +47,7 @@ pub(super) struct Board {
 
 impl Board {
     /// A board with a first tile.
-    pub(super) fn new(settings: &Tiles, dice: &mut Dice) -> Self {
+    pub(super) fn new(settings: &Tiles, rng: &mut Rng) -> Self {
         let mut board = Self {
             tiles: Vec::new(),
             links: Vec::new(),
@@ -56,23 +56,23 @@ impl Board {
             places: FxHashMap::default(),
             open: Vec::new(),
         };
-        board.place(settings, [0, 0, 0], None, dice);
+        board.place(settings, [0, 0, 0], None, rng);
         board
     }
 
     /// Adds a tile to this level.
-    pub(super) fn grow(&mut self, settings: &Tiles, level: i32, dice: &mut Dice) {
-        match self.draw_open(level, dice) {
-            Some((cell, side)) => self.place(settings, next(cell, side), Some(opposite(side)), dice),
-            None => self.reopen(level, dice),
+    pub(super) fn grow(&mut self, settings: &Tiles, level: i32, rng: &mut Rng) {
+        match self.draw_open(level, rng) {
+            Some((cell, side)) => self.place(settings, next(cell, side), Some(opposite(side)), rng),
+            None => self.reopen(level, rng),
         }
     }
 
     /// A connector that leads into a free cell.
-    fn draw_open(&mut self, level: i32, dice: &mut Dice) -> Option<(Cell, usize)> {
+    fn draw_open(&mut self, level: i32, rng: &mut Rng) -> Option<(Cell, usize)> {
         while !self.open.is_empty() {
             let last = self.open.len() - 1;
-            let place = if dice.chance(GOES_ON) { last } else { dice.index(self.open.len()) };
+            let place = if rng.chance(GOES_ON) { last } else { rng.index(self.open.len()) };
             let (cell, side) = self.open.swap_remove(place);
             if cell[2] == level && !self.doors.contains_key(&next(cell, side)) {
                 return Some((cell, side));
@@ -82,7 +82,7 @@ impl Board {
     }
 
     /// Puts a tile, drawn by weight, on a free cell, which is entered by this side.
-    fn place(&mut self, settings: &Tiles, cell: Cell, entry: Option<usize>, dice: &mut Dice) {
+    fn place(&mut self, settings: &Tiles, cell: Cell, entry: Option<usize>, rng: &mut Rng) {
         let surroundings = self.surroundings(cell);
         let choices: Vec<(f64, Doors, bool)> = choices(settings, entry.is_none())
             .filter(|&(_, doors, _)| entry.is_none_or(|side| doors & bit(side) != 0) && doors & surroundings.walls == 0)
@@ -90,7 +90,7 @@ impl Board {
             .collect();
         // Where nothing fits, what led here ends here.
         let only_entry = entry.map_or(bit(0), bit);
-        let (doors, is_room) = drawn(&choices, dice).unwrap_or((only_entry, false));
+        let (doors, is_room) = drawn(&choices, rng).unwrap_or((only_entry, false));
         self.length += 0.5 * f64::from(doors.count_ones());
         self.doors.insert(cell, doors);
         self.places.insert(cell, self.tiles.len());
@@ -111,8 +111,8 @@ impl Board {
     }
 
     /// Gives a tile of this level one more connector into a free cell.
-    fn reopen(&mut self, level: i32, dice: &mut Dice) {
-        for place in self.places_in_turn(dice) {
+    fn reopen(&mut self, level: i32, rng: &mut Rng) {
+        for place in self.places_in_turn(rng) {
             let tile = &mut self.tiles[place];
             let cell = tile.cell;
             let free = (0..4).find(|&side| cell[2] == level && !self.doors.contains_key(&next(cell, side)));
@@ -132,15 +132,15 @@ impl Board {
     }
 
     /// The places of all tiles in turn, beginning anywhere.
-    fn places_in_turn(&self, dice: &mut Dice) -> impl Iterator<Item = usize> + use<> {
-        let (len, start) = (self.tiles.len(), dice.index(self.tiles.len()));
+    fn places_in_turn(&self, rng: &mut Rng) -> impl Iterator<Item = usize> + use<> {
+        let (len, start) = (self.tiles.len(), rng.index(self.tiles.len()));
         (0..len).map(move |step| (start + step) % len)
     }
 
     /// Digs a way down to the next level over so many cells in a row; whether there was room.
-    pub(super) fn descend(&mut self, tiles: usize, level: i32, dice: &mut Dice) -> bool {
+    pub(super) fn descend(&mut self, tiles: usize, level: i32, rng: &mut Rng) -> bool {
         let tries = TRIES + 4 * self.tiles.len();
-        let heads = self.places_in_turn(dice).filter(|&place| self.tiles[place].cell[2] == level).take(tries);
+        let heads = self.places_in_turn(rng).filter(|&place| self.tiles[place].cell[2] == level).take(tries);
         let ways = heads.flat_map(|place| (0..4).map(move |side| (place, side)));
         let link =
             |(place, side): (usize, usize)| (place, Link { cell: next(self.tiles[place].cell, side), side, tiles });
@@ -228,9 +228,9 @@ fn choices(settings: &Tiles, is_first: bool) -> impl Iterator<Item = (f64, Doors
 }
 
 /// One of the choices, by weight.
-fn drawn(choices: &[(f64, Doors, bool)], dice: &mut Dice) -> Option<(Doors, bool)> {
+fn drawn(choices: &[(f64, Doors, bool)], rng: &mut Rng) -> Option<(Doors, bool)> {
     let sum: f64 = choices.iter().map(|(weight, ..)| weight).sum();
-    let mut left = dice.unit() * sum;
+    let mut left = rng.unit() * sum;
     let chosen = choices.iter().find(|(weight, ..)| {
         left -= weight;
         *weight > 0.0 && left <= 0.0

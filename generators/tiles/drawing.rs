@@ -5,33 +5,34 @@ use rustc_hash::FxHashMap;
 
 use super::board::{Board, Cell, Link, SIDES, Tile, bit, opposite};
 use super::{Access, Tiles};
-use plume_graph::dice::Dice;
-use plume_graph::sketch::{Knot, Sketch};
+use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::rng::Rng;
 use plume_graph::{Section, Shape};
 
 /// How far from the middle of its tile a capped connector ends, in sides of a tile.
 const CAPPED: f64 = 0.35;
-/// Knots of a bend beside its ends.
+/// Vertices of a bend besides its ends.
 const BEND_KNOTS: usize = 3;
 
 /// All tiles and links of the board, the first tile first.
-pub(super) fn drawn(settings: &Tiles, board: &Board, dice: &mut Dice) -> Sketch {
-    let mut drawing = Drawing { settings, board, dice, sketch: Sketch::default(), borders: FxHashMap::default() };
+pub(super) fn drawn(settings: &Tiles, board: &Board, rng: &mut Rng) -> CentrelineBuilder {
+    let mut drawing =
+        Drawing { settings, board, rng, centreline: CentrelineBuilder::default(), borders: FxHashMap::default() };
     for tile in &board.tiles {
         drawing.tile(tile);
     }
     for link in &board.links {
         drawing.link(link);
     }
-    drawing.sketch
+    drawing.centreline
 }
 
 struct Drawing<'a> {
     settings: &'a Tiles,
     board: &'a Board,
-    dice: &'a mut Dice,
-    sketch: Sketch,
-    /// The knot in the middle of each side that a passage crosses, by the cell to the west or south and the side.
+    rng: &'a mut Rng,
+    centreline: CentrelineBuilder,
+    /// The vertex in the middle of each side that a passage crosses, by the cell to the west or south and the side.
     borders: FxHashMap<(Cell, usize), usize>,
 }
 
@@ -44,15 +45,15 @@ impl Drawing<'_> {
             _ => {
                 let width_m = if tile.is_room { self.settings.room_width_m } else { self.width() };
                 let middle = self.middle(tile);
-                let middle = self.knot(middle, width_m, tile.cell[2]);
-                ends.into_iter().for_each(|end| self.sketch.join(middle, end));
+                let middle = self.vertex(middle, width_m, tile.cell[2]);
+                ends.into_iter().for_each(|end| self.centreline.join(middle, end));
             }
         }
     }
 
     /// A passage between two connectors: from straight to a quarter of a circle, moved aside in its middle.
     fn way(&mut self, tile: &Tile, a: usize, b: usize) {
-        let [from, to] = [a, b].map(|end| self.sketch.knots[end].position);
+        let [from, to] = [a, b].map(|end| self.centreline.vertices[end].position);
         let pull = self.middle(tile);
         let mut before = a;
         for place in 1..=BEND_KNOTS {
@@ -60,30 +61,30 @@ impl Drawing<'_> {
             // A Bézier curve through the middle of the tile's corner side.
             let at = from.coords * ((1.0 - t) * (1.0 - t)) + pull.coords * (2.0 * t * (1.0 - t)) + to.coords * (t * t);
             let width_m = self.width();
-            let knot = self.knot(at.into(), width_m, tile.cell[2]);
-            self.sketch.join(before, knot);
-            before = knot;
+            let vertex = self.vertex(at.into(), width_m, tile.cell[2]);
+            self.centreline.join(before, vertex);
+            before = vertex;
         }
-        self.sketch.join(before, b);
+        self.centreline.join(before, b);
     }
 
-    /// The knot at the end of a connector: shared with the next tile, or capped.
+    /// The vertex at the end of a connector: shared with the next tile, or capped.
     fn door(&mut self, cell: Cell, side: usize) -> usize {
         let [dx, dy] = SIDES[side];
         if !self.board.leads_on(cell, side) {
             let at = self.at(cell, [CAPPED * f64::from(dx), CAPPED * f64::from(dy)]);
             let width_m = self.width();
-            return self.knot(at, width_m, cell[2]);
+            return self.vertex(at, width_m, cell[2]);
         }
         let key = if side < 2 { (cell, side) } else { ([cell[0] + dx, cell[1] + dy, cell[2]], opposite(side)) };
-        if let Some(&knot) = self.borders.get(&key) {
-            return knot;
+        if let Some(&vertex) = self.borders.get(&key) {
+            return vertex;
         }
         let at = self.at(cell, [0.5 * f64::from(dx), 0.5 * f64::from(dy)]);
         let width_m = self.width();
-        let knot = self.knot(at, width_m, cell[2]);
-        self.borders.insert(key, knot);
-        knot
+        let vertex = self.vertex(at, width_m, cell[2]);
+        self.borders.insert(key, vertex);
+        vertex
     }
 
     /// A way down: straight in the plan, or upright in the middle of its cell.
@@ -92,17 +93,17 @@ impl Drawing<'_> {
         let mut chain = vec![top];
         if self.settings.access == Access::Shaft {
             let width_m = self.settings.width_min_m;
-            chain.push(self.knot(self.at(link.cell, [0.0; 2]), width_m, link.cell[2]));
-            chain.push(self.knot(self.at(link.last(), [0.0; 2]), width_m, link.last()[2]));
+            chain.push(self.vertex(self.at(link.cell, [0.0; 2]), width_m, link.cell[2]));
+            chain.push(self.vertex(self.at(link.last(), [0.0; 2]), width_m, link.last()[2]));
         }
         chain.push(bottom);
-        chain.windows(2).for_each(|pair| self.sketch.join(pair[0], pair[1]));
+        chain.windows(2).for_each(|pair| self.centreline.join(pair[0], pair[1]));
     }
 
     /// The middle of a tile, a little off.
     fn middle(&mut self, tile: &Tile) -> Point3<f64> {
         let wobble = self.settings.wobble;
-        let off = [0, 1].map(|_| self.dice.between(-wobble, wobble));
+        let off = [0, 1].map(|_| self.rng.between(-wobble, wobble));
         self.at(tile.cell, off)
     }
 
@@ -113,11 +114,11 @@ impl Drawing<'_> {
     }
 
     fn width(&mut self) -> f64 {
-        self.dice.between(self.settings.width_min_m, self.settings.width_max_m)
+        self.rng.between(self.settings.width_min_m, self.settings.width_max_m)
     }
 
-    fn knot(&mut self, position: Point3<f64>, width_m: f64, level: i32) -> usize {
+    fn vertex(&mut self, position: Point3<f64>, width_m: f64, level: i32) -> usize {
         let section = Section { width_m, height_m: self.settings.height_m, shape: Shape::Drift };
-        self.sketch.add(Knot { position, section: Some(section), level: level as u32 })
+        self.centreline.add(Vertex { position, section: Some(section), level: level as u32 })
     }
 }

@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::metrics::Sampling;
 use crate::branches::Branches;
-use crate::dice::Dice;
+use crate::rng::Rng;
 use crate::seed;
 
 /// Sources sampled at least.
@@ -67,9 +67,9 @@ impl Reduced {
         }
         let count = (visits / len).clamp(FEWEST_SOURCES, len);
         // One source from each of `count` stretches of the list; the same for the same graph.
-        let mut dice = Dice::new(seed::stream(0, "path-sources", len as u64));
+        let mut rng = Rng::new(seed::stream(0, "path-sources", len as u64));
         let starts: Vec<usize> = (0..=count).map(|i| i * len / count).collect();
-        let sources: Vec<usize> = starts.windows(2).map(|pair| pair[0] + dice.index(pair[1] - pair[0])).collect();
+        let sources: Vec<usize> = starts.windows(2).map(|pair| pair[0] + rng.index(pair[1] - pair[0])).collect();
         self.paths_from(&sources)
     }
 
@@ -230,17 +230,17 @@ impl Search {
 mod tests {
     use super::*;
     use crate::Graph;
-    use crate::sketch::Sketch;
+    use crate::centreline::CentrelineBuilder;
 
     /// Streets and crossroads, a fifth of them blocked.
     fn maze(side: usize) -> Graph {
-        let mut dice = Dice::new(crate::seed::stream(1, "maze", 0));
+        let mut rng = Rng::new(crate::seed::stream(1, "maze", 0));
         let places: Vec<[f64; 2]> =
             (0..side * side).map(|at| [10.0 * (at / side) as f64, 10.0 * (at % side) as f64]).collect();
         let along = (0..side * side).filter(|at| at % side + 1 < side).map(|at| [at, at + 1]);
         let across = (0..side * (side - 1)).map(|at| [at, at + side]);
-        let lines: Vec<[usize; 2]> = along.chain(across).filter(|_| dice.chance(0.8)).collect();
-        Sketch::flat(&places, &lines).into_graph()
+        let lines: Vec<[usize; 2]> = along.chain(across).filter(|_| rng.chance(0.8)).collect();
+        CentrelineBuilder::flat(&places, &lines).into_graph()
     }
 
     #[test]

@@ -10,8 +10,8 @@ mod plan;
 
 use super::{LEAST_STATIONS, Metrics};
 use crate::Graph;
-use crate::clearance::{Girth, thin_rock};
-use crate::dice::Dice;
+use crate::clearance::{PassageSize, thin_rock};
+use crate::rng::Rng;
 use crate::seed;
 use moves::{MAX_DEGREE, MOVES};
 use plan::Plan;
@@ -30,14 +30,14 @@ const ROCK_M: f64 = 0.8;
 /// The graph, as like a real cave as the search gets it.
 pub(super) fn repaired(graph: Graph, seed: u64) -> Graph {
     let Some(mut state) = State::new(&graph) else { return graph };
-    let mut dice = Dice::new(seed::stream(seed, "realism-repair", 0));
+    let mut rng = Rng::new(seed::stream(seed, "realism-repair", 0));
     let mut record = Record::default();
     for _ in 0..state.trials() {
         if state.metrics.realism(0.0).is_real() {
             break;
         }
-        let chosen = record.draw(&mut dice);
-        let next = MOVES[chosen](&state.plan, &mut dice).and_then(|graph| state.better(graph));
+        let chosen = record.draw(&mut rng);
+        let next = MOVES[chosen](&state.plan, &mut rng).and_then(|graph| state.better(graph));
         record.enter(chosen, next.is_some());
         state = next.unwrap_or(state);
     }
@@ -98,7 +98,7 @@ fn levels(graph: &Graph) -> usize {
 }
 
 fn thin_places(graph: &Graph) -> usize {
-    thin_rock(graph, Girth::default(), ROCK_M).len()
+    thin_rock(graph, PassageSize::default(), ROCK_M).len()
 }
 
 /// How often each move has been tried of late, and has helped.
@@ -115,9 +115,9 @@ impl Record {
     const MEMORY: u32 = 60;
 
     /// A move, by its part of trials that have helped and a little for hope.
-    fn draw(&self, dice: &mut Dice) -> usize {
+    fn draw(&self, rng: &mut Rng) -> usize {
         let weights = self.0.map(|(tried, helped)| u64::from(1000 * (helped + 1) / (tried + 4) + 20));
-        let mut left = dice.below(weights.iter().sum());
+        let mut left = rng.below(weights.iter().sum());
         for (place, weight) in weights.into_iter().enumerate() {
             if left < weight {
                 return place;

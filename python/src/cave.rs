@@ -31,7 +31,7 @@ use crate::{array, error, json, work};
 #[pyclass(module = "plume", frozen, weakref)]
 pub struct Cave {
     cave: Arc<cave::Cave>,
-    truth: OnceLock<Truth>,
+    placement: OnceLock<Placement>,
     closed: AtomicBool,
     /// Removes the temporary folder, when called, when the cave is collected, or when the interpreter ends.
     finalizer: PyOnceLock<Py<PyAny>>,
@@ -39,7 +39,7 @@ pub struct Cave {
 
 /// Start poses and lamps: they take longer than a look.
 #[derive(Clone)]
-struct Truth {
+struct Placement {
     spawns: Vec<Isometry3<f64>>,
     lights: Vec<scene::Light>,
 }
@@ -47,8 +47,8 @@ struct Truth {
 impl Cave {
     /// The cave; `temporary` is its folder if that is to go with it.
     pub fn new(py: Python<'_>, cave: cave::Cave, temporary: Option<PathBuf>) -> PyResult<Bound<'_, Self>> {
-        let (truth, finalizer) = (OnceLock::new(), PyOnceLock::new());
-        let cave = Bound::new(py, Self { cave: Arc::new(cave), truth, closed: AtomicBool::new(false), finalizer })?;
+        let (placement, finalizer) = (OnceLock::new(), PyOnceLock::new());
+        let cave = Bound::new(py, Self { cave: Arc::new(cave), placement, closed: AtomicBool::new(false), finalizer })?;
         if let Some(folder) = temporary {
             let remove = py.import("shutil")?.getattr("rmtree")?;
             let finalizer = py.import("weakref")?.call_method1("finalize", (&cave, remove, folder, true))?;
@@ -65,17 +65,17 @@ impl Cave {
         Ok(&self.cave)
     }
 
-    fn truth(&self, py: Python<'_>) -> PyResult<&Truth> {
+    fn placement(&self, py: Python<'_>) -> PyResult<&Placement> {
         let cave = self.open(py)?;
-        if let Some(truth) = self.truth.get() {
-            return Ok(truth);
+        if let Some(placement) = self.placement.get() {
+            return Ok(placement);
         }
-        let truth = work::run(py, None, |watch| {
+        let placement = work::run(py, None, |watch| {
             let scene_chunks = cave.chunks(watch.stop());
             let scene = cave.scene(&scene_chunks);
-            Ok(Truth { spawns: scene.spawns, lights: scene.lights })
+            Ok(Placement { spawns: scene.spawns, lights: scene.lights })
         })?;
-        Ok(self.truth.get_or_init(|| truth))
+        Ok(self.placement.get_or_init(|| placement))
     }
 }
 
@@ -115,7 +115,7 @@ impl Cave {
     /// array([0., 0., 0., 1.])
     #[getter]
     fn spawns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let spawns = &self.truth(py)?.spawns;
+        let spawns = &self.placement(py)?.spawns;
         // nalgebra keeps columns together, NumPy rows.
         let flat = spawns.iter().flat_map(|pose| pose.to_homogeneous().transpose().as_slice().to_vec()).collect();
         array::block(py, flat, [spawns.len(), 4, 4])
@@ -124,7 +124,7 @@ impl Cave {
     /// The lamps along the passages; none if the recipe says `world.lights = false`.
     #[getter]
     fn lights(&self, py: Python<'_>) -> PyResult<Vec<Light>> {
-        Ok(self.truth(py)?.lights.iter().map(Light::of).collect())
+        Ok(self.placement(py)?.lights.iter().map(Light::of).collect())
     }
 
     /// How far is rock: the field that the walls are made from, at points of your choice.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use super::index::Index;
 use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
 use super::{Bounds, Field, Region, Surface, Texel};
-use crate::material::{BLOCK, Band, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, Skins, Wander};
+use crate::material::{
+    BLOCK, DomainWarp, Footprint, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, SurfaceSamples,
+};
 use crate::noise::{Jet, Source, Value, dispatched};
 use fearless_simd::Simd;
 use plume_graph::Graph;
@@ -27,8 +29,8 @@ pub struct CaveField {
 impl CaveField {
     /// The field of this graph; `seed` changes the rock and nothing else.
     pub fn new(graph: &Graph, settings: &PassageSettings, material: Arc<dyn Material>, look: Look, seed: u64) -> Self {
-        let wander_m = furthest_wander_m(material.wander());
-        let capsules = capsules(graph, settings, material.wander());
+        let wander_m = furthest_wander_m(material.domain_warp());
+        let capsules = capsules(graph, settings, material.domain_warp());
         let bounds = capsules.iter().map(Capsule::corners).fold(None, |all: Option<Bounds>, [min, max]| {
             let bounds = Bounds { min, max }.grown(RECESS_M + wander_m);
             Some(all.map_or(bounds, |all| all.joined(bounds)))
@@ -52,10 +54,10 @@ impl CaveField {
     /// Height of the floor under a point in a passage, before stones and undulation; metres, cave frame.
     pub fn floor_z(&self, point: [f32; 3]) -> f32 {
         let mut floor = point[2];
-        let wander = self.material.wander();
+        let domain_warp = self.material.domain_warp();
         let bounds = Bounds { min: point, max: point };
         self.blocks(bounds, &[point], |_, capsules, sites| {
-            dispatched!(simd => survey_values(simd, capsules, wander, sites));
+            dispatched!(simd => survey_values(simd, capsules, domain_warp, sites));
             floor = point[2] - sites.height.value[0];
         });
         floor
@@ -103,10 +105,10 @@ impl CaveField {
 const TOGETHER_M: f32 = 4.0;
 
 /// The longest way a rock can push a point, metres.
-fn furthest_wander_m(wander: Wander) -> f32 {
+fn furthest_wander_m(domain_warp: DomainWarp) -> f32 {
     // Up to one unit along x and y, 0.6 along z.
     const LONGEST: f32 = 1.5363;
-    (wander.reach_m[0] + wander.reach_m[1]) * LONGEST
+    (domain_warp.reach_m[0] + domain_warp.reach_m[1]) * LONGEST
 }
 
 /// More than the fillet between wall and floor, and all rounding, can move the surface; metres.
@@ -116,13 +118,13 @@ const UP: [f32; 3] = [0.0, 0.0, 1.0];
 const LEAST_COSINE: f32 = 0.2;
 
 #[inline(always)]
-fn survey_values<S: Simd>(simd: S, near: &[&Capsule], wander: Wander, sites: &mut Sites) {
-    survey::<S, Value<S>>(simd, near, wander, sites);
+fn survey_values<S: Simd>(simd: S, near: &[&Capsule], domain_warp: DomainWarp, sites: &mut Sites) {
+    survey::<S, Value<S>>(simd, near, domain_warp, sites);
 }
 
 #[inline(always)]
-fn survey_jets<S: Simd>(simd: S, near: &[&Capsule], wander: Wander, sites: &mut Sites) {
-    survey::<S, Jet<S>>(simd, near, wander, sites);
+fn survey_jets<S: Simd>(simd: S, near: &[&Capsule], domain_warp: DomainWarp, sites: &mut Sites) {
+    survey::<S, Jet<S>>(simd, near, domain_warp, sites);
 }
 
 fn fourth_power(x: f32) -> f32 {
@@ -142,19 +144,19 @@ fn steepness(gradient: [f32; 3]) -> f32 {
 }
 
 /// The texel of one lane, its normal held within reach of the mesh's.
-fn texel_of(skins: &Skins, lane: usize, mesh_normal: [f32; 3]) -> Texel {
+fn texel_of(surface_samples: &SurfaceSamples, lane: usize, mesh_normal: [f32; 3]) -> Texel {
     let of = |channels: &[[f32; BLOCK]; 3]| channels.each_ref().map(|channel| channel[lane]);
-    let gradient = of(&skins.gradient);
+    let gradient = of(&surface_samples.gradient);
     let normal = unit(gradient.map(|c| -c)).unwrap_or(mesh_normal);
     let cosine: f32 = (0..3).map(|i| normal[i] * mesh_normal[i]).sum();
     let lacking = (LEAST_COSINE - cosine).max(0.0);
     let leaning = std::array::from_fn(|i| normal[i] + lacking * mesh_normal[i]);
     Texel {
-        color: of(&skins.color),
+        color: of(&surface_samples.color),
         normal: unit(leaning).unwrap_or(mesh_normal),
-        roughness: skins.roughness[lane],
-        occlusion: skins.occlusion[lane],
-        height_m: skins.value[lane] / steepness(gradient),
+        roughness: surface_samples.roughness[lane],
+        occlusion: surface_samples.occlusion[lane],
+        height_m: surface_samples.value[lane] / steepness(gradient),
     }
 }
 
@@ -189,17 +191,17 @@ impl Field for CaveField {
     }
 
     fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
-        let wander = self.material.wander();
+        let domain_warp = self.material.domain_warp();
         self.blocks(bounds, points, |start, capsules, sites| {
-            dispatched!(simd => survey_values(simd, capsules, wander, sites));
+            dispatched!(simd => survey_values(simd, capsules, domain_warp, sites));
             self.material.distances(sites, &mut out[start..start + sites.count]);
         });
     }
 
     fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
-        let wander = self.material.wander();
+        let domain_warp = self.material.domain_warp();
         self.blocks(bounds, points, |start, capsules, sites| {
-            dispatched!(simd => survey_jets(simd, capsules, wander, sites));
+            dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
             let out = &mut out[start..start + sites.count];
             self.material.gradients(sites, out);
             for normal in out {
@@ -211,14 +213,14 @@ impl Field for CaveField {
 
 impl Surface for CaveField {
     fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
-        let wander = self.material.wander();
-        let mut skins = Skins::default();
+        let domain_warp = self.material.domain_warp();
+        let mut surface_samples = SurfaceSamples::default();
         self.blocks(bounds, points, |start, capsules, sites| {
-            dispatched!(simd => survey_jets(simd, capsules, wander, sites));
+            dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
             let normals = &normals[start..start + sites.count];
-            self.material.skins(sites, &self.look, Band { texel_m }, normals, &mut skins);
+            self.material.surface_samples(sites, &self.look, Footprint { texel_m }, normals, &mut surface_samples);
             for (lane, texel) in out[start..start + sites.count].iter_mut().enumerate() {
-                *texel = texel_of(&skins, lane, normals[lane]);
+                *texel = texel_of(&surface_samples, lane, normals[lane]);
             }
         });
     }

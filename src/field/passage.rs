@@ -3,11 +3,11 @@
 //! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
 //! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
 
-use crate::material::{BLOCK, Sites, Stored, Wander};
+use crate::material::{BLOCK, DomainWarp, Sites, Stored};
 use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use plume_graph::clearance::Girth;
+use plume_graph::clearance::PassageSize;
 use plume_graph::{Graph, Node, Section, Shape};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,15 +44,15 @@ pub struct PassageSettings {
 
 impl Default for PassageSettings {
     fn default() -> Self {
-        let girth = Girth::default();
+        let passage_size = PassageSize::default();
         Self {
-            width_per_radius: girth.width_per_radius as f32,
-            width_min_m: girth.width_min_m as f32,
-            height_ratio: girth.height_ratio as f32,
-            floor_drop: girth.floor_drop as f32,
+            width_per_radius: passage_size.width_per_radius as f32,
+            width_min_m: passage_size.width_min_m as f32,
+            height_ratio: passage_size.height_ratio as f32,
+            floor_drop: passage_size.floor_drop as f32,
             floor_flatness: 0.3,
             floor_roughness_m: 0.08,
-            room_factor: girth.room_factor as f32,
+            room_factor: passage_size.room_factor as f32,
         }
     }
 }
@@ -76,8 +76,8 @@ impl PassageSettings {
     }
 
     /// The same for questions about the graph.
-    pub fn girth(&self) -> Girth {
-        Girth {
+    pub fn passage_size(&self) -> PassageSize {
+        PassageSize {
             width_per_radius: self.width_per_radius.into(),
             width_min_m: self.width_min_m.into(),
             height_ratio: self.height_ratio.into(),
@@ -149,12 +149,12 @@ pub(super) struct Capsule {
     /// Width over height at both ends.
     squash: [f32; 2],
     square: f32,
-    /// How much of the rock's wander it follows, 0–1.
-    sway: f32,
+    /// How much of the rock's domain warp it follows, 0–1.
+    warp_weight: f32,
 }
 
 /// Every capsule of a graph: passages in the order of its edges, then rooms in the order of its nodes.
-pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, wander: Wander) -> Vec<Capsule> {
+pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, domain_warp: DomainWarp) -> Vec<Capsule> {
     let profiles: Vec<Profile> = graph.nodes.iter().map(|node| Profile::at(node, settings)).collect();
     let mut degree = vec![0_usize; graph.nodes.len()];
     for &[a, b] in &graph.edges {
@@ -162,20 +162,21 @@ pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, wander: Wander
         degree[b] += 1;
     }
     let ends = |a: usize, b: usize| [&graph.nodes[a], &graph.nodes[b]];
-    let passages = graph.edges.iter().map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], wander));
+    let passages = graph.edges.iter().map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], domain_warp));
     let is_room = |&node: &usize| degree[node] >= 3 && graph.nodes[node].section.is_none();
     let lone = |&node: &usize| degree[node] == 0;
     let rooms = (0..graph.nodes.len()).filter(is_room).map(|node| {
         let room = profiles[node].widened(settings.room_factor);
-        Capsule::new(ends(node, node), [room; 2], wander)
+        Capsule::new(ends(node, node), [room; 2], domain_warp)
     });
-    let pockets =
-        (0..graph.nodes.len()).filter(lone).map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], wander));
+    let pockets = (0..graph.nodes.len())
+        .filter(lone)
+        .map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], domain_warp));
     passages.chain(rooms).chain(pockets).collect()
 }
 
 impl Capsule {
-    fn new(ends: [&Node; 2], profiles: [Profile; 2], wander: Wander) -> Self {
+    fn new(ends: [&Node; 2], profiles: [Profile; 2], domain_warp: DomainWarp) -> Self {
         let [start, end] = ends.map(|node| node.position.coords.map(|c| c as f32));
         let span = end - start;
         let length_squared = span.norm_squared();
@@ -187,7 +188,7 @@ impl Capsule {
             drop: profiles.map(|profile| profile.drop),
             squash: profiles.map(|profile| profile.half_width / profile.half_height),
             square: profiles[0].square.min(profiles[1].square),
-            sway: sway(profiles, wander),
+            warp_weight: warp_weight(profiles, domain_warp),
         }
     }
 
@@ -212,7 +213,7 @@ impl Capsule {
 
     /// What is certain about all points within `radius` of `centre`, in rock that pushes points by up to `wander_m`.
     pub fn near(&self, centre: [f32; 3], radius: f32, wander_m: f32) -> Range {
-        let radius = radius + self.sway * wander_m;
+        let radius = radius + self.warp_weight * wander_m;
         let away: [f32; 3] = std::array::from_fn(|i| centre[i] - self.start[i]);
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let share = (dot(away, self.span) * self.inverse).clamp(0.0, 1.0);
@@ -241,16 +242,16 @@ impl Capsule {
     const ROUNDING_M: f32 = 0.02;
 }
 
-/// The share of the wander that leaves every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
+/// The share of the domain warp that leaves every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
 /// width (or height), and rock then stands in by at most [`crate::material::PROTRUSION`] of it.
-fn sway(profiles: [Profile; 2], wander: Wander) -> f32 {
+fn warp_weight(profiles: [Profile; 2], domain_warp: DomainWarp) -> f32 {
     let narrow = profiles.map(|profile| profile.half_width.min(profile.half_height));
-    let furthest = wander.reach_m[0] + wander.reach_m[1];
+    let furthest = domain_warp.reach_m[0] + domain_warp.reach_m[1];
     let straightness = 1.0 - 0.6 * profiles[0].square;
     (SWAY * narrow[0].min(narrow[1]) / furthest.max(1e-3)).min(1.0) * straightness
 }
 
-/// See [`sway`].
+/// See [`warp_weight`].
 const SWAY: f32 = 0.45;
 
 /// What is certain about a capsule as seen from a ball of points.
@@ -270,10 +271,15 @@ pub(super) struct Range {
 
 /// Fills in what the passages say about the points of a block.
 #[inline(always)]
-pub(super) fn survey<S: Simd, T: Stored<S>>(simd: S, capsules: &[&Capsule], wander: Wander, sites: &mut Sites) {
+pub(super) fn survey<S: Simd, T: Stored<S>>(
+    simd: S,
+    capsules: &[&Capsule],
+    domain_warp: DomainWarp,
+    sites: &mut Sites,
+) {
     for at in (0..BLOCK).step_by(Lanes::<S>::LEN) {
         let point: Vec3<T> = T::point(simd, &sites.point, at);
-        let push = push(point, wander, sites.source);
+        let push = push(point, domain_warp, sites.source);
         let mut sums = Sums::none(simd);
         for capsule in capsules {
             sums.add(capsule, point, push);
@@ -284,10 +290,10 @@ pub(super) fn survey<S: Simd, T: Stored<S>>(simd: S, capsules: &[&Capsule], wand
 
 /// How far the rock bends space here, metres.
 #[inline(always)]
-fn push<S: Simd, T: Real<S>>(point: Vec3<T>, wander: Wander, source: Source) -> Vec3<T> {
-    let [long, short] = wander.length_m;
-    let far = source.warp(0x100, point, long, wander.reach_m[0]);
-    let near = source.warp(0x101, far, short, wander.reach_m[1]);
+fn push<S: Simd, T: Real<S>>(point: Vec3<T>, domain_warp: DomainWarp, source: Source) -> Vec3<T> {
+    let [long, short] = domain_warp.length_m;
+    let far = source.warp(0x100, point, long, domain_warp.reach_m[0]);
+    let near = source.warp(0x101, far, short, domain_warp.reach_m[1]);
     vec3(near.x - point.x, near.y - point.y, near.z - point.z)
 }
 
@@ -318,7 +324,7 @@ impl<T> Sums<T> {
         T: Real<S>,
     {
         let [x, y, z] = capsule.start;
-        let push = push.scaled(capsule.sway);
+        let push = push.scaled(capsule.warp_weight);
         let away = vec3(point.x - x + push.x, point.y - y + push.y, point.z - z + push.z);
         let share = (away.along(capsule.span) * capsule.inverse).within(0.0, 1.0);
         let [dx, dy, dz] = capsule.span;
@@ -364,9 +370,9 @@ mod tests {
     /// The graph reckons with passages that the field knows.
     #[test]
     fn passages_have_one_default_size() {
-        let (field, graph) = (PassageSettings::default().girth(), Girth::default());
-        let sizes = |girth: Girth| {
-            let Girth { width_per_radius, width_min_m, height_ratio, floor_drop, room_factor } = girth;
+        let (field, graph) = (PassageSettings::default().passage_size(), PassageSize::default());
+        let sizes = |passage_size: PassageSize| {
+            let PassageSize { width_per_radius, width_min_m, height_ratio, floor_drop, room_factor } = passage_size;
             [width_per_radius, width_min_m, height_ratio, floor_drop, room_factor]
         };
         for (field, graph) in sizes(field).into_iter().zip(sizes(graph)) {

@@ -7,8 +7,8 @@
 use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::{Rubble, Sediment, higher, strewn};
-use super::site::{Band, Ground, Site};
-use super::{Look, Wander};
+use super::site::{Footprint, Ground, Site};
+use super::{DomainWarp, Look};
 use crate::noise::{Lanes, Real, Value, Vec3, cells_3d, facets, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -22,7 +22,7 @@ pub struct Basalt {
     /// Strength of all relief; 1 is natural, 0 a smooth tube.
     #[schemars(range(min = 0.0, max = 1.5))]
     pub relief: f32,
-    /// How far the walls wander from the smooth passage, in metres.
+    /// How far the domain warp displaces walls from the smooth passage, in metres.
     #[schemars(range(min = 0.0, max = 1.2))]
     pub wander_m: f32,
     /// How much of the lining has fallen off: about −0.6 none, 0 half, 0.6 all.
@@ -109,8 +109,8 @@ const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt
 const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.15 };
 
 impl Rock for Basalt {
-    fn wander(&self) -> Wander {
-        Wander { length_m: [5.0, 2.1], reach_m: [self.wander_m, self.wander_m / 3.0] }
+    fn domain_warp(&self) -> DomainWarp {
+        DomainWarp { length_m: [5.0, 2.1], reach_m: [self.wander_m, self.wander_m / 3.0] }
     }
 
     #[inline(always)]
@@ -128,11 +128,11 @@ impl Rock for Basalt {
             form = form + Self::spalled(site) * spall;
         }
         let recess = (undulation + form) * self.relief;
-        Wall { recess, cavity: form, state: spall, band: spall * 0.0 }
+        Wall { recess, cavity: form, state: spall, footprint: spall * 0.0 }
     }
 
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, band: Band) -> Detail<T> {
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
         let (p, n, spall) = (site.point, site.source, wall.state);
         let mut detail = Detail { recess: spall * 0.0, crack: spall * 0.0 };
         if spall.value().simd_lt(1.0).any_true() {
@@ -140,11 +140,11 @@ impl Rock for Basalt {
             let drip = (patch + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
             let drops = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
             let cell = cells_3d(n.warp(43, p, 0.6, 0.10).scaled(1.0 / 1.5), n.layer(44));
-            let crack = band.line(cell.edge * 1.5, 0.035) * patch.step(0.30, -0.30);
+            let crack = footprint.line(cell.edge * 1.5, 0.035) * patch.step(0.30, -0.30);
             let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
             let rims = saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
-            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), band.octaves(0.2, 3), 0.52) * 0.018;
-            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * band.keep(0.05));
+            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), footprint.octaves(0.2, 3), 0.52) * 0.018;
+            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * footprint.keep(0.05));
             let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.02;
             detail.recess = fine * (-spall + 1.0);
             detail.crack = crack * (-spall + 1.0);
@@ -152,11 +152,11 @@ impl Rock for Basalt {
         if spall.value().simd_gt(0.0).any_true() {
             let w = n.warp(20, p, 0.9, 0.10);
             let edges = cells_3d(Self::joints(w), n.layer(22)).edge;
-            let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * band.keep(0.17));
-            let rough = n.fbm(50, p.scaled(6.0), band.octaves(0.17, 3), 0.55);
+            let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * footprint.keep(0.17));
+            let rough = n.fbm(50, p.scaled(6.0), footprint.octaves(0.17, 3), 0.55);
             let split = rough.step(-0.30, 0.40);
             detail.recess = detail.recess + (chips + rough * 0.022) * spall;
-            detail.crack = detail.crack + band.line(edges * 0.44, 0.028) * split * spall;
+            detail.crack = detail.crack + footprint.line(edges * 0.44, 0.028) * split * spall;
         }
         detail
     }
@@ -185,19 +185,19 @@ impl Rock for Basalt {
     }
 
     #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
         strewn(
             site,
             floor,
-            band,
+            footprint,
             #[inline(always)]
             |c| self.density(site, c) * 0.8 + 0.30,
         )
     }
 
     #[inline(always)]
-    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, band: Band) -> Paint<S> {
-        let tone = Tone::of(form, site, band);
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
+        let tone = Tone::of(form, site, footprint);
         let dry = Self::wall_color(form, site, look, &tone);
         let color = dry.under(Self::floor_color(form, &tone), form.floor);
         let dust = form.upward.step(0.55, 0.95) * (tone.broad * 0.4 + 0.55).within(0.0, 1.0) * 0.30;

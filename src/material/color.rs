@@ -2,7 +2,7 @@
 
 use super::Look;
 use super::rock::Form;
-use super::site::{Band, Site};
+use super::site::{Footprint, Site};
 use crate::noise::{Real, Value, Vec3, mix, vec3};
 use fearless_simd::Simd;
 
@@ -56,10 +56,10 @@ pub struct Tone<S: Simd> {
 impl<S: Simd> Tone<S> {
     /// The variations at a point.
     #[inline(always)]
-    pub fn of(form: &Form<S>, site: &Site<Value<S>>, band: Band) -> Self {
+    pub fn of(form: &Form<S>, site: &Site<Value<S>>, footprint: Footprint) -> Self {
         let (p, n) = (form.point, site.source);
-        let grain = n.noise(61, p.scaled(55.0)) * band.keep(0.018) * 0.8;
-        let fine = n.fbm(62, p.scaled(9.0), band.octaves(0.11, 3), 0.66) * 0.75;
+        let grain = n.noise(61, p.scaled(55.0)) * footprint.keep(0.018) * 0.8;
+        let fine = n.fbm(62, p.scaled(9.0), footprint.octaves(0.11, 3), 0.66) * 0.75;
         let streak = n.noise(63, p.stretched(3.2, 3.2, 0.28)) * 0.6
             + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3
             + n.noise(65, p.scaled(1.0 / 2.8)) * 0.9;

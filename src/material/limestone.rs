@@ -7,8 +7,8 @@ use super::basalt::{bank, stone_height};
 use super::color::{Color, Tone, ramp};
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::{Rubble, Sediment, higher, strewn};
-use super::site::{Band, Site};
-use super::{Look, Wander};
+use super::site::{Footprint, Site};
+use super::{DomainWarp, Look};
 use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -22,7 +22,7 @@ pub struct Limestone {
     /// Strength of all relief; 1 is natural, 0 a smooth tube.
     #[schemars(range(min = 0.0, max = 1.5))]
     pub relief: f32,
-    /// How far the walls wander from the smooth passage, in metres.
+    /// How far the domain warp displaces walls from the smooth passage, in metres.
     #[schemars(range(min = 0.0, max = 1.2))]
     pub wander_m: f32,
     /// How much of the wall flowstone covers: about −0.6 none, 0 a half, 0.6 all.
@@ -120,8 +120,8 @@ const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt
 const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.6, flank: 2.4, rounding: 0.3 };
 
 impl Rock for Limestone {
-    fn wander(&self) -> Wander {
-        Wander { length_m: [6.0, 2.4], reach_m: [self.wander_m, self.wander_m / 3.0] }
+    fn domain_warp(&self) -> DomainWarp {
+        DomainWarp { length_m: [6.0, 2.4], reach_m: [self.wander_m, self.wander_m / 3.0] }
     }
 
     #[inline(always)]
@@ -146,33 +146,33 @@ impl Rock for Limestone {
             let drape = curtain + n.noise(7, p.stretched(2.5, 2.5, 0.7)) * 0.04 - 0.10;
             form = mix(rock, drape + beds * 0.25, flow);
         }
-        Wall { recess: (undulation + form) * self.relief, cavity: rock, state: flow, band: bed.hardness }
+        Wall { recess: (undulation + form) * self.relief, cavity: rock, state: flow, footprint: bed.hardness }
     }
 
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, band: Band) -> Detail<T> {
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
         let (p, n, flow) = (site.point, site.source, wall.state);
         let mut detail = Detail { recess: flow * 0.0, crack: flow * 0.0 };
         if flow.value().simd_lt(1.0).any_true() {
             let bed = self.bed(site);
             let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
-            let groove = band.line((bed.rest - 0.86) * self.bed_m, 0.09) * open * (bed.parting * 0.05 + 0.012);
+            let groove = footprint.line((bed.rest - 0.86) * self.bed_m, 0.09) * open * (bed.parting * 0.05 + 0.012);
             let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.25, 0.15);
             let scallop = cells_3d(n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7), n.layer(42)).distance;
             let scallops = (-scallop.squared() + 0.30) * scalloped * 0.11;
             let net = cells_3d(n.warp(43, p, 0.7, 0.08).stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3), n.layer(44)).edge;
             // In pieces: the mask is about as long as an edge of the net.
             let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.12, 0.60);
-            let crack = band.line(net * 0.7, 0.022) * cracked;
-            let grain = n.fbm(46, p.scaled(4.5), band.octaves(0.22, 4), 0.54) * 0.020;
+            let crack = footprint.line(net * 0.7, 0.022) * cracked;
+            let grain = n.fbm(46, p.scaled(4.5), footprint.octaves(0.22, 4), 0.54) * 0.020;
             let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
             detail.recess = (scallops + groove + grain + ribs + crack * 0.015) * (-flow + 1.0);
             detail.crack = crack * (-flow + 1.0);
         }
         if flow.value().simd_gt(0.0).any_true() {
-            let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)) * (0.005 * band.keep(0.04));
-            let grain = n.fbm(49, p.stretched(9.0, 9.0, 5.0), band.octaves(0.11, 2), 0.5) * 0.005;
-            let flutes = n.noise(51, p.stretched(7.0, 7.0, 0.7)).soft_abs(0.05) * (-0.03 * band.keep(0.10));
+            let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)) * (0.005 * footprint.keep(0.04));
+            let grain = n.fbm(49, p.stretched(9.0, 9.0, 5.0), footprint.octaves(0.11, 2), 0.5) * 0.005;
+            let flutes = n.noise(51, p.stretched(7.0, 7.0, 0.7)).soft_abs(0.05) * (-0.03 * footprint.keep(0.10));
             detail.recess = detail.recess + (gours * 0.5 + flutes + grain) * flow;
         }
         detail
@@ -202,19 +202,19 @@ impl Rock for Limestone {
     }
 
     #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T> {
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
         strewn(
             site,
             floor,
-            band,
+            footprint,
             #[inline(always)]
             |c| self.density(site, c) * 0.8 + 0.30,
         )
     }
 
     #[inline(always)]
-    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, band: Band) -> Paint<S> {
-        let tone = Tone::of(form, site, band);
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
+        let tone = Tone::of(form, site, footprint);
         let wall = Self::wall_color(form, site, look, &tone);
         let color = wall.under(Self::floor_color(form, &tone), form.floor);
         let color = color.lit(tone.shade(form));
@@ -240,9 +240,9 @@ impl Limestone {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
         // Each bed has its own grey; the broad patches only break it up.
-        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
+        let shade = (form.footprint - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
         let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
-        let marl = form.band.step(0.60, 0.80) * 0.7;
+        let marl = form.footprint.step(0.60, 0.80) * 0.7;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
         let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
         let manganese = (curtain + tone.fine * 0.5 + tone.patch * 0.3 + form.cavity * 0.5).step(0.36, 0.80);
@@ -250,7 +250,7 @@ impl Limestone {
         let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
         let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
         let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
-        rock.under(rock.lit(form.band * 0.0 + 0.66), marl)
+        rock.under(rock.lit(form.footprint * 0.0 + 0.66), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
             .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))

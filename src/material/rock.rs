@@ -1,8 +1,8 @@
 //! How relief, floor and detail of a rock become one field, the same way for every rock.
 
 use super::color::Color;
-use super::site::{BLOCK, Band, Site, Sites, Skins};
-use super::{Look, Material, Wander};
+use super::site::{BLOCK, Footprint, Site, Sites, SurfaceSamples};
+use super::{DomainWarp, Look, Material};
 use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, mix, soft_max, soft_min};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -28,7 +28,7 @@ pub struct Wall<T> {
     /// Which of the rock's two states: 0 the first, 1 the second.
     pub state: T,
     /// A number in 0–1 of the rock's own: hardness of the bed, for one.
-    pub band: T,
+    pub footprint: T,
 }
 
 /// What is too fine for the mesh.
@@ -64,8 +64,8 @@ pub struct Form<S: Simd> {
     pub cavity: Value<S>,
     /// See [`Wall::state`].
     pub state: Value<S>,
-    /// See [`Wall::band`].
-    pub band: Value<S>,
+    /// See [`Wall::footprint`].
+    pub footprint: Value<S>,
     /// See [`Detail::crack`].
     pub crack: Value<S>,
     /// 1 on the floor, 0 on the wall.
@@ -92,17 +92,17 @@ pub struct Paint<S: Simd> {
 /// A rock as formulas over lanes.
 pub trait Rock: std::fmt::Debug + Send + Sync {
     /// How it bends passages.
-    fn wander(&self) -> Wander;
+    fn domain_warp(&self) -> DomainWarp;
     /// The wall, with no wavelength below 0.4 m.
     fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
     /// What is finer on the wall.
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, band: Band) -> Detail<T>;
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T>;
     /// The floor, with no wavelength below 0.4 m.
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T>;
     /// The floor with all that is finer.
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, band: Band) -> Floor<T>;
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T>;
     /// The colour.
-    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, band: Band) -> Paint<S>;
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S>;
 }
 
 /// How much of its relief a rock shows: all in passages 3.5 m wide and more, less in narrow ones.
@@ -166,7 +166,7 @@ struct Carved<T> {
 
 #[inline(always)]
 fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
-    // A function of its own, compiled once for gradients and skins together.
+    // A function of its own, compiled once for gradients and surface samples together.
     site.simd().vectorize(
         #[inline(always)]
         || carve_here(rock, site),
@@ -202,7 +202,7 @@ fn distances<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [f32]
     let mut block = [0.0; BLOCK];
     for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
         let site: Site<Value<S>> = sites.site(simd, at);
-        Skins::put::<S>(&mut block, at, carve(rock, &site).field.value());
+        SurfaceSamples::put::<S>(&mut block, at, carve(rock, &site).field.value());
     }
     out.copy_from_slice(&block[..sites.count]);
 }
@@ -232,19 +232,19 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
 
 /// The whole surface at the sites in one vector: its shape, the same with detail, and what decides its colour.
 #[inline(always)]
-fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<S>, Jet<S>, Form<S>) {
+fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint) -> (Jet<S>, Jet<S>, Form<S>) {
     let zero = Jet::splat(site.simd(), 0.0);
     let carved = carve(rock, site);
-    let none = Wall { recess: zero, cavity: zero, state: zero, band: zero };
+    let none = Wall { recess: zero, cavity: zero, state: zero, footprint: zero };
     let mut fine_wall = (none, Detail { recess: zero, crack: zero }, zero);
     if let Some((wall, field)) = carved.wall {
-        let detail = rock.wall_detail(site, &wall, band);
+        let detail = rock.wall_detail(site, &wall, footprint);
         fine_wall = (wall, detail, field - detail.recess);
     }
     let bare = Floor { height: zero, stone: zero, tint: zero };
     let mut fine_floor = (bare, zero);
     if let Some((floor, _)) = carved.floor {
-        let floor = rock.floor_detail(site, &floor, band);
+        let floor = rock.floor_detail(site, &floor, footprint);
         fine_floor = (floor, floor_field(site, &floor));
     }
     let ((wall, detail, at_wall), (floor, over_floor)) = (fine_wall, fine_floor);
@@ -263,7 +263,7 @@ fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<
         height: value(site.height),
         cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
         state: value(wall.state) * (-share + 1.0),
-        band: value(wall.band),
+        footprint: value(wall.footprint),
         crack: value(detail.crack) * (-share + 1.0),
         floor: share,
         stone: value(floor.stone) * share,
@@ -273,31 +273,31 @@ fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, band: Band) -> (Jet<
 }
 
 #[inline(always)]
-fn skins<S: Simd, R: Rock>(
+fn surface_samples<S: Simd, R: Rock>(
     simd: S,
     rock: &R,
     sites: &Sites,
     look: &Look,
-    band: Band,
+    footprint: Footprint,
     normals: &[[f32; 3]],
-    out: &mut Skins,
+    out: &mut SurfaceSamples,
 ) {
     for at in (0..sites.count).step_by(Lanes::<S>::LEN) {
-        let (shape, field, mut form) = surface(rock, &sites.site(simd, at), band);
+        let (shape, field, mut form) = surface(rock, &sites.site(simd, at), footprint);
         let upward = inlined!(|lane: usize| normals[(at + lane).min(sites.count - 1)][2]);
         form.upward = Value(Lanes::<S>::from_fn(simd, upward));
-        let paint = rock.paint(&form, &sites.site(simd, at), look, band);
-        Skins::put::<S>(&mut out.value, at, field.value);
+        let paint = rock.paint(&form, &sites.site(simd, at), look, footprint);
+        SurfaceSamples::put::<S>(&mut out.value, at, field.value);
         let gradient = drowned(field.gradient, shape.gradient, &paint);
         for (lanes, to) in gradient.into_iter().zip(&mut out.gradient) {
-            Skins::put::<S>(to, at, lanes);
+            SurfaceSamples::put::<S>(to, at, lanes);
         }
         let color = [paint.color.x, paint.color.y, paint.color.z];
         for (lanes, to) in color.into_iter().zip(&mut out.color) {
-            Skins::put::<S>(to, at, lanes.within(0.0, 1.0).0);
+            SurfaceSamples::put::<S>(to, at, lanes.within(0.0, 1.0).0);
         }
-        Skins::put::<S>(&mut out.roughness, at, paint.roughness.within(0.05, 1.0).0);
-        Skins::put::<S>(&mut out.occlusion, at, openness(&form, &sites.site(simd, at)).0);
+        SurfaceSamples::put::<S>(&mut out.roughness, at, paint.roughness.within(0.05, 1.0).0);
+        SurfaceSamples::put::<S>(&mut out.occlusion, at, openness(&form, &sites.site(simd, at)).0);
     }
 }
 
@@ -312,8 +312,8 @@ fn openness<S: Simd>(form: &Form<S>, site: &Site<Value<S>>) -> Value<S> {
 }
 
 impl<R: Rock> Material for R {
-    fn wander(&self) -> Wander {
-        Rock::wander(self)
+    fn domain_warp(&self) -> DomainWarp {
+        Rock::domain_warp(self)
     }
 
     fn distances(&self, sites: &Sites, out: &mut [f32]) {
@@ -324,8 +324,15 @@ impl<R: Rock> Material for R {
         dispatched!(simd => gradients(simd, self, sites, out));
     }
 
-    fn skins(&self, sites: &Sites, look: &Look, band: Band, normals: &[[f32; 3]], out: &mut Skins) {
-        dispatched!(simd => skins(simd, self, sites, look, band, normals, out));
+    fn surface_samples(
+        &self,
+        sites: &Sites,
+        look: &Look,
+        footprint: Footprint,
+        normals: &[[f32; 3]],
+        out: &mut SurfaceSamples,
+    ) {
+        dispatched!(simd => surface_samples(simd, self, sites, look, footprint, normals, out));
     }
 }
 
@@ -362,15 +369,15 @@ mod tests {
         sites
     }
 
-    fn everything<S: Simd, R: Rock>(simd: S, rock: &R) -> (Vec<u32>, Vec<[u32; 3]>, Skins) {
+    fn everything<S: Simd, R: Rock>(simd: S, rock: &R) -> (Vec<u32>, Vec<[u32; 3]>, SurfaceSamples) {
         let sites = sites();
         let mut values = vec![0.0; BLOCK];
         distances(simd, rock, &sites, &mut values);
         let mut slopes = vec![[0.0; 3]; BLOCK];
         gradients(simd, rock, &sites, &mut slopes);
-        let mut out = Skins::default();
-        let (look, band) = (Look::default(), Band { texel_m: 0.007 });
-        skins(simd, rock, &sites, &look, band, &[[0.6, 0.0, 0.8]; BLOCK], &mut out);
+        let mut out = SurfaceSamples::default();
+        let (look, footprint) = (Look::default(), Footprint { texel_m: 0.007 });
+        surface_samples(simd, rock, &sites, &look, footprint, &[[0.6, 0.0, 0.8]; BLOCK], &mut out);
         let bits = values.into_iter().map(f32::to_bits).collect();
         (bits, slopes.into_iter().map(|slope| slope.map(f32::to_bits)).collect(), out)
     }

@@ -1,7 +1,7 @@
 //! Stones on the floor.
 
 use super::rock::Floor;
-use super::site::{Band, Site};
+use super::site::{Footprint, Site};
 use crate::noise::{Ints, Lanes, Real, Vec3, cells_2d, inlined, soft_max, soft_min, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -71,7 +71,7 @@ fn bent<S: Simd, T: Real<S>>(site: &Site<T>) -> Vec3<T> {
 pub fn strewn<S: Simd, T: Real<S>>(
     site: &Site<T>,
     floor: &Floor<T>,
-    band: Band,
+    footprint: Footprint,
     density: impl Fn([Lanes<S>; 2]) -> T,
 ) -> Floor<T> {
     let (p, n) = (site.point, site.source);
@@ -80,14 +80,14 @@ pub fn strewn<S: Simd, T: Real<S>>(
     let mut gravel = Floor { height: zero, stone: zero, tint: zero };
     for rubble in GRAVEL {
         // A stone of fewer than eight texels is a speck.
-        let share = band.keep(rubble.cell_m * 0.25);
+        let share = footprint.keep(rubble.cell_m * 0.25);
         if share > 0.0 {
             let stones = rubble.stones(site, at, [zero, zero + 0.1], &density);
             let height = stones.height * (share * 0.22 * rubble.cell_m);
             gravel = higher(gravel, Floor { height, stone: stones.stone * share, ..stones });
         }
     }
-    let grain = n.fbm(37, p.scaled(5.5), band.octaves(0.18, 3), 0.55);
+    let grain = n.fbm(37, p.scaled(5.5), footprint.octaves(0.18, 3), 0.55);
     let ripple = n.noise(39, vec3(p.x * 2.2 + p.y * 1.4, p.y * 6.0 - p.x * 3.8, p.z * 0.0));
     let bare = -floor.stone + 1.0;
     let on_stone = floor.stone.value().simd_gt(0.3);

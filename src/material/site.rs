@@ -197,7 +197,7 @@ impl<S: Simd> Stored<S> for Jet<S> {
 
 /// What the wall looks like at every site of a block.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Skins {
+pub struct SurfaceSamples {
     /// The field with all detail, metres.
     pub value: [f32; BLOCK],
     /// Its gradient.
@@ -210,7 +210,7 @@ pub struct Skins {
     pub occlusion: [f32; BLOCK],
 }
 
-impl Default for Skins {
+impl Default for SurfaceSamples {
     fn default() -> Self {
         Self {
             value: [0.0; BLOCK],
@@ -222,7 +222,7 @@ impl Default for Skins {
     }
 }
 
-impl Skins {
+impl SurfaceSamples {
     /// Writes lanes of one quantity from `at` on.
     #[inline(always)]
     pub fn put<S: Simd>(to: &mut [f32; BLOCK], at: usize, lanes: Lanes<S>) {
@@ -232,12 +232,12 @@ impl Skins {
 
 /// How fine a skin is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Band {
+pub struct Footprint {
     /// Distance between neighbouring texels in metres.
     pub texel_m: f32,
 }
 
-impl Band {
+impl Footprint {
     /// How much of a layer with this wavelength to keep: 1 from three texels on, 0 below two (Nyquist).
     pub fn keep(self, wavelength_m: f32) -> f32 {
         (wavelength_m / self.texel_m - 2.0).clamp(0.0, 1.0)
@@ -274,7 +274,7 @@ mod tests {
     fn drawn<S: Simd>(simd: S, texel_m: f32, half_width_m: f32) -> [f32; 3] {
         let at = |x: f32| {
             let distance = Value::<S>(Lanes::<S>::splat(simd, x));
-            Band { texel_m }.line(distance, half_width_m).0[0]
+            Footprint { texel_m }.line(distance, half_width_m).0[0]
         };
         let across: Vec<f32> = (0..4000).map(|i| i as f32 * 1e-4).collect();
         let reach = across.iter().copied().filter(|x| at(*x) > 0.0).fold(0.0, f32::max);

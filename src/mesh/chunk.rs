@@ -2,7 +2,7 @@ use crate::field::{Field, Region};
 
 use super::Mesh;
 use super::bubbles::drop_bubbles;
-use super::collapse::Goal;
+use super::collapse::StopCriterion;
 use super::extract::extract;
 use super::facet::{Facets, triangulate};
 use super::grid::{ChunkIndex, Grid};
@@ -31,8 +31,8 @@ pub struct ChunkMeshes {
 pub fn chunk(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshSettings) -> Option<ChunkMeshes> {
     let facets = facets(field, grid.voxel_m, &grid.owned(index))?;
     let most_triangles = triangle_budget(field, grid, index, settings.max_triangles);
-    let seen = Goal { error_m: settings.simplify_error_m, most_triangles };
-    let touched = Goal { error_m: settings.collision_error_m, most_triangles: None };
+    let seen = StopCriterion { error_m: settings.simplify_error_m, most_triangles };
+    let touched = StopCriterion { error_m: settings.collision_error_m, most_triangles: None };
     let (visual, visual_error_m) = simplify(&facets, seen);
     let (collision, collision_error_m) = simplify(&facets, touched);
     let normals = normals(field, grid.voxel_m, &visual);

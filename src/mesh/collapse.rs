@@ -1,23 +1,23 @@
 //! Collapses edges in the order of what that costs, under the link condition (Dey et al., *Topology preserving edge
 //! contraction*, 1999), so a manifold stays one and keeps its genus.
 //!
-//! A [`Rule`] says which edges may collapse, and where to. Whatever it says: border vertices stay where they are, no new
+//! A [`CollapsePolicy`] says which edges may collapse, and where to. Whatever it says: border vertices stay where they are, no new
 //! edge joins two of them (two chunks could both add it), and no triangle turns over or becomes a needle.
 
+use super::collapse_mesh::{Collapse, CollapseMesh};
 use super::queue::{Edge, Queue};
-use super::shape::{Collapse, Shape};
 use super::{Mesh, QUANTA_PER_M};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Goal {
+pub(crate) struct StopCriterion {
     /// Collapse while the error stays below, in metres; nothing at 0.
     pub(crate) error_m: f32,
     /// Then go on, whatever the error, while there are more triangles than this.
     pub(crate) most_triangles: Option<usize>,
 }
 
-impl Goal {
+impl StopCriterion {
     /// Square of the error in quanta.
     fn most_error(self) -> f64 {
         let quanta = f64::from(self.error_m) * f64::from(QUANTA_PER_M);
@@ -39,18 +39,18 @@ impl Goal {
 }
 
 /// Which edges may collapse.
-pub(crate) trait Rule {
+pub(crate) trait CollapsePolicy {
     /// The ways in which an edge may collapse, each to be planned on its own.
     fn ways(ends: [u32; 2]) -> impl Iterator<Item = [u32; 2]>;
 
     /// What becomes of an edge, if anything.
-    fn plan(&self, shape: &Shape, ends: [u32; 2]) -> Option<Collapse>;
+    fn plan(&self, collapse_mesh: &CollapseMesh, ends: [u32; 2]) -> Option<Collapse>;
 
-    /// Whether a collapse that keeps topology and shape is lawful.
-    fn allows(&self, shape: &Shape, collapse: &Collapse) -> bool;
+    /// Whether a collapse that keeps topology and shape is allowed.
+    fn allows(&self, collapse_mesh: &CollapseMesh, collapse: &Collapse) -> bool;
 
     /// Told before a collapse is done.
-    fn apply(&mut self, shape: &Shape, collapse: &Collapse);
+    fn apply(&mut self, collapse_mesh: &CollapseMesh, collapse: &Collapse);
 }
 
 /// Share of an edge's squared length in its cost, so that short edges of flat patches go first. Tuned.
@@ -58,7 +58,7 @@ const LENGTH_SHARE: f64 = 1e-6;
 
 /// Collapses a mesh by a rule, towards one goal after the other.
 pub(crate) struct Collapser<'a, R> {
-    pub(crate) shape: Shape<'a>,
+    pub(crate) mesh: CollapseMesh<'a>,
     pub(crate) rule: R,
     /// Counts the changes around a vertex; candidates of before are stale.
     versions: Vec<u32>,
@@ -67,10 +67,10 @@ pub(crate) struct Collapser<'a, R> {
     ring: Vec<u32>,
 }
 
-impl<'a, R: Rule> Collapser<'a, R> {
+impl<'a, R: CollapsePolicy> Collapser<'a, R> {
     pub(crate) fn new(mesh: &'a Mesh, rule: R) -> Self {
         Self {
-            shape: Shape::new(mesh),
+            mesh: CollapseMesh::new(mesh),
             rule,
             versions: vec![0; mesh.positions.len()],
             queue: Queue::new(),
@@ -80,30 +80,30 @@ impl<'a, R: Rule> Collapser<'a, R> {
     }
 
     /// Collapses to the goal; returns the greatest error in metres.
-    pub(crate) fn run(&mut self, goal: Goal) -> f32 {
+    pub(crate) fn run(&mut self, goal: StopCriterion) -> f32 {
         self.queue = Queue::new();
         self.queue_all(goal.limit());
         let mut greatest = 0.0f64;
-        while !goal.is_reached(self.shape.live())
+        while !goal.is_reached(self.mesh.live())
             && let Some(edge) = self.queue.pop()
         {
-            let plan = self.is_current(edge).then(|| self.rule.plan(&self.shape, edge.ends)).flatten();
+            let plan = self.is_current(edge).then(|| self.rule.plan(&self.mesh, edge.ends)).flatten();
             let Some(collapse) = plan else { continue };
-            let worth = collapse.error < goal.most_error() || goal.is_over_budget(self.shape.live());
+            let worth = collapse.error < goal.most_error() || goal.is_over_budget(self.mesh.live());
             if !worth || !self.is_lawful(&collapse) {
                 continue;
             }
             greatest = greatest.max(collapse.error);
-            self.rule.apply(&self.shape, &collapse);
-            self.shape.apply(&collapse);
+            self.rule.apply(&self.mesh, &collapse);
+            self.mesh.apply(&collapse);
             self.queue_around(collapse.kept, goal.limit());
         }
         (greatest.sqrt() / f64::from(QUANTA_PER_M)) as f32
     }
 
     fn queue_all(&mut self, limit: f64) {
-        for index in 0..self.shape.triangles.len() {
-            let [a, b, c] = self.shape.triangles[index];
+        for index in 0..self.mesh.triangles.len() {
+            let [a, b, c] = self.mesh.triangles[index];
             for ends in [[a, b], [b, c], [c, a]] {
                 // Of an edge inside, the triangle on either side offers it: one is enough. Edges without a second
                 // triangle join two border vertices and are no candidates.
@@ -117,8 +117,8 @@ impl<'a, R: Rule> Collapser<'a, R> {
     fn queue_around(&mut self, vertex: u32, limit: f64) {
         self.versions[vertex as usize] += 1;
         self.marks.clear();
-        for corner in self.shape.corners.of(vertex) {
-            for end in others(self.shape.triangles[corner.triangle], vertex) {
+        for corner in self.mesh.corners.of(vertex) {
+            for end in others(self.mesh.triangles[corner.triangle], vertex) {
                 if self.marks.set(end) {
                     self.ring.push(end);
                 }
@@ -131,9 +131,9 @@ impl<'a, R: Rule> Collapser<'a, R> {
 
     fn queue_edge(&mut self, ends: [u32; 2], limit: f64) {
         for ends in R::ways(ends) {
-            let plan = self.rule.plan(&self.shape, ends);
+            let plan = self.rule.plan(&self.mesh, ends);
             let Some(collapse) = plan.filter(|collapse| collapse.error < limit) else { continue };
-            let [a, b] = ends.map(|end| self.shape.position(end));
+            let [a, b] = ends.map(|end| self.mesh.position(end));
             let cost = collapse.error + LENGTH_SHARE * (a - b).norm_squared();
             self.queue.push(cost as f32, Edge { ends, version: self.version(ends) });
         }
@@ -145,38 +145,38 @@ impl<'a, R: Rule> Collapser<'a, R> {
     }
 
     fn is_current(&self, edge: Edge) -> bool {
-        edge.ends.iter().all(|&end| self.shape.is_alive(end)) && self.version(edge.ends) == edge.version
+        edge.ends.iter().all(|&end| self.mesh.is_alive(end)) && self.version(edge.ends) == edge.version
     }
 
     fn is_lawful(&mut self, collapse: &Collapse) -> bool {
-        let shape = &self.shape;
-        let stays = |vertex| shape.position(vertex) == collapse.to;
-        keeps_topology(shape, &mut self.marks, [collapse.kept, collapse.gone])
-            && shape.keeps_form(collapse.gone, collapse)
-            && (stays(collapse.kept) || shape.keeps_form(collapse.kept, collapse))
-            && self.rule.allows(shape, collapse)
+        let collapse_mesh = &self.mesh;
+        let stays = |vertex| collapse_mesh.position(vertex) == collapse.to;
+        keeps_topology(collapse_mesh, &mut self.marks, [collapse.kept, collapse.gone])
+            && collapse_mesh.keeps_form(collapse.gone, collapse)
+            && (stays(collapse.kept) || collapse_mesh.keeps_form(collapse.kept, collapse))
+            && self.rule.allows(collapse_mesh, collapse)
     }
 }
 
 /// The link condition and the rule against chords of the border.
-fn keeps_topology(shape: &Shape, marks: &mut Marks, [kept, gone]: [u32; 2]) -> bool {
+fn keeps_topology(collapse_mesh: &CollapseMesh, marks: &mut Marks, [kept, gone]: [u32; 2]) -> bool {
     marks.clear();
-    for corner in shape.corners.of(kept) {
-        for end in others(shape.triangles[corner.triangle], kept) {
+    for corner in collapse_mesh.corners.of(kept) {
+        for end in others(collapse_mesh.triangles[corner.triangle], kept) {
             marks.set(end);
         }
     }
     let mut shared = 0;
     // `gone` lies inside: going around it meets each neighbour once as the next corner.
-    for corner in shape.corners.of(gone) {
-        let end = shape.triangles[corner.triangle][(corner.place + 1) % 3];
+    for corner in collapse_mesh.corners.of(gone) {
+        let end = collapse_mesh.triangles[corner.triangle][(corner.place + 1) % 3];
         if marks.has(end) {
-            let least = if shape.is_border(end) { 2 } else { 4 };
-            if shape.corners.of(end).take(least).count() < least {
+            let least = if collapse_mesh.is_border(end) { 2 } else { 4 };
+            if collapse_mesh.corners.of(end).take(least).count() < least {
                 return false;
             }
             shared += 1;
-        } else if end != kept && shape.is_border(kept) && shape.is_border(end) {
+        } else if end != kept && collapse_mesh.is_border(kept) && collapse_mesh.is_border(end) {
             return false;
         }
     }
@@ -221,7 +221,7 @@ mod tests {
     }
 
     fn keeps_topology(mesh: &Mesh, kept: u32, gone: u32) -> bool {
-        super::keeps_topology(&Shape::new(mesh), &mut Marks::new(mesh.positions.len()), [kept, gone])
+        super::keeps_topology(&CollapseMesh::new(mesh), &mut Marks::new(mesh.positions.len()), [kept, gone])
     }
 
     /// A ring of `around` triangular sections: edges of a section have a third common neighbour.

@@ -12,7 +12,7 @@ pub(super) struct Facets {
     pub(super) mesh: Mesh,
     /// Sum of the areas around each vertex, along their normals into the air. On a border it is taken before
     /// simplification and over the quads of neighbours too, so both sides hold the same.
-    pub(super) leanings: Vec<Vector3<f64>>,
+    pub(super) area_normals: Vec<Vector3<f64>>,
 }
 
 /// Rounds, and splits the quads that the chunk owns.
@@ -20,9 +20,9 @@ pub(super) fn triangulate(surface: &Surface, voxel_m: f32) -> Facets {
     let scale = f64::from(voxel_m) * f64::from(QUANTA_PER_M);
     let quantum = |v: &Vector3<f64>| [v.x, v.y, v.z].map(|c| (c * scale).round() as i32);
     let positions: Vec<_> = surface.vertices.iter().map(quantum).collect();
-    let leanings = leanings(&positions, &surface.quads);
+    let area_normals = area_normals(&positions, &surface.quads);
     let uses = Uses::count(surface);
-    let mut facets = Facets { mesh: Mesh::default(), leanings: Vec::new() };
+    let mut facets = Facets { mesh: Mesh::default(), area_normals: Vec::new() };
     let mut names = vec![u32::MAX; positions.len()];
     for quad in surface.quads.iter().filter(|quad| quad.owned) {
         let corners = quad.corners.map(|corner| {
@@ -31,7 +31,7 @@ pub(super) fn triangulate(surface: &Surface, voxel_m: f32) -> Facets {
                 names[vertex] = facets.mesh.positions.len() as u32;
                 facets.mesh.positions.push(positions[vertex]);
                 facets.mesh.border.push(uses.foreign[vertex]);
-                facets.leanings.push(leanings[vertex]);
+                facets.area_normals.push(area_normals[vertex]);
             }
             names[vertex]
         });
@@ -57,7 +57,7 @@ impl Uses {
     }
 }
 
-fn leanings(positions: &[[i32; 3]], quads: &[Quad]) -> Vec<Vector3<f64>> {
+fn area_normals(positions: &[[i32; 3]], quads: &[Quad]) -> Vec<Vector3<f64>> {
     let mut sums = vec![Vector3::zeros(); positions.len()];
     for quad in quads {
         let [a, b, c, d] = quad.corners.map(|corner| positions[corner as usize]);

@@ -1,7 +1,7 @@
 //! Normals of a mesh: the field's own, so that shading agrees across borders.
 //!
 //! Where the field turns over within a voxel its normal may face away from the triangles. There the mean normal of the
-//! faces is used, see [`Facets::leanings`].
+//! faces is used, see [`Facets::area_normals`].
 
 use nalgebra::Vector3;
 
@@ -17,7 +17,7 @@ const LEAST_COSINE: f64 = 0.25;
 /// The normals at the vertices.
 pub(super) fn normals(field: &dyn Field, voxel_m: f32, facets: &Facets) -> Vec<[f32; 3]> {
     let mut normals = steepest_descents(field, voxel_m, &facets.mesh);
-    for (normal, &lean) in normals.iter_mut().zip(&facets.leanings) {
+    for (normal, &lean) in normals.iter_mut().zip(&facets.area_normals) {
         if opposes(*normal, lean) {
             *normal = unit(lean).unwrap_or(*normal);
         }

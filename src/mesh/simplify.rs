@@ -9,33 +9,33 @@
 use nalgebra::Vector3;
 
 use super::Mesh;
-use super::collapse::{Collapser, Goal, Rule};
+use super::collapse::{CollapsePolicy, Collapser, StopCriterion};
+use super::collapse_mesh::{Collapse, CollapseMesh};
 use super::facet::Facets;
-use super::shape::{Collapse, Shape};
 
 /// The simplified triangles, and the greatest error of a collapse in metres.
-pub(super) fn simplify(facets: &Facets, goal: Goal) -> (Facets, f32) {
-    let mut collapser = Collapser::new(&facets.mesh, Free);
+pub(super) fn simplify(facets: &Facets, goal: StopCriterion) -> (Facets, f32) {
+    let mut collapser = Collapser::new(&facets.mesh, AnyEdge);
     let error_m = collapser.run(goal);
-    if collapser.shape.live() == facets.mesh.triangles.len() {
+    if collapser.mesh.live() == facets.mesh.triangles.len() {
         return (facets.clone(), error_m);
     }
-    (packed(&collapser.shape, facets), error_m)
+    (packed(&collapser.mesh, facets), error_m)
 }
 
 /// Any edge that does not join two border vertices may collapse, to the best place.
-struct Free;
+struct AnyEdge;
 
-impl Rule for Free {
+impl CollapsePolicy for AnyEdge {
     fn ways(ends: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
         std::iter::once(ends)
     }
 
-    fn plan(&self, shape: &Shape, [a, b]: [u32; 2]) -> Option<Collapse> {
-        let [at_a, at_b] = [a, b].map(|v| shape.position(v));
-        let joined = shape.joined([a, b]);
+    fn plan(&self, collapse_mesh: &CollapseMesh, [a, b]: [u32; 2]) -> Option<Collapse> {
+        let [at_a, at_b] = [a, b].map(|v| collapse_mesh.position(v));
+        let joined = collapse_mesh.joined([a, b]);
         let collapse = |kept, gone, to| Collapse { kept, gone, to, error: joined.error(&to) };
-        match [a, b].map(|v| shape.is_border(v)) {
+        match [a, b].map(|v| collapse_mesh.is_border(v)) {
             [true, true] => None,
             [true, false] => Some(collapse(a, b, at_a)),
             [false, true] => Some(collapse(b, a, at_b)),
@@ -51,32 +51,32 @@ impl Rule for Free {
         }
     }
 
-    fn allows(&self, _: &Shape, _: &Collapse) -> bool {
+    fn allows(&self, _: &CollapseMesh, _: &Collapse) -> bool {
         true
     }
 
-    fn apply(&mut self, _: &Shape, _: &Collapse) {}
+    fn apply(&mut self, _: &CollapseMesh, _: &Collapse) {}
 }
 
 /// What is left, in its old order.
-fn packed(shape: &Shape, before: &Facets) -> Facets {
+fn packed(collapse_mesh: &CollapseMesh, before: &Facets) -> Facets {
     const NONE: u32 = u32::MAX;
     let first = before.mesh.positions.first().copied().unwrap_or_default();
-    let areas = areas(shape);
+    let areas = areas(collapse_mesh);
     let mut names = vec![NONE; areas.len()];
-    let mut facets = Facets { mesh: Mesh::default(), leanings: Vec::new() };
-    for triangle in shape.left() {
+    let mut facets = Facets { mesh: Mesh::default(), area_normals: Vec::new() };
+    for triangle in collapse_mesh.left() {
         let triangle = triangle.map(|corner| {
             let vertex = corner as usize;
             if names[vertex] == NONE {
                 names[vertex] = facets.mesh.positions.len() as u32;
-                let at = shape.position(corner);
+                let at = collapse_mesh.position(corner);
                 let at = std::array::from_fn(|i| at[i] as i32 + first[i]);
-                let border = shape.is_border(corner);
-                let lean = if border { before.leanings[vertex] } else { areas[vertex] };
+                let border = collapse_mesh.is_border(corner);
+                let lean = if border { before.area_normals[vertex] } else { areas[vertex] };
                 facets.mesh.positions.push(at);
                 facets.mesh.border.push(border);
-                facets.leanings.push(lean);
+                facets.area_normals.push(lean);
             }
             names[vertex]
         });
@@ -85,10 +85,10 @@ fn packed(shape: &Shape, before: &Facets) -> Facets {
     facets
 }
 
-fn areas(shape: &Shape) -> Vec<Vector3<f64>> {
-    let mut areas = vec![Vector3::zeros(); shape.vertices()];
-    for triangle in shape.left() {
-        let [a, b, c] = shape.corners_of(*triangle);
+fn areas(collapse_mesh: &CollapseMesh) -> Vec<Vector3<f64>> {
+    let mut areas = vec![Vector3::zeros(); collapse_mesh.vertices()];
+    for triangle in collapse_mesh.left() {
+        let [a, b, c] = collapse_mesh.corners_of(*triangle);
         let area = (b - a).cross(&(c - a));
         for &corner in triangle {
             areas[corner as usize] += area;

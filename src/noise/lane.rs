@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub type Lanes<S> = <S as Simd>::f32s;
 /// The machine's own vector of `i32`.
 pub type Ints<S> = <S as Simd>::i32s;
-/// A truth value per lane.
+/// A placement value per lane.
 pub type Mask<S> = <S as Simd>::mask32s;
 
 /// A number that formulas are written over: [`Value`] or [`Jet`].

@@ -6,21 +6,21 @@
 //! A square of the image is worked on at a time: 8 × 8 wide cones first find how far there is air for all of their
 //! pixels, then the pixels of each cone go on from there together.
 
+mod auto_camera;
 mod camera;
 mod light;
 mod march;
-mod stance;
 mod tone;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+pub use self::auto_camera::{is_air, raised};
 pub use self::camera::Pose;
 use self::camera::{Camera, Ray};
 use self::light::{Lamp, Sight};
 use self::march::{Approach, BRISK, CAREFUL, FAR_M};
-pub use self::stance::{is_air, raised};
 pub use self::tone::exposure as mean_exposure;
 use super::image::Image;
 use super::{Drawn, Order, PreviewError, Size, Subject};
@@ -44,12 +44,12 @@ pub fn inside(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, Pre
 /// The pose that was asked for, or one that shows most.
 fn pose(subject: &Subject, order: &Order) -> Result<Pose, PreviewError> {
     let eye = match order.at {
-        Some(eye) if !stance::is_air(subject.field, eye) => return Err(PreviewError::InRock(eye)),
+        Some(eye) if !auto_camera::is_air(subject.field, eye) => return Err(PreviewError::InRock(eye)),
         at => at,
     };
     let mut pose = match eye {
-        Some(eye) => stance::furthest(subject.field, eye),
-        None => stance::best(subject)?,
+        Some(eye) => auto_camera::furthest(subject.field, eye),
+        None => auto_camera::best(subject)?,
     };
     if let Some([yaw, pitch]) = order.look {
         (pose.yaw, pose.pitch) = (yaw, pitch);

@@ -3,7 +3,7 @@
 //! Every triangle looks along the axis (of six) that its smoothed surroundings face most, regions are connected
 //! triangles with one axis, large ones are tiled so that they pack, tiny ones join a neighbour. O(triangles). No
 //! triangle is seen at more than [`MIN_FACING`] allows, so stretch is bounded; regions may still overlap themselves
-//! (see [`super::peel`]).
+//! (see [`super::split_overlaps`]).
 
 use std::collections::VecDeque;
 
@@ -21,7 +21,7 @@ const VOTES: usize = 4;
 const TILE: f64 = 0.3;
 /// A region with less than this share of a full tile's area joins a neighbour. Tuned.
 const CRUMB: f64 = 1.0 / 40.0;
-/// Crumbs that border on crumbs only are swept up in later rounds.
+/// Slivers that border on slivers only are swept up in later rounds.
 const SWEEPS: usize = 3;
 
 /// The regions of `mesh`, each connected and seen along one axis.
@@ -145,19 +145,19 @@ impl Faces<'_> {
         [0, 1].map(|k| corners[0][k] + corners[1][k] + corners[2][k])
     }
 
-    /// Joins regions smaller than `crumb` (square quanta) to the larger one they share most edges with, where all their
+    /// Joins regions smaller than `sliver` (square quanta) to the larger one they share most edges with, where all their
     /// triangles may be seen along its axis. Says whether anything changed.
-    fn sweep(&self, regions: &mut Regions, axes: &mut [Axis], crumb: f64) -> bool {
+    fn sweep(&self, regions: &mut Regions, axes: &mut [Axis], sliver: f64) -> bool {
         let mut areas = vec![0.0; regions.count as usize];
         for (t, &region) in regions.of.iter().enumerate() {
             areas[region as usize] += seen_area(self.mesh, t as u32, axes[t]);
         }
         let mut changed = false;
         for (region, group) in regions.triangles().into_iter().enumerate() {
-            if areas[region] >= crumb {
+            if areas[region] >= sliver {
                 continue;
             }
-            let Some(host) = self.host(&group, regions, axes, |r| areas[r as usize] >= crumb) else {
+            let Some(host) = self.host(&group, regions, axes, |r| areas[r as usize] >= sliver) else {
                 continue;
             };
             for &t in &group {
@@ -174,7 +174,7 @@ impl Faces<'_> {
 
     /// A triangle of the region that `group` should join.
     fn host(&self, group: &[u32], regions: &Regions, axes: &[Axis], is_large: impl Fn(u32) -> bool) -> Option<u32> {
-        // Few regions touch a crumb: a list beats a map. Each with its shared edges and one of its triangles.
+        // Few regions touch a sliver: a list beats a map. Each with its shared edges and one of its triangles.
         let mut touching: Vec<(u32, u32, u32)> = vec![];
         for &t in group {
             for &n in self.neighbours[t as usize].iter().filter(|&&n| n != NONE) {

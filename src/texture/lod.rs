@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Textured;
 use super::seams::Seams;
-use crate::mesh::{Collapser, Gauge, Goal, Mesh};
+use crate::mesh::{Collapser, HausdorffBound, Mesh, StopCriterion};
 
 /// Coarser meshes of each chunk for cameras further away, with the same images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,27 +52,27 @@ pub fn levels(mesh: &Mesh, textured: &Textured, settings: &LodSettings) -> Vec<L
         return Vec::new();
     }
     let mut collapser = Collapser::new(mesh, Seams::new(textured, &mesh.border));
-    let gauge = Gauge::new(mesh);
+    let bound = HausdorffBound::new(mesh);
     let mut levels = Vec::new();
     for _ in 0..settings.levels {
-        let before = collapser.shape.live() as f64;
+        let before = collapser.mesh.live() as f64;
         let most_triangles = Some((before / f64::from(settings.reduction)) as usize);
-        collapser.run(Goal { error_m: 0.0, most_triangles });
-        if collapser.shape.live() as f64 > MOST_SHARE * before {
+        collapser.run(StopCriterion { error_m: 0.0, most_triangles });
+        if collapser.mesh.live() as f64 > MOST_SHARE * before {
             break;
         }
-        levels.push(level(&gauge, textured, &collapser));
+        levels.push(level(&bound, textured, &collapser));
     }
     levels
 }
 
-fn level(gauge: &Gauge, textured: &Textured, collapser: &Collapser<Seams>) -> Level {
-    let left = || (0..textured.triangles.len()).filter(|&triangle| collapser.shape.is_left(triangle));
+fn level(bound: &HausdorffBound, textured: &Textured, collapser: &Collapser<Seams>) -> Level {
+    let left = || (0..textured.triangles.len()).filter(|&triangle| collapser.mesh.is_left(triangle));
     let triangles: Vec<[u32; 3]> = left().map(|triangle| collapser.rule.triangles[triangle]).collect();
     let coarse: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|copy| textured.source[copy as usize])).collect();
     Level {
         charts: left().map(|triangle| textured.charts[triangle]).collect(),
-        error_m: gauge.apart_m(&coarse),
+        error_m: bound.distance_bound_m(&coarse),
         triangles,
     }
 }

@@ -14,7 +14,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::Textured;
 use super::adjacency::{NONE, neighbours};
-use crate::mesh::{Collapse, QUANTA_PER_M, Rule, Shape};
+use crate::mesh::{Collapse, CollapseMesh, CollapsePolicy, QUANTA_PER_M};
 
 /// Least area in the atlas of a triangle with an area of 1. Charts start at 0.5. Tuned: lower stretches more.
 const LEAST_FACING: f64 = 0.25;
@@ -59,8 +59,8 @@ impl Seams {
     }
 
     /// What the copies of `gone` become: two pairs, equal inside a chart. `None` where the edge is none.
-    fn pairs(&self, shape: &Shape, [kept, gone]: [u32; 2]) -> Option<[[u32; 2]; 2]> {
-        let mut pairs = shape.around(gone).filter_map(|(triangle, vertices, place)| {
+    fn pairs(&self, collapse_mesh: &CollapseMesh, [kept, gone]: [u32; 2]) -> Option<[[u32; 2]; 2]> {
+        let mut pairs = collapse_mesh.around(gone).filter_map(|(triangle, vertices, place)| {
             let other = vertices.iter().position(|&vertex| vertex == kept)?;
             let copies = self.triangles[triangle];
             Some([copies[place], copies[other]])
@@ -110,19 +110,19 @@ impl Seams {
     }
 }
 
-impl Rule for Seams {
+impl CollapsePolicy for Seams {
     fn ways([a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
         [[a, b], [b, a]].into_iter()
     }
 
-    fn plan(&self, shape: &Shape, [kept, gone]: [u32; 2]) -> Option<Collapse> {
-        let error = shape.error_of_keeping([kept, gone]);
-        let collapse = |error| Some(Collapse { kept, gone, to: shape.position(kept), error });
+    fn plan(&self, collapse_mesh: &CollapseMesh, [kept, gone]: [u32; 2]) -> Option<Collapse> {
+        let error = collapse_mesh.error_of_keeping([kept, gone]);
+        let collapse = |error| Some(Collapse { kept, gone, to: collapse_mesh.position(kept), error });
         let role = self.roles[gone as usize];
         if role == Role::Fixed {
             return None;
         }
-        let [[left, to_left], [right, to_right]] = self.pairs(shape, [kept, gone])?;
+        let [[left, to_left], [right, to_right]] = self.pairs(collapse_mesh, [kept, gone])?;
         match role {
             Role::Inside if to_left == to_right => collapse(error),
             Role::Along if left != right && to_left != to_right => {
@@ -133,21 +133,23 @@ impl Rule for Seams {
         }
     }
 
-    fn allows(&self, shape: &Shape, &Collapse { kept, gone, to, .. }: &Collapse) -> bool {
-        let Some(pairs) = self.pairs(shape, [kept, gone]) else { return false };
-        shape.around(gone).filter(|(_, vertices, _)| !vertices.contains(&kept)).all(|(triangle, vertices, place)| {
-            let mut copies = self.triangles[triangle];
-            let Some(copy) = renamed(pairs, copies[place]) else { return false };
-            copies[place] = copy;
-            let mut corners = vertices.map(|vertex| shape.position(vertex));
-            corners[place] = to;
-            self.is_seen(copies, corners)
-        })
+    fn allows(&self, collapse_mesh: &CollapseMesh, &Collapse { kept, gone, to, .. }: &Collapse) -> bool {
+        let Some(pairs) = self.pairs(collapse_mesh, [kept, gone]) else { return false };
+        collapse_mesh.around(gone).filter(|(_, vertices, _)| !vertices.contains(&kept)).all(
+            |(triangle, vertices, place)| {
+                let mut copies = self.triangles[triangle];
+                let Some(copy) = renamed(pairs, copies[place]) else { return false };
+                copies[place] = copy;
+                let mut corners = vertices.map(|vertex| collapse_mesh.position(vertex));
+                corners[place] = to;
+                self.is_seen(copies, corners)
+            },
+        )
     }
 
-    fn apply(&mut self, shape: &Shape, &Collapse { kept, gone, .. }: &Collapse) {
-        let pairs = self.pairs(shape, [kept, gone]).expect("only an edge collapses");
-        for (triangle, _, place) in shape.around(gone) {
+    fn apply(&mut self, collapse_mesh: &CollapseMesh, &Collapse { kept, gone, .. }: &Collapse) {
+        let pairs = self.pairs(collapse_mesh, [kept, gone]).expect("only an edge collapses");
+        for (triangle, _, place) in collapse_mesh.around(gone) {
             let copy = &mut self.triangles[triangle][place];
             self.alive[*copy as usize] = false;
             *copy = renamed(pairs, *copy).expect("a lawful collapse names every copy");

@@ -11,9 +11,9 @@ use super::chart::{Chart, Scale, seen_area};
 use super::charts::charts;
 pub use super::pack::GUTTER_PX;
 use super::pack::pack;
-use super::peel::peel;
 use super::raster::SUBTEXELS;
 use super::settings::{MAX_SIZE_PX, Resolution};
+use super::split_overlaps::split_overlaps;
 use crate::mesh::{Mesh, QUANTA_PER_M};
 
 /// A mesh cut along the seams of its charts.
@@ -65,11 +65,11 @@ pub fn unwrap(mesh: &Mesh, resolution: Resolution) -> Result<Unwrapped, TextureE
     let charts = charts(mesh, &across);
     let area_m2 = area_m2(mesh, &charts);
     let mut plan = Plan::new(resolution, area_m2);
-    let mut charts = peel(mesh, &across, charts, plan.scale());
+    let mut charts = split_overlaps(mesh, &across, charts, plan.scale());
     let mut origins = plan.settle(mesh, &charts)?;
     for _ in 0..REPACKS {
         let count = charts.len();
-        charts = peel(mesh, &across, charts, plan.scale());
+        charts = split_overlaps(mesh, &across, charts, plan.scale());
         if charts.len() == count {
             break;
         }

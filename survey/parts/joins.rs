@@ -94,7 +94,7 @@ fn take(best: &mut Option<(f64, [usize; 2])>, point: usize, near: Near) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::dice::Dice;
+    use plume_graph::rng::Rng;
     use plume_graph::seed;
 
     /// Kruskal's tree over all pairs: slow, and unlike the rounds.
@@ -108,9 +108,9 @@ mod tests {
 
     #[test]
     fn joins_are_as_short_as_a_slow_search_has_them() {
-        let mut dice = Dice::new(seed::stream(7, "joins", 0));
+        let mut rng = Rng::new(seed::stream(7, "joins", 0));
         for (count, parts) in [(40, 2), (60, 30), (300, 7), (300, 150)] {
-            let mut coordinate = || (dice.unit() * 40.0).round();
+            let mut coordinate = || (rng.unit() * 40.0).round();
             let places: Vec<Point3<f64>> =
                 (0..count).map(|_| Point3::new(coordinate(), coordinate(), coordinate() / 8.0)).collect();
             let part_of: Vec<usize> = (0..count).map(|point| point % parts).collect();

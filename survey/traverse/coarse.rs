@@ -1,14 +1,14 @@
 //! A coarse picture of a large rest, in which what is far away is felt at once.
 //!
 //! Conjugate gradients carry a misclosure by one station a round. Stations are taken together into patches that move as one
-//! (Nicolaides 1987: "Deflation of conjugate gradients"), and what the patches are drawn by is solved exactly, by eliminating
-//! all of them. Added to what each station makes of its own draw, that takes a tenth of the rounds, and less.
+//! (Nicolaides 1987: "Deflation of conjugate gradients"), and what pulls on the patches is solved exactly, by eliminating
+//! all of them. Added to what each station makes of its own residual, that takes a tenth of the rounds, and less.
 
 use std::collections::VecDeque;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::loops::{Hold, Network};
+use super::loops::{Block, Network};
 
 /// Stations of a patch, where the patches can be eliminated. Tuned.
 const LEAST_SIZE: usize = 24;
@@ -25,16 +25,16 @@ pub(super) struct Coarse {
 impl Coarse {
     /// Of stations, each held by others, and by what stays where it is. `None` if no patches can be made that can be
     /// eliminated.
-    pub(super) fn of(holds: &[Vec<Hold>], firm: &[Matrix3<f64>]) -> Option<Self> {
+    pub(super) fn of(blocks: &[Vec<Block>], firm: &[Matrix3<f64>]) -> Option<Self> {
         let sizes = std::iter::successors(Some(LEAST_SIZE), |size| Some(2 * size));
-        sizes.take_while(|size| *size < holds.len()).find_map(|size| {
-            let patch_of = patches(holds, size);
+        sizes.take_while(|size| *size < blocks.len()).find_map(|size| {
+            let patch_of = patches(blocks, size);
             let count = patch_of.iter().max()? + 1;
             let mut patches = Network::new(count);
             for (station, &patch) in patch_of.iter().enumerate() {
-                patches.hold(patch, count, firm[station]);
-                for &(other, hold) in holds[station].iter().filter(|(other, _)| patch_of[*other] != patch) {
-                    patches.hold(patch, patch_of[other], hold);
+                patches.block(patch, count, firm[station]);
+                for &(other, block) in blocks[station].iter().filter(|(other, _)| patch_of[*other] != patch) {
+                    patches.block(patch, patch_of[other], block);
                 }
             }
             patches.eliminate(MOST_NEIGHBORS);
@@ -42,28 +42,28 @@ impl Coarse {
         })
     }
 
-    /// Adds to each station how far its patch moves when its stations are drawn so.
-    pub(super) fn add_moves(&self, draws: &[Vector3<f64>], moves: &mut [Vector3<f64>]) {
+    /// Adds to each station the correction of its patch for this right-hand side.
+    pub(super) fn add_corrections(&self, rhs: &[Vector3<f64>], corrections: &mut [Vector3<f64>]) {
         let mut of_patch = vec![Vector3::zeros(); self.patch_of.iter().max().map_or(0, |last| last + 1)];
-        draws.iter().zip(&self.patch_of).for_each(|(draw, &patch)| of_patch[patch] += draw);
-        let of_patch = self.patches.drawn(of_patch);
-        moves.iter_mut().zip(&self.patch_of).for_each(|(by, &patch)| *by += of_patch[patch]);
+        rhs.iter().zip(&self.patch_of).for_each(|(weighted, &patch)| of_patch[patch] += weighted);
+        let of_patch = self.patches.solved(of_patch);
+        corrections.iter_mut().zip(&self.patch_of).for_each(|(by, &patch)| *by += of_patch[patch]);
     }
 }
 
 /// The patch of each station: stations with those around them, at most `size` to a patch.
-fn patches(holds: &[Vec<Hold>], size: usize) -> Vec<usize> {
+fn patches(blocks: &[Vec<Block>], size: usize) -> Vec<usize> {
     const NONE: usize = usize::MAX;
-    let mut patch_of = vec![NONE; holds.len()];
+    let mut patch_of = vec![NONE; blocks.len()];
     let mut patch = 0;
-    for first in 0..holds.len() {
+    for first in 0..blocks.len() {
         if patch_of[first] != NONE {
             continue;
         }
         let (mut ahead, mut taken) = (VecDeque::from([first]), 1);
         patch_of[first] = patch;
         while let Some(station) = ahead.pop_front() {
-            for &(other, _) in &holds[station] {
+            for &(other, _) in &blocks[station] {
                 if taken < size && patch_of[other] == NONE {
                     patch_of[other] = patch;
                     taken += 1;

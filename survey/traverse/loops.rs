@@ -74,32 +74,32 @@ impl Core {
     }
 
     /// How far each station has to be moved so that the loops close, `None` if they cannot be closed.
-    pub(super) fn moves(&self, shots: &[Shot], tree: &Tree) -> Option<Vec<Vector3<f64>>> {
+    pub(super) fn corrections(&self, shots: &[Shot], tree: &Tree) -> Option<Vec<Vector3<f64>>> {
         let mut network = Network::of(self, shots, tree)?;
         network.eliminate(MOST_NEIGHBORS);
         let rest = network.solve()?;
-        let mut moves = vec![Vector3::zeros(); tree.positions.len()];
+        let mut corrections = vec![Vector3::zeros(); tree.positions.len()];
         for &station in &tree.order {
             let Some(index) = tree.reached_by[station] else { continue };
-            moves[station] = match self.place[station] {
+            corrections[station] = match self.place[station] {
                 Some(place) => rest[place],
-                None => moves[shots[index].other_end(station)],
+                None => corrections[shots[index].other_end(station)],
             };
         }
-        Some(moves)
+        Some(corrections)
     }
 }
 
-/// A way to another station, and how firmly it holds.
-pub(super) type Hold = (usize, Matrix3<f64>);
+/// Another station, and the off-diagonal block of the normal equations that couples it.
+pub(super) type Block = (usize, Matrix3<f64>);
 
-/// The normal equations: each station is held by others, and drawn.
+/// The normal equations: coupled stations, and a right-hand side.
 ///
-/// The hold of `a` on `b` is the transpose of that of `b` on `a`. The sum of the holds on a station is its diagonal
+/// The block of `a` on `b` is the transpose of that of `b` on `a`. The sum of the blocks on a station is its diagonal
 /// block, so that no difference of large numbers is ever taken.
 pub(super) struct Network {
-    holds: Vec<Vec<Hold>>,
-    draws: Vec<Vector3<f64>>,
+    blocks: Vec<Vec<Block>>,
+    rhs: Vec<Vector3<f64>>,
     /// Neighbours at most; parallel ways count apart.
     degree: Vec<usize>,
     /// Inverse of the diagonal block of those that are eliminated, and their order.
@@ -108,11 +108,11 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Stations that nothing holds or draws yet.
+    /// Stations that nothing couples yet.
     pub(super) fn new(count: usize) -> Self {
         Self {
-            holds: vec![Vec::new(); count],
-            draws: vec![Vector3::zeros(); count],
+            blocks: vec![Vec::new(); count],
+            rhs: vec![Vector3::zeros(); count],
             degree: vec![0; count],
             inverse: vec![None; count],
             order: Vec::new(),
@@ -120,8 +120,8 @@ impl Network {
     }
 
     /// Has a station held by another, or by what stays where it is, which stands behind all others.
-    pub(super) fn hold(&mut self, here: usize, there: usize, hold: Matrix3<f64>) {
-        self.holds[here].push((there, hold));
+    pub(super) fn block(&mut self, here: usize, there: usize, block: Matrix3<f64>) {
+        self.blocks[here].push((there, block));
         self.degree[here] += 1;
     }
 
@@ -132,42 +132,42 @@ impl Network {
             let shot = &shots[index];
             let weight = shot.covariance.try_inverse()?;
             let [from, to] = shot.ends;
-            let misses = shot.vector - (tree.positions[to] - tree.positions[from]);
-            let draw = weight * misses;
+            let misclosure = shot.vector - (tree.positions[to] - tree.positions[from]);
+            let weighted = weight * misclosure;
             let places = [from, to].map(|end| core.place[end].unwrap_or(count));
-            for (here, there, draw) in [(places[0], places[1], -draw), (places[1], places[0], draw)] {
+            for (here, there, weighted) in [(places[0], places[1], -weighted), (places[1], places[0], weighted)] {
                 if here < count {
-                    network.hold(here, there, weight);
-                    network.draws[here] += draw;
+                    network.block(here, there, weight);
+                    network.rhs[here] += weighted;
                 }
             }
         }
         Some(network)
     }
 
-    /// Drops what is eliminated from the holds on a station and adds up those by the same one.
+    /// Drops what is eliminated from the blocks on a station and adds up those by the same one.
     fn tidy(&mut self, station: usize) {
-        let mut holds = std::mem::take(&mut self.holds[station]);
-        holds.retain(|&(other, _)| other == self.inverse.len() || self.inverse[other].is_none());
-        holds.sort_by_key(|&(other, _)| other);
-        holds.dedup_by(|(other, more), (kept, hold)| {
+        let mut blocks = std::mem::take(&mut self.blocks[station]);
+        blocks.retain(|&(other, _)| other == self.inverse.len() || self.inverse[other].is_none());
+        blocks.sort_by_key(|&(other, _)| other);
+        blocks.dedup_by(|(other, more), (kept, block)| {
             let same = other == kept;
             if same {
-                *hold += *more;
+                *block += *more;
             }
             same
         });
-        self.degree[station] = holds.len();
-        self.holds[station] = holds;
+        self.degree[station] = blocks.len();
+        self.blocks[station] = blocks;
     }
 
     /// Those that are not eliminated.
     fn left(&self) -> Vec<usize> {
-        (0..self.holds.len()).filter(|&station| self.inverse[station].is_none()).collect()
+        (0..self.blocks.len()).filter(|&station| self.inverse[station].is_none()).collect()
     }
 
     fn diagonal(&self, station: usize) -> Matrix3<f64> {
-        self.holds[station].iter().map(|(_, hold)| hold).sum()
+        self.blocks[station].iter().map(|(_, block)| block).sum()
     }
 
     /// Eliminates stations with at most so many neighbours, those with fewest first, as long as there are any.
@@ -175,7 +175,7 @@ impl Network {
         for _ in 0..SWEEPS {
             let mut queues = vec![VecDeque::new(); most_neighbors + 1];
             for station in
-                (0..self.holds.len()).rev().filter(|&station| self.inverse[station].is_none()).collect::<Vec<_>>()
+                (0..self.blocks.len()).rev().filter(|&station| self.inverse[station].is_none()).collect::<Vec<_>>()
             {
                 self.tidy(station);
                 self.enqueue(station, &mut queues);
@@ -207,58 +207,59 @@ impl Network {
     /// Replaces a station by ways between its neighbours.
     fn drop(&mut self, station: usize, queues: &mut [VecDeque<usize>]) {
         let Some(inverse) = self.diagonal(station).try_inverse() else { return };
-        let holds = std::mem::take(&mut self.holds[station]);
+        let blocks = std::mem::take(&mut self.blocks[station]);
         let count = self.inverse.len();
-        for &(here, hold) in holds.iter().filter(|&&(here, _)| here < count) {
-            let passed_on = hold.transpose() * inverse;
-            let draw = passed_on * self.draws[station];
-            self.draws[here] += draw;
-            self.make_room(here, holds.len());
-            let through = holds.iter().filter(|&&(there, _)| there != here);
-            self.holds[here].extend(through.map(|&(there, hold)| (there, passed_on * hold)));
-            self.degree[here] = self.degree[here] + holds.len() - 2;
+        for &(here, block) in blocks.iter().filter(|&&(here, _)| here < count) {
+            let passed_on = block.transpose() * inverse;
+            let weighted = passed_on * self.rhs[station];
+            self.rhs[here] += weighted;
+            self.make_room(here, blocks.len());
+            let through = blocks.iter().filter(|&&(there, _)| there != here);
+            self.blocks[here].extend(through.map(|&(there, block)| (there, passed_on * block)));
+            self.degree[here] = self.degree[here] + blocks.len() - 2;
             self.enqueue(here, queues);
         }
-        self.holds[station] = holds;
+        self.blocks[station] = blocks;
         self.inverse[station] = Some(inverse);
         self.order.push(station);
     }
 
-    /// Makes room for more holds, by tidying where that is enough, so that memory follows from what is still there.
+    /// Makes room for more blocks, by tidying where that is enough, so that memory follows from what is still there.
     fn make_room(&mut self, station: usize, more: usize) {
-        if self.holds[station].len() + more > self.holds[station].capacity() {
+        if self.blocks[station].len() + more > self.blocks[station].capacity() {
             self.tidy(station);
-            let now = self.holds[station].len();
-            self.holds[station].reserve(now + more);
+            let now = self.blocks[station].len();
+            self.blocks[station].reserve(now + more);
         }
     }
 
     /// Whether all stations are.
     pub(super) fn is_eliminated(&self) -> bool {
-        self.order.len() == self.holds.len()
+        self.order.len() == self.blocks.len()
     }
 
-    /// Where all stations come to rest that are eliminated and drawn like this, and nothing else is.
-    pub(super) fn drawn(&self, mut draws: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
-        let passed_on =
-            |station: usize, draw: Vector3<f64>| self.inverse[station].map_or(draw, |inverse| inverse * draw);
+    /// The corrections of all stations that are eliminated, for this right-hand side alone.
+    pub(super) fn solved(&self, mut rhs: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
+        let passed_on = |station: usize, weighted: Vector3<f64>| {
+            self.inverse[station].map_or(weighted, |inverse| inverse * weighted)
+        };
         for &station in &self.order {
-            let draw = passed_on(station, draws[station]);
-            for &(here, hold) in self.holds[station].iter().filter(|&&(here, _)| here < self.holds.len()) {
-                draws[here] += hold.transpose() * draw;
+            let weighted = passed_on(station, rhs[station]);
+            for &(here, block) in self.blocks[station].iter().filter(|&&(here, _)| here < self.blocks.len()) {
+                rhs[here] += block.transpose() * weighted;
             }
         }
-        draws.push(Vector3::zeros());
+        rhs.push(Vector3::zeros());
         for &station in self.order.iter().rev() {
-            let held: Vector3<f64> = self.holds[station].iter().map(|(other, hold)| hold * draws[*other]).sum();
-            draws[station] = passed_on(station, draws[station] + held);
+            let held: Vector3<f64> = self.blocks[station].iter().map(|(other, block)| block * rhs[*other]).sum();
+            rhs[station] = passed_on(station, rhs[station] + held);
         }
-        draws
+        rhs
     }
 
     /// Where everything comes to rest.
     fn solve(mut self) -> Option<Vec<Vector3<f64>>> {
-        let count = self.holds.len();
+        let count = self.blocks.len();
         let mut rest = vec![Vector3::zeros(); count + 1];
         let left = self.left();
         for &station in &left {
@@ -266,8 +267,8 @@ impl Network {
         }
         self.descend(&left, &mut rest)?;
         for &station in self.order.iter().rev() {
-            let held: Vector3<f64> = self.holds[station].iter().map(|(other, hold)| hold * rest[*other]).sum();
-            rest[station] = self.inverse[station]? * (self.draws[station] + held);
+            let held: Vector3<f64> = self.blocks[station].iter().map(|(other, block)| block * rest[*other]).sum();
+            rest[station] = self.inverse[station]? * (self.rhs[station] + held);
         }
         rest.iter().all(|by| by.iter().all(|x| x.is_finite())).then_some(rest)
     }
@@ -278,19 +279,19 @@ impl Network {
         let diagonals: Vec<Matrix3<f64>> = left.iter().map(|&station| self.diagonal(station)).collect();
         let inverses: Option<Vec<Matrix3<f64>>> = diagonals.iter().map(|block| block.try_inverse()).collect();
         let inverses = inverses?;
-        let rounds = WORK / left.iter().map(|&station| self.holds[station].len()).sum::<usize>().max(1);
+        let rounds = WORK / left.iter().map(|&station| self.blocks[station].len()).sum::<usize>().max(1);
         let firm: Vec<Matrix3<f64>> = left.iter().map(|&station| self.firm_hold(station)).collect();
-        let holds = self.take_holds_between(left);
-        let coarse = if left.len() < COARSE_FROM { None } else { Coarse::of(&holds, &firm) };
+        let blocks = self.take_blocks_between(left);
+        let coarse = if left.len() < COARSE_FROM { None } else { Coarse::of(&blocks, &firm) };
         let eased = |residual: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
             let mut eased: Vec<Vector3<f64>> =
                 inverses.iter().zip(residual).map(|(inverse, residual)| inverse * residual).collect();
             if let Some(coarse) = &coarse {
-                coarse.add_moves(residual, &mut eased);
+                coarse.add_corrections(residual, &mut eased);
             }
             eased
         };
-        let mut residual: Vec<Vector3<f64>> = left.iter().map(|&station| self.draws[station]).collect();
+        let mut residual: Vec<Vector3<f64>> = left.iter().map(|&station| self.rhs[station]).collect();
         let mut way = eased(&residual);
         let mut error = dot(&residual, &way);
         let start = error;
@@ -298,11 +299,11 @@ impl Network {
             if error <= GOAL * GOAL * start {
                 return Some(());
             }
-            let pull = |(index, holds): (usize, &Vec<Hold>)| {
-                let held: Vector3<f64> = holds.iter().map(|(other, hold)| hold * way[*other]).sum();
+            let pull = |(index, blocks): (usize, &Vec<Block>)| {
+                let held: Vector3<f64> = blocks.iter().map(|(other, block)| block * way[*other]).sum();
                 diagonals[index] * way[index] - held
             };
-            let pulls: Vec<Vector3<f64>> = holds.iter().enumerate().map(pull).collect();
+            let pulls: Vec<Vector3<f64>> = blocks.iter().enumerate().map(pull).collect();
             let step = error / dot(&way, &pulls);
             for (index, &station) in left.iter().enumerate() {
                 rest[station] += way[index] * step;
@@ -318,15 +319,17 @@ impl Network {
 
     /// How firmly a station is held by what stays where it is.
     fn firm_hold(&self, station: usize) -> Matrix3<f64> {
-        self.holds[station].iter().filter(|&&(other, _)| other == self.holds.len()).map(|(_, hold)| hold).sum()
+        self.blocks[station].iter().filter(|&&(other, _)| other == self.blocks.len()).map(|(_, block)| block).sum()
     }
 
-    /// The holds that some stations have on each other, by their places among them. They have none afterwards.
-    fn take_holds_between(&mut self, stations: &[usize]) -> Vec<Vec<Hold>> {
-        let mut place = vec![None; self.holds.len() + 1];
+    /// The blocks between some stations, by their places among them; they are taken out.
+    fn take_blocks_between(&mut self, stations: &[usize]) -> Vec<Vec<Block>> {
+        let mut place = vec![None; self.blocks.len() + 1];
         stations.iter().enumerate().for_each(|(index, &station)| place[station] = Some(index));
-        let taken = stations.iter().map(|&station| std::mem::take(&mut self.holds[station]));
-        taken.map(|holds| holds.into_iter().filter_map(|(other, hold)| Some((place[other]?, hold))).collect()).collect()
+        let taken = stations.iter().map(|&station| std::mem::take(&mut self.blocks[station]));
+        taken
+            .map(|blocks| blocks.into_iter().filter_map(|(other, block)| Some((place[other]?, block))).collect())
+            .collect()
     }
 }
 

@@ -5,11 +5,11 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Point3, Vector2};
 
 use super::plan::Plan;
-use crate::dice::Dice;
+use crate::rng::Rng;
 use crate::{Graph, Node, millimetres};
 
 /// Draws a change.
-pub(super) type Move = fn(&Plan, &mut Dice) -> Option<Graph>;
+pub(super) type Move = fn(&Plan, &mut Rng) -> Option<Graph>;
 
 /// Every move, with the metrics it is there for.
 pub(super) const MOVES: [Move; 9] = [
@@ -36,13 +36,13 @@ const SLOPE: f64 = 0.36;
 const LOOP_HOPS: usize = 5;
 
 /// Swings the inner stations of a branch to either side, in one half-wave to three; a single passage gets stations first.
-fn bend(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let (mut graph, branch) = divided(plan, drawn(plan, dice));
+fn bend(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let (mut graph, branch) = divided(plan, drawn(plan, rng));
     let last = branch.len() - 1;
     let chord = (graph.nodes[branch[last]].position - graph.nodes[branch[0]].position).xy();
     let across = Vector2::new(-chord.y, chord.x).try_normalize(1e-6)?;
-    let waves = 1 + dice.index(3.min(last - 1));
-    let swing_m = dice.sign() * dice.between(0.05, 0.4) * chord.norm() / waves as f64;
+    let waves = 1 + rng.index(3.min(last - 1));
+    let swing_m = rng.sign() * rng.between(0.05, 0.4) * chord.norm() / waves as f64;
     for (place, &station) in branch.iter().enumerate().take(last).skip(1) {
         let phase = PI * (waves * place) as f64 / last as f64;
         shift(&mut graph.nodes[station], across * (swing_m * libm::sin(phase)));
@@ -51,15 +51,15 @@ fn bend(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
 }
 
 /// Draws the inner stations of a branch towards the straight line.
-fn straighten(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let branch = drawn(plan, dice);
+fn straighten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let branch = drawn(plan, rng);
     let last = branch.len() - 1;
     let ends = [branch[0], branch[last]].map(|end| plan.graph.nodes[end].position);
     if last < 2 || ends[0] == ends[1] {
         return None;
     }
     let mut graph = plan.graph.clone();
-    let part = dice.between(0.1, 0.5);
+    let part = rng.between(0.1, 0.5);
     for (place, &station) in branch.iter().enumerate().take(last).skip(1) {
         let straight = ends[0] + (ends[1] - ends[0]) * (place as f64 / last as f64);
         let by = (straight - graph.nodes[station].position).xy() * part;
@@ -69,16 +69,16 @@ fn straighten(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
 }
 
 /// Moves all stations by a wave across the map, gently enough that neighbours stay neighbours.
-fn warp(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+fn warp(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let [low, high] = plan.graph.bounds()?;
     let (span_m, least_m) = ((high - low).xy().norm(), 4.0 * plan.leg_m);
     if span_m <= least_m {
         return None;
     }
-    let wave_m = least_m * libm::pow(span_m / least_m, dice.unit());
-    let [along, across] = [dice.between(0.0, TAU), dice.between(0.0, TAU)].map(towards);
-    let swing_m = dice.between(0.02, 0.12) * wave_m;
-    let phase = dice.between(0.0, TAU);
+    let wave_m = least_m * libm::pow(span_m / least_m, rng.unit());
+    let [along, across] = [rng.between(0.0, TAU), rng.between(0.0, TAU)].map(towards);
+    let swing_m = rng.between(0.02, 0.12) * wave_m;
+    let phase = rng.between(0.0, TAU);
     let mut graph = plan.graph.clone();
     for node in &mut graph.nodes {
         let place = node.position.xy().coords.dot(&along);
@@ -88,44 +88,44 @@ fn warp(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
 }
 
 /// Grows a dead end at a station that has a way on.
-fn add_spur(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let foot = dice.index(plan.neighbors.len());
-    let bearing = dice.between(0.0, TAU);
-    let length_m = plan.branch_m * libm::exp(dice.gauss() - 0.7);
+fn add_spur(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let foot = rng.index(plan.neighbors.len());
+    let bearing = rng.between(0.0, TAU);
+    let length_m = plan.branch_m * libm::exp(rng.normal() - 0.7);
     let fits = (2..MAX_DEGREE).contains(&plan.degree(foot)) && is_open(plan, foot, bearing);
-    fits.then(|| grown(plan, dice, foot, bearing, length_m))
+    fits.then(|| grown(plan, rng, foot, bearing, length_m))
 }
 
 /// Takes a dead end away.
-fn prune(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let branch = drawn(plan, dice);
+fn prune(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let branch = drawn(plan, rng);
     let degrees = [branch[0], branch[branch.len() - 1]].map(|end| plan.degree(end));
     let is_spur = degrees.contains(&1) && degrees.iter().any(|&degree| degree > 2);
     is_spur.then(|| without(plan, branch))
 }
 
 /// Leads a dead end on.
-fn stretch(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let branch = outwards(plan, drawn(plan, dice))?;
+fn stretch(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let branch = outwards(plan, drawn(plan, rng))?;
     let [before, tip] = [branch[branch.len() - 2], branch[branch.len() - 1]];
     let way = plan.way(before, tip);
-    let bearing = libm::atan2(way.y, way.x) + TURN * dice.gauss();
-    let length_m = plan.branch_m * dice.between(0.3, 1.5);
-    Some(grown(plan, dice, tip, bearing, length_m))
+    let bearing = libm::atan2(way.y, way.x) + TURN * rng.normal();
+    let length_m = plan.branch_m * rng.between(0.3, 1.5);
+    Some(grown(plan, rng, tip, bearing, length_m))
 }
 
 /// Takes the last stations of a dead end away, but not all.
-fn shorten(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let branch = outwards(plan, drawn(plan, dice)).filter(|branch| branch.len() > 2)?;
-    let left = 2 + dice.index(branch.len() - 2);
+fn shorten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let branch = outwards(plan, drawn(plan, rng)).filter(|branch| branch.len() > 2)?;
+    let left = 2 + rng.index(branch.len() - 2);
     Some(without(plan, &branch[left - 1..]))
 }
 
 /// Joins two stations that are near in space and far along the cave.
-fn close_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
+fn close_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let nodes = &plan.graph.nodes;
-    let from = dice.index(nodes.len());
-    let reach_m = plan.branch_m.max(2.0 * plan.leg_m) * dice.between(0.5, 2.0);
+    let from = rng.index(nodes.len());
+    let reach_m = plan.branch_m.max(2.0 * plan.leg_m) * rng.between(0.5, 2.0);
     let takes_more = |node: usize| (1..MAX_DEGREE).contains(&plan.degree(node));
     let is_near = |&to: &usize| {
         let way = nodes[to].position - nodes[from].position;
@@ -136,7 +136,7 @@ fn close_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
     if !takes_more(from) || near.is_empty() {
         return None;
     }
-    let to = near[dice.index(near.len())];
+    let to = near[rng.index(near.len())];
     let way = plan.way(from, to);
     let bearing = libm::atan2(way.y, way.x);
     if plan.are_joined(from, to, LOOP_HOPS - 1) || !is_open(plan, from, bearing) || !is_open(plan, to, bearing + PI) {
@@ -147,18 +147,18 @@ fn close_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
 }
 
 /// Takes a third of a branch on a loop away, or more, up to all of it.
-fn open_loop(plan: &Plan, dice: &mut Dice) -> Option<Graph> {
-    let branch = drawn(plan, dice);
+fn open_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
+    let branch = drawn(plan, rng);
     let legs = branch.len() - 1;
     let least = legs.div_ceil(3);
-    let taken = least + dice.index(legs - least + 1);
-    let first = dice.index(legs - taken + 1);
+    let taken = least + rng.index(legs - least + 1);
+    let first = rng.index(legs - taken + 1);
     let is_on_loop = plan.are_joined(branch[first], branch[first + 1], usize::MAX);
     is_on_loop.then(|| without(plan, &branch[first..=first + taken]))
 }
 
-fn drawn<'a>(plan: &'a Plan, dice: &mut Dice) -> &'a [usize] {
-    &plan.branches[dice.index(plan.branches.len())]
+fn drawn<'a>(plan: &'a Plan, rng: &mut Rng) -> &'a [usize] {
+    &plan.branches[rng.index(plan.branches.len())]
 }
 
 /// A branch with a dead end, that end last.
@@ -187,7 +187,7 @@ fn is_open(plan: &Plan, station: usize, bearing: f64) -> bool {
 }
 
 /// The graph with a level, winding passage from a station on.
-fn grown(plan: &Plan, dice: &mut Dice, from: usize, mut bearing: f64, length_m: f64) -> Graph {
+fn grown(plan: &Plan, rng: &mut Rng, from: usize, mut bearing: f64, length_m: f64) -> Graph {
     let Graph { mut nodes, mut edges } = plan.graph.clone();
     let legs = (length_m / plan.leg_m).round().max(1.0) as usize;
     let leg_m = (length_m / legs as f64).max(0.5 * plan.leg_m);
@@ -198,7 +198,7 @@ fn grown(plan: &Plan, dice: &mut Dice, from: usize, mut bearing: f64, length_m: 
         nodes.push(node);
         edges.push([tip, nodes.len() - 1]);
         tip = nodes.len() - 1;
-        bearing += TURN * dice.gauss();
+        bearing += TURN * rng.normal();
     }
     Graph::new(nodes, edges)
 }

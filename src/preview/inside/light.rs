@@ -5,8 +5,8 @@ use nalgebra::Point3;
 use super::camera::{Camera, between, dot, unit};
 use super::march;
 use crate::field::{Field, Texel};
+use crate::placement;
 use crate::preview::Subject;
-use crate::truth;
 use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: as packages have it.
@@ -57,12 +57,12 @@ pub fn lamps(subject: &Subject, eye: [f32; 3]) -> Vec<Lamp> {
     let nodes = subject.graph.nodes.iter().filter(|node| (node.position - eye).norm() < f64::from(REACH_M));
     let near = Graph::new(nodes.cloned().collect(), Vec::new());
     let power = LAMP_CD_PER_M2 * (spacing_m * spacing_m) as f32;
-    let lamp = |lamp: truth::Lamp| Lamp {
+    let lamp = |lamp: placement::Lamp| Lamp {
         at: lamp.position.coords.map(|c| c as f32).into(),
         color: LAMP_COLOR.map(|c| c * power),
         throws_shadows: true,
     };
-    truth::lamps(subject.field, &near, spacing_m).into_iter().map(lamp).collect()
+    placement::lamps(subject.field, &near, spacing_m).into_iter().map(lamp).collect()
 }
 
 /// The lamp on the head of the camera. Its shadows hide behind what throws them.

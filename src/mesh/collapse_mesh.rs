@@ -27,7 +27,7 @@ const NONE: u32 = u32::MAX;
 
 /// A surface that is being collapsed. Positions are whole quanta from the first, so that areas are exact and round alike
 /// anywhere.
-pub(crate) struct Shape<'a> {
+pub(crate) struct CollapseMesh<'a> {
     border: &'a [bool],
     positions: Vec<Vector3<f64>>,
     quadrics: Vec<Quadric>,
@@ -39,11 +39,11 @@ pub(crate) struct Shape<'a> {
     pub(super) corners: Corners,
 }
 
-impl<'a> Shape<'a> {
+impl<'a> CollapseMesh<'a> {
     pub(super) fn new(mesh: &'a Mesh) -> Self {
         let first = mesh.positions.first().copied().unwrap_or_default();
         let local = |p: &[i32; 3]| Vector3::from_fn(|i, _| f64::from(p[i] - first[i]));
-        let mut shape = Self {
+        let mut collapse_mesh = Self {
             border: &mesh.border,
             positions: mesh.positions.iter().map(local).collect(),
             quadrics: vec![Quadric::default(); mesh.positions.len()],
@@ -53,14 +53,14 @@ impl<'a> Shape<'a> {
             corners: Corners::new(mesh),
         };
         for triangle in &mesh.triangles {
-            let quadric = Quadric::of_triangle(shape.corners_of(*triangle));
+            let quadric = Quadric::of_triangle(collapse_mesh.corners_of(*triangle));
             for &corner in triangle {
-                shape.quadrics[corner as usize].add(&quadric);
+                collapse_mesh.quadrics[corner as usize].add(&quadric);
             }
         }
-        let weight: f64 = shape.quadrics.iter().map(Quadric::weight).sum();
-        shape.patch_weight = PATCH * weight / mesh.positions.len() as f64;
-        shape
+        let weight: f64 = collapse_mesh.quadrics.iter().map(Quadric::weight).sum();
+        collapse_mesh.patch_weight = PATCH * weight / mesh.positions.len() as f64;
+        collapse_mesh
     }
 
     /// Number of vertices, those that are gone included.

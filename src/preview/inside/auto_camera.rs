@@ -5,8 +5,8 @@ use std::f32::consts::TAU;
 use super::camera::{Pose, Ray};
 use super::march::{Approach, BRISK, march};
 use crate::field::Field;
+use crate::placement;
 use crate::preview::{PreviewError, Subject};
-use crate::truth;
 use plume_graph::Graph;
 
 /// Height of the eye above the ground, metres, where there is room for it.
@@ -49,13 +49,13 @@ fn most(glances: impl Iterator<Item = Glance>) -> Option<Glance> {
 
 fn eyes(subject: &Subject) -> Vec<[f32; 3]> {
     let near = beginning(subject.graph);
-    let spawns = truth::spawns(subject.field, &near, PLACES);
+    let spawns = placement::spawns(subject.field, &near, PLACES);
     if spawns.is_empty() {
         let stations = near.nodes.iter().map(|node| node.position.coords.map(|c| c as f32).into());
         let airy: Vec<[f32; 3]> = stations.filter(|&station| is_air(subject.field, station)).collect();
         return airy.iter().step_by(airy.len().div_ceil(PLACES).max(1)).copied().collect();
     }
-    let ground = |spawn: truth::Spawn| spawn.pose.translation.vector.map(|c| c as f32).into();
+    let ground = |spawn: placement::Spawn| spawn.pose.translation.vector.map(|c| c as f32).into();
     spawns.into_iter().map(|spawn| raised(subject.field, ground(spawn))).collect()
 }
 

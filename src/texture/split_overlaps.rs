@@ -13,7 +13,7 @@ use crate::mesh::Mesh;
 
 /// The same triangles in charts of which none covers a texel centre twice; charts that did not keep their order and
 /// shape, the others follow their first part.
-pub(super) fn peel(mesh: &Mesh, neighbours: &[[u32; 3]], charts: Vec<Chart>, scale: Scale) -> Vec<Chart> {
+pub(super) fn split_overlaps(mesh: &Mesh, neighbours: &[[u32; 3]], charts: Vec<Chart>, scale: Scale) -> Vec<Chart> {
     let mut peeler = Peeler { mesh, neighbours, scale, state: vec![State::Elsewhere; neighbours.len()] };
     charts.into_iter().flat_map(|chart| peeler.layers(chart)).collect()
 }

@@ -17,13 +17,13 @@ use super::{Mesh, QUANTA_PER_M};
 const SLACK: f64 = 0.05;
 
 /// A surface that others are compared to.
-pub(crate) struct Gauge<'a> {
+pub(crate) struct HausdorffBound<'a> {
     positions: &'a [[i32; 3]],
     surface: Vec<Triangle>,
     tree: Nearest,
 }
 
-impl<'a> Gauge<'a> {
+impl<'a> HausdorffBound<'a> {
     /// Of a surface of at least one triangle.
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
         let surface = placed(&mesh.positions, &mesh.triangles);
@@ -32,7 +32,7 @@ impl<'a> Gauge<'a> {
 
     /// A distance in metres that no point of either surface exceeds from the other; at most 5 % and a quantum above the
     /// least such distance. `triangles` are at least one, over the same vertices.
-    pub(crate) fn apart_m(&self, triangles: &[[u32; 3]]) -> f32 {
+    pub(crate) fn distance_bound_m(&self, triangles: &[[u32; 3]]) -> f32 {
         let other = placed(self.positions, triangles);
         let there = one_way(&self.surface, &Nearest::new(&other), 0.0);
         let both = one_way(&other, &self.tree, there);

@@ -1,12 +1,12 @@
 //! Draws from a random stream, each defined by integer arithmetic and `libm`, so that a seed means the same everywhere.
 
-use rand::Rng;
+use rand::Rng as _;
 use rand_pcg::Pcg64;
 
 /// The source of chance of one attempt.
-pub struct Dice(Pcg64);
+pub struct Rng(Pcg64);
 
-impl Dice {
+impl Rng {
     /// Draws from a [`stream`](crate::seed::stream).
     pub fn new(stream: Pcg64) -> Self {
         Self(stream)
@@ -43,7 +43,7 @@ impl Dice {
     }
 
     /// A draw from the standard normal distribution.
-    pub fn gauss(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         let u = self.unit();
         probit(u)
     }
@@ -119,12 +119,12 @@ mod tests {
 
     #[test]
     fn draws_stay_in_their_range() {
-        let mut dice = Dice::new(crate::seed::stream(1, "test", 0));
+        let mut rng = Rng::new(crate::seed::stream(1, "test", 0));
         for _ in 0..1000 {
-            let u = dice.unit();
+            let u = rng.unit();
             assert!(u > 0.0 && u < 1.0);
-            assert!(dice.below(7) < 7);
-            assert!((2.0..3.0).contains(&dice.between(2.0, 3.0)));
+            assert!(rng.below(7) < 7);
+            assert!((2.0..3.0).contains(&rng.between(2.0, 3.0)));
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::scene::{Chunk, Scene};
 pub(crate) type Triangles = [u64; 2];
 
 /// Files that belong together and share a stem.
-pub(crate) trait Sheaf: Sized {
+pub(crate) trait ChunkFiles: Sized {
     /// Adds a chunk, which is number `index` of the scene.
     fn add(
         &mut self,
@@ -29,8 +29,8 @@ pub(crate) trait Sheaf: Sized {
     fn finish(self, out: &mut dyn Package) -> Result<(), ExportError>;
 }
 
-/// Writes one sheaf at the stem `<scene>`, or one per chunk at `chunks/<chunk>`.
-pub(crate) fn write<S: Sheaf>(
+/// Writes one chunk_files at the stem `<scene>`, or one per chunk at `chunks/<chunk>`.
+pub(crate) fn write<S: ChunkFiles>(
     scene: &Scene,
     per_chunk: bool,
     out: &mut dyn Package,
@@ -41,18 +41,18 @@ pub(crate) fn write<S: Sheaf>(
     for index in 0..scene.chunks.len() {
         let chunk = scene.chunk(index)?;
         let (folder, name) = if per_chunk { ("chunks/", &chunk.name) } else { ("", &scene.name) };
-        let mut sheaf: S = match unfinished.take() {
-            Some(sheaf) => sheaf,
+        let mut chunk_files: S = match unfinished.take() {
+            Some(chunk_files) => chunk_files,
             None => start(Stem { folder, name: name.clone(), scratch: scratch.path().to_owned() })?,
         };
-        let added = sheaf.add(scene, index, &chunk, out)?;
+        let added = chunk_files.add(scene, index, &chunk, out)?;
         triangles = [0, 1].map(|part| triangles[part] + added[part]);
-        unfinished = Some(sheaf);
+        unfinished = Some(chunk_files);
         if per_chunk {
-            unfinished.take().map_or(Ok(()), |sheaf| sheaf.finish(out))?;
+            unfinished.take().map_or(Ok(()), |chunk_files| chunk_files.finish(out))?;
         }
     }
-    unfinished.map_or(Ok(()), |sheaf| sheaf.finish(out))?;
+    unfinished.map_or(Ok(()), |chunk_files| chunk_files.finish(out))?;
     Ok(triangles)
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn how_to_open(scene: &Scene, per_chunk: bool, extension: &str) -> St
     }
 }
 
-/// How the files of a sheaf are called, and where they grow.
+/// How the files of a chunk_files are called, and where they grow.
 #[derive(Clone)]
 pub(crate) struct Stem {
     /// Where they lie in the package: nothing, or a folder and a slash.
@@ -76,13 +76,13 @@ pub(crate) struct Stem {
 
 impl Stem {
     /// An empty file called by the stem and `ending`.
-    pub fn grow(&self, ending: &str) -> Result<Growing, ExportError> {
+    pub fn grow(&self, ending: &str) -> Result<TempFile, ExportError> {
         let file = format!("{}{ending}", self.name);
-        Growing::create(self.scratch.join(&file), format!("{}{file}", self.folder))
+        TempFile::create(self.scratch.join(&file), format!("{}{file}", self.folder))
     }
 
     /// A file called so that begins as `model` is now.
-    pub fn grow_from(&self, model: &mut Growing, ending: &str) -> Result<Growing, ExportError> {
+    pub fn grow_from(&self, model: &mut TempFile, ending: &str) -> Result<TempFile, ExportError> {
         model.flush()?;
         let mut copy = self.grow(ending)?;
         io::copy(&mut model.reopen()?, &mut copy)?;
@@ -91,13 +91,13 @@ impl Stem {
 }
 
 /// A file in the scratch folder. Its errors name the file of the package.
-pub(crate) struct Growing {
+pub(crate) struct TempFile {
     place: PathBuf,
     path: String,
     file: BufWriter<File>,
 }
 
-impl Growing {
+impl TempFile {
     fn create(place: PathBuf, path: String) -> Result<Self, ExportError> {
         let file = File::create_new(&place).map_err(|error| at(&path, &error))?;
         Ok(Self { place, path, file: BufWriter::with_capacity(1 << 16, file) })
@@ -127,7 +127,7 @@ impl Growing {
     }
 }
 
-impl Write for Growing {
+impl Write for TempFile {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
         self.file.write(buffer).map_err(|error| at(&self.path, &error))
     }

@@ -1,13 +1,13 @@
 //! Random numbers that come again for the same seed.
 
-use rand::Rng;
+use rand::Rng as _;
 use rand_pcg::Pcg64;
 use sha2::{Digest, Sha256};
 
 /// A stream of random numbers, one per attack, so that a change to one attack moves no other.
-pub struct Dice(Pcg64);
+pub struct Rng(Pcg64);
 
-impl Dice {
+impl Rng {
     /// The stream of the attack `name` in the campaign with this seed.
     pub fn new(seed: u64, name: &str) -> Self {
         let digest = Sha256::digest(format!("{seed} {name}"));
