@@ -48,7 +48,7 @@ impl Export {
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
         let wanted = cave::build(choices, &self.option, host.library())?;
         let input = self.source.resolve(console)?;
-        let outputs = self.outputs(&input.recipe.name, &wanted, bundle);
+        let outputs = self.outputs(input.recipe.name(), &wanted, bundle);
         self.refuse_same_place(&outputs)?;
         note_changes(&input, console);
         let mut summary = Summary::start();

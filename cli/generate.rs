@@ -30,7 +30,7 @@ impl Generate {
     pub fn run(&self, last: Stage, console: &Console) -> Result<(), CliError> {
         let input = self.source.resolve(console)?;
         let named = input.folder.clone();
-        let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(&input.recipe.name));
+        let output = self.output.clone().or(named).unwrap_or_else(|| PathBuf::from(input.recipe.name()));
         let mut folder = CaveFolder::open_or_new(&output)?;
         if let Some(named) = input.folder.as_ref().filter(|named| **named != output) {
             folder = folder.based_on(CaveFolder::open(named)?);

@@ -52,7 +52,7 @@ impl Measure {
         let Import { graph, recipe, .. } = console.disk().graph(&file, self.parts)?;
         let likeness = self.judged(&graph)?;
         let recipe = Recipe::from_json(recipe.unwrap_or_else(|| json!({})), &file, &[])?;
-        let rock = RockReport::of(&graph, recipe.passage.passage_size(), self.rock);
+        let rock = RockReport::of(&graph, recipe.passage().passage_size(), self.rock);
         let mesh = folder.map_or(Ok(None), |folder| self.mesh(&folder, console))?;
         console.result(&said(console, &likeness, &graph, &rock, mesh.as_ref().map(|(_, report)| report)))?;
         if mesh.is_some_and(|(is_clean, _)| !is_clean) {

@@ -74,7 +74,7 @@ impl Preview {
         let order = self.order(format, console)?;
         let output = self.output.clone().unwrap_or_else(|| {
             let dot = if format.ending().is_empty() { "" } else { "." };
-            format!("{}-{}{dot}{}", input.recipe.name, row.name, format.ending()).into()
+            format!("{}-{}{dot}{}", input.recipe.name(), row.name, format.ending()).into()
         });
         refuse_nowhere(&output)?;
         if format.ending().is_empty() {

@@ -34,12 +34,12 @@ impl Status {
         if console.is_json() {
             let is_finished = next.is_none();
             let json = json!({
-                "name": recipe.name, "seed": recipe.seed, "stages": stages,
+                "name": recipe.name(), "seed": recipe.seed(), "stages": stages,
                 "busy": is_busy, "finished": is_finished, "next": next,
             });
             return console.result(&format!("{json:#}\n"));
         }
-        let mut text = format!("{}: {}, seed {}\n", self.folder.display(), recipe.name, recipe.seed);
+        let mut text = format!("{}: {}, seed {}\n", self.folder.display(), recipe.name(), recipe.seed());
         stages.iter().for_each(|stage| text += &line(stage));
         text +=
             &format!("  next      {}\n", next.unwrap_or_else(|| format!("plume export {} …", self.folder.display())));

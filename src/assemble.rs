@@ -151,24 +151,24 @@ fn scene_piece(piece: mesh::Piece) -> scene::Piece {
 
 /// The scene of a finished cave, without its fingerprint.
 pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a FolderChunks<'a>) -> Scene<'a> {
-    let world = &recipe.world;
+    let world = recipe.world();
     Scene {
-        name: recipe.name.replace('-', "_"),
-        description: format!("Underground world made by Plume: {} stations, seed {}", graph.nodes.len(), recipe.seed),
+        name: recipe.name().replace('-', "_"),
+        description: format!("Underground world made by Plume: {} stations, seed {}", graph.nodes.len(), recipe.seed()),
         generator: format!("plume {}", crate::VERSION),
         recipe: recipe.to_toml(),
         fingerprint: String::new(),
-        seed: recipe.seed,
+        seed: recipe.seed(),
         chunks,
         spawns: spawns(field, graph, world.spawns),
         lights: if world.lights { lights(field, graph, world) } else { Vec::new() },
         friction: ByZone { floor: world.friction, wall: world.wall_friction, ceiling: world.wall_friction },
         gravity: world.gravity,
-        collision_error_m: recipe.mesh.collision_error_m.into(),
+        collision_error_m: recipe.mesh().collision_error_m.into(),
         piece_tolerance_m: ByZone {
-            floor: recipe.pieces.floor_tolerance_m.into(),
-            wall: recipe.pieces.wall_tolerance_m.into(),
-            ceiling: recipe.pieces.ceiling_tolerance_m.into(),
+            floor: recipe.pieces().floor_tolerance_m.into(),
+            wall: recipe.pieces().wall_tolerance_m.into(),
+            ceiling: recipe.pieces().ceiling_tolerance_m.into(),
         },
     }
 }

@@ -104,7 +104,7 @@ impl Cave {
 
     /// Its chunks, loaded one at a time until `stop` is set.
     pub fn chunks<'a>(&'a self, stop: &'a AtomicBool) -> FolderChunks<'a> {
-        FolderChunks::new(&self.folder, &self.walls, &self.recipe.texture, stop)
+        FolderChunks::new(&self.folder, &self.walls, self.recipe.texture(), stop)
     }
 
     /// The names of its chunks, in their order.

@@ -169,12 +169,12 @@ impl<'a> Pipeline<'a> {
     pub fn mesh(&self) -> Result<(), PipelineError> {
         self.refuse_absurd_size()?;
         let field = self.field();
-        let grid = Grid::new(field.bounds(), &self.recipe.mesh)?;
+        let grid = Grid::new(field.bounds(), self.recipe.mesh())?;
         let indices = grid.indices();
         let names: Vec<(String, ChunkIndex)> = indices.map(|index| (chunk_name(index), index)).collect();
         self.each(Stage::Mesh, &names, |(name, index)| {
             self.unit(Stage::Mesh, name, || {
-                let meshes = mesh::chunk(&field, &grid, *index, &self.recipe.mesh);
+                let meshes = mesh::chunk(&field, &grid, *index, self.recipe.mesh());
                 Ok(match &meshes {
                     Some(meshes) => (self.write_meshes(name, meshes)?, mesh_facts(meshes)),
                     None => (Vec::new(), json!({"triangles": 0})),
@@ -194,7 +194,7 @@ impl<'a> Pipeline<'a> {
         self.each(Stage::Texture, &walls, |wall| {
             self.unit(Stage::Texture, &wall.name, || {
                 let mesh = store::read_mesh(self.folder, &wall.name)?;
-                let Recipe { texture, lod, .. } = self.recipe;
+                let (texture, lod) = (self.recipe.texture(), self.recipe.lod());
                 let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
                 let facts = texture_facts(&written);
                 Ok((written.files, facts))
@@ -249,7 +249,7 @@ impl<'a> Pipeline<'a> {
 
     /// Looks at the size before the field does, whose memory grows with it.
     fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
-        match Grid::new(station_bounds(&self.graph, self.recipe.passage.width_per_radius), &self.recipe.mesh) {
+        match Grid::new(station_bounds(&self.graph, self.recipe.passage().width_per_radius), self.recipe.mesh()) {
             Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. })) => Err(error.into()),
             _ => Ok(()),
         }
@@ -360,13 +360,13 @@ pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph) -> String {
 
 /// The field of the cave that this recipe and graph describe.
 pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
-    CaveField::new(graph, &recipe.passage, recipe.rock.clone(), recipe.look.clone(), recipe.seed)
+    CaveField::new(graph, recipe.passage(), recipe.rock().clone(), recipe.look().clone(), recipe.seed())
 }
 
 /// The cave as previews show it.
 pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -> Subject<'a> {
-    let lamp_spacing_m = recipe.world.lights.then_some(recipe.world.light_spacing_m);
-    Subject { name: &recipe.name, graph, passage: &recipe.passage, field, lamp_spacing_m }
+    let lamp_spacing_m = recipe.world().lights.then_some(recipe.world().light_spacing_m);
+    Subject { name: recipe.name(), graph, passage: recipe.passage(), field, lamp_spacing_m }
 }
 
 /// The text of the cave's graph file.
@@ -417,7 +417,7 @@ pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, Pipe
     let disk = Disk { allows_strays: observer.allows_strays() };
     let machine = Machine { disk, stop: observer.stop() };
     let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &disk };
-    let graph = recipe.realism.generate(recipe.graph.as_ref(), recipe.seed, outside);
+    let graph = recipe.realism().generate(recipe.graph(), recipe.seed(), outside);
     graph.map_err(|error| match observer.stop().load(Ordering::Relaxed) {
         true => PipelineError::Interrupted,
         false => error.into(),

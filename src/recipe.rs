@@ -13,6 +13,7 @@ mod world;
 use std::path::Path;
 use std::sync::Arc;
 
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
@@ -29,33 +30,41 @@ use plume_graph::Generator;
 use plume_graph::realism::RealismSettings;
 
 /// A whole recipe: every key has a value, every value is in range.
+///
+/// It cannot be changed: fingerprints, cave folders and packages follow from its text, and settings that drifted away from the
+/// text would describe another cave. [`Recipe::with`] makes another one.
+///
+/// ```
+/// use plume::recipe::Recipe;
+///
+/// let recipe = Recipe::from_overrides(&["graph.nodes=12".to_owned()])?;
+/// let coarse = recipe.with("mesh.voxel_m", 0.5)?;
+/// assert_eq!((recipe.mesh().voxel_m, coarse.mesh().voxel_m), (0.1, 0.5));
+/// assert_eq!(coarse.to_json()["mesh"]["voxel_m"], 0.5);
+/// # Ok::<(), plume::recipe::Faults>(())
+/// ```
+///
+/// ```compile_fail
+/// let mut recipe = plume::recipe::Recipe::from_overrides(&[]).unwrap();
+/// recipe.mesh.voxel_m = 0.5;
+/// ```
 #[derive(Debug)]
 pub struct Recipe {
-    /// Name of the cave, and of what is made of it.
-    pub name: String,
-    /// The seed everything random follows from.
-    pub seed: u64,
-    /// What lays out the passages.
-    pub graph: Box<dyn Generator>,
-    /// Whether they have to run as in real caves.
-    pub realism: RealismSettings,
-    /// How wide and high the passages are.
-    pub passage: PassageSettings,
-    /// Shape of the rock.
-    pub rock: Arc<dyn Material>,
-    /// Colour and wetness of the rock.
-    pub look: Look,
-    /// Triangles.
-    pub mesh: MeshSettings,
-    /// Images.
-    pub texture: TextureSettings,
-    /// Coarser triangles for the same images.
-    pub lod: LodSettings,
-    /// Convex pieces for collision.
-    pub pieces: PieceSettings,
-    /// Light, friction, gravity.
-    pub world: WorldSettings,
+    name: String,
+    seed: u64,
+    graph: Box<dyn Generator>,
+    realism: RealismSettings,
+    passage: PassageSettings,
+    rock: Arc<dyn Material>,
+    look: Look,
+    mesh: MeshSettings,
+    texture: TextureSettings,
+    lod: LodSettings,
+    pieces: PieceSettings,
+    world: WorldSettings,
     resolved: Value,
+    /// What it was read from.
+    draft: read::Draft,
 }
 
 impl Recipe {
@@ -107,7 +116,81 @@ impl Recipe {
             pieces: typed(&resolved, "pieces", &draft)?,
             world: typed(&resolved, "world", &draft)?,
             resolved,
+            draft,
         })
+    }
+
+    /// The same recipe with another value for one key, such as `mesh.voxel_m`. Keys that belong to a choice (`graph.generator`,
+    /// `rock.kind`) have to suit it.
+    ///
+    /// # Errors
+    /// When there is no such key, or the value is out of its range.
+    pub fn with(&self, key: &str, value: impl Serialize) -> Result<Self, Faults> {
+        let mut draft = self.draft.clone();
+        let value = serde_json::to_value(value).map_err(|error| draft.fault(key, error.to_string()))?;
+        let pair = format!("{key}={value}");
+        read::set(&mut draft, key, value, &pair)?;
+        Self::from_draft(draft)
+    }
+
+    /// Name of the cave, and of what is made of it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The seed everything random follows from.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// What lays out the passages.
+    pub fn graph(&self) -> &dyn Generator {
+        &*self.graph
+    }
+
+    /// Whether the passages have to run as in real caves.
+    pub fn realism(&self) -> &RealismSettings {
+        &self.realism
+    }
+
+    /// How wide and high the passages are.
+    pub fn passage(&self) -> &PassageSettings {
+        &self.passage
+    }
+
+    /// Shape of the rock.
+    pub fn rock(&self) -> &Arc<dyn Material> {
+        &self.rock
+    }
+
+    /// Colour and wetness of the rock.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// Triangles.
+    pub fn mesh(&self) -> &MeshSettings {
+        &self.mesh
+    }
+
+    /// Images.
+    pub fn texture(&self) -> &TextureSettings {
+        &self.texture
+    }
+
+    /// Coarser triangles for the same images.
+    pub fn lod(&self) -> &LodSettings {
+        &self.lod
+    }
+
+    /// Convex pieces for collision.
+    pub fn pieces(&self) -> &PieceSettings {
+        &self.pieces
+    }
+
+    /// Light, friction, gravity.
+    pub fn world(&self) -> &WorldSettings {
+        &self.world
     }
 
     /// The recipe as commented TOML that reads back as itself.

@@ -12,6 +12,7 @@ use crate::preset::{PRESETS, Preset};
 use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder, Stage};
 use plume_graph::Graph;
+use plume_graph::realism::RealismSettings;
 use plume_survey::{Parts, format_of};
 
 /// What is said of a cave folder whose graph is no longer what was written.
@@ -95,9 +96,10 @@ fn with_kept_graph(input: Input, path: &Path) -> Result<Input, CaveError> {
     let recipe = &input.recipe;
     let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
     // A graph of a version without the gate has gone through none.
-    let gate = |made: &Value| serde_json::from_value(made["realism"].clone()).unwrap_or_default();
+    let gate =
+        |made: &Value| -> RealismSettings { serde_json::from_value(made["realism"].clone()).unwrap_or_default() };
     let is_of = |made: &Value| {
-        ["graph", "seed"].iter().all(|key| made[key] == recipe.to_json()[key]) && recipe.realism == gate(made)
+        ["graph", "seed"].iter().all(|key| made[key] == recipe.to_json()[key]) && *recipe.realism() == gate(made)
     };
     let made = document.recipe.as_ref();
     let changes = made.map(|made| recipe::differences(made, recipe.to_json())).unwrap_or_default();

@@ -17,7 +17,7 @@ impl Pipeline<'_> {
         self.each(Stage::Pieces, &walls, |wall| {
             self.unit(Stage::Pieces, &wall.name, || {
                 let (mesh, around) = self.with_neighbours(&wall.name, &walls)?;
-                let pieces = mesh::pieces(&mesh, &around, &self.recipe.pieces);
+                let pieces = mesh::pieces(&mesh, &around, self.recipe.pieces());
                 let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
                 Ok((vec![file], json!({"pieces": pieces.len()})))
             })
@@ -33,7 +33,7 @@ impl Pipeline<'_> {
         let of_chunk = |unit: &Unit| {
             let (mesh, around) = self.with_neighbours(&unit.name, &walls)?;
             let pieces = store::read_pieces(self.folder, &unit.name)?;
-            Ok(mesh::measure_pieces(&pieces, &mesh, &around, &field, &self.recipe.pieces))
+            Ok(mesh::measure_pieces(&pieces, &mesh, &around, &field, self.recipe.pieces()))
         };
         let chunks: Result<Vec<_>, PipelineError> = self.units(Stage::Pieces).par_iter().map(of_chunk).collect();
         Ok(chunks?.concat())

@@ -48,7 +48,7 @@ impl Pipeline<'_> {
     pub fn status(&self) -> Result<Vec<StageStatus>, PipelineError> {
         let graph = self.stage_status(Stage::Graph, Some(vec!["cave".to_owned()]))?;
         let preview = self.stage_status(Stage::Preview, Some(vec!["cave".to_owned()]))?;
-        let grid = Grid::new(self.field().bounds(), &self.recipe.mesh).ok();
+        let grid = Grid::new(self.field().bounds(), self.recipe.mesh()).ok();
         let mut mesh = self.stage_status(Stage::Mesh, grid.map(|grid| grid.indices().map(chunk_name).collect()))?;
         if mesh.state == State::Done && self.walls().is_empty() {
             mesh.state = State::Empty;

@@ -19,6 +19,7 @@ const MAX_KEY: usize = 100;
 const MAX_DEPTH: usize = 16;
 
 /// An unchecked recipe.
+#[derive(Clone, Debug)]
 pub struct Draft {
     /// What was written.
     pub value: Value,
@@ -196,15 +197,21 @@ pub fn overrides(draft: &mut Draft, pairs: &[String]) -> Result<(), Faults> {
             }
             .into());
         };
-        let key = key.trim().replace('[', ".").replace(']', "");
         let value = override_value(text.trim(), pair)?;
-        note_origin(draft, &key, pair);
-        put(&mut draft.value, &key, value).map_err(|Obstacle { at, what }| Fault {
-            origin: Origin::Override(pair.clone()),
-            message: format!("{} {what}", plain(&at)),
-            hint: format!("set {} itself, or mend it where it is written", plain(&at)),
-        })?;
+        set(draft, key, value, pair)?;
     }
+    Ok(())
+}
+
+/// Lays one value over a draft; `pair` names it in faults.
+pub fn set(draft: &mut Draft, key: &str, value: Value, pair: &str) -> Result<(), Faults> {
+    let key = key.trim().replace('[', ".").replace(']', "");
+    note_origin(draft, &key, pair);
+    put(&mut draft.value, &key, value).map_err(|Obstacle { at, what }| Fault {
+        origin: Origin::Override(pair.to_owned()),
+        message: format!("{} {what}", plain(&at)),
+        hint: format!("set {} itself, or correct it where it is written", plain(&at)),
+    })?;
     Ok(())
 }
 
