@@ -9,7 +9,7 @@ use std::fs;
 use std::process::Command;
 
 use cpu_time::ProcessTime;
-use plume::generators::{GENERATORS, generator};
+use plume::generators::GENERATORS;
 use plume::graph::Nowhere;
 use serde_json::json;
 
@@ -38,7 +38,7 @@ fn table(nodes: u32) -> Result<(), Box<dyn Error>> {
 
 #[expect(clippy::print_stdout, reason = "the result of the example")]
 fn row(name: &str, nodes: u32) -> Result<(), Box<dyn Error>> {
-    let row = generator(name).ok_or("no such generator")?;
+    let row = GENERATORS.find(name).ok_or("no such generator")?;
     let generator = (row.read)(json!({ "nodes": nodes }))?;
     let start = ProcessTime::now();
     let graph = generator.generate(7, &Nowhere)?;

@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = std::env::args().nth(1).map(|word| word.parse::<u64>()).transpose()?;
     let [few, many] = SEEDS.map(|usual| asked.unwrap_or(usual).max(1));
     println!("{}", heading());
-    for row in GENERATORS {
+    for row in GENERATORS.iter() {
         let generator = (row.read)(settings(row, NODES))?;
         if generator.generate(1, &Nowhere).is_ok() {
             println!("{}", line(row.name, generator.as_ref(), few));
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("\n| nodes | layers | like real caves |\n|---:|---:|---:|");
     for [nodes, layers] in SIZES {
-        let generator = (GENERATORS[0].read)(json!({"nodes": nodes, "layers": layers}))?;
+        let generator = (GENERATORS.default_row().read)(json!({"nodes": nodes, "layers": layers}))?;
         let graphs = likenesses(generator.as_ref(), Gate::Off, many);
         println!("| {nodes} | {layers} | {} of {many} |", real(&graphs));
     }

@@ -38,6 +38,7 @@ pub use tiles::Tiles;
 pub use worms::Worms;
 
 use plume_graph::{GenerateError, Generator};
+use plume_registry::{Named, Registry};
 
 /// A row of [`GENERATORS`].
 #[derive(Debug)]
@@ -53,44 +54,66 @@ pub struct GeneratorRow {
     pub read: fn(Value) -> Result<Box<dyn Generator>, serde_json::Error>,
 }
 
-/// Every generator, the default first.
-pub static GENERATORS: &[GeneratorRow] = &[
-    row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
-    row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
-    row::<External>("external", "any program that writes graph JSON"),
-    row::<Layers>(
+/// Every generator, the default first. Programs may [register](Registry::register) their own.
+pub static GENERATORS: Registry<GeneratorRow> = Registry::new(&[
+    GeneratorRow::new::<GaussianPerlin>(
+        "gaussian-perlin",
+        "caves: the PLUME paper's walk, kept within the statistics of real caves",
+    ),
+    GeneratorRow::new::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
+    GeneratorRow::new::<External>("external", "any program that writes graph JSON"),
+    GeneratorRow::new::<Layers>(
         "layers",
         "layers of other generators, one below the other, joined by links within a range of slopes",
     ),
-    row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
-    row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
-    row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
-    row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
-    row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
-    row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
-    row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken"),
-    row::<LSystem>("l-system", "passages that a grammar of branches describes"),
-    row::<File>("file", "a graph or a cave survey from a file"),
-];
+    GeneratorRow::new::<GrownTunnels>(
+        "grown-tunnels",
+        "winding tunnels grown one off another, and connectors between them",
+    ),
+    GeneratorRow::new::<Cellular>(
+        "cellular",
+        "chambers and passages grown from random cells, in layers joined by ramps",
+    ),
+    GeneratorRow::new::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
+    GeneratorRow::new::<Karst>(
+        "karst",
+        "what water dissolves along bedding planes and fractures, from sinks to springs",
+    ),
+    GeneratorRow::new::<Heightmap>(
+        "heightmap",
+        "the void between a relief and its mirror image, from a picture or of noise",
+    ),
+    GeneratorRow::new::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
+    GeneratorRow::new::<SpaceColonization>(
+        "space-colonization",
+        "passages that branch towards open ground until it is taken",
+    ),
+    GeneratorRow::new::<LSystem>("l-system", "passages that a grammar of branches describes"),
+    GeneratorRow::new::<File>("file", "a graph or a cave survey from a file"),
+]);
 
-/// The generator that recipes call `name`.
-pub fn generator(name: &str) -> Option<&'static GeneratorRow> {
-    GENERATORS.iter().find(|row| row.name == name)
+impl GeneratorRow {
+    /// The row of a generator whose settings are its fields, each with a doc comment, a range and a default.
+    pub const fn new<G>(name: &'static str, summary: &'static str) -> Self
+    where
+        G: Generator + DeserializeOwned + JsonSchema + 'static,
+    {
+        Self {
+            name,
+            summary,
+            schema: || inlined::<G>(),
+            read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
+        }
+    }
+}
+
+impl Named for GeneratorRow {
+    fn name(&self) -> &'static str {
+        self.name
+    }
 }
 
 fn inlined<G: JsonSchema>() -> schemars::Schema {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     settings.into_generator().into_root_schema_for::<G>()
-}
-
-const fn row<G>(name: &'static str, summary: &'static str) -> GeneratorRow
-where
-    G: Generator + DeserializeOwned + JsonSchema + 'static,
-{
-    GeneratorRow {
-        name,
-        summary,
-        schema: || inlined::<G>(),
-        read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
-    }
 }

@@ -26,6 +26,7 @@ pub mod noise;
 
 pub use plume_generators as generators;
 pub use plume_graph as graph;
+pub use plume_registry as registry;
 pub use plume_survey as survey;
 
 pub use plume_graph::VERSION;

@@ -275,7 +275,7 @@ pub fn options(schema: &Value, pairs: &[String]) -> Result<Value, Faults> {
 
 fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>, Faults> {
     let (name, mut settings) = split_choice(section, "generator");
-    let row = plume_generators::generator(name).expect("the schema admits only rows of the table");
+    let row = plume_generators::GENERATORS.find(name).expect("the schema admits only rows of the table");
     let schema = (row.schema)().to_value();
     for (key, setting) in &mut settings {
         anchor(&schema["properties"][key], setting, &format!("graph.{key}"), draft)?;

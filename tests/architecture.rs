@@ -184,7 +184,7 @@ fn every_file_of_a_table_has_its_row() {
             let module = file.file_stem().unwrap().to_string_lossy().into_owned();
             for name in implementors(&file, contract) {
                 count += 1;
-                let forms = [format!("row::<{name}>("), format!("{module}::ROW,")];
+                let forms = [format!("::<{name}>("), format!("{module}::ROW,")];
                 assert!(
                     forms.iter().any(|row| rows.contains(row)),
                     "{name} has no row in {table}: add {}",

@@ -6,7 +6,7 @@ mod segment;
 #[path = "common/world.rs"]
 mod world;
 
-use plume::generators::generator;
+use plume::generators::GENERATORS;
 use plume::graph::{GenerateError, Graph, Neighbors, Node};
 use segment::distance;
 use serde_json::{Value, json};
@@ -54,7 +54,7 @@ fn cases() -> Vec<Case> {
 
 fn hold(law: impl Fn(&Case, &Graph, &str)) {
     for case in cases() {
-        let row = generator(case.name).unwrap();
+        let row = GENERATORS.find(case.name).unwrap();
         let made = (row.read)(case.settings.clone()).unwrap();
         for seed in 0..5 {
             let graph = made.generate(seed, &World).unwrap();
@@ -117,7 +117,7 @@ fn loops_come_when_they_are_asked_for() {
         ("l-system", "loop_closure"),
     ] {
         let loops = |closure: f64| {
-            let made = (generator(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
+            let made = (GENERATORS.find(name).unwrap().read)(json!({"nodes": 250, key: closure})).unwrap();
             (0..24).map(|seed| made.generate(seed, &World).unwrap().loops()).sum::<usize>()
         };
         assert_eq!(loops(0.0), 0, "{name}");
@@ -127,7 +127,7 @@ fn loops_come_when_they_are_asked_for() {
 
 #[test]
 fn worms_stay_within_their_depths_and_widths() {
-    let made = (generator("worms").unwrap().read)(json!({"nodes": 400, "depth_m": 6.0})).unwrap();
+    let made = (GENERATORS.find("worms").unwrap().read)(json!({"nodes": 400, "depth_m": 6.0})).unwrap();
     for seed in 0..5 {
         for node in made.generate(seed, &World).unwrap().nodes {
             assert!(node.position.z.abs() <= 3.001, "seed {seed}: {}", node.position);
@@ -142,7 +142,7 @@ fn widths_follow_the_pipe_model() {
     let lengths = json!({"step_m": 8.0, "kill_m": 16.0, "influence_m": 60.0, "width_max_m": 9.0});
     let mut settings = json!({"nodes": 200, "loop_closure": 0.0, "pipe_exponent": 2.0});
     settings.as_object_mut().unwrap().extend(lengths.as_object().unwrap().clone());
-    let made = (generator("space-colonization").unwrap().read)(settings).unwrap();
+    let made = (GENERATORS.find("space-colonization").unwrap().read)(settings).unwrap();
     let graph = made.generate(1, &World).unwrap();
     let area = |node: usize| {
         let width_m = graph.nodes[node].section.unwrap().width_m;
@@ -157,7 +157,7 @@ fn widths_follow_the_pipe_model() {
 
 fn grammar(axiom: &str, rules: &[&str], nodes: u32) -> Result<Graph, GenerateError> {
     let settings = json!({"axiom": axiom, "rules": rules, "nodes": nodes});
-    (generator("l-system").unwrap().read)(settings).unwrap().generate(1, &World)
+    (GENERATORS.find("l-system").unwrap().read)(settings).unwrap().generate(1, &World)
 }
 
 #[test]

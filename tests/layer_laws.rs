@@ -7,7 +7,7 @@ mod world;
 use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
-use plume::generators::generator;
+use plume::generators::GENERATORS;
 use plume::graph::clearance::{PassageSize, RockReport, thin_rock};
 use plume::graph::{Graph, Node};
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ use world::World;
 const SEEDS: u64 = 6;
 
 fn make(name: &str, settings: &Value, seed: u64) -> Graph {
-    let row = generator(name).expect("it has a row");
+    let row = GENERATORS.find(name).expect("it has a row");
     let generator = (row.read)(settings.clone()).expect("the settings are its own");
     generator.generate(seed, &World).unwrap_or_else(|error| panic!("{settings} seed {seed}: {error}"))
 }
@@ -39,7 +39,7 @@ fn stacks() -> Vec<Value> {
 }
 
 fn setting(settings: &Value, key: &str) -> f64 {
-    let schema = (generator("layers").unwrap().schema)().to_value();
+    let schema = (GENERATORS.find("layers").unwrap().schema)().to_value();
     settings[key].as_f64().or_else(|| schema["properties"][key]["default"].as_f64()).unwrap()
 }
 
@@ -219,7 +219,7 @@ fn layers_that_may_break_into_each_other_are_told_of() {
                           "link_count": 1, "link_min_deg": 30.0, "link_max_deg": 90.0});
     let (mut found, mut graphs) = (0, 0);
     for seed in 0..20 {
-        let row = generator("layers").unwrap();
+        let row = GENERATORS.find("layers").unwrap();
         let Ok(graph) = (row.read)(settings.clone()).unwrap().generate(seed, &World) else { continue };
         graphs += 1;
         found += RockReport::of(&graph, PassageSize::default(), 1.0).breakthroughs_between_levels;
@@ -230,7 +230,7 @@ fn layers_that_may_break_into_each_other_are_told_of() {
 #[test]
 fn what_finds_no_room_is_told_with_what_to_change() {
     let refused = |settings: Value| {
-        let row = generator("layers").unwrap();
+        let row = GENERATORS.find("layers").unwrap();
         let generator = (row.read)(settings).unwrap();
         let error = generator.generate(1, &World).unwrap_err();
         format!("{error}\n{}", error.hint)
@@ -241,7 +241,7 @@ fn what_finds_no_room_is_told_with_what_to_change() {
     let deep = json!({"generator": "mine", "depth_m": 20.0});
     insta::assert_snapshot!("depths_the_wrong_way_round", refused(json!({"layer": [deep, deep]})));
     let crowded = json!({"nodes": 40, "layers": 2, "links": 20});
-    let row = generator("gaussian-perlin").unwrap();
+    let row = GENERATORS.find("gaussian-perlin").unwrap();
     let error = (row.read)(crowded).unwrap().generate(1, &World).unwrap_err();
     insta::assert_snapshot!("too_many_links_in_a_cave", format!("{error}\n{}", error.hint));
     let nested = json!({"generator": "layers"});

@@ -103,7 +103,7 @@ fn judge_page(text: &str, what: &str) {
 #[test]
 fn every_view_of_every_cave_is_drawn_alike_by_any_number_of_threads() {
     let stop = AtomicBool::new(false);
-    for generator in GENERATORS {
+    for generator in GENERATORS.iter() {
         let graph = world::small(generator, NODES, 4);
         for (rock, material) in MATERIALS.iter().enumerate() {
             for (row, format) in VIEWS.iter().flat_map(|row| row.formats.iter().map(move |&format| (row, format))) {
@@ -136,7 +136,7 @@ fn a_map_is_drawn_as_it_was() {
 #[test]
 fn a_theme_changes_a_map() {
     let stop = AtomicBool::new(false);
-    let graph = world::small(&GENERATORS[0], NODES, 0);
+    let graph = world::small(&GENERATORS.default_row(), NODES, 0);
     let light = order(Format::Svg, &stop);
     let dark = Order { theme: Theme::Dark, ..order(Format::Svg, &stop) };
     assert_ne!(draw(&graph, 0, "plan", &light), draw(&graph, 0, "plan", &dark));
@@ -145,7 +145,7 @@ fn a_theme_changes_a_map() {
 #[test]
 fn a_large_graph_makes_no_larger_map() {
     let stop = AtomicBool::new(false);
-    let mut graph = world::small(&GENERATORS[0], NODES, 0);
+    let mut graph = world::small(&GENERATORS.default_row(), NODES, 0);
     let (template, side) = (graph.nodes[0].clone(), 300);
     graph.nodes = (0..side * side)
         .map(|i| {
@@ -168,7 +168,7 @@ fn a_large_graph_makes_no_larger_map() {
 #[test]
 fn a_flight_takes_the_time_that_was_asked_for() {
     let stop = AtomicBool::new(false);
-    let graph = world::small(&GENERATORS[0], NODES, 0);
+    let graph = world::small(&GENERATORS.default_row(), NODES, 0);
     let size = Some(Size::new(16, 16).unwrap());
     let order = Order { size, pace: Pace::new(30, 1.0).unwrap(), ..order(Format::Gif, &stop) };
     let Drawn::File(bytes) = draw(&graph, 0, "flight", &order).unwrap() else {
@@ -185,7 +185,7 @@ fn a_flight_takes_the_time_that_was_asked_for() {
 #[test]
 fn what_cannot_be_seen_is_told() {
     let stop = AtomicBool::new(false);
-    let graph = world::small(&GENERATORS[0], NODES, 0);
+    let graph = world::small(&GENERATORS.default_row(), NODES, 0);
     let png = order(Format::Png, &stop);
     assert_eq!(draw(&Graph::default(), 0, "plan", &png), Err(PreviewError::NoPassages));
     let above = Order { at: Some([0.0, 0.0, 500.0]), ..order(Format::Png, &stop) };

@@ -37,7 +37,7 @@ pub fn read(name: &str, bytes: &[u8]) {
 
 /// Reads bytes as a picture or grid of heights, and lays a graph in it.
 pub fn read_heights(bytes: &[u8]) {
-    let row = plume_generators::generator("heightmap").expect("there is such a row");
+    let row = plume_generators::GENERATORS.find("heightmap").expect("there is such a row");
     let settings = serde_json::json!({"path": "fuzz.png", "nodes": 4});
     let heightmap = (row.read)(settings).expect("these are settings");
     match heightmap.generate(7, &Other(bytes)) {

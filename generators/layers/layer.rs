@@ -57,7 +57,7 @@ fn rows() -> impl Iterator<Item = &'static GeneratorRow> {
 }
 
 fn first() -> String {
-    GENERATORS[0].name.to_owned()
+    GENERATORS.default_row().name.to_owned()
 }
 
 /// One variant for each generator; `generator` tells which, and may be left out for the first.

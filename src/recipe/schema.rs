@@ -13,9 +13,9 @@ use plume_graph::realism::RealismSettings;
 
 /// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
 pub fn of(recipe: &Value) -> Value {
-    let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS[0].name);
+    let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS.default_row().name);
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS[0].name);
-    let row = plume_generators::generator(generator).unwrap_or(&GENERATORS[0]);
+    let row = GENERATORS.find(generator).unwrap_or_else(|| GENERATORS.default_row());
     let settings = plain((row.schema)().to_value());
     let graph = choice("generator", generator, &generator_names(), "How the passages grow.", settings);
     let rock_row = material::material(kind).unwrap_or(&MATERIALS[0]);

@@ -36,8 +36,8 @@ const LOOP: &str = r#"{"plume": "", "nodes": [
 
 /// The first generator in every rock, and every other one in a rock, by turns: for laws too slow to ask of every pair.
 pub fn kinds() -> Vec<(&'static GeneratorRow, &'static MaterialRow)> {
-    let first = MATERIALS.iter().map(|rock| (&GENERATORS[0], rock));
-    first.chain(GENERATORS[1..].iter().zip(MATERIALS.iter().cycle())).collect()
+    let first = MATERIALS.iter().map(|rock| (GENERATORS.default_row(), rock));
+    first.chain(GENERATORS.iter().skip(1).zip(MATERIALS.iter().cycle())).collect()
 }
 
 /// Whether a generator has a setting of this name.

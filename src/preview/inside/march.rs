@@ -150,7 +150,7 @@ mod tests {
 
     /// How many of 200 rays from the middle of a cave in this rock end more than 2 cm from where the slow way ends.
     fn strays(rock: &MaterialRow) -> usize {
-        let row = plume_generators::generator("gaussian-perlin").expect("the table has it");
+        let row = plume_generators::GENERATORS.find("gaussian-perlin").expect("the table has it");
         let generator = (row.read)(json!({"nodes": 20})).expect("settings of its own");
         let graph = generator.generate(3, &Nowhere).expect("a small cave");
         let material = (rock.read)(json!({})).expect("settings of its own");
