@@ -1,4 +1,4 @@
-//! From a cave folder to a scene: the only file that names both caves and exporters.
+//! From a cave folder to a scene: where chunks, images, lamps and start poses become what exporters write.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -122,6 +122,17 @@ impl Chunks for FolderChunks<'_> {
                 height: store::IMAGES.height.filter(|_| self.settings.height).map(|image| self.height(name, image)),
             },
         })
+    }
+}
+
+impl From<&mesh::Mesh> for scene::Mesh {
+    fn from(mesh: &mesh::Mesh) -> Self {
+        Self {
+            positions: (0..mesh.positions.len()).map(|vertex| mesh.position_m(vertex as u32)).collect(),
+            normals: mesh.normals.clone(),
+            indices: mesh.triangles.iter().flatten().copied().collect(),
+            ..Self::default()
+        }
     }
 }
 

@@ -3,10 +3,12 @@
 //! A field knows no grid: whoever samples it chooses the points. Values are functions of the point alone, bit for bit,
 //! whatever the batch or the bounds they are asked in.
 
+mod analytic;
 mod cave;
 mod index;
 mod passage;
 
+pub use analytic::Analytic;
 pub use cave::CaveField;
 pub use passage::{PassageSettings, Reach};
 

@@ -24,6 +24,7 @@ pub mod field;
 pub mod material;
 pub mod noise;
 
+pub use plume_exporters as exporters;
 pub use plume_generators as generators;
 pub use plume_graph as graph;
 pub use plume_registry as registry;

@@ -39,7 +39,7 @@ use plume_graph::realism::RealismSettings;
 ///
 /// let recipe = Recipe::from_overrides(&["graph.nodes=12".to_owned()])?;
 /// let coarse = recipe.with("mesh.voxel_m", 0.5)?;
-/// assert_eq!((recipe.mesh().voxel_m, coarse.mesh().voxel_m), (0.1, 0.5));
+/// assert_eq!((recipe.mesh().voxel_m, coarse.mesh().voxel_m), (0.2, 0.5));
 /// assert_eq!(coarse.to_json()["mesh"]["voxel_m"], 0.5);
 /// # Ok::<(), plume::recipe::Faults>(())
 /// ```

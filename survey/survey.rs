@@ -18,7 +18,7 @@ use std::path::Path;
 use nalgebra::Point3;
 
 use self::section::Room;
-use super::limits::{MAX_LEGS, MAX_STATIONS};
+use super::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use super::parts::Fate;
 use super::{Import, Parts, ReadError, Source, origin};
 use plume_graph::Graph;
@@ -175,10 +175,14 @@ fn no_passages(path: &Path) -> ReadError {
 /// The graph with `first` as its first node and the origin of its frame.
 fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>], first: usize) -> Graph {
     let mut centreline = CentrelineBuilder::default();
+    // Stations are within the limits, but not always the middle of the passage beside them, and what two of them are apart.
+    let within = |length_m: f64| length_m.clamp(-MAX_LENGTH_M, MAX_LENGTH_M);
     for (place, room) in places.iter().zip(rooms) {
         let position = origin::counted_from(places[first], *place);
         centreline.add(match room {
-            Some(room) => Vertex { position: position + room.middle, section: Some(room.section), level: 0 },
+            Some(room) => {
+                Vertex { position: (position + room.middle).map(within), section: Some(room.section), level: 0 }
+            }
             None => Vertex { position, section: None, level: 0 },
         });
     }
@@ -190,8 +194,29 @@ fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>],
     };
     centreline.lines = lines.into_iter().map(|line| line.map(swapped)).collect();
     let mut graph = centreline.into_graph();
-    for node in graph.nodes.iter_mut().filter(|node| node.section.is_none()) {
-        node.radius = node.radius.clamp(REACH_M[0], REACH_M[1]);
+    for node in &mut graph.nodes {
+        let [least_m, most_m] = if node.section.is_none() { REACH_M } else { [0.0, MAX_LENGTH_M] };
+        node.radius = node.radius.clamp(least_m, most_m);
     }
     graph
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use plume_graph::{Section, Shape};
+    use serde_json::Value;
+
+    use super::*;
+    use crate::json;
+
+    #[test]
+    fn a_graph_that_reaches_the_limits_can_be_written_and_read() {
+        let places = [0.0, -MAX_LENGTH_M, MAX_LENGTH_M].map(|x| Point3::new(x, 0.0, 0.0));
+        let section = Section { width_m: 8.0, height_m: 4.0, shape: Shape::Cave };
+        let room = Room { section, middle: Vector3::new(2.0, 0.0, 0.0) };
+        let graph = graph(&places, vec![[0, 1], [1, 2]], &[None, Some(room), Some(room)], 0);
+        let text = json::write(&graph, "", &Value::Null);
+        assert_eq!(json::read(&text).expect("it is within the limits").graph, graph);
+    }
 }

@@ -1,14 +1,15 @@
 //! Checks a draft against a JSON Schema and says what is wrong in words.
 //!
 //! Covers the part of JSON Schema that settings structs use: objects with known keys, numbers in ranges, strings out of
-//! a list or of a pattern, booleans, arrays of so many values, `null` for what may be left out, and objects whose keys depend
+//! a list or of a pattern, booleans, arrays with bounds of their length, `null` for what may be left out, and objects whose keys depend
 //! on what one of them says.
 
+use regex_lite::Regex;
 use serde_json::Value;
 
 use super::fault::{Fault, Faults};
 use super::read::Draft;
-use super::schema::{choosing_key, chosen};
+use super::schema::{FILE_NAME, choosing_key, chosen};
 use plume_graph::echo::{plain, shown};
 
 /// Checks the whole draft.
@@ -125,12 +126,12 @@ impl Checker<'_> {
         };
         let too_long = schema["maxLength"].as_u64().is_some_and(|max| text.chars().count() as u64 > max);
         let too_short = schema["minLength"].as_u64().is_some_and(|min| (text.chars().count() as u64) < min);
-        let bad_name = schema["pattern"].is_string() && !is_name(text);
-        if schema["pattern"].is_string() && plume_disk::is_device_name(text) {
+        let is_unlike = schema["pattern"].as_str().is_some_and(|pattern| !matches(pattern, text));
+        if schema["format"] == FILE_NAME && plume_disk::is_device_name(text) {
             let hint = "Windows keeps this name for a device: take another".to_owned();
             return self.fault(key, |key| (format!("{key} cannot be {}", shown(text)), hint));
         }
-        if too_long || too_short || bad_name {
+        if too_long || too_short || is_unlike {
             self.fault(key, |key| (format!("{key} cannot be {}", shown(text)), hint_from(schema)));
         }
     }
@@ -203,9 +204,9 @@ pub fn words(schema: &Value) -> Option<Vec<&str>> {
     Some(words.collect())
 }
 
-fn is_name(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_lowercase())
-        && text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-')
+/// Whether a text has a match of a regular expression; nothing has one of what is none.
+fn matches(pattern: &str, text: &str) -> bool {
+    Regex::new(pattern).is_ok_and(|pattern| pattern.is_match(text))
 }
 
 fn hint_from(schema: &Value) -> String {

@@ -11,15 +11,18 @@ use crate::texture::{LodSettings, TextureSettings};
 use plume_generators::GENERATORS;
 use plume_graph::realism::RealismSettings;
 
+/// The format of a text that becomes the name of files and folders.
+pub const FILE_NAME: &str = "file-name";
+
 /// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
 pub fn of(recipe: &Value) -> Value {
     let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS.default_row().name);
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS[0].name);
     let row = GENERATORS.find(generator).unwrap_or_else(|| GENERATORS.default_row());
     let settings = plain((row.schema)().to_value());
-    let graph = choice("generator", generator, &generator_names(), "How the passages grow.", settings);
+    let graph = choice("generator", &generator_names(), "How the passages grow.", settings);
     let rock_row = material::material(kind).unwrap_or(&MATERIALS[0]);
-    let rock = choice("kind", kind, &rock_names(), "Which rock.", plain((rock_row.schema)().to_value()));
+    let rock = choice("kind", &rock_names(), "Which rock.", plain((rock_row.schema)().to_value()));
     whole(graph, rock)
 }
 
@@ -41,6 +44,7 @@ pub fn editor_schema() -> Value {
 fn only(variants: impl Iterator<Item = Value>, key: &str, names: &[&str]) -> Vec<Value> {
     let pin = |(i, mut variant): (usize, Value)| {
         variant["properties"][key]["enum"] = json!([names[i]]);
+        variant["properties"][key]["default"] = json!(names[i]);
         if i > 0 {
             variant["required"] = json!([key]);
         }
@@ -59,7 +63,7 @@ fn rock_names() -> Vec<&'static str> {
 
 fn whole(graph: Value, rock: Value) -> Value {
     let name = json!({
-        "type": "string", "default": "cave", "pattern": "^[a-z][a-z0-9_-]*$", "maxLength": 60,
+        "type": "string", "format": FILE_NAME, "default": "cave", "pattern": "^[a-z][a-z0-9_-]*$", "maxLength": 60,
         "description": "Name of the cave and of every model made of it: lower-case letters, digits, - and _."
     });
     let seed = json!({
@@ -108,8 +112,8 @@ pub fn plain(value: Value) -> Value {
 }
 
 /// Puts the key that chooses a row in front of the row's own settings.
-fn choice(key: &str, chosen: &str, names: &[&str], about: &str, settings: Value) -> Value {
-    let selector = json!({"type": "string", "enum": names, "default": chosen, "description": about});
+fn choice(key: &str, names: &[&str], about: &str, settings: Value) -> Value {
+    let selector = json!({"type": "string", "enum": names, "default": names[0], "description": about});
     let mut properties = Map::new();
     properties.insert(key.to_owned(), selector);
     if let Some(own) = settings["properties"].as_object() {

@@ -1,60 +1,10 @@
 //! Simple fields with a known shape.
 
-use plume::field::{Bounds, Field, Region};
-
-/// A field given by its value alone. `region` looks at a centre value and a bound of the slope.
-pub struct Analytic<F> {
-    /// Value at a point.
-    pub value: F,
-    /// No two values differ by more than this times the distance of their points.
-    pub slope: f32,
-}
-
-impl<F: Fn([f32; 3]) -> f32 + Sync> Field for Analytic<F> {
-    fn region(&self, bounds: Bounds) -> Region {
-        let centre = std::array::from_fn(|i| (bounds.min[i] + bounds.max[i]) * 0.5);
-        let half = (0..3).map(|i| (bounds.max[i] - centre[i]).powi2()).sum::<f32>().sqrt();
-        match (self.value)(centre) {
-            far if far > half * self.slope => Region::Rock,
-            deep if deep < -half * self.slope => Region::Air,
-            _ => Region::Mixed,
-        }
-    }
-
-    fn distances(&self, _: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
-        for (out, &point) in out.iter_mut().zip(points) {
-            *out = (self.value)(point);
-        }
-    }
-
-    fn normals(&self, _: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
-        const STEP_M: f32 = 1.0 / 64.0;
-        for (out, &point) in out.iter_mut().zip(points) {
-            let slope: [f32; 3] = std::array::from_fn(|i| {
-                let [mut low, mut high] = [point, point];
-                low[i] -= STEP_M;
-                high[i] += STEP_M;
-                (self.value)(low) - (self.value)(high)
-            });
-            let length = slope.map(|c| c * c).iter().sum::<f32>().sqrt();
-            *out = if length > 0.0 { slope.map(|c| c / length) } else { [0.0, 0.0, 1.0] };
-        }
-    }
-}
-
-trait Square {
-    fn powi2(self) -> f32;
-}
-
-impl Square for f32 {
-    fn powi2(self) -> f32 {
-        self * self
-    }
-}
+use plume::field::{Analytic, Bounds, Field, Region};
 
 /// A ball of air.
 pub fn sphere(centre: [f32; 3], radius_m: f32) -> impl Field {
-    Analytic { value: move |p| distance(p, centre) - radius_m, slope: 1.0 }
+    Analytic::new(1.0, move |p| distance(p, centre) - radius_m)
 }
 
 /// A round passage between two points.
@@ -84,7 +34,7 @@ pub fn passages(capsules: Vec<Capsule>, rough_m: f32, seed: u32) -> impl Field {
         let rough = (rough_m > 0.0 && smooth.abs() <= rough_m).then(|| value_noise(p.map(|c| c / WAVE_M), seed));
         smooth + rough.unwrap_or(0.0) * rough_m
     };
-    Analytic { value, slope: 4.0 + 3.0 * rough_m }
+    Analytic::new(4.0 + 3.0 * rough_m, value)
 }
 
 /// Two rails along x and `rungs` across, 8 m apart: `rungs - 1` loops. With its bounds.
@@ -113,7 +63,7 @@ pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Bounds) {
         let depths = balls.iter().map(|&(radius, centre)| distance(p, centre) - radius);
         depths.fold(f32::MAX, f32::min)
     };
-    (Analytic { value, slope: 1.0 }, bounds)
+    (Analytic::new(1.0, value), bounds)
 }
 
 /// A room with flat walls, whose corners are `-half_m` and `half_m`.
@@ -122,7 +72,7 @@ pub fn room(half_m: [f32; 3]) -> impl Field {
         let depths = (0..3).map(|i| p[i].abs() - half_m[i]);
         depths.fold(f32::MIN, f32::max)
     };
-    Analytic { value, slope: 1.0 }
+    Analytic::new(1.0, value)
 }
 
 /// A field whose normals point the wrong way.
@@ -153,11 +103,11 @@ pub fn white_noise(voxel_m: f32, cells: i32, seed: u32) -> (impl Field, Bounds) 
         if inside { hash(index, seed) * 2.0 - 1.0 + 1e-6 } else { 1.0 }
     };
     let bounds = Bounds { min: [0.0; 3], max: [cells as f32 * voxel_m; 3] };
-    (Analytic { value, slope: f32::INFINITY }, bounds)
+    (Analytic::new(f32::INFINITY, value), bounds)
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|i| (a[i] - b[i]).powi2()).sum::<f32>().sqrt()
+    (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f32>().sqrt()
 }
 
 fn capsule_distance(capsule: &Capsule, p: [f32; 3]) -> f32 {
@@ -165,7 +115,7 @@ fn capsule_distance(capsule: &Capsule, p: [f32; 3]) -> f32 {
     let (mut along, mut length) = (0.0, 0.0);
     for i in 0..3 {
         along += (p[i] - a[i]) * (b[i] - a[i]);
-        length += (b[i] - a[i]).powi2();
+        length += (b[i] - a[i]) * (b[i] - a[i]);
     }
     let t = (along / length).clamp(0.0, 1.0);
     distance(p, std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t)) - capsule.radius_m
