@@ -10,6 +10,7 @@ use plume::field::{CaveField, PassageSettings};
 use plume::graph::{GENERATORS, Graph};
 use plume::material::{Look, MATERIALS};
 use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Theme, VIEWS, view};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// Stations of the caves here, where that can be asked.
@@ -105,7 +106,7 @@ fn judge_page(text: &str, what: &str) {
 #[test]
 fn every_view_of_every_cave_is_drawn_alike_by_any_number_of_threads() {
     let stop = AtomicBool::new(false);
-    for generator in GENERATORS {
+    GENERATORS.par_iter().for_each(|generator| {
         let graph = world::small(generator, NODES, 4);
         for (rock, material) in MATERIALS.iter().enumerate() {
             for (row, format) in VIEWS.iter().flat_map(|row| row.formats.iter().map(move |&format| (row, format))) {
@@ -119,7 +120,7 @@ fn every_view_of_every_cave_is_drawn_alike_by_any_number_of_threads() {
                 judge(format, &one, &what);
             }
         }
-    }
+    });
 }
 
 #[test]

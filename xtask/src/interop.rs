@@ -77,8 +77,9 @@ fn check_samples(names: &[&str]) -> Result<()> {
     println!("samples: {}", names.join(", "));
     let readers = ready(|_| true, &tally);
     let scene = write_scene()?;
-    let mut checks = checks_of_small_things(&readers, &plume, &scene)?;
-    checks.extend(checks_of_graphs(&tally)?);
+    // The longest come first, so that none of them runs alone at the end.
+    let mut checks = checks_of_graphs(&tally)?;
+    checks.extend(checks_of_small_things(&readers, &plume, &scene)?);
     for name in names {
         let folder = target_folder().join(name);
         checks.extend(export_cave(&plume, name)?.iter().flat_map(|package| checks_of_export(&readers, package)));
@@ -94,18 +95,18 @@ fn check_samples(names: &[&str]) -> Result<()> {
 
 /// What no large cave is needed for: the made-up scene, its faults, and small caves.
 fn checks_of_small_things(readers: &[&'static Reader], plume: &Plume, scene: &Path) -> Result<Vec<Check>> {
-    let mut packages: Vec<PathBuf> = SCENE_PACKAGES.iter().map(|package| scene.join(package)).collect();
-    packages.extend([scene.to_owned(), formats::shelve(scene)?]);
-    let mut checks: Vec<Check> = packages.iter().flat_map(|package| checks_of(readers, package)).collect();
-    checks.extend(faults::checks(readers, scene));
-    let small = [export_pieces(plume)?, assimp::export(plume)?, vec![page::write(plume)?]].concat();
-    checks.extend(small.iter().flat_map(|package| checks_of_export(readers, package)));
-    checks.push(Check::new("husky", urdf::check_faults));
-    let scene = scene.to_owned();
-    checks.push(Check::new("unity", move || unity::check_faults(&scene)));
+    let owned = scene.to_owned();
+    let mut checks =
+        vec![Check::new("husky", urdf::check_faults), Check::new("unity", move || unity::check_faults(&owned))];
     if readers.iter().any(|reader| reader.name == "physx") {
         checks.push(Check::new("physx", usd::check_faults));
     }
+    let small = [export_pieces(plume)?, assimp::export(plume)?, vec![page::write(plume)?]].concat();
+    checks.extend(small.iter().flat_map(|package| checks_of_export(readers, package)));
+    let mut packages: Vec<PathBuf> = SCENE_PACKAGES.iter().map(|package| scene.join(package)).collect();
+    packages.extend([scene.to_owned(), formats::shelve(scene)?]);
+    checks.extend(packages.iter().flat_map(|package| checks_of(readers, package)));
+    checks.extend(faults::checks(readers, scene));
     Ok(checks)
 }
 
