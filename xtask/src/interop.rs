@@ -40,9 +40,9 @@ pub fn run(arguments: &[String]) -> Result<()> {
     }
 }
 
-/// Gets the programs of all readers. What cannot be had is told by the checks that want it.
+/// Gets the programs of all readers, and what builds the Python package for them. What cannot be had is told by the checks that want it.
 pub fn prepare() {
-    let _ = ensure_debian(&debian());
+    let _ = (ensure_debian(&debian()), Plume::python());
     READERS.iter().filter(|reader| reader.may_be_used()).for_each(|reader| drop((reader.prepare)()));
     graph::CHECKS.iter().for_each(|check| drop(check.prepare()));
 }

@@ -59,7 +59,7 @@ impl Plume {
 
     /// Builds the Python package into `.venv` with everything that its `plume` command needs.
     pub fn package(profile: Profile) -> Result<Self> {
-        let environment = Environment::of_project()?.with(&["python/requirements.txt"])?;
+        let environment = Self::python()?;
         eprintln!("building the Python package");
         let mut maturin = Command::new(environment.program("maturin"));
         // Of the features, those that the rest of the workspace is built with.
@@ -68,6 +68,11 @@ impl Plume {
         // Maturin looks for the environment of the user first.
         run(maturin.env_remove("CONDA_PREFIX").env("VIRTUAL_ENV", root().join(".venv")))?;
         Ok(Self { program: environment.program("plume") })
+    }
+
+    /// What builds the Python package.
+    pub fn python() -> Result<Environment> {
+        Environment::of_project()?.with(&["python/requirements.txt"])
     }
 
     /// Where it is.
