@@ -263,7 +263,7 @@ fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
 }
 
 /// Writes the made-up scene for every target, and the marker.
-fn write_scene() -> Result<PathBuf> {
+pub fn write_scene() -> Result<PathBuf> {
     let scene = target_folder().join("sample");
     let writer = Profile::Dev.example("sample_package")?;
     tools::run(Command::new(writer).arg(&scene).args(formats::python()))?;

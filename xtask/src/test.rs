@@ -31,11 +31,11 @@ pub fn rust(arguments: &[String]) -> Result<()> {
 pub fn python() -> Result<()> {
     Plume::package(Profile::Dev)?;
     interop::mujoco::make()?;
-    let python = interop::usd::environment()?.python();
+    let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);
     // Each test waits for a process of its own most of the time.
     let pytest = ["pytest", "--quiet", "--numprocesses", "auto"];
     for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &pytest] {
-        show(Command::new(&python).arg("-m").args(check).current_dir(root()))?;
+        show(Command::new(&python).arg("-m").args(check).env("PLUME_SCENE", &scene).current_dir(root()))?;
     }
     Ok(())
 }
