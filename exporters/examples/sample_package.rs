@@ -4,7 +4,7 @@
 //! `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y`
 //! with Y up.
 //!
-//! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and spoiled in each way as
+//! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and with each fault as
 //! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
 
 use std::error::Error;
@@ -34,7 +34,7 @@ fn main() -> Result<()> {
     let folder = arguments.next().ok_or("usage: sample_package FOLDER [PYTHON]")?;
     let library = arguments.next().map(|python| lent::lend(&python)).transpose()?;
     write_chambers(&folder)?;
-    let faults = marker::SPOILS.map(|(fault, change)| (format!("marker_{fault}"), change));
+    let faults = marker::FAULTS.map(|(fault, change)| (format!("marker_{fault}"), change));
     for (name, change) in [("marker".to_owned(), (|_| ()) as marker::Change)].into_iter().chain(faults) {
         write_markers(&folder.join(name), change, &library)?;
     }

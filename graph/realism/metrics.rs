@@ -2,7 +2,7 @@
 //!
 //! Collon, Bernasconi, Vuilleumier, Renard: "Statistical metrics for the characterization of karst network geometry and
 //! topology", Geomorphology 283, 2017. The definitions are those of their program karstnet, down to the borders of its
-//! classes; a graph measured here and there gives the same (`tests/judges/graph/karstnet_agrees.py`). Shortest paths take the
+//! classes; a graph measured here and there gives the same (`tests/interop/graph/karstnet_agrees.py`). Shortest paths take the
 //! square of the reduced graph's size; above [`EXACT_TO`] nodes they are sampled, and [`Metrics::sampling`] tells.
 
 use serde::Serialize;

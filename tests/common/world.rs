@@ -53,7 +53,7 @@ pub fn sized(row: &GeneratorRow, nodes: u32) -> Value {
 /// A small graph.
 pub fn small(row: &GeneratorRow, nodes: u32, seed: u64) -> Graph {
     let settings = match row.name {
-        "layers" => json!({"layer": [{"nodes": nodes.max(20)}, {"nodes": nodes.max(20)}], "link_count": 1}),
+        "layers" => json!({"layer": [{"nodes": nodes}, {"nodes": nodes}], "link_count": 1}),
         _ => sized(row, nodes),
     };
     let generator = (row.read)(settings).expect("the settings are its own");

@@ -120,7 +120,7 @@ def test_a_cave_has_the_bytes_of_the_command(cave: plume.Cave, tmp_path: Path) -
     assert hashes(cave.folder) == hashes(tmp_path / "cave")
 
 
-# Those of libassimp have a judge of their own.
+# Those of libassimp have a reader of their own.
 @pytest.mark.parametrize("target", [name for name in plume.targets() if ":" not in name])
 def test_a_package_has_the_bytes_of_the_command(target: str, cave: plume.Cave, tmp_path: Path) -> None:
     package = cave.export(target, tmp_path / "ours")

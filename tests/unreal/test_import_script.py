@@ -24,6 +24,8 @@ CHUNKS = ["chunk_0_0_0", "chunk_1_0_0"]
 @pytest.fixture(scope="session")
 def samples(tmp_path_factory):
     """Packages of the sample scene: `unreal` with triangles to touch, `unreal_pieces` with pieces."""
+    if "PLUME_SCENE" in os.environ:  # `cargo xtask` has written it
+        return Path(os.environ["PLUME_SCENE"])
     folder = tmp_path_factory.mktemp("samples")
     example = ["cargo", "run", "--quiet", "-p", "plume-exporters", "--example", "sample_package", "--", str(folder)]
     subprocess.run(example, cwd=ROOT, check=True)

@@ -6,7 +6,7 @@ use std::fs;
 use std::process::Command;
 use std::time::Instant;
 
-use crate::plume::{Plume, cargo};
+use crate::plume::{Plume, Profile, cargo};
 use crate::tools::{Result, root, run as run_program};
 use crate::venv::Environment;
 
@@ -43,7 +43,7 @@ pub fn run(chosen: &[String]) -> Result<()> {
         Some("graph") => return graph(),
         _ => {}
     }
-    let plume = Plume::build()?;
+    let plume = Plume::build(Profile::Release)?;
     println!("row | graph | mesh | texture | sum, CPU s | floor (PNG), CPU s | ratio | peak MB | paper, wall");
     for (number, (name, arguments, paper)) in ROWS.iter().enumerate() {
         if chosen.is_empty() || chosen.contains(&(number + 1).to_string()) {
@@ -61,7 +61,7 @@ fn graph() -> Result<()> {
 }
 
 fn usd() -> Result<()> {
-    Plume::package()?;
+    Plume::package(Profile::Release)?;
     let python = Environment::of_project()?.python();
     println!("{}", run_program(Command::new(python).arg(root().join("python/benches/write_chunk.py")))?);
     Ok(())
@@ -72,7 +72,7 @@ const RUNS: usize = 5;
 
 /// The default cave, once made.
 fn targets() -> Result<()> {
-    let plume = Plume::build()?;
+    let plume = Plume::build(Profile::Release)?;
     let (cave, package) = ("target/bench-cave", "target/bench-package");
     plume.output(&["generate", "--output", cave, "--force", "--quiet"])?;
     println!("target | files | MB | CPU s | MB/s | writing as many bytes, s | ratio");
@@ -116,7 +116,8 @@ fn row(plume: &Plume, name: &str, arguments: &[&str], paper: &str) -> Result<()>
     let number = |section: &str, key: &str| field(&summary, section, key);
     let stages = ["graph", "mesh", "texture"].map(|stage| number(stage, "cpu_s"));
     let sum: f64 = stages.iter().sum();
-    let floor: f64 = plume.example("png_floor", &folder)?.trim().parse().map_err(|_| "png_floor printed no number")?;
+    let floor = run_program(Command::new(Profile::Release.example("png_floor")?).arg(&folder))?;
+    let floor: f64 = floor.trim().parse().map_err(|_| "png_floor printed no number")?;
     let peak = number("", "peak_memory_bytes") / 1e6;
     let [graph, mesh, texture] = stages;
     println!(

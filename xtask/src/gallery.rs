@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::judge;
-use crate::plume::Plume;
+use crate::interop;
+use crate::plume::{Plume, Profile};
 use crate::samples::{self, SAMPLES};
 use crate::tools::{Result, root};
 
@@ -19,12 +19,12 @@ const PROGRAM: &str = "examples/external/decline.toml";
 
 /// Makes the pictures.
 pub fn run(_arguments: &[String]) -> Result<()> {
-    let plume = Plume::build()?;
+    let plume = Plume::build(Profile::Release)?;
     for (name, spawn) in SAMPLES.iter().zip(SPAWNS) {
         let (recipe, output) = (format!("samples/{name}.toml"), format!("target/gallery/{name}"));
         plume.output(&["export", &recipe, "--target", "glb", "--output", &output, "--force", "--set", DENSITY])?;
         let picture = root().join(format!("samples/{name}.png"));
-        println!("{}", judge::shoot(&root().join(output), &picture, spawn)?);
+        println!("{}", interop::shoot(&root().join(output), &picture, spawn)?);
     }
     plans(&plume)?;
     let inside = ["preview", "samples/cave.toml", "--view", "inside", "--size", "960x540"];

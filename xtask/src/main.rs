@@ -5,9 +5,10 @@ use std::process::ExitCode;
 
 mod bench;
 mod campaign;
+mod ci;
 mod demo;
 mod gallery;
-mod judge;
+mod interop;
 mod plume;
 mod realism;
 mod samples;
@@ -17,10 +18,11 @@ mod venv;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 7] = [
+const TASKS: [(&str, &str, Task); 8] = [
+    ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
-    ("judge", "[PACKAGE_DIR...] open packages with foreign readers", judge::run),
+    ("interop", "[--all | PACKAGE_DIR...] open packages with foreign readers", interop::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),

@@ -6,28 +6,73 @@ use std::process::Command;
 use crate::tools::{Result, root, run};
 use crate::venv::Environment;
 
+/// How it is compiled.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Profile {
+    /// As the tests are, so that nothing is compiled twice: optimised, but with the checks of a debug build.
+    Dev,
+    /// As users have it.
+    Release,
+}
+
+impl Profile {
+    fn arguments(self) -> &'static [&'static str] {
+        match self {
+            Self::Dev => &[],
+            Self::Release => &["--release"],
+        }
+    }
+
+    fn folder(self) -> PathBuf {
+        root().join("target").join(match self {
+            Self::Dev => "debug",
+            Self::Release => "release",
+        })
+    }
+
+    /// Builds all programs of the workspace and gives the place of one. Of the whole workspace, because the features of a
+    /// dependency follow from what is built together, and others would mean to compile it again.
+    pub fn program(self, name: &str) -> Result<PathBuf> {
+        eprintln!("building {name}");
+        run(cargo().args(["build", "--workspace", "--bins", "--quiet"]).args(self.arguments()))?;
+        Ok(self.folder().join(name))
+    }
+
+    /// The same with an example.
+    pub fn example(self, name: &str) -> Result<PathBuf> {
+        eprintln!("building {name}");
+        run(cargo().args(["build", "--workspace", "--example", name, "--quiet"]).args(self.arguments()))?;
+        Ok(self.folder().join("examples").join(name))
+    }
+}
+
 /// A built `plume`.
 pub struct Plume {
     program: PathBuf,
 }
 
 impl Plume {
-    /// Builds it, optimised.
-    pub fn build() -> Result<Self> {
-        eprintln!("building plume");
-        run(cargo().args(["build", "--release", "--quiet", "--package", "plume-cli"]))?;
-        Ok(Self { program: root().join("target/release/plume") })
+    /// Builds it.
+    pub fn build(profile: Profile) -> Result<Self> {
+        Ok(Self { program: profile.program("plume")? })
     }
 
-    /// Builds the Python package into `.venv`, optimised, with everything that its `plume` command needs.
-    pub fn package() -> Result<Self> {
-        let environment = Environment::of_project()?.with("python/requirements.txt")?;
+    /// Builds the Python package into `.venv` with everything that its `plume` command needs.
+    pub fn package(profile: Profile) -> Result<Self> {
+        let environment = Self::python()?;
         eprintln!("building the Python package");
         let mut maturin = Command::new(environment.program("maturin"));
-        let maturin = maturin.args(["develop", "--release", "--locked", "--quiet"]).current_dir(root());
+        // Of the features, those that the rest of the workspace is built with.
+        let develop = ["develop", "--locked", "--quiet", "--features", "plume-exporters/default"];
+        let maturin = maturin.args(develop).args(profile.arguments()).current_dir(root());
         // Maturin looks for the environment of the user first.
         run(maturin.env_remove("CONDA_PREFIX").env("VIRTUAL_ENV", root().join(".venv")))?;
         Ok(Self { program: environment.program("plume") })
+    }
+
+    /// What builds the Python package.
+    pub fn python() -> Result<Environment> {
+        Environment::of_project()?.with(&["python/requirements.txt"])
     }
 
     /// Where it is.
@@ -48,11 +93,6 @@ impl Plume {
     /// Runs it in the workspace and gives its stdout.
     pub fn output(&self, arguments: &[&str]) -> Result<String> {
         run(Command::new(&self.program).args(arguments).current_dir(root()))
-    }
-
-    /// Runs an example of the package, optimised, and gives its stdout.
-    pub fn example(&self, name: &str, argument: &Path) -> Result<String> {
-        run(cargo().args(["run", "--release", "--quiet", "--example", name, "--"]).arg(argument))
     }
 }
 

@@ -2,11 +2,21 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
-use crate::tools::{Result, root};
+use crate::tools::{Result, root, run};
 
 /// Recipes that are made whole: meshed, textured and exported.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
+
+/// The default cave, and one of the others by the hash of the commit: all of them in turn, and the same for the same commit.
+pub fn by_turns() -> Result<[&'static str; 2]> {
+    let [default, others @ ..] = SAMPLES;
+    let commit = run(Command::new("git").args(["rev-parse", "HEAD"]).current_dir(root()))?;
+    let turn = commit.bytes().fold(0, |sum, byte| sum + usize::from(byte)) % others.len();
+    println!("commit {commit}: it is the turn of the sample {}; `--all` takes every one", others[turn]);
+    Ok([default, others[turn]])
+}
 
 /// The recipes among the samples, relative to the workspace, in order.
 pub fn recipes() -> Result<Vec<PathBuf>> {

@@ -2,33 +2,54 @@
 
 use std::process::Command;
 
-use crate::judge;
-use crate::plume::{Plume, cargo};
-use crate::tools::{Result, root};
+use crate::interop;
+use crate::plume::{Plume, Profile, cargo};
+use crate::tools::{Result, root, show};
 
 /// A cave small enough for every run, yet made of several chunks.
 const CAVE: &str = "target/test-cave";
 const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
 
-/// Runs the tests of the workspace, drops a ball into a cave and drives a robot through one with a physics
-/// engine that is not ours, then checks the Python
-/// sources and runs the tests of the Python package.
+/// Runs the tests of the workspace and of the Python package, drops a ball into caves and drives robots through others with
+/// physics engines that are not ours.
 pub fn run(arguments: &[String]) -> Result<()> {
-    // The extension module is no program that cargo could test: Python does.
-    let test = ["test", "--workspace", "--exclude", "plume-python", "--quiet"];
-    show(cargo().args(test).args(arguments))?;
-    drop_balls()?;
-    judge::urdf::drive(&Plume::build()?, CAVE)?;
-    read_meshes(&Plume::build()?)?;
-    let plume = Plume::package()?;
-    judge::mujoco::make()?;
-    let python = judge::usd::environment()?.python();
-    for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &["pytest", "--quiet"]]
-    {
-        show(Command::new(&python).arg("-m").args(check).current_dir(root()))?;
-    }
+    rust(arguments)?;
+    python()?;
+    simulators()?;
+    let plume = Plume::package(Profile::Dev)?;
     read_with_another_usd(&plume)?;
+    read_meshes(&plume)?;
     drive_through(&plume)
+}
+
+/// The tests of the workspace. The Python module has none, but shares what it depends on.
+pub fn rust(arguments: &[String]) -> Result<()> {
+    show(cargo().args(["test", "--workspace", "--quiet"]).args(arguments))
+}
+
+/// Builds the Python package, checks the Python sources and runs the tests of the package.
+pub fn python() -> Result<()> {
+    Plume::package(Profile::Dev)?;
+    interop::mujoco::make()?;
+    let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);
+    // Each test waits for a process of its own most of the time.
+    let pytest = ["pytest", "--quiet", "--numprocesses", "auto"];
+    for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &pytest] {
+        show(Command::new(&python).arg("-m").args(check).env("PLUME_SCENE", &scene).current_dir(root()))?;
+    }
+    Ok(())
+}
+
+/// Drops a ball into two small caves, and drives a Husky through the default one.
+pub fn simulators() -> Result<()> {
+    let plume = Plume::build(Profile::Dev)?;
+    for (name, generator) in [("cave", "gaussian-perlin"), ("mine", "mine")] {
+        let (output, generator) = (format!("{CAVE}/{name}"), format!("graph.generator={generator}"));
+        let export = ["export", "--target", "gazebo", "--force", "--output", &output, "--set", &generator];
+        plume.output(&[&export[..], &SMALL[..]].concat())?;
+        interop::only("pybullet", output.as_ref())?;
+    }
+    interop::urdf::drive(&plume, CAVE)
 }
 
 /// The validators of the newest USD are among the tests; this is the oldest.
@@ -36,15 +57,15 @@ fn read_with_another_usd(plume: &Plume) -> Result<()> {
     let package = format!("{CAVE}/isaac");
     let export = ["export", "--target", "isaac", "--force", "--output", &package];
     plume.output(&[&export[..], &SMALL[..]].concat())?;
-    judge::only("usd-old", package.as_ref())
+    interop::only("usd-old", package.as_ref())
 }
 
-/// The formats that have no simulator to judge them.
+/// The formats that have no simulator to open them.
 fn read_meshes(plume: &Plume) -> Result<()> {
     let shelf = format!("{CAVE}/formats");
     let export = ["export", "--target", "obj,ply,stl", "--force", "--output", &shelf];
     plume.output(&[&export[..], &SMALL[..]].concat())?;
-    judge::only("trimesh", shelf.as_ref())
+    interop::only("trimesh", shelf.as_ref())
 }
 
 /// The default cave, whole; its images are small, since nothing in its shape depends on them.
@@ -53,28 +74,9 @@ fn drive_through(plume: &Plume) -> Result<()> {
     let places = ["--output", &package, "--keep", &cave];
     let export = ["export", "--target", "mujoco", "--force", "--set", "texture.size_px=256"];
     plume.output(&[&export[..], &places[..]].concat())?;
-    for judge in ["compile", "balls", "rays"] {
-        judge::only(judge, package.as_ref())?;
+    for reader in ["compile", "balls", "rays"] {
+        interop::only(reader, package.as_ref())?;
     }
-    println!("{}", judge::mujoco::drive(package.as_ref())?);
-    Ok(())
-}
-
-fn show(command: &mut Command) -> Result<()> {
-    match command.status() {
-        Ok(status) if status.success() => Ok(()),
-        Ok(_) => Err("the tests above failed".to_owned()),
-        Err(error) => Err(format!("cannot run `{}`: {error}", command.get_program().to_string_lossy())),
-    }
-}
-
-fn drop_balls() -> Result<()> {
-    let plume = Plume::build()?;
-    for (name, generator) in [("cave", "gaussian-perlin"), ("mine", "mine")] {
-        let (output, generator) = (format!("{CAVE}/{name}"), format!("graph.generator={generator}"));
-        let export = ["export", "--target", "gazebo", "--force", "--output", &output, "--set", &generator];
-        plume.output(&[&export[..], &SMALL[..]].concat())?;
-        judge::only("pybullet", output.as_ref())?;
-    }
+    println!("{}", interop::mujoco::drive(package.as_ref())?);
     Ok(())
 }

@@ -24,6 +24,15 @@ pub fn run(command: &mut Command) -> Result<String> {
     Err(format!("`{}`: {}\n{}", name(command), output.status, said.trim()))
 }
 
+/// Runs to the end, with all that is said visible.
+pub fn show(command: &mut Command) -> Result<()> {
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("`{}`: {status}", name(command))),
+        Err(error) => Err(format!("cannot run `{}`: {error}", name(command))),
+    }
+}
+
 /// Installs the missing ones of these Debian packages, if this is a Debian and we may.
 pub fn ensure_debian(packages: &[&str]) -> Result<()> {
     let missing: Vec<&str> = packages.iter().copied().filter(|package| !is_installed(package)).collect();

@@ -18,6 +18,11 @@ impl Environment {
         Self(root().join(".venv")).made()
     }
 
+    /// One for all readers that get on with each other, made when needed.
+    pub fn of_readers() -> Result<Self> {
+        Self::apart("readers")
+    }
+
     /// One below `target`, made when needed.
     pub fn apart(name: &str) -> Result<Self> {
         Self(root().join("target/venvs").join(name)).made()
@@ -36,19 +41,22 @@ impl Environment {
         }
     }
 
-    /// Installs what the file `requirements` of the workspace lists. A copy of the list stays in the environment, so
-    /// that nothing is asked of the network twice.
-    pub fn with(self, requirements: &str) -> Result<Self> {
-        let path = root().join(requirements);
-        let wanted = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let stamp = self.0.join(format!("installed-{}", requirements.replace(['/', '\\'], "-")));
-        if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+    /// Installs what these files of the workspace list. A copy of each list stays in the environment, so that nothing is
+    /// asked of the network twice.
+    pub fn with(self, requirements: &[&str]) -> Result<Self> {
+        let lists = requirements.iter().map(|file| List::read(&self.0, file)).collect::<Result<Vec<_>>>()?;
+        let missing: Vec<&List> = lists.iter().filter(|list| !list.is_installed()).collect();
+        if missing.is_empty() {
             return Ok(self);
         }
-        eprintln!("installing {requirements}");
-        let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"];
-        run(Command::new(self.python()).args(pip).arg(path))?;
-        fs::write(stamp, wanted).map_err(|error| error.to_string())?;
+        let mut pip = Command::new(self.python());
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+        for list in &missing {
+            eprintln!("installing {}", list.name);
+            pip.arg("--requirement").arg(&list.file);
+        }
+        run(&mut pip)?;
+        missing.iter().try_for_each(|list| fs::write(&list.stamp, &list.wanted)).map_err(|error| error.to_string())?;
         Ok(self)
     }
 
@@ -70,6 +78,28 @@ impl Environment {
         let _ = fs::remove_dir_all(&self.0);
         run(Command::new(base).args(["-m", "venv", "--without-pip"]).arg(&self.0))?;
         run(Command::new(base).args(["-m", "pip", "--python"]).arg(self.python()).args(["install", "--quiet", "pip"]))
+    }
+}
+
+/// What an environment is to hold.
+struct List {
+    name: String,
+    file: PathBuf,
+    wanted: String,
+    /// A copy of the list, once it is installed.
+    stamp: PathBuf,
+}
+
+impl List {
+    fn read(environment: &Path, name: &str) -> Result<Self> {
+        let file = root().join(name);
+        let wanted = fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+        let stamp = environment.join(format!("installed-{}", name.replace(['/', '\\'], "-")));
+        Ok(Self { name: name.to_owned(), file, wanted, stamp })
+    }
+
+    fn is_installed(&self) -> bool {
+        fs::read_to_string(&self.stamp).is_ok_and(|installed| installed == self.wanted)
     }
 }
 

@@ -1,5 +1,5 @@
 //! A USD library that writes down what it is told, so that the laws of targets hold for those that need one. What the
-//! real one makes of it is judged in `tests/python`.
+//! real one makes of it is tested in `tests/python`.
 
 use std::fs::{self, File};
 use std::io::Write;

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::sample::write_png;
 
 /// Faults that an exporter could have, done to the meshes before it sees them.
-pub const SPOILS: [(&str, Change); 6] = [
+pub const FAULTS: [(&str, Change); 6] = [
     ("mirrored", mirror),
     ("turned", |mesh| move_all(mesh, |[x, y, z]| [-y, x, z])),
     ("upside_down_images", |mesh| mesh.uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v)),

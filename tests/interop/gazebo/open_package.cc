@@ -1,0 +1,248 @@
+// Opens an exported Gazebo package with Gazebo's own libraries:
+//
+//   open_package PACKAGE_DIR
+//
+// libsdformat parses the world with warnings and unknown elements as errors, the mesh and image loaders of
+// ignition-common open every file it names, and ignition-physics with the DART engine, Gazebo's default, drops a ball
+// on the collision meshes the way the Physics system of gz-sim builds them. The ball must lie on the triangles.
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <ignition/common/Console.hh>
+#include <ignition/common/Image.hh>
+#include <ignition/common/Mesh.hh>
+#include <ignition/common/MeshManager.hh>
+#include <ignition/common/SubMesh.hh>
+#include <ignition/math/eigen3/Conversions.hh>
+#include <ignition/physics/FindFeatures.hh>
+#include <ignition/physics/ForwardStep.hh>
+#include <ignition/physics/FrameSemantics.hh>
+#include <ignition/physics/GetEntities.hh>
+#include <ignition/physics/RequestEngine.hh>
+#include <ignition/physics/config.hh>
+#include <ignition/physics/mesh/MeshShape.hh>
+#include <ignition/physics/sdf/ConstructCollision.hh>
+#include <ignition/physics/sdf/ConstructLink.hh>
+#include <ignition/physics/sdf/ConstructModel.hh>
+#include <ignition/physics/sdf/ConstructWorld.hh>
+#include <ignition/plugin/Loader.hh>
+#include <sdf/sdf.hh>
+
+namespace fs = std::filesystem;
+namespace common = ignition::common;
+namespace physics = ignition::physics;
+using ignition::math::Vector3d;
+
+constexpr double kBallRadiusM = 0.2;
+constexpr double kDropM = 0.6;
+// 600 times that of a ball, kg m2: it slides to a stop instead of rolling down every slope.
+constexpr double kInertia = 10.0;
+constexpr std::chrono::milliseconds kStep{4};
+constexpr int kSteps = 1000;
+constexpr double kToleranceM = 0.03;
+constexpr double kAwayM = 2.0;
+constexpr double kRestMPerS = 0.05;
+
+struct Features : physics::FeatureList<
+                      physics::GetEngineInfo, physics::GetWorldFromEngine, physics::GetModelFromWorld,
+                      physics::GetLinkFromModel, physics::ForwardStep, physics::LinkFrameSemantics,
+                      physics::sdf::ConstructSdfWorld, physics::sdf::ConstructSdfModel,
+                      physics::sdf::ConstructSdfLink, physics::sdf::ConstructSdfCollision,
+                      physics::mesh::AttachMeshShapeFeature> {};
+
+using Triangle = std::array<Vector3d, 3>;
+
+[[noreturn]] void Fail(const std::string &message) { throw std::runtime_error(message); }
+
+fs::path Resolve(const std::string &uri, const fs::path &package) {
+  const std::string scheme = "model://";
+  if (uri.compare(0, scheme.size(), scheme) != 0) Fail("not a model:// URI: " + uri);
+  return package / "models" / uri.substr(scheme.size());
+}
+
+fs::path WorldFile(const fs::path &package) {
+  std::vector<fs::path> files;
+  for (const auto &entry : fs::directory_iterator(package / "worlds")) files.push_back(entry.path());
+  if (files.size() != 1) Fail("expected one world in " + (package / "worlds").string());
+  return files.front();
+}
+
+void LoadStrict(const fs::path &package, sdf::Root &root) {
+  sdf::ParserConfig config;
+  config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
+  config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
+  config.SetFindCallback([&](const std::string &uri) { return Resolve(uri, package).string(); });
+  std::string faults;
+  for (const auto &error : root.Load(WorldFile(package).string(), config)) faults += "\n  " + error.Message();
+  if (!faults.empty()) Fail("libsdformat:" + faults);
+  if (root.WorldCount() != 1) Fail("libsdformat: no world");
+}
+
+const common::Mesh &OpenMesh(const sdf::Geometry &geometry, const fs::path &package) {
+  if (geometry.Type() != sdf::GeometryType::MESH) Fail("a shape is not a mesh");
+  const auto path = Resolve(geometry.MeshShape()->Uri(), package);
+  const auto *mesh = fs::is_regular_file(path) ? common::MeshManager::Instance()->Load(path.string()) : nullptr;
+  if (!mesh || mesh->IndexCount() == 0) Fail("cannot load mesh " + path.string());
+  return *mesh;
+}
+
+void OpenImage(const std::string &uri, const fs::path &package) {
+  const auto path = Resolve(uri, package);
+  common::Image image;
+  if (!fs::is_regular_file(path) || image.Load(path.string()) != 0 || !image.Valid())
+    Fail("cannot load image " + path.string());
+}
+
+void OpenVisual(const sdf::Visual &visual, const fs::path &package) {
+  const auto &mesh = OpenMesh(*visual.Geom(), package);
+  if (mesh.TexCoordCount() == 0 || mesh.NormalCount() == 0) Fail("no texture coordinates or normals: " + visual.Name());
+  const auto *pbr = visual.Material() ? visual.Material()->PbrMaterial() : nullptr;
+  const auto *metal = pbr ? pbr->Workflow(sdf::PbrWorkflowType::METAL) : nullptr;
+  if (!metal) Fail("no PBR material: " + visual.Name());
+  for (const auto &uri : {metal->AlbedoMap(), metal->NormalMap(), metal->RoughnessMap()}) OpenImage(uri, package);
+}
+
+void AppendTriangles(const common::Mesh &mesh, std::vector<Triangle> &triangles) {
+  for (unsigned int i = 0; i < mesh.SubMeshCount(); ++i) {
+    const auto part = mesh.SubMeshByIndex(i).lock();
+    // DART leaves such a mesh out, and crashes if nothing is left.
+    if (part->NormalCount() != part->VertexCount()) Fail("a collision mesh has no normals: " + part->Name());
+    for (unsigned int k = 0; k + 2 < part->IndexCount(); k += 3)
+      triangles.push_back({part->Vertex(part->Index(k)), part->Vertex(part->Index(k + 1)),
+                           part->Vertex(part->Index(k + 2))});
+  }
+}
+
+// Ericson, Real-Time Collision Detection (2005), 5.1.5.
+Vector3d NearestOnTriangle(const Vector3d &p, const Triangle &t) {
+  const auto &[a, b, c] = t;
+  const Vector3d ab = b - a, ac = c - a;
+  const double d1 = ab.Dot(p - a), d2 = ac.Dot(p - a);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const double d3 = ab.Dot(p - b), d4 = ac.Dot(p - b);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
+  const double d5 = ab.Dot(p - c), d6 = ac.Dot(p - c);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  return a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc));
+}
+
+double Distance(const Vector3d &point, const std::vector<Triangle> &triangles) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto &triangle : triangles) nearest = std::min(nearest, point.Distance(NearestOnTriangle(point, triangle)));
+  return nearest;
+}
+
+sdf::Root Ball(const Vector3d &centre) {
+  std::ostringstream text;
+  text << "<sdf version='1.9'><model name='ball'><pose>" << centre << " 0 0 0</pose><link name='ball'><inertial>"
+       << "<mass>1</mass><inertia><ixx>" << kInertia << "</ixx><iyy>" << kInertia << "</iyy><izz>" << kInertia
+       << "</izz></inertia></inertial>"
+       << "<collision name='ball'><geometry><sphere><radius>" << kBallRadiusM
+       << "</radius></sphere></geometry></collision></link></model></sdf>";
+  sdf::Root root;
+  if (!root.LoadSdfString(text.str()).empty()) Fail("the ball of this check is wrong");
+  return root;
+}
+
+auto Engine(ignition::plugin::Loader &loader) {
+  const auto library = fs::path(IGNITION_PHYSICS_ENGINE_INSTALL_DIR) / "libignition-physics5-dartsim-plugin.so.5";
+  loader.LoadLib(library.string());
+  const auto names = physics::FindFeatures3d<Features>::From(loader);
+  if (names.empty()) Fail("no engine with the features of Gazebo in " + library.string());
+  return physics::RequestEngine3d<Features>::From(loader.Instantiate(*names.begin()));
+}
+
+struct Contents {
+  std::size_t visuals = 0;
+  std::vector<Triangle> triangles;
+};
+
+// Opens what a link shows and attaches its collision meshes, as gz-sim does for an engine that builds none itself.
+void OpenLink(const sdf::Link &link_sdf, const physics::Link3dPtr<Features> &link, const fs::path &package,
+              Contents &contents) {
+  for (uint64_t v = 0; v < link_sdf.VisualCount(); ++v, ++contents.visuals)
+    OpenVisual(*link_sdf.VisualByIndex(v), package);
+  for (uint64_t c = 0; c < link_sdf.CollisionCount(); ++c) {
+    const auto &collision = *link_sdf.CollisionByIndex(c);
+    const auto &mesh = OpenMesh(*collision.Geom(), package);
+    AppendTriangles(mesh, contents.triangles);
+    link->AttachMeshShape(collision.Name(), mesh, ignition::math::eigen3::convert(collision.RawPose()));
+  }
+}
+
+Contents OpenWorld(const sdf::World &world_sdf, const physics::World3dPtr<Features> &world, const fs::path &package) {
+  Contents contents;
+  for (uint64_t m = 0; m < world_sdf.ModelCount(); ++m) {
+    const auto &model_sdf = *world_sdf.ModelByIndex(m);
+    const auto model = world->GetModel(model_sdf.Name());
+    for (uint64_t l = 0; l < model_sdf.LinkCount(); ++l) {
+      const auto &link_sdf = *model_sdf.LinkByIndex(l);
+      OpenLink(link_sdf, model->GetLink(link_sdf.Name()), package, contents);
+    }
+  }
+  if (contents.visuals == 0 || contents.triangles.empty()) Fail("the world has no visual or no collision");
+  return contents;
+}
+
+struct Rest {
+  Vector3d centre;
+  double speed_m_s;
+};
+
+Rest Drop(const physics::World3dPtr<Features> &world, const Vector3d &from) {
+  const auto ball_sdf = Ball(from);
+  const auto ball = world->ConstructModel(*ball_sdf.Model())->GetLink(0);
+  physics::ForwardStep::Output output;
+  physics::ForwardStep::State state;
+  physics::ForwardStep::Input input;
+  input.Get<std::chrono::steady_clock::duration>() = kStep;
+  for (int i = 0; i < kSteps; ++i) world->Step(output, state, input);
+  const auto frame = ball->FrameDataRelativeToWorld();
+  return {ignition::math::eigen3::convert(Eigen::Vector3d(frame.pose.translation())), frame.linearVelocity.norm()};
+}
+
+int main(int argc, char **argv) try {
+  if (argc != 2) Fail("usage: open_package PACKAGE_DIR");
+  // The engine reports that it leaves meshes to its caller; everything that matters is checked here.
+  common::Console::SetVerbosity(0);
+  const fs::path package = fs::absolute(argv[1]);
+  sdf::Root root;
+  LoadStrict(package, root);
+  const auto &world_sdf = *root.WorldByIndex(0);
+  const auto *frame = world_sdf.FrameByName("spawn_0");
+  if (!frame) Fail("the world has no frame spawn_0");
+  const Vector3d spawn = frame->RawPose().Pos();
+
+  ignition::plugin::Loader loader;
+  const auto world = Engine(loader)->ConstructWorld(world_sdf);
+  const auto contents = OpenWorld(world_sdf, world, package);
+  const auto [centre, speed_m_s] = Drop(world, spawn + Vector3d(0, 0, kDropM));
+  const double gap = Distance(centre, contents.triangles) - kBallRadiusM;
+
+  std::ostringstream where;
+  where << "the ball ended at " << centre << ", " << gap << " m from the triangles, at " << speed_m_s << " m/s";
+  if (!(std::abs(gap) < kToleranceM)) Fail(where.str());
+  if (!(speed_m_s < kRestMPerS)) Fail("it does not rest: " + where.str());
+  if (!(centre.Distance(spawn) < kAwayM)) Fail("it did not stay: " + where.str());
+  std::cout << "gazebo libraries: " << contents.visuals << " visuals, " << contents.triangles.size()
+            << " collision triangles, ball_z_m " << centre.Z() << " gap_m " << gap << "\n";
+  return 0;
+} catch (const std::exception &error) {
+  std::cerr << "error: " << error.what() << "\n";
+  return 1;
+}

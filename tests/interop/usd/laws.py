@@ -1,0 +1,283 @@
+"""What a stage of ours must be, and no validator asks."""
+
+import json
+from itertools import pairwise
+from pathlib import PurePosixPath
+
+import drawing_laws
+import numpy as np
+import package as packages
+from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils
+
+PARTS = {"floor", "wall", "ceiling"}
+
+
+def broken(stage):
+    """A line for every law that the composed stage breaks."""
+    return [f"{law.__name__}: {message}" for law in LAWS for message in failures(law, stage)]
+
+
+def failures(law, stage):
+    try:
+        return list(law(stage))
+    except IndexError as error:
+        return [f"an index is out of range: {error}"]
+
+
+def broken_files(package, root):
+    """A line for every law that the files break."""
+    return [f"{law.__name__}: {message}" for law in FILE_LAWS for message in law(package, root)]
+
+
+def units_are_metres_and_kilograms_z_up(stage):
+    found = (
+        UsdGeom.GetStageMetersPerUnit(stage),
+        UsdPhysics.GetStageKilogramsPerUnit(stage),
+        UsdGeom.GetStageUpAxis(stage),
+    )
+    if found != (1.0, 1.0, "Z"):
+        yield f"{found}"
+    if stage.GetDefaultPrim().GetPath() != "/World":
+        yield f"the default prim is {stage.GetDefaultPrim().GetPath()}"
+
+
+def visual_meshes_have_every_array(stage):
+    if not packages.meshes(stage, "Visual"):
+        yield "there is no visual mesh"
+    for mesh in packages.meshes(stage, "Visual"):
+        points = mesh.GetPointsAttr().Get() or []
+        st = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+        arrays = {
+            "points": points,
+            "normals": mesh.GetNormalsAttr().Get() or [],
+            "st": (st.Get() if st else None) or [],
+        }
+        for name, array in arrays.items():
+            if not len(array) or len(array) != len(points):
+                yield f"{mesh.GetPath()} has {len(array)} {name} for {len(points)} points"
+        if st and st.GetInterpolation() != UsdGeom.Tokens.vertex:
+            yield f"{mesh.GetPath()} has st per {st.GetInterpolation()}"
+        if mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
+            yield f"{mesh.GetPath()} is subdivided"
+
+
+def extents_are_those_of_the_points(stage):
+    for mesh in packages.meshes(stage, "Visual") + packages.colliders(stage):
+        extent = np.asarray(mesh.GetExtentAttr().Get())
+        points = np.asarray(mesh.GetPointsAttr().Get() or [])
+        if len(points) and not np.array_equal(extent, [points.min(0), points.max(0)]):
+            yield f"{mesh.GetPath()}"
+
+
+def normals_are_on_the_side_the_triangles_face(stage):
+    for mesh in packages.meshes(stage, "Visual"):
+        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get() or []).reshape(-1, 3)
+        points, normals = np.asarray(mesh.GetPointsAttr().Get() or []), np.asarray(mesh.GetNormalsAttr().Get() or [])
+        if len(normals) != len(points) or indices.max(initial=-1) >= len(points):
+            yield f"{mesh.GetPath()} has no normals to compare"
+            continue
+        a, b, c = (points[indices[:, corner]] for corner in range(3))
+        across = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals[indices].sum(1))
+        # On an edge sharper than the triangles a few may, more so on coarse levels, which keep the normals of full detail;
+        # a mesh inside out has them all.
+        if (across <= 0).mean() > 0.05:
+            yield f"{mesh.GetPath()} has {(across <= 0).sum()} triangles that face against their normals"
+
+
+def colliders_are_static_and_apart(stage):
+    for mesh in packages.meshes(stage, "Visual"):
+        if mesh.GetPrim().HasAPI(UsdPhysics.CollisionAPI):
+            yield f"{mesh.GetPath()} is visual and collides"
+    for mesh in packages.colliders(stage):
+        prim = mesh.GetPrim()
+        if (
+            not prim.HasAPI(UsdPhysics.CollisionAPI)
+            or not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get()
+        ):
+            yield f"{mesh.GetPath()} does not collide"
+        approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
+        is_piece = prim.GetName() != "Collision"
+        if approximation != (UsdPhysics.Tokens.convexHull if is_piece else UsdPhysics.Tokens.none):
+            yield f"{mesh.GetPath()} is approximated by {approximation}"
+        if is_piece and not is_convex(packages.triangles(mesh)):
+            yield f"{mesh.GetPath()} is not convex"
+        if mesh.GetPurposeAttr().Get() != UsdGeom.Tokens.guide:
+            yield f"{mesh.GetPath()} is drawn"
+    for prim in stage.TraverseAll():
+        if prim.HasAPI(UsdPhysics.RigidBodyAPI):
+            yield f"{prim.GetPath()} is a rigid body"
+
+
+def is_convex(corners):
+    """Whether no corner is outside of a face by more than a millimetre, which is more than 32 bits lose."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    heights = corners.reshape(-1, 3) @ normals.T - np.einsum("ij,ij->i", corners[:, 0], normals)
+    return heights.max(initial=-np.inf) < 1e-3
+
+
+def physics_is_whole(stage):
+    colliders = packages.colliders(stage)
+    if not colliders:
+        return
+    rough = {mesh.GetPath().GetPrefixes()[2] for mesh in colliders}
+    if rough != {chunk.GetPath() for chunk in packages.chunks(stage)}:
+        yield f"{len(rough)} of {len(packages.chunks(stage))} chunks collide"
+    scenes = [UsdPhysics.Scene(prim) for prim in stage.TraverseAll() if prim.IsA(UsdPhysics.Scene)]
+    if len(scenes) != 1:
+        yield f"{len(scenes)} physics scenes"
+    for scene in scenes:
+        if (
+            scene.GetGravityDirectionAttr().Get() != Gf.Vec3f(0, 0, -1)
+            or not scene.GetGravityMagnitudeAttr().Get() >= 0
+        ):
+            yield "gravity does not point down"
+    for mesh in colliders:
+        material, _ = UsdShade.MaterialBindingAPI(mesh).ComputeBoundMaterial("physics")
+        if not material or not material.GetPrim().HasAPI(UsdPhysics.MaterialAPI):
+            yield f"{mesh.GetPath()} has no physics material"
+        elif UsdPhysics.MaterialAPI(material).GetDynamicFrictionAttr().Get() is None:
+            yield f"{mesh.GetPath()} has no friction"
+
+
+def the_cave_has_labels(stage):
+    world = UsdSemantics.LabelsAPI(stage.GetPrimAtPath("/World"), "class").GetLabelsAttr().Get() or []
+    if "cave" not in world:
+        yield f"/World is labelled {list(world)}"
+    for mesh in packages.meshes(stage, "Visual"):
+        labels = {}
+        for subset in UsdGeom.Subset.GetAllGeomSubsets(mesh):
+            label = UsdSemantics.LabelsAPI(subset, "class").GetLabelsAttr().Get() or [None]
+            labels[label[0]] = np.asarray(subset.GetIndicesAttr().Get() or [], dtype=np.int64)
+        if not labels or not set(labels) <= PARTS:
+            yield f"{mesh.GetPath()} has faces labelled {sorted(map(str, labels))}"
+            continue
+        corners = packages.triangles(mesh)
+        up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+        if (up[labels.get("floor", [])] < 0).any() or (up[labels.get("ceiling", [])] > 0).any():
+            yield f"{mesh.GetPath()} has floor that faces down or ceiling that faces up"
+
+
+def robots_can_start(stage):
+    poses = packages.spawns(stage)
+    if not len(poses):
+        yield "there is no start pose"
+    for number, pose in enumerate(poses):
+        if not np.allclose(pose[:3, 2], [0, 0, 1], atol=1e-6):
+            yield f"spawn_{number} does not stand upright"
+
+
+def lights_shine(stage):
+    for prim in stage.TraverseAll():
+        if prim.IsA(UsdLux.SphereLight) and not UsdLux.SphereLight(prim).GetIntensityAttr().Get() > 0:
+            yield f"{prim.GetPath()}"
+
+
+def the_stage_tells_where_it_is_from(stage):
+    world = stage.GetPrimAtPath("/World")
+    if not {"name", "identifier", "version"} <= set(world.GetAssetInfo()):
+        yield f"assetInfo has {sorted(world.GetAssetInfo())}"
+    if "seed" not in (world.GetCustomDataByKey("plume:recipe") or ""):
+        yield "customData has no recipe"
+
+
+LAWS = [
+    units_are_metres_and_kilograms_z_up,
+    visual_meshes_have_every_array,
+    extents_are_those_of_the_points,
+    normals_are_on_the_side_the_triangles_face,
+    colliders_are_static_and_apart,
+    physics_is_whole,
+    the_cave_has_labels,
+    robots_can_start,
+    lights_shine,
+    the_stage_tells_where_it_is_from,
+    *drawing_laws.LAWS,
+]
+
+
+def paths_are_relative_and_lead_somewhere(package, root):
+    layers, assets, unresolved = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(str(root)))
+    for path in unresolved:
+        yield f"{path} does not exist"
+    for layer in layers:
+        for path in [*layer.GetCompositionAssetDependencies(), *layer.GetExternalAssetDependencies()]:
+            written = PurePosixPath(path)
+            if written.is_absolute() or ".." in written.parts or "://" in path:
+                yield f"{path} in {PurePosixPath(layer.identifier).name} is absolute or climbs out"
+    inside = package.resolve()
+    for path in [layer.realPath for layer in layers] + list(assets):
+        file = Ar.SplitPackageRelativePathOuter(str(path))[0]
+        if not PurePosixPath(file).is_relative_to(inside):
+            yield f"{PurePosixPath(file).name} lies outside of the package"
+
+
+def images_are_written_as_relative_paths(package, root):
+    stage = packages.open_stage(root)
+    for prim in stage.TraverseAll():
+        image = UsdShade.Shader(prim).GetInput("file") if prim.IsA(UsdShade.Shader) else None
+        if not image:
+            continue
+        path = image.Get()
+        if not path or not path.path.startswith("./"):
+            yield f"{prim.GetPath()} names {path}"
+        elif not path.resolvedPath:
+            yield f"{prim.GetPath()} names {path.path}, which does not exist"
+
+
+def every_file_is_used(package, root):
+    if root.suffix == ".usdz":
+        return
+    layers, assets, _ = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(str(root)))
+    used = {PurePosixPath(path) for path in [layer.realPath for layer in layers] + list(assets)}
+    for file in sorted(package.resolve().rglob("*")):
+        if file.is_file() and file not in used and file.name not in {"README.md", "LICENSE.md", "manifest.json"}:
+            yield f"{file.name} is used by nothing"
+
+
+def the_manifest_lists_the_files(package, root):
+    listed = set(json.loads((package / "manifest.json").read_text())["files"])
+    there = {file.relative_to(package).as_posix() for file in package.rglob("*") if file.is_file()}
+    yield from sorted(listed ^ (there - {"manifest.json"}))
+
+
+def payloads_stay_closed_and_open_alone(package, root):
+    stage = packages.open_stage(root, Usd.Stage.LoadNone)
+    if packages.meshes(stage, "Visual"):
+        yield "a mesh is there before any payload is loaded"
+    for chunk in packages.chunks(stage):
+        if UsdGeom.ModelAPI(chunk).GetExtentsHint() is None:
+            yield f"{chunk.GetPath()} has no size while it is closed"
+            return
+    for chunk in packages.chunks(stage)[:2]:
+        stage.Load(chunk.GetPath())
+        opened = packages.meshes(stage, "Visual")
+        if len(opened) != 1:
+            yield f"{chunk.GetPath()} does not open alone"
+        elif opened[0].GetExtentAttr().Get() != UsdGeom.ModelAPI(chunk).GetExtentsHint():
+            yield f"{chunk.GetPath()} has another size when it is open"
+        stage.Unload(chunk.GetPath())
+        if packages.meshes(stage, "Visual"):
+            yield f"{chunk.GetPath()} does not close"
+
+
+def levels_get_coarser(package, root):
+    stage = packages.open_stage(root)
+    for chunk in packages.chunks(stage):
+        faces = [count_faces(chunk.GetChild("Visual")) for _ in packages.levels_of(chunk)]
+        if not faces or 0 in faces or any(finer <= coarser for finer, coarser in pairwise(faces)):
+            yield f"{chunk.GetPath()} has levels of {faces} faces"
+
+
+def count_faces(prim):
+    return len(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get() or []) if prim else 0
+
+
+FILE_LAWS = [
+    levels_get_coarser,
+    paths_are_relative_and_lead_somewhere,
+    images_are_written_as_relative_paths,
+    every_file_is_used,
+    the_manifest_lists_the_files,
+    payloads_stay_closed_and_open_alone,
+]

@@ -1,0 +1,50 @@
+"""Reads a USD package with two versions of USD and compares what they see.
+
+    same.py PACKAGE_DIR OTHER_PYTHON
+
+Every prim with its type and schemas and every array of it, at every level of detail, must be the same to the bit.
+"""
+
+import hashlib
+import subprocess
+
+import numpy as np
+import package as packages
+from package import require, run
+from pxr import Usd
+
+
+def verify(package, python=None):
+    here = digest(packages.root_layer(package))
+    if python is None:
+        return here
+    there = subprocess.run([python, __file__, package], capture_output=True, text=True)
+    require(there.returncode == 0, f"the other USD fails: {there.stderr}")
+    seen, other = here.split(": "), there.stdout.strip().split(": ")
+    require(seen[0] != other[0], f"both are {seen[0]}")
+    require(seen[1] == other[1], f"{here} and {there.stdout}")
+    return f"{seen[0]} and {other[0]} see the same {seen[1]}"
+
+
+def digest(root):
+    stage = packages.open_stage(root)
+    seen, prims, values = hashlib.sha256(), 0, 0
+    for chunk in [None, *packages.chunks(stage)]:
+        for _ in packages.levels_of(chunk) if chunk else [None]:
+            for prim in Usd.PrimRange(chunk, Usd.TraverseInstanceProxies()) if chunk else stage.TraverseAll():
+                prims += 1
+                seen.update(f"{prim.GetPath()} {prim.GetTypeName()} {prim.GetAppliedSchemas()}".encode())
+                for attribute in prim.GetAuthoredAttributes():
+                    values += 1
+                    seen.update(attribute.GetName().encode() + bits(attribute.Get()))
+    version = ".".join(str(part) for part in Usd.GetVersion()[1:])
+    return f"USD {version}: {prims} prims, {values} values, SHA-256 {seen.hexdigest()[:16]}"
+
+
+def bits(value):
+    array = np.asarray(value)
+    return array.tobytes() if array.dtype.kind in "fiu" else getattr(value, "path", str(value)).encode()
+
+
+if __name__ == "__main__":
+    run(verify)

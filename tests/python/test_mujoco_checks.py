@@ -1,0 +1,128 @@
+"""The checks of MuJoCo packages: a good one passes, and each fault is noticed."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+CHECKS = Path(__file__).parents[1] / "interop/mujoco"
+SMALL = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"]
+ZONES = ["cave_floor", "cave_wall", "cave_ceiling"]
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    """A package; beside it lies the cave that it was made from."""
+    folder = tmp_path_factory.mktemp("mujoco")
+    places = ["--output", str(folder / "package"), "--keep", str(folder / "cave")]
+    export = [sys.executable, "-m", "plume", "export", "--target", "mujoco", "--quiet", *places, *SMALL]
+    subprocess.run(export, check=True)
+    return folder / "package"
+
+
+def verify(name, package, cave):
+    """Exit code and all that was said."""
+    arguments = [package, cave] if name == "drive" else [package]
+    result = subprocess.run([sys.executable, CHECKS / f"{name}.py", *arguments], capture_output=True, text=True)
+    return result.returncode, result.stdout + result.stderr
+
+
+@pytest.mark.parametrize("name", ["balls", "rays", "drive"])
+def test_a_good_package_passes(name, package):
+    code, said = verify(name, package, package.with_name("cave"))
+    assert code == 0, said
+
+
+def in_world(change):
+    """A change of the cave's own file."""
+
+    def change(package):
+        tree = ElementTree.parse(package / "cave_world.xml")
+        change(tree.getroot())
+        tree.write(package / "cave_world.xml")
+
+    return change
+
+
+def pieces(root):
+    return [geom for geom in root.iter("geom") if geom.get("class") in ZONES]
+
+
+def move_up(height_m):
+    return in_world(lambda root: [geom.set("pos", f"0 0 {height_m}") for geom in pieces(root)])
+
+
+def take_visual_mesh(root):
+    """The control: MuJoCo takes the convex hull of a mesh and says nothing."""
+    for chunk in root.iter("frame"):
+        visual, first, *others = chunk
+        first.set("mesh", visual.get("mesh"))
+        drop(root, others)
+
+
+def drop(root, geoms):
+    for parent in list(root.iter()):
+        for geom in [child for child in parent if child in geoms]:
+            parent.remove(geom)
+
+
+def drop_largest_piece(root):
+    sizes = {
+        mesh.get("name"): np.ptp(np.fromstring(mesh.get("vertex"), sep=" ").reshape(-1, 3), axis=0).prod()
+        for mesh in root.iter("mesh")
+        if mesh.get("vertex")
+    }
+    drop(root, [max(pieces(root), key=lambda geom: sizes[geom.get("mesh")])])
+
+
+def drop_chunk(root):
+    drop(root, [next(root.iter("frame"))])
+
+
+def forget_friction(root):
+    for geom in root.iter("geom"):
+        geom.attrib.pop("friction", None)
+
+
+def flip(package):
+    for file in package.glob("assets/*.msh"):
+        content = bytearray(file.read_bytes())
+        faces = np.frombuffer(content, "<i4", 4)[3]
+        corners = np.frombuffer(content, "<i4", offset=len(content) - 12 * faces).reshape(-1, 3)
+        content[len(content) - 12 * faces :] = corners[:, ::-1].tobytes()
+        file.write_bytes(content)
+
+
+def cut_power(package):
+    tree = ElementTree.parse(package / "cave_rover.xml")
+    tree.getroot().find(".//default/velocity").set("forcerange", "-1 1")
+    tree.write(package / "cave_rover.xml")
+
+
+FAULTS = {
+    "the visual mesh as collision, for balls": ("balls", in_world(take_visual_mesh), "of 1000 balls are"),
+    "the visual mesh as collision, for rays": ("rays", in_world(take_visual_mesh), "is not convex"),
+    "pieces that stand out": ("balls", move_up(0.1), "in the air"),
+    "pieces that lie too deep": ("balls", move_up(-0.1), "too deep"),
+    "pieces that stand out, for rays": ("rays", move_up(0.1), "in the open"),
+    "a hole": ("rays", in_world(drop_largest_piece), "rays"),
+    "a mesh inside out": ("rays", flip, "faces the rock"),
+    "a missing chunk": ("rays", in_world(drop_chunk), "is not closed"),
+    "no friction": ("drive", in_world(forget_friction), "friction under the rover is"),
+    "wheels in the rock": ("drive", move_up(-0.1), "m into the rock"),
+    "a rover without power": ("drive", cut_power, "gets no further"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_faulty_package_fails(fault, package, tmp_path):
+    name, change, message = FAULTS[fault]
+    faulty = tmp_path / "package"
+    shutil.copytree(package, faulty)
+    change(faulty)
+    code, said = verify(name, faulty, package.with_name("cave"))
+    assert code == 1 and message in said, said

@@ -1,0 +1,330 @@
+//! `cargo xtask interop [--all | PACKAGE_DIR...]`: opens packages with readers that are not ours.
+//!
+//! Without a folder, a small made-up scene is checked, then with faults that the readers must notice (a reader that cannot say
+//! no is worth nothing), then sample caves for every target, and small caves for what needs no large one. The default cave comes
+//! every time, another by turns; `--all` takes every sample. A reader whose program cannot be had is skipped loudly, and fails
+//! the run where the environment variable `CI` is set.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+
+use crate::plume::{Plume, Profile};
+use crate::samples::{self, SAMPLES};
+use crate::tools::{self, Result, ensure_debian, root};
+use crate::venv::Environment;
+use queue::{Check, Tally};
+
+mod assimp;
+mod blender;
+mod faults;
+mod formats;
+mod gazebo;
+mod gltf;
+mod graph;
+pub mod mujoco;
+mod page;
+mod queue;
+mod unity;
+pub mod urdf;
+pub mod usd;
+
+pub use gltf::shoot;
+
+/// The task.
+pub fn run(arguments: &[String]) -> Result<()> {
+    match arguments {
+        [] => check_samples(&samples::by_turns()?),
+        [all] if all == "--all" => check_samples(&SAMPLES),
+        packages => check_packages(&packages.iter().map(PathBuf::from).collect::<Vec<_>>()),
+    }
+}
+
+/// Gets the programs of all readers, and what builds the Python package for them. What cannot be had is told by the checks that want it.
+pub fn prepare() {
+    let _ = (ensure_debian(&debian()), Plume::python());
+    READERS.iter().filter(|reader| reader.may_be_used()).for_each(|reader| drop((reader.prepare)()));
+    graph::CHECKS.iter().for_each(|check| drop(check.prepare()));
+}
+
+/// Everything at once, because each call asks what is new first.
+fn debian() -> Vec<&'static str> {
+    let graph = graph::CHECKS.iter().flat_map(|check| check.debian);
+    let lists = [&gazebo::DEBIAN[..], &gltf::DEBIAN, &urdf::DEBIAN, &blender::DEBIAN, &assimp::DEBIAN];
+    lists.into_iter().flatten().chain(graph).copied().collect()
+}
+
+/// One reader on one package.
+pub fn only(name: &str, package: &Path) -> Result<()> {
+    let reader = READERS.iter().find(|reader| reader.name == name).ok_or("there is no such reader")?;
+    (reader.prepare)()?;
+    println!("{}", reader.open(package)?);
+    Ok(())
+}
+
+fn check_packages(packages: &[PathBuf]) -> Result<()> {
+    if let Some(stranger) = packages.iter().find(|package| Kind::of(package).is_none()) {
+        return Err(format!("no reader knows such a package: {}", stranger.display()));
+    }
+    let tally = Tally::default();
+    let readers = ready(|reader| packages.iter().any(|package| Kind::of(package) == Some(reader.of)), &tally);
+    tally.run(packages.iter().flat_map(|package| checks_of(&readers, package)).collect());
+    tally.result()
+}
+
+fn check_samples(names: &[&str]) -> Result<()> {
+    let (tally, plume) = (Tally::default(), Plume::package(Profile::Dev)?);
+    println!("samples: {}", names.join(", "));
+    let readers = ready(|_| true, &tally);
+    let scene = write_scene()?;
+    // The longest come first, so that none of them runs alone at the end.
+    let mut checks = checks_of_graphs(&tally)?;
+    checks.extend(checks_of_small_things(&readers, &plume, &scene)?);
+    for name in names {
+        let folder = target_folder().join(name);
+        checks.extend(export_cave(&plume, name)?.iter().flat_map(|package| checks_of_export(&readers, package)));
+        let before = tally.failures();
+        tally.run(std::mem::take(&mut checks));
+        // A cave that is good gives its gigabytes back.
+        if tally.failures() == before {
+            std::fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        }
+    }
+    tally.result()
+}
+
+/// What no large cave is needed for: the made-up scene, its faults, and small caves.
+fn checks_of_small_things(readers: &[&'static Reader], plume: &Plume, scene: &Path) -> Result<Vec<Check>> {
+    let owned = scene.to_owned();
+    let mut checks =
+        vec![Check::new("husky", urdf::check_faults), Check::new("unity", move || unity::check_faults(&owned))];
+    if readers.iter().any(|reader| reader.name == "physx") {
+        checks.push(Check::new("physx", usd::check_faults));
+    }
+    let small = [export_pieces(plume)?, assimp::export(plume)?, vec![page::write(plume)?]].concat();
+    checks.extend(small.iter().flat_map(|package| checks_of_export(readers, package)));
+    let mut packages: Vec<PathBuf> = SCENE_PACKAGES.iter().map(|package| scene.join(package)).collect();
+    packages.extend([scene.to_owned(), formats::shelve(scene)?]);
+    checks.extend(packages.iter().flat_map(|package| checks_of(readers, package)));
+    checks.extend(faults::checks(readers, scene));
+    Ok(checks)
+}
+
+fn checks_of_graphs(tally: &Tally) -> Result<Vec<Check>> {
+    let plume = Arc::new(Plume::build(Profile::Dev)?);
+    let mut checks = Vec::new();
+    for check in &graph::CHECKS {
+        match check.prepare() {
+            Ok(environment) => {
+                let plume = plume.clone();
+                checks.push(Check::new(check.name, move || check.ask(&environment, &plume)));
+            }
+            Err(missing) => tally.skip(check.name, &missing),
+        }
+    }
+    Ok(checks)
+}
+
+/// A program that is not ours and opens what we export.
+struct Reader {
+    name: &'static str,
+    of: Kind,
+    /// Gets the program, or says what is missing.
+    prepare: fn() -> Result<()>,
+    /// What to run on a package; it ends with a summary on stdout, or fails.
+    command: fn(&Path) -> Result<Command>,
+}
+
+impl Reader {
+    fn may_be_used(&self) -> bool {
+        self.name != "physx" || usd::has_agreed()
+    }
+
+    fn open(&self, package: &Path) -> Result<String> {
+        tools::run(&mut (self.command)(package)?)
+    }
+}
+
+static READERS: [Reader; 24] = [
+    Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
+    Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
+    Reader { name: "validator", of: Kind::Gltf, prepare: gltf::make, command: gltf::validate },
+    Reader { name: "three", of: Kind::Gltf, prepare: gltf::make_browser, command: gltf::draw },
+    Reader { name: "three-fbx", of: Kind::Fbx, prepare: gltf::make_browser, command: gltf::draw },
+    Reader { name: "page", of: Kind::Page, prepare: gltf::make_browser, command: page::open },
+    Reader { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
+    Reader { name: "pinocchio", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_pinocchio },
+    Reader { name: "yourdfpy", of: Kind::Urdf, prepare: urdf::make, command: urdf::open_in_yourdfpy },
+    Reader { name: "unity", of: Kind::Unity, prepare: unity::make, command: unity::check },
+    Reader { name: "usd", of: Kind::Usd, prepare: usd::make, command: usd::validate },
+    Reader { name: "usd-old", of: Kind::Usd, prepare: usd::make_old, command: usd::compare },
+    Reader { name: "newton", of: Kind::Usd, prepare: usd::make_newton, command: usd::drop_balls },
+    Reader { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
+    Reader { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
+    Reader { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
+    Reader { name: "trimesh", of: Kind::Shelf, prepare: formats::make, command: formats::open },
+    Reader { name: "blender", of: Kind::Shelf, prepare: blender::make, command: blender::open },
+    Reader { name: "libassimp", of: Kind::Shelf, prepare: formats::make_assimp, command: formats::open_in_assimp },
+    Reader { name: "orient", of: Kind::Marker, prepare: formats::make, command: formats::orient },
+    Reader { name: "blender", of: Kind::Marker, prepare: blender::make, command: blender::open },
+    Reader { name: "libassimp", of: Kind::Marker, prepare: formats::make_assimp, command: formats::open_in_assimp },
+    Reader { name: "assimp", of: Kind::Assimp, prepare: assimp::make, command: assimp::compare },
+    Reader { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
+];
+
+/// What a package is for, told by what lies in it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Gazebo,
+    Gltf,
+    Unity,
+    Fbx,
+    Urdf,
+    Usd,
+    Mujoco,
+    /// All packages of one cave, beside each other.
+    Shelf,
+    /// The samples of the exporters.
+    Marker,
+    Assimp,
+    /// A page for a browser.
+    Page,
+}
+
+impl Kind {
+    fn of(package: &Path) -> Option<Self> {
+        match package {
+            _ if formats::is_marked(package) => Some(Self::Marker),
+            _ if formats::is_shelf(package) => Some(Self::Shelf),
+            _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
+            _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if package.join("Runtime").is_dir() => Some(Self::Unity),
+            _ if holds(package, &["fbx"]) => Some(Self::Fbx),
+            _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
+            _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
+            _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
+            _ if assimp::is_package(package) => Some(Self::Assimp),
+            _ if page::is_page(package) => Some(Self::Page),
+            _ => None,
+        }
+    }
+}
+
+fn holds(folder: &Path, endings: &[&str]) -> bool {
+    files_of(folder).any(|path| path.extension().is_some_and(|ending| endings.iter().any(|known| ending == *known)))
+}
+
+fn files_of(folder: &Path) -> impl Iterator<Item = PathBuf> {
+    std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()))
+}
+
+/// Those of the readers that are wanted and whose programs are there; the others are skipped.
+fn ready(is_wanted: impl Fn(&Reader) -> bool, tally: &Tally) -> Vec<&'static Reader> {
+    let mut ready = Vec::new();
+    for reader in READERS.iter().filter(|reader| is_wanted(reader)) {
+        if !reader.may_be_used() {
+            println!("LEFT    {:<10} its licence has not been accepted: see the end of ARCHITECTURE.md", reader.name);
+            continue;
+        }
+        match (reader.prepare)() {
+            Ok(()) => ready.push(reader),
+            Err(missing) => tally.skip(reader.name, &missing),
+        }
+    }
+    ready
+}
+
+fn checks_of(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
+    let kind = Kind::of(package);
+    let fitting = readers.iter().filter(|reader| kind == Some(reader.of));
+    let check = |reader: &&'static Reader| {
+        let (reader, package) = (*reader, package.to_owned());
+        Check::new(reader.name, move || reader.open(&package))
+    };
+    fitting.map(check).collect()
+}
+
+/// Of a package of a cave, more can be asked than of one of the made-up scene.
+fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
+    let mut checks = checks_of(readers, package);
+    let mut also = |who, ask: fn(&Path) -> Result<String>| {
+        let package = package.to_owned();
+        checks.push(Check::new(who, move || ask(&package)));
+    };
+    if package.join("manifest.json").is_file() {
+        also("check", is_whole);
+    }
+    match Kind::of(package) {
+        Some(Kind::Mujoco) => also("drive", mujoco::drive),
+        Some(Kind::Page) if readers.iter().any(|reader| reader.name == "page") => also("page", page::check_faults),
+        _ => {}
+    }
+    checks
+}
+
+/// Writes the made-up scene for every target, and the marker.
+pub fn write_scene() -> Result<PathBuf> {
+    let scene = target_folder().join("sample");
+    let writer = Profile::Dev.example("sample_package")?;
+    tools::run(Command::new(writer).arg(&scene).args(formats::python()))?;
+    Ok(scene)
+}
+
+/// Packages of the made-up scene that are opened as they are.
+const SCENE_PACKAGES: [&str; 20] = [
+    "fbx",
+    "fbx_chunks",
+    "fbx_pieces",
+    "fbx_y",
+    "gazebo",
+    "gazebo_pieces",
+    "glb",
+    "glb_chunks",
+    "glb_lods",
+    "glb_meshopt",
+    "glb_pieces",
+    "glb_webp",
+    "gltf",
+    "gltf_meshopt",
+    "gltf_pieces",
+    "gltf_webp",
+    "unity",
+    "unity_pieces",
+    "urdf",
+    "urdf_pieces",
+];
+
+/// A sample, for every target; beside the package for MuJoCo lies the cave, for the way through it.
+fn export_cave(plume: &Plume, name: &str) -> Result<Vec<PathBuf>> {
+    let (recipe, output) = (format!("samples/{name}.toml"), format!("target/interop/{name}"));
+    let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
+    let targets = format!("{opened},obj,ply,stl");
+    plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
+    let mut packages: Vec<PathBuf> = opened.split(',').map(|target| root().join(&output).join(target)).collect();
+    packages.push(root().join(&output));
+    Ok(packages)
+}
+
+/// A cave of few convex pieces, because the validators of USD take long over each.
+fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
+    let (targets, output) =
+        (["gazebo", "glb", "gltf", "fbx", "isaac", "unity", "usd", "usdz"], "target/interop/pieces");
+    let options = targets.map(|target| format!("{target}.collision=pieces"));
+    let names = targets.join(",");
+    let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
+    export.extend(["--set", "graph.nodes=4", "--set", "mesh.voxel_m=0.5", "--set", "texture.size_px=256"]);
+    export.extend(options.iter().flat_map(|option| ["--option", option]));
+    plume.output(&export)?;
+    Ok(targets.map(|target| root().join(output).join(target)).into())
+}
+
+/// Not a reader of others: whether ours says of a package that these take that it is whole.
+fn is_whole(package: &Path) -> Result<String> {
+    tools::run(Command::new(Environment::of_project()?.program("plume")).arg("check").arg(package))
+}
+
+fn target_folder() -> PathBuf {
+    root().join("target/interop")
+}
+
+const REQUIREMENTS: &str = "tests/interop/requirements.txt";

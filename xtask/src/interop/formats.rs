@@ -1,0 +1,80 @@
+//! What readers of many formats see of one thing: of the marker, whose truth is known, or of all packages of a cave.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::faults::copy_folder;
+use crate::tools::{Result, ensure_debian, root};
+use crate::venv::Environment;
+
+/// Formats that any program opens and that no other reader is for.
+pub(super) const TARGETS: [&str; 3] = ["obj", "ply", "stl"];
+
+/// Whether the samples of the exporters lie in a folder, the marker among them.
+pub(super) fn is_marked(folder: &Path) -> bool {
+    folder.join("marker/marker.json").is_file()
+}
+
+/// Whether packages of one cave lie beside each other in a folder.
+pub(super) fn is_shelf(folder: &Path) -> bool {
+    TARGETS.iter().filter(|target| folder.join(target).is_dir()).count() > 1
+}
+
+/// Copies the packages of the chamber that anyone here reads, beside each other.
+pub(super) fn shelve(sample: &Path) -> Result<PathBuf> {
+    let shelf = sample.join("formats");
+    for target in TARGETS.iter().chain(&["fbx", "glb", "gltf", "gazebo", "unity", "unreal", "urdf"]) {
+        let package = sample.join(target);
+        if package.is_dir() {
+            copy_folder(&package, &shelf.join(target)).map_err(|error| error.to_string())?;
+        }
+    }
+    Ok(shelf)
+}
+
+fn environment() -> Result<Environment> {
+    super::usd::environment()?
+        .with(&["tests/interop/mujoco/requirements.txt", "tests/interop/formats/requirements.txt"])
+}
+
+/// Gets the readers that share one Python.
+pub(super) fn make() -> Result<()> {
+    environment().map(drop)
+}
+
+/// Where usd-core is, for the program that writes the marker.
+pub(super) fn python() -> Option<PathBuf> {
+    environment().ok().map(|environment| environment.python())
+}
+
+/// Opens the marker with all of them.
+pub(super) fn orient(sample: &Path) -> Result<Command> {
+    Ok(script(&environment()?, "orientation.py", sample))
+}
+
+/// Opens all packages of a cave with trimesh and its like.
+pub(super) fn open(folder: &Path) -> Result<Command> {
+    Ok(script(&environment()?, "meshes.py", folder))
+}
+
+fn assimp() -> Result<Environment> {
+    Environment::of_readers()?.with(&["tests/interop/formats/requirements-assimp.txt"])
+}
+
+/// Gets assimp, the importer of many engines and tools.
+pub(super) fn make_assimp() -> Result<()> {
+    ensure_debian(&super::assimp::DEBIAN)?;
+    assimp().map(drop)
+}
+
+/// Opens the marker, or all packages of a cave, with assimp.
+pub(super) fn open_in_assimp(folder: &Path) -> Result<Command> {
+    Ok(script(&assimp()?, "assimp.py", folder))
+}
+
+/// A script on a folder.
+pub(super) fn script(environment: &Environment, name: &str, folder: &Path) -> Command {
+    let mut command = Command::new(environment.python());
+    command.arg(root().join("tests/interop/formats").join(name)).arg(folder);
+    command
+}

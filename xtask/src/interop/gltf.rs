@@ -1,0 +1,55 @@
+//! Readers of glTF, and a browser that draws it and FBX.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::files_of;
+use crate::tools::{Result, ensure_debian, ensure_npm, root, run};
+
+pub(super) const DEBIAN: [&str; 1] = ["chromium"];
+
+pub(super) fn make() -> Result<()> {
+    ensure_npm(&folder())
+}
+
+pub(super) fn validate(package: &Path) -> Result<Command> {
+    let mut command = Command::new("node");
+    command.arg(folder().join("validate.mjs")).args(files(package));
+    Ok(command)
+}
+
+pub(super) fn make_browser() -> Result<()> {
+    ensure_debian(&DEBIAN)?;
+    make()
+}
+
+/// The picture lies beside the package: `<package>.png`.
+pub(super) fn draw(package: &Path) -> Result<Command> {
+    Ok(shot(package, &package.with_extension("png"), 0))
+}
+
+/// Takes a picture of a package of glTF or FBX from one of its spawn poses.
+pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
+    make_browser()?;
+    run(&mut shot(package, picture, spawn))
+}
+
+fn shot(package: &Path, picture: &Path, spawn: usize) -> Command {
+    let mut command = Command::new("node");
+    command.arg(folder().join("shot.mjs")).arg(package).arg("--out").arg(picture);
+    command.arg("--spawn").arg(spawn.to_string());
+    command
+}
+
+fn files(package: &Path) -> Vec<PathBuf> {
+    let folders = [package.to_owned(), package.join("chunks")];
+    let is_gltf = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "glb" || ending == "gltf");
+    let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| files_of(folder).filter(is_gltf)).collect();
+    files.sort();
+    files
+}
+
+/// Where the scripts are.
+pub(super) fn folder() -> PathBuf {
+    root().join("tests/interop/gltf")
+}

@@ -1,0 +1,53 @@
+//! The page that `plume preview` writes, as a browser shows it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::{gltf, holds};
+use crate::plume::Plume;
+use crate::tools::{self, Result, root};
+
+/// Whether the page lies in a folder.
+pub(super) fn is_page(folder: &Path) -> bool {
+    holds(folder, &["html"])
+}
+
+/// Opens the page and plays with it.
+pub(super) fn open(folder: &Path) -> Result<Command> {
+    let mut command = Command::new("node");
+    command.arg(gltf::folder().join("page.mjs")).arg(folder);
+    Ok(command)
+}
+
+/// The page of the first sample, in a folder of its own.
+pub(super) fn write(plume: &Plume) -> Result<PathBuf> {
+    let folder = root().join("target/interop/page");
+    fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+    plume.output(&["preview", "samples/cave.toml", "--output", "target/interop/page/cave.html"])?;
+    Ok(folder)
+}
+
+/// What is replaced in the page, and what must be said of it.
+const FAULTS: [(&str, &str, &str); 4] = [
+    ("gl.drawElements(", "void (", "of the view is drawn"),
+    ("camera.yaw -= dx", "camera.yaw -= missing", "the page failed"),
+    ("<aside>", "<aside><img src=\"rock.png\">", "it asks for"),
+    ("place.z > cut", "false", "cutting it open changes"),
+];
+
+/// Puts each of these faults into the page and opens it.
+pub(super) fn check_faults(folder: &Path) -> Result<String> {
+    let page = fs::read_to_string(folder.join("cave.html")).map_err(|error| error.to_string())?;
+    let faulty = root().join("target/interop/page-with-faults");
+    fs::create_dir_all(&faulty).map_err(|error| error.to_string())?;
+    for (whole, broken, message) in FAULTS {
+        fs::write(faulty.join("cave.html"), page.replace(whole, broken)).map_err(|error| error.to_string())?;
+        match tools::run(&mut open(&faulty)?) {
+            Err(said) if said.contains(message) => {}
+            Err(said) => return Err(format!("without `{whole}`: {said}")),
+            Ok(summary) => return Err(format!("did not notice that `{whole}` is gone: {summary}")),
+        }
+    }
+    Ok(format!("noticed {} faults", FAULTS.len()))
+}

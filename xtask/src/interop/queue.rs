@@ -1,0 +1,70 @@
+//! Checks side by side: most readers keep one core busy.
+
+use std::collections::VecDeque;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use crate::tools::Result;
+
+/// A question about a package; its answer is a summary, or what is wrong.
+pub(super) struct Check {
+    who: &'static str,
+    ask: Box<dyn FnOnce() -> Result<String> + Send>,
+}
+
+impl Check {
+    pub(super) fn new(who: &'static str, ask: impl FnOnce() -> Result<String> + Send + 'static) -> Self {
+        Self { who, ask: Box::new(ask) }
+    }
+}
+
+/// Prints a line per check and counts what must fail the run.
+#[derive(Default)]
+pub(super) struct Tally {
+    failures: AtomicUsize,
+}
+
+impl Tally {
+    /// Asks all of them, as many at once as there are cores.
+    pub(super) fn run(&self, checks: Vec<Check>) {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let queue = Mutex::new(VecDeque::from(checks));
+        let work = || {
+            while let Some(check) = { queue.lock().expect("no worker panics").pop_front() } {
+                self.ask(check);
+            }
+        };
+        std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
+    }
+
+    fn ask(&self, check: Check) {
+        let (who, started) = (check.who, Instant::now());
+        let answer = (check.ask)();
+        let seconds = started.elapsed().as_secs();
+        match answer {
+            Ok(summary) => println!("ok      {who:<10} {seconds:>3} s  {}", summary.lines().last().unwrap_or_default()),
+            Err(reason) => {
+                self.failures.fetch_add(1, Ordering::Relaxed);
+                println!("FAILED  {who:<10} {seconds:>3} s  {reason}");
+            }
+        }
+    }
+
+    /// A reader that cannot be had fails the run where the environment variable `CI` is set.
+    pub(super) fn skip(&self, who: &str, missing: &str) {
+        self.failures.fetch_add(usize::from(std::env::var_os("CI").is_some()), Ordering::Relaxed);
+        println!("SKIPPED {who:<10} {missing}");
+    }
+
+    pub(super) fn failures(&self) -> usize {
+        self.failures.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn result(&self) -> Result<()> {
+        match self.failures() {
+            0 => Ok(()),
+            count => Err(format!("{count} of the checks above failed")),
+        }
+    }
+}
