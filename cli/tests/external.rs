@@ -49,7 +49,7 @@ fn a_program_is_told_seed_and_settings_and_gives_the_graph() {
 #[test]
 fn the_example_digs_its_mine() {
     let desk = Desk::new();
-    let recipe = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/external/decline.toml");
+    let recipe = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/external/decline.toml");
     let made = desk.run(&["graph", recipe, "-o", "cave", "--allow-run"]);
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     let graph = fs::read_to_string(desk.path("cave/graph.json")).unwrap();

@@ -24,7 +24,7 @@ fn read(desk: &Desk, arguments: &[&str]) -> Value {
 
 /// A real cave as a graph file: Sakany.
 fn sakany(desk: &Desk) {
-    let table = |file: &str| fs::read_to_string(format!("tests/data/sakany/{file}")).unwrap();
+    let table = |file: &str| fs::read_to_string(format!("../tests/data/sakany/{file}")).unwrap();
     let places: Vec<Vec<f64>> =
         table("Sakany_nodes.dat").lines().map(|l| l.split_whitespace().map(|x| x.parse().unwrap()).collect()).collect();
     let mut edges = vec![Vec::new(); places.len()];
