@@ -36,8 +36,8 @@ def hidden(folder, text):
 
 @pytest.fixture(scope="module")
 def binary():
-    """The plain binary of this tree."""
-    program = Path(__file__).parents[2] / "target/release/plume"
+    """The plain binary of this tree; `cargo xtask` names it."""
+    program = Path(os.environ.get("PLUME_BINARY", Path(__file__).parents[2] / "target/release/plume"))
     if not program.exists():
         pytest.fail("build the binary first: cargo build --release")
     return program

@@ -32,10 +32,13 @@ pub fn python() -> Result<()> {
     Plume::package(Profile::Dev)?;
     interop::mujoco::make()?;
     let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);
+    let plume = Plume::build(Profile::Dev)?;
     // Each test waits for a process of its own most of the time.
     let pytest = ["pytest", "--quiet", "--numprocesses", "auto"];
     for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &pytest] {
-        show(Command::new(&python).arg("-m").args(check).env("PLUME_SCENE", &scene).current_dir(root()))?;
+        let mut command = Command::new(&python);
+        command.env("PLUME_SCENE", &scene).env("PLUME_BINARY", plume.program());
+        show(command.arg("-m").args(check).current_dir(root()))?;
     }
     Ok(())
 }
