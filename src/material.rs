@@ -10,6 +10,7 @@
 
 mod basalt;
 mod color;
+mod floor;
 mod limestone;
 mod look;
 mod rock;
@@ -17,9 +18,12 @@ mod rubble;
 mod site;
 
 pub use basalt::Basalt;
+pub use color::Shades;
+pub use floor::Debris;
 pub use limestone::Limestone;
 pub use look::Look;
 pub use rock::{Detail, Floor, Form, PROTRUSION, Paint, RECESS_M, Rock, Wall};
+pub use rubble::Rubble;
 pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSamples};
 
 use std::sync::Arc;

@@ -314,7 +314,7 @@ impl<T> Sums<T> {
     where
         T: Real<S>,
     {
-        let zero = T::splat(simd, 0.0);
+        let zero = T::zero(simd);
         Self { weight: zero, height: zero, up: zero, half_width: zero + Self::FAINT }
     }
 
@@ -336,7 +336,7 @@ impl<T> Sums<T> {
         let round = (flat + rise.squared() + 1e-4).sqrt();
         let section = if capsule.square > 0.0 {
             let square = (flat.squared() + rise.squared().squared() + 1e-6).sqrt().sqrt();
-            mix(round, square, round * 0.0 + capsule.square)
+            mix(round, square, T::splat(round.value().token(), capsule.square))
         } else {
             round
         };

@@ -5,11 +5,12 @@
 //! floor is ash with angular slabs (Larson, *Illustrated Glossary of Lava Tube Features*, 1993, for what is where).
 
 use super::color::{Color, Tone, ramp};
-use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
-use super::rubble::{Rubble, Sediment, higher, strewn};
-use super::site::{Footprint, Ground, Site};
+use super::floor::Debris;
+use super::rock::{Detail, Form, Paint, Rock, Wall, level_lot};
+use super::rubble::Rubble;
+use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Lanes, Real, Value, Vec3, cells_3d, facets, mix, vec3};
+use crate::noise::{Real, Value, Vec3, cells_3d, facets, mix};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -83,26 +84,6 @@ impl Basalt {
     fn joints<S: Simd, T: Real<S>>(at: Vec3<T>) -> Vec3<T> {
         at.stretched(1.0 / 0.46, 1.0 / 0.46, 1.0 / 0.40).turned()
     }
-
-    #[inline(always)]
-    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
-        let [x, y] = [Value::<S>(centre[0] * 0.28), Value(centre[1] * 0.28)];
-        let lane = site.source.noise(30, vec3(x, y, y * 0.0));
-        bank(site) * 0.75 + T::constant(lane.0 * 0.45) + (self.rubble - 0.3 * (1.0 - site.ground.natural))
-    }
-}
-
-/// 1 at the foot of the wall, 0 in the driving lane.
-#[inline(always)]
-pub(super) fn bank<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
-    (site.wall / site.half_width).step(-0.62, -0.08)
-}
-
-/// Height of stones here, metres.
-#[inline(always)]
-pub(super) fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
-    let share = (site.half_width * 0.6 - 0.1).within(0.2, 1.0);
-    (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
 }
 
 const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.2 };
@@ -120,7 +101,7 @@ impl Rock for Basalt {
         let patches = n.noise(1, p.scaled(1.0 / 5.5)) + n.noise(2, p.scaled(1.0 / 1.9)) * 0.35;
         let spall = (patches + ceiling * 0.35 + self.spall).step(-0.05, 0.25);
         let undulation = n.fbm(3, p.scaled(1.0 / 3.0), 3, 0.574) * 0.36;
-        let mut form = undulation * 0.0;
+        let mut form = T::zero(site.simd());
         if spall.value().simd_lt(1.0).any_true() {
             form = form + self.lining(site) * (-spall + 1.0);
         }
@@ -128,13 +109,13 @@ impl Rock for Basalt {
             form = form + Self::spalled(site) * spall;
         }
         let recess = (undulation + form) * self.relief;
-        Wall { recess, cavity: form, state: spall, footprint: spall * 0.0 }
+        Wall { recess, cavity: form, state: spall, footprint: T::zero(site.simd()) }
     }
 
     #[inline(always)]
     fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
         let (p, n, spall) = (site.point, site.source, wall.state);
-        let mut detail = Detail { recess: spall * 0.0, crack: spall * 0.0 };
+        let mut detail = Detail::none(site.simd());
         if spall.value().simd_lt(1.0).any_true() {
             let patch = n.noise(40, p.scaled(1.0 / 1.7));
             let drip = (patch + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
@@ -161,38 +142,17 @@ impl Rock for Basalt {
         detail
     }
 
-    #[inline(always)]
-    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let ash = Sediment::of(site, 2.6);
-        let edges = [ash.ragged, ash.drift];
-        let slabs = SLABS.stones(
-            site,
-            ash.at,
-            edges,
-            #[inline(always)]
-            |c| self.density(site, c) * 0.75 + 0.04,
-        );
-        let blocks = BLOCKS.stones(
-            site,
-            ash.at.shifted(3.3, 1.7, 0.0),
-            edges,
-            #[inline(always)]
-            |c| self.density(site, c) + 0.04,
-        );
-        let stones = higher(slabs, blocks);
-        let roll = ash.roll * (0.09 * site.ground.natural);
-        Floor { height: stones.height * stone_height(site) + roll - 0.02, ..stones }
-    }
-
-    #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
-        strewn(
-            site,
-            floor,
-            footprint,
-            #[inline(always)]
-            |c| self.density(site, c) * 0.8 + 0.30,
-        )
+    fn debris(&self) -> Debris {
+        Debris {
+            swell_m: 2.6,
+            sunk_m: 0.02,
+            stones: [SLABS, BLOCKS],
+            amount: self.rubble,
+            more: 0.04,
+            bank: 0.75,
+            patches: 0.45,
+            patches_per_m: 0.28,
+        }
     }
 
     #[inline(always)]
@@ -207,9 +167,9 @@ impl Rock for Basalt {
         let dry = glazed * -0.30 + tone.fine * 0.08 + 0.86;
         Paint {
             color: color.lit(film * -0.45 + 1.0),
-            roughness: mix(dry, film * 0.0 + 0.22, film),
+            roughness: mix(dry, Value::splat(site.simd(), 0.22), film),
             film,
-            pool: film * 0.0,
+            pool: Value::zero(site.simd()),
         }
     }
 }

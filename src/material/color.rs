@@ -1,10 +1,11 @@
 //! Mixing colours in lanes: linear RGB.
 
 use super::Look;
-use super::rock::Form;
+use super::rock::{Form, Paint};
 use super::site::{Footprint, Site};
-use crate::noise::{Real, Value, Vec3, mix, vec3};
+use crate::noise::{Real, Value, Vec3, inlined, mix, vec3};
 use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 /// A colour per lane.
 pub type Color<S> = Vec3<Value<S>>;
@@ -25,14 +26,47 @@ impl<S: Simd> Color<S> {
     /// Covered by one colour, 0 not to 1 fully.
     #[inline(always)]
     pub fn tinted(self, tint: [f32; 3], share: Value<S>) -> Self {
-        let zero = share * 0.0;
-        self.under(ramp(zero, tint, tint), share)
+        let simd = share.0.token();
+        let channel = inlined!(|i: usize| Value::splat(simd, tint[i]));
+        self.under(vec3(channel(0), channel(1), channel(2)), share)
     }
 
     /// Brighter or darker.
     #[inline(always)]
     pub fn lit(self, by: Value<S>) -> Self {
         vec3(self.x * by, self.y * by, self.z * by)
+    }
+}
+
+/// Colours of a rock without stains: the darkest and the lightest of each.
+#[derive(Clone, Copy, Debug)]
+pub struct Shades {
+    /// Of the wall.
+    pub wall: [[f32; 3]; 2],
+    /// Of the floor.
+    pub floor: [[f32; 3]; 2],
+}
+
+impl Shades {
+    /// Grey rock, brown mud. Tuned by eye.
+    pub const GREY: Self =
+        Self { wall: [[0.10, 0.10, 0.10], [0.28, 0.27, 0.26]], floor: [[0.08, 0.07, 0.06], [0.18, 0.15, 0.12]] };
+
+    /// Lighter and darker in patches, darker in cracks and hollows and where it is wet.
+    #[inline(always)]
+    pub fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
+        let simd = site.simd();
+        let tone = Tone::of(form, site, footprint);
+        let light = (tone.broad + tone.fine * 0.5).step(-0.7, 0.8);
+        let wall = ramp(light, self.wall[0], self.wall[1]).lit(form.crack * -0.6 + 1.0);
+        let color = wall.under(ramp(light, self.floor[0], self.floor[1]), form.floor).lit(tone.shade(form));
+        let film = tone.film(form, look, Value::zero(simd));
+        Paint {
+            color: color.lit(film * -0.45 + 1.0),
+            roughness: mix(tone.fine * 0.08 + 0.86, Value::splat(simd, 0.22), film),
+            film,
+            pool: Value::zero(simd),
+        }
     }
 }
 

@@ -3,13 +3,13 @@
 //! First state: bedded rock, stepped along one dip through the whole cave, with solution pockets, joints and scallops
 //! (Curl 1974). Second state: flowstone, draped by gravity. The floor is mud with puddles and embedded cobbles.
 
-use super::basalt::{bank, stone_height};
 use super::color::{Color, Tone, ramp};
-use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
-use super::rubble::{Rubble, Sediment, higher, strewn};
+use super::floor::Debris;
+use super::rock::{Detail, Form, Paint, Rock, Wall, level_lot};
+use super::rubble::Rubble;
 use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Lanes, Real, Value, cells_3d, inlined, mix, vec3};
+use crate::noise::{Real, Value, cells_3d, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -107,13 +107,6 @@ impl Limestone {
         let at = vec3(across * (1.0 / 2.6) + bend, along * (1.0 / 11.0), p.z * 0.125);
         n.noise(17, at)
     }
-
-    #[inline(always)]
-    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
-        let [x, y] = [Value::<S>(centre[0] * 0.3), Value(centre[1] * 0.3)];
-        let lane = site.source.noise(30, vec3(x, y, y * 0.0));
-        bank(site) * 0.7 + T::constant(lane.0 * 0.40) + (self.rubble - 0.3 * (1.0 - site.ground.natural))
-    }
 }
 
 const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.8, flank: 5.0, rounding: 0.3 };
@@ -152,7 +145,7 @@ impl Rock for Limestone {
     #[inline(always)]
     fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
         let (p, n, flow) = (site.point, site.source, wall.state);
-        let mut detail = Detail { recess: flow * 0.0, crack: flow * 0.0 };
+        let mut detail = Detail::none(site.simd());
         if flow.value().simd_lt(1.0).any_true() {
             let bed = self.bed(site);
             let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
@@ -178,38 +171,17 @@ impl Rock for Limestone {
         detail
     }
 
-    #[inline(always)]
-    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let mud = Sediment::of(site, 3.2);
-        let edges = [mud.ragged, mud.drift];
-        let blocks = BLOCKS.stones(
-            site,
-            mud.at,
-            edges,
-            #[inline(always)]
-            |c| self.density(site, c) * 0.75 + 0.06,
-        );
-        let cobbles = COBBLES.stones(
-            site,
-            mud.at.shifted(3.3, 1.7, 0.0),
-            edges,
-            #[inline(always)]
-            |c| self.density(site, c) + 0.06,
-        );
-        let stones = higher(blocks, cobbles);
-        let roll = mud.roll * (0.09 * site.ground.natural);
-        Floor { height: stones.height * stone_height(site) + roll, ..stones }
-    }
-
-    #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
-        strewn(
-            site,
-            floor,
-            footprint,
-            #[inline(always)]
-            |c| self.density(site, c) * 0.8 + 0.30,
-        )
+    fn debris(&self) -> Debris {
+        Debris {
+            swell_m: 3.2,
+            sunk_m: 0.0,
+            stones: [BLOCKS, COBBLES],
+            amount: self.rubble,
+            more: 0.06,
+            bank: 0.7,
+            patches: 0.40,
+            patches_per_m: 0.3,
+        }
     }
 
     #[inline(always)]
@@ -250,7 +222,7 @@ impl Limestone {
         let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
         let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
         let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
-        rock.under(rock.lit(form.footprint * 0.0 + 0.66), marl)
+        rock.under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
             .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
@@ -265,6 +237,6 @@ impl Limestone {
         let mud =
             ramp((tone.fine * 0.8 + tone.broad * 0.4).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
         let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
-        mud.under(stone.under(mud, form.stone * 0.0 + 0.45), form.stone)
+        mud.under(stone.under(mud, Value::splat(form.stone.0.token(), 0.45)), form.stone)
     }
 }

@@ -1,6 +1,7 @@
 //! How relief, floor and detail of a rock become one field, the same way for every rock.
 
-use super::color::Color;
+use super::color::{Color, Shades};
+use super::floor::Debris;
 use super::site::{BLOCK, Footprint, Site, Sites, SurfaceSamples};
 use super::{DomainWarp, Look, Material};
 use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, mix, soft_max, soft_min};
@@ -38,6 +39,17 @@ pub struct Detail<T> {
     pub recess: T,
     /// 1 in a crack, 0 beside it.
     pub crack: T,
+}
+
+impl<T> Detail<T> {
+    /// Nothing finer.
+    #[inline(always)]
+    pub fn none<S: Simd>(simd: S) -> Self
+    where
+        T: Real<S>,
+    {
+        Self { recess: T::zero(simd), crack: T::zero(simd) }
+    }
 }
 
 /// The shape of the floor.
@@ -95,14 +107,40 @@ pub trait Rock: std::fmt::Debug + Send + Sync {
     fn domain_warp(&self) -> DomainWarp;
     /// The wall, with no wavelength below 0.4 m.
     fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
+
     /// What is finer on the wall.
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T>;
+    #[inline(always)]
+    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, _wall: &Wall<T>, _footprint: Footprint) -> Detail<T> {
+        Detail::none(site.simd())
+    }
+
+    /// What lies on the floor.
+    fn debris(&self) -> Debris {
+        Debris::PLAIN
+    }
+
     /// The floor, with no wavelength below 0.4 m.
-    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T>;
+    #[inline(always)]
+    fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
+        self.debris().floor(site)
+    }
+
     /// The floor with all that is finer.
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T>;
+    #[inline(always)]
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
+        self.debris().detail(site, floor, footprint)
+    }
+
+    /// Between which colours wall and floor vary.
+    fn shades(&self) -> Shades {
+        Shades::GREY
+    }
+
     /// The colour.
-    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S>;
+    #[inline(always)]
+    fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
+        self.shades().paint(form, site, look, footprint)
+    }
 }
 
 /// How much of its relief a rock shows: all in passages 3.5 m wide and more, less in narrow ones.
@@ -129,14 +167,6 @@ fn floor_field<S: Simd, T: Real<S>>(site: &Site<T>, floor: &Floor<T>) -> T {
 impl<T> Site<T> {
     /// The deepest ditch in a floor, metres.
     pub const DITCH_M: f32 = 0.15;
-
-    #[inline(always)]
-    fn simd<S: Simd>(&self) -> S
-    where
-        T: Real<S>,
-    {
-        self.wall.value().token()
-    }
 
     /// Upper bound of [`wall_field`].
     #[inline(always)]
@@ -233,10 +263,10 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
 /// The whole surface at the sites in one vector: its shape, the same with detail, and what decides its colour.
 #[inline(always)]
 fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint) -> (Jet<S>, Jet<S>, Form<S>) {
-    let zero = Jet::splat(site.simd(), 0.0);
+    let zero = Jet::zero(site.simd());
     let carved = carve(rock, site);
     let none = Wall { recess: zero, cavity: zero, state: zero, footprint: zero };
-    let mut fine_wall = (none, Detail { recess: zero, crack: zero }, zero);
+    let mut fine_wall = (none, Detail::none(site.simd()), zero);
     if let Some((wall, field)) = carved.wall {
         let detail = rock.wall_detail(site, &wall, footprint);
         fine_wall = (wall, detail, field - detail.recess);
@@ -251,7 +281,7 @@ fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint
     let (field, share) = match (carved.wall.is_some(), carved.floor.is_some()) {
         (true, true) => (soft_max(at_wall, over_floor, FILLET_M), (over_floor - at_wall).step(-0.06, 0.06)),
         (true, false) => (at_wall, zero),
-        (false, _) => (over_floor, zero + 1.0),
+        (false, _) => (over_floor, Jet::splat(site.simd(), 1.0)),
     };
     let value = inlined!(|number: Jet<S>| Value(number.value));
     let hollow_wall = value(wall.cavity * 2.0 + detail.recess * 9.0);

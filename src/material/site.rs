@@ -128,6 +128,17 @@ pub struct Site<T> {
     pub source: Source,
 }
 
+impl<T> Site<T> {
+    /// The vectors that the site is in.
+    #[inline(always)]
+    pub fn simd<S: Simd>(&self) -> S
+    where
+        T: Real<S>,
+    {
+        self.wall.value().token()
+    }
+}
+
 /// A number that can wait in a [`Channel`].
 pub trait Stored<S: Simd>: Real<S> {
     /// The coordinates from `at` on, as variables of space.

@@ -41,6 +41,12 @@ pub trait Real<S: Simd>:
         Self::constant(Lanes::<S>::splat(simd, value))
     }
 
+    /// Zero in all lanes.
+    #[inline(always)]
+    fn zero(simd: S) -> Self {
+        Self::splat(simd, 0.0)
+    }
+
     /// The square.
     #[inline(always)]
     fn squared(self) -> Self {

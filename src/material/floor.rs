@@ -1,0 +1,181 @@
+//! The floor of a rock: sediment, with stones of two sizes and gravel in it.
+
+use super::rock::Floor;
+use super::rubble::{Rubble, higher};
+use super::site::{Footprint, Ground, Site};
+use crate::noise::{Lanes, Real, Value, Vec3, vec3};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+
+/// What lies on the floor of a rock. The share of the ground that stones cover is a sum: an amount, more of it at the
+/// foot of the wall, and patches.
+#[derive(Clone, Copy, Debug)]
+pub struct Debris {
+    /// Distance between the swells of the sediment, metres.
+    pub swell_m: f32,
+    /// How far the sediment lies below the plane of the floor, metres.
+    pub sunk_m: f32,
+    /// The large stones and the small ones.
+    pub stones: [Rubble; 2],
+    /// How densely the floor is strewn: −0.5 clear, 0.5 covered.
+    pub amount: f32,
+    /// The same for the stones that the mesh holds, on top of that.
+    pub more: f32,
+    /// How much denser the stones are at the foot of the wall.
+    pub bank: f32,
+    /// How much denser they are in a patch.
+    pub patches: f32,
+    /// One over the size of a patch.
+    pub patches_per_m: f32,
+}
+
+impl Debris {
+    /// Mud with a few blocks and cobbles. Tuned by eye.
+    pub const PLAIN: Self = Self {
+        swell_m: 3.0,
+        sunk_m: 0.0,
+        stones: [
+            Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.3 },
+            Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.3 },
+        ],
+        amount: 0.0,
+        more: 0.05,
+        bank: 0.7,
+        patches: 0.4,
+        patches_per_m: 0.3,
+    };
+
+    /// The shape of the floor, with no wavelength below 0.4 m.
+    #[inline(always)]
+    pub fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
+        let sediment = Sediment::of(site, self.swell_m);
+        let edges = [sediment.ragged, sediment.drift];
+        let [large, small] = self.stones;
+        let large = large.stones(
+            site,
+            sediment.at,
+            edges,
+            #[inline(always)]
+            |c| self.density(site, c) * 0.75 + self.more,
+        );
+        let small = small.stones(
+            site,
+            sediment.at.shifted(3.3, 1.7, 0.0),
+            edges,
+            #[inline(always)]
+            |c| self.density(site, c) + self.more,
+        );
+        let stones = higher(large, small);
+        let roll = sediment.roll * (0.09 * site.ground.natural);
+        Floor { height: stones.height * stone_height(site) + roll - self.sunk_m, ..stones }
+    }
+
+    /// The floor with gravel and grain.
+    #[inline(always)]
+    pub fn detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
+        strewn(
+            site,
+            floor,
+            footprint,
+            #[inline(always)]
+            |c| self.density(site, c) * 0.8 + 0.30,
+        )
+    }
+
+    #[inline(always)]
+    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
+        let [x, y] = [Value::<S>(centre[0] * self.patches_per_m), Value(centre[1] * self.patches_per_m)];
+        let lane = site.source.noise(30, vec3(x, y, Value::zero(site.simd())));
+        let amount = self.amount - 0.3 * (1.0 - site.ground.natural);
+        bank(site) * self.bank + T::constant(lane.0 * self.patches) + amount
+    }
+}
+
+/// 1 at the foot of the wall, 0 in the driving lane.
+#[inline(always)]
+fn bank<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+    (site.wall / site.half_width).step(-0.62, -0.08)
+}
+
+/// Height of stones here, metres.
+#[inline(always)]
+fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+    let share = (site.half_width * 0.6 - 0.1).within(0.2, 1.0);
+    (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
+}
+
+/// The ground that stones lie in, and where they lie.
+#[derive(Clone, Copy, Debug)]
+struct Sediment<T> {
+    /// See [`bent`].
+    at: Vec3<T>,
+    /// Breaks the edges of stones, about ±1.
+    ragged: T,
+    /// How high it lies against the stones.
+    drift: T,
+    /// Its height over the plane of the floor, about ±1.
+    roll: T,
+}
+
+impl<T> Sediment<T> {
+    /// The sediment at a site, rolling over `length_m`.
+    #[inline(always)]
+    fn of<S: Simd>(site: &Site<T>, length_m: f32) -> Self
+    where
+        T: Real<S>,
+    {
+        let (p, n) = (site.point, site.source);
+        let flat = vec3(p.x, p.y, T::zero(site.simd()));
+        let roll = n.fbm(36, flat.scaled(1.0 / length_m), 2, 0.54);
+        Self {
+            at: bent(site),
+            ragged: n.noise(38, flat.scaled(4.2)),
+            drift: roll.within(-1.0, 1.0) * 0.30 + 0.05,
+            roll,
+        }
+    }
+}
+
+/// The point, moved so that no edge of a stone is straight.
+#[inline(always)]
+fn bent<S: Simd, T: Real<S>>(site: &Site<T>) -> Vec3<T> {
+    site.source.warp(35, site.point, 0.8, 0.14)
+}
+
+/// Gravel of two sizes over a floor with its larger stones: fine grain, ripples where it is bare.
+#[inline(always)]
+fn strewn<S: Simd, T: Real<S>>(
+    site: &Site<T>,
+    floor: &Floor<T>,
+    footprint: Footprint,
+    density: impl Fn([Lanes<S>; 2]) -> T,
+) -> Floor<T> {
+    let (p, n) = (site.point, site.source);
+    let zero = T::zero(site.simd());
+    let at = bent(site);
+    let mut gravel = Floor { height: zero, stone: zero, tint: zero };
+    for rubble in GRAVEL {
+        // A stone of fewer than eight texels is a speck.
+        let share = footprint.keep(rubble.cell_m * 0.25);
+        if share > 0.0 {
+            let stones = rubble.stones(site, at, [zero, zero + 0.1], &density);
+            let height = stones.height * (share * 0.22 * rubble.cell_m);
+            gravel = higher(gravel, Floor { height, stone: stones.stone * share, ..stones });
+        }
+    }
+    let grain = n.fbm(37, p.scaled(5.5), footprint.octaves(0.18, 3), 0.55);
+    let ripple = n.noise(39, vec3(p.x * 2.2 + p.y * 1.4, p.y * 6.0 - p.x * 3.8, zero));
+    let bare = -floor.stone + 1.0;
+    let on_stone = floor.stone.value().simd_gt(0.3);
+    Floor {
+        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (floor.stone * 0.008 + 0.017),
+        stone: floor.stone.max(gravel.stone * 0.7),
+        tint: T::pick(on_stone, floor.tint, gravel.tint),
+    }
+}
+
+/// Pebbles: rounded, of two sizes.
+const GRAVEL: [Rubble; 2] = [
+    Rubble { layer: 33, cell_m: 0.21, rise: [0.3, 0.7], tilt: 0.8, flank: 4.0, rounding: 0.6 },
+    Rubble { layer: 34, cell_m: 0.09, rise: [0.3, 0.7], tilt: 0.8, flank: 4.0, rounding: 0.6 },
+];
