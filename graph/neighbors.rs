@@ -37,6 +37,11 @@ impl Neighbors {
         self.starts.len() - 1
     }
 
+    /// Whether there are no nodes.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The neighbours of each node, in the order of the nodes.
     pub fn iter(&self) -> impl Iterator<Item = &[usize]> {
         self.starts.windows(2).map(|ends| &self.others[ends[0]..ends[1]])

@@ -141,7 +141,7 @@ fn a_map_is_drawn_as_it_was() {
 #[test]
 fn a_theme_changes_a_map() {
     let stop = AtomicBool::new(false);
-    let graph = world::small(&GENERATORS.default_row(), NODES, 0);
+    let graph = world::small(GENERATORS.default_row(), NODES, 0);
     let light = order(Format::Svg, &stop);
     let dark = Order { theme: Theme::Dark, ..order(Format::Svg, &stop) };
     assert_ne!(draw(&graph, 0, "plan", &light), draw(&graph, 0, "plan", &dark));
@@ -150,7 +150,7 @@ fn a_theme_changes_a_map() {
 #[test]
 fn a_large_graph_makes_no_larger_map() {
     let stop = AtomicBool::new(false);
-    let mut graph = world::small(&GENERATORS.default_row(), NODES, 0);
+    let mut graph = world::small(GENERATORS.default_row(), NODES, 0);
     let (template, side) = (graph.nodes[0].clone(), 300);
     graph.nodes = (0..side * side)
         .map(|i| {
@@ -173,7 +173,7 @@ fn a_large_graph_makes_no_larger_map() {
 #[test]
 fn a_flight_takes_the_time_that_was_asked_for() {
     let stop = AtomicBool::new(false);
-    let graph = world::small(&GENERATORS.default_row(), NODES, 0);
+    let graph = world::small(GENERATORS.default_row(), NODES, 0);
     let size = Some(Size::new(16, 16).unwrap());
     let order = Order { size, pace: Pace::new(30, 1.0).unwrap(), ..order(Format::Gif, &stop) };
     let Drawn::File(bytes) = draw(&graph, 0, "flight", &order).unwrap() else {
@@ -190,7 +190,7 @@ fn a_flight_takes_the_time_that_was_asked_for() {
 #[test]
 fn what_cannot_be_seen_is_told() {
     let stop = AtomicBool::new(false);
-    let graph = world::small(&GENERATORS.default_row(), NODES, 0);
+    let graph = world::small(GENERATORS.default_row(), NODES, 0);
     let png = order(Format::Png, &stop);
     assert_eq!(draw(&Graph::default(), 0, "plan", &png), Err(PreviewError::NoPassages));
     let above = Order { at: Some([0.0, 0.0, 500.0]), ..order(Format::Png, &stop) };

@@ -233,7 +233,7 @@ impl Cave {
 
     fn __repr__(&self) -> String {
         let state = if self.closed.load(Ordering::Relaxed) { ", closed" } else { "" };
-        let (name, chunks) = (&self.cave.recipe().name, self.cave.chunk_names().count());
+        let (name, chunks) = (self.cave.recipe().name(), self.cave.chunk_names().count());
         format!("<plume.Cave {name:?}: {} stations, {chunks} chunks{state}>", self.cave.graph().nodes.len())
     }
 }

@@ -122,7 +122,7 @@ impl Chunks {
         let index = index as usize;
         let chunk = work::briefly(py, || {
             let loaded = cave.chunks(&AtomicBool::new(false)).load(index);
-            let scene = || cave.recipe().name.clone();
+            let scene = || cave.recipe().name().to_owned();
             Ok(loaded.map_err(|source| ExportError::Load { scene: scene(), index, source })?)
         })?;
         self.arrays(py, chunk)

@@ -149,13 +149,13 @@ impl Recipe {
     /// Name of the cave, and of what is made of it.
     #[getter]
     fn name(&self) -> &str {
-        &self.resolved.name
+        self.resolved.name()
     }
 
     /// The seed that everything random follows from.
     #[getter]
     fn seed(&self) -> u64 {
-        self.resolved.seed
+        self.resolved.seed()
     }
 
     /// Every key with its value, as a new dict of dicts; None is what has no value.
@@ -204,7 +204,7 @@ impl Recipe {
     fn __repr__(&self) -> String {
         let json = self.resolved.to_json();
         let (graph, rock) = (&json["graph"]["generator"], &json["rock"]["kind"]);
-        format!("<plume.Recipe {:?}: seed {}, graph {graph}, rock {rock}>", self.resolved.name, self.resolved.seed)
+        format!("<plume.Recipe {:?}: seed {}, graph {graph}, rock {rock}>", self.resolved.name(), self.resolved.seed())
     }
 }
 
