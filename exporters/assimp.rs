@@ -32,6 +32,12 @@ pub const ROW: TargetRow = TargetRow {
     name: "assimp",
     summary: "any format that the installed libassimp writes, such as assimp:collada or assimp:x3d",
     opened_by: "what reads the format",
+    contents: "any format that an installed libassimp writes: `assimp:collada`, `assimp:x3d`, …",
+    tested_by: "trimesh and pycollada (Collada, OBJ)",
+    checks: &["assimp"],
+    images: &ImageFormat::COMMON,
+    is_single_file: false,
+    has_pieces: false,
     bundles: &[],
     settings: || schemars::schema_for!(AssimpSettings),
     build: Build::WithFormat(|format, table| {
@@ -93,7 +99,7 @@ impl Assimp {
         for index in chunks {
             let chunk = scene.chunk(index)?;
             // Its reader of GLB does not know EXT_texture_webp, and would leave the images out.
-            chunk.material.refuse_unless("assimp", &ImageFormat::COMMON)?;
+            chunk.material.refuse_unless(ROW.name, ROW.images)?;
             for (image_path, image) in image_files(&chunk) {
                 out.copy(image_path_in(folder, &image_path).as_str(), &image.path)?;
             }

@@ -36,6 +36,13 @@ pub const ROW: TargetRow = TargetRow {
     name: "fbx",
     summary: "binary FBX 7.4 with textures beside it, levels of detail, start poses and lights",
     opened_by: "Blender, Maya, 3ds Max, Houdini, three.js, most mesh tools",
+    contents: "binary FBX 7.4, metres: levels of detail in LOD groups, tangents, collision meshes by name, start poses, \
+        lights",
+    tested_by: "ufbx without a warning; Blender 4.2; assimp; three.js in Chromium",
+    checks: &["three-fbx", "blender", "libassimp"],
+    images: &ImageFormat::COMMON,
+    is_single_file: false,
+    has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(FbxSettings),
     build: Build::Plain(|table| Ok(Box::new(Fbx(settings("fbx", table)?)))),
@@ -131,7 +138,7 @@ impl Loaded {
     fn new(target: &Fbx, scene: &Scene, index: usize) -> Result<Self, ExportError> {
         let pieces = if target.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
         let chunk = scene.chunk(index)?;
-        chunk.material.refuse_unless("fbx", &ImageFormat::COMMON)?;
+        chunk.material.refuse_unless(ROW.name, ROW.images)?;
         Ok(Self { chunk, pieces })
     }
 }

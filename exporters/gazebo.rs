@@ -35,6 +35,13 @@ pub const ROW: TargetRow = TargetRow {
     name: "gazebo",
     summary: "SDF 1.9 world and model with PBR textures and triangle collisions",
     opened_by: "Gazebo Sim Harmonic and later",
+    contents: "model and world (SDF 1.9), an OBJ per chunk, PBR maps, collision meshes, lamps, start pose",
+    tested_by: "libsdformat with unknown elements as errors; Gazebo's own physics (ign-physics, dartsim) drops a ball; \
+        pybullet drops a ball onto the concave triangles",
+    checks: &["gazebo", "pybullet", "trimesh", "orient"],
+    images: &ImageFormat::COMMON,
+    is_single_file: false,
+    has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(GazeboSettings),
     build: Build::Plain(|table| Ok(Box::new(Gazebo(settings("gazebo", table)?)))),
@@ -76,7 +83,7 @@ impl Target for Gazebo {
         let (mut parts, mut triangles) = (Vec::new(), [0, 0]);
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
-            chunk.material.refuse_unless("gazebo", &ImageFormat::COMMON)?;
+            chunk.material.refuse_unless(ROW.name, ROW.images)?;
             let mut part = write_visual(&model, &chunk, out)?;
             part.collisions = match self.0.collision {
                 Collision::Triangles => vec![write_triangles(&model, scene, &chunk, out)?],

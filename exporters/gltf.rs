@@ -21,7 +21,7 @@ use crate::format::gltf::index::{self, Entry};
 use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer};
 use crate::frame::Axes;
 use crate::package::{Package, pretty};
-use crate::scene::{Chunk, Piece, Scene};
+use crate::scene::{Chunk, ImageFormat, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, settings};
 
 /// The row of this target.
@@ -29,6 +29,12 @@ pub const ROW: TargetRow = TargetRow {
     name: "gltf",
     summary: "glTF 2.0 in separate files, levels of detail by MSFT_lod, and scene.json with spawn poses",
     opened_by: "Blender, three.js, Babylon.js, Godot, any glTF viewer",
+    contents: "the same in separate files; `<name>_lods.gltf` next to it has the levels of detail",
+    tested_by: "as for `glb`",
+    checks: &["validator", "three", "trimesh", "blender", "libassimp", "orient"],
+    images: &ImageFormat::ALL,
+    is_single_file: false,
+    has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(GltfSettings),
     build: Build::Plain(|table| {

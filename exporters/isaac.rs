@@ -23,6 +23,15 @@ pub const ROW: TargetRow = TargetRow {
     name: "isaac",
     summary: "USD stage for Isaac Sim: payload per chunk, triangle colliders, friction, semantic labels, start poses",
     opened_by: "Isaac Sim 4.5 and later, Isaac Lab",
+    contents: "USD stage: a payload per chunk with levels of detail, UsdPreviewSurface, static triangle colliders, \
+        friction, lamps, semantic labels, start poses",
+    tested_by: "UsdValidation without a message, usd-validation-nvidia without a failure; usd-core 25.11 and 26.11 read \
+        the same arrays; Newton drops balls; rays, balls and friction in ovphysx, the PhysX of Isaac Sim, for \
+        those who [accept its licence](docs/decisions/0031-omniverse-licence.md)",
+    checks: &["usd", "usd-old", "newton", "physx", "blender", "orient"],
+    images: &stage::IMAGES,
+    is_single_file: false,
+    has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(IsaacSettings),
     build: Build::WithUsd(|table, library| Ok(Box::new(Isaac { settings: settings("isaac", table)?, library }))),

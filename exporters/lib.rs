@@ -47,7 +47,7 @@ use bundle::Bundle;
 pub use error::ExportError;
 use frame::Axes;
 use package::Package;
-use scene::Scene;
+use scene::{ImageFormat, Scene};
 
 /// Something that writes a scene the way one simulator wants it.
 pub trait Target: Send + Sync {
@@ -90,6 +90,18 @@ pub struct TargetRow {
     pub summary: &'static str,
     /// What opens the package.
     pub opened_by: &'static str,
+    /// What is written, in full: Markdown for the README.
+    pub contents: &'static str,
+    /// What opens the package in the tests, and with which result: Markdown for the README.
+    pub tested_by: &'static str,
+    /// Names of the interop checks that open the package.
+    pub checks: &'static [&'static str],
+    /// Encodings of images that it takes; none if it writes no images.
+    pub images: &'static [ImageFormat],
+    /// Whether no file of a package names another.
+    pub is_single_file: bool,
+    /// Whether robots touch convex pieces, always or with the setting `collision = "pieces"`.
+    pub has_pieces: bool,
     /// Kinds of files that a package can become beside those that every package can, [`Bundle::COMMON`].
     pub bundles: &'static [Bundle],
     /// JSON schema of the settings: meaning, unit, default and range of each.
@@ -124,6 +136,11 @@ impl TargetRow {
     /// Whether a package can become a file of this kind.
     pub fn has(&self, bundle: Bundle) -> bool {
         Bundle::COMMON.contains(&bundle) || self.bundles.contains(&bundle)
+    }
+
+    /// Every kind of file that a package can become.
+    pub fn all_bundles(&self) -> impl Iterator<Item = Bundle> {
+        Bundle::ALL.into_iter().filter(|bundle| self.has(*bundle))
     }
 
     /// Whether the host program must lend a USD library.

@@ -23,7 +23,7 @@ use crate::bundle::Bundle;
 use crate::error::ExportError;
 use crate::frame::{self, Axes, micro};
 use crate::package::Package;
-use crate::scene::{Light, Scene, Zone};
+use crate::scene::{ImageFormat, Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, settings, template};
 
 use self::chunk::Rock;
@@ -37,6 +37,14 @@ pub const ROW: TargetRow = TargetRow {
     name: "mujoco",
     summary: "MJCF with convex pieces for collision, PBR textures, start poses and a sample rover",
     opened_by: "MuJoCo 4 and later",
+    contents: "MJCF: convex pieces of the rock by zone, PBR layers, start sites and cameras, lamps, a rover to drive in \
+        it; to compile, include or attach; `--bundle mjz`",
+    tested_by: "MuJoCo 4 compiles every model without a warning; 1,000 balls come to rest inside; 10,000 rays end at the \
+        wall within the tolerance; the rover drives 20 m",
+    checks: &["compile", "balls", "rays", "orient"],
+    images: &[ImageFormat::Png],
+    is_single_file: false,
+    has_pieces: true,
     bundles: &[Bundle::Mjz],
     settings: || schemars::schema_for!(MujocoSettings),
     build: Build::Plain(|table| Ok(Box::new(Mujoco(settings("mujoco", table)?)))),

@@ -30,6 +30,12 @@ pub const ROW: TargetRow = TargetRow {
     name: "ply",
     summary: "binary PLY with colours and labels of floor, wall and ceiling at vertices and faces",
     opened_by: "MeshLab, CloudCompare, Open3D, Blender, trimesh",
+    contents: "binary PLY: normals, colours, labels for floor, wall and ceiling",
+    tested_by: "plyfile, trimesh, Blender 4.2, assimp",
+    checks: &["trimesh", "blender", "libassimp", "orient"],
+    images: &ImageFormat::COMMON,
+    is_single_file: true,
+    has_pieces: false,
     bundles: &[],
     settings: || schemars::schema_for!(PlySettings),
     build: Build::Plain(|table| Ok(Box::new(Ply(settings("ply", table)?)))),
@@ -107,7 +113,7 @@ impl Cloud<'_> {
 
 impl ChunkFiles for Cloud<'_> {
     fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
-        chunk.material.refuse_unless("ply", &ImageFormat::COMMON)?;
+        chunk.material.refuse_unless(ROW.name, ROW.images)?;
         let mesh = &chunk.visual;
         let before = self.counts[0];
         self.counts = [before + mesh.positions.len() as u64, self.counts[1] + mesh.triangles()];

@@ -354,6 +354,9 @@ pub enum ImageFormat {
 }
 
 impl ImageFormat {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Png, Self::Jpeg, Self::WebP];
+
     /// Those that nearly every program reads.
     pub const COMMON: [Self; 2] = [Self::Png, Self::Jpeg];
 

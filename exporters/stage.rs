@@ -152,7 +152,7 @@ pub fn root_name(scene: &Scene) -> String {
 }
 
 /// Images that the specification of UsdPreviewSurface demands of every reader, as far as a scene has them.
-const IMAGES: [ImageFormat; 2] = [ImageFormat::Png, ImageFormat::Jpeg];
+pub(crate) const IMAGES: [ImageFormat; 2] = [ImageFormat::Png, ImageFormat::Jpeg];
 
 /// Writes the layers and images of a stage into `out` for `target`; the summary says `open` of it.
 ///

@@ -39,6 +39,14 @@ pub const ROW: TargetRow = TargetRow {
     name: "unreal",
     summary: "FBX with levels of detail and collision, textures, and a script that imports them",
     opened_by: "Unreal Engine 5.3 and later",
+    contents: "an FBX per chunk with levels of detail and collision, normal maps in the DirectX convention, and a Python \
+        script that builds materials, Nanite, collision and a level (5.3 and later)",
+    tested_by: "no Unreal runs here: the script runs against a strict stand-in for the module `unreal`, which lists every \
+        call; ufbx",
+    checks: &["blender", "libassimp"],
+    images: &ImageFormat::COMMON,
+    is_single_file: false,
+    has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(UnrealSettings),
     build: Build::Plain(|table| Ok(Box::new(Unreal(settings("unreal", table)?)))),
@@ -100,7 +108,7 @@ impl Target for Unreal {
 impl Unreal {
     fn write_chunk(&self, scene: &Scene, index: usize, out: &mut dyn Package) -> Result<Entry, ExportError> {
         let chunk = scene.chunk(index)?;
-        chunk.material.refuse_unless("unreal", &ImageFormat::COMMON)?;
+        chunk.material.refuse_unless(ROW.name, ROW.images)?;
         let textures = write_textures(&chunk, out)?;
         let mut entry = Entry::new(&chunk, textures);
         let levels = self.levels(&chunk);

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use plume_exporters::package::Existing;
 use plume_exporters::place::Place;
-use plume_exporters::scene::Scene;
+use plume_exporters::scene::{ImageFormat, Scene};
 use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow, target};
 use serde_json::{Value, json};
@@ -67,8 +67,8 @@ fn write_chambers(folder: &Path) -> Result<()> {
     }
     // `FOLDER/<target>_webp`, where WebP is written.
     let webp = sample::Chamber::in_webp(textures.path())?;
-    for name in ["glb", "gltf"] {
-        write(&folder.join(format!("{name}_webp")), target(name)?.row, json!({}), &webp.scene(), &None)?;
+    for row in TARGETS.iter().filter(|row| row.images.contains(&ImageFormat::WebP) && !row.needs_usd()) {
+        write(&folder.join(format!("{}_webp", row.name)), row, json!({}), &webp.scene(), &None)?;
     }
     Ok(())
 }

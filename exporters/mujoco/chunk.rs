@@ -12,7 +12,7 @@ use crate::error::ExportError;
 use crate::format::msh;
 use crate::frame::micro;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, Image, ImageFormat, Mesh, Piece, Scene};
+use crate::scene::{ByZone, Chunk, Image, Mesh, Piece, Scene};
 use crate::slope;
 
 use super::field::Field;
@@ -110,7 +110,7 @@ fn part(mesh: &Mesh, faces: &[u32]) -> Mesh {
 /// [`ExportError::UnfitImage`] for images that are not PNG; those of the package.
 pub fn write_files(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
     let name = &chunk.name;
-    chunk.material.refuse_unless("mujoco", &[ImageFormat::Png])?;
+    chunk.material.refuse_unless(super::ROW.name, super::ROW.images)?;
     for (role, image) in images(chunk) {
         out.copy(&format!("assets/{name}_{role}.png"), &image.path)?;
     }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "../../campaign/packages.rs"]
+mod campaign;
 #[path = "sample/changed.rs"]
 mod changed;
 #[path = "sample/ledger.rs"]
@@ -16,8 +18,9 @@ use std::fs;
 use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use plume_exporters::bundle::Bundle;
 use plume_exporters::package::{Existing, Files, Folder, Memory, Package};
-use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
+use plume_exporters::scene::{Chunk, Chunks, ImageFormat, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, Target, TargetRow, target};
 use serde_json::json;
 
@@ -40,6 +43,33 @@ fn every_target_file_has_its_row() {
     let mut rows: Vec<&str> = TARGETS.iter().map(|row| row.name).collect();
     rows.sort_unstable();
     assert_eq!(files, rows);
+}
+
+#[test]
+fn every_row_says_what_opens_the_package() {
+    for row in TARGETS {
+        for text in [row.summary, row.opened_by, row.contents, row.tested_by] {
+            assert!(
+                !text.is_empty() && !text.contains(['|', '\n']),
+                "{}: {text:?} does not fit into a table",
+                row.name
+            );
+        }
+        assert!(!row.checks.is_empty(), "{}: `checks` names the interop checks that open the package", row.name);
+    }
+}
+
+/// The campaign of attacks is built without the crates that it attacks.
+#[test]
+fn the_campaign_knows_every_target_that_needs_no_python() {
+    let names: Vec<&str> = complete().filter(|row| !row.needs_usd()).map(|row| row.name).collect();
+    assert_eq!(campaign::TARGETS[..], names, "`campaign/packages.rs` lists these targets");
+    let kinds = campaign::BUNDLES.map(|(kind, name)| {
+        let row = target(name).unwrap().row;
+        assert!(row.all_bundles().any(|bundle| bundle.name() == kind), "`{name}` has no bundle `{kind}`");
+        kind
+    });
+    assert_eq!(kinds, Bundle::ALL.map(Bundle::name), "`campaign/packages.rs` lists these kinds of files");
 }
 
 #[test]
@@ -68,7 +98,7 @@ fn nothing_in_a_text_is_absolute() {
 fn settings_are_documented_and_unknown_ones_refused() {
     for row in TARGETS {
         let schema = serde_json::to_value((row.settings)()).unwrap();
-        for (name, property) in schema["properties"].as_object().unwrap() {
+        for (name, property) in schema["properties"].as_object().into_iter().flatten() {
             assert!(property["description"].is_string(), "{}.{name}", row.name);
         }
         let error = row.build(json!({ "colour": 1 }), ledger().as_ref()).err().unwrap();
@@ -86,16 +116,19 @@ fn a_failed_export_leaves_nothing_behind() {
     }
     let unreadable = Changed { inner: &chamber, change: second(|_| Err(io::Error::other("chunks/1.bin: ends early"))) };
     for row in complete() {
-        // STL has no images that could be missing.
-        let (chunks, names): (&dyn Chunks, &[&str]) = match row.name {
-            "stl" => (&unreadable, &["1.bin"]),
+        let (chunks, names): (&dyn Chunks, &[&str]) = match row.images {
+            [] => (&unreadable, &["1.bin"]),
             _ => (&chamber, &missing),
         };
         let out = folder.path().join(row.name);
         let mut package = Folder::create(&out, Existing::Keep).unwrap();
         let target = row.build(json!({}), ledger().as_ref()).unwrap();
         let error = target.export(&Scene { chunks, ..chamber.scene() }, &mut package).unwrap_err();
-        assert!(names.iter().any(|name| error.to_string().contains(name)), "{error}");
+        assert!(
+            names.iter().any(|name| error.to_string().contains(name)),
+            "{}: {error}; a target without images says `images: &[]` in its row",
+            row.name
+        );
         assert!(!error.is_usage());
         drop(package);
         assert!(!out.exists() && !out.with_extension("partial").exists());
@@ -104,13 +137,15 @@ fn a_failed_export_leaves_nothing_behind() {
 
 #[test]
 fn without_a_usd_library_the_missing_part_is_told() {
-    let texts: Vec<String> =
-        complete().filter_map(|row| row.build(json!({}), None).err()).map(|error| told(&error)).collect();
-    insta::assert_snapshot!(texts.join("\n"), @r"
-    system: target `isaac` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
-    system: target `usd` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
-    system: target `usdz` is written by the Python package usd-core, which this program has not (hint: use the `plume` command of the Python package plume-caves)
-    ");
+    for row in complete() {
+        let missing = format!(
+            "system: target `{}` is written by the Python package usd-core, which this program has not (hint: use the \
+             `plume` command of the Python package plume-caves)",
+            row.name
+        );
+        let text = row.build(json!({}), None).err().map(|error| told(&error));
+        assert_eq!(text, row.needs_usd().then_some(missing), "{}", row.name);
+    }
 }
 
 /// Counts how often chunks are loaded.
@@ -177,13 +212,16 @@ fn the_pieces_of_the_scene_are_all_that_robots_touch() {
         assert_eq!(summary.collision_triangles, triangles, "{name}");
         let mut found = touched(&package);
         found.sort_unstable();
-        assert!(found == corners, "{name}");
+        assert!(
+            found == corners,
+            "{name}: {} pieces were read back instead of {}; `tests/sample/touched.rs` must know the files that hold them",
+            found.len(),
+            corners.len()
+        );
         names.push(name);
     }
-    assert_eq!(
-        names,
-        ["gazebo", "isaac", "mujoco", "unity", "unreal", "urdf", "usd", "usdz", "glb", "gltf", "fbx", "obj"]
-    );
+    let stated: Vec<&str> = complete().filter(|row| row.has_pieces).map(|row| row.name).collect();
+    assert_eq!(names, stated, "`has_pieces` in the rows says which targets write convex pieces");
 }
 
 #[test]
@@ -235,29 +273,16 @@ impl io::Write for FullFile<'_> {
 fn a_full_disk_is_told_with_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let texts: Vec<String> = complete()
-        .map(|row| {
-            let mut disk = FullDisk { left: 40, files: Files::default() };
-            let target = row.build(json!({}), ledger().as_ref()).unwrap();
-            told(&target.export(&chamber.scene(), &mut disk).unwrap_err())
-        })
-        .collect();
-    insta::assert_snapshot!(texts.join("\n"), @r"
-    system: models/chamber/materials/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: assets/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: Runtime/Textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chamber/meshes/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chunks/textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chamber.usdz: no storage space (hint: free some space, or make smaller textures)
-    system: chamber.glb: no storage space (hint: free some space, or make smaller textures)
-    system: buffers/chunk_0_0_0.bin: no storage space (hint: free some space, or make smaller textures)
-    system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: textures/chunk_0_0_0_base_color.png: no storage space (hint: free some space, or make smaller textures)
-    system: chamber.ply: no storage space (hint: free some space, or make smaller textures)
-    system: chamber.stl: no storage space (hint: free some space, or make smaller textures)
-    ");
+    for row in complete() {
+        let mut disk = FullDisk { left: 40, files: Files::default() };
+        let target = row.build(json!({}), ledger().as_ref()).unwrap();
+        let text = told(&target.export(&chamber.scene(), &mut disk).unwrap_err());
+        let path = text
+            .strip_prefix("system: ")
+            .and_then(|text| text.strip_suffix(": no storage space (hint: free some space, or make smaller textures)"));
+        let files = export(row.name, &folder).bytes;
+        assert!(path.is_some_and(|path| files.contains_key(path)), "{}: {text}", row.name);
+    }
 }
 
 /// Spoils the second chunk.
@@ -311,34 +336,23 @@ fn webp_images_are_written_or_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::in_webp(folder.path()).unwrap();
     let (scene, place) = (chamber.scene(), folder.path().to_str().unwrap());
-    let written = |row: &'static TargetRow| {
+    for row in complete().filter(|row| !row.images.is_empty()) {
         let mut package = Memory::default();
         let exported = row.build(json!({}), ledger().as_ref()).unwrap().export(&scene, &mut package);
-        exported.map(|_| assert!(package.bytes.values().any(|bytes| holds(bytes, b"image/webp")), "{}", row.name))
-    };
-    // STL has no images.
-    let texts: Vec<String> = complete()
-        .filter(|row| row.name != "stl")
-        .map(|row| match written(row) {
-            Ok(()) => format!("{}: written", row.name),
-            Err(error) => told(&error).replace(place, "DIR"),
-        })
-        .collect();
-    insta::assert_snapshot!(texts.join("\n"), @r"
-    usage: target `gazebo` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `isaac` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `mujoco` takes PNG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `unity` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `unreal` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `urdf` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `usd` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `usdz` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    glb: written
-    gltf: written
-    usage: target `fbx` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `obj` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    usage: target `ply` takes PNG and JPEG images only: DIR/0_base_color.webp (hint: make the cave with other images: `--set texture.format=png`)
-    ");
+        if row.images.contains(&ImageFormat::WebP) {
+            exported.unwrap();
+            assert!(package.bytes.values().any(|bytes| holds(bytes, b"image/webp")), "{}", row.name);
+            continue;
+        }
+        let names: Vec<&str> = row.images.iter().map(|format| format.name()).collect();
+        let refused = format!(
+            "usage: target `{}` takes {} images only: DIR/0_base_color.webp (hint: make the cave with other images: \
+             `--set texture.format=png`)",
+            row.name,
+            names.join(" and ")
+        );
+        assert_eq!(told(&exported.unwrap_err()).replace(place, "DIR"), refused);
+    }
 }
 
 fn holds(bytes: &[u8], word: &[u8]) -> bool {

@@ -6,7 +6,7 @@ use super::asset::Assets;
 use super::identity::Guid;
 use crate::error::ExportError;
 use crate::format::pixels;
-use crate::scene::{Chunk, Image, ImageFormat, Mesh};
+use crate::scene::{Chunk, Image, Mesh};
 
 /// The images of a chunk.
 pub struct Textures {
@@ -56,7 +56,7 @@ impl Kind {
 /// When an image cannot be read, or a file not be written.
 pub fn write(chunk: &Chunk, assets: &mut Assets) -> Result<Textures, ExportError> {
     let material = &chunk.material;
-    material.refuse_unless("unity", &ImageFormat::COMMON)?;
+    material.refuse_unless(super::ROW.name, super::ROW.images)?;
     Ok(Textures {
         base_color: copy(chunk, Kind::Color, &material.base_color, assets)?,
         normal: copy(chunk, Kind::Normal, &material.normal, assets)?,
