@@ -46,6 +46,10 @@ pub struct GeneratorRow {
     pub name: &'static str,
     /// One line for `plume list`.
     pub summary: &'static str,
+    /// What it is based on: Markdown for the README.
+    pub source: &'static str,
+    /// A recipe that shows it, `SAMPLE.toml`, with its picture, `SAMPLE.png`; relative to the repository.
+    pub sample: &'static str,
     /// JSON Schema of the settings: descriptions, ranges, defaults. A text with `"format": "path"` names a file, which a
     /// recipe means relative to itself.
     pub schema: fn() -> schemars::Schema,
@@ -55,23 +59,51 @@ pub struct GeneratorRow {
 
 /// Every generator, the default first.
 pub static GENERATORS: &[GeneratorRow] = &[
-    row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves"),
-    row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
-    row::<External>("external", "any program that writes graph JSON"),
+    row::<GaussianPerlin>("gaussian-perlin", "caves: the PLUME paper's walk, kept within the statistics of real caves")
+        .based_on(
+            "the PLUME paper (Garcia, Richard, Olivares-Mendez 2025), with branch lengths, loops and clearances that \
+             make it like real caves",
+            "samples/cave",
+        ),
+    row::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts")
+        .based_on("room and pillar, drifts and cross-cuts (Hustrulid & Bullock 2001)", "samples/mine"),
+    row::<External>("external", "any program that writes graph JSON")
+        .based_on("any program", "examples/external/decline"),
     row::<Layers>(
         "layers",
         "layers of other generators, one below the other, joined by links within a range of slopes",
+    )
+    .based_on("layers of any of these, one below the other", "samples/layers"),
+    row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them")
+        .based_on("Cano, Tardioli, Mosteo 2023: grown and connector tunnels", "samples/grown-tunnels"),
+    row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps")
+        .based_on("Johnson, Yannakakis, Togelius 2010: cellular automata", "samples/cellular"),
+    row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch")
+        .based_on("Perlin worms, the random walk of voxel games", "samples/worms"),
+    row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs").based_on(
+        "Paris, Guérin, Peytavie, Collon, Galin 2021: cheapest paths for water along horizons and fractures",
+        "samples/karst",
     ),
-    row::<GrownTunnels>("grown-tunnels", "winding tunnels grown one off another, and connectors between them"),
-    row::<Cellular>("cellular", "chambers and passages grown from random cells, in layers joined by ramps"),
-    row::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
-    row::<Karst>("karst", "what water dissolves along bedding planes and fractures, from sinks to springs"),
-    row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise"),
-    row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
-    row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken"),
-    row::<LSystem>("l-system", "passages that a grammar of branches describes"),
-    row::<File>("file", "a graph or a cave survey from a file"),
+    row::<Heightmap>("heightmap", "the void between a relief and its mirror image, from a picture or of noise")
+        .based_on("an image or elevation model and its mirror image", "samples/heightmap"),
+    row::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles")
+        .based_on("parametric tiles, as in the DARPA Subterranean Challenge", "samples/tiles"),
+    row::<SpaceColonization>("space-colonization", "passages that branch towards open ground until it is taken")
+        .based_on("Runions, Lane, Prusinkiewicz 2007", "samples/space-colonization"),
+    row::<LSystem>("l-system", "passages that a grammar of branches describes").based_on(
+        "Prusinkiewicz & Lindenmayer 1990, Mark et al. 2015; the grammar is part of the recipe",
+        "samples/l-system",
+    ),
+    row::<File>("file", "a graph or a cave survey from a file")
+        .based_on("graphs and surveys from files", "samples/original"),
 ];
+
+impl GeneratorRow {
+    /// The row with what the generator is based on and the recipe that shows it.
+    const fn based_on(self, source: &'static str, sample: &'static str) -> Self {
+        Self { source, sample, ..self }
+    }
+}
 
 /// The generator that recipes call `name`.
 pub fn generator(name: &str) -> Option<&'static GeneratorRow> {
@@ -90,6 +122,8 @@ where
     GeneratorRow {
         name,
         summary,
+        source: "",
+        sample: "",
         schema: || inlined::<G>(),
         read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
     }
