@@ -1,7 +1,9 @@
 //! `plume list`: what there is to choose from.
 
 use clap::{Args, ValueEnum};
-use plume_exporters::TARGETS;
+use plume_exporters::bundle::Bundle;
+use plume_exporters::scene::ImageFormat;
+use plume_exporters::{TARGETS, TargetRow};
 use serde_json::{Value, json};
 
 use super::fault::CliError;
@@ -29,7 +31,19 @@ enum Table {
     Views,
 }
 
-type Rows = Vec<(String, String)>;
+/// A row of any table.
+struct Row {
+    name: String,
+    summary: String,
+    /// An object: what programs may want to know besides.
+    facts: Value,
+}
+
+impl Row {
+    fn new(name: &str, summary: &str) -> Self {
+        Self { name: name.to_owned(), summary: summary.to_owned(), facts: json!({}) }
+    }
+}
 
 impl List {
     /// Prints the tables on stdout.
@@ -37,13 +51,13 @@ impl List {
     /// # Errors
     /// None; commands can fail.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
-        let tables: Vec<(Table, Rows)> = vec![
-            (Table::Targets, TARGETS.iter().map(|row| (row.usage(), row.summary.to_owned())).collect()),
-            (Table::Generators, GENERATORS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
-            (Table::Formats, FORMATS.iter().map(|row| (row.name.to_owned(), format_summary(row))).collect()),
-            (Table::Materials, MATERIALS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
-            (Table::Presets, PRESETS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
-            (Table::Views, VIEWS.iter().map(|row| (row.name.to_owned(), row.summary.to_owned())).collect()),
+        let tables: Vec<(Table, Vec<Row>)> = vec![
+            (Table::Targets, TARGETS.iter().map(target).collect()),
+            (Table::Generators, GENERATORS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
+            (Table::Formats, FORMATS.iter().map(|row| Row::new(row.name, &format_summary(row))).collect()),
+            (Table::Materials, MATERIALS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
+            (Table::Presets, PRESETS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
+            (Table::Views, VIEWS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
         ];
         let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
         if console.is_json() {
@@ -53,6 +67,23 @@ impl List {
         let text: Vec<String> = asked.map(|(table, rows)| rows_text(&title(table), &rows)).collect();
         console.result(&text.join("\n"))
     }
+}
+
+/// A target with the facts that tests and other programs choose targets by.
+fn target(row: &TargetRow) -> Row {
+    let images = row.images.iter().map(|format: &ImageFormat| format.extension()).collect::<Vec<_>>();
+    let facts = json!({
+        "target": row.name,
+        "opened_by": row.opened_by,
+        "needs_format": row.needs_format(),
+        "needs_usd": row.needs_usd(),
+        "has_pieces": row.has_pieces,
+        "is_single_file": row.is_single_file,
+        "images": images,
+        "bundles": row.all_bundles().map(Bundle::name).collect::<Vec<_>>(),
+        "checks": row.checks,
+    });
+    Row { facts, ..Row::new(&row.usage(), row.summary) }
 }
 
 /// What it is, whether it is read and written, and by which names.
@@ -69,11 +100,17 @@ fn title(table: Table) -> String {
     table.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
-fn rows_json(rows: &Rows) -> Value {
-    rows.iter().map(|(name, summary)| json!({"name": name, "summary": summary})).collect()
+fn rows_json(rows: &[Row]) -> Value {
+    let object = |row: &Row| {
+        let mut object = json!({"name": row.name, "summary": row.summary});
+        let facts = row.facts.as_object().into_iter().flatten();
+        facts.for_each(|(key, fact)| object[key] = fact.clone());
+        object
+    };
+    rows.iter().map(object).collect()
 }
 
-fn rows_text(title: &str, rows: &Rows) -> String {
-    let lines = rows.iter().map(|(name, summary)| format!("  {name:18} {summary}\n"));
+fn rows_text(title: &str, rows: &[Row]) -> String {
+    let lines = rows.iter().map(|Row { name, summary, .. }| format!("  {name:18} {summary}\n"));
     format!("{title}\n{}", lines.collect::<String>())
 }

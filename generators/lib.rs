@@ -47,6 +47,10 @@ pub struct GeneratorRow {
     pub name: &'static str,
     /// One line for `plume list`.
     pub summary: &'static str,
+    /// What it is based on: Markdown for the README.
+    pub source: &'static str,
+    /// A recipe that shows it, `SAMPLE.toml`, with its picture, `SAMPLE.png`; relative to the repository.
+    pub sample: &'static str,
     /// JSON Schema of the settings: descriptions, ranges, defaults. A text with `"format": "path"` names a file, which a
     /// recipe means relative to itself.
     pub schema: fn() -> schemars::Schema,
@@ -59,37 +63,59 @@ pub static GENERATORS: Registry<GeneratorRow> = Registry::new(&[
     GeneratorRow::new::<GaussianPerlin>(
         "gaussian-perlin",
         "caves: the PLUME paper's walk, kept within the statistics of real caves",
+    )
+    .based_on(
+        "the PLUME paper (Garcia, Richard, Olivares-Mendez 2025), with branch lengths, loops and clearances that \
+             make it like real caves",
+        "samples/cave",
     ),
-    GeneratorRow::new::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts"),
-    GeneratorRow::new::<External>("external", "any program that writes graph JSON"),
+    GeneratorRow::new::<Mine>("mine", "drifts and cross-cuts on levels joined by ramps or shafts")
+        .based_on("room and pillar, drifts and cross-cuts (Hustrulid & Bullock 2001)", "samples/mine"),
+    GeneratorRow::new::<External>("external", "any program that writes graph JSON")
+        .based_on("any program", "examples/external/decline"),
     GeneratorRow::new::<Layers>(
         "layers",
         "layers of other generators, one below the other, joined by links within a range of slopes",
-    ),
+    )
+    .based_on("layers of any of these, one below the other", "samples/layers"),
     GeneratorRow::new::<GrownTunnels>(
         "grown-tunnels",
         "winding tunnels grown one off another, and connectors between them",
-    ),
+    )
+    .based_on("Cano, Tardioli, Mosteo 2023: grown and connector tunnels", "samples/grown-tunnels"),
     GeneratorRow::new::<Cellular>(
         "cellular",
         "chambers and passages grown from random cells, in layers joined by ramps",
-    ),
-    GeneratorRow::new::<Worms>("worms", "winding passages that crawl where noise leads them, and branch"),
+    )
+    .based_on("Johnson, Yannakakis, Togelius 2010: cellular automata", "samples/cellular"),
+    GeneratorRow::new::<Worms>("worms", "winding passages that crawl where noise leads them, and branch")
+        .based_on("Perlin worms, the random walk of voxel games", "samples/worms"),
     GeneratorRow::new::<Karst>(
         "karst",
         "what water dissolves along bedding planes and fractures, from sinks to springs",
+    )
+    .based_on(
+        "Paris, Guérin, Peytavie, Collon, Galin 2021: cheapest paths for water along horizons and fractures",
+        "samples/karst",
     ),
     GeneratorRow::new::<Heightmap>(
         "heightmap",
         "the void between a relief and its mirror image, from a picture or of noise",
-    ),
-    GeneratorRow::new::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles"),
+    )
+    .based_on("an image or elevation model and its mirror image", "samples/heightmap"),
+    GeneratorRow::new::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles")
+        .based_on("parametric tiles, as in the DARPA Subterranean Challenge", "samples/tiles"),
     GeneratorRow::new::<SpaceColonization>(
         "space-colonization",
         "passages that branch towards open ground until it is taken",
+    )
+    .based_on("Runions, Lane, Prusinkiewicz 2007", "samples/space-colonization"),
+    GeneratorRow::new::<LSystem>("l-system", "passages that a grammar of branches describes").based_on(
+        "Prusinkiewicz & Lindenmayer 1990, Mark et al. 2015; the grammar is part of the recipe",
+        "samples/l-system",
     ),
-    GeneratorRow::new::<LSystem>("l-system", "passages that a grammar of branches describes"),
-    GeneratorRow::new::<File>("file", "a graph or a cave survey from a file"),
+    GeneratorRow::new::<File>("file", "a graph or a cave survey from a file")
+        .based_on("graphs and surveys from files", "samples/original"),
 ]);
 
 impl GeneratorRow {
@@ -101,9 +127,16 @@ impl GeneratorRow {
         Self {
             name,
             summary,
+            source: "",
+            sample: "",
             schema: || inlined::<G>(),
             read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
         }
+    }
+
+    /// The row with what the generator is based on and the recipe that shows it, as the README lists them.
+    pub const fn based_on(self, source: &'static str, sample: &'static str) -> Self {
+        Self { source, sample, ..self }
     }
 }
 

@@ -22,7 +22,7 @@ pub use color::Shades;
 pub use floor::Debris;
 pub use limestone::Limestone;
 pub use look::Look;
-pub use rock::{Detail, Floor, Form, PROTRUSION, Paint, RECESS_M, Rock, Wall};
+pub use rock::{Detail, Floor, Form, JUMP_M, PROTRUSION, Paint, RECESS_M, Rock, STEEPEST, Wall};
 pub use rubble::Rubble;
 pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSamples};
 

@@ -101,11 +101,24 @@ pub struct Paint<S: Simd> {
     pub pool: Value<S>,
 }
 
-/// A rock as formulas over lanes.
+/// How steep the field is at most near the wall: its change over the distance of two points. Tuned.
+pub const STEEPEST: f32 = 12.0;
+/// By how much it may jump, in metres: so much stones do where their cells meet. Tuned; a tenth of a voxel.
+pub const JUMP_M: f32 = 0.02;
+
+/// A rock as formulas over lanes. [`Rock::domain_warp`] and [`Rock::wall`] suffice; the rest has defaults.
+///
+/// What it must keep, so that a mesh can hold its wall:
+/// - The field has no jump of [`JUMP_M`] or more: what [`Rock::wall`] and [`Rock::floor`] give is continuous over space. A number of a bed or
+///   a cell must fade out towards its border, or meet that of the next one there.
+/// - It is nowhere steeper than [`STEEPEST`], for all settings within their ranges.
+/// - No wavelength below 0.4 m: what is finer belongs into [`Rock::wall_detail`] and [`Rock::floor_detail`].
+///
+/// `field_laws.rs` looks for jumps and steep places along many lines near the wall.
 pub trait Rock: std::fmt::Debug + Send + Sync {
     /// How it bends passages.
     fn domain_warp(&self) -> DomainWarp;
-    /// The wall, with no wavelength below 0.4 m.
+    /// The wall.
     fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
 
     /// What is finer on the wall.
@@ -119,7 +132,7 @@ pub trait Rock: std::fmt::Debug + Send + Sync {
         Debris::PLAIN
     }
 
-    /// The floor, with no wavelength below 0.4 m.
+    /// The floor; of it, only the height shapes the field.
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
         self.debris().floor(site)
