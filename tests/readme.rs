@@ -59,12 +59,12 @@ fn generators(readme: &str) -> String {
 /// A link to the sample, as its picture unless the README shows that already.
 fn sample(row: &GeneratorRow, readme: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    assert!(!row.sample.is_empty(), "the row of `{}` in generators/lib.rs lacks `.based_on(SOURCE, SAMPLE)`", row.name);
     let (recipe, picture) = (format!("{}.toml", row.sample), format!("{}.png", row.sample));
     for file in [&recipe, &picture] {
         assert!(
             root.join(file).is_file(),
-            "`{file}` is not there: the row of `{}` in generators/lib.rs names a sample by `.based_on(SOURCE, SAMPLE)`, and \
-             `cargo xtask gallery` draws its picture",
+            "`{file}` is not there, which the row of `{}` in generators/lib.rs names; `cargo xtask gallery` draws pictures",
             row.name
         );
     }

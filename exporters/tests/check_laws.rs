@@ -215,7 +215,11 @@ fn a_file_that_is_no_longer_what_its_name_says_is_found() {
             amend(&package, |manifest| drop(manifest.files.0.insert(path.clone(), entry(&cut))));
             let told = faults(&package);
             // Who loses the GUID of a broken file is told of, too; of a buffer, who wants more of it than there is.
-            assert!(told.contains(path.as_str()), "{}/{path}: {told}", row.name);
+            assert!(
+                told.contains(path.as_str()),
+                "{}/{path}: {told}; every extension needs a row in `READERS` of `check/readers.rs`",
+                row.name
+            );
             fs::write(package.join(path), &whole).unwrap();
             amend(&package, |manifest| drop(manifest.files.0.insert(path.clone(), entry(&whole))));
         }

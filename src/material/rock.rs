@@ -103,8 +103,8 @@ pub struct Paint<S: Simd> {
 
 /// How steep the field is at most near the wall: its change over the distance of two points. Tuned.
 pub const STEEPEST: f32 = 12.0;
-/// By how much it may jump, in metres: so much stones do where their cells meet. Tuned; a tenth of a voxel.
-pub const JUMP_M: f32 = 0.02;
+/// By how much it may jump, in metres: stones on the floor do by up to 3 cm where their cells meet. Tuned.
+pub const JUMP_M: f32 = 0.05;
 
 /// A rock as formulas over lanes. [`Rock::domain_warp`] and [`Rock::wall`] suffice; the rest has defaults.
 ///
