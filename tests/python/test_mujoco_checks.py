@@ -40,12 +40,12 @@ def test_a_good_package_passes(name, package):
 def in_world(change):
     """A change of the cave's own file."""
 
-    def change(package):
+    def edited(package):
         tree = ElementTree.parse(package / "cave_world.xml")
         change(tree.getroot())
         tree.write(package / "cave_world.xml")
 
-    return change
+    return edited
 
 
 def pieces(root):

@@ -58,24 +58,24 @@ def in_chunk(change):
 def in_level(change):
     """A change of the visual mesh inside its finest level of detail."""
 
-    def change(stage):
+    def edited(stage):
         levels = stage.GetPrimAtPath("/Chunk").GetVariantSet("LOD")
         levels.SetVariantSelection("LOD0")
         with levels.GetVariantEditContext():
             change(UsdGeom.Mesh.Get(stage, "/Chunk/Visual"))
 
-    return in_chunk(change)
+    return in_chunk(edited)
 
 
 def array(name, change):
     """Changes a copy of an array of the visual mesh."""
 
-    def change(mesh):
+    def edited(mesh):
         attribute = mesh.GetPrim().GetAttribute(name)
         kind = type(attribute.Get())
         attribute.Set(kind.FromNumpy(np.ascontiguousarray(change(np.array(attribute.Get())))))
 
-    return in_level(change)
+    return in_level(edited)
 
 
 def flip_face(indices):

@@ -28,22 +28,22 @@ def verify(package):
 
 
 def on_collisions(change):
-    def change(package):
+    def edited(package):
         for layer in sorted((package / "chunks").glob("*.usdc")):
             stage = Usd.Stage.Open(str(layer))
             change(stage.GetPrimAtPath("/Chunk/Collision"))
             stage.GetRootLayer().Save()
 
-    return change
+    return edited
 
 
 def on_root(change):
-    def change(package):
+    def edited(package):
         stage = Usd.Stage.Open(str(package / "cave.usda"), Usd.Stage.LoadNone)
         change(stage)
         stage.GetRootLayer().Save()
 
-    return change
+    return edited
 
 
 def make_hull(prim):
