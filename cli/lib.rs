@@ -176,10 +176,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
         Err(usage) => return answer(clipped(usage)),
     };
     let console = Console::new(&cli.common);
-    if let Some(threads) = cli.common.threads {
-        // Fails only if a pool exists already, as in a host program; then that pool serves.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-    }
+    start_threads(cli.common.threads.map_or(0, usize::from));
     let result = match (host, cli.command.usd_target()) {
         (Host::Binary, Some(target)) => handover::to_python(target, &arguments),
         _ => dispatch(&cli.command, &console, host).map(|()| 0),
@@ -188,6 +185,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
         console.fault(&error);
         fault::exit_code(&error)
     })
+}
+
+/// Starts the pool of threads, as many as there are cores where `count` is 0. Where the system gives none, this thread works
+/// alone. A pool that exists already, as in a host program, stays.
+fn start_threads(count: usize) {
+    if rayon::ThreadPoolBuilder::new().num_threads(count).build_global().is_err() {
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+    }
 }
 
 /// Prints what was asked for in place of a command, such as the help, or what is wrong with the command line.

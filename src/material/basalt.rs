@@ -23,7 +23,7 @@ pub struct Basalt {
     /// Strength of all relief; 1 is natural, 0 a smooth tube.
     #[schemars(range(min = 0.0, max = 1.5))]
     pub relief: f32,
-    /// How far the domain warp displaces walls from the smooth passage, in metres.
+    /// How far the walls wander from the smooth passage, in metres.
     #[schemars(range(min = 0.0, max = 1.2))]
     pub wander_m: f32,
     /// How much of the lining has fallen off: about −0.6 none, 0 half, 0.6 all.
