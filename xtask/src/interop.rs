@@ -223,7 +223,10 @@ fn ready(is_wanted: impl Fn(&Reader) -> bool, tally: &Tally) -> Vec<&'static Rea
     let mut ready = Vec::new();
     for reader in READERS.iter().filter(|reader| is_wanted(reader)) {
         if !reader.may_be_used() {
-            println!("LEFT    {:<10} its licence has not been accepted: see the end of ARCHITECTURE.md", reader.name);
+            println!(
+                "LEFT    {:<10} its licence has not been accepted: see docs/decisions/0031-omniverse-licence.md",
+                reader.name
+            );
             continue;
         }
         match (reader.prepare)() {
