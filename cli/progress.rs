@@ -99,7 +99,10 @@ impl Observer for Console {
         let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {eta}");
         bar.set_style(style.expect("the template is a constant"));
         bar.set_prefix(stage.name());
-        bar.enable_steady_tick(Duration::from_millis(200));
+        // It takes a thread, which nobody needs who sees no bar.
+        if !bar.is_hidden() {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
         if let Ok(mut slot) = self.bar.lock() {
             *slot = Some((bar, Instant::now()));
         }
