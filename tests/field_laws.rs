@@ -59,7 +59,7 @@ impl Rock for Plain {
         let (_, rest) = (site.point.x * 0.5).split();
         let recess = site.source.noise(1, site.point.scaled(0.5)) * 0.25 + rest * self.tear_m;
         let zero = T::zero(site.simd());
-        Wall { recess, cavity: recess, state: zero, footprint: zero }
+        Wall { recess, cavity: recess, state: zero, band: zero }
     }
 }
 

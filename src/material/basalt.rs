@@ -109,7 +109,7 @@ impl Rock for Basalt {
             form = form + Self::spalled(site) * spall;
         }
         let recess = (undulation + form) * self.relief;
-        Wall { recess, cavity: form, state: spall, footprint: T::zero(site.simd()) }
+        Wall { recess, cavity: form, state: spall, band: T::zero(site.simd()) }
     }
 
     #[inline(always)]

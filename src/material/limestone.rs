@@ -139,7 +139,7 @@ impl Rock for Limestone {
             let drape = curtain + n.noise(7, p.stretched(2.5, 2.5, 0.7)) * 0.04 - 0.10;
             form = mix(rock, drape + beds * 0.25, flow);
         }
-        Wall { recess: (undulation + form) * self.relief, cavity: rock, state: flow, footprint: bed.hardness }
+        Wall { recess: (undulation + form) * self.relief, cavity: rock, state: flow, band: bed.hardness }
     }
 
     #[inline(always)]
@@ -212,9 +212,9 @@ impl Limestone {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
         // Each bed has its own grey; the broad patches only break it up.
-        let shade = (form.footprint - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
+        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
         let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
-        let marl = form.footprint.step(0.60, 0.80) * 0.7;
+        let marl = form.band.step(0.60, 0.80) * 0.7;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
         let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
         let manganese = (curtain + tone.fine * 0.5 + tone.patch * 0.3 + form.cavity * 0.5).step(0.36, 0.80);

@@ -29,7 +29,7 @@ pub struct Wall<T> {
     /// Which of the rock's two states: 0 the first, 1 the second.
     pub state: T,
     /// A number in 0–1 of the rock's own: hardness of the bed, for one.
-    pub footprint: T,
+    pub band: T,
 }
 
 /// What is too fine for the mesh.
@@ -76,8 +76,8 @@ pub struct Form<S: Simd> {
     pub cavity: Value<S>,
     /// See [`Wall::state`].
     pub state: Value<S>,
-    /// See [`Wall::footprint`].
-    pub footprint: Value<S>,
+    /// See [`Wall::band`].
+    pub band: Value<S>,
     /// See [`Detail::crack`].
     pub crack: Value<S>,
     /// 1 on the floor, 0 on the wall.
@@ -278,7 +278,7 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
 fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint) -> (Jet<S>, Jet<S>, Form<S>) {
     let zero = Jet::zero(site.simd());
     let carved = carve(rock, site);
-    let none = Wall { recess: zero, cavity: zero, state: zero, footprint: zero };
+    let none = Wall { recess: zero, cavity: zero, state: zero, band: zero };
     let mut fine_wall = (none, Detail::none(site.simd()), zero);
     if let Some((wall, field)) = carved.wall {
         let detail = rock.wall_detail(site, &wall, footprint);
@@ -306,7 +306,7 @@ fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint
         height: value(site.height),
         cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
         state: value(wall.state) * (-share + 1.0),
-        footprint: value(wall.footprint),
+        band: value(wall.band),
         crack: value(detail.crack) * (-share + 1.0),
         floor: share,
         stone: value(floor.stone) * share,
