@@ -147,6 +147,11 @@ impl Command {
             _ => None,
         }
     }
+
+    /// Whether it prints what the program knows by itself, for which it takes no threads.
+    fn only_prints(&self) -> bool {
+        matches!(self, Self::New(_) | Self::Schema | Self::List(_))
+    }
 }
 
 /// The program that runs the command line.
@@ -176,7 +181,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
         Err(usage) => return answer(clipped(usage)),
     };
     let console = Console::new(&cli.common);
-    start_threads(cli.common.threads.map_or(0, usize::from));
+    if !cli.command.only_prints() {
+        start_threads(cli.common.threads.map_or(0, usize::from));
+    }
     let result = match (host, cli.command.usd_target()) {
         (Host::Binary, Some(target)) => handover::to_python(target, &arguments),
         _ => dispatch(&cli.command, &console, host).map(|()| 0),
