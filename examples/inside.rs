@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [rock, view, rest @ ..] = arguments.as_slice() else {
         return Err("usage: inside ROCK VIEW|bench [OUT.png] [WIDTH]".into());
     };
-    let row = MATERIALS.iter().find(|row| row.name == rock).ok_or("no such rock")?;
+    let row = MATERIALS.find(rock).ok_or("no such rock")?;
     let material = (row.read)(serde_json::json!({}))?;
     let settings = PassageSettings::default();
     let field = CaveField::new(&graph(&settings), &settings, material, Look::default(), 7);

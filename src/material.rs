@@ -28,6 +28,7 @@ pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSa
 
 use std::sync::Arc;
 
+use plume_registry::{Named, Registry};
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -61,40 +62,55 @@ pub trait Material: std::fmt::Debug + Send + Sync {
 }
 
 /// A row of [`MATERIALS`].
+#[derive(Debug)]
 pub struct MaterialRow {
     /// Name in recipes.
     pub name: &'static str,
     /// One line for `plume list`.
     pub summary: &'static str,
+    /// Which version of the rock's formulas this is: walls and images made by another one are remade.
+    pub revision: u32,
     /// JSON Schema of the settings: descriptions, ranges, defaults.
     pub schema: fn() -> Schema,
     /// Reads settings (an object holding a subset of the keys).
     pub read: fn(Value) -> Result<Arc<dyn Material>, serde_json::Error>,
 }
 
-/// Every rock, the default first.
-pub static MATERIALS: &[MaterialRow] = &[
-    row::<Limestone>(
+/// Every rock, the default first. Programs may [register](Registry::register) their own.
+pub static MATERIALS: Registry<MaterialRow> = Registry::new(&[
+    MaterialRow::new::<Limestone>(
         "limestone",
         "karst: dipping beds, joints, solution pockets and scallops, flowstone; mud and cobbles",
     ),
-    row::<Basalt>("basalt", "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash and slabs"),
-];
+    MaterialRow::new::<Basalt>(
+        "basalt",
+        "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash and slabs",
+    ),
+]);
 
-/// The row of a rock whose settings are its fields.
-const fn row<M: Material + JsonSchema + DeserializeOwned + 'static>(
-    name: &'static str,
-    summary: &'static str,
-) -> MaterialRow {
-    MaterialRow {
-        name,
-        summary,
-        schema: || schemars::schema_for!(M),
-        read: |settings| Ok(Arc::new(serde_json::from_value::<M>(settings)?)),
+impl MaterialRow {
+    /// The row of a rock whose settings are its fields, each with a doc comment, a range and a default.
+    pub const fn new<M>(name: &'static str, summary: &'static str) -> Self
+    where
+        M: Material + JsonSchema + DeserializeOwned + 'static,
+    {
+        Self {
+            name,
+            summary,
+            revision: 0,
+            schema: || schemars::schema_for!(M),
+            read: |settings| Ok(Arc::new(serde_json::from_value::<M>(settings)?)),
+        }
+    }
+
+    /// The row with another [`revision`](Self::revision): raise it whenever a change moves a wall or alters a colour.
+    pub const fn revised(self, revision: u32) -> Self {
+        Self { revision, ..self }
     }
 }
 
-/// The row called `name`.
-pub fn material(name: &str) -> Option<&'static MaterialRow> {
-    MATERIALS.iter().find(|row| row.name == name)
+impl Named for MaterialRow {
+    fn name(&self) -> &'static str {
+        self.name
+    }
 }

@@ -23,7 +23,7 @@ pub use self::read::MAX_BYTES;
 pub use self::schema::editor_schema;
 pub use self::world::WorldSettings;
 use crate::field::PassageSettings;
-use crate::material::{self, Look, Material};
+use crate::material::{Look, MATERIALS, Material};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
 use plume_graph::Generator;
@@ -305,7 +305,7 @@ fn anchor(schema: &Value, settings: &mut Value, key: &str, draft: &read::Draft) 
 
 fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {
     let (name, settings) = split_choice(section, "kind");
-    let row = material::material(name).expect("the schema admits only rows of the table");
+    let row = MATERIALS.find(name).expect("the schema admits only rows of the table");
     (row.read)(Value::Object(settings)).map_err(|e| draft.fault("rock", e.to_string()))
 }
 

@@ -42,7 +42,7 @@ fn every_generator_in_every_rock_is_lawful() {
 
 #[test]
 fn chunk_size_changes_no_triangle() {
-    for material in MATERIALS {
+    for material in MATERIALS.iter() {
         let field = field(&small(GENERATORS.default_row(), 8, 5), material, 5);
         let [small, middle, large] =
             [8.0, 16.0, 32.0].map(|chunk_m| chunks(&field, field.bounds(), &whole(0.25, chunk_m)));

@@ -173,6 +173,6 @@ fn the_error_of_a_level_holds_both_ways_and_is_hardly_more_than_that() {
 fn no_levels_are_made_of_nothing_or_when_none_are_wanted() {
     let made = |mesh: Mesh, levels| Detailed::new(mesh, &LodSettings { levels, ..LodSettings::default() }).levels;
     assert!(made(Mesh::default(), 3).is_empty());
-    let mesh = cave(GENERATORS.default_row(), &MATERIALS[0], 1, 16.0).swap_remove(0);
+    let mesh = cave(GENERATORS.default_row(), MATERIALS.default_row(), 1, 16.0).swap_remove(0);
     assert!(made(mesh, 0).is_empty());
 }

@@ -226,7 +226,7 @@ impl Convex {
 
 #[test]
 fn chunks_further_away_change_nothing() {
-    let cave = Cave::new(GENERATORS.default_row(), &MATERIALS[0], 6, 3, 8.0);
+    let cave = Cave::new(GENERATORS.default_row(), MATERIALS.default_row(), 6, 3, 8.0);
     let reach = ((cave.settings.thickness_m + 8.0) * QUANTA_PER_M as f32) as i32;
     for (index, wall) in cave.walls.iter().enumerate() {
         let touches = |other: &Mesh| {
@@ -246,7 +246,7 @@ fn chunks_further_away_change_nothing() {
 
 #[test]
 fn a_smaller_tolerance_takes_more_pieces() {
-    let cave = Cave::new(GENERATORS.default_row(), &MATERIALS[0], 6, 1, 16.0);
+    let cave = Cave::new(GENERATORS.default_row(), MATERIALS.default_row(), 6, 1, 16.0);
     let count = |tolerance_m: f32| {
         let settings = PieceSettings {
             floor_tolerance_m: tolerance_m,

@@ -35,7 +35,7 @@ fn order(format: Format, stop: &AtomicBool) -> Order<'_> {
 /// Draws a view of a graph in a rock.
 fn draw(graph: &Graph, rock: usize, name: &str, order: &Order) -> Result<Drawn, PreviewError> {
     let passage = PassageSettings::default();
-    let material = (MATERIALS[rock].read)(json!({})).unwrap();
+    let material = (MATERIALS.iter().nth(rock).unwrap().read)(json!({})).unwrap();
     let field = CaveField::new(graph, &passage, material, Look::default(), 5);
     let subject = Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: Some(9.0) };
     view(name).unwrap().draw(&subject, order)

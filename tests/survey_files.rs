@@ -196,7 +196,7 @@ fn smooth_walls_stand_where_they_were_measured() {
         },
     ];
     let settings = PassageSettings { floor_roughness_m: 0.0, floor_flatness: 1.0, ..Default::default() };
-    let rock = (MATERIALS[0].read)(json!({"relief": 0.0, "wander_m": 0.0, "rubble": -0.5})).unwrap();
+    let rock = (MATERIALS.default_row().read)(json!({"relief": 0.0, "wander_m": 0.0, "rubble": -0.5})).unwrap();
     let field = CaveField::new(&graph, &settings, rock, Look::default(), 3);
     for Measured { place, looking: [from, to], walls } in measured {
         let station = Point3::from(place) - Vector3::from(tally.origin_m);

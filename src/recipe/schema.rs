@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::WorldSettings;
 use crate::field::PassageSettings;
-use crate::material::{self, Look, MATERIALS};
+use crate::material::{Look, MATERIALS};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
 use plume_generators::GENERATORS;
@@ -17,11 +17,11 @@ pub const FILE_NAME: &str = "file-name";
 /// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
 pub fn of(recipe: &Value) -> Value {
     let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS.default_row().name);
-    let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS[0].name);
+    let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS.default_row().name);
     let row = GENERATORS.find(generator).unwrap_or_else(|| GENERATORS.default_row());
     let settings = plain((row.schema)().to_value());
     let graph = choice("generator", &generator_names(), "How the passages grow.", settings);
-    let rock_row = material::material(kind).unwrap_or(&MATERIALS[0]);
+    let rock_row = MATERIALS.find(kind).unwrap_or_else(|| MATERIALS.default_row());
     let rock = choice("kind", &rock_names(), "Which rock.", plain((rock_row.schema)().to_value()));
     whole(graph, rock)
 }

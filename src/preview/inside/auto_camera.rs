@@ -126,7 +126,7 @@ mod tests {
     /// The best of the glances along a passage.
     fn best_in(graph: &Graph) -> Glance {
         let passage = PassageSettings::default();
-        let material = (MATERIALS[0].read)(json!({})).expect("settings of its own");
+        let material = (MATERIALS.default_row().read)(json!({})).expect("settings of its own");
         let field = CaveField::new(graph, &passage, material, Look::default(), 3);
         let subject = Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: None };
         glance(&field, best(&subject).expect("a passage has air").eye)
