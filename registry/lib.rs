@@ -45,7 +45,7 @@ impl<R: Named> Registry<R> {
     }
 
     /// All rows: the built-in ones, then the added ones in the order in which they were registered.
-    pub fn iter(&self) -> impl Iterator<Item = &'static R> + use<R> {
+    pub fn iter(&self) -> impl Iterator<Item = &'static R> + Clone + use<R> {
         let added = self.added.read().unwrap_or_else(PoisonError::into_inner).clone();
         self.built_in.iter().chain(added)
     }

@@ -120,7 +120,7 @@ impl<'a> Pipeline<'a> {
         let stations = stations(&graph);
         let maps = [crate::VERSION, &stations, &section(&["name", "passage"])].concat();
         let preview_fingerprint = sha256(maps.as_bytes());
-        let shape = [&version(recipe), &stations, &section(&["seed", "passage", "rock", "mesh"])].concat();
+        let shape = [recipe.version(), stations, section(&["seed", "passage", "rock", "mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
         let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
@@ -355,14 +355,7 @@ impl<'a> Pipeline<'a> {
 
 /// SHA-256 of all that a cave follows from.
 pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph) -> String {
-    sha256(format!("{}\n{}", version(recipe), graph_text(recipe, graph)).as_bytes())
-}
-
-/// The version of what makes walls and images: that of Plume, and the revision of the rock if it has been revised.
-fn version(recipe: &Recipe) -> String {
-    let row = recipe.to_json()["rock"]["kind"].as_str().and_then(|kind| MATERIALS.find(kind));
-    let revision = row.map_or(0, |row| row.revision);
-    if revision == 0 { crate::VERSION.to_owned() } else { format!("{} revision {revision}", crate::VERSION) }
+    sha256(format!("{}\n{}", recipe.version(), graph_text(recipe, graph)).as_bytes())
 }
 
 /// The field of the cave that this recipe and graph describe.

@@ -158,6 +158,15 @@ impl Recipe {
         &self.passage
     }
 
+    /// The version of what makes walls and images: that of Plume, and the revision of the rock if it has one.
+    pub fn version(&self) -> String {
+        let row = self.resolved["rock"]["kind"].as_str().and_then(|kind| MATERIALS.find(kind));
+        match row.map_or(0, |row| row.revision) {
+            0 => crate::VERSION.to_owned(),
+            revision => format!("{} revision {revision}", crate::VERSION),
+        }
+    }
+
     /// Shape of the rock.
     pub fn rock(&self) -> &Arc<dyn Material> {
         &self.rock

@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 use plume_exporters::Target;
-use plume_exporters::fbx::{Fbx, FbxCollision, FbxSettings};
 use plume_exporters::format::fbx::{self, Collider, Head, Level, Maps, Part};
 use plume_exporters::frame::Up;
 use plume_exporters::frame::gltf_from_scene;
 use plume_exporters::package::{Existing, Folder, Memory};
 use plume_exporters::scene::{Chunks, Mesh};
+use plume_exporters::targets::fbx::{Fbx, FbxCollision, FbxSettings};
 use ufbx::{CoordinateAxes, CoordinateAxis, LoadOpts, Vec3};
 
 fn export(settings: FbxSettings) -> (Memory, sample::Chamber, tempfile::TempDir) {

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 
 use plume_exporters::Target;
 use plume_exporters::collision::Collision;
-use plume_exporters::gazebo::{Gazebo, GazeboSettings};
 use plume_exporters::package::Memory;
+use plume_exporters::targets::gazebo::{Gazebo, GazeboSettings};
 use roxmltree::Document;
 
 fn export(settings: GazeboSettings) -> Memory {

@@ -11,9 +11,9 @@ use nalgebra::Vector3;
 use plume_exporters::Target;
 use plume_exporters::collision::NamedCollision;
 use plume_exporters::frame::{gltf_from_scene, gltf_tangent_from_scene, upper_left_uv};
-use plume_exporters::glb::{Glb, GlbSettings};
 use plume_exporters::package::Memory;
 use plume_exporters::scene::Chunks;
+use plume_exporters::targets::glb::{Glb, GlbSettings};
 
 fn export(settings: GlbSettings) -> (Memory, sample::Chamber, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();

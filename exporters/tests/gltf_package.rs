@@ -11,9 +11,9 @@ use std::collections::BTreeSet;
 use gltf::buffer::Source;
 use plume_exporters::Target;
 use plume_exporters::frame::{gltf_from_scene, gltf_tangent_from_scene, upper_left_uv};
-use plume_exporters::gltf::{Gltf, GltfSettings};
 use plume_exporters::package::Memory;
 use plume_exporters::scene::Chunks;
+use plume_exporters::targets::gltf::{Gltf, GltfSettings};
 
 fn export(settings: GltfSettings) -> (Memory, sample::Chamber, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();

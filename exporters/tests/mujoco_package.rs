@@ -12,10 +12,10 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 
 use plume_exporters::bundle::{Archive, Bundle};
-use plume_exporters::mujoco::{self, Collision, Mujoco, MujocoSettings};
 use plume_exporters::package::{Existing, Memory, Package};
 use plume_exporters::place::Place;
 use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Scene};
+use plume_exporters::targets::mujoco::{self, Collision, Mujoco, MujocoSettings};
 use plume_exporters::{ExportError, Target, target};
 use roxmltree::{Document, Node};
 use serde_json::json;

@@ -18,8 +18,8 @@ use plume_exporters::frame::unity_from_scene;
 use plume_exporters::package::{Existing, Memory};
 use plume_exporters::place::Place;
 use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Mesh, Scene};
-use plume_exporters::unity::material::Pipeline;
-use plume_exporters::unity::{Unity, UnitySettings, identity};
+use plume_exporters::targets::unity::material::Pipeline;
+use plume_exporters::targets::unity::{Unity, UnitySettings, identity};
 
 use changed::Changed;
 

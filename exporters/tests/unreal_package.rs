@@ -12,7 +12,7 @@ use plume_exporters::collision::Collision;
 use plume_exporters::frame::unreal_from_scene;
 use plume_exporters::package::Memory;
 use plume_exporters::scene::{Chunk, Chunks, Mesh};
-use plume_exporters::unreal::{Unreal, UnrealSettings};
+use plume_exporters::targets::unreal::{Unreal, UnrealSettings};
 use serde_json::Value;
 
 const PIECES: UnrealSettings = UnrealSettings { collision: Collision::Pieces, nanite: true, lods: true, lights: true };

@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use plume_exporters::collision::Collision;
 use plume_exporters::package::Memory;
 use plume_exporters::scene::Chunks;
-use plume_exporters::urdf::{Urdf, UrdfSettings};
+use plume_exporters::targets::urdf::{Urdf, UrdfSettings};
 use plume_exporters::{Summary, Target};
 use roxmltree::Document;
 use urdf_rs::{Geometry, JointType, Robot};

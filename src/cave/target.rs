@@ -54,7 +54,12 @@ pub struct Wanted {
 impl Wanted {
     /// SHA-256 of all that its package of a cave follows from, of which the cave has this fingerprint.
     fn fingerprint(&self, cave: &str) -> String {
-        sha256([cave, &self.choice.name(), &self.settings.to_string()].join("\n").as_bytes())
+        let revision = match self.choice.row.revision {
+            0 => String::new(),
+            revision => format!("\nrevision {revision}"),
+        };
+        let target = self.choice.name() + &revision;
+        sha256([cave, &target, &self.settings.to_string()].join("\n").as_bytes())
     }
 }
 

@@ -29,12 +29,13 @@ use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part};
 use crate::frame::{Axes, Up};
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "fbx",
     summary: "binary FBX 7.4 with textures beside it, levels of detail, start poses and lights",
+    revision: 0,
     opened_by: "Blender, Maya, 3ds Max, Houdini, three.js, most mesh tools",
     contents: "binary FBX 7.4, metres: levels of detail in LOD groups, tangents, collision meshes by name, start poses, \
         lights",
@@ -45,7 +46,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(FbxSettings),
-    build: Build::Plain(|table| Ok(Box::new(Fbx(settings("fbx", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Fbx(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `fbx`.
@@ -210,7 +211,10 @@ impl Fbx {
             spawns => scene.spawns.len(),
             open => self.how_to_open(&scene.name),
         };
-        out.text("README.md", &template::fill("README.md", include_str!("../templates/fbx/README.md.jinja"), &values))
+        out.text(
+            "README.md",
+            &template::fill("README.md", include_str!("../../templates/fbx/README.md.jinja"), &values),
+        )
     }
 
     fn how_to_open(&self, name: &str) -> String {

@@ -23,12 +23,13 @@ use crate::format::ply;
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Mesh, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, settings, slope, template};
+use crate::{Build, Summary, Target, TargetRow, slope, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "ply",
     summary: "binary PLY with colours and labels of floor, wall and ceiling at vertices and faces",
+    revision: 0,
     opened_by: "MeshLab, CloudCompare, Open3D, Blender, trimesh",
     contents: "binary PLY: normals, colours, labels for floor, wall and ceiling",
     tested_by: "plyfile, trimesh, Blender 4.2, assimp",
@@ -38,7 +39,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: false,
     bundles: &[],
     settings: || schemars::schema_for!(PlySettings),
-    build: Build::Plain(|table| Ok(Box::new(Ply(settings("ply", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Ply(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `ply`.
@@ -72,7 +73,7 @@ impl Target for Ply {
             triangles => visual_triangles,
             labels => Zone::ALL.map(label_text),
         };
-        let readme = include_str!("../templates/ply/README.md.jinja");
+        let readme = include_str!("../../templates/ply/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
     }

@@ -28,12 +28,13 @@ use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, Image, ImageFormat, Light, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "gazebo",
     summary: "SDF 1.9 world and model with PBR textures and triangle collisions",
+    revision: 0,
     opened_by: "Gazebo Sim Harmonic and later",
     contents: "model and world (SDF 1.9), an OBJ per chunk, PBR maps, collision meshes, lamps, start pose",
     tested_by: "libsdformat with unknown elements as errors; Gazebo's own physics (ign-physics, dartsim) drops a ball; \
@@ -44,7 +45,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(GazeboSettings),
-    build: Build::Plain(|table| Ok(Box::new(Gazebo(settings("gazebo", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Gazebo(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `gazebo`.
@@ -140,10 +141,10 @@ impl Gazebo {
             open => open_command(&scene.name),
         };
         for (path, template) in [
-            (format!("{model}/model.config"), include_str!("../templates/gazebo/model.config.jinja")),
-            (format!("{model}/model.sdf"), include_str!("../templates/gazebo/model.sdf.jinja")),
-            (format!("worlds/{}.sdf", scene.name), include_str!("../templates/gazebo/world.sdf.jinja")),
-            ("README.md".to_owned(), include_str!("../templates/gazebo/README.md.jinja")),
+            (format!("{model}/model.config"), include_str!("../../templates/gazebo/model.config.jinja")),
+            (format!("{model}/model.sdf"), include_str!("../../templates/gazebo/model.sdf.jinja")),
+            (format!("worlds/{}.sdf", scene.name), include_str!("../../templates/gazebo/world.sdf.jinja")),
+            ("README.md".to_owned(), include_str!("../../templates/gazebo/README.md.jinja")),
         ] {
             out.text(&path, &template::fill(&path, template, &values))?;
         }

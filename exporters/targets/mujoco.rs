@@ -24,7 +24,7 @@ use crate::error::ExportError;
 use crate::frame::{self, Axes, micro};
 use crate::package::Package;
 use crate::scene::{ImageFormat, Light, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;
 use self::field::Field;
@@ -36,6 +36,7 @@ mod field;
 pub const ROW: TargetRow = TargetRow {
     name: "mujoco",
     summary: "MJCF with convex pieces for collision, PBR textures, start poses and a sample rover",
+    revision: 0,
     opened_by: "MuJoCo 4 and later",
     contents: "MJCF: convex pieces of the rock by zone, PBR layers, start sites and cameras, lamps, a rover to drive in \
         it; to compile, include or attach; `--bundle mjz`",
@@ -47,7 +48,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[Bundle::Mjz],
     settings: || schemars::schema_for!(MujocoSettings),
-    build: Build::Plain(|table| Ok(Box::new(Mujoco(settings("mujoco", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Mujoco(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `mujoco`.
@@ -129,7 +130,7 @@ impl Target for Mujoco {
         }
         let name = &scene.name;
         let texts = self.values(scene);
-        let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
+        let options = template::fill("options.xml", include_str!("../../templates/mujoco/options.xml.jinja"), &texts);
         write_rover(None, &format!("{ROVER}.xml"), out)?;
         let collision_triangles = match out.bundle() {
             Some(Bundle::Mjz) => {
@@ -146,7 +147,7 @@ impl Target for Mujoco {
         };
         out.text(
             "README.md",
-            &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),
+            &template::fill("README.md", include_str!("../../templates/mujoco/README.md.jinja"), &texts),
         )?;
         let open = match out.bundle() {
             Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
@@ -174,7 +175,7 @@ impl Mujoco {
         chunks: &[String],
         out: &mut dyn Package,
     ) -> Result<u64, ExportError> {
-        let template = include_str!("../templates/mujoco/world.xml.jinja");
+        let template = include_str!("../../templates/mujoco/world.xml.jinja");
         let world = template::fill(path, template, &self.values(scene));
         let mut triangles = 0;
         out.write(path, |file| {
@@ -269,7 +270,7 @@ fn write_rover(cave: Option<(&Scene, &str)>, path: &str, out: &mut dyn Package) 
         context! { name => &scene.name, file, qpos }
     });
     let values = context! { cave, pose => pose_text(&start) };
-    out.text(path, &template::fill(path, include_str!("../templates/mujoco/rover.xml.jinja"), &values))
+    out.text(path, &template::fill(path, include_str!("../../templates/mujoco/rover.xml.jinja"), &values))
 }
 
 fn spawn_text(spawn: &Isometry3<f64>) -> Value {

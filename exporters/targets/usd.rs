@@ -7,12 +7,13 @@ use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow, settings};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "usd",
     summary: "USD stage with a payload per chunk, levels of detail, UsdPreviewSurface and UsdPhysics",
+    revision: 0,
     opened_by: "usdview, Omniverse, Houdini, Blender, Newton",
     contents: "the stage of `isaac` for any USD application",
     tested_by: "as for `isaac`; Blender 4.2",
@@ -22,10 +23,10 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(StageSettings),
-    build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: settings("usd", table)?, library }))),
+    build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: serde_json::from_value(table)?, library }))),
 };
 
-const README: &str = include_str!("../templates/usd/README.md.jinja");
+const README: &str = include_str!("../../templates/usd/README.md.jinja");
 
 /// The target.
 pub struct Usd {

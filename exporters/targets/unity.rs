@@ -34,7 +34,7 @@ use crate::format::fbx;
 use crate::frame::{Axes, Up, micro};
 use crate::package::{Package, pretty};
 use crate::scene::{Chunk, ImageFormat, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 use asset::{Assets, Importer};
 use identity::Guid;
@@ -53,6 +53,7 @@ mod texture;
 pub const ROW: TargetRow = TargetRow {
     name: "unity",
     summary: "package for Unity's Package Manager: FBX with levels of detail, materials and a prefab with colliders",
+    revision: 0,
     opened_by: "Unity 2021.3 and later",
     contents: "package for Unity's Package Manager (2021.3 and later): an FBX per chunk with levels of detail, materials \
         for the built-in pipeline, URP or HDRP, a prefab with LODGroups, colliders, start poses and lights; \
@@ -65,7 +66,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[Bundle::Tgz],
     settings: || schemars::schema_for!(UnitySettings),
-    build: Build::Plain(|table| Ok(Box::new(Unity(settings("unity", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Unity(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `unity`.
@@ -208,7 +209,7 @@ impl Writer<'_> {
             material => material.to_string(),
             meshes => table.collect::<Vec<_>>(),
         };
-        self.assets.fill_meta(&path, include_str!("../templates/unity/model.meta.jinja"), &values)
+        self.assets.fill_meta(&path, include_str!("../../templates/unity/model.meta.jinja"), &values)
     }
 
     fn add_colliders(
@@ -238,7 +239,7 @@ impl Writer<'_> {
         }
         let path = format!("Runtime/Physics/{}.physicMaterial", zone.name());
         let values = context! { zone => zone.name(), friction => micro(self.scene.friction.of(zone)) };
-        let text = template::fill(&path, include_str!("../templates/unity/friction.jinja"), &values);
+        let text = template::fill(&path, include_str!("../../templates/unity/friction.jinja"), &values);
         let guid = self.assets.text(&path, &text, Importer::Native(FRICTION_OBJECT))?;
         self.friction.push((zone, guid));
         Ok(guid)
@@ -276,7 +277,7 @@ impl Writer<'_> {
             gravity => micro(scene.gravity),
             spawns => scene.spawns.len(),
         };
-        template::fill("README.md", include_str!("../templates/unity/README.md.jinja"), &values)
+        template::fill("README.md", include_str!("../../templates/unity/README.md.jinja"), &values)
     }
 }
 

@@ -24,12 +24,13 @@ use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "urdf",
     summary: "ROS 2 package with a static URDF world, triangle or convex collisions, start poses as frames",
+    revision: 0,
     opened_by: "ROS 2, Bullet, pinocchio and other readers of URDF",
     contents: "ROS 2 package: a static world with `package://` paths, an OBJ per chunk, triangles marked concave for \
         Bullet or convex pieces, start poses as frames",
@@ -41,7 +42,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(UrdfSettings),
-    build: Build::Plain(|table| Ok(Box::new(Urdf(settings("urdf", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Urdf(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `urdf`.
@@ -124,10 +125,10 @@ impl Urdf {
             spawns => Serde(scene.spawns.iter().map(|pose| Origin::new(&sdf_pose(pose))).collect::<Vec<_>>()),
         };
         for (path, template) in [
-            (format!("{name}/package.xml"), include_str!("../templates/urdf/package.xml.jinja")),
-            (format!("{name}/CMakeLists.txt"), include_str!("../templates/urdf/CMakeLists.txt.jinja")),
-            (format!("{name}/urdf/{name}.urdf"), include_str!("../templates/urdf/world.urdf.jinja")),
-            ("README.md".to_owned(), include_str!("../templates/urdf/README.md.jinja")),
+            (format!("{name}/package.xml"), include_str!("../../templates/urdf/package.xml.jinja")),
+            (format!("{name}/CMakeLists.txt"), include_str!("../../templates/urdf/CMakeLists.txt.jinja")),
+            (format!("{name}/urdf/{name}.urdf"), include_str!("../../templates/urdf/world.urdf.jinja")),
+            ("README.md".to_owned(), include_str!("../../templates/urdf/README.md.jinja")),
         ] {
             out.text(&path, &template::fill(&path, template, &values))?;
         }

@@ -29,7 +29,7 @@ use crate::format::{fbx, pixels};
 use crate::frame::{Axes, Up, micro};
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, names, settings, template};
+use crate::{Build, Summary, Target, TargetRow, names, template};
 use index::{Entry, Textures};
 
 mod index;
@@ -38,6 +38,7 @@ mod index;
 pub const ROW: TargetRow = TargetRow {
     name: "unreal",
     summary: "FBX with levels of detail and collision, textures, and a script that imports them",
+    revision: 0,
     opened_by: "Unreal Engine 5.3 and later",
     contents: "an FBX per chunk with levels of detail and collision, normal maps in the DirectX convention, and a Python \
         script that builds materials, Nanite, collision and a level (5.3 and later)",
@@ -49,7 +50,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(UnrealSettings),
-    build: Build::Plain(|table| Ok(Box::new(Unreal(settings("unreal", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Unreal(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `unreal`.
@@ -87,7 +88,7 @@ impl Target for Unreal {
             entries.push(self.write_chunk(scene, index, out)?);
         }
         index::write(scene, &self.0, &entries, out)?;
-        out.text("import_cave.py", include_str!("../templates/unreal/import_cave.py"))?;
+        out.text("import_cave.py", include_str!("../../templates/unreal/import_cave.py"))?;
         out.text("README.md", &self.readme(scene, &entries))?;
         Ok(Summary {
             visual_triangles: entries.iter().map(Entry::visual_triangles).sum(),
@@ -147,7 +148,7 @@ impl Unreal {
             spawns => scene.spawns.len(),
             lights => if self.0.lights { scene.lights.len() } else { 0 },
         };
-        template::fill("README.md", include_str!("../templates/unreal/README.md.jinja"), &values)
+        template::fill("README.md", include_str!("../../templates/unreal/README.md.jinja"), &values)
     }
 }
 

@@ -23,12 +23,13 @@ use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, gl
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "glb",
     summary: "binary glTF 2.0 with embedded PBR textures, and scene.json with spawn poses",
+    revision: 0,
     opened_by: "Blender, three.js, Unity, Unreal, Godot, any glTF viewer",
     contents: "one GLB, or one per chunk: tangents, base colour, normal, occlusion-roughness-metal; meshopt and levels of \
         detail (`MSFT_lod`) as options",
@@ -41,7 +42,7 @@ pub const ROW: TargetRow = TargetRow {
     bundles: &[],
     settings: || schemars::schema_for!(GlbSettings),
     build: Build::Plain(|table| {
-        let settings: GlbSettings = settings("glb", table)?;
+        let settings: GlbSettings = serde_json::from_value(table)?;
         settings.compression.check()?;
         Ok(Box::new(Glb(settings)))
     }),

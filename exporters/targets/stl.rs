@@ -17,12 +17,13 @@ use crate::format::stl;
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "stl",
     summary: "binary STL, the shape without colours",
+    revision: 0,
     opened_by: "CAD programs, slicers, MeshLab, Blender, trimesh",
     contents: "binary STL, visual or collision mesh",
     tested_by: "numpy-stl, trimesh, Blender 4.2, assimp",
@@ -32,7 +33,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: false,
     bundles: &[],
     settings: || schemars::schema_for!(StlSettings),
-    build: Build::Plain(|table| Ok(Box::new(Stl(settings("stl", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Stl(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `stl`.
@@ -80,7 +81,7 @@ impl Target for Stl {
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             triangles,
         };
-        let readme = include_str!("../templates/stl/README.md.jinja");
+        let readme = include_str!("../../templates/stl/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
     }

@@ -22,12 +22,13 @@ use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, bu
 use crate::frame::Axes;
 use crate::package::{Package, pretty};
 use crate::scene::{Chunk, ImageFormat, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "gltf",
     summary: "glTF 2.0 in separate files, levels of detail by MSFT_lod, and scene.json with spawn poses",
+    revision: 0,
     opened_by: "Blender, three.js, Babylon.js, Godot, any glTF viewer",
     contents: "the same in separate files; `<name>_lods.gltf` next to it has the levels of detail",
     tested_by: "as for `glb`",
@@ -38,7 +39,7 @@ pub const ROW: TargetRow = TargetRow {
     bundles: &[],
     settings: || schemars::schema_for!(GltfSettings),
     build: Build::Plain(|table| {
-        let settings: GltfSettings = settings("gltf", table)?;
+        let settings: GltfSettings = serde_json::from_value(table)?;
         settings.compression.check()?;
         Ok(Box::new(Gltf(settings)))
     }),

@@ -16,12 +16,13 @@ use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Contents, Library};
-use crate::{Build, Summary, Target, TargetRow, settings};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "isaac",
     summary: "USD stage for Isaac Sim: payload per chunk, triangle colliders, friction, semantic labels, start poses",
+    revision: 0,
     opened_by: "Isaac Sim 4.5 and later, Isaac Lab",
     contents: "USD stage: a payload per chunk with levels of detail, UsdPreviewSurface, static triangle colliders, \
         friction, lamps, semantic labels, start poses",
@@ -34,7 +35,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(IsaacSettings),
-    build: Build::WithUsd(|table, library| Ok(Box::new(Isaac { settings: settings("isaac", table)?, library }))),
+    build: Build::WithUsd(|table, library| Ok(Box::new(Isaac { settings: serde_json::from_value(table)?, library }))),
 };
 
 /// Settings of target `isaac`.
@@ -57,7 +58,7 @@ impl Default for IsaacSettings {
     }
 }
 
-const README: &str = include_str!("../templates/isaac/README.md.jinja");
+const README: &str = include_str!("../../templates/isaac/README.md.jinja");
 
 /// The target.
 pub struct Isaac {

@@ -11,12 +11,13 @@ use crate::frame::Axes;
 use crate::package::{Existing, Folder, Package};
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow, settings};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "usdz",
     summary: "the USD stage and its textures as one archive",
+    revision: 0,
     opened_by: "Isaac Sim, usdview, Blender, any USD viewer",
     contents: "the same stage and its textures as one archive",
     tested_by: "as for `isaac`",
@@ -26,10 +27,10 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(StageSettings),
-    build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: settings("usdz", table)?, library }))),
+    build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: serde_json::from_value(table)?, library }))),
 };
 
-const README: &str = include_str!("../templates/usd/README.md.jinja");
+const README: &str = include_str!("../../templates/usd/README.md.jinja");
 
 /// The target.
 pub struct Usdz {

@@ -21,7 +21,7 @@ use crate::format::gltf::{Compression, Layout, Place, Style, glb, image_files};
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{ImageFormat, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 pub mod library;
 
@@ -31,6 +31,7 @@ use library::{Format, Library};
 pub const ROW: TargetRow = TargetRow {
     name: "assimp",
     summary: "any format that the installed libassimp writes, such as assimp:collada or assimp:x3d",
+    revision: 0,
     opened_by: "what reads the format",
     contents: "any format that an installed libassimp writes: `assimp:collada`, `assimp:x3d`, …",
     tested_by: "trimesh and pycollada (Collada, OBJ)",
@@ -41,7 +42,7 @@ pub const ROW: TargetRow = TargetRow {
     bundles: &[],
     settings: || schemars::schema_for!(AssimpSettings),
     build: Build::WithFormat(|format, table| {
-        let settings = settings("assimp", table)?;
+        let settings = serde_json::from_value(table)?;
         Ok(Box::new(Assimp::new(settings, format, Library::load()?)?))
     }),
 };
@@ -137,7 +138,7 @@ impl Target for Assimp {
             open => &open,
             folder => if self.settings.per_chunk { "chunks/" } else { "" },
         };
-        let text = template::fill("README.md", include_str!("../templates/assimp/README.md.jinja"), &values);
+        let text = template::fill("README.md", include_str!("../../templates/assimp/README.md.jinja"), &values);
         out.text("README.md", &text)?;
         out.text("recipe.toml", &scene.recipe)?;
         Ok(Summary { visual_triangles, collision_triangles: 0, open: format!("open {open}") })

@@ -24,12 +24,13 @@ use crate::format::obj::{self, Maps};
 use crate::frame::{Axes, sdf_pose};
 use crate::package::Package;
 use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "obj",
     summary: "Wavefront OBJ with PBR keys in the MTL, and a collision mesh",
+    revision: 0,
     opened_by: "nearly every 3D program",
     contents: "OBJ and MTL with PBR keys; collision mesh and coarser levels as options",
     tested_by: "tobj, trimesh, Blender 4.2, assimp",
@@ -39,7 +40,7 @@ pub const ROW: TargetRow = TargetRow {
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(ObjSettings),
-    build: Build::Plain(|table| Ok(Box::new(Obj(settings("obj", table)?)))),
+    build: Build::Plain(|table| Ok(Box::new(Obj(serde_json::from_value(table)?)))),
 };
 
 /// Settings of target `obj`.
@@ -91,7 +92,7 @@ impl Target for Obj {
             view => sdf_pose(&scene.viewpoint()),
             triangles => visual_triangles,
         };
-        let readme = include_str!("../templates/obj/README.md.jinja");
+        let readme = include_str!("../../templates/obj/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
     }

@@ -1,0 +1,233 @@
+//! What every target is, and the row by which it is found.
+
+use std::sync::Arc;
+
+use plume_registry::Named;
+use schemars::{JsonSchema, Schema};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::bundle::Bundle;
+use crate::error::ExportError;
+use crate::frame::Axes;
+use crate::package::Package;
+use crate::scene::{ImageFormat, Scene};
+use crate::stage;
+
+/// Something that writes a scene the way one simulator wants it.
+pub trait Target: Send + Sync {
+    /// Writes the whole package into `out`, loading one chunk at a time.
+    ///
+    /// # Errors
+    /// When the scene is not what [`scene`] promises, a chunk cannot be loaded or a file cannot be written.
+    fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError>;
+
+    /// The frame that the files are in.
+    fn axes(&self) -> Axes;
+
+    /// What of others the package names without containing it, one sentence each.
+    fn references(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Whether [`export`](Self::export) asks the scene for convex pieces, which a host program makes only then.
+    fn wants_pieces(&self) -> bool {
+        false
+    }
+}
+
+/// What an export wrote and how it is opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Summary {
+    /// Triangles that cameras see.
+    pub visual_triangles: u64,
+    /// Triangles that wheels touch, be they of collision meshes or of convex pieces; 0 if the target carries none.
+    pub collision_triangles: u64,
+    /// A command for a shell in the package folder, or a sentence, that opens the package.
+    pub open: String,
+}
+
+/// A row of [`TARGETS`](crate::TARGETS).
+pub struct TargetRow {
+    /// What the user types.
+    pub name: &'static str,
+    /// What is written, in a few words.
+    pub summary: &'static str,
+    /// Which version of the target this is: packages that another one wrote are written again.
+    pub revision: u32,
+    /// What opens the package.
+    pub opened_by: &'static str,
+    /// What is written, in full: Markdown for the README.
+    pub contents: &'static str,
+    /// What opens the package in the tests, and with which result: Markdown for the README.
+    pub tested_by: &'static str,
+    /// Names of the interop checks that open the package.
+    pub checks: &'static [&'static str],
+    /// Encodings of images that it takes; none if it writes no images.
+    pub images: &'static [ImageFormat],
+    /// Whether no file of a package names another.
+    pub is_single_file: bool,
+    /// Whether robots touch convex pieces, always or with the setting `collision = "pieces"`.
+    pub has_pieces: bool,
+    /// Kinds of files that a package can become beside those that every package can, [`Bundle::COMMON`].
+    pub bundles: &'static [Bundle],
+    /// JSON schema of the settings: meaning, unit, default and range of each.
+    pub settings: fn() -> Schema,
+    /// Makes the target.
+    pub build: Build,
+}
+
+/// The USD library that a host program lends.
+pub type Lent = Arc<dyn stage::Library>;
+
+/// How a target is made of its settings: a JSON object in which any may be left out.
+pub enum Build {
+    /// By this crate alone.
+    Plain(fn(Value) -> Built),
+    /// With the USD library that a host program lends.
+    WithUsd(fn(Value, Lent) -> Built),
+    /// In a format that follows the name after a colon, as in `assimp:collada`. Without one, the error lists those there are.
+    WithFormat(fn(Option<&str>, Value) -> Built),
+}
+
+/// A target, or why there is none.
+pub type Built = Result<Box<dyn Target>, BuildError>;
+
+/// Why a target could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// Its settings cannot be read.
+    #[error(transparent)]
+    Settings(#[from] serde_json::Error),
+    /// A library or a format is missing.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+}
+
+impl TargetRow {
+    /// The row of a target whose settings are its fields, each with a doc comment, a range and a default. It takes PNG and JPEG;
+    /// the other facts are empty or no.
+    ///
+    /// ```
+    /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::{ImageFormat, Scene}, ExportError, Summary, Target};
+    /// # #[derive(Default, serde::Deserialize, schemars::JsonSchema)] #[serde(default)] struct Names {}
+    /// # impl Target for Names {
+    /// #     fn export(&self, _: &Scene, _: &mut dyn Package) -> Result<Summary, ExportError> { unimplemented!() }
+    /// #     fn axes(&self) -> Axes { Axes::SCENE }
+    /// # }
+    /// const ROW: TargetRow = TargetRow {
+    ///     opened_by: "any text editor",
+    ///     images: &[],
+    ///     ..TargetRow::new::<Names>("names", "the names of the chunks")
+    /// };
+    /// ```
+    pub const fn new<T>(name: &'static str, summary: &'static str) -> Self
+    where
+        T: Target + DeserializeOwned + JsonSchema + 'static,
+    {
+        Self {
+            name,
+            summary,
+            revision: 0,
+            opened_by: "",
+            contents: "",
+            tested_by: "",
+            checks: &[],
+            images: &ImageFormat::COMMON,
+            is_single_file: false,
+            has_pieces: false,
+            bundles: &[],
+            settings: || schemars::schema_for!(T),
+            build: Build::Plain(|table| Ok(Box::new(serde_json::from_value::<T>(table)?))),
+        }
+    }
+
+    /// The target with these settings; `library` is the USD library of the host program, if it has one.
+    ///
+    /// # Errors
+    /// [`ExportError::Settings`]; [`ExportError::MissingPart`] without a library that fits, where one is needed;
+    /// [`ExportError::UnknownFormat`] where a format is.
+    pub fn build(&'static self, settings: Value, library: Option<&Lent>) -> Result<Box<dyn Target>, ExportError> {
+        Choice { row: self, format: None }.build(settings, library)
+    }
+
+    /// Whether a package can become a file of this kind.
+    pub fn has(&self, bundle: Bundle) -> bool {
+        Bundle::COMMON.contains(&bundle) || self.bundles.contains(&bundle)
+    }
+
+    /// Every kind of file that a package can become.
+    pub fn all_bundles(&self) -> impl Iterator<Item = Bundle> {
+        Bundle::ALL.into_iter().filter(|bundle| self.has(*bundle))
+    }
+
+    /// Whether the host program must lend a USD library.
+    pub fn needs_usd(&self) -> bool {
+        matches!(self.build, Build::WithUsd(_))
+    }
+
+    /// Whether the name of a format belongs to it.
+    pub fn needs_format(&self) -> bool {
+        matches!(self.build, Build::WithFormat(_))
+    }
+
+    /// How it is asked for: its name, with `:<id>` where a format belongs to it.
+    pub fn usage(&self) -> String {
+        let format = if self.needs_format() { ":<id>" } else { "" };
+        format!("{}{format}", self.name)
+    }
+}
+
+impl Named for TargetRow {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
+impl std::fmt::Debug for TargetRow {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TargetRow").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// A target as it is asked for: `gazebo`, or `assimp:collada` with the name of a format.
+#[derive(Clone)]
+pub struct Choice {
+    /// Its row.
+    pub row: &'static TargetRow,
+    /// The format, where the row [needs](TargetRow::needs_format) one.
+    pub format: Option<String>,
+}
+
+impl Choice {
+    /// The target with these settings; `library` is the USD library of the host program, if it has one.
+    ///
+    /// # Errors
+    /// As [`TargetRow::build`].
+    pub fn build(&self, settings: Value, library: Option<&Lent>) -> Result<Box<dyn Target>, ExportError> {
+        let target = self.row.name;
+        let built = match self.row.build {
+            Build::Plain(build) => build(settings),
+            Build::WithUsd(build) => {
+                let library = library.ok_or_else(|| ExportError::no_usd(target))?;
+                library.check()?;
+                build(settings, Arc::clone(library))
+            }
+            Build::WithFormat(build) => build(self.format.as_deref(), settings),
+        };
+        built.map_err(|error| match error {
+            BuildError::Settings(source) => ExportError::Settings { target, source },
+            BuildError::Export(error) => error,
+        })
+    }
+
+    /// What was asked for.
+    pub fn name(&self) -> String {
+        [Some(self.row.name), self.format.as_deref()].into_iter().flatten().collect::<Vec<_>>().join(":")
+    }
+
+    /// The same as part of the name of a folder.
+    pub fn folder(&self) -> String {
+        self.name().replace(|letter: char| !letter.is_ascii_alphanumeric(), "-")
+    }
+}
