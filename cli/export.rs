@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use plume_exporters::bundle::Bundle;
-use plume_exporters::package::Existing;
+use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
 
 use super::fault::CliError;

@@ -1,8 +1,8 @@
 //! `plume list`: what there is to choose from.
 
 use clap::{Args, ValueEnum};
+use plume_exporters::ImageFormat;
 use plume_exporters::bundle::Bundle;
-use plume_exporters::scene::ImageFormat;
 use plume_exporters::{TARGETS, TargetRow};
 use serde_json::{Value, json};
 

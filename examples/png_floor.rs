@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use cpu_time::ProcessTime;
+use plume::exporters::ImageFormat;
 use plume::texture::encode::{Channels, MapWriter};
-use plume::texture::settings::ImageFormat;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("usage: png_floor CAVE_DIR")?;

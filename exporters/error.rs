@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::scene::ImageFormat;
+use crate::image_format::ImageFormat;
 
 /// An export that did not happen. The output folder is as it was before.
 #[derive(Debug, thiserror::Error)]

@@ -10,16 +10,16 @@ mod chunk_files;
 pub mod collision;
 pub mod contents;
 pub mod error;
-mod foreign;
 pub mod format;
 pub mod frame;
+mod image_format;
 pub mod manifest;
 pub mod names;
 pub mod package;
-mod pinch;
 pub mod place;
 pub mod scene;
 mod slope;
+mod split_nonmanifold;
 pub mod stage;
 mod target;
 pub mod targets;
@@ -28,6 +28,7 @@ mod template;
 use plume_registry::Registry;
 
 pub use error::ExportError;
+pub use image_format::ImageFormat;
 pub use target::{Build, BuildError, Built, Choice, Lent, Summary, Target, TargetRow};
 
 /// Every target, in the order they are listed. Programs may [register](Registry::register) their own.

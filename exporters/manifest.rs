@@ -13,15 +13,15 @@ use nalgebra::Isometry3;
 use plume_disk::sealed;
 use serde::{Deserialize, Serialize};
 
-use crate::Target;
 use crate::error::ExportError;
 use crate::frame::Axes;
 use crate::package::{Files, Package};
 use crate::scene::{Image, Scene};
+use crate::target::Target;
 
-use self::witness::Seen;
+use self::recorder::ChunkFacts;
 
-pub(crate) mod witness;
+pub(crate) mod recorder;
 
 /// Version of the shape of a manifest. The first was a plain list of files, the second had no fingerprint.
 pub const FORMAT: u32 = 3;
@@ -149,11 +149,11 @@ impl Manifest {
         target_name: &str,
         target: &dyn Target,
         scene: &Scene,
-        seen: &[Seen],
+        facts: &[ChunkFacts],
         out: &mut dyn Package,
     ) -> Self {
         let files = out.files().clone();
-        let chunks: Vec<ChunkEntry> = seen.iter().map(|chunk| entry(chunk, seen, &files)).collect();
+        let chunks: Vec<ChunkEntry> = facts.iter().map(|chunk| entry(chunk, facts, &files)).collect();
         Self {
             format: FORMAT,
             generator: scene.generator.clone(),
@@ -207,7 +207,7 @@ pub(crate) fn is_of_first_format(text: &[u8]) -> bool {
     serde_json::from_slice::<Files>(text).is_ok()
 }
 
-fn entry(chunk: &Seen, all: &[Seen], files: &Files) -> ChunkEntry {
+fn entry(chunk: &ChunkFacts, all: &[ChunkFacts], files: &Files) -> ChunkEntry {
     let [min, max] = chunk.bounds;
     let material = &chunk.material;
     let height = material.height.as_ref().map(|height| ("height", &height.image));

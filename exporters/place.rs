@@ -3,14 +3,23 @@
 use std::path::PathBuf;
 
 use minijinja::context;
+pub use plume_disk::Existing;
 
-use crate::bundle::{Archive, Bundle};
+pub use self::archive::Archive;
+pub use self::folder::Folder;
+use crate::bundle::Bundle;
 use crate::error::ExportError;
 use crate::manifest::Manifest;
-use crate::manifest::witness::Witness;
-use crate::package::{Existing, Files, Folder, MANIFEST, Package};
+use crate::manifest::recorder::RecordingChunks;
+use crate::package::{Files, MANIFEST, Package};
 use crate::scene::Scene;
-use crate::{Summary, Target, template};
+use crate::target::{Summary, Target};
+use crate::template;
+
+mod archive;
+mod folder;
+mod pack;
+mod user_files;
 
 /// Name of the file that says whose the package is.
 pub const LICENSE: &str = "LICENSE.md";
@@ -66,9 +75,9 @@ impl Place {
 /// # Errors
 /// As [`Target::export`].
 pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
-    let witness = Witness::new(scene);
-    let watched = Scene { chunks: &witness, ..scene.clone() };
-    let summary = target.export(&watched, out)?;
+    let recording = RecordingChunks::new(scene);
+    let recorded = Scene { chunks: &recording, ..scene.clone() };
+    let summary = target.export(&recorded, out)?;
     let values = context! {
         name => &scene.name,
         generator => &scene.generator,
@@ -79,7 +88,7 @@ pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Packag
     };
     let license = template::fill(LICENSE, include_str!("../templates/package/LICENSE.md.jinja"), &values);
     out.text(LICENSE, &license)?;
-    let manifest = Manifest::new(name, target, scene, &witness.seen(scene)?, out);
+    let manifest = Manifest::new(name, target, scene, &recording.facts(scene)?, out);
     out.text(MANIFEST, &manifest.to_text()?)?;
     Ok(summary)
 }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use nalgebra::{Isometry3, Point3, Translation3};
 
 use crate::error::ExportError;
+use crate::image_format::ImageFormat;
 use crate::names;
 
 /// A static world in chunks.
@@ -340,52 +341,6 @@ pub struct Image {
     pub path: PathBuf,
     /// Its encoding.
     pub format: ImageFormat,
-}
-
-/// Encoding of an [`Image`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ImageFormat {
-    /// PNG, 8 bits a channel.
-    Png,
-    /// JPEG.
-    Jpeg,
-    /// WebP.
-    WebP,
-}
-
-impl ImageFormat {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Png, Self::Jpeg, Self::WebP];
-
-    /// Those that nearly every program reads.
-    pub const COMMON: [Self; 2] = [Self::Png, Self::Jpeg];
-
-    /// File name extension.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Jpeg => "jpg",
-            Self::WebP => "webp",
-        }
-    }
-
-    /// What people call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Png => "PNG",
-            Self::Jpeg => "JPEG",
-            Self::WebP => "WebP",
-        }
-    }
-
-    /// Media type.
-    pub fn media_type(self) -> &'static str {
-        match self {
-            Self::Png => "image/png",
-            Self::Jpeg => "image/jpeg",
-            Self::WebP => "image/webp",
-        }
-    }
 }
 
 /// A point light.

@@ -25,8 +25,9 @@ use serde_json::{Value, json};
 
 use crate::collision::Collision;
 use crate::error::ExportError;
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, ImageFormat, Light, Mesh, Scene, Zone};
+use crate::scene::{ByZone, Chunk, Light, Mesh, Scene, Zone};
 use crate::{Summary, frame, slope, template};
 
 mod colliders;

@@ -10,8 +10,9 @@ use serde_json::Value;
 use crate::bundle::Bundle;
 use crate::error::ExportError;
 use crate::frame::Axes;
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ImageFormat, Scene};
+use crate::scene::Scene;
 use crate::stage;
 
 /// Something that writes a scene the way one simulator wants it.
@@ -109,7 +110,7 @@ impl TargetRow {
     /// the other facts are empty or no.
     ///
     /// ```
-    /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::{ImageFormat, Scene}, ExportError, Summary, Target};
+    /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::Scene, ExportError, Summary, Target};
     /// # #[derive(Default, serde::Deserialize, schemars::JsonSchema)] #[serde(default)] struct Names {}
     /// # impl Target for Names {
     /// #     fn export(&self, _: &Scene, _: &mut dyn Package) -> Result<Summary, ExportError> { unimplemented!() }

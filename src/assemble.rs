@@ -80,11 +80,6 @@ impl<'a> FolderChunks<'a> {
 
     fn image(&self, name: &str, image: &str, format: ImageFormat) -> scene::Image {
         let path = self.folder.root().join(store::image_path(name, image, format));
-        let format = match format {
-            ImageFormat::Png => scene::ImageFormat::Png,
-            ImageFormat::Jpg => scene::ImageFormat::Jpeg,
-            ImageFormat::Webp => scene::ImageFormat::WebP,
-        };
         scene::Image { path, format }
     }
 }

@@ -5,8 +5,9 @@ mod texture_support;
 use std::io;
 
 use image::RgbImage;
+use plume::exporters::ImageFormat;
 use plume::mesh::Mesh;
-use plume::texture::settings::{ImageFormat, TextureSettings};
+use plume::texture::settings::TextureSettings;
 use plume::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureError, Textured, texture};
 use texture_support::{Gradient, bubble, cross, dot, rough_passage, spiral, unit};
 

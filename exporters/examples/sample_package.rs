@@ -12,9 +12,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use plume_exporters::package::Existing;
+use plume_exporters::ImageFormat;
+use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
-use plume_exporters::scene::{ImageFormat, Scene};
+use plume_exporters::scene::Scene;
 use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow, target};
 use serde_json::{Value, json};

@@ -120,7 +120,7 @@ mod tests {
     use image::DynamicImage;
 
     use super::*;
-    use crate::scene::ImageFormat;
+    use crate::image_format::ImageFormat;
 
     /// 3 × 2 pixels, no two channels alike.
     fn sample() -> RgbImage {

@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use super::{Array, push_triangles};
 use crate::collision::Collision;
 use crate::error::ExportError;
-use crate::pinch;
 use crate::scene::{ByZone, Chunk, Mesh, Piece, Scene, Zone};
 use crate::slope;
+use crate::split_nonmanifold::split_nonmanifold_vertices;
 
 /// The colliders of a chunk.
 pub(super) enum Colliders {
@@ -47,7 +47,7 @@ impl Colliders {
         match self {
             Self::None => json!([]),
             Self::Triangles(mut mesh) => {
-                pinch::split(&mut mesh);
+                split_nonmanifold_vertices(&mut mesh);
                 json!([collider("Collision".to_owned(), "none", mesh, arrays)])
             }
             Self::Pieces(pieces) => pieces

@@ -19,8 +19,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::ExportError;
 use crate::format::gltf::{Compression, Layout, Place, Style, glb, image_files};
 use crate::frame::Axes;
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ImageFormat, Scene};
+use crate::scene::Scene;
 use crate::{Build, Summary, Target, TargetRow, template};
 
 pub mod library;

@@ -27,8 +27,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::ExportError;
 use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part};
 use crate::frame::{Axes, Up};
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Piece, Scene};
+use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.

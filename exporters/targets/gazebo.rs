@@ -26,8 +26,9 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Image, ImageFormat, Light, Mesh, Piece, Scene, Zone};
+use crate::scene::{Chunk, Image, Light, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.

@@ -21,8 +21,9 @@ use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
 use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, glb};
 use crate::frame::Axes;
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Piece, Scene};
+use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.

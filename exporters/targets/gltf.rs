@@ -20,8 +20,9 @@ use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
 use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer};
 use crate::frame::Axes;
+use crate::image_format::ImageFormat;
 use crate::package::{Package, pretty};
-use crate::scene::{Chunk, ImageFormat, Piece, Scene};
+use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.

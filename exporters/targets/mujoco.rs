@@ -22,8 +22,9 @@ use serde::{Deserialize, Serialize};
 use crate::bundle::Bundle;
 use crate::error::ExportError;
 use crate::frame::{self, Axes, micro};
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ImageFormat, Light, Scene, Zone};
+use crate::scene::{Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;

@@ -22,8 +22,9 @@ use crate::chunk_files::{self, ChunkFiles, Stem, TempFile, Triangles};
 use crate::error::ExportError;
 use crate::format::obj::{self, Maps};
 use crate::frame::{Axes, sdf_pose};
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
+use crate::scene::{Chunk, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.

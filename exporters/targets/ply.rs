@@ -21,8 +21,9 @@ use crate::error::ExportError;
 use crate::format::pixels::Sampler;
 use crate::format::ply;
 use crate::frame::Axes;
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Mesh, Scene, Zone};
+use crate::scene::{Chunk, Mesh, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, slope, template};
 
 /// The row of this target.

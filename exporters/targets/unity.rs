@@ -32,8 +32,9 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{Axes, Up, micro};
+use crate::image_format::ImageFormat;
 use crate::package::{Package, pretty};
-use crate::scene::{Chunk, ImageFormat, Mesh, Piece, Scene, Zone};
+use crate::scene::{Chunk, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 use asset::{Assets, Importer};

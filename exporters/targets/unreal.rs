@@ -27,8 +27,9 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::{fbx, pixels};
 use crate::frame::{Axes, Up, micro};
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Piece, Scene};
+use crate::scene::{Chunk, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, names, template};
 use index::{Entry, Textures};
 

@@ -22,8 +22,9 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
+use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, ImageFormat, Mesh, Scene};
+use crate::scene::{Chunk, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.

@@ -8,7 +8,8 @@ use serde_json::json;
 
 use crate::error::ExportError;
 use crate::frame::Axes;
-use crate::package::{Existing, Folder, Package};
+use crate::package::Package;
+use crate::place::{Existing, Folder};
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
 use crate::{Build, Summary, Target, TargetRow};

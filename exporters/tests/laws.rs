@@ -18,9 +18,11 @@ use std::fs;
 use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use plume_exporters::ImageFormat;
 use plume_exporters::bundle::Bundle;
-use plume_exporters::package::{Existing, Files, Folder, Memory, Package};
-use plume_exporters::scene::{Chunk, Chunks, ImageFormat, Piece, Scene};
+use plume_exporters::package::{Files, Memory, Package};
+use plume_exporters::place::{Existing, Folder};
+use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
 use plume_exporters::{ExportError, TARGETS, Target, TargetRow, target};
 use serde_json::json;
 

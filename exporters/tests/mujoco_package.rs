@@ -11,10 +11,13 @@ mod told;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 
-use plume_exporters::bundle::{Archive, Bundle};
-use plume_exporters::package::{Existing, Memory, Package};
+use plume_exporters::ImageFormat;
+use plume_exporters::bundle::Bundle;
+use plume_exporters::package::{Memory, Package};
+use plume_exporters::place::Archive;
+use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Image, Scene};
 use plume_exporters::targets::mujoco::{self, Collision, Mujoco, MujocoSettings};
 use plume_exporters::{ExportError, Target, target};
 use roxmltree::{Document, Node};

@@ -7,7 +7,8 @@ mod told;
 
 use std::fs;
 
-use plume_exporters::package::{Existing, Folder, MANIFEST, Memory, Package};
+use plume_exporters::package::{MANIFEST, Memory, Package};
+use plume_exporters::place::{Existing, Folder};
 use plume_exporters::target;
 
 use told::told;

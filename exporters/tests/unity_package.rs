@@ -11,13 +11,15 @@ use std::path::Path;
 
 use image::RgbImage;
 use nalgebra::Vector3;
+use plume_exporters::ImageFormat;
 use plume_exporters::Target;
 use plume_exporters::bundle::Bundle;
 use plume_exporters::collision::Collision;
 use plume_exporters::frame::unity_from_scene;
-use plume_exporters::package::{Existing, Memory};
+use plume_exporters::package::Memory;
+use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
-use plume_exporters::scene::{Chunk, Chunks, Image, ImageFormat, Mesh, Scene};
+use plume_exporters::scene::{Chunk, Chunks, Image, Mesh, Scene};
 use plume_exporters::targets::unity::material::Pipeline;
 use plume_exporters::targets::unity::{Unity, UnitySettings, identity};
 

@@ -8,7 +8,7 @@ use nalgebra::Isometry3;
 use numpy::{AllowTypeChange, PyArray1, PyArray3, PyArrayLikeDyn};
 use plume::cave::{self, Order};
 use plume::pipeline::Observer;
-use plume_exporters::package::Existing;
+use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
 use plume_exporters::scene;
 use plume_exporters::stage::Library;

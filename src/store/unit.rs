@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
 use crate::mesh::ChunkIndex;
-use crate::texture::ImageFormat;
+use plume_exporters::ImageFormat;
 use plume_graph::echo::shown;
 
 /// The name of units that are made once for the whole cave.

@@ -10,10 +10,10 @@ use rayon::prelude::*;
 use super::encode::{Channels, MapWriter};
 use super::owners::{NONE, Strips};
 use super::patch::{Frame, Patch};
-use super::settings::ImageFormat;
 use super::srgb::SrgbTable;
 use super::{HEIGHT_AMPLITUDE_M, Maps, Textured};
 use crate::field::{Bounds, Surface, Texel};
+use plume_exporters::ImageFormat;
 
 /// Side of the squares of texels that are looked at together, so that what lies near them needs finding once; also the
 /// rows of a strip. Tuned.

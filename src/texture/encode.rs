@@ -7,7 +7,7 @@ use image_webp::{ColorType as WebpColor, WebPEncoder};
 use jpeg_encoder::{ColorType as JpgColor, Encoder as JpgEncoder, SamplingFactor};
 use png::{BitDepth, Compression, Encoder as PngEncoder, Filter, SrgbRenderingIntent, StreamWriter};
 
-use super::settings::ImageFormat;
+use plume_exporters::ImageFormat;
 
 /// JPG quality: artefacts below what normal maps show on rock.
 const JPG_QUALITY: u8 = 90;
@@ -60,8 +60,8 @@ impl<W: Write> MapWriter<W> {
                 let stream = Box::new(png_stream(spill.clone(), channels, size_px)?);
                 Inner::Png { sink, stream, spill }
             }
-            ImageFormat::Jpg => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_jpg },
-            ImageFormat::Webp => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_webp },
+            ImageFormat::Jpeg => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_jpg },
+            ImageFormat::WebP => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_webp },
         };
         Ok(Self(inner))
     }

@@ -1,5 +1,6 @@
 //! What the user may ask of the textures.
 
+use plume_exporters::ImageFormat;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -28,33 +29,6 @@ pub struct TextureSettings {
 impl Default for TextureSettings {
     fn default() -> Self {
         Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png, height: false }
-    }
-}
-
-/// File format of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ImageFormat {
-    /// Lossless, fast filters.
-    #[default]
-    Png,
-    /// Quality 90, no chroma subsampling.
-    Jpg,
-    /// Lossless.
-    Webp,
-}
-
-impl ImageFormat {
-    /// Every format.
-    pub const ALL: [Self; 3] = [Self::Png, Self::Jpg, Self::Webp];
-
-    /// File name extension.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Jpg => "jpg",
-            Self::Webp => "webp",
-        }
     }
 }
 

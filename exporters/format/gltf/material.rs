@@ -12,7 +12,8 @@ use super::Place;
 use super::layout::Layout;
 use super::payload::Payload;
 use crate::error::{ExportError, at};
-use crate::scene::{self, Chunk, Image, ImageFormat};
+use crate::image_format::ImageFormat;
+use crate::scene::{self, Chunk, Image};
 
 /// What a texture without a fallback has in place of an image: the JSON then leaves it out.
 const NO_SOURCE: u32 = u32::MAX;

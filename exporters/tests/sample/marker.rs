@@ -5,7 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Vector3};
-use plume_exporters::scene::{ByZone, Chunk, Chunks, Image, ImageFormat, Material, Mesh, Piece, Scene, Zone};
+use plume_exporters::ImageFormat;
+use plume_exporters::scene::{ByZone, Chunk, Chunks, Image, Material, Mesh, Piece, Scene, Zone};
 use serde_json::{Value, json};
 
 use crate::sample::write_png;

@@ -6,9 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use plume_exporters::scene::{
-    ByZone, Chunk, Chunks, Image, ImageFormat, Light, Lod, Material, Mesh, Piece, Scene, Zone,
-};
+use plume_exporters::ImageFormat;
+use plume_exporters::scene::{ByZone, Chunk, Chunks, Image, Light, Lod, Material, Mesh, Piece, Scene, Zone};
 
 /// Half the length of the chamber along x, metres.
 const REACH_M: f64 = 6.0;

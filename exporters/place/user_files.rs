@@ -12,13 +12,13 @@ use crate::package::{Files, MANIFEST};
 ///
 /// # Errors
 /// [`ExportError::InTheWay`] when `new` has that name already; when the disk refuses.
-pub fn keep(old: &Path, own: &Files, new: &Path) -> Result<(), ExportError> {
-    keep_below(old, Some(""), own, new)
+pub fn carry_over(old: &Path, own: &Files, new: &Path) -> Result<(), ExportError> {
+    carry_over_below(old, Some(""), own, new)
 }
 
 /// `above` is the path of `old` in the package, empty or with a slash at its end; `None` if it is not UTF-8, as no path in a
 /// manifest is.
-fn keep_below(old: &Path, above: Option<&str>, own: &Files, new: &Path) -> Result<(), ExportError> {
+fn carry_over_below(old: &Path, above: Option<&str>, own: &Files, new: &Path) -> Result<(), ExportError> {
     let named = |error: io::Error| at(old.display(), &error);
     for entry in fs::read_dir(old).map_err(named)? {
         let entry = entry.map_err(named)?;
@@ -30,7 +30,7 @@ fn keep_below(old: &Path, above: Option<&str>, own: &Files, new: &Path) -> Resul
             if !below.as_ref().is_some_and(|below| own.0.keys().any(|file| file.starts_with(below))) {
                 fs::create_dir_all(&to).map_err(|error| in_the_way(&from, &error))?;
             }
-            keep_below(&from, below.as_deref(), own, &to)?;
+            carry_over_below(&from, below.as_deref(), own, &to)?;
         } else if !path.is_some_and(|path| path == MANIFEST || own.0.contains_key(&path)) {
             fs::create_dir_all(new).map_err(|error| in_the_way(&from, &error))?;
             name_again(&from, &to, kind).map_err(|error| in_the_way(&from, &error))?;

@@ -6,7 +6,7 @@
 use crate::scene::Mesh;
 
 /// Gives every fan but the first of a vertex a copy of it, at the end of the vertices. Positions and triangles only.
-pub(crate) fn split(mesh: &mut Mesh) {
+pub(crate) fn split_nonmanifold_vertices(mesh: &mut Mesh) {
     let mut corners: Vec<usize> = (0..mesh.indices.len()).collect();
     corners.sort_by_key(|&corner| mesh.indices[corner]);
     let mut moves = Vec::new();
@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn two_fans_get_a_vertex_each() {
         let mut touching = mesh(5, &[0, 1, 2, 0, 3, 4]);
-        split(&mut touching);
+        split_nonmanifold_vertices(&mut touching);
         assert_eq!(touching.indices, [0, 1, 2, 5, 3, 4]);
         assert_eq!(touching.positions[5], touching.positions[0]);
     }
@@ -71,7 +71,7 @@ mod tests {
         let closed = mesh(4, &[0, 2, 3, 0, 1, 2, 0, 3, 1]);
         for mut whole in [open, closed] {
             let before = whole.clone();
-            split(&mut whole);
+            split_nonmanifold_vertices(&mut whole);
             assert_eq!(whole, before);
         }
     }

@@ -10,7 +10,7 @@ use super::LodEntry;
 
 /// What a manifest tells of a chunk.
 #[derive(Clone)]
-pub struct Seen {
+pub struct ChunkFacts {
     pub name: String,
     pub bounds: [[f32; 3]; 2],
     pub triangles: u64,
@@ -23,47 +23,47 @@ pub struct Seen {
 }
 
 /// Hands chunks on and notes what they were like.
-pub struct Witness<'a> {
+pub struct RecordingChunks<'a> {
     inner: &'a dyn Chunks,
-    seen: Mutex<Vec<Notes>>,
+    notes: Mutex<Vec<Notes>>,
 }
 
 #[derive(Clone, Default)]
 struct Notes {
-    chunk: Option<Seen>,
+    chunk: Option<ChunkFacts>,
     pieces: Option<u64>,
 }
 
-impl<'a> Witness<'a> {
+impl<'a> RecordingChunks<'a> {
     /// Watches the chunks of a scene.
     pub fn new(scene: &Scene<'a>) -> Self {
-        Self { inner: scene.chunks, seen: Mutex::new(vec![Notes::default(); scene.chunks.len()]) }
+        Self { inner: scene.chunks, notes: Mutex::new(vec![Notes::default(); scene.chunks.len()]) }
     }
 
     /// What passed. A chunk that the target had no use for is loaded now.
     ///
     /// # Errors
     /// As [`Scene::chunk`].
-    pub fn seen(&self, scene: &Scene) -> Result<Vec<Seen>, ExportError> {
+    pub fn facts(&self, scene: &Scene) -> Result<Vec<ChunkFacts>, ExportError> {
         (0..self.len()).map(|index| self.one(index, scene)).collect()
     }
 
-    fn one(&self, index: usize, scene: &Scene) -> Result<Seen, ExportError> {
+    fn one(&self, index: usize, scene: &Scene) -> Result<ChunkFacts, ExportError> {
         let notes = self.note(index, |notes| notes.clone());
         let chunk = match notes.chunk {
             Some(chunk) => chunk,
             None => self.describe(index, &scene.chunk(index)?),
         };
-        Ok(Seen { pieces: notes.pieces, ..chunk })
+        Ok(ChunkFacts { pieces: notes.pieces, ..chunk })
     }
 
     fn note<T>(&self, index: usize, write: impl FnOnce(&mut Notes) -> T) -> T {
-        write(&mut self.seen.lock().unwrap_or_else(PoisonError::into_inner)[index])
+        write(&mut self.notes.lock().unwrap_or_else(PoisonError::into_inner)[index])
     }
 
-    fn describe(&self, index: usize, chunk: &Chunk) -> Seen {
+    fn describe(&self, index: usize, chunk: &Chunk) -> ChunkFacts {
         let lod = |lod: &crate::scene::Lod| LodEntry { triangles: lod.mesh.triangles(), error_m: lod.error_m };
-        Seen {
+        ChunkFacts {
             name: chunk.name.clone(),
             bounds: chunk.visual.bounds(),
             triangles: chunk.visual.triangles(),
@@ -76,15 +76,15 @@ impl<'a> Witness<'a> {
     }
 }
 
-impl Chunks for Witness<'_> {
+impl Chunks for RecordingChunks<'_> {
     fn len(&self) -> usize {
         self.inner.len()
     }
 
     fn load(&self, index: usize) -> io::Result<Chunk> {
         let chunk = self.inner.load(index)?;
-        let seen = self.describe(index, &chunk);
-        self.note(index, |notes| notes.chunk = Some(seen));
+        let facts = self.describe(index, &chunk);
+        self.note(index, |notes| notes.chunk = Some(facts));
         Ok(chunk)
     }
 

@@ -1,0 +1,54 @@
+//! Encodings of images.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How an image is encoded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ImageFormat {
+    /// Lossless, fast filters.
+    #[default]
+    Png,
+    /// Quality 90, no chroma subsampling.
+    #[serde(rename = "jpg")]
+    Jpeg,
+    /// Lossless.
+    #[serde(rename = "webp")]
+    WebP,
+}
+
+impl ImageFormat {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Png, Self::Jpeg, Self::WebP];
+
+    /// Those that nearly every program reads.
+    pub const COMMON: [Self; 2] = [Self::Png, Self::Jpeg];
+
+    /// File name extension.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+            Self::WebP => "webp",
+        }
+    }
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
+        }
+    }
+
+    /// Media type.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::Png => "image/png",
+            Self::Jpeg => "image/jpeg",
+            Self::WebP => "image/webp",
+        }
+    }
+}
