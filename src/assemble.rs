@@ -13,7 +13,8 @@ use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
-use crate::texture::{HEIGHT_AMPLITUDE_M, ImageFormat, TextureSettings};
+use crate::texture::{HEIGHT_AMPLITUDE_M, TextureSettings};
+use plume_exporters::ImageFormat;
 use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.

@@ -40,6 +40,8 @@ mod gradient;
 mod lane;
 mod vector;
 
+pub use fearless_simd::Simd;
+
 pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets};
 pub use gradient::Source;
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};

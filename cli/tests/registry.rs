@@ -1,17 +1,32 @@
-//! A generator written outside of Plume is found wherever the built-in ones are.
+//! A generator, a rock and a target written outside of Plume are found wherever the built-in ones are.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 #[allow(dead_code, reason = "its main is not called")]
 #[path = "../examples/own_generator.rs"]
 mod own_generator;
+#[allow(dead_code, reason = "its main is not called")]
+#[path = "../examples/own_rock.rs"]
+mod own_rock;
+#[allow(dead_code, reason = "its main is not called")]
+#[path = "../examples/own_target.rs"]
+mod own_target;
 
 use std::ffi::OsString;
+use std::fs;
 
+use plume::exporters::check::check;
 use plume::generators::GENERATORS;
 use plume::graph::Nowhere;
+use plume::material::{MATERIALS, MaterialRow};
 use plume::recipe::Recipe;
 use plume::registry::RegisterError;
+
+/// The command in this process, in which the rows are registered; gives its exit code.
+fn plume(words: &[&str]) -> u8 {
+    let words = ["plume", "--quiet"].iter().chain(words).map(OsString::from);
+    plume_cli::run(words, &plume_cli::Host::Binary)
+}
 
 /// In one test, because what is registered stays for the whole process.
 #[test]
@@ -35,9 +50,44 @@ fn a_generator_of_ones_own_works_in_recipes_layers_and_commands() {
     layers.with("graph.layer", [layer.clone(), layer]).unwrap();
 
     let folder = tempfile::tempdir().unwrap();
-    let output = folder.path().join("cave").into_os_string();
-    let words = ["plume", "graph", "--quiet", "--set", "graph.generator=spiral", "--output"].map(OsString::from);
-    assert_eq!(plume_cli::run(words.into_iter().chain([output]), &plume_cli::Host::Binary), 0);
-    let graph = std::fs::read_to_string(folder.path().join("cave/graph.json")).unwrap();
+    let output = folder.path().join("cave").into_os_string().into_string().unwrap();
+    assert_eq!(plume(&["graph", "--set", "graph.generator=spiral", "--output", &output]), 0);
+    let graph = fs::read_to_string(folder.path().join("cave/graph.json")).unwrap();
     assert!(graph.contains("\"generator\": \"spiral\"") || graph.contains("\"generator\":\"spiral\""), "{graph}");
+}
+
+#[test]
+fn a_rock_and_a_target_of_ones_own_work_in_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
+    let (cave, cloud) = (path("cave"), path("cloud"));
+    let settings = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.size_px=256", "rock.kind=salt", "rock.bed_m=2"];
+    let export = |options: &[&str]| {
+        let set = settings.iter().flat_map(|pair| ["--set", *pair]);
+        let words = ["export", "--target", "xyz", "--output", &cloud, "--keep", &cave, "--force"];
+        plume(&words.into_iter().chain(options.iter().copied()).chain(set).collect::<Vec<_>>())
+    };
+    assert_eq!(export(&[]), 2, "neither is registered");
+
+    own_rock::register().unwrap();
+    own_target::register().unwrap();
+    assert_eq!(own_rock::register(), Err(RegisterError::Taken("salt")));
+    assert_eq!(own_target::register(), Err(RegisterError::Taken("xyz")));
+    assert_eq!(export(&[]), 0);
+    assert!(check(cloud.as_ref()).unwrap().is_whole());
+    let points = fs::read_to_string(path("cloud/cave.xyz")).unwrap().lines().count();
+    assert_eq!(export(&["--option", "xyz.keep_every=10"]), 0);
+    let kept = fs::read_to_string(path("cloud/cave.xyz")).unwrap().lines().count();
+    assert!(kept >= points / 10 && kept < points / 9, "{kept} of {points}");
+    assert_eq!(export(&["--option", "xyz.keep_every=many"]), 2);
+}
+
+#[test]
+fn a_revised_rock_is_another_version() {
+    let row = |name| MaterialRow::new::<own_rock::Salt>(name, "rock salt");
+    MATERIALS.register(row("salt-1")).unwrap();
+    MATERIALS.register(row("salt-2").revised(2)).unwrap();
+    let version = |kind: &str| Recipe::from_overrides(&[format!("rock.kind={kind}")]).unwrap().version();
+    assert_eq!(version("salt-1"), plume::VERSION);
+    assert_eq!(version("salt-2"), format!("{} revision 2", plume::VERSION));
 }
