@@ -18,7 +18,7 @@ pub mod space_colonization;
 mod tiles;
 pub mod worms;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use schemars::generate::SchemaSettings;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -41,7 +41,6 @@ use plume_graph::{GenerateError, Generator};
 use plume_registry::{Named, Registry};
 
 /// A row of [`GENERATORS`].
-#[derive(Debug)]
 pub struct GeneratorRow {
     /// Name in recipes.
     pub name: &'static str,
@@ -53,9 +52,9 @@ pub struct GeneratorRow {
     pub sample: &'static str,
     /// JSON Schema of the settings: descriptions, ranges, defaults. A text with `"format": "path"` names a file, which a
     /// recipe means relative to itself.
-    pub schema: fn() -> schemars::Schema,
+    pub schema: &'static (dyn Fn() -> Schema + Sync),
     /// Reads settings (an object holding a subset of the keys).
-    pub read: fn(Value) -> Result<Box<dyn Generator>, serde_json::Error>,
+    pub read: &'static (dyn Fn(Value) -> Result<Box<dyn Generator>, serde_json::Error> + Sync),
 }
 
 /// Every generator, the default first. Programs may [register](Registry::register) their own.
@@ -129,8 +128,8 @@ impl GeneratorRow {
             summary,
             source: "",
             sample: "",
-            schema: || inlined::<G>(),
-            read: |settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
+            schema: &|| inlined::<G>(),
+            read: &|settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
         }
     }
 
@@ -140,13 +139,19 @@ impl GeneratorRow {
     }
 }
 
+impl std::fmt::Debug for GeneratorRow {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("GeneratorRow").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
 impl Named for GeneratorRow {
     fn name(&self) -> &'static str {
         self.name
     }
 }
 
-fn inlined<G: JsonSchema>() -> schemars::Schema {
+fn inlined<G: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     settings.into_generator().into_root_schema_for::<G>()
 }

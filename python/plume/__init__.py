@@ -31,6 +31,7 @@ from plume._plume import (
     materials,
     open,
     presets,
+    register_generator,
     targets,
 )
 from plume.errors import Fault, InputError, MissingPartError, PlumeError, RecipeError, StorageError
@@ -59,5 +60,6 @@ __all__ = [
     "materials",
     "open",
     "presets",
+    "register_generator",
     "targets",
 ]

@@ -29,6 +29,7 @@ __all__ = [
     "materials",
     "open",
     "presets",
+    "register_generator",
     "targets",
 ]
 
@@ -109,6 +110,41 @@ def materials() -> dict[str, str]:
 def presets() -> dict[str, str]:
     """Names for `Recipe.preset`, with what each makes."""
 
+def register_generator(
+    name: str,
+    function: Callable[[int, dict[str, Any]], Mapping[str, Any] | str],
+    *,
+    summary: str = "",
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+) -> None:
+    """Registers a generator of your own: from then on recipes can name it, as `graph.generator`.
+
+    It stays registered for as long as the process runs. The same seed and settings have to give the same graph, or caves cannot
+    be made again; take random numbers from `random.Random(seed)`.
+
+    Args:
+        name: What recipes call it: lower-case letters, digits and hyphens.
+        function: Called as `function(seed, settings)`, on another thread. Returns a graph as `Graph.to_dict` does, or its
+            JSON text; of each node, `id`, `coordinates` and `edges` are enough.
+        summary: One line for lists.
+        settings: The keys that recipes may set beside `generator`, each with its JSON Schema. A `default` is needed, ranges
+            are checked, and the `description` is the comment in recipes.
+
+    Raises:
+        InputError: The name is taken or cannot be written in recipes, or a setting has no type or no default.
+
+    >>> def straight(seed, settings):
+    ...     count = settings["stations"]
+    ...     return {"nodes": [{
+    ...         "id": i,
+    ...         "coordinates": {"x": 8.0 * i, "y": 0.0, "z": 0.0},
+    ...         "edges": [i + 1] if i + 1 < count else [],
+    ...     } for i in range(count)]}
+    >>> plume.register_generator("straight", straight, settings={"stations": {"type": "integer", "default": 4}})
+    >>> with plume.generate({"graph.generator": "straight", "mesh.voxel_m": 0.5, "texture.size_px": 256}) as tunnel:
+    ...     len(tunnel.graph.positions)
+    4
+    """
 @final
 class Recipe:
     """What a cave is made from: every key has a value, every value is in range.

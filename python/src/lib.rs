@@ -7,6 +7,7 @@ mod array;
 mod cave;
 mod chunk;
 mod error;
+mod generator;
 mod graph;
 mod json;
 mod light;
@@ -35,6 +36,8 @@ mod _plume {
     use super::cave::Cave;
     #[pymodule_export]
     use super::chunk::{Chunk, ChunkIterator, Chunks};
+    #[pymodule_export]
+    use super::generator::register_generator;
     #[pymodule_export]
     use super::graph::Graph;
     #[pymodule_export]
