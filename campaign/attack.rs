@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::desk::Desk;
+use crate::packages::Packages;
 use crate::python::Python;
 use crate::rng::Rng;
 use crate::tally::Tally;
@@ -26,6 +27,8 @@ pub struct Context<'a> {
     pub plume: &'a Path,
     /// The repository that it was built from.
     pub repository: &'a Path,
+    /// The kinds of packages that it writes without Python.
+    pub packages: &'a Packages,
     /// The Python package, if it is installed.
     pub python: Option<&'a Python>,
     /// A finished small cave folder: to be copied, never changed.

@@ -30,6 +30,7 @@ use std::time::{Duration, Instant};
 use crate::arguments::Arguments;
 use crate::attack::{Attack, Context, Length};
 use crate::attacks::ATTACKS;
+use crate::packages::Packages;
 use crate::python::Python;
 use crate::report::Row;
 use crate::rng::Rng;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
 fn run(chosen: &[&'static Attack], arguments: &Arguments) -> Vec<Row> {
     let scratch = tempfile::Builder::new().prefix("campaign").tempdir().expect("a folder can be made");
     let cave = cave::make(&arguments.plume, scratch.path());
+    let packages = Packages::of(&arguments.plume);
     let python = Python::find(&arguments.repository);
     let next = Mutex::new(chosen.iter().enumerate());
     let rows = Mutex::new(Vec::new());
@@ -64,6 +66,7 @@ fn run(chosen: &[&'static Attack], arguments: &Arguments) -> Vec<Row> {
             let mut context = Context {
                 plume: &arguments.plume,
                 repository: &arguments.repository,
+                packages: &packages,
                 python: python.as_ref(),
                 cave: &cave,
                 scratch: folder,

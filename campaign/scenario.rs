@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::attack::Context;
 use crate::cave::SMALL;
 use crate::desk::Desk;
-use crate::packages::{BUNDLES, TARGETS};
+use crate::packages::Packages;
 use crate::program::Outcome;
 use crate::tree::Tree;
 
@@ -95,10 +95,10 @@ impl Scenario {
 }
 
 /// Commands that write each kind of thing.
-pub fn all() -> Vec<Scenario> {
+pub fn all(packages: &Packages) -> Vec<Scenario> {
     let new = Scenario::new;
     let force = |line: &str, output: &str| new(&format!("{line} --force"), &[output]);
-    let bundles = BUNDLES.map(|(bundle, target)| {
+    let bundles = packages.bundles.iter().map(|(bundle, target)| {
         new(&format!("export c -t {target} --bundle {bundle} -o out"), &[&format!("out.{bundle}")])
     });
     let others = [
@@ -113,14 +113,14 @@ pub fn all() -> Vec<Scenario> {
         new("preview c -o plan.png", &["plan.png"]),
         new("graph export c -o g.json", &["g.json"]),
     ];
-    bundles.into_iter().chain(others).collect()
+    bundles.chain(others).collect()
 }
 
 /// A package of every target, and what else takes long enough to be met in the middle.
-pub fn long() -> Vec<Scenario> {
-    let targets = TARGETS.map(|target| Scenario::new(&format!("export c -t {target} -o out"), &["out"]));
+pub fn long(packages: &Packages) -> Vec<Scenario> {
+    let target = |name: &String| Scenario::new(&format!("export c -t {name} -o out"), &["out"]);
     let several = Scenario::new("export c -t gazebo,obj,glb -o out", &["out/gazebo", "out/obj", "out/glb"]);
-    targets.into_iter().chain([several]).chain(all()).collect()
+    packages.targets.iter().map(target).chain([several]).chain(all(packages)).collect()
 }
 
 /// A line as arguments.

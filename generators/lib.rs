@@ -18,8 +18,8 @@ pub mod space_colonization;
 mod tiles;
 pub mod worms;
 
-use schemars::{JsonSchema, Schema};
 use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 

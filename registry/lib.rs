@@ -50,6 +50,15 @@ impl<R: Named> Registry<R> {
         self.built_in.iter().chain(added)
     }
 
+    /// The names to tell about where `name` is asked for. One that is there gets the built-in ones and itself, so that what is
+    /// written of it does not depend on what else a program has registered; one that is not gets all.
+    pub fn names_for(&self, name: &str) -> Vec<&'static str> {
+        let known = self.find(name).is_some();
+        let is_told =
+            |row: &&R| !known || row.name() == name || self.built_in.iter().any(|own| own.name() == row.name());
+        self.iter().filter(is_told).map(R::name).collect()
+    }
+
     /// The row that is taken when none is named.
     pub fn default_row(&self) -> &'static R {
         &self.built_in[0]
@@ -116,5 +125,9 @@ mod tests {
         assert_eq!(rows.iter().collect::<Vec<_>>(), [&Row("mine"), &Row("karst"), &Row("maze-2")]);
         assert_eq!((rows.find("maze-2"), rows.find("maze")), (Some(&Row("maze-2")), None));
         assert_eq!(rows.default_row(), &Row("mine"));
+        assert_eq!(rows.register(Row("shaft")), Ok(()));
+        assert_eq!(rows.names_for("karst"), ["mine", "karst"]);
+        assert_eq!(rows.names_for("shaft"), ["mine", "karst", "shaft"]);
+        assert_eq!(rows.names_for("maze"), ["mine", "karst", "maze-2", "shaft"]);
     }
 }

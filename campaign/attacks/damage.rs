@@ -6,7 +6,6 @@ use std::path::Path;
 
 use crate::attack::{Attack, Context};
 use crate::desk::Desk;
-use crate::packages::{BUNDLES, TARGETS};
 use crate::program::Outcome;
 use crate::python;
 use crate::rng::Rng;
@@ -232,16 +231,17 @@ fn edit_facts(context: &Context, tally: &mut Tally) {
 fn damage_packages(context: &mut Context, tally: &mut Tally) {
     let desk = context.desk_with_cave();
     let mut packages: Vec<String> = Vec::new();
-    for target in TARGETS {
+    for target in &context.packages.targets {
         tally.enter("a package to be damaged", desk.run(&["export", "c", "-t", target, "-o", target]).done());
         packages.extend(desk.tree_of(target).files().iter().map(|file| format!("{target}/{}", file.display())));
     }
     let packages = context.length.some_of(&packages, 66);
-    let archives = BUNDLES.map(|(bundle, target)| {
+    let archive = |(bundle, target): &(String, String)| {
         let made = desk.run(&["export", "c", "-t", target, "--bundle", bundle, "-o", "out"]).done();
         tally.enter("an archive to be damaged", made);
         format!("out.{bundle}")
-    });
+    };
+    let archives: Vec<String> = context.packages.bundles.iter().map(archive).collect();
     let all: Vec<String> = packages.into_iter().chain(archives.iter().cycle().take(40).cloned()).collect();
     for round in context.length.rounds(all.len(), 4 * all.len()) {
         let file = &all[round % all.len()];

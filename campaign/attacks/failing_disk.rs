@@ -25,7 +25,7 @@ fn run(context: &mut Context) -> Tally {
         tally.skip(reason);
         return tally;
     }
-    for scenario in scenario::all() {
+    for scenario in scenario::all(context.packages) {
         match scenario.reference(context) {
             Ok(reference) => {
                 fail(context, &mut tally, &scenario, &reference, &WRITES, "error=ENOSPC");

@@ -19,7 +19,7 @@ const MANY: usize = 200;
 fn run(context: &mut Context) -> Tally {
     let mut tally = Tally::default();
     let mut known = Vec::new();
-    for scenario in scenario::long() {
+    for scenario in scenario::long(context.packages) {
         match scenario.reference(context) {
             Ok(reference) => known.push((scenario, reference)),
             Err(fault) => tally.enter(&scenario.line(), Err(fault)),

@@ -2,7 +2,7 @@
 
 use crate::attack::{Attack, Context};
 use crate::desk::Desk;
-use crate::packages::BUNDLES;
+use crate::packages::Packages;
 use crate::tally::Tally;
 
 pub const ATTACK: Attack = Attack {
@@ -20,7 +20,7 @@ struct Writing {
 
 fn run(context: &mut Context) -> Tally {
     let mut tally = Tally::default();
-    for Writing { command, output } in writings() {
+    for Writing { command, output } in writings(context.packages) {
         for (kind, plant) in PLANTS {
             let desk = context.desk_with_cave();
             plant(&desk, &output);
@@ -40,8 +40,8 @@ fn survives(desk: &Desk, words: &[&str]) -> Result<(), String> {
     before.expect_within(&desk.tree()).map_err(|change| outcome.told(&change))
 }
 
-fn writings() -> Vec<Writing> {
-    let exported = BUNDLES.map(|(bundle, target)| Writing {
+fn writings(packages: &Packages) -> Vec<Writing> {
+    let exported = packages.bundles.iter().map(|(bundle, target)| Writing {
         command: line(&format!("export c -t {target} --bundle {bundle} -o z")),
         output: format!("z.{bundle}"),
     });

@@ -42,7 +42,7 @@ fn run(context: &mut Context) -> Tally {
 
 /// A run that is asked to end leaves whole things or none, and the next goes on.
 fn at_work(context: &mut Context, tally: &mut Tally, (name, signal): (&str, Signal)) {
-    let scenarios = scenario::all();
+    let scenarios = scenario::all(context.packages);
     for round in context.length.rounds(scenarios.len(), 4 * scenarios.len()) {
         let scenario = &scenarios[round % scenarios.len()];
         let part = context.rng.unit();

@@ -24,7 +24,7 @@ fn run(context: &mut Context) -> Tally {
         tally.skip(reason);
         return tally;
     }
-    for scenario in scenario::all() {
+    for scenario in scenario::all(context.packages) {
         let points =
             scenario.desk(context).and_then(|desk| strace::points(&desk, &scenario::strs(&scenario.words), &CALLS));
         match (points, scenario.reference(context)) {

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-#[path = "../../campaign/packages.rs"]
-mod campaign;
 #[path = "sample/changed.rs"]
 mod changed;
 #[path = "sample/ledger.rs"]
@@ -59,19 +57,6 @@ fn every_row_says_what_opens_the_package() {
         }
         assert!(!row.checks.is_empty(), "{}: `checks` names the interop checks that open the package", row.name);
     }
-}
-
-/// The campaign of attacks is built without the crates that it attacks.
-#[test]
-fn the_campaign_knows_every_target_that_needs_no_python() {
-    let names: Vec<&str> = complete().filter(|row| !row.needs_usd()).map(|row| row.name).collect();
-    assert_eq!(campaign::TARGETS[..], names, "`campaign/packages.rs` lists these targets");
-    let kinds = campaign::BUNDLES.map(|(kind, name)| {
-        let row = target(name).unwrap().row;
-        assert!(row.all_bundles().any(|bundle| bundle.name() == kind), "`{name}` has no bundle `{kind}`");
-        kind
-    });
-    assert_eq!(kinds, Bundle::ALL.map(Bundle::name), "`campaign/packages.rs` lists these kinds of files");
 }
 
 #[test]

@@ -20,9 +20,9 @@ pub fn of(recipe: &Value) -> Value {
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS.default_row().name);
     let row = GENERATORS.find(generator).unwrap_or_else(|| GENERATORS.default_row());
     let settings = plain((row.schema)().to_value());
-    let graph = choice("generator", &generator_names(), "How the passages grow.", settings);
+    let graph = choice("generator", &GENERATORS.names_for(generator), "How the passages grow.", settings);
     let rock_row = MATERIALS.find(kind).unwrap_or_else(|| MATERIALS.default_row());
-    let rock = choice("kind", &rock_names(), "Which rock.", plain((rock_row.schema)().to_value()));
+    let rock = choice("kind", &MATERIALS.names_for(kind), "Which rock.", plain((rock_row.schema)().to_value()));
     whole(graph, rock)
 }
 

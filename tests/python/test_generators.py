@@ -48,6 +48,15 @@ def test_recipes_name_it_and_its_settings(name: str) -> None:
         recipe.replace({"graph.bends": 1})
 
 
+@pytest.mark.parametrize("generator", ["mine", "layers"])
+def test_other_recipes_stay_as_they_are(name: str, generator: str) -> None:
+    before = plume.Recipe({"graph.generator": generator}).to_toml()
+    plume.register_generator(name, zigzag)
+    assert plume.Recipe({"graph.generator": generator}).to_toml() == before
+    with pytest.raises(plume.RecipeError, match=name):
+        plume.Recipe({"graph.generator": "unheard-of"})
+
+
 def test_the_same_seed_gives_the_same_cave(name: str, tmp_path: Path) -> None:
     threads = []
 

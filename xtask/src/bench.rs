@@ -7,6 +7,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::plume::{Plume, Profile, cargo};
+use crate::targets::Target;
 use crate::tools::{Result, root, run as run_program};
 use crate::venv::Environment;
 
@@ -76,7 +77,7 @@ fn targets() -> Result<()> {
     let (cave, package) = ("target/bench-cave", "target/bench-package");
     plume.output(&["generate", "--output", cave, "--force", "--quiet"])?;
     println!("target | files | MB | CPU s | MB/s | writing as many bytes, s | ratio");
-    for target in ["gazebo", "mujoco", "unity", "unreal", "urdf", "glb", "gltf", "fbx", "obj", "ply", "stl"] {
+    for target in Target::all(&plume)?.iter().filter(|target| target.is_in_binary()).map(Target::name) {
         let export = ["export", cave, "--target", target, "--output", package, "--force", "--json", "--quiet"];
         let mut runs = (0..RUNS).map(|_| plume.output(&export)).collect::<Result<Vec<_>>>()?;
         runs.sort_by(|a, b| field(a, target, "cpu_s").total_cmp(&field(b, target, "cpu_s")));

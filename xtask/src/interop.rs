@@ -5,12 +5,14 @@
 //! every time, another by turns; `--all` takes every sample. A reader whose program cannot be had is skipped loudly, and fails
 //! the run where the environment variable `CI` is set.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
 use crate::plume::{Plume, Profile};
 use crate::samples::{self, SAMPLES};
+use crate::targets::Target;
 use crate::tools::{self, Result, ensure_debian, root};
 use crate::venv::Environment;
 use queue::{Check, Tally};
@@ -74,15 +76,19 @@ fn check_packages(packages: &[PathBuf]) -> Result<()> {
 
 fn check_samples(names: &[&str]) -> Result<()> {
     let (tally, plume) = (Tally::default(), Plume::package(Profile::Dev)?);
+    let targets = Target::all(&plume)?;
     println!("samples: {}", names.join(", "));
     let readers = ready(|_| true, &tally);
     let scene = write_scene()?;
     // The longest come first, so that none of them runs alone at the end.
     let mut checks = checks_of_graphs(&tally)?;
-    checks.extend(checks_of_small_things(&readers, &plume, &scene)?);
+    let mut opened = Opened::default();
+    checks.extend(checks_of_small_things(&readers, &plume, &targets, &scene, &mut opened)?);
     for name in names {
         let folder = target_folder().join(name);
-        checks.extend(export_cave(&plume, name)?.iter().flat_map(|package| checks_of_export(&readers, package)));
+        let packages = export_cave(&plume, &targets, name)?;
+        opened.add(&readers, &packages);
+        checks.extend(packages.iter().flat_map(|package| checks_of_export(&readers, package)));
         let before = tally.failures();
         tally.run(std::mem::take(&mut checks));
         // A cave that is good gives its gigabytes back.
@@ -90,22 +96,31 @@ fn check_samples(names: &[&str]) -> Result<()> {
             std::fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         }
     }
+    tally.run(vec![Check::new("table", move || opened.are_those_of(&targets, &readers))]);
     tally.result()
 }
 
 /// What no large cave is needed for: the made-up scene, its faults, and small caves.
-fn checks_of_small_things(readers: &[&'static Reader], plume: &Plume, scene: &Path) -> Result<Vec<Check>> {
+fn checks_of_small_things(
+    readers: &[&'static Reader],
+    plume: &Plume,
+    targets: &[Target],
+    scene: &Path,
+    opened: &mut Opened,
+) -> Result<Vec<Check>> {
     let owned = scene.to_owned();
     let mut checks =
         vec![Check::new("husky", urdf::check_faults), Check::new("unity", move || unity::check_faults(&owned))];
     if readers.iter().any(|reader| reader.name == "physx") {
         checks.push(Check::new("physx", usd::check_faults));
     }
-    let small = [export_pieces(plume)?, assimp::export(plume)?, vec![page::write(plume)?]].concat();
+    let small = [export_pieces(plume, targets)?, assimp::export(plume)?, vec![page::write(plume)?]].concat();
     checks.extend(small.iter().flat_map(|package| checks_of_export(readers, package)));
-    let mut packages: Vec<PathBuf> = SCENE_PACKAGES.iter().map(|package| scene.join(package)).collect();
-    packages.extend([scene.to_owned(), formats::shelve(scene)?]);
+    let mut packages: Vec<PathBuf> = files_of(scene).filter(|package| opens_alone(package)).collect();
+    packages.sort();
+    packages.extend([scene.to_owned(), formats::shelve(scene, targets)?]);
     checks.extend(packages.iter().flat_map(|package| checks_of(readers, package)));
+    opened.add(readers, &[small, packages].concat());
     checks.extend(faults::checks(readers, scene));
     Ok(checks)
 }
@@ -247,6 +262,47 @@ fn checks_of(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
     fitting.map(check).collect()
 }
 
+/// Which readers have opened packages of which targets.
+#[derive(Default)]
+struct Opened(BTreeSet<(String, &'static str)>);
+
+impl Opened {
+    fn add(&mut self, readers: &[&'static Reader], packages: &[PathBuf]) {
+        for package in packages {
+            let kind = Kind::of(package);
+            let targets = match kind {
+                Some(Kind::Shelf) => files_of(package).filter_map(|path| target_of(&path)).collect(),
+                Some(Kind::Marker) => files_of(&package.join("marker")).filter_map(|path| target_of(&path)).collect(),
+                _ => Vec::from_iter(target_of(package)),
+            };
+            for reader in readers.iter().filter(|reader| kind == Some(reader.of)) {
+                self.0.extend(targets.iter().map(|target| (target.clone(), reader.name)));
+            }
+        }
+    }
+
+    /// Whether every check that the row of a target names has opened a package of it, where the reader can be had.
+    fn are_those_of(&self, targets: &[Target], readers: &[&'static Reader]) -> Result<String> {
+        let named = targets.iter().flat_map(|target| target.checks().map(move |check| (target.name(), check)));
+        for (target, check) in named.clone() {
+            if !READERS.iter().any(|reader| reader.name == check) {
+                return Err(format!("the row of `{target}` names {check}, which is no interop check"));
+            }
+            let is_here = readers.iter().any(|reader| reader.name == check);
+            if is_here && !self.0.iter().any(|(opened, by)| opened == target && *by == check) {
+                return Err(format!("the row of `{target}` names {check}, which has opened no package of it"));
+            }
+        }
+        Ok(format!("{} checks that rows of targets name have opened their packages", named.count()))
+    }
+}
+
+/// The target of a package, by the name of its folder: `glb` for `glb_webp`, `assimp` for `assimp-collada`.
+fn target_of(package: &Path) -> Option<String> {
+    let name = package.file_name()?.to_str()?;
+    name.split(['_', '-', '.']).next().map(str::to_owned)
+}
+
 /// Of a package of a cave, more can be asked than of one of the made-up scene.
 fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
     let mut checks = checks_of(readers, package);
@@ -273,52 +329,44 @@ pub fn write_scene() -> Result<PathBuf> {
     Ok(scene)
 }
 
-/// Packages of the made-up scene that are opened as they are.
-const SCENE_PACKAGES: [&str; 20] = [
-    "fbx",
-    "fbx_chunks",
-    "fbx_pieces",
-    "fbx_y",
-    "gazebo",
-    "gazebo_pieces",
-    "glb",
-    "glb_chunks",
-    "glb_lods",
-    "glb_meshopt",
-    "glb_pieces",
-    "glb_webp",
-    "gltf",
-    "gltf_meshopt",
-    "gltf_pieces",
-    "gltf_webp",
-    "unity",
-    "unity_pieces",
-    "urdf",
-    "urdf_pieces",
-];
+/// Whether a package of the made-up scene is opened by itself. Those of USD are in the tests of the Python package, and in the one
+/// for MuJoCo nothing moves.
+fn opens_alone(package: &Path) -> bool {
+    matches!(Kind::of(package), Some(Kind::Gazebo | Kind::Gltf | Kind::Unity | Kind::Fbx | Kind::Urdf))
+}
 
 /// A sample, for every target; beside the package for MuJoCo lies the cave, for the way through it.
-fn export_cave(plume: &Plume, name: &str) -> Result<Vec<PathBuf>> {
+fn export_cave(plume: &Plume, targets: &[Target], name: &str) -> Result<Vec<PathBuf>> {
     let (recipe, output) = (format!("samples/{name}.toml"), format!("target/interop/{name}"));
-    let (opened, cave) = ("gazebo,glb,gltf,fbx,isaac,unity,urdf,usd,usdz,mujoco", format!("{output}/mujoco.cave"));
-    let targets = format!("{opened},obj,ply,stl");
-    plume.output(&["export", &recipe, "--target", &targets, "--output", &output, "--keep", &cave, "--force"])?;
-    let mut packages: Vec<PathBuf> = opened.split(',').map(|target| root().join(&output).join(target)).collect();
+    let cave = format!("{output}/mujoco.cave");
+    let names: Vec<&str> = targets.iter().filter(|target| target.is_complete()).map(Target::name).collect();
+    let list = names.join(",");
+    plume.output(&["export", &recipe, "--target", &list, "--output", &output, "--keep", &cave, "--force"])?;
+    let mut packages: Vec<PathBuf> = names.iter().map(|target| root().join(&output).join(target)).collect();
     packages.push(root().join(&output));
     Ok(packages)
 }
 
 /// A cave of few convex pieces, because the validators of USD take long over each.
-fn export_pieces(plume: &Plume) -> Result<Vec<PathBuf>> {
-    let (targets, output) =
-        (["gazebo", "glb", "gltf", "fbx", "isaac", "unity", "usd", "usdz"], "target/interop/pieces");
-    let options = targets.map(|target| format!("{target}.collision=pieces"));
+fn export_pieces(plume: &Plume, targets: &[Target]) -> Result<Vec<PathBuf>> {
+    let output = "target/interop/pieces";
+    let targets: Vec<&str> = targets.iter().filter(|target| target.has_pieces()).map(Target::name).collect();
+    let options: Vec<String> = targets.iter().map(|target| format!("{target}.collision=pieces")).collect();
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
-    export.extend(["--set", "graph.nodes=4", "--set", "mesh.voxel_m=0.5", "--set", "texture.size_px=256"]);
+    export.extend([
+        "--keep",
+        "target/interop/pieces/mujoco.cave",
+        "--set",
+        "graph.nodes=4",
+        "--set",
+        "mesh.voxel_m=0.5",
+        "--set",
+        "texture.size_px=256",
+    ]);
     export.extend(options.iter().flat_map(|option| ["--option", option]));
     plume.output(&export)?;
-    Ok(targets.map(|target| root().join(output).join(target)).into())
+    Ok(targets.iter().map(|target| root().join(output).join(target)).collect())
 }
 
 /// Not a reader of others: whether ours says of a package that these take that it is whole.

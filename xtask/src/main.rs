@@ -12,6 +12,7 @@ mod interop;
 mod plume;
 mod realism;
 mod samples;
+mod targets;
 mod test;
 mod tools;
 mod venv;

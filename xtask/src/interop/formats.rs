@@ -4,11 +4,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::faults::copy_folder;
+use crate::targets::Target;
 use crate::tools::{Result, ensure_debian, root};
 use crate::venv::Environment;
 
 /// Formats that any program opens and that no other reader is for.
-pub(super) const TARGETS: [&str; 3] = ["obj", "ply", "stl"];
+const COMMON: [&str; 3] = ["obj", "ply", "stl"];
+
+/// Checks that open the packages of many targets together.
+pub(super) const READERS: [&str; 3] = ["trimesh", "blender", "libassimp"];
 
 /// Whether the samples of the exporters lie in a folder, the marker among them.
 pub(super) fn is_marked(folder: &Path) -> bool {
@@ -17,16 +21,16 @@ pub(super) fn is_marked(folder: &Path) -> bool {
 
 /// Whether packages of one cave lie beside each other in a folder.
 pub(super) fn is_shelf(folder: &Path) -> bool {
-    TARGETS.iter().filter(|target| folder.join(target).is_dir()).count() > 1
+    COMMON.iter().filter(|target| folder.join(target).is_dir()).count() > 1
 }
 
-/// Copies the packages of the chamber that anyone here reads, beside each other.
-pub(super) fn shelve(sample: &Path) -> Result<PathBuf> {
+/// Copies the packages of the chamber that any of these readers opens, next to each other.
+pub(super) fn shelve(sample: &Path, targets: &[Target]) -> Result<PathBuf> {
     let shelf = sample.join("formats");
-    for target in TARGETS.iter().chain(&["fbx", "glb", "gltf", "gazebo", "unity", "unreal", "urdf"]) {
-        let package = sample.join(target);
+    for target in targets.iter().filter(|target| target.checks().any(|check| READERS.contains(&check))) {
+        let package = sample.join(target.name());
         if package.is_dir() {
-            copy_folder(&package, &shelf.join(target)).map_err(|error| error.to_string())?;
+            copy_folder(&package, &shelf.join(target.name())).map_err(|error| error.to_string())?;
         }
     }
     Ok(shelf)
