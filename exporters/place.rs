@@ -86,7 +86,7 @@ pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Packag
         repository => env!("CARGO_PKG_REPOSITORY"),
         references => target.references().to_vec(),
     };
-    let license = template::fill(LICENSE, include_str!("../templates/package/LICENSE.md.jinja"), &values);
+    let license = template::fill(LICENSE, include_str!("templates/package/LICENSE.md.jinja"), &values);
     out.text(LICENSE, &license)?;
     let manifest = Manifest::new(name, target, scene, &recording.facts(scene)?, out);
     out.text(MANIFEST, &manifest.to_text()?)?;

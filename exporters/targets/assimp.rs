@@ -139,7 +139,7 @@ impl Target for Assimp {
             open => &open,
             folder => if self.settings.per_chunk { "chunks/" } else { "" },
         };
-        let text = template::fill("README.md", include_str!("../../templates/assimp/README.md.jinja"), &values);
+        let text = template::fill("README.md", include_str!("../templates/assimp/README.md.jinja"), &values);
         out.text("README.md", &text)?;
         out.text("recipe.toml", &scene.recipe)?;
         Ok(Summary { visual_triangles, collision_triangles: 0, open: format!("open {open}") })

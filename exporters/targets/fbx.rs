@@ -212,10 +212,7 @@ impl Fbx {
             spawns => scene.spawns.len(),
             open => self.how_to_open(&scene.name),
         };
-        out.text(
-            "README.md",
-            &template::fill("README.md", include_str!("../../templates/fbx/README.md.jinja"), &values),
-        )
+        out.text("README.md", &template::fill("README.md", include_str!("../templates/fbx/README.md.jinja"), &values))
     }
 
     fn how_to_open(&self, name: &str) -> String {

@@ -142,10 +142,10 @@ impl Gazebo {
             open => open_command(&scene.name),
         };
         for (path, template) in [
-            (format!("{model}/model.config"), include_str!("../../templates/gazebo/model.config.jinja")),
-            (format!("{model}/model.sdf"), include_str!("../../templates/gazebo/model.sdf.jinja")),
-            (format!("worlds/{}.sdf", scene.name), include_str!("../../templates/gazebo/world.sdf.jinja")),
-            ("README.md".to_owned(), include_str!("../../templates/gazebo/README.md.jinja")),
+            (format!("{model}/model.config"), include_str!("../templates/gazebo/model.config.jinja")),
+            (format!("{model}/model.sdf"), include_str!("../templates/gazebo/model.sdf.jinja")),
+            (format!("worlds/{}.sdf", scene.name), include_str!("../templates/gazebo/world.sdf.jinja")),
+            ("README.md".to_owned(), include_str!("../templates/gazebo/README.md.jinja")),
         ] {
             out.text(&path, &template::fill(&path, template, &values))?;
         }

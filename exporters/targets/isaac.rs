@@ -58,7 +58,7 @@ impl Default for IsaacSettings {
     }
 }
 
-const README: &str = include_str!("../../templates/isaac/README.md.jinja");
+const README: &str = include_str!("../templates/isaac/README.md.jinja");
 
 /// The target.
 pub struct Isaac {

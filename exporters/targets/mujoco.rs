@@ -131,7 +131,7 @@ impl Target for Mujoco {
         }
         let name = &scene.name;
         let texts = self.values(scene);
-        let options = template::fill("options.xml", include_str!("../../templates/mujoco/options.xml.jinja"), &texts);
+        let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
         write_rover(None, &format!("{ROVER}.xml"), out)?;
         let collision_triangles = match out.bundle() {
             Some(Bundle::Mjz) => {
@@ -148,7 +148,7 @@ impl Target for Mujoco {
         };
         out.text(
             "README.md",
-            &template::fill("README.md", include_str!("../../templates/mujoco/README.md.jinja"), &texts),
+            &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),
         )?;
         let open = match out.bundle() {
             Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
@@ -176,7 +176,7 @@ impl Mujoco {
         chunks: &[String],
         out: &mut dyn Package,
     ) -> Result<u64, ExportError> {
-        let template = include_str!("../../templates/mujoco/world.xml.jinja");
+        let template = include_str!("../templates/mujoco/world.xml.jinja");
         let world = template::fill(path, template, &self.values(scene));
         let mut triangles = 0;
         out.write(path, |file| {
@@ -271,7 +271,7 @@ fn write_rover(cave: Option<(&Scene, &str)>, path: &str, out: &mut dyn Package) 
         context! { name => &scene.name, file, qpos }
     });
     let values = context! { cave, pose => pose_text(&start) };
-    out.text(path, &template::fill(path, include_str!("../../templates/mujoco/rover.xml.jinja"), &values))
+    out.text(path, &template::fill(path, include_str!("../templates/mujoco/rover.xml.jinja"), &values))
 }
 
 fn spawn_text(spawn: &Isometry3<f64>) -> Value {

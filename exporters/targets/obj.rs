@@ -93,7 +93,7 @@ impl Target for Obj {
             view => sdf_pose(&scene.viewpoint()),
             triangles => visual_triangles,
         };
-        let readme = include_str!("../../templates/obj/README.md.jinja");
+        let readme = include_str!("../templates/obj/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
     }

@@ -74,7 +74,7 @@ impl Target for Ply {
             triangles => visual_triangles,
             labels => Zone::ALL.map(label_text),
         };
-        let readme = include_str!("../../templates/ply/README.md.jinja");
+        let readme = include_str!("../templates/ply/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
     }

@@ -81,7 +81,7 @@ impl Target for Stl {
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             triangles,
         };
-        let readme = include_str!("../../templates/stl/README.md.jinja");
+        let readme = include_str!("../templates/stl/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         Ok(Summary { visual_triangles, collision_triangles, open })
     }

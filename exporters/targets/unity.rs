@@ -210,7 +210,7 @@ impl Writer<'_> {
             material => material.to_string(),
             meshes => table.collect::<Vec<_>>(),
         };
-        self.assets.fill_meta(&path, include_str!("../../templates/unity/model.meta.jinja"), &values)
+        self.assets.fill_meta(&path, include_str!("../templates/unity/model.meta.jinja"), &values)
     }
 
     fn add_colliders(
@@ -240,7 +240,7 @@ impl Writer<'_> {
         }
         let path = format!("Runtime/Physics/{}.physicMaterial", zone.name());
         let values = context! { zone => zone.name(), friction => micro(self.scene.friction.of(zone)) };
-        let text = template::fill(&path, include_str!("../../templates/unity/friction.jinja"), &values);
+        let text = template::fill(&path, include_str!("../templates/unity/friction.jinja"), &values);
         let guid = self.assets.text(&path, &text, Importer::Native(FRICTION_OBJECT))?;
         self.friction.push((zone, guid));
         Ok(guid)
@@ -278,7 +278,7 @@ impl Writer<'_> {
             gravity => micro(scene.gravity),
             spawns => scene.spawns.len(),
         };
-        template::fill("README.md", include_str!("../../templates/unity/README.md.jinja"), &values)
+        template::fill("README.md", include_str!("../templates/unity/README.md.jinja"), &values)
     }
 }
 

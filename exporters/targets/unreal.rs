@@ -89,7 +89,7 @@ impl Target for Unreal {
             entries.push(self.write_chunk(scene, index, out)?);
         }
         index::write(scene, &self.0, &entries, out)?;
-        out.text("import_cave.py", include_str!("../../templates/unreal/import_cave.py"))?;
+        out.text("import_cave.py", include_str!("../templates/unreal/import_cave.py"))?;
         out.text("README.md", &self.readme(scene, &entries))?;
         Ok(Summary {
             visual_triangles: entries.iter().map(Entry::visual_triangles).sum(),
@@ -149,7 +149,7 @@ impl Unreal {
             spawns => scene.spawns.len(),
             lights => if self.0.lights { scene.lights.len() } else { 0 },
         };
-        template::fill("README.md", include_str!("../../templates/unreal/README.md.jinja"), &values)
+        template::fill("README.md", include_str!("../templates/unreal/README.md.jinja"), &values)
     }
 }
 

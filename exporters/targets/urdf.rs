@@ -126,10 +126,10 @@ impl Urdf {
             spawns => Serde(scene.spawns.iter().map(|pose| Origin::new(&sdf_pose(pose))).collect::<Vec<_>>()),
         };
         for (path, template) in [
-            (format!("{name}/package.xml"), include_str!("../../templates/urdf/package.xml.jinja")),
-            (format!("{name}/CMakeLists.txt"), include_str!("../../templates/urdf/CMakeLists.txt.jinja")),
-            (format!("{name}/urdf/{name}.urdf"), include_str!("../../templates/urdf/world.urdf.jinja")),
-            ("README.md".to_owned(), include_str!("../../templates/urdf/README.md.jinja")),
+            (format!("{name}/package.xml"), include_str!("../templates/urdf/package.xml.jinja")),
+            (format!("{name}/CMakeLists.txt"), include_str!("../templates/urdf/CMakeLists.txt.jinja")),
+            (format!("{name}/urdf/{name}.urdf"), include_str!("../templates/urdf/world.urdf.jinja")),
+            ("README.md".to_owned(), include_str!("../templates/urdf/README.md.jinja")),
         ] {
             out.text(&path, &template::fill(&path, template, &values))?;
         }

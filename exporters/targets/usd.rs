@@ -26,7 +26,7 @@ pub const ROW: TargetRow = TargetRow {
     build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: serde_json::from_value(table)?, library }))),
 };
 
-const README: &str = include_str!("../../templates/usd/README.md.jinja");
+const README: &str = include_str!("../templates/usd/README.md.jinja");
 
 /// The target.
 pub struct Usd {

@@ -36,7 +36,7 @@ impl Readme<'_> {
             pieces => self.pieces,
             is_packed => self.compression == Compression::Meshopt,
         };
-        let text = template::fill("README.md", include_str!("../../../templates/gltf/README.md.jinja"), &values);
+        let text = template::fill("README.md", include_str!("../../templates/gltf/README.md.jinja"), &values);
         out.text("README.md", &text)
     }
 }

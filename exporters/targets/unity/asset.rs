@@ -112,7 +112,7 @@ impl<'a> Assets<'a> {
             importer => importer.name(),
             main_object => importer.main_object(),
         };
-        self.out.text(&path, &template::fill(&path, include_str!("../../../templates/unity/asset.meta.jinja"), &values))
+        self.out.text(&path, &template::fill(&path, include_str!("../../templates/unity/asset.meta.jinja"), &values))
     }
 }
 

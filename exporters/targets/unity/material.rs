@@ -170,6 +170,6 @@ pub fn write(chunk: &str, pipeline: Pipeline, textures: &Textures, assets: &mut 
     let shader = pipeline.shader();
     let slots = shader.slots.iter().map(|&(name, role)| Slot { name, guid: role.of(textures).guid });
     let values = context! { name => chunk, shader => Serde(shader), slots => Serde(slots.collect::<Vec<_>>()) };
-    let text = template::fill(&path, include_str!("../../../templates/unity/material.jinja"), &values);
+    let text = template::fill(&path, include_str!("../../templates/unity/material.jinja"), &values);
     assets.text(&path, &text, Importer::Native(OBJECT))
 }

@@ -167,7 +167,7 @@ impl Prefab {
     /// The text of the prefab.
     pub fn text(&self, path: &str) -> String {
         let values = context! { nodes => Serde(&self.nodes) };
-        template::fill(path, include_str!("../../../templates/unity/prefab.jinja"), &values)
+        template::fill(path, include_str!("../../templates/unity/prefab.jinja"), &values)
     }
 
     fn add(&mut self, father: usize, name: &str) -> usize {

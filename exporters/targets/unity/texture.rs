@@ -92,7 +92,7 @@ fn import(
         size_px => longest,
         wrap => u8::from(is_atlas(chunk)),
     };
-    let template = include_str!("../../../templates/unity/texture.meta.jinja");
+    let template = include_str!("../../templates/unity/texture.meta.jinja");
     let guid = assets.fill_meta(&in_package(&file), template, &values)?;
     Ok(Texture { file, guid })
 }
