@@ -20,7 +20,7 @@ pub trait Target: Send + Sync {
     /// Writes the whole package into `out`, loading one chunk at a time.
     ///
     /// # Errors
-    /// When the scene is not what [`scene`] promises, a chunk cannot be loaded or a file cannot be written.
+    /// When the scene is not what [`scene`](crate::scene) promises, a chunk cannot be loaded or a file cannot be written.
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError>;
 
     /// The frame that the files are in.

@@ -2,6 +2,28 @@
 //!
 //! [`make`] runs the stages. [`Cave`] is a folder in which all of them are done, and [`target`] hands it over. Says
 //! nothing to anybody: an [`Observer`] watches, a [`CaveError`] tells what went wrong and what to do.
+//!
+//! ```
+//! use plume::cave::{self, Order};
+//! use plume::exporters::check::check;
+//! use plume::exporters::place::{Existing, Place};
+//! use plume::{Cave, CaveFolder, Input, Observer, Recipe, Unobserved};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let temporary = tempfile::tempdir()?;
+//! # let home = temporary.path();
+//! let settings = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.size_px=256"].map(str::to_owned);
+//! let input = Input::of(Recipe::from_overrides(&settings)?);
+//! let watch = Unobserved::default();
+//! let cave = Cave::make(input, CaveFolder::open_or_new(&home.join("cave"))?, false, &watch, &mut |_, _| ())?;
+//!
+//! let [wanted] = cave::build(vec![cave::target("obj")?], &["obj.per_chunk=true".to_owned()], None)?.try_into().ok().unwrap();
+//! let place = Place { path: home.join("package"), bundle: None, existing: Existing::Keep };
+//! let chunks = cave.chunks(watch.stop());
+//! cave::export(&cave.scene(&chunks), &[Order { wanted, place }])?;
+//! assert!(check(&home.join("package"))?.is_whole());
+//! # Ok(())
+//! # }
+//! ```
 
 mod error;
 mod input;

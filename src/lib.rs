@@ -1,28 +1,57 @@
 //! Plume makes underground worlds and hands them to simulators ready to use.
 //!
-//! One [`recipe`] and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in
-//! chunks, a [`texture`] set per chunk, and from them a package for a simulator.
+//! One recipe and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in chunks, a set
+//! of images for each chunk, and from them a package for a simulator. Same recipe, seed and version, same bytes.
 //!
-//! Arrows point one way: `cave → pipeline, assemble → store → placement, texture → mesh → field → material → noise`, and
-//! `field → graph`. See `ARCHITECTURE.md`.
+//! ```
+//! use plume::Recipe;
+//! use plume::graph::Nowhere;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let recipe = Recipe::from_overrides(&["graph.generator=mine".to_owned(), "graph.nodes=40".to_owned()])?;
+//! let graph = recipe.graph().generate(recipe.seed(), &Nowhere)?;
+//! assert_eq!(graph.nodes.len(), 40);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`cave`] shows the way from a recipe to a package.
+//!
+//! # Extending
+//!
+//! | what | trait | register it in | example |
+//! |---|---|---|---|
+//! | layout of passages | [`Generator`] | [`GENERATORS`] | `cli/examples/own_generator.rs` |
+//! | rock | [`Rock`] | [`MATERIALS`] | `cli/examples/own_rock.rs` |
+//! | target | [`Target`] | [`TARGETS`] | `cli/examples/own_target.rs` |
+//!
+//! A field of your own is meshed by [`mesh::chunk`]: see `examples/sphere_to_stl.rs`.
+//!
+//! # What stays
+//!
+//! The names at this root and the modules listed here are the interface; those left out of the documentation serve the
+//! command line and the Python package and change without notice.
 
 pub mod cave;
-pub mod pipeline;
-
-pub mod assemble;
-pub mod preset;
-pub mod preview;
-pub mod recipe;
-pub mod store;
-
-pub mod placement;
-pub mod texture;
-
-pub mod mesh;
-
 pub mod field;
 pub mod material;
+pub mod mesh;
 pub mod noise;
+pub mod recipe;
+
+#[doc(hidden)]
+pub mod assemble;
+#[doc(hidden)]
+pub mod pipeline;
+#[doc(hidden)]
+pub mod placement;
+#[doc(hidden)]
+pub mod preset;
+#[doc(hidden)]
+pub mod preview;
+#[doc(hidden)]
+pub mod store;
+#[doc(hidden)]
+pub mod texture;
 
 pub use plume_exporters as exporters;
 pub use plume_generators as generators;
@@ -30,4 +59,14 @@ pub use plume_graph as graph;
 pub use plume_registry as registry;
 pub use plume_survey as survey;
 
-pub use plume_graph::VERSION;
+pub use cave::{Cave, CaveError, Input};
+pub use exporters::{ExportError, TARGETS, Target, TargetRow};
+pub use field::{Analytic, CaveField, Field};
+pub use generators::{GENERATORS, GeneratorRow};
+pub use graph::{GenerateError, Generator, Graph, VERSION};
+pub use material::{MATERIALS, Material, MaterialRow, Rock};
+pub use mesh::{Grid, Mesh, MeshSettings};
+pub use pipeline::{Observer, Unobserved};
+pub use recipe::Recipe;
+pub use registry::{RegisterError, Registry};
+pub use store::{CaveFolder, Stage};

@@ -47,6 +47,24 @@ pub trait Observer: Sync {
     }
 }
 
+/// Nobody watches, and nothing stops the work.
+#[derive(Debug, Default)]
+pub struct Unobserved {
+    stop: AtomicBool,
+}
+
+impl Observer for Unobserved {
+    fn begin(&self, _: Stage, _: usize) {}
+
+    fn advance(&self, _: Stage) {}
+
+    fn end(&self, _: Stage) {}
+
+    fn stop(&self) -> &AtomicBool {
+        &self.stop
+    }
+}
+
 /// What becomes of another cave in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Other {
