@@ -7,21 +7,26 @@
 pub mod bundle;
 pub mod check;
 mod chunk_files;
+#[doc(hidden)]
 pub mod collision;
+#[doc(hidden)]
 pub mod contents;
 pub mod error;
 pub mod format;
 pub mod frame;
 mod image_format;
 pub mod manifest;
+#[doc(hidden)]
 pub mod names;
 pub mod package;
 pub mod place;
 pub mod scene;
 mod slope;
 mod split_nonmanifold;
+#[doc(hidden)]
 pub mod stage;
 mod target;
+#[doc(hidden)]
 pub mod targets;
 mod template;
 

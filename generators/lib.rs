@@ -3,19 +3,26 @@
 mod cellular;
 mod external;
 mod file;
+#[doc(hidden)]
 pub mod gaussian_perlin;
+#[doc(hidden)]
 pub mod grown_tunnels;
 mod heightmap;
 mod karst;
+#[doc(hidden)]
 pub mod l_system;
+#[doc(hidden)]
 pub mod layers;
+#[doc(hidden)]
 pub mod mine;
 mod network;
 mod perlin;
 mod ramp;
 mod raster;
+#[doc(hidden)]
 pub mod space_colonization;
 mod tiles;
+#[doc(hidden)]
 pub mod worms;
 
 use schemars::generate::SchemaSettings;

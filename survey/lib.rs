@@ -13,6 +13,7 @@ mod files;
 mod graphml;
 pub mod json;
 mod karst;
+#[doc(hidden)]
 pub mod limits;
 mod measure;
 mod origin;
