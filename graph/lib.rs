@@ -4,6 +4,7 @@
 //! [`Outside`] lets it read. A [`Generator`] makes one from a seed, out of named [random streams](seed) and a
 //! [centreline] that it draws; [`realism`] says how like a real cave it is.
 
+mod aabb;
 mod branches;
 pub mod centreline;
 pub mod clearance;
@@ -13,6 +14,7 @@ mod neighbors;
 mod outside;
 pub mod realism;
 pub mod rng;
+mod rows;
 pub mod section;
 pub mod seed;
 pub mod segment;
@@ -24,9 +26,11 @@ pub mod tidy;
 
 use nalgebra::Point3;
 
+pub use aabb::Aabb;
 pub use generator::{GenerateError, Generator};
 pub use neighbors::Neighbors;
 pub use outside::{Nowhere, Outside, RunError, Task};
+pub use rows::Rows;
 pub use section::{Section, Shape};
 pub use shape::millimetres;
 
