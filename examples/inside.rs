@@ -6,7 +6,7 @@
 
 use cpu_time::ProcessTime;
 use nalgebra::{Point3, Vector3};
-use plume::field::{Bounds, CaveField, Field, PassageSettings, Surface, Texel};
+use plume::field::{Aabb, CaveField, Field, PassageSettings, Surface, Texel};
 use plume::graph::{Graph, Node};
 use plume::material::{Look, MATERIALS};
 use rayon::prelude::*;
@@ -139,9 +139,8 @@ impl Camera {
         let reach = march(field, &eyes, rays, &vec![60.0; rays.len()]);
         let points: Vec<V> = rays.iter().zip(&reach).map(|(ray, t)| self.eye + ray * *t).collect();
         let points_m: Vec<[f32; 3]> = points.iter().map(|p| (*p).into()).collect();
-        let bounds = Bounds::around(&points_m);
-        let mut normals = vec![[0.0; 3]; points.len()];
-        field.normals(bounds, &points_m, &mut normals);
+        let bounds = Aabb::from_points(points_m.iter().copied()).expect("there is a ray");
+        let normals = field.normals_at(&points_m);
         let mut texels = vec![Texel::default(); points.len()];
         field.texels(bounds, TEXEL_M, &points_m, &normals, &mut texels);
         let mut light = vec![V::zeros(); points.len()];
@@ -198,14 +197,12 @@ fn march(field: &CaveField, from: &[V], along: &[V], most: &[f32]) -> Vec<f32> {
     let mut reach = vec![0.01_f32; from.len()];
     let mut free = reach.clone();
     let mut open: Vec<usize> = (0..from.len()).collect();
-    let mut values = Vec::new();
     for _ in 0..220 {
         if open.is_empty() {
             break;
         }
         let points: Vec<[f32; 3]> = open.iter().map(|&i| (from[i] + along[i] * reach[i]).into()).collect();
-        values.resize(points.len(), 0.0);
-        field.distances(Bounds::around(&points), &points, &mut values);
+        let values = field.distances_at(&points);
         for (&i, &value) in open.iter().zip(&values) {
             if value < 0.0 {
                 free[i] = reach[i];
@@ -215,11 +212,9 @@ fn march(field: &CaveField, from: &[V], along: &[V], most: &[f32]) -> Vec<f32> {
                 reach[i] = (reach[i] + free[i]) / 2.0;
             }
         }
-        let values = &values;
-        let mut lane = 0;
+        let mut values = values.into_iter();
         open.retain(|&i| {
-            let value = values[lane];
-            lane += 1;
+            let value = values.next().unwrap_or_default();
             let done = free[i] >= most[i] || (value >= 0.0 && reach[i] - free[i] < 0.001);
             !done
         });
@@ -253,29 +248,39 @@ fn write_png(path: &str, [width, height]: [u32; 2], pixels: &[V]) -> Result<(), 
 #[expect(clippy::print_stdout, reason = "the answer of the bench")]
 fn bench(field: &CaveField) -> Result<(), Box<dyn Error>> {
     let near = lattice_near_wall(field, 0.2);
-    let bounds = near.iter().map(|(bounds, _)| *bounds);
-    let count: usize = near.iter().map(|(_, points)| points.len()).sum();
+    let count: usize = near.iter().map(|brick| brick.points.len()).sum();
     let mut values = vec![0.0; 4096];
     let mut normals = vec![[0.0; 3]; 4096];
     let mut texels = vec![Texel::default(); 4096];
-    let timed = |what: &str, work: &mut dyn FnMut(Bounds, &[[f32; 3]])| {
+    let timed = |what: &str, work: &mut dyn FnMut(&Brick)| {
         let best = (0..3).map(|_| {
             let start = ProcessTime::now();
-            near.iter().for_each(|(bounds, points)| work(*bounds, points));
+            near.iter().for_each(&mut *work);
             start.elapsed().as_nanos() as f64 / count as f64
         });
         println!("{what}: {:.0} ns", best.fold(f64::INFINITY, f64::min));
     };
-    println!("{count} points in {} bricks", bounds.count());
-    timed("lattice sample", &mut |b, p| field.distances(b, p, &mut values[..p.len()]));
-    timed("normal", &mut |b, p| field.normals(b, p, &mut normals[..p.len()]));
+    println!("{count} points in {} bricks", near.len());
+    timed("lattice sample", &mut |Brick { bounds, points }| {
+        field.distances(*bounds, points, &mut values[..points.len()])
+    });
+    timed("normal", &mut |Brick { bounds, points }| field.normals(*bounds, points, &mut normals[..points.len()]));
     let flat = vec![[0.0, 0.0, 1.0]; 4096];
-    timed("texel", &mut |b, p| field.texels(b, TEXEL_M, p, &flat[..p.len()], &mut texels[..p.len()]));
+    timed("texel", &mut |Brick { bounds, points }| {
+        let count = points.len();
+        field.texels(*bounds, TEXEL_M, points, &flat[..count], &mut texels[..count]);
+    });
     Ok(())
 }
 
-/// Points of a lattice within 0.25 m of the wall, by brick of 16 lattice cells.
-fn lattice_near_wall(field: &CaveField, spacing: f32) -> Vec<(Bounds, Vec<[f32; 3]>)> {
+/// A box of 16 lattice cells a side, and points in it.
+struct Brick {
+    bounds: Aabb<f32>,
+    points: Vec<[f32; 3]>,
+}
+
+/// Points of a lattice within 0.25 m of the wall, by brick.
+fn lattice_near_wall(field: &CaveField, spacing: f32) -> Vec<Brick> {
     let all = field.bounds();
     let edge = spacing * 16.0;
     let steps = |i: usize| ((all.max[i] - all.min[i]) / edge).ceil() as usize;
@@ -283,7 +288,7 @@ fn lattice_near_wall(field: &CaveField, spacing: f32) -> Vec<(Bounds, Vec<[f32; 
     for brick in 0..steps(0) * steps(1) * steps(2) {
         let place = [brick % steps(0), brick / steps(0) % steps(1), brick / steps(0) / steps(1)];
         let min: [f32; 3] = std::array::from_fn(|i| all.min[i] + place[i] as f32 * edge);
-        let bounds = Bounds { min, max: min.map(|c| c + edge) };
+        let bounds = Aabb { min, max: min.map(|c| c + edge) };
         let mut points: Vec<[f32; 3]> = (0..4096)
             .map(|i| [i % 16, i / 16 % 16, i / 256])
             .map(|at| std::array::from_fn(|i| min[i] + at[i] as f32 * spacing))
@@ -293,7 +298,7 @@ fn lattice_near_wall(field: &CaveField, spacing: f32) -> Vec<(Bounds, Vec<[f32; 
         let mut value = values.iter();
         points.retain(|_| value.next().is_some_and(|v| v.abs() < 0.25));
         if !points.is_empty() {
-            bricks.push((bounds, points));
+            bricks.push(Brick { bounds, points });
         }
     }
     bricks

@@ -10,7 +10,7 @@ use std::io::{BufWriter, Write};
 
 use plume::exporters::format::stl;
 use plume::exporters::scene::Mesh;
-use plume::field::{Analytic, Bounds};
+use plume::field::{Aabb, Analytic};
 use plume::mesh::{Grid, MeshSettings, chunk};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Negative in air, in metres: the inside of a ball with a radius of 5 m.
     let ball = Analytic::new(1.0, |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt() - 5.0);
     let settings = MeshSettings::default();
-    let grid = Grid::new(Bounds { min: [-5.0; 3], max: [5.0; 3] }, &settings)?;
+    let grid = Grid::new(Aabb { min: [-5.0; 3], max: [5.0; 3] }, &settings)?;
     let chunks = grid.indices().filter_map(|index| chunk(&ball, &grid, index, &settings));
     let walls: Vec<Mesh> = chunks.map(|chunk| Mesh::from(&chunk.visual)).collect();
 

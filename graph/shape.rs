@@ -1,8 +1,6 @@
 //! What can be asked of any graph, and how one is put together.
 
-use nalgebra::Point3;
-
-use super::{Graph, Neighbors, Node};
+use super::{Aabb, Graph, Neighbors, Node};
 
 impl Graph {
     /// A graph of these nodes; edges may come in any order, either way round and more than once.
@@ -51,9 +49,16 @@ impl Graph {
         Neighbors::of(self.nodes.len(), &self.edges)
     }
 
-    /// Passages at a node. Looks at all edges: ask [`neighbors`](Self::neighbors) for many nodes.
+    /// Passages at a node. Looks at all edges: ask for the [degrees](Self::degrees) of many nodes at once.
     pub fn degree(&self, node: usize) -> usize {
         self.edges.iter().filter(|edge| edge.contains(&node)).count()
+    }
+
+    /// Passages at each node.
+    pub fn degrees(&self) -> Vec<usize> {
+        let mut degrees = vec![0; self.nodes.len()];
+        self.edges.iter().flatten().for_each(|&end| degrees[end] += 1);
+        degrees
     }
 
     /// Straight distance between two nodes in metres.
@@ -85,14 +90,9 @@ impl Graph {
         components
     }
 
-    /// Lowest and highest corner of the box round all nodes, in metres; `None` without nodes.
-    pub fn bounds(&self) -> Option<[Point3<f64>; 2]> {
-        let first = self.nodes.first()?.position;
-        let corners = self
-            .nodes
-            .iter()
-            .fold([first, first], |[low, high], node| [low.inf(&node.position), high.sup(&node.position)]);
-        Some(corners)
+    /// The box round all nodes, in metres; `None` without nodes.
+    pub fn bounds(&self) -> Option<Aabb<f64>> {
+        Aabb::from_points(self.nodes.iter().map(|node| node.position))
     }
 
     /// The graph enlarged about the origin of its frame: positions, radii and sections, rounded to 1 mm.

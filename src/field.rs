@@ -11,43 +11,7 @@ mod passage;
 pub use analytic::Analytic;
 pub use cave::CaveField;
 pub use passage::{PassageSettings, Reach};
-
-/// An axis-aligned box in metres, cave frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Lowest corner.
-    pub min: [f32; 3],
-    /// Highest corner.
-    pub max: [f32; 3],
-}
-
-impl Bounds {
-    /// The smallest box around points, of which there is at least one.
-    pub fn around(points: &[[f32; 3]]) -> Self {
-        let first = Self { min: points[0], max: points[0] };
-        points.iter().fold(first, |all, &point| all.joined(Self { min: point, max: point }))
-    }
-
-    /// The smallest box around both.
-    pub fn joined(self, other: Self) -> Self {
-        Self {
-            min: std::array::from_fn(|i| self.min[i].min(other.min[i])),
-            max: std::array::from_fn(|i| self.max[i].max(other.max[i])),
-        }
-    }
-
-    /// The box with `margin_m` more on every side.
-    pub fn grown(self, margin_m: f32) -> Self {
-        Self { min: self.min.map(|c| c - margin_m), max: self.max.map(|c| c + margin_m) }
-    }
-
-    /// Centre and radius of the smallest ball around it.
-    pub fn ball(self) -> ([f32; 3], f32) {
-        let half: [f32; 3] = std::array::from_fn(|i| (self.max[i] - self.min[i]) / 2.0);
-        let radius = (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt();
-        (std::array::from_fn(|i| self.min[i] + half[i]), radius)
-    }
-}
+pub use plume_graph::Aabb;
 
 /// What a box holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,13 +27,38 @@ pub enum Region {
 /// A scalar field whose zero set is the wall of the cave.
 pub trait Field: Sync {
     /// What the box holds; `Air` and `Rock` are promises, `Mixed` is not.
-    fn region(&self, bounds: Bounds) -> Region;
+    fn region(&self, bounds: Aabb<f32>) -> Region;
 
     /// The field at `points`, all of which lie in `bounds`; `out` has the same length.
-    fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]);
+    fn distances(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [f32]);
 
     /// Unit normals at `points` (in `bounds`): the direction of steepest descent, from the wall into the air.
-    fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]);
+    fn normals(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]);
+
+    /// The field at points near each other.
+    fn distances_at(&self, points: &[[f32; 3]]) -> Vec<f32> {
+        let mut distances = vec![0.0; points.len()];
+        if let Some(bounds) = Aabb::from_points(points.iter().copied()) {
+            self.distances(bounds, points, &mut distances);
+        }
+        distances
+    }
+
+    /// Unit normals at points near each other.
+    fn normals_at(&self, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let mut normals = vec![[0.0; 3]; points.len()];
+        if let Some(bounds) = Aabb::from_points(points.iter().copied()) {
+            self.normals(bounds, points, &mut normals);
+        }
+        normals
+    }
+}
+
+/// Centre and radius of the smallest ball round a box.
+fn ball_round(bounds: Aabb<f32>) -> ([f32; 3], f32) {
+    let half = bounds.size().map(|side| side / 2.0);
+    let radius = (half[0] * half[0] + half[1] * half[1] + half[2] * half[2]).sqrt();
+    (bounds.center(), radius)
 }
 
 /// What a camera sees of the wall at a point.
@@ -92,5 +81,5 @@ pub struct Texel {
 pub trait Surface: Sync {
     /// Looks at `points` (in `bounds`, on or near the wall). `normals` are the unit normals of the mesh there, into the
     /// air; `texel_m` is the distance between neighbouring points, so finer detail than twice that can be left out.
-    fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]);
+    fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]);
 }

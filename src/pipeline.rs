@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 pub use self::error::PipelineError;
 pub use self::outside::{Disk, Machine};
 pub use self::status::{StageStatus, State};
-use crate::field::{Bounds, CaveField};
+use crate::field::{Aabb, CaveField};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::preview::Subject;
 use crate::recipe::Recipe;
@@ -267,8 +267,9 @@ impl<'a> Pipeline<'a> {
 
     /// Looks at the size before the field does, whose memory grows with it.
     fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
-        match Grid::new(station_bounds(&self.graph, self.recipe.passage().width_per_radius), self.recipe.mesh()) {
-            Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. })) => Err(error.into()),
+        let bounds = station_bounds(&self.graph, self.recipe.passage().width_per_radius);
+        match bounds.map(|bounds| Grid::new(bounds, self.recipe.mesh())) {
+            Some(Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. }))) => Err(error.into()),
             _ => Ok(()),
         }
     }
@@ -408,18 +409,15 @@ fn texture_facts(written: &store::Written) -> Value {
     })
 }
 
-/// A box round the passages where they are widest, at the stations.
-fn station_bounds(graph: &Graph, width_per_radius: f32) -> Bounds {
-    let mut bounds = Bounds { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
-    for node in &graph.nodes {
+/// A box round the passages where they are widest, at the stations; `None` without stations.
+fn station_bounds(graph: &Graph, width_per_radius: f32) -> Option<Aabb<f32>> {
+    let bounds = graph.nodes.iter().map(|node| {
         let own_m = node.section.map_or(0.0, |section| section.width_m);
         let half_m = own_m.max(node.radius * f64::from(width_per_radius)) / 2.0;
-        for axis in 0..3 {
-            bounds.min[axis] = bounds.min[axis].min((node.position[axis] - half_m) as f32);
-            bounds.max[axis] = bounds.max[axis].max((node.position[axis] + half_m) as f32);
-        }
-    }
-    bounds
+        let Aabb { min, max } = Aabb::from(<[f64; 3]>::from(node.position)).padded(half_m);
+        Aabb { min: min.map(|low| low as f32), max: max.map(|high| high as f32) }
+    });
+    bounds.reduce(Aabb::union)
 }
 
 /// The graph without its recipe: what the shape of the rock depends on.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::Simd;
 use nalgebra::Point3;
-use plume::field::{Bounds, CaveField, Field, PassageSettings, Region, Surface, Texel};
+use plume::field::{Aabb, CaveField, Field, PassageSettings, Region, Surface, Texel};
 use plume::graph::{Graph, Node, Section, Shape};
 use plume::material::{DomainWarp, JUMP_M, Look, MATERIALS, Material, Rock, STEEPEST, Site, Wall};
 use plume::noise::Real;
@@ -77,27 +77,19 @@ fn caves() -> Vec<CaveField> {
     caves_of_the_table().chain([cave(Arc::new(Plain { tear_m: 0.0 }))]).collect()
 }
 
-fn distances(field: &CaveField, points: &[[f32; 3]]) -> Vec<f32> {
-    let mut out = vec![f32::NAN; points.len()];
-    field.distances(Bounds::around(points), points, &mut out);
-    out
-}
-
-fn normals(field: &CaveField, points: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut out = vec![[f32::NAN; 3]; points.len()];
-    field.normals(Bounds::around(points), points, &mut out);
-    out
-}
-
-fn texels(field: &CaveField, bounds: Bounds, points: &[[f32; 3]]) -> Vec<Texel> {
+fn texels(field: &CaveField, bounds: Aabb<f32>, points: &[[f32; 3]]) -> Vec<Texel> {
     let mut out = vec![Texel::default(); points.len()];
-    let normals = normals(field, points);
+    let normals = field.normals_at(points);
     field.texels(bounds, 0.007, points, &normals, &mut out);
     out
 }
 
+fn around(points: &[[f32; 3]]) -> Aabb<f32> {
+    Aabb::from_points(points.iter().copied()).expect("there are points")
+}
+
 /// Points scattered over a box.
-fn scattered(bounds: Bounds, count: u32) -> Vec<[f32; 3]> {
+fn scattered(bounds: Aabb<f32>, count: u32) -> Vec<[f32; 3]> {
     let share = |i: u32, axis: u32| {
         let h = (i * 3 + axis + 1).wrapping_mul(0x9e37_79b1);
         ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / 16_777_216.0
@@ -110,7 +102,7 @@ fn scattered(bounds: Bounds, count: u32) -> Vec<[f32; 3]> {
 /// Scattered points within 0.2 m of the wall.
 fn near_wall(field: &CaveField, count: u32) -> Vec<[f32; 3]> {
     let points = scattered(field.bounds(), count);
-    let values = distances(field, &points);
+    let values = field.distances_at(&points);
     points.into_iter().zip(values).filter(|(_, v)| v.abs() < 0.2).map(|(p, _)| p).collect()
 }
 
@@ -126,9 +118,9 @@ proptest! {
         for field in caves() {
             let at = *which.get(&near_wall(&field, 3000));
             let min: [f32; 3] = std::array::from_fn(|i| at[i] + off[i]);
-            let bounds = Bounds { min, max: std::array::from_fn(|i| min[i] + size[i]) };
+            let bounds = Aabb { min, max: std::array::from_fn(|i| min[i] + size[i]) };
             let region = field.region(bounds);
-            let values = distances(&field, &scattered(bounds, 200));
+            let values = field.distances_at(&scattered(bounds, 200));
             match region {
                 Region::Air => prop_assert!(values.iter().all(|v| *v < 0.0), "{bounds:?}"),
                 Region::Rock => prop_assert!(values.iter().all(|v| *v > 0.0), "{bounds:?}"),
@@ -142,14 +134,14 @@ proptest! {
         // Not in `Plain`, whose occlusion depends on it in the last bit where the floor covers the wall.
         for field in caves_of_the_table() {
             let points = near_wall(&field, 3000);
-            let tight = Bounds::around(&points);
+            let tight = around(&points);
             let whole = texels(&field, tight, &points);
-            let values = distances(&field, &points);
+            let values = field.distances_at(&points);
             let parts = points.chunks(split).take(4);
             for (part, (whole, values)) in
                 parts.zip(whole.chunks(split).zip(values.chunks(split)))
             {
-                let bounds = Bounds::around(part).grown(margin);
+                let bounds = around(part).padded(margin);
                 prop_assert_eq!(&texels(&field, bounds, part)[..], whole);
                 let mut out = vec![0.0; part.len()];
                 field.distances(bounds, part, &mut out);
@@ -165,7 +157,7 @@ fn regions_are_of_use() {
         let bounds = field.bounds();
         let regions: Vec<Region> = scattered(bounds, 2000)
             .into_iter()
-            .map(|min| field.region(Bounds { min, max: min.map(|c| c + 0.2) }))
+            .map(|min| field.region(Aabb { min, max: min.map(|c| c + 0.2) }))
             .collect();
         let share = |of: Region| regions.iter().filter(|r| **r == of).count() as f64 / 2000.0;
         assert!(share(Region::Rock) > 0.6, "{}", share(Region::Rock));
@@ -177,9 +169,9 @@ fn regions_are_of_use() {
 fn beyond_the_bounds_all_is_rock() {
     for field in caves() {
         let bounds = field.bounds();
-        let outside = |p: &[f32; 3]| (0..3).any(|i| p[i] < bounds.min[i] || p[i] > bounds.max[i]);
-        let points: Vec<_> = scattered(bounds.grown(6.0), 4000).into_iter().filter(outside).collect();
-        assert!(distances(&field, &points).iter().all(|v| *v > 0.0));
+        let outside = |p: &[f32; 3]| !bounds.contains(*p);
+        let points: Vec<_> = scattered(bounds.padded(6.0), 4000).into_iter().filter(outside).collect();
+        assert!(field.distances_at(&points).iter().all(|v| *v > 0.0));
     }
 }
 
@@ -188,10 +180,10 @@ fn normals_point_down_the_field() {
     const STEP: f32 = 0.01;
     for field in caves() {
         let points = near_wall(&field, 20_000);
-        let normals = normals(&field, &points);
+        let normals = field.normals_at(&points);
         let difference = |at: [f32; 3], axis: usize| {
             let moved = |by: f32| std::array::from_fn(|i| at[i] + if i == axis { by } else { 0.0 });
-            let v = distances(&field, &[moved(STEP), moved(-STEP)]);
+            let v = field.distances_at(&[moved(STEP), moved(-STEP)]);
             (v[1] - v[0]) / (2.0 * STEP)
         };
         let off = points.iter().zip(&normals).filter(|(at, normal)| {
@@ -255,13 +247,13 @@ fn worst(field: &CaveField) -> Worst {
     /// How far from the wall a field matters, in its own metres.
     const NEAR_M: f32 = 0.25;
     let starts = near_wall(field, 100_000);
-    let directions = scattered(Bounds { min: [-1.0; 3], max: [1.0; 3] }, starts.len() as u32);
+    let directions = scattered(Aabb { min: [-1.0; 3], max: [1.0; 3] }, starts.len() as u32);
     let mut worst = Worst { jump_m: 0.0, at: [0.0; 3], slope: 0.0 };
     for (start, direction) in starts.iter().zip(&directions) {
         let length = direction.iter().map(|c| c * c).sum::<f32>().sqrt();
         let point = |n: usize| std::array::from_fn(|axis| start[axis] + direction[axis] / length * STEP_M * n as f32);
         let points: Vec<[f32; 3]> = (0..=STEPS).map(point).collect();
-        let values = distances(field, &points);
+        let values = field.distances_at(&points);
         let rise = |n: &usize| (values[*n + 1] - values[*n]).abs();
         let near = (0..STEPS).filter(|n| values[*n].abs() < NEAR_M && values[n + 1].abs() < NEAR_M);
         let Some(n) = near.max_by(|a, b| rise(a).total_cmp(&rise(b))) else { continue };
@@ -283,7 +275,7 @@ fn narrowed(field: &CaveField, points: [[f32; 3]; 2], values: [f32; 2]) -> [Samp
     let [mut a, mut b] = [(points[0], values[0]), (points[1], values[1])];
     for _ in 0..7 {
         let middle = std::array::from_fn(|axis| (a.0[axis] + b.0[axis]) / 2.0);
-        let middle = (middle, distances(field, &[middle])[0]);
+        let middle = (middle, field.distances_at(&[middle])[0]);
         if (middle.1 - a.1).abs() > (b.1 - middle.1).abs() { b = middle } else { a = middle }
     }
     [a, b]
@@ -293,8 +285,8 @@ fn narrowed(field: &CaveField, points: [[f32; 3]; 2], values: [f32; 2]) -> [Samp
 fn texels_are_in_range() {
     for field in caves() {
         let points = near_wall(&field, 10_000);
-        let mesh_normals = normals(&field, &points);
-        let texels = texels(&field, Bounds::around(&points), &points);
+        let mesh_normals = field.normals_at(&points);
+        let texels = texels(&field, around(&points), &points);
         for (texel, mesh) in texels.iter().zip(mesh_normals) {
             let dot = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f32>();
             assert!((dot(texel.normal, texel.normal) - 1.0).abs() < 1e-4);
@@ -311,7 +303,7 @@ fn every_station_is_in_air() {
     for field in caves() {
         let stations: Vec<[f32; 3]> =
             graph().nodes.iter().map(|n| n.position.coords.map(|c| c as f32).into()).collect();
-        assert!(distances(&field, &stations).iter().all(|v| *v < 0.0));
+        assert!(field.distances_at(&stations).iter().all(|v| *v < 0.0));
     }
 }
 
@@ -341,7 +333,7 @@ fn fits(field: &CaveField, x: f32, y: f32) -> bool {
     let across = [-0.35, -0.2, 0.0, 0.2, 0.35];
     let up = [0.18, 0.3, 0.45, 0.6, 0.75];
     let points: Vec<[f32; 3]> = across.iter().flat_map(|dy| up.iter().map(move |dz| [x, y + dy, floor + dz])).collect();
-    distances(field, &points).iter().all(|v| *v < 0.0)
+    field.distances_at(&points).iter().all(|v| *v < 0.0)
 }
 
 #[test]
@@ -353,9 +345,9 @@ fn seed_changes_the_rock_and_look_does_not() {
     let same = CaveField::new(&graph(), &settings, rock(), wet, 1);
     let other = CaveField::new(&graph(), &settings, rock(), Look::default(), 2);
     let points = near_wall(&one, 2000);
-    assert_eq!(distances(&one, &points), distances(&same, &points));
-    assert_ne!(distances(&one, &points), distances(&other, &points));
-    let bounds = Bounds::around(&points);
+    assert_eq!(one.distances_at(&points), same.distances_at(&points));
+    assert_ne!(one.distances_at(&points), other.distances_at(&points));
+    let bounds = around(&points);
     assert_ne!(texels(&one, bounds, &points), texels(&same, bounds, &points));
 }
 
@@ -372,7 +364,7 @@ fn rocks_refuse_unknown_settings() {
 fn heights_lead_to_the_wall() {
     for field in caves() {
         let points = near_wall(&field, 3000);
-        let bounds = Bounds::around(&points).grown(0.5);
+        let bounds = around(&points).padded(0.5);
         let here = texels(&field, bounds, &points);
         let moved: Vec<[f32; 3]> = points
             .iter()

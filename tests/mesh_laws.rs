@@ -5,7 +5,7 @@ mod common;
 use common::distance::Distances;
 use common::fields::{WrongNormals, bubbles, ladder, room, sphere, white_noise};
 use common::{assert_lawful, chunks, collisions, triangle_set, visuals};
-use plume::field::{Bounds, Field};
+use plume::field::{Aabb, Field};
 use plume::mesh::measure::{Report, Seams, weld};
 use plume::mesh::{ChunkMeshes, Grid, Mesh, MeshSettings, chunk};
 use proptest::prelude::*;
@@ -52,7 +52,7 @@ proptest! {
 #[test]
 fn a_ball_has_its_volume_and_faces_inwards() {
     let ball = sphere([0.3, -0.2, 0.1], 5.0);
-    let bounds = Bounds { min: [-6.0; 3], max: [6.0; 3] };
+    let bounds = Aabb { min: [-6.0; 3], max: [6.0; 3] };
     for settings in [whole(0.2, 8.0), MeshSettings::default()] {
         let made = chunks(&ball, bounds, &settings);
         let report = assert_lawful(&visuals(&made));
@@ -85,7 +85,7 @@ fn normals_that_oppose_the_triangles_are_replaced_alike_on_both_sides() {
 #[test]
 fn a_cave_far_from_its_origin_is_lawful() {
     let centre = [4080.3, -4081.1, 4079.7];
-    let bounds = Bounds { min: centre.map(|c| c - 5.0), max: centre.map(|c| c + 5.0) };
+    let bounds = Aabb { min: centre.map(|c| c - 5.0), max: centre.map(|c| c + 5.0) };
     let made = chunks(&sphere(centre, 4.0), bounds, &MeshSettings::default());
     let report = assert_lawful(&visuals(&made));
     assert_eq!((report.components, report.genus), (1, 0));
@@ -115,7 +115,7 @@ fn chunks_do_not_show_in_the_triangles() {
     same_in_all_chunks(&WrongNormals(field), bounds);
 }
 
-fn same_in_all_chunks(field: &dyn Field, bounds: Bounds) {
+fn same_in_all_chunks(field: &dyn Field, bounds: Aabb<f32>) {
     let sets = [7.0, 16.0, 40.0].map(|chunk_m| {
         let made = chunks(field, bounds, &whole(0.25, chunk_m));
         (made.len(), triangle_set(&visuals(&made)))
@@ -128,7 +128,7 @@ fn same_in_all_chunks(field: &dyn Field, bounds: Bounds) {
 #[test]
 fn flat_walls_on_the_lattice_are_lawful() {
     let room = room([5.0, 3.0, 2.0]);
-    let bounds = Bounds { min: [-5.0, -3.0, -2.0], max: [5.0, 3.0, 2.0] };
+    let bounds = Aabb { min: [-5.0, -3.0, -2.0], max: [5.0, 3.0, 2.0] };
     let settings = whole(0.25, 4.0);
     let full = assert_lawful(&visuals(&chunks(&room, bounds, &settings)));
     assert_eq!(full.genus, 0);
@@ -212,7 +212,7 @@ fn small_bubbles_go_and_large_ones_stay() {
 
 #[test]
 fn rock_alone_makes_no_chunk() {
-    let bounds = Bounds { min: [20.0; 3], max: [30.0; 3] };
+    let bounds = Aabb { min: [20.0; 3], max: [30.0; 3] };
     assert!(chunks(&sphere([0.0; 3], 5.0), bounds, &MeshSettings::default()).is_empty());
 }
 

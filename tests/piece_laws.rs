@@ -8,7 +8,7 @@ mod world;
 use common::chunks;
 use common::distance::{Near, corners, spread};
 use nalgebra::Vector3;
-use plume::field::{Bounds, CaveField, Field, PassageSettings};
+use plume::field::{CaveField, Field, PassageSettings};
 use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::{Look, MATERIALS, MaterialRow};
 use plume::mesh::measure::weld;
@@ -53,11 +53,7 @@ impl Cave {
     /// Negative in the air.
     fn field_at(&self, points: &[Point]) -> Vec<f32> {
         let points: Vec<[f32; 3]> = points.iter().map(|point| point.map(|c| c as f32).into()).collect();
-        let mut out = vec![0.0; points.len()];
-        if !points.is_empty() {
-            self.field.distances(Bounds::around(&points), &points, &mut out);
-        }
-        out
+        self.field.distances_at(&points)
     }
 }
 

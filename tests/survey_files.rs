@@ -12,7 +12,7 @@ use std::path::Path;
 use dump::dumped_passages;
 use files::Files;
 use nalgebra::{Point3, Vector3};
-use plume::field::{Bounds, CaveField, Field, PassageSettings};
+use plume::field::{CaveField, Field, PassageSettings};
 use plume::graph::Graph;
 use plume::material::{Look, MATERIALS};
 use plume::survey::{Import, Parts, ReadError, read};
@@ -140,14 +140,8 @@ fn clear_m(field: &CaveField, from: Point3<f64>, way: Vector3<f64>) -> f64 {
     const STEP_M: f64 = 0.01;
     let point = |step: u32| (from + way * (STEP_M * f64::from(step))).coords.map(|x| x as f32).into();
     let points: Vec<[f32; 3]> = (0..1000).map(point).collect();
-    let steps = distances(field, &points).iter().take_while(|&&distance| distance < 0.0).count();
+    let steps = field.distances_at(&points).iter().take_while(|&&distance| distance < 0.0).count();
     STEP_M * steps as f64
-}
-
-fn distances(field: &CaveField, points: &[[f32; 3]]) -> Vec<f32> {
-    let mut distances = vec![f32::NAN; points.len()];
-    field.distances(Bounds::around(points), points, &mut distances);
-    distances
 }
 
 /// Station 8 touches the wall, and rock stands in a little here and there.
@@ -162,7 +156,7 @@ fn every_surveyed_station_is_in_the_open_in_every_rock() {
     for (row, seed) in MATERIALS.iter().flat_map(|row| (0..8).map(move |seed| (row, seed))) {
         let rock = (row.read)(json!({})).unwrap();
         let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
-        for (station, distance) in stations.iter().zip(distances(&field, &stations)) {
+        for (station, distance) in stations.iter().zip(field.distances_at(&stations)) {
             assert!(distance < AT_WALL_M, "{} seed {seed}: {station:?} is {distance} m in the rock", row.name);
         }
     }

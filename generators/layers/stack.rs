@@ -53,13 +53,13 @@ impl Stack {
     /// How a layer is moved at first: its middle below that of the first layer, its origin at its depth, or its top at the
     /// bottom of the layer above.
     fn start(&mut self, graph: &Graph, layer: &Layer) -> Vector3<f64> {
-        let Some([low, high]) = graph.bounds() else { return Vector3::zeros() };
-        let middle = low + (high - low) * 0.5;
+        let Some(bounds) = graph.bounds() else { return Vector3::zeros() };
+        let middle = Point3::from(bounds.center());
         let first = *self.middle.get_or_insert(middle);
         let aside = Vector3::new(layer.east_m, layer.north_m, 0.0);
         let bottom = self.layers.last().map(|above| {
             let heights = self.rock.nodes[above.clone()].iter().map(|node| node.position.z);
-            heights.fold(f64::INFINITY, f64::min) - high.z
+            heights.fold(f64::INFINITY, f64::min) - bounds.max[2]
         });
         let z = layer.depth_m.map(|depth_m| -depth_m).or(bottom).unwrap_or(0.0);
         let mut by = first - middle + aside;

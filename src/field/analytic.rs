@@ -1,6 +1,6 @@
 //! A field from a formula.
 
-use super::{Bounds, Field, Region};
+use super::{Aabb, Field, Region, ball_round};
 
 /// Step of the central differences that give normals.
 const STEP_M: f32 = 1.0 / 64.0;
@@ -10,10 +10,10 @@ const STEP_M: f32 = 1.0 / 64.0;
 /// It costs one evaluation for each point, and six for a normal. Not promised: exact normals; they are central differences.
 ///
 /// ```
-/// use plume::field::{Analytic, Bounds, Field, Region};
+/// use plume::field::{Aabb, Analytic, Field, Region};
 ///
 /// let ball = Analytic::new(1.0, |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt() - 5.0);
-/// let near = Bounds { min: [-1.0; 3], max: [1.0; 3] };
+/// let near = Aabb { min: [-1.0; 3], max: [1.0; 3] };
 /// assert_eq!(ball.region(near), Region::Air);
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +31,8 @@ impl<F: Fn([f32; 3]) -> f32 + Sync> Analytic<F> {
 }
 
 impl<F: Fn([f32; 3]) -> f32 + Sync> Field for Analytic<F> {
-    fn region(&self, bounds: Bounds) -> Region {
-        let (centre, radius_m) = bounds.ball();
+    fn region(&self, bounds: Aabb<f32>) -> Region {
+        let (centre, radius_m) = ball_round(bounds);
         match (self.value)(centre) {
             far if far > radius_m * self.slope => Region::Rock,
             deep if deep < -radius_m * self.slope => Region::Air,
@@ -40,13 +40,13 @@ impl<F: Fn([f32; 3]) -> f32 + Sync> Field for Analytic<F> {
         }
     }
 
-    fn distances(&self, _: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
+    fn distances(&self, _: Aabb<f32>, points: &[[f32; 3]], out: &mut [f32]) {
         for (out, &point) in out.iter_mut().zip(points) {
             *out = (self.value)(point);
         }
     }
 
-    fn normals(&self, _: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
+    fn normals(&self, _: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
         for (out, &point) in out.iter_mut().zip(points) {
             let descent: [f32; 3] = std::array::from_fn(|axis| {
                 let [mut low, mut high] = [point, point];

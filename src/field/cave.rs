@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::index::Index;
 use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
-use super::{Bounds, Field, Region, Surface, Texel};
+use super::{Aabb, Field, Region, Surface, Texel, ball_round};
 use crate::material::{
     BLOCK, DomainWarp, Footprint, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, SurfaceSamples,
 };
@@ -23,7 +23,7 @@ pub struct CaveField {
     source: Source,
     /// How far the rock can move a point before its passage is asked, metres.
     wander_m: f32,
-    bounds: Bounds,
+    bounds: Aabb<f32>,
 }
 
 impl CaveField {
@@ -31,10 +31,8 @@ impl CaveField {
     pub fn new(graph: &Graph, settings: &PassageSettings, material: Arc<dyn Material>, look: Look, seed: u64) -> Self {
         let wander_m = furthest_wander_m(material.domain_warp());
         let capsules = capsules(graph, settings, material.domain_warp());
-        let bounds = capsules.iter().map(Capsule::corners).fold(None, |all: Option<Bounds>, [min, max]| {
-            let bounds = Bounds { min, max }.grown(RECESS_M + wander_m);
-            Some(all.map_or(bounds, |all| all.joined(bounds)))
-        });
+        let walls = capsules.iter().map(|capsule| capsule.bounds().padded(RECESS_M + wander_m));
+        let bounds = walls.reduce(Aabb::union).unwrap_or_else(|| [0.0; 3].into());
         Self {
             index: Index::new(capsules, BLEND_M + wander_m),
             material,
@@ -42,12 +40,12 @@ impl CaveField {
             ground: Ground { roughness_m: settings.floor_roughness_m, natural: 1.0 - settings.floor_flatness },
             source: Source::new(seed::salt(seed, "rock")),
             wander_m,
-            bounds: bounds.unwrap_or(Bounds { min: [0.0; 3], max: [0.0; 3] }),
+            bounds,
         }
     }
 
     /// A box outside which all is rock.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Aabb<f32> {
         self.bounds
     }
 
@@ -55,8 +53,7 @@ impl CaveField {
     pub fn floor_z(&self, point: [f32; 3]) -> f32 {
         let mut floor = point[2];
         let domain_warp = self.material.domain_warp();
-        let bounds = Bounds { min: point, max: point };
-        self.blocks(bounds, &[point], |_, capsules, sites| {
+        self.blocks(point.into(), &[point], |_, capsules, sites| {
             dispatched!(simd => survey_values(simd, capsules, domain_warp, sites));
             floor = point[2] - sites.height.value[0];
         });
@@ -72,9 +69,7 @@ impl CaveField {
         let mut distances = vec![0.0; points.len()];
         for together in order.chunk_by(|one, other| cell(one) == cell(other)) {
             let near: Vec<[f32; 3]> = together.iter().map(|&point| points[point]).collect();
-            let mut found = vec![0.0; near.len()];
-            self.distances(Bounds::around(&near), &near, &mut found);
-            together.iter().zip(found).for_each(|(&point, distance)| distances[point] = distance);
+            together.iter().zip(self.distances_at(&near)).for_each(|(&point, distance)| distances[point] = distance);
         }
         distances
     }
@@ -82,7 +77,7 @@ impl CaveField {
     /// Splits points into blocks, finds the capsules each block feels, and hands both on.
     fn blocks<'a>(
         &'a self,
-        bounds: Bounds,
+        bounds: Aabb<f32>,
         points: &'a [[f32; 3]],
         mut visit: impl FnMut(usize, &[&Capsule], &mut Sites),
     ) {
@@ -90,7 +85,8 @@ impl CaveField {
         let mut sites = Sites::new(self.ground, self.source);
         let mut felt = Vec::with_capacity(near.len());
         for (n, block) in points.chunks(BLOCK).enumerate() {
-            let (centre, radius) = Bounds::around(block).ball();
+            let around = Aabb::from_points(block.iter().copied()).expect("a block has points");
+            let (centre, radius) = ball_round(around);
             felt.clear();
             felt.extend(
                 near.iter().copied().filter(|capsule| capsule.near(centre, radius, self.wander_m).nearest < BLEND_M),
@@ -161,8 +157,8 @@ fn texel_of(surface_samples: &SurfaceSamples, lane: usize, mesh_normal: [f32; 3]
 }
 
 impl Field for CaveField {
-    fn region(&self, bounds: Bounds) -> Region {
-        let (centre, radius) = bounds.ball();
+    fn region(&self, bounds: Aabb<f32>) -> Region {
+        let (centre, radius) = ball_round(bounds);
         let ranges: Vec<Range> = self
             .index
             .near(bounds)
@@ -190,7 +186,7 @@ impl Field for CaveField {
         Region::Mixed
     }
 
-    fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
+    fn distances(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [f32]) {
         let domain_warp = self.material.domain_warp();
         self.blocks(bounds, points, |start, capsules, sites| {
             dispatched!(simd => survey_values(simd, capsules, domain_warp, sites));
@@ -198,7 +194,7 @@ impl Field for CaveField {
         });
     }
 
-    fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
+    fn normals(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
         let domain_warp = self.material.domain_warp();
         self.blocks(bounds, points, |start, capsules, sites| {
             dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
@@ -212,7 +208,7 @@ impl Field for CaveField {
 }
 
 impl Surface for CaveField {
-    fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
+    fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         let domain_warp = self.material.domain_warp();
         let mut surface_samples = SurfaceSamples::default();
         self.blocks(bounds, points, |start, capsules, sites| {

@@ -1,6 +1,6 @@
 //! Which capsules are near a box.
 
-use super::Bounds;
+use super::Aabb;
 use super::passage::Capsule;
 use rustc_hash::FxHashMap;
 
@@ -19,9 +19,7 @@ impl Index {
     pub fn new(capsules: Vec<Capsule>, reach_m: f32) -> Self {
         let mut buckets: FxHashMap<[i32; 3], Vec<u32>> = FxHashMap::default();
         for (i, capsule) in (0..).zip(&capsules) {
-            let [min, max] = capsule.corners();
-            let bounds = Bounds { min, max }.grown(reach_m);
-            for bucket in buckets_of(bounds) {
+            for bucket in buckets_of(capsule.bounds().padded(reach_m)) {
                 buckets.entry(bucket).or_default().push(i);
             }
         }
@@ -29,7 +27,7 @@ impl Index {
     }
 
     /// Every capsule felt in the box and perhaps some more, in their own order.
-    pub fn near(&self, bounds: Bounds) -> Vec<&Capsule> {
+    pub fn near(&self, bounds: Aabb<f32>) -> Vec<&Capsule> {
         if buckets_of(bounds).nth(self.buckets.len()).is_some() {
             return self.capsules.iter().collect();
         }
@@ -41,7 +39,7 @@ impl Index {
     }
 }
 
-fn buckets_of(bounds: Bounds) -> impl Iterator<Item = [i32; 3]> {
+fn buckets_of(bounds: Aabb<f32>) -> impl Iterator<Item = [i32; 3]> {
     let bucket = |coordinate: f32| (coordinate / BUCKET_M).floor() as i32;
     let range = move |i: usize| bucket(bounds.min[i])..=bucket(bounds.max[i]);
     range(2).flat_map(move |z| range(1).flat_map(move |y| range(0).map(move |x| [x, y, z])))

@@ -3,6 +3,9 @@
 //! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
 //! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
 
+use std::array::from_fn;
+
+use super::Aabb;
 use crate::material::{BLOCK, DomainWarp, Sites, Stored};
 use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
 use fearless_simd::Simd;
@@ -156,15 +159,11 @@ pub(super) struct Capsule {
 /// Every capsule of a graph: passages in the order of its edges, then rooms in the order of its nodes.
 pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, domain_warp: DomainWarp) -> Vec<Capsule> {
     let profiles: Vec<Profile> = graph.nodes.iter().map(|node| Profile::at(node, settings)).collect();
-    let mut degree = vec![0_usize; graph.nodes.len()];
-    for &[a, b] in &graph.edges {
-        degree[a] += 1;
-        degree[b] += 1;
-    }
+    let degrees = graph.degrees();
     let ends = |a: usize, b: usize| [&graph.nodes[a], &graph.nodes[b]];
     let passages = graph.edges.iter().map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], domain_warp));
-    let is_room = |&node: &usize| degree[node] >= 3 && graph.nodes[node].section.is_none();
-    let lone = |&node: &usize| degree[node] == 0;
+    let is_room = |&node: &usize| degrees[node] >= 3 && graph.nodes[node].section.is_none();
+    let lone = |&node: &usize| degrees[node] == 0;
     let rooms = (0..graph.nodes.len()).filter(is_room).map(|node| {
         let room = profiles[node].widened(settings.room_factor);
         Capsule::new(ends(node, node), [room; 2], domain_warp)
@@ -192,13 +191,14 @@ impl Capsule {
         }
     }
 
-    /// Corners of a box that holds its wall.
-    pub fn corners(&self) -> [[f32; 3]; 2] {
+    /// A box that holds its wall.
+    pub fn bounds(&self) -> Aabb<f32> {
         let wide = self.widest_m();
         let reach = [wide, wide, wide / self.flattest()];
-        let low = |i: usize| self.start[i] + self.span[i].min(0.0) - reach[i];
-        let high = |i: usize| self.start[i] + self.span[i].max(0.0) + reach[i];
-        [[low(0), low(1), low(2)], [high(0), high(1), high(2)]]
+        Aabb {
+            min: from_fn(|i| self.start[i] + self.span[i].min(0.0) - reach[i]),
+            max: from_fn(|i| self.start[i] + self.span[i].max(0.0) + reach[i]),
+        }
     }
 
     /// The least width over height.

@@ -5,38 +5,19 @@
 
 use super::extract::Surface;
 use super::lattice::Window;
+use plume_graph::Aabb;
 
 const MOST_CELLS: i32 = Window::HALO - 2;
 
 /// Removes the quads of small pieces. Their vertices stay, unused.
 pub(super) fn drop_bubbles(surface: &mut Surface) {
     let roots = roots(surface);
-    let mut spans = vec![Span::EMPTY; roots.len()];
+    let mut spans: Vec<Aabb<i32>> = surface.cells.iter().copied().map(Aabb::from).collect();
     for (&root, &cell) in roots.iter().zip(&surface.cells) {
-        spans[root as usize].add(cell);
+        spans[root as usize] = spans[root as usize].including(cell);
     }
-    surface.quads.retain(|quad| !spans[roots[quad.corners[0] as usize] as usize].is_small());
-}
-
-#[derive(Clone, Copy)]
-struct Span {
-    min: [i32; 3],
-    max: [i32; 3],
-}
-
-impl Span {
-    const EMPTY: Self = Self { min: [i32::MAX; 3], max: [i32::MIN; 3] };
-
-    fn add(&mut self, cell: [i32; 3]) {
-        for (axis, c) in cell.into_iter().enumerate() {
-            self.min[axis] = self.min[axis].min(c);
-            self.max[axis] = self.max[axis].max(c);
-        }
-    }
-
-    fn is_small(&self) -> bool {
-        (0..3).all(|axis| self.max[axis] - self.min[axis] < MOST_CELLS)
-    }
+    let is_small = |span: &Aabb<i32>| span.size().iter().all(|&side| side < MOST_CELLS);
+    surface.quads.retain(|quad| !is_small(&spans[roots[quad.corners[0] as usize] as usize]));
 }
 
 /// The lowest vertex of the piece of each vertex.

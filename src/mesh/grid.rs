@@ -1,4 +1,4 @@
-use crate::field::Bounds;
+use crate::field::Aabb;
 
 use super::lattice::Window;
 use super::settings::MeshSettings;
@@ -98,7 +98,7 @@ impl Grid {
     ///
     /// # Errors
     /// When the bounds are empty or too far out, or the chunks too narrow, too wide or too many.
-    pub fn new(bounds: Bounds, settings: &MeshSettings) -> Result<Self, GridError> {
+    pub fn new(bounds: Aabb<f32>, settings: &MeshSettings) -> Result<Self, GridError> {
         let mut grid = Self { voxel_m: settings.voxel_m, cells: [0; 3], origin: [0; 3], chunks: [0; 3] };
         for axis in 0..3 {
             let (first, count) = cells_over(bounds, settings.voxel_m, axis)?;
@@ -121,7 +121,7 @@ impl Grid {
     }
 
     /// The box of a chunk. Its mesh may reach over it by about a cell.
-    pub fn chunk_bounds(&self, index: ChunkIndex) -> Bounds {
+    pub fn chunk_bounds(&self, index: ChunkIndex) -> Aabb<f32> {
         self.owned(index).bounds(self.voxel_m)
     }
 
@@ -133,7 +133,7 @@ impl Grid {
 }
 
 /// First cell and number of cells along an axis, with a cell to spare on either side.
-fn cells_over(bounds: Bounds, voxel_m: f32, axis: usize) -> Result<(i32, i32), GridError> {
+fn cells_over(bounds: Aabb<f32>, voxel_m: f32, axis: usize) -> Result<(i32, i32), GridError> {
     let (min_m, max_m) = (bounds.min[axis], bounds.max[axis]);
     let reach_m = min_m.abs().max(max_m.abs());
     if !reach_m.is_finite() || min_m >= max_m {
@@ -168,8 +168,8 @@ fn chunk_cells(settings: &MeshSettings, axis: usize, count: i32) -> Result<i32, 
 mod tests {
     use super::*;
 
-    fn bounds(min: [f32; 3], max: [f32; 3]) -> Bounds {
-        Bounds { min, max }
+    fn bounds(min: [f32; 3], max: [f32; 3]) -> Aabb<f32> {
+        Aabb { min, max }
     }
 
     #[test]

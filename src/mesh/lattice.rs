@@ -4,7 +4,7 @@
 //! at the same sample ask the field for the same point. Only bricks of the lattice through which the wall may pass are
 //! kept; what is culled holds no crossing, so the mesh does not depend on how well the field culls.
 
-use crate::field::{Bounds, Field, Region};
+use crate::field::{Aabb, Field, Region};
 
 /// Cells along the edge of a brick. Tuned: small enough to follow the wall, large enough for a batch.
 pub(super) const BRICK: i32 = 16;
@@ -29,9 +29,9 @@ impl Window {
     }
 
     /// The closed box of the samples, in metres.
-    pub(super) fn bounds(&self, voxel_m: f32) -> Bounds {
+    pub(super) fn bounds(&self, voxel_m: f32) -> Aabb<f32> {
         let metres = |cell: i32| cell as f32 * voxel_m;
-        Bounds { min: self.min.map(metres), max: self.max.map(metres) }
+        Aabb { min: self.min.map(metres), max: self.max.map(metres) }
     }
 
     pub(super) fn contains(&self, cell: [i32; 3]) -> bool {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::bubbles::find;
 use super::{Mesh, QUANTA_PER_M};
+use plume_graph::Aabb;
 
 /// What is true of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -129,14 +130,9 @@ impl Report {
 
     fn measure_bounds(&mut self, mesh: &Mesh) {
         let used = mesh.triangles.iter().flatten().map(|&v| mesh.positions[v as usize]);
-        let (mut min, mut max) = ([i32::MAX; 3], [i32::MIN; 3]);
-        for position in used {
-            min = std::array::from_fn(|i| min[i].min(position[i]));
-            max = std::array::from_fn(|i| max[i].max(position[i]));
-        }
-        if !mesh.triangles.is_empty() {
+        if let Some(bounds) = Aabb::from_points(used) {
             let metres = |q: i32| f64::from(q) / f64::from(QUANTA_PER_M);
-            (self.min_m, self.max_m) = (min.map(metres), max.map(metres));
+            (self.min_m, self.max_m) = (bounds.min.map(metres), bounds.max.map(metres));
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+use plume_graph::Aabb;
+
 pub(super) type Point = Vector3<f64>;
 pub(super) type Triangle = [Point; 3];
 
@@ -13,7 +15,7 @@ pub(super) struct Nearest {
     /// Each with its index in the surface.
     triangles: Vec<(Triangle, u32)>,
     /// A box is followed by its first half.
-    boxes: Vec<Box3>,
+    boxes: Vec<Branch>,
 }
 
 /// What is nearest to a point.
@@ -26,10 +28,10 @@ pub(super) struct Found {
     pub(super) squared: f64,
 }
 
+/// The box round some triangles.
 #[derive(Clone, Copy)]
-struct Box3 {
-    low: Point,
-    high: Point,
+struct Branch {
+    bounds: Aabb<f64>,
     /// Index of the second half; 0 for a leaf.
     second: usize,
 }
@@ -45,13 +47,14 @@ impl Nearest {
 
     fn build(&mut self, start: usize, end: usize) {
         let part = &mut self.triangles[start..end];
-        let whole = Box3::around(part.iter().flat_map(|(triangle, _)| triangle));
+        let corners = part.iter().flat_map(|(triangle, _)| triangle).copied();
+        let bounds = Aabb::from_points(corners).expect("a part has triangles");
         let at = self.boxes.len();
-        self.boxes.push(whole);
+        self.boxes.push(Branch { bounds, second: 0 });
         if end - start <= LEAF {
             return;
         }
-        let axis = (whole.high - whole.low).imax();
+        let axis = bounds.longest_axis();
         let along = |(t, _): &(Triangle, u32)| t[0][axis] + t[1][axis] + t[2][axis];
         let half = (end - start) / 2;
         part.sort_by(|a, b| along(a).total_cmp(&along(b)));
@@ -82,7 +85,7 @@ impl Nearest {
         }
         let middle = range.start + range.len() / 2;
         let mut halves = [(at + 1, range.start..middle), (second, middle..range.end)]
-            .map(|(at, range)| (self.boxes[at].squared_distance(point), at, range));
+            .map(|(at, range)| (self.boxes[at].bounds.squared_distance(point.into()), at, range));
         if halves[1].0 < halves[0].0 {
             halves.reverse();
         }
@@ -91,17 +94,6 @@ impl Nearest {
                 self.search(point, at, range, best);
             }
         }
-    }
-}
-
-impl Box3 {
-    fn around<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
-        let start = Self { low: Point::repeat(f64::INFINITY), high: Point::repeat(f64::NEG_INFINITY), second: 0 };
-        points.fold(start, |all, point| Self { low: all.low.inf(point), high: all.high.sup(point), second: 0 })
-    }
-
-    fn squared_distance(&self, point: Point) -> f64 {
-        (point - point.sup(&self.low).inf(&self.high)).norm_squared()
     }
 }
 

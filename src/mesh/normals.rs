@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use crate::field::{Bounds, Field};
+use crate::field::Field;
 
 use super::facet::Facets;
 use super::lattice::BRICK;
@@ -32,29 +32,13 @@ fn steepest_descents(field: &dyn Field, voxel_m: f32, mesh: &Mesh) -> Vec<[f32; 
     let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     order.sort_by_cached_key(|&vertex| block(vertex));
     let mut normals = vec![[0.0; 3]; mesh.positions.len()];
-    let (mut points, mut found) = (Vec::new(), Vec::new());
     for group in order.chunk_by(|&a, &b| block(a) == block(b)) {
-        points.clear();
-        points.extend(group.iter().map(|&vertex| mesh.position_m(vertex)));
-        found.clear();
-        found.resize(points.len(), [0.0; 3]);
-        field.normals(hull(&points), &points, &mut found);
-        for (&vertex, &normal) in group.iter().zip(&found) {
+        let points: Vec<[f32; 3]> = group.iter().map(|&vertex| mesh.position_m(vertex)).collect();
+        for (&vertex, normal) in group.iter().zip(field.normals_at(&points)) {
             normals[vertex as usize] = normal;
         }
     }
     normals
-}
-
-fn hull(points: &[[f32; 3]]) -> Bounds {
-    let mut hull = Bounds { min: points[0], max: points[0] };
-    for point in points {
-        for (axis, &c) in point.iter().enumerate() {
-            hull.min[axis] = hull.min[axis].min(c);
-            hull.max[axis] = hull.max[axis].max(c);
-        }
-    }
-    hull
 }
 
 /// Also true of a normal that is not a number.

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::field::{Bounds, Field};
+use crate::field::{Aabb, Field};
 
 /// Distance between probes, m: finer than any block that a wheel would notice.
 const STEP_M: f32 = 0.05;
@@ -24,7 +24,7 @@ fn first_rock(field: &dyn Field, from: Point3<f64>, step_m: f32) -> Option<f64> 
     let count = (REACH_M / STEP_M) as usize;
     let points: Vec<[f32; 3]> = (0..count).map(|i| [x, y, z + i as f32 * step_m]).collect();
     let end = z + count as f32 * step_m;
-    let bounds = Bounds { min: [x, y, z.min(end)], max: [x, y, z.max(end)] };
+    let bounds = Aabb { min: [x, y, z.min(end)], max: [x, y, z.max(end)] };
     let mut distances = vec![0.0; count];
     field.distances(bounds, &points, &mut distances);
     if distances[0] >= 0.0 {

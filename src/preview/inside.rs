@@ -24,7 +24,7 @@ use self::march::{Approach, BRISK, CAREFUL, FAR_M};
 pub use self::tone::exposure as mean_exposure;
 use super::image::Image;
 use super::{Drawn, Order, PreviewError, Size, Subject};
-use crate::field::{Bounds, CaveField, Field, Surface, Texel};
+use crate::field::{Aabb, CaveField, Field, Surface, Texel};
 
 /// Pixels along the edge of a cone.
 const CONE: usize = 8;
@@ -142,9 +142,8 @@ fn sights(field: &CaveField, camera: &Camera, rays: &[Ray], ends: &[f32], hits: 
 
 /// What the wall is like at points near each other, of which there is one, to the detail that pixels of this size show.
 fn texels(field: &CaveField, points: &[[f32; 3]], texel_m: f32) -> Vec<Texel> {
-    let bounds = Bounds::around(points);
-    let mut normals = vec![[0.0; 3]; points.len()];
-    field.normals(bounds, points, &mut normals);
+    let bounds = Aabb::from_points(points.iter().copied()).expect("there is a point");
+    let normals = field.normals_at(points);
     let mut texels = vec![Texel::default(); points.len()];
     field.texels(bounds, texel_m, points, &normals, &mut texels);
     texels

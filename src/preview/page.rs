@@ -40,10 +40,9 @@ pub fn page(subject: &Subject, order: &Order, _size: Size) -> Result<Drawn, Prev
 /// What stands beside the picture.
 fn numbers(subject: &Subject) -> Value {
     let graph = subject.graph;
-    let mut degree = vec![0_usize; graph.nodes.len()];
-    graph.edges.iter().flatten().for_each(|&end| degree[end] += 1);
-    let count = |fits: fn(usize) -> bool| degree.iter().filter(|&&passages| fits(passages)).count();
-    let [low, high] = graph.bounds().expect("a graph to be shown has stations");
+    let degrees = graph.degrees();
+    let count = |fits: fn(usize) -> bool| degrees.iter().filter(|&&passages| fits(passages)).count();
+    let [width_m, depth_m, height_m] = graph.bounds().expect("a graph to be shown has stations").size();
     let widths = graph.nodes.iter().map(|node| 2.0 * f64::from(subject.passage.reach(node).aside_m));
     let mean_width_m = widths.sum::<f64>() / graph.nodes.len() as f64;
     json!([
@@ -54,8 +53,8 @@ fn numbers(subject: &Subject) -> Value {
         ["junctions", count(|passages| passages > 2).to_string()],
         ["dead ends", count(|passages| passages == 1).to_string()],
         ["mean width", format!("{mean_width_m:.1} m")],
-        ["extent", format!("{:.0} × {:.0} m", high.x - low.x, high.y - low.y)],
-        ["depth", format!("{:.1} m", high.z - low.z)],
+        ["extent", format!("{width_m:.0} × {depth_m:.0} m")],
+        ["depth", format!("{height_m:.1} m")],
     ])
 }
 

@@ -12,7 +12,7 @@ use super::owners::{NONE, Strips};
 use super::patch::{Frame, Patch};
 use super::srgb::SrgbTable;
 use super::{HEIGHT_AMPLITUDE_M, Maps, Textured};
-use crate::field::{Bounds, Surface, Texel};
+use crate::field::{Aabb, Surface, Texel};
 use plume_exporters::ImageFormat;
 
 /// Side of the squares of texels that are looked at together, so that what lies near them needs finding once; also the
@@ -119,7 +119,7 @@ impl Batch {
         self.texels.clear();
         self.texels.resize(spots.len(), Texel::default());
         let texel_m = 1.0 / baker.textured.texels_per_m;
-        let bounds = bounds(&self.points);
+        let bounds = Aabb::from_points(self.points.iter().copied()).expect("a batch has texels");
         baker.surface.texels(bounds, texel_m, &self.points, &self.normals, &mut self.texels);
     }
 
@@ -136,16 +136,6 @@ impl Batch {
                 },
             );
         }
-    }
-}
-
-/// The smallest box around `points`.
-fn bounds(points: &[[f32; 3]]) -> Bounds {
-    let extreme =
-        |k: usize, start: f32, pick: fn(f32, f32) -> f32| points.iter().map(|point| point[k]).fold(start, pick);
-    Bounds {
-        min: [0, 1, 2].map(|k| extreme(k, f32::INFINITY, f32::min)),
-        max: [0, 1, 2].map(|k| extreme(k, f32::NEG_INFINITY, f32::max)),
     }
 }
 

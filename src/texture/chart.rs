@@ -2,6 +2,7 @@
 
 use super::raster::{Corners, SUBTEXELS};
 use crate::mesh::{Mesh, QUANTA_PER_M};
+use plume_graph::Aabb;
 
 /// The six directions a chart may be seen from: +x, -x, +y, -y, +z, -z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,16 +53,10 @@ impl Chart {
     }
 
     fn measure(&mut self, mesh: &Mesh) {
-        let (mut min, mut max) = ([i32::MAX; 2], [i32::MIN; 2]);
-        for &t in &self.triangles {
-            for vertex in mesh.triangles[t as usize] {
-                let p = self.turn(self.axis.project(mesh.positions[vertex as usize]));
-                min = [min[0].min(p[0]), min[1].min(p[1])];
-                max = [max[0].max(p[0]), max[1].max(p[1])];
-            }
-        }
-        self.min = min;
-        self.extent = [max[0] - min[0], max[1] - min[1]];
+        let vertices = self.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
+        let places = vertices.map(|vertex| self.turn(self.axis.project(mesh.positions[vertex as usize])));
+        let bounds = Aabb::from_points(places).expect("a chart has triangles");
+        (self.min, self.extent) = (bounds.min, bounds.size());
     }
 
     fn turn(&self, p: [i32; 2]) -> [i32; 2] {

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use super::adjacency::NONE;
 use super::chart::{Axis, Chart, seen_area};
 use crate::mesh::Mesh;
+use plume_graph::{Aabb, Rows};
 
 /// Least cosine between a triangle and the axis it is seen along. Tuned: lower stretches more, higher frays the charts.
 const MIN_FACING: f32 = 0.5;
@@ -38,7 +39,7 @@ pub(super) fn charts(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Vec<Chart> {
         }
     }
     let groups = regions.triangles();
-    groups.into_iter().map(|group| Chart::new(mesh, axes[group[0] as usize], group)).collect()
+    groups.iter().map(|group| Chart::new(mesh, axes[group[0] as usize], group.to_vec())).collect()
 }
 
 struct Faces<'a> {
@@ -121,20 +122,17 @@ impl Faces<'_> {
     /// The tile of its region that each triangle's centre lies in.
     fn tiles(&self, regions: &Regions, axes: &[Axis], tile: f64) -> Vec<[u16; 2]> {
         let centres: Vec<[i32; 2]> = (0..axes.len()).map(|t| self.tripled_centre(t, axes[t])).collect();
-        let mut boxes = vec![([i32::MAX; 2], [i32::MIN; 2]); regions.count as usize];
-        for (p, &region) in centres.iter().zip(&regions.of) {
-            let (min, max) = &mut boxes[region as usize];
-            for k in 0..2 {
-                min[k] = min[k].min(p[k]);
-                max[k] = max[k].max(p[k]);
-            }
+        let mut boxes: Vec<Option<Aabb<i32, 2>>> = vec![None; regions.count as usize];
+        for (&p, &region) in centres.iter().zip(&regions.of) {
+            let grown = boxes[region as usize].map_or(p.into(), |bounds| bounds.including(p));
+            boxes[region as usize] = Some(grown);
         }
         let cell = |p: &[i32; 2], region: u32| {
-            let (min, max) = boxes[region as usize];
+            let bounds = boxes[region as usize].expect("a region has triangles");
             [0, 1].map(|k| {
-                let extent = f64::from(max[k] - min[k]) + 1.0;
+                let extent = f64::from(bounds.size()[k]) + 1.0;
                 let count = (extent / (3.0 * tile)).ceil();
-                (f64::from(p[k] - min[k]) / extent * count).floor() as u16
+                (f64::from(p[k] - bounds.min[k]) / extent * count).floor() as u16
             })
         };
         centres.iter().zip(&regions.of).map(|(p, &region)| cell(p, region)).collect()
@@ -153,14 +151,14 @@ impl Faces<'_> {
             areas[region as usize] += seen_area(self.mesh, t as u32, axes[t]);
         }
         let mut changed = false;
-        for (region, group) in regions.triangles().into_iter().enumerate() {
+        for (region, group) in regions.triangles().iter().enumerate() {
             if areas[region] >= sliver {
                 continue;
             }
-            let Some(host) = self.host(&group, regions, axes, |r| areas[r as usize] >= sliver) else {
+            let Some(host) = self.host(group, regions, axes, |r| areas[r as usize] >= sliver) else {
                 continue;
             };
-            for &t in &group {
+            for &t in group {
                 axes[t as usize] = axes[host as usize];
                 regions.of[t as usize] = regions.of[host as usize];
             }
@@ -235,12 +233,8 @@ impl Regions {
     }
 
     /// The triangles of each region, ascending.
-    fn triangles(&self) -> Vec<Vec<u32>> {
-        let mut groups = vec![vec![]; self.count as usize];
-        for (t, &region) in self.of.iter().enumerate() {
-            groups[region as usize].push(t as u32);
-        }
-        groups
+    fn triangles(&self) -> Rows<u32> {
+        Rows::from_pairs(self.count as usize, self.of.iter().zip(0..).map(|(&region, t)| (region as usize, t)))
     }
 
     fn renumber(&mut self) {

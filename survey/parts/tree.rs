@@ -9,6 +9,8 @@
 
 use nalgebra::Point3;
 
+use plume_graph::Aabb;
+
 /// Points in a leaf. Tuned.
 const LEAF: usize = 8;
 /// Branches that one search looks into. Real caves need some dozens; points on a sphere round the one that asks would need
@@ -27,8 +29,7 @@ pub(super) struct Tree<'a> {
 }
 
 struct Branch {
-    low: Point3<f64>,
-    high: Point3<f64>,
+    bounds: Aabb<f64>,
     /// Its points, as a range of the tree's.
     start: usize,
     end: usize,
@@ -56,16 +57,13 @@ impl<'a> Tree<'a> {
     fn grow(&mut self, start: usize, end: usize) {
         let places = self.places;
         let points = &mut self.points[start..end];
-        let first = places[points[0]];
-        let (low, high) = points
-            .iter()
-            .fold((first, first), |(low, high), &point| (low.inf(&places[point]), high.sup(&places[point])));
+        let bounds = Aabb::from_points(points.iter().map(|&point| places[point])).expect("a branch has points");
         let at = self.branches.len();
-        self.branches.push(Branch { low, high, start, end, second: None, part: MIXED });
+        self.branches.push(Branch { bounds, start, end, second: None, part: MIXED });
         if points.len() <= LEAF {
             return;
         }
-        let axis = (high - low).imax();
+        let axis = bounds.longest_axis();
         let middle = points.len() / 2;
         points.select_nth_unstable_by(middle, |&a, &b| places[a][axis].total_cmp(&places[b][axis]).then(a.cmp(&b)));
         self.grow(start, start + middle);
@@ -116,10 +114,7 @@ impl<'a> Tree<'a> {
 
     /// From a point to the box of a branch.
     fn squared(&self, branch: usize, from: usize) -> f64 {
-        let Branch { low, high, .. } = &self.branches[branch];
-        let place = self.places[from];
-        let out = |axis: usize| (low[axis] - place[axis]).max(place[axis] - high[axis]).max(0.0);
-        out(0) * out(0) + out(1) * out(1) + out(2) * out(2)
+        self.branches[branch].bounds.squared_distance(self.places[from].into())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Simple fields with a known shape.
 
-use plume::field::{Analytic, Bounds, Field, Region};
+use plume::field::{Aabb, Analytic, Field, Region};
 
 /// A ball of air.
 pub fn sphere(centre: [f32; 3], radius_m: f32) -> impl Field {
@@ -38,7 +38,7 @@ pub fn passages(capsules: Vec<Capsule>, rough_m: f32, seed: u32) -> impl Field {
 }
 
 /// Two rails along x and `rungs` across, 8 m apart: `rungs - 1` loops. With its bounds.
-pub fn ladder(rungs: usize, rough_m: f32, seed: u32) -> (impl Field, Bounds) {
+pub fn ladder(rungs: usize, rough_m: f32, seed: u32) -> (impl Field, Aabb<f32>) {
     let length = 8.0 * (rungs - 1) as f32;
     let passage = |a, b| Capsule { ends: [a, b], radius_m: 1.5 };
     let mut capsules = vec![passage([0.0, 0.0, 0.0], [length, 0.0, 0.0]), passage([0.0, 9.0, 1.0], [length, 9.0, 1.0])];
@@ -46,18 +46,18 @@ pub fn ladder(rungs: usize, rough_m: f32, seed: u32) -> (impl Field, Bounds) {
         let x = 8.0 * rung as f32;
         capsules.push(passage([x, 0.0, 0.0], [x, 9.0, 1.0]));
     }
-    let bounds = Bounds { min: [-4.0; 3], max: [length + 4.0, 13.0, 5.0] };
+    let bounds = Aabb { min: [-4.0; 3], max: [length + 4.0, 13.0, 5.0] };
     (passages(capsules, rough_m, seed), bounds)
 }
 
 /// Balls of air by radius and centre, far apart. With their bounds.
-pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Bounds) {
+pub fn bubbles(balls: &[(f32, [f32; 3])]) -> (impl Field + use<>, Aabb<f32>) {
     let end = |axis: usize, side: f32| {
         let ends = balls.iter().map(|(radius, centre)| side * centre[axis] + radius);
         side * ends.fold(f32::MIN, f32::max)
     };
     let min = std::array::from_fn(|axis| end(axis, -1.0));
-    let bounds = Bounds { min, max: std::array::from_fn(|axis| end(axis, 1.0)) };
+    let bounds = Aabb { min, max: std::array::from_fn(|axis| end(axis, 1.0)) };
     let balls = balls.to_vec();
     let value = move |p: [f32; 3]| {
         let depths = balls.iter().map(|&(radius, centre)| distance(p, centre) - radius);
@@ -79,15 +79,15 @@ pub fn room(half_m: [f32; 3]) -> impl Field {
 pub struct WrongNormals<F>(pub F);
 
 impl<F: Field> Field for WrongNormals<F> {
-    fn region(&self, bounds: Bounds) -> Region {
+    fn region(&self, bounds: Aabb<f32>) -> Region {
         self.0.region(bounds)
     }
 
-    fn distances(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [f32]) {
+    fn distances(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [f32]) {
         self.0.distances(bounds, points, out);
     }
 
-    fn normals(&self, bounds: Bounds, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
+    fn normals(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
         self.0.normals(bounds, points, out);
         for normal in out {
             *normal = normal.map(|c| -c);
@@ -96,13 +96,13 @@ impl<F: Field> Field for WrongNormals<F> {
 }
 
 /// White noise at lattice points inside a box, rock around it: as ragged as a field on a lattice can be.
-pub fn white_noise(voxel_m: f32, cells: i32, seed: u32) -> (impl Field, Bounds) {
+pub fn white_noise(voxel_m: f32, cells: i32, seed: u32) -> (impl Field, Aabb<f32>) {
     let value = move |p: [f32; 3]| {
         let index = p.map(|c| (c / voxel_m).round() as i32);
         let inside = index.iter().all(|&i| (0..cells).contains(&i));
         if inside { hash(index, seed) * 2.0 - 1.0 + 1e-6 } else { 1.0 }
     };
-    let bounds = Bounds { min: [0.0; 3], max: [cells as f32 * voxel_m; 3] };
+    let bounds = Aabb { min: [0.0; 3], max: [cells as f32 * voxel_m; 3] };
     (Analytic::new(f32::INFINITY, value), bounds)
 }
 

@@ -4,12 +4,12 @@
 pub mod distance;
 pub mod fields;
 
-use plume::field::{Bounds, Field};
+use plume::field::{Aabb, Field};
 use plume::mesh::measure::{Report, Seams, weld};
 use plume::mesh::{ChunkMeshes, Grid, Mesh, MeshSettings, chunk};
 
 /// Every chunk of a cave, one after the other.
-pub fn chunks(field: &dyn Field, bounds: Bounds, settings: &MeshSettings) -> Vec<ChunkMeshes> {
+pub fn chunks(field: &dyn Field, bounds: Aabb<f32>, settings: &MeshSettings) -> Vec<ChunkMeshes> {
     let grid = Grid::new(bounds, settings).expect("the bounds suit");
     grid.indices().filter_map(|index| chunk(field, &grid, index, settings)).collect()
 }

@@ -1,7 +1,7 @@
 //! Meshes and surfaces with known answers.
 #![allow(dead_code, reason = "each test binary uses its share")]
 
-use plume::field::{Bounds, Surface, Texel};
+use plume::field::{Aabb, Surface, Texel};
 use plume::mesh::{Mesh, QUANTA_PER_M};
 
 type Vector = [f64; 3];
@@ -109,11 +109,10 @@ impl Gradient {
 }
 
 impl Surface for Gradient {
-    fn texels(&self, bounds: Bounds, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
+    fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         assert!(texel_m > 0.0);
         for ((point, &normal), texel) in points.iter().zip(normals).zip(out) {
-            let inside = |k: usize| (bounds.min[k]..=bounds.max[k]).contains(&point[k]);
-            assert!((0..3).all(inside));
+            assert!(bounds.contains(*point));
             let color = Self::color_at(*point);
             let normal = self.leaning(normal);
             *texel =

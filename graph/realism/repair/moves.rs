@@ -70,8 +70,8 @@ fn straighten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
 
 /// Moves all stations by a wave across the map, gently enough that neighbours stay neighbours.
 fn warp(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
-    let [low, high] = plan.graph.bounds()?;
-    let (span_m, least_m) = ((high - low).xy().norm(), 4.0 * plan.leg_m);
+    let [width_m, depth_m, _] = plan.graph.bounds()?.size();
+    let (span_m, least_m) = (Vector2::new(width_m, depth_m).norm(), 4.0 * plan.leg_m);
     if span_m <= least_m {
         return None;
     }

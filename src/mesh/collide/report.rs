@@ -7,7 +7,7 @@ use super::super::nearest::{Point, Triangle};
 use super::super::{Mesh, QUANTA_PER_M};
 use super::rock::Rock;
 use super::{Piece, PieceSettings, Zone};
-use crate::field::{Bounds, Field};
+use crate::field::Field;
 
 /// A sample for every so much of the tolerance, at most.
 const SPACING: f64 = 0.5;
@@ -82,12 +82,7 @@ fn measured(piece: &Piece, rock: &Rock, field: &dyn Field, settings: &PieceSetti
 
 /// How far the deepest of some points is in the air of a field.
 fn deepest(points: &[[f32; 3]], field: &dyn Field) -> f64 {
-    if points.is_empty() {
-        return 0.0;
-    }
-    let mut distances = vec![0.0; points.len()];
-    field.distances(Bounds::around(points), points, &mut distances);
-    distances.into_iter().fold(0.0, |most, distance| f64::max(most, -f64::from(distance)))
+    field.distances_at(points).into_iter().fold(0.0, |most, distance| f64::max(most, -f64::from(distance)))
 }
 
 fn faces(piece: &Piece) -> impl Iterator<Item = Triangle> {

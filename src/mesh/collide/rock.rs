@@ -12,6 +12,7 @@ use super::super::nearest::{Ball, Found, Part, Point, Triangle, closest, halves,
 use super::super::{Mesh, QUANTA_PER_M};
 use super::cells::Cells;
 use super::{PieceSettings, Zone};
+use plume_graph::Aabb;
 
 /// Parts of a triangle are not cut any further below this length, in quanta: what is that close to the tolerance is out.
 const FINEST: f64 = 2.0;
@@ -42,7 +43,7 @@ impl Rock {
         let quanta = f64::from(QUANTA_PER_M);
         let origin = wall.positions[0];
         let thickness = f64::from(settings.thickness_m) * quanta;
-        let near = near(around, bounds(wall, (thickness + HORIZON * thickness).ceil() as i32));
+        let near = near(around, &bounds(wall).padded((thickness + HORIZON * thickness).ceil() as i64));
         let Mesh { positions, triangles, .. } = weld(std::iter::once(wall).chain(&near));
         let positions: Vec<Point> = positions.into_iter().map(|position| at(origin, position)).collect();
         let surface: Vec<Triangle> = triangles.iter().map(|t| t.map(|corner| positions[corner as usize])).collect();
@@ -178,13 +179,10 @@ const REACH_M: f64 = 0.1;
 const HORIZON: f64 = 1.5;
 
 /// The triangles of some walls that reach into a box.
-fn near(walls: &[Mesh], (low, high): ([i32; 3], [i32; 3])) -> Vec<Mesh> {
+fn near(walls: &[Mesh], bounds: &Aabb<i64>) -> Vec<Mesh> {
     let reaches_in = |wall: &Mesh, triangle: [u32; 3]| {
-        let corners = triangle.map(|corner| wall.positions[corner as usize]);
-        (0..3).all(|axis| {
-            corners.iter().any(|corner| corner[axis] >= low[axis])
-                && corners.iter().any(|corner| corner[axis] <= high[axis])
-        })
+        let [a, b, c] = triangle.map(|corner| wall.positions[corner as usize].map(i64::from));
+        Aabb::from(a).including(b).including(c).intersects(bounds)
     };
     let part = |wall: &Mesh| {
         let triangles = wall.triangles.iter().copied().filter(|&triangle| reaches_in(wall, triangle)).collect();
@@ -193,12 +191,9 @@ fn near(walls: &[Mesh], (low, high): ([i32; 3], [i32; 3])) -> Vec<Mesh> {
     walls.iter().map(part).collect()
 }
 
-fn bounds(wall: &Mesh, reach: i32) -> ([i32; 3], [i32; 3]) {
-    let extreme = |pick: fn(i32, i32) -> i32, start: i32, step: i32| {
-        let most = |i: usize| wall.positions.iter().map(|p| p[i]).fold(start, pick);
-        std::array::from_fn(|i| most(i).saturating_add(step))
-    };
-    (extreme(i32::min, i32::MAX, -reach), extreme(i32::max, i32::MIN, reach))
+/// The box of a wall, in numbers that have room for more than any file can say.
+fn bounds(wall: &Mesh) -> Aabb<i64> {
+    Aabb::from_points(wall.positions.iter().map(|position| position.map(i64::from))).expect("a wall has vertices")
 }
 
 fn at(origin: [i32; 3], position: [i32; 3]) -> Point {

@@ -69,7 +69,7 @@ pub fn raised(field: &dyn Field, ground: [f32; 3]) -> [f32; 3] {
 
 /// Whether a point is in the air.
 pub fn is_air(field: &dyn Field, point: [f32; 3]) -> bool {
-    super::march::distances(field, &[point])[0] < 0.0
+    field.distances_at(&[point])[0] < 0.0
 }
 
 /// Looks from a point to where one sees furthest, not through a slit.

@@ -3,7 +3,6 @@
 use nalgebra::Point3;
 
 use super::camera::{Camera, between, dot, unit};
-use super::march;
 use crate::field::{Field, Texel};
 use crate::placement;
 use crate::preview::Subject;
@@ -113,7 +112,7 @@ fn openness(field: &dyn Field, lamp: &Lamp, sights: &[Sight], shares: &[f32]) ->
             std::array::from_fn(|axis| sight.point[axis] + t * to_lamp[axis] + 0.03 * sight.texel.normal[axis])
         };
         let points: Vec<[f32; 3]> = walks.iter().map(point).collect();
-        let mut values = march::distances(field, &points).into_iter();
+        let mut values = field.distances_at(&points).into_iter();
         walks.retain_mut(|(i, t)| {
             let clear = -values.next().unwrap_or(0.0);
             open[*i] = open[*i].min((HARDNESS * clear / *t).max(0.0));

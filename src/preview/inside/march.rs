@@ -5,7 +5,7 @@
 //! Rays of a block stay near each other and share the search for passages.
 
 use super::camera::Ray;
-use crate::field::{Bounds, Field};
+use crate::field::Field;
 
 /// The share of the field's value that a step of a thin ray goes. Tuned: larger ones leave holes in ledges, smaller ones
 /// no fewer.
@@ -68,7 +68,7 @@ pub fn march(field: &dyn Field, rays: &[Ray], approach: Approach) -> Vec<f32> {
             break;
         }
         let points: Vec<[f32; 3]> = walks.iter().map(|walk| rays[walk.ray].at(walk.t)).collect();
-        let mut values = distances(field, &points).into_iter();
+        let mut values = field.distances_at(&points).into_iter();
         walks.retain_mut(|walk| {
             let value = values.next().unwrap_or(0.0);
             if value > 0.0 && walk.last[1] == 0.0 {
@@ -109,22 +109,13 @@ fn refine(field: &dyn Field, rays: &[Ray], approach: Approach, mut crossings: Ve
         };
         let guesses: Vec<f32> = crossings.iter().map(guess).collect();
         let points: Vec<[f32; 3]> = crossings.iter().zip(&guesses).map(|(c, &t)| rays[c.ray].at(t)).collect();
-        let values = distances(field, &points);
+        let values = field.distances_at(&points);
         for ((crossing, t), value) in crossings.iter_mut().zip(guesses).zip(values) {
             let side = if value > 0.0 { &mut crossing.rock } else { &mut crossing.air };
             *side = [t, value];
             ends[crossing.ray] = crossing.air[0];
         }
     }
-}
-
-/// The field at points near each other.
-pub fn distances(field: &dyn Field, points: &[[f32; 3]]) -> Vec<f32> {
-    let mut values = vec![0.0; points.len()];
-    if !points.is_empty() {
-        field.distances(Bounds::around(points), points, &mut values);
-    }
-    values
 }
 
 #[cfg(test)]
@@ -142,9 +133,9 @@ mod tests {
     fn slow(field: &CaveField, ray: &Ray) -> f32 {
         let ways: Vec<f32> = (0..6000).map(|step| step as f32 * SLOW_M).collect();
         let points: Vec<[f32; 3]> = ways.iter().map(|&t| ray.at(t)).collect();
-        let hit = points.chunks(256).position(|part| distances(field, part).iter().any(|&value| value > 0.0));
+        let hit = points.chunks(256).position(|part| field.distances_at(part).iter().any(|&value| value > 0.0));
         let first = hit.expect("a cave is closed") * 256;
-        let values = distances(field, &points[first..points.len().min(first + 256)]);
+        let values = field.distances_at(&points[first..points.len().min(first + 256)]);
         ways[first + values.iter().position(|&value| value > 0.0).expect("it was found")]
     }
 

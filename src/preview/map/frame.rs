@@ -53,8 +53,8 @@ pub struct Frame {
 impl Frame {
     /// The frames of all panels, as large as the area has room for.
     pub fn of(area: &Area, sheet: &Sheet) -> Vec<Self> {
-        let [[left, low], [right, high]] = sheet.corners();
-        let (wide, tall) = (right - left, high - low);
+        let bounds = sheet.bounds();
+        let [wide, tall] = bounds.size();
         let count = sheet.panels.len();
         let gap_of = |panels: usize| if panels > 1 { 32.0 * area.unit } else { 0.0 };
         let room = |columns: usize| {
@@ -70,7 +70,7 @@ impl Frame {
         let frame = |panel: usize| {
             let place = [(panel % columns) as f64, (panel / columns) as f64];
             let corner = [0, 1].map(|i| area.min[i] + place[i] * cell[i] + slack[i]);
-            Self { px_per_m, line_px: area.unit, corner, origin: [left, high] }
+            Self { px_per_m, line_px: area.unit, corner, origin: [bounds.min[0], bounds.max[1]] }
         };
         (0..count).map(frame).collect()
     }

@@ -81,7 +81,8 @@ impl Furniture {
     /// Lines at round heights behind a profile.
     pub fn heights(&mut self, sheet: &Sheet, frame: &Frame) {
         let unit = self.area.unit;
-        let [[_, low], [_, high]] = sheet.corners().map(|corner| corner.map(|metres| metres / sheet.stretch));
+        let bounds = sheet.bounds();
+        let [low, high] = [bounds.min, bounds.max].map(|[_, metres]| metres / sheet.stretch);
         for height_m in ticks(low, high, 6.0) {
             let y = frame.spot([0.0, height_m * sheet.stretch])[1];
             let [left, right] = [self.area.min[0], self.area.max[0]];

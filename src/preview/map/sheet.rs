@@ -1,7 +1,7 @@
 //! A graph as it lies on paper, still in metres.
 
 use crate::preview::Subject;
-use plume_graph::{Graph, Node};
+use plume_graph::{Aabb, Graph, Node};
 
 /// More storeys than this are drawn over each other.
 const MOST_PANELS: usize = 12;
@@ -119,8 +119,8 @@ impl Sheet {
 
     /// Stretches heights until they can be read.
     fn stretched(mut self, ratio: f64) -> Self {
-        let [[left, low], [right, high]] = self.corners();
-        let flatness = (high - low) / (right - left) / ratio;
+        let [width_m, height_m] = self.bounds().size();
+        let flatness = height_m / width_m / ratio;
         let enough = STRETCHES.into_iter().find(|stretch| stretch * flatness >= LEAST_HEIGHT);
         self.stretch = enough.unwrap_or(STRETCHES[STRETCHES.len() - 1]);
         for station in &mut self.stations {
@@ -131,14 +131,13 @@ impl Sheet {
         self
     }
 
-    /// Lowest and highest corner of a box round everything.
-    pub fn corners(&self) -> [[f64; 2]; 2] {
-        let mut corners = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for Station { at, reach: [aside, up, down], .. } in &self.stations {
-            corners[0] = [corners[0][0].min(at[0] - aside), corners[0][1].min(at[1] - down)];
-            corners[1] = [corners[1][0].max(at[0] + aside), corners[1][1].max(at[1] + up)];
-        }
-        corners
+    /// A box round everything.
+    pub fn bounds(&self) -> Aabb<f64, 2> {
+        let bounds = self.stations.iter().map(|&Station { at: [x, y], reach: [aside, up, down], .. }| Aabb {
+            min: [x - aside, y - down],
+            max: [x + aside, y + up],
+        });
+        bounds.reduce(Aabb::union).expect("a sheet has stations")
     }
 
     /// How far up between the lowest and the highest station, 0–1.

@@ -10,6 +10,7 @@ use super::packed;
 use crate::field::Reach;
 use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings, QUANTA_PER_M};
 use crate::preview::{PreviewError, Subject};
+use plume_graph::Aabb;
 
 /// Triangles before they are simplified. Tuned: about a second's work on two cores.
 const TRIANGLES: f64 = 120_000.0;
@@ -59,13 +60,9 @@ impl Solid {
     /// As arrays: positions in steps from a corner, normals in 127ths.
     pub fn to_json(&self) -> Value {
         let positions = || self.chunks.iter().flat_map(|chunk| &chunk.positions);
-        let ends = |axis: usize| {
-            let along = || positions().map(|position| position[axis]);
-            [along().min().unwrap_or(0), along().max().unwrap_or(0)]
-        };
-        let [x, y, z] = [0, 1, 2].map(ends);
-        let corner = [x[0], y[0], z[0]];
-        let widest = [x, y, z].into_iter().map(|[low, high]| high - low).max().unwrap_or(0);
+        let bounds = Aabb::from_points(positions().copied()).unwrap_or_else(|| [0; 3].into());
+        let corner = bounds.min;
+        let widest = bounds.size()[bounds.longest_axis()];
         // As many quanta as let the widest side fit into 16 bits.
         let step = widest / i32::from(u16::MAX) + 1;
         let steps = positions().flat_map(|at| [0, 1, 2].map(|i| ((at[i] - corner[i]) / step) as u16));
