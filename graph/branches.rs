@@ -1,18 +1,14 @@
 //! The branches of a graph: what runs between its junctions and dead ends.
 
-use super::Neighbors;
+use super::{Neighbors, Rows};
 
 /// Paths of nodes whose ends do not have exactly two neighbours, and whose inner nodes do, in the order of their first
 /// ends. A ring without junctions is a branch from its lowest node to itself; these come last.
-pub(super) struct Branches {
-    nodes: Vec<usize>,
-    /// Where each branch starts in `nodes`, and the end of the last one.
-    starts: Vec<usize>,
-}
+pub(super) struct Branches(Rows<usize>);
 
 impl Branches {
     pub(super) fn of(neighbors: &Neighbors) -> Self {
-        let mut branches = Self { nodes: Vec::new(), starts: vec![0] };
+        let mut branches = Self(Rows::default());
         let mut seen = vec![false; neighbors.len()];
         let is_end = |node: usize| neighbors[node].len() != 2;
         for start in (0..neighbors.len()).filter(|&node| is_end(node)) {
@@ -36,17 +32,17 @@ impl Branches {
     /// Adds the branch that begins with these two nodes.
     fn walk(&mut self, neighbors: &Neighbors, seen: &mut [bool], [start, first]: [usize; 2]) {
         let (mut before, mut at) = (start, first);
-        self.nodes.extend([before, at]);
+        let mut nodes = vec![before, at];
         while let (&[a, b], true) = (&neighbors[at], at != start) {
             seen[at] = true;
             (before, at) = (at, if a == before { b } else { a });
-            self.nodes.push(at);
+            nodes.push(at);
         }
-        self.starts.push(self.nodes.len());
+        self.0.push(nodes);
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &[usize]> {
-        self.starts.windows(2).map(|ends| &self.nodes[ends[0]..ends[1]])
+        self.0.iter()
     }
 }
 

@@ -1,40 +1,25 @@
-//! Which nodes are joined to which, in one piece of memory.
+//! Which nodes are joined to which.
 
 use std::collections::VecDeque;
 use std::mem;
 use std::ops::Index;
 
+use super::Rows;
+
 /// The neighbours of every node, each list ascending.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Neighbors {
-    /// Where those of each node start in `others`, and the end of the last ones.
-    starts: Vec<usize>,
-    others: Vec<usize>,
-}
+pub struct Neighbors(Rows<usize>);
 
 impl Neighbors {
     /// The neighbours of so many nodes along these edges.
     pub fn of(nodes: usize, edges: &[[usize; 2]]) -> Self {
-        let mut starts = vec![0; nodes + 1];
-        edges.iter().flatten().for_each(|&node| starts[node + 1] += 1);
-        for node in 1..starts.len() {
-            starts[node] += starts[node - 1];
-        }
-        let mut next = starts.clone();
-        let mut others = vec![0; 2 * edges.len()];
-        for &[a, b] in edges {
-            for [from, to] in [[a, b], [b, a]] {
-                others[next[from]] = to;
-                next[from] += 1;
-            }
-        }
-        starts.windows(2).for_each(|ends| others[ends[0]..ends[1]].sort_unstable());
-        Self { starts, others }
+        let both_ways = edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
+        Self(Rows::from_pairs(nodes, both_ways).ascending())
     }
 
     /// Nodes, with neighbours or without.
     pub fn len(&self) -> usize {
-        self.starts.len() - 1
+        self.0.len()
     }
 
     /// Whether there are no nodes.
@@ -44,7 +29,7 @@ impl Neighbors {
 
     /// The neighbours of each node, in the order of the nodes.
     pub fn iter(&self) -> impl Iterator<Item = &[usize]> {
-        self.starts.windows(2).map(|ends| &self.others[ends[0]..ends[1]])
+        self.0.iter()
     }
 
     /// The number of neighbours of each node.
@@ -78,7 +63,7 @@ impl Index<usize> for Neighbors {
     type Output = [usize];
 
     fn index(&self, node: usize) -> &[usize] {
-        &self.others[self.starts[node]..self.starts[node + 1]]
+        &self.0[node]
     }
 }
 

@@ -15,6 +15,8 @@ use std::collections::VecDeque;
 use loops::Core;
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use plume_graph::Rows;
+
 /// A measured way from one station to another.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shot {
@@ -174,7 +176,7 @@ impl Traverse {
 
 impl Tree {
     /// Reaches all that can be reached from these stations.
-    fn grow(&mut self, mut tips: VecDeque<usize>, shots: &[Shot], at: &[Vec<usize>], seen: &mut [bool]) {
+    fn grow(&mut self, mut tips: VecDeque<usize>, shots: &[Shot], at: &Rows<usize>, seen: &mut [bool]) {
         while let Some(tip) = tips.pop_front() {
             self.order.push(tip);
             for &index in &at[tip] {
@@ -196,12 +198,9 @@ impl Tree {
 }
 
 /// The shots at each station.
-fn stars(count: usize, shots: &[Shot]) -> Vec<Vec<usize>> {
-    let mut at = vec![Vec::new(); count];
-    for (index, shot) in shots.iter().enumerate() {
-        shot.ends.iter().for_each(|&end| at[end].push(index));
-    }
-    at
+fn stars(count: usize, shots: &[Shot]) -> Rows<usize> {
+    let at_ends = shots.iter().enumerate().flat_map(|(index, shot)| shot.ends.map(|end| (end, index)));
+    Rows::from_pairs(count, at_ends)
 }
 
 #[cfg(test)]

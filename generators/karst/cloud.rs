@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Karst;
 use super::rock::Rock;
+use plume_graph::Rows;
 use plume_graph::rng::Rng;
 
 /// Points are thrown so many times for each cell as large as points are apart (tuned: more of them find no room).
@@ -22,11 +23,9 @@ const REACH: usize = 2;
 /// The points, column by column of a grid over the plan, so that what is near in the rock is near in memory.
 pub(super) struct Cloud {
     /// By their height over the dipping plane; those of a column ascend.
-    points: Vec<Point3<f32>>,
-    /// Where the points of each column start, and the end of the last ones.
-    starts: Vec<u32>,
+    columns: Rows<Point3<f32>>,
     /// Columns on a side of the plan.
-    columns: usize,
+    side: usize,
     column_m: f64,
     apart_m: f32,
 }
@@ -38,12 +37,13 @@ impl Cloud {
         let [bottom, top] = rock.extremes();
         let apart_m = settings.sample_spacing_m;
         // No narrower than points are apart, so that only columns side by side are in each other's way.
-        let columns = (side_m / apart_m).floor().max(1.0) as usize;
-        let column_m = side_m / columns as f64;
+        let side = (side_m / apart_m).floor().max(1.0) as usize;
+        let column_m = side_m / side as f64;
         let storeys = (f64::from(FLATNESS) * (top - bottom + 2.0 * BED_M) / apart_m).ceil();
-        let mut cloud = Self { points: Vec::new(), starts: vec![0], columns, column_m, apart_m: apart_m as f32 };
-        for column in 0..columns * columns {
-            let corner = [column % columns, column / columns].map(|at| at as f64 * column_m - 0.5 * side_m);
+        let mut cloud = Self { columns: Rows::default(), side, column_m, apart_m: apart_m as f32 };
+        for column in 0..side * side {
+            let corner = [column % side, column / side].map(|at| at as f64 * column_m - 0.5 * side_m);
+            let mut points = Vec::new();
             for _ in 0..(THROWS_PER_CELL * storeys) as usize {
                 let [x, y] = corner.map(|low| rng.between(low, low + column_m));
                 let z = if rng.chance(ON_HORIZON) {
@@ -51,33 +51,34 @@ impl Cloud {
                 } else {
                     rng.between(bottom, top)
                 };
-                cloud.offer(column, Point3::new(x, y, z).cast());
+                let point = Point3::new(x, y, z).cast();
+                if cloud.has_room(point, &points) {
+                    points.push(point);
+                }
             }
-            let new = cloud.starts[column] as usize..;
-            cloud.points[new].sort_unstable_by(|a, b| a.z.total_cmp(&b.z));
-            cloud.starts.push(cloud.points.len() as u32);
+            points.sort_unstable_by(|a, b| a.z.total_cmp(&b.z));
+            cloud.columns.push(points);
         }
         cloud
     }
 
-    /// Keeps a point in the column that is filled now, if it is near to no other.
-    fn offer(&mut self, column: usize, point: Point3<f32>) {
+    /// Whether a point is near to no other: to none of the next column, nor of those before it.
+    fn has_room(&self, point: Point3<f32>, next_column: &[Point3<f32>]) -> bool {
         let is_far = |other: &Point3<f32>| stretched(other - point).norm_squared() >= self.apart_m * self.apart_m;
-        let new = self.starts[column] as usize..;
-        let has_room = self.points[new].iter().all(is_far)
-            && self.runs(point, 1, column).all(|run| self.points[run].iter().all(is_far));
-        if has_room {
-            self.points.push(point);
-        }
+        next_column.iter().all(is_far) && self.runs(point, 1).all(|run| self.points()[run].iter().all(is_far))
+    }
+
+    fn points(&self) -> &[Point3<f32>] {
+        self.columns.items()
     }
 
     pub(super) fn len(&self) -> usize {
-        self.points.len()
+        self.points().len()
     }
 
     /// A point by its height over the dipping plane.
     pub(super) fn point(&self, point: usize) -> Point3<f64> {
-        self.points[point].cast()
+        self.points()[point].cast()
     }
 
     /// The least distance of two points.
@@ -88,9 +89,9 @@ impl Cloud {
     /// The point nearest to a place, or the first one far from all.
     pub(super) fn nearest(&self, [x, y]: [f64; 2], z: f64) -> usize {
         let place = Point3::new(x, y, z).cast();
-        let away = |point: &usize| stretched(self.points[*point] - place).norm_squared();
+        let away = |point: &usize| stretched(self.points()[*point] - place).norm_squared();
         let within = |reach| {
-            let near = self.runs(place, reach, self.starts.len() - 1).flatten();
+            let near = self.runs(place, reach).flatten();
             near.min_by(|a, b| away(a).total_cmp(&away(b)).then(a.cmp(b)))
         };
         [1, 3, 9].into_iter().find_map(within).unwrap_or(0)
@@ -101,11 +102,11 @@ impl Cloud {
     /// statistical approach to geographic variation analysis", 1969). So hardly two ways cross, none leave a point in
     /// nearly the same direction, and what can be reached at all still can.
     pub(super) fn neighbours(&self, point: usize, may_take: impl Fn(Vector3<f64>) -> bool, found: &mut Vec<Neighbour>) {
-        let place = self.points[point];
+        let place = self.points()[point];
         let most = REACH as f32 * self.apart_m;
         found.clear();
-        for other in self.runs(place, REACH, self.starts.len() - 1).flatten() {
-            let way = self.points[other] - place;
+        for other in self.runs(place, REACH).flatten() {
+            let way = self.points()[other] - place;
             let square = stretched(way).norm_squared();
             if other != point && square <= most * most && may_take(way.cast()) {
                 found.push(Neighbour { point: other, way, square });
@@ -123,19 +124,19 @@ impl Cloud {
         }
     }
 
-    /// Points at most `reach` columns and as many distances of height away, in runs; of the columns before `end` only.
-    fn runs(&self, point: Point3<f32>, reach: usize, end: usize) -> impl Iterator<Item = Range<usize>> {
-        let half_m = 0.5 * self.column_m * self.columns as f64;
+    /// Points at most `reach` columns and as many distances of height away, in runs; of the columns that are filled.
+    fn runs(&self, point: Point3<f32>, reach: usize) -> impl Iterator<Item = Range<usize>> {
+        let half_m = 0.5 * self.column_m * self.side as f64;
         let around = |at: f32| {
             let middle = ((f64::from(at) + half_m) / self.column_m).max(0.0) as usize;
-            middle.saturating_sub(reach)..(middle + reach + 1).min(self.columns)
+            middle.saturating_sub(reach)..(middle + reach + 1).min(self.side)
         };
         let (xs, ys) = (around(point.x), around(point.y));
         let off = reach as f32 * self.apart_m / FLATNESS;
-        let columns = ys.flat_map(move |y| xs.clone().map(move |x| y * self.columns + x));
-        columns.take_while(move |&column| column < end).map(move |column| {
-            let [start, end] = [0, 1].map(|next| self.starts[column + next] as usize);
-            let heights = &self.points[start..end];
+        let columns = ys.flat_map(move |y| xs.clone().map(move |x| y * self.side + x));
+        columns.take_while(move |&column| column < self.columns.len()).map(move |column| {
+            let heights = &self.columns[column];
+            let start = self.columns.range(column).start;
             let low = heights.partition_point(|other| other.z < point.z - off);
             let high = heights.partition_point(|other| other.z <= point.z + off);
             start + low..start + high

@@ -6,6 +6,7 @@
 //! part for each region. Bumps of the wall leave spurs.
 
 use super::Mask;
+use plume_graph::Rows;
 
 /// The cells that stay.
 pub(super) fn thinned(mask: &Mask, squares: &[u32]) -> Mask {
@@ -27,22 +28,11 @@ pub(super) fn thinned(mask: &Mask, squares: &[u32]) -> Mask {
     }
 }
 
-/// Open cells, those next to rock first; sorted by counting, and by place where the distance is the same.
+/// Open cells, those next to rock first, and by place where the distance is the same.
 fn by_distance(mask: &Mask, squares: &[u32]) -> Vec<u32> {
     let farthest = squares.iter().copied().max().unwrap_or(0) as usize;
-    let mut starts = vec![0_usize; farthest + 2];
-    let open = || (0..mask.open.len()).filter(|&cell| mask.open[cell]);
-    open().for_each(|cell| starts[squares[cell] as usize + 1] += 1);
-    for square in 1..starts.len() {
-        starts[square] += starts[square - 1];
-    }
-    let mut order = vec![0_u32; starts[farthest + 1]];
-    for cell in open() {
-        let next = &mut starts[squares[cell] as usize];
-        order[*next] = cell as u32;
-        *next += 1;
-    }
-    order
+    let open = (0..mask.open.len()).filter(|&cell| mask.open[cell]);
+    Rows::from_pairs(farthest + 1, open.map(|cell| (squares[cell] as usize, cell as u32))).into_items()
 }
 
 /// Whether a cell may go: it is no end of a line, and its neighbours stay connected without it.

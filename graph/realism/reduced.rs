@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::metrics::Sampling;
+use crate::Rows;
 use crate::branches::Branches;
 use crate::rng::Rng;
 use crate::seed;
@@ -13,7 +14,7 @@ const FEWEST_SOURCES: usize = 64;
 /// A simple graph of branch ends. Rings keep two and parallel branches one of their inner stations, so that neither
 /// collapses.
 pub(super) struct Reduced {
-    neighbors: Vec<Vec<usize>>,
+    neighbors: Rows<usize>,
 }
 
 impl Reduced {
@@ -39,7 +40,7 @@ impl Reduced {
                 builder.join(branch[0], branch[last]);
             }
         }
-        Self { neighbors: builder.neighbors }
+        Self { neighbors: builder.into_neighbors() }
     }
 
     pub(super) fn degree(&self, node: usize) -> usize {
@@ -47,15 +48,11 @@ impl Reduced {
     }
 
     pub(super) fn degrees(&self) -> impl Iterator<Item = usize> {
-        self.neighbors.iter().map(Vec::len)
+        self.neighbors.iter().map(<[usize]>::len)
     }
 
     pub(super) fn directed_edges(&self) -> impl Iterator<Item = (usize, usize)> {
-        let of_one = |(a, others): (usize, &Vec<usize>)| {
-            let pairs: Vec<_> = others.iter().map(|&b| (a, b)).collect();
-            pairs
-        };
-        self.neighbors.iter().enumerate().flat_map(of_one)
+        self.neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| (a, b)))
     }
 
     /// What the shortest paths say: from every node where there are at most `exact_to`, else from as many as make about
@@ -143,23 +140,23 @@ fn ends(branch: &[usize]) -> [usize; 2] {
 #[derive(Default)]
 struct Builder {
     places: FxHashMap<usize, usize>,
-    neighbors: Vec<Vec<usize>>,
+    edges: Vec<[usize; 2]>,
 }
 
 impl Builder {
     fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.place(a), self.place(b));
-        self.neighbors[a].push(b);
-        self.neighbors[b].push(a);
+        let edge = [a, b].map(|station| self.place(station));
+        self.edges.push(edge);
     }
 
     fn place(&mut self, station: usize) -> usize {
-        let next = self.neighbors.len();
-        let place = *self.places.entry(station).or_insert(next);
-        if place == next {
-            self.neighbors.push(Vec::new());
-        }
-        place
+        let next = self.places.len();
+        *self.places.entry(station).or_insert(next)
+    }
+
+    /// The neighbours of each place, in the order in which they were joined.
+    fn into_neighbors(self) -> Rows<usize> {
+        Rows::from_pairs(self.places.len(), self.edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]))
     }
 }
 
@@ -181,7 +178,7 @@ impl Search {
         }
     }
 
-    fn run(&mut self, neighbors: &[Vec<usize>], source: usize) {
+    fn run(&mut self, neighbors: &Rows<usize>, source: usize) {
         self.distance.fill(u32::MAX);
         self.paths.fill(0.0);
         self.dependency.fill(0.0);
@@ -210,7 +207,7 @@ impl Search {
         sum / (self.order.len().max(2) - 1) as f64
     }
 
-    fn add_to(&mut self, neighbors: &[Vec<usize>], source: usize, tally: &mut Tally) {
+    fn add_to(&mut self, neighbors: &Rows<usize>, source: usize, tally: &mut Tally) {
         for &node in self.order.iter().rev() {
             let share = (1.0 + self.dependency[node]) / self.paths[node];
             for &other in &neighbors[node] {

@@ -5,7 +5,8 @@
 
 use nalgebra::Vector3;
 
-use super::extract::Surface;
+use super::extract::{Quad, Surface};
+use plume_graph::Rows;
 
 /// Pairs of passes. Tuned: enough that no angle of a rough cave stays under 2°.
 const PAIRS: usize = 5;
@@ -26,36 +27,21 @@ pub(super) fn smooth(surface: &mut Surface) {
 
 /// The vertices at the other ends of the edges of each vertex, in the order of the quads: sums then round alike in
 /// every chunk.
-struct Neighbours {
-    starts: Vec<u32>,
-    ends: Vec<u32>,
-}
+struct Neighbours(Rows<u32>);
 
 impl Neighbours {
     /// Neighbours that share both quads of an edge are found once: each quad gives the edge its own direction.
     fn new(surface: &Surface) -> Self {
-        let mut starts = vec![0; surface.vertices.len() + 1];
-        for corner in surface.quads.iter().flat_map(|quad| quad.corners) {
-            starts[corner as usize + 1] += 1;
-        }
-        for vertex in 1..starts.len() {
-            starts[vertex] += starts[vertex - 1];
-        }
-        let mut filled = starts.clone();
-        let mut ends = vec![0; 4 * surface.quads.len()];
-        for quad in &surface.quads {
-            for side in 0..4 {
-                let slot = &mut filled[quad.corners[side] as usize];
-                ends[*slot as usize] = quad.corners[(side + 1) % 4];
-                *slot += 1;
-            }
-        }
-        Self { starts, ends }
+        let sides = |quad: &Quad| {
+            let [a, b, c, d] = quad.corners;
+            [(a as usize, b), (b as usize, c), (c as usize, d), (d as usize, a)]
+        };
+        Self(Rows::from_pairs(surface.vertices.len(), surface.quads.iter().flat_map(sides)))
     }
 
     fn moved(&self, vertices: &[Vector3<f64>], vertex: usize, factor: f64) -> Vector3<f64> {
         let at = vertices[vertex];
-        let ends = &self.ends[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
+        let ends = &self.0[vertex];
         if ends.is_empty() {
             return at;
         }

@@ -1,14 +1,14 @@
 //! Which triangle lies across an edge.
 
+use plume_graph::Rows;
+
 /// No triangle: the edge is open, or more than two triangles meet there.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// The neighbour of every triangle across its edges; edge `k` runs from corner `k` to corner `k + 1`.
 pub(super) fn neighbours(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let (starts, halves) = half_edges_by_lower_vertex(vertex_count, triangles);
     let mut across = vec![[NONE; 3]; triangles.len()];
-    for window in starts.windows(2) {
-        let fan = &halves[window[0] as usize..window[1] as usize];
+    for fan in half_edges_by_lower_vertex(vertex_count, triangles).iter() {
         for half in fan {
             let mut twins = fan.iter().filter(|twin| twin.upper == half.upper);
             let (Some(a), Some(b), None) = (twins.next(), twins.next(), twins.next()) else {
@@ -28,29 +28,12 @@ struct HalfEdge {
     edge: u32,
 }
 
-fn half_edges_by_lower_vertex(vertex_count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, Vec<HalfEdge>) {
-    let edges = || {
-        triangles.iter().enumerate().flat_map(|(t, corners)| {
-            (0..3).map(move |k| {
-                let (a, b) = (corners[k], corners[(k + 1) % 3]);
-                (a.min(b), HalfEdge { upper: a.max(b), edge: (3 * t + k) as u32 })
-            })
-        })
+fn half_edges_by_lower_vertex(vertex_count: usize, triangles: &[[u32; 3]]) -> Rows<HalfEdge> {
+    let of_triangle = |(edge, &[a, b, c]): (u32, &[u32; 3])| {
+        let half = |step: u32, a: u32, b: u32| (a.min(b) as usize, HalfEdge { upper: a.max(b), edge: edge + step });
+        [half(0, a, b), half(1, b, c), half(2, c, a)]
     };
-    let mut starts = vec![0_u32; vertex_count + 1];
-    for (lower, _) in edges() {
-        starts[lower as usize + 1] += 1;
-    }
-    for v in 0..vertex_count {
-        starts[v + 1] += starts[v];
-    }
-    let mut next = starts.clone();
-    let mut halves = vec![HalfEdge::default(); triangles.len() * 3];
-    for (lower, half) in edges() {
-        halves[next[lower as usize] as usize] = half;
-        next[lower as usize] += 1;
-    }
-    (starts, halves)
+    Rows::from_pairs(vertex_count, (0..).step_by(3).zip(triangles).flat_map(of_triangle))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::Textured;
 use super::patch::corners;
 use super::raster::{self, SUBTEXELS};
+use plume_graph::Rows;
 
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
@@ -14,39 +15,19 @@ const RINGS: usize = 2;
 /// The triangles of the atlas by horizontal strip.
 pub(super) struct Strips {
     rows_per_strip: u32,
-    starts: Vec<u32>,
-    triangles: Vec<u32>,
+    triangles: Rows<u32>,
 }
 
 impl Strips {
     pub fn new(textured: &Textured, rows_per_strip: u32) -> Self {
         let count = textured.size_px.div_ceil(rows_per_strip);
-        let reach = |t: usize| strips_near(textured, t as u32, rows_per_strip, count);
-        let mut starts = vec![0; count as usize + 1];
-        for t in 0..textured.triangles.len() {
-            reach(t).for_each(|strip| starts[strip as usize + 1] += 1);
-        }
-        for strip in 0..count as usize {
-            starts[strip + 1] += starts[strip];
-        }
-        let mut next = starts.clone();
-        let mut triangles = vec![0; starts[count as usize] as usize];
-        for t in 0..textured.triangles.len() {
-            for strip in reach(t) {
-                triangles[next[strip as usize] as usize] = t as u32;
-                next[strip as usize] += 1;
-            }
-        }
-        Self { rows_per_strip, starts, triangles }
+        let near = |t: u32| strips_near(textured, t, rows_per_strip, count).map(move |strip| (strip as usize, t));
+        let triangles = Rows::from_pairs(count as usize, (0..textured.triangles.len() as u32).flat_map(near));
+        Self { rows_per_strip, triangles }
     }
 
     pub fn count(&self) -> u32 {
-        self.starts.len() as u32 - 1
-    }
-
-    fn triangles(&self, strip: u32) -> &[u32] {
-        let range = self.starts[strip as usize] as usize..self.starts[strip as usize + 1] as usize;
-        &self.triangles[range]
+        self.triangles.len() as u32
     }
 
     /// The rows of a strip, counted from the bottom of the atlas.
@@ -63,10 +44,10 @@ impl Strips {
         let halo = RINGS as i32;
         let rows = self.rows(strip, textured.size_px);
         let mut picture = Picture::new(rows.start - halo..rows.end + halo, textured.size_px);
-        for &t in self.triangles(strip) {
+        for &t in &self.triangles[strip as usize] {
             picture.cover(&corners(textured, t), t);
         }
-        for &t in self.triangles(strip) {
+        for &t in &self.triangles[strip as usize] {
             picture.brush(&corners(textured, t), t);
         }
         for _ in 0..RINGS {

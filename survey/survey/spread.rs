@@ -11,36 +11,21 @@ use std::collections::BinaryHeap;
 
 use nalgebra::Point3;
 
+use plume_graph::Rows;
+
 /// Range of the variogram in metres, from KarstNSim.
 const RANGE_M: f64 = 50.0;
 
-/// The passages at each station, with their lengths.
-pub(super) struct Ways {
-    /// Where the ways of each station start in `ways`.
-    starts: Vec<usize>,
-    /// Where they lead, and how far, in micrometres.
-    ways: Vec<(usize, u64)>,
-}
+/// The passages at each station: where they lead, and how far, in micrometres.
+pub(super) struct Ways(Rows<(usize, u64)>);
 
 impl Ways {
     pub(super) fn new(places: &[Point3<f64>], lines: &[[usize; 2]]) -> Self {
-        let mut starts = vec![0; places.len() + 1];
-        lines.iter().flatten().for_each(|&end| starts[end + 1] += 1);
-        (0..places.len()).for_each(|station| starts[station + 1] += starts[station]);
-        let mut next = starts.clone();
-        let mut ways = vec![(0, 0); 2 * lines.len()];
-        for &[a, b] in lines {
+        let both_ways = lines.iter().flat_map(|&[a, b]| {
             let length_um = ((places[a] - places[b]).norm() * 1e6) as u64;
-            for [from, to] in [[a, b], [b, a]] {
-                ways[next[from]] = (to, length_um);
-                next[from] += 1;
-            }
-        }
-        Self { starts, ways }
-    }
-
-    fn of(&self, station: usize) -> &[(usize, u64)] {
-        &self.ways[self.starts[station]..self.starts[station + 1]]
+            [(a, (b, length_um)), (b, (a, length_um))]
+        });
+        Self(Rows::from_pairs(places.len(), both_ways))
     }
 }
 
@@ -86,7 +71,7 @@ fn nearest(ways: &Ways, values: &[Option<f64>]) -> Vec<[Option<Found>; 2]> {
         let known = found.iter().flatten().any(|other| other.station == seed);
         let Some(free) = found.iter_mut().find(|slot| slot.is_none()).filter(|_| !known) else { continue };
         *free = Some(Found { station: seed, away_um });
-        for &(next, length_um) in ways.of(at) {
+        for &(next, length_um) in &ways.0[at] {
             if values[next].is_none() {
                 ahead.push(Reverse((away_um.saturating_add(length_um), next, seed)));
             }

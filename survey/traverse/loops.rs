@@ -49,7 +49,7 @@ impl Core {
             return None;
         }
         let at = stars(count, shots);
-        let mut degree: Vec<usize> = at.iter().map(Vec::len).collect();
+        let mut degree: Vec<usize> = at.iter().map(<[usize]>::len).collect();
         let mut gone = vec![false; shots.len()];
         let is_end = |degree: &[usize], station: usize| degree[station] == 1 && !tree.is_root(station);
         let mut ends: Vec<usize> = (0..count).filter(|&station| is_end(&degree, station)).collect();

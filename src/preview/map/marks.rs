@@ -35,13 +35,12 @@ pub struct Marks {
 impl Marks {
     /// Origins first, then loops, then dead ends.
     pub fn of(graph: &Graph) -> Self {
-        let mut degree = vec![0_usize; graph.nodes.len()];
-        graph.edges.iter().flatten().for_each(|&end| degree[end] += 1);
+        let degrees = graph.degrees();
         let stations = 0..graph.nodes.len();
         let is_origin = |station: &usize| graph.nodes[*station].parent.is_none();
         let origins = stations.clone().filter(is_origin).map(|station| (Mark::Origin, [station; 2]));
         let loops = closing(graph).into_iter().map(|edge| (Mark::Loop, edge));
-        let is_end = |station: &usize| degree[*station] == 1 && !is_origin(station);
+        let is_end = |station: &usize| degrees[*station] == 1 && !is_origin(station);
         let ends = stations.filter(is_end).map(|station| (Mark::DeadEnd, [station; 2]));
         Self { marks: origins.chain(loops).chain(ends).collect() }
     }
