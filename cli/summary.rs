@@ -12,7 +12,7 @@ use super::fault::CliError;
 use super::progress::Console;
 use plume::cave::{Exported, Order};
 use plume::pipeline::Pipeline;
-use plume::store::{CaveFolder, Stage, Unit};
+use plume::store::{CaveFolder, Facts, MeshFacts, Stage, Unit};
 use plume_graph::Graph;
 
 /// Numbers gathered while the stages run.
@@ -52,9 +52,13 @@ impl Summary {
     }
 
     fn mesh(&mut self, walls: &[Unit]) {
-        let sum = |key: &str| walls.iter().filter_map(|unit| unit.facts[key].as_f64()).fold(0.0, f64::add);
-        let (chunks, triangles, area_m2) = (walls.len(), sum("triangles"), sum("area_m2"));
-        let collision = sum("collision_triangles");
+        let facts =
+            || walls.iter().filter_map(|unit| if let Facts::Mesh(facts) = unit.facts { Some(facts) } else { None });
+        let sum = |number: fn(MeshFacts) -> f64| facts().map(number).fold(0.0, f64::add);
+        let triangles = sum(|facts| facts.triangles as f64);
+        let collision = sum(|facts| facts.collision_triangles.unwrap_or_default() as f64);
+        let area_m2 = sum(|facts| facts.area_m2.unwrap_or_default());
+        let chunks = walls.len();
         let numbers = json!({
             "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": area_m2
         });
@@ -64,14 +68,15 @@ impl Summary {
 
     fn texture(&mut self, units: &[Unit]) {
         let bytes: u64 = units.iter().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
-        let density = units.iter().filter_map(|unit| unit.facts["texels_per_m"].as_f64());
-        let density = density.fold(f64::INFINITY, f64::min);
+        let density = |unit: &Unit| if let Facts::Texture(facts) = &unit.facts { facts.texels_per_m } else { None };
+        let density = units.iter().filter_map(density).fold(f64::INFINITY, f64::min);
         let numbers = json!({"bytes": bytes, "texels_per_m": density});
         self.stage("texture", &format!("{:.0} MB  at least {density:.0} texels/m", megabytes(bytes)), numbers);
     }
 
     fn pieces(&mut self, units: &[Unit]) {
-        let pieces: u64 = units.iter().filter_map(|unit| unit.facts["pieces"].as_u64()).sum();
+        let count = |unit: &Unit| if let Facts::Pieces(facts) = unit.facts { facts.pieces } else { 0 };
+        let pieces: usize = units.iter().map(count).sum();
         self.stage("pieces", &format!("{pieces} convex pieces"), json!({"pieces": pieces}));
     }
 

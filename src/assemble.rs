@@ -12,7 +12,7 @@ use crate::mesh;
 use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
-use crate::store::{self, CaveFolder, LodFacts, Stage, Unit};
+use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, Unit};
 use crate::texture::{HEIGHT_AMPLITUDE_M, TextureSettings};
 use plume_exporters::ImageFormat;
 use plume_graph::Graph;
@@ -38,9 +38,13 @@ impl<'a> FolderChunks<'a> {
     /// The chunks that `walls` names. Once `stop` is set no more are loaded: an export ends with
     /// [`io::ErrorKind::Interrupted`].
     pub fn new(folder: &'a CaveFolder, walls: &[Unit], settings: &'a TextureSettings, stop: &'a AtomicBool) -> Self {
-        let textured: BTreeMap<String, Unit> =
-            folder.units(Stage::Texture).into_iter().map(|unit| (unit.name.clone(), unit)).collect();
-        let lods = |wall: &Unit| textured.get(&wall.name).map(LodFacts::read).unwrap_or_default();
+        let levels = |unit: Unit| match unit.facts {
+            Facts::Texture(facts) => Some((unit.name, facts.lods)),
+            _ => None,
+        };
+        let mut textured: BTreeMap<String, Vec<LodFacts>> =
+            folder.units(Stage::Texture).into_iter().filter_map(levels).collect();
+        let lods = |wall: &Unit| textured.remove(&wall.name).unwrap_or_default();
         Self {
             folder,
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
@@ -69,7 +73,7 @@ impl<'a> FolderChunks<'a> {
     fn lods(&self, index: usize) -> Result<Vec<scene::Lod>, io::Error> {
         let lod = |(before, facts): (usize, &LodFacts)| {
             let mesh = self.read(&store::lod_path(&self.names[index], before + 1))?;
-            Ok(scene::Lod { mesh, error_m: facts.error_m })
+            Ok(scene::Lod { mesh, error_m: facts.error_m as f32 })
         };
         self.lods[index].iter().enumerate().map(lod).collect()
     }

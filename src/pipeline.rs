@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 pub use self::error::PipelineError;
 pub use self::outside::{Disk, Machine};
@@ -23,7 +23,7 @@ use crate::field::{Aabb, CaveField};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::preview::Subject;
 use crate::recipe::Recipe;
-use crate::store::{self, CaveFolder, FileRecord, Stage, Unit, chunk_name, sha256};
+use crate::store::{self, CaveFolder, Facts, FileRecord, MeshFacts, Stage, TextureFacts, Unit, chunk_name, sha256};
 use plume_graph::{Graph, Outside};
 use plume_survey::{Import, Parts};
 
@@ -194,8 +194,8 @@ impl<'a> Pipeline<'a> {
             self.unit(Stage::Mesh, name, || {
                 let meshes = mesh::chunk(&field, &grid, *index, self.recipe.mesh());
                 Ok(match &meshes {
-                    Some(meshes) => (self.write_meshes(name, meshes)?, mesh_facts(meshes)),
-                    None => (Vec::new(), json!({"triangles": 0})),
+                    Some(meshes) => (self.write_meshes(name, meshes)?, Facts::Mesh(meshes.into())),
+                    None => (Vec::new(), Facts::Mesh(MeshFacts::default())),
                 })
             })
         })?;
@@ -214,8 +214,8 @@ impl<'a> Pipeline<'a> {
                 let mesh = store::read_mesh(self.folder, &wall.name)?;
                 let (texture, lod) = (self.recipe.texture(), self.recipe.lod());
                 let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
-                let facts = texture_facts(&written);
-                Ok((written.files, facts))
+                let facts = TextureFacts::new(&written.textured, &written.levels);
+                Ok((written.files, Facts::Texture(facts)))
             })
         })
     }
@@ -315,13 +315,7 @@ impl<'a> Pipeline<'a> {
             let graph = self
                 .folder
                 .write(store::GRAPH, |out| out.write_all(graph_text(self.recipe, &self.graph).as_bytes()))?;
-            let facts = json!({
-                "nodes": self.graph.nodes.len(),
-                "passages": self.graph.edges.len(),
-                "loops": self.graph.loops(),
-                "length_m": self.graph.length_m(),
-            });
-            Ok((vec![recipe, graph], facts))
+            Ok((vec![recipe, graph], Facts::Graph((&self.graph).into())))
         })
     }
 
@@ -336,7 +330,7 @@ impl<'a> Pipeline<'a> {
         &self,
         stage: Stage,
         name: &str,
-        make: impl FnOnce() -> Result<(Vec<FileRecord>, Value), PipelineError>,
+        make: impl FnOnce() -> Result<(Vec<FileRecord>, Facts), PipelineError>,
     ) -> Result<(), PipelineError> {
         let fingerprint = self.fingerprint(stage);
         if self.folder.finished(stage, name, fingerprint)?.is_some() {
@@ -391,22 +385,6 @@ pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -
 /// The text of the cave's graph file.
 pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
     plume_survey::json::write(graph, crate::VERSION, recipe.to_json())
-}
-
-fn mesh_facts(meshes: &mesh::ChunkMeshes) -> Value {
-    json!({
-        "triangles": meshes.visual.triangles.len(),
-        "collision_triangles": meshes.collision.triangles.len(),
-        "area_m2": meshes.visual.area_m2(),
-    })
-}
-
-fn texture_facts(written: &store::Written) -> Value {
-    json!({
-        "texels_per_m": written.textured.texels_per_m,
-        "utilisation": written.textured.utilisation,
-        "lods": written.levels.iter().map(store::LodFacts::of).collect::<Vec<_>>(),
-    })
 }
 
 /// A box round the passages where they are widest, at the stations; `None` without stations.

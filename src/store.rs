@@ -25,6 +25,7 @@
 
 mod chunk;
 mod error;
+mod facts;
 mod file;
 mod piece;
 pub mod ply;
@@ -42,8 +43,9 @@ pub use plume_disk::sealed::sha256;
 use plume_disk::{Staging, regular};
 use rayon::prelude::*;
 
-pub use self::chunk::{ChunkError, IMAGES, LodFacts, Written, read_mesh, read_ply, write_mesh, write_textured};
+pub use self::chunk::{ChunkError, IMAGES, Written, read_mesh, read_ply, write_mesh, write_textured};
 pub use self::error::StoreError;
+pub use self::facts::{Facts, GraphFacts, LodFacts, MeshFacts, PieceFacts, TextureFacts};
 use self::file::FileState;
 pub use self::file::{FileRecord, Sink};
 pub use self::piece::{read_pieces, write_pieces};

@@ -1,10 +1,8 @@
 //! Plan and profile of the cave, for whoever looks into its folder.
 
-use serde_json::json;
-
 use super::{Pipeline, PipelineError, field, subject};
 use crate::preview::{Drawn, Format, Order, Pace, Subject, Theme, view};
-use crate::store::{self, FileRecord, Stage};
+use crate::store::{self, Facts, FileRecord, Stage};
 
 /// The views that are drawn, and their files.
 const MAPS: [(&str, &str); 2] = [("plan", store::PLAN), ("profile", store::PROFILE)];
@@ -21,7 +19,7 @@ impl Pipeline<'_> {
                 let field = field(self.recipe, &self.graph);
                 let subject = subject(self.recipe, &self.graph, &field);
                 let maps: Result<Vec<_>, _> = MAPS.iter().map(|map| self.draw(map, &subject)).collect();
-                Ok((maps?, json!({})))
+                Ok((maps?, Facts::Preview {}))
             })
         })
     }

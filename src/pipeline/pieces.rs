@@ -1,11 +1,10 @@
 //! Convex pieces of every chunk, made when a target asks for them.
 
 use rayon::prelude::*;
-use serde_json::json;
 
 use super::{Pipeline, PipelineError};
 use crate::mesh::{self, Mesh, PieceMeasures};
-use crate::store::{self, Stage, StoreError, Unit};
+use crate::store::{self, Facts, PieceFacts, Stage, StoreError, Unit};
 
 impl Pipeline<'_> {
     /// Makes every chunk's convex pieces.
@@ -19,7 +18,7 @@ impl Pipeline<'_> {
                 let (mesh, around) = self.with_neighbours(&wall.name, &walls)?;
                 let pieces = mesh::pieces(&mesh, &around, self.recipe.pieces());
                 let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
-                Ok((vec![file], json!({"pieces": pieces.len()})))
+                Ok((vec![file], Facts::Pieces(PieceFacts { pieces: pieces.len() })))
             })
         })
     }

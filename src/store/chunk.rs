@@ -1,9 +1,7 @@
 //! Chunk meshes and images in the cave folder.
 
-use serde::{Deserialize, Serialize};
-
 use super::ply::PlyMesh;
-use super::{CaveFolder, FileRecord, StoreError, Unit, image_path, lod_path, textured_path, wall_path};
+use super::{CaveFolder, FileRecord, StoreError, image_path, lod_path, textured_path, wall_path};
 use crate::field::Surface;
 use crate::mesh::{Mesh, QUANTA_PER_M};
 use crate::texture::{self, Level, LodSettings, Maps, TextureError, TextureSettings, Textured};
@@ -111,27 +109,6 @@ fn textured_ply(textured: &Textured, triangles: &[[u32; 3]]) -> PlyMesh {
         tangents: used.iter().map(|&vertex| textured.tangents[vertex]).collect(),
         border: Vec::new(),
         triangles: triangles.iter().map(|triangle| triangle.map(name)).collect(),
-    }
-}
-
-/// What the unit of a textured chunk says of a coarser level.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LodFacts {
-    /// Number of its triangles.
-    pub triangles: usize,
-    /// How far it lies from full detail at most, both ways, in metres.
-    pub error_m: f32,
-}
-
-impl LodFacts {
-    /// What is to be said of a level.
-    pub fn of(level: &Level) -> Self {
-        Self { triangles: level.triangles.len(), error_m: level.error_m }
-    }
-
-    /// What the unit of a textured chunk says, the finest level first.
-    pub fn read(unit: &Unit) -> Vec<Self> {
-        serde_json::from_value(unit.facts["lods"].clone()).unwrap_or_default()
     }
 }
 

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::facts::Facts;
 use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
 use crate::mesh::ChunkIndex;
@@ -78,7 +79,7 @@ pub struct Unit {
     /// What was written.
     pub files: Vec<FileRecord>,
     /// Numbers worth keeping: triangles, areas, texels.
-    pub facts: Value,
+    pub facts: Facts,
 }
 
 /// A unit as it stands in a file.
@@ -102,7 +103,7 @@ impl TryFrom<Unchecked> for Unit {
         }
         match files.iter().find(|file| !stage.writes(&name, &file.path)) {
             Some(file) => Err(format!("{} of {name} does not write {}", stage.name(), shown(&file.path))),
-            None => Ok(Self { stage, name, fingerprint, files, facts }),
+            None => Ok(Self { stage, name, fingerprint, files, facts: Facts::read(stage, facts) }),
         }
     }
 }
