@@ -208,7 +208,7 @@ fn halves(mesh: &Mesh) -> [Mesh; 2] {
 #[test]
 fn bytes_do_not_depend_on_threads() {
     let mesh = rough_passage(60, 30, 8.0, 3);
-    for format in [ImageFormat::Png, ImageFormat::Jpg, ImageFormat::Webp] {
+    for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP] {
         let settings = TextureSettings { format, height: true, ..of_size(700) };
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -224,7 +224,7 @@ fn bytes_do_not_depend_on_threads() {
 fn jpg_shows_the_same_picture() {
     let mesh = rough_passage(60, 30, 8.0, 3);
     let (_, png) = bake(&mesh, &LEANING, &of_size(512));
-    let (_, jpg) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::Jpg, ..of_size(512) });
+    let (_, jpg) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::Jpeg, ..of_size(512) });
     assert!(jpg.normal.starts_with(&[0xFF, 0xD8]));
     for (png, jpg) in [(png.base_color, jpg.base_color), (png.normal, jpg.normal), (png.orm, jpg.orm)] {
         let (png, jpg) = (picture(&png), picture(&jpg));
@@ -238,7 +238,7 @@ fn jpg_shows_the_same_picture() {
 fn webp_shows_every_pixel() {
     let mesh = rough_passage(60, 30, 8.0, 3);
     let (_, png) = bake(&mesh, &LEANING, &of_size(512));
-    let (_, webp) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::Webp, ..of_size(512) });
+    let (_, webp) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::WebP, ..of_size(512) });
     assert!(webp.base_color.starts_with(b"RIFF"));
     assert!(png.into_iter().map(|map| picture(&map)).eq(webp.into_iter().map(|map| picture(&map))));
 }
