@@ -132,7 +132,7 @@ fn rock_text(rock: &RockReport, graph: &Graph) -> String {
     let Some(thinnest) = rock.thinnest.first() else {
         return format!("rock: at least {asked} m between passages\n");
     };
-    let ids = thinnest.passages.map(|passage| passage.map(|node| graph.nodes[node].id.to_string()).join("-"));
+    let ids = thinnest.passages.map(|passage| passage.map(|node| graph[node].id.to_string()).join("-"));
     let at = thinnest.place;
     format!(
         "rock: less than {asked} m in {} places ({} between levels), of which {} may break through ({} between levels); \

@@ -7,7 +7,7 @@
 use cpu_time::ProcessTime;
 use nalgebra::{Point3, Vector3};
 use plume::field::{Aabb, CaveField, Field, PassageSettings, Surface, Texel};
-use plume::graph::{Graph, Node};
+use plume::graph::{Graph, Node, StationId};
 use plume::material::{Look, MATERIALS};
 use rayon::prelude::*;
 use std::error::Error;
@@ -66,7 +66,7 @@ fn graph(settings: &PassageSettings) -> Graph {
     };
     Graph {
         nodes: (0..).zip(STATIONS).map(node).collect(),
-        edges: vec![[0, 1], [1, 2], [2, 3], [3, 4], [3, 6], [4, 5], [5, 8], [6, 7]],
+        edges: StationId::pairs([[0, 1], [1, 2], [2, 3], [3, 4], [3, 6], [4, 5], [5, 8], [6, 7]]),
     }
 }
 

@@ -243,8 +243,8 @@ fn or_drawn(given: &[[f64; 2]], count: usize, mut draw: impl FnMut() -> [f64; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::Nowhere;
     use plume_graph::clearance::{PassageSize, thin_rock};
+    use plume_graph::{Nowhere, StationId};
 
     fn graphs(settings: Karst) -> impl Iterator<Item = Graph> {
         (0..6).map(move |seed| settings.generate(seed, &Nowhere).expect("the rock has ways"))
@@ -264,7 +264,7 @@ mod tests {
             let settings =
                 Karst { fracture_weight, fracture_azimuths_deg: vec![0.0, 90.0], roughness: 0.0, ..Karst::default() };
             let sine = |graph: Graph| {
-                let way = |&[a, b]: &[usize; 2]| (graph.nodes[b].position - graph.nodes[a].position).xy();
+                let way = |&[a, b]: &[StationId; 2]| (graph[b].position - graph[a].position).xy();
                 graph.edges.iter().map(way).map(|way| way.x.abs().min(way.y.abs())).sum::<f64>() / graph.length_m()
             };
             graphs(settings).map(sine).sum::<f64>()

@@ -16,7 +16,7 @@ use super::{GenerateError, Generator};
 use plume_graph::Outside;
 use plume_graph::rng::Rng;
 use plume_graph::seed;
-use plume_graph::{Graph, Node, Section, Shape, millimetres};
+use plume_graph::{Graph, Node, Section, Shape, StationId, millimetres};
 
 /// Probability that a drift stops at the end of a bay, per probability that a cross-cut is left out.
 const STOPS_PER_SKIP: f64 = 0.1;
@@ -186,7 +186,7 @@ struct Survey<'a> {
     mine: &'a Mine,
     rng: Rng,
     nodes: Vec<Node>,
-    edges: Vec<[usize; 2]>,
+    edges: Vec<[StationId; 2]>,
     /// Where each node would be without jitter.
     layout: Vec<Point3<f64>>,
     /// Nodes left on this level.
@@ -199,12 +199,12 @@ impl<'a> Survey<'a> {
     }
 
     /// Adds a station where the layout has it.
-    fn place(&mut self, parent: Option<usize>, at: Point3<f64>, level: u32) -> usize {
-        let index = self.nodes.len();
+    fn place(&mut self, parent: Option<StationId>, at: Point3<f64>, level: u32) -> StationId {
+        let station = StationId::new(self.nodes.len());
         self.layout.push(at);
-        self.edges.extend(parent.map(|parent| [parent, index]));
+        self.edges.extend(parent.map(|parent| [parent, station]));
         self.nodes.push(Node {
-            id: index as u64,
+            id: station.index() as u64,
             parent,
             position: at.map(millimetres),
             radius: 0.0,
@@ -216,35 +216,38 @@ impl<'a> Survey<'a> {
                 shape: Shape::Drift,
             }),
         });
-        index
+        station
     }
 
     /// Adds a station beside its place in the layout, if the level has one left.
-    fn drive(&mut self, from: usize, step: Vector3<f64>) -> Option<usize> {
+    fn drive(&mut self, from: StationId, step: Vector3<f64>) -> Option<StationId> {
         self.left = self.left.checked_sub(1)?;
-        let level = self.nodes[from].level;
-        let station = self.place(Some(from), self.layout[from] + step, level);
+        let level = self.nodes[from.index()].level;
+        let station = self.place(Some(from), self.layout[from.index()] + step, level);
         let jitter = self.mine.jitter_m;
         let mut off = || self.rng.between(-jitter, jitter);
         let aside = Vector3::new(off(), off(), 0.0);
-        let position = self.layout[station] + aside;
-        self.nodes[station].position = position.map(millimetres);
+        let position = self.layout[station.index()] + aside;
+        self.nodes[station.index()].position = position.map(millimetres);
         Some(station)
     }
 
     /// Drives a way of this length in even steps; the last station, or `None` when the level ran out.
-    fn drive_on(&mut self, from: usize, way: Vector3<f64>, steps: usize) -> Option<usize> {
+    fn drive_on(&mut self, from: StationId, way: Vector3<f64>, steps: usize) -> Option<StationId> {
         (0..steps).try_fold(from, |tip, _| self.drive(tip, way / steps as f64))
     }
 
     /// The way down from the first station of a level to that of the next. Ramps and shafts are straight.
-    fn descend(&mut self, from: usize) -> usize {
-        let level = self.nodes[from].level + 1;
-        self.mine.descent().into_iter().fold(from, |tip, step| self.place(Some(tip), self.layout[tip] + step, level))
+    fn descend(&mut self, from: StationId) -> StationId {
+        let level = self.nodes[from.index()].level + 1;
+        self.mine
+            .descent()
+            .into_iter()
+            .fold(from, |tip, step| self.place(Some(tip), self.layout[tip.index()] + step, level))
     }
 
     /// Drives a level with this many nodes.
-    fn open_level(&mut self, first: usize, nodes: u32) {
+    fn open_level(&mut self, first: StationId, nodes: u32) {
         self.left = nodes;
         let mut drifts = vec![first];
         while drifts.len() < self.mine.drifts as usize {
@@ -252,18 +255,18 @@ impl<'a> Survey<'a> {
             let Some(next) = self.cross(last) else { return };
             drifts.push(next);
         }
-        let mut faces: Vec<Option<usize>> = drifts.into_iter().map(Some).collect();
+        let mut faces: Vec<Option<StationId>> = drifts.into_iter().map(Some).collect();
         while self.advance(&mut faces).is_some() {}
     }
 
     /// Drives the way from one drift to where the next one north begins.
-    fn cross(&mut self, from: usize) -> Option<usize> {
+    fn cross(&mut self, from: StationId) -> Option<StationId> {
         let spacing = self.mine.drift_spacing_m;
         self.drive_on(from, NORTH * spacing, self.mine.steps(spacing))
     }
 
     /// Drives every open drift by one bay and joins neighbours; `None` when the level ran out.
-    fn advance(&mut self, faces: &mut [Option<usize>]) -> Option<()> {
+    fn advance(&mut self, faces: &mut [Option<StationId>]) -> Option<()> {
         let interval = self.mine.crosscut_interval_m;
         let steps = self.mine.steps(interval);
         self.stop_some(faces);
@@ -282,7 +285,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Leaves some faces standing, never the last one.
-    fn stop_some(&mut self, faces: &mut [Option<usize>]) {
+    fn stop_some(&mut self, faces: &mut [Option<StationId>]) {
         let mut open = faces.iter().flatten().count();
         for face in faces.iter_mut() {
             let stops = self.rng.chance(STOPS_PER_SKIP * self.mine.irregularity);
@@ -294,7 +297,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Drives a cross-cut between two faces.
-    fn join(&mut self, south: usize, north: usize) -> Option<()> {
+    fn join(&mut self, south: StationId, north: StationId) -> Option<()> {
         let spacing = self.mine.drift_spacing_m;
         let steps = self.mine.steps(spacing);
         let inner = NORTH * (spacing * (steps - 1) as f64 / steps as f64);
@@ -305,9 +308,8 @@ impl<'a> Survey<'a> {
 
     fn into_graph(self) -> Graph {
         let mut graph = Graph::new(self.nodes, self.edges).with_reaches();
-        for (node, degree) in graph.neighbors().degrees().enumerate() {
-            graph.nodes[node].active = degree == 1;
-        }
+        let degrees = graph.degrees();
+        graph.nodes.iter_mut().zip(degrees).for_each(|(node, degree)| node.active = degree == 1);
         graph
     }
 }
@@ -336,7 +338,7 @@ mod tests {
             let [_, _, height_m] = graph.bounds().expect("it has nodes").size();
             assert_eq!(height_m, 2.0 * mine.level_spacing_m);
             for &[a, b] in &graph.edges {
-                let way = graph.nodes[b].position - graph.nodes[a].position;
+                let way = graph[b].position - graph[a].position;
                 let slope = libm::atan2(way.z.abs(), way.xy().norm()).to_degrees();
                 let level = slope == 0.0;
                 let inclined = slope <= steepest + 0.05 && slope > 5.0;

@@ -14,7 +14,7 @@ use nalgebra::{Point3, Vector3};
 pub(super) use cells::Cells;
 
 use super::GenerateError;
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::rng::Rng;
 use plume_graph::section::clearance_radius_m;
 use plume_graph::seed;
@@ -240,7 +240,7 @@ impl Network {
             CentrelineBuilder { vertices: self.stations.iter().map(vertex).collect(), lines: Vec::new() };
         for station in 0..self.len() {
             let older = self.neighbors(station).filter(|&other| other < station);
-            older.for_each(|other| centreline.join(other, station));
+            older.for_each(|other| centreline.join(VertexId::new(other), VertexId::new(station)));
         }
         centreline.into_graph()
     }

@@ -208,7 +208,7 @@ impl Tiles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::Nowhere;
+    use plume_graph::{Nowhere, StationId};
 
     #[test]
     fn connectors_that_meet_close_loops() {
@@ -234,7 +234,7 @@ mod tests {
         let slope = |access: Access| {
             let settings = Tiles { nodes: 300, levels: 3, access, ..Tiles::default() };
             let graph = settings.generate(1, &Nowhere).expect("there is room");
-            let way = |&[a, b]: &[usize; 2]| graph.nodes[b].position - graph.nodes[a].position;
+            let way = |&[a, b]: &[StationId; 2]| graph[b].position - graph[a].position;
             graph
                 .edges
                 .iter()

@@ -4,12 +4,13 @@
 //! the laws of a graph hold for all of them.
 
 use std::cmp::Ordering;
+use std::ops::{Index, IndexMut};
 
 use nalgebra::Point3;
 use rustc_hash::FxHashMap;
 
 use super::branches::Branches;
-use super::{Graph, Neighbors, Node, Section, millimetres};
+use super::{Graph, Id, Neighbors, Node, Section, StationId, millimetres};
 
 /// A point on a centreline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,24 +30,28 @@ impl Vertex {
     }
 }
 
+/// A vertex of a centreline: its place among the vertices.
+pub type VertexId = Id<Vertex>;
+
 /// Vertices and the lines between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CentrelineBuilder {
     /// The points.
     pub vertices: Vec<Vertex>,
-    /// Pairs of indices into `vertices`; may repeat.
-    pub lines: Vec<[usize; 2]>,
+    /// Pairs of vertices; may repeat.
+    pub lines: Vec<[VertexId; 2]>,
 }
 
 impl CentrelineBuilder {
     /// Adds a vertex that hangs on nothing yet.
-    pub fn add(&mut self, vertex: Vertex) -> usize {
+    pub fn add(&mut self, vertex: Vertex) -> VertexId {
+        let id = VertexId::new(self.vertices.len());
         self.vertices.push(vertex);
-        self.vertices.len() - 1
+        id
     }
 
     /// Draws a line.
-    pub fn join(&mut self, a: usize, b: usize) {
+    pub fn join(&mut self, a: VertexId, b: VertexId) {
         self.lines.push([a, b]);
     }
 
@@ -55,34 +60,41 @@ impl CentrelineBuilder {
     /// at a dead end. Vertices without a line are left out.
     pub fn into_graph(self) -> Graph {
         let Self { vertices, lines } = self.welded();
-        Graph::new(vertices.into_iter().map(Node::from).collect(), lines).numbered_by_breadth().with_reaches()
+        // Each vertex becomes the station of the same place.
+        let edges = lines.into_iter().map(|line| line.map(|vertex| StationId::new(vertex.index()))).collect();
+        Graph::new(vertices.into_iter().map(Node::from).collect(), edges).numbered_by_breadth().with_reaches()
     }
 
     /// Vertices rounded to 1 mm, those in the same place made one; lines sorted, without repeats and lines from a vertex to
     /// itself.
     pub fn welded(self) -> Self {
-        let mut of_place: FxHashMap<[u64; 3], usize> = FxHashMap::default();
+        let mut of_place: FxHashMap<[u64; 3], VertexId> = FxHashMap::default();
         let mut welded = Self::default();
         let mut new = Vec::with_capacity(self.vertices.len());
         for vertex in self.vertices {
             let position = vertex.position.map(millimetres);
             let key = position.coords.map(f64::to_bits).into();
-            let next = welded.vertices.len();
-            let index = *of_place.entry(key).or_insert(next);
-            if index == next {
+            let next = VertexId::new(welded.vertices.len());
+            let id = *of_place.entry(key).or_insert(next);
+            if id == next {
                 welded.vertices.push(Vertex { position, ..vertex });
             }
-            new.push(index);
+            new.push(id);
         }
-        let lines = self.lines.into_iter().map(|line| line.map(|vertex| new[vertex]));
+        let lines = self.lines.into_iter().map(|line| line.map(|vertex| new[vertex.index()]));
         welded.lines = lines.filter(|[a, b]| a != b).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         welded.lines.sort_unstable();
         welded.lines.dedup();
         welded
     }
 
+    /// Every vertex.
+    pub fn ids(&self) -> impl DoubleEndedIterator<Item = VertexId> + ExactSizeIterator + Clone + use<> {
+        VertexId::all(self.vertices.len())
+    }
+
     /// The vertices that lines join to each vertex, ascending.
-    pub fn neighbors(&self) -> Neighbors {
+    pub fn neighbors(&self) -> Neighbors<Vertex> {
         Neighbors::of(self.vertices.len(), &self.lines)
     }
 
@@ -92,47 +104,63 @@ impl CentrelineBuilder {
     }
 
     /// [`branches`](Self::branches) of a centreline whose neighbours are known.
-    pub fn branches_among(&self, neighbors: &Neighbors) -> Vec<Branch> {
-        let leg = |pair: &[usize]| self.distance_m(pair[0], pair[1]);
-        let branch =
-            |vertices: &[usize]| Branch { vertices: vertices.to_vec(), length_m: vertices.windows(2).map(leg).sum() };
+    pub fn branches_among(&self, neighbors: &Neighbors<Vertex>) -> Vec<Branch> {
+        let leg = |pair: &[VertexId]| self.distance_m(pair[0], pair[1]);
+        let branch = |vertices: &[VertexId]| Branch {
+            vertices: vertices.to_vec(),
+            length_m: vertices.windows(2).map(leg).sum(),
+        };
         Branches::of(neighbors).iter().map(branch).collect()
     }
 
     /// The distance between two vertices, in metres.
-    pub fn distance_m(&self, a: usize, b: usize) -> f64 {
-        (self.vertices[a].position - self.vertices[b].position).norm()
+    pub fn distance_m(&self, a: VertexId, b: VertexId) -> f64 {
+        (self[a].position - self[b].position).norm()
     }
 
     /// Without these vertices and what hangs on them.
     pub fn without(self, gone: &[bool]) -> Self {
-        let lines = self.lines.into_iter().filter(|line| line.iter().all(|&vertex| !gone[vertex])).collect();
+        let lines = self.lines.into_iter().filter(|line| line.iter().all(|&vertex| !gone[vertex.index()])).collect();
         Self { vertices: self.vertices, lines }
+    }
+}
+
+impl Index<VertexId> for CentrelineBuilder {
+    type Output = Vertex;
+
+    fn index(&self, vertex: VertexId) -> &Vertex {
+        &self.vertices[vertex.index()]
+    }
+}
+
+impl IndexMut<VertexId> for CentrelineBuilder {
+    fn index_mut(&mut self, vertex: VertexId) -> &mut Vertex {
+        &mut self.vertices[vertex.index()]
     }
 }
 
 /// One of the [`Branches`] of a centreline.
 pub struct Branch {
     /// Its vertices in their order, the ends among them.
-    pub vertices: Vec<usize>,
+    pub vertices: Vec<VertexId>,
     /// Its length in metres.
     pub length_m: f64,
 }
 
 impl Branch {
     /// Its ends, ascending.
-    pub fn ends(&self) -> [usize; 2] {
+    pub fn ends(&self) -> [VertexId; 2] {
         let [a, b] = [self.first(), self.last()];
         [a.min(b), a.max(b)]
     }
 
     /// The vertex that it starts from.
-    pub fn first(&self) -> usize {
+    pub fn first(&self) -> VertexId {
         self.vertices[0]
     }
 
     /// The vertex that it ends in.
-    pub fn last(&self) -> usize {
+    pub fn last(&self) -> VertexId {
         self.vertices[self.vertices.len() - 1]
     }
 
@@ -162,7 +190,7 @@ impl CentrelineBuilder {
     /// Vertices without sections at these places of the plan.
     pub fn flat(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Self {
         let vertex = |&[x, y]: &[f64; 2]| Vertex { position: Point3::new(x, y, 0.0), section: None, level: 0 };
-        Self { vertices: places.iter().map(vertex).collect(), lines: lines.to_vec() }
+        Self { vertices: places.iter().map(vertex).collect(), lines: VertexId::pairs(lines.iter().copied()) }
     }
 
     /// The same with passages of this width.
@@ -185,6 +213,6 @@ mod tests {
         )
         .into_graph();
         assert_eq!(graph.nodes.len(), 3);
-        assert_eq!(graph.edges, [[0, 1], [1, 2]]);
+        assert_eq!(graph.edges, StationId::pairs([[0, 1], [1, 2]]));
     }
 }

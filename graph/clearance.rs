@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 
 use super::segment::nearest_shares;
-use super::{Graph, Node, Section, Shape};
+use super::{Graph, Node, Section, Shape, StationId};
 
 /// Passages are joined nearby if a way leads from one to the other that is not longer than so many times the distance that
 /// their axes should keep. Tuned on junctions: less tells of the rock between the legs of every acute one.
@@ -55,8 +55,8 @@ impl Default for PassageSize {
 /// A place where the rock is thinner than asked.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Thin {
-    /// The two passages, by the indices of their stations; a room is its station twice.
-    pub passages: [[usize; 2]; 2],
+    /// The two passages, by their stations; a room is its station twice.
+    pub passages: [[StationId; 2]; 2],
     /// Midway between them.
     pub place: Point3<f64>,
     /// Thickness of the rock in metres, never more than it is; 0 or less where they may break into each other.
@@ -110,7 +110,7 @@ impl RockReport {
 pub fn thin_rock(graph: &Graph, passage_size: PassageSize, least_m: f64) -> Vec<Thin> {
     let rock = Rock::new(graph, passage_size);
     let bodies = rock.all_bodies();
-    let of_one = |&body: &[usize; 2]| {
+    let of_one = |&body: &[StationId; 2]| {
         let mut thin: Vec<Thin> = rock.thin(body, least_m).filter(|thin| thin.passages[0] == body).collect();
         thin.sort_by(Thin::thinner_first);
         thin.truncate(MOST_OF_ONE);
@@ -219,45 +219,61 @@ pub struct Rock {
     /// The stations.
     pub nodes: Vec<Node>,
     /// For each station those that passages join to it.
-    pub neighbors: Vec<Vec<usize>>,
-    bodies: RTree<GeomWithData<Rectangle<[f64; 3]>, [usize; 2]>>,
+    pub neighbors: Vec<Vec<StationId>>,
+    bodies: RTree<GeomWithData<Rectangle<[f64; 3]>, [StationId; 2]>>,
 }
 
 impl Rock {
     /// The rock round a graph.
     pub fn new(graph: &Graph, passage_size: PassageSize) -> Self {
-        let neighbors = graph.neighbors().iter().map(<[usize]>::to_vec).collect();
+        let neighbors = graph.neighbors().iter().map(<[_]>::to_vec).collect();
         let mut rock = Self { passage_size, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
         let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
         rock.bodies = RTree::bulk_load(entries);
         rock
     }
 
+    /// Every station.
+    fn stations(&self) -> impl Iterator<Item = StationId> + use<> {
+        StationId::all(self.nodes.len())
+    }
+
+    /// A station.
+    pub fn node(&self, station: StationId) -> &Node {
+        &self.nodes[station.index()]
+    }
+
+    /// The stations that passages join to one.
+    pub fn neighbors_of(&self, station: StationId) -> &[StationId] {
+        &self.neighbors[station.index()]
+    }
+
     /// The graph of all stations and passages, settled or not.
     pub fn into_graph(self) -> Graph {
-        let edges = self.neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| [a, b]));
+        let edges = self.stations().flat_map(|a| self.neighbors[a.index()].iter().map(move |&b| [a, b]));
         let edges = edges.filter(|[a, b]| a < b).collect();
         Graph::new(self.nodes, edges)
     }
 
     /// Adds a station that hangs on nothing yet.
-    pub fn add(&mut self, node: Node) -> usize {
+    pub fn add(&mut self, node: Node) -> StationId {
+        let station = StationId::new(self.nodes.len());
         self.nodes.push(node);
         self.neighbors.push(Vec::new());
-        self.nodes.len() - 1
+        station
     }
 
     /// Joins two stations. The passage stands in nobody's way until it is [settled](Self::settle).
-    pub fn join(&mut self, a: usize, b: usize) {
-        self.neighbors[a].push(b);
-        self.neighbors[b].push(a);
+    pub fn join(&mut self, a: StationId, b: StationId) {
+        self.neighbors[a.index()].push(b);
+        self.neighbors[b.index()].push(a);
     }
 
     /// Takes back the stations from `len` on, and what joins them.
     pub fn truncate(&mut self, len: usize) {
-        for last in (len..self.nodes.len()).rev() {
-            for other in std::mem::take(&mut self.neighbors[last]) {
-                self.neighbors[other].retain(|&next| next != last);
+        for last in (len..self.nodes.len()).rev().map(StationId::new) {
+            for other in std::mem::take(&mut self.neighbors[last.index()]) {
+                self.neighbors[other.index()].retain(|&next| next != last);
             }
         }
         self.nodes.truncate(len);
@@ -265,47 +281,48 @@ impl Rock {
     }
 
     /// Parts two stations.
-    pub fn part(&mut self, a: usize, b: usize) {
-        self.neighbors[a].retain(|&other| other != b);
-        self.neighbors[b].retain(|&other| other != a);
+    pub fn part(&mut self, a: StationId, b: StationId) {
+        self.neighbors[a.index()].retain(|&other| other != b);
+        self.neighbors[b.index()].retain(|&other| other != a);
     }
 
     /// From now on these passages and rooms stand in the way of others.
-    pub fn settle(&mut self, bodies: &[[usize; 2]]) {
+    pub fn settle(&mut self, bodies: &[[StationId; 2]]) {
         for &body in bodies {
             self.bodies.insert(self.entry(body));
         }
     }
 
     /// No longer.
-    pub fn unsettle(&mut self, body: [usize; 2]) {
+    pub fn unsettle(&mut self, body: [StationId; 2]) {
         self.bodies.remove(&self.entry(body));
     }
 
     /// All passages, and all rooms.
-    pub fn all_bodies(&self) -> Vec<[usize; 2]> {
-        let of = |(node, others): (usize, &Vec<usize>)| {
-            let after = others.iter().filter(move |&&other| other > node).map(move |&other| [node, other]);
+    pub fn all_bodies(&self) -> Vec<[StationId; 2]> {
+        let of = |node: StationId| {
+            let after =
+                self.neighbors_of(node).iter().filter(move |&&other| other > node).map(move |&other| [node, other]);
             let room = self.is_room(node).then_some([node, node]);
             room.into_iter().chain(after).collect::<Vec<_>>()
         };
-        self.neighbors.iter().enumerate().flat_map(of).collect()
+        self.stations().flat_map(of).collect()
     }
 
     /// Whether a station is a room.
-    pub fn is_room(&self, node: usize) -> bool {
-        self.neighbors[node].len() >= 3 && self.nodes[node].section.is_none()
+    pub fn is_room(&self, node: StationId) -> bool {
+        self.neighbors_of(node).len() >= 3 && self.node(node).section.is_none()
     }
 
     /// The hull of a passage, or of a room.
-    pub fn body(&self, [a, b]: [usize; 2]) -> Body {
-        let [start, end] = [a, b].map(|node| Profile::of(&self.nodes[node], &self.passage_size));
+    pub fn body(&self, [a, b]: [StationId; 2]) -> Body {
+        let [start, end] = [a, b].map(|node| Profile::of(self.node(node), &self.passage_size));
         let profile = if a == b { start.room(self.passage_size.room_factor) } else { start.wider(end) };
-        Body { ends: [a, b].map(|node| self.nodes[node].position), profile }
+        Body { ends: [a, b].map(|node| self.node(node).position), profile }
     }
 
     /// Where one passage or room has too little rock to those that are settled.
-    pub fn thin(&self, body: [usize; 2], least_m: f64) -> impl Iterator<Item = Thin> {
+    pub fn thin(&self, body: [StationId; 2], least_m: f64) -> impl Iterator<Item = Thin> {
         let hull = self.body(body).hull(least_m.max(0.0) + ROUNDING_M);
         let near = self.bodies.locate_in_envelope_intersecting(hull).map(|entry| entry.data);
         near.filter(move |&other| other != body).filter_map(move |other| self.thin_between(body, other, least_m))
@@ -319,7 +336,7 @@ impl Rock {
     }
 
     /// Settled passages whose boxes meet that between two points of the plan, at any depth.
-    pub fn under(&self, plan: [[f64; 2]; 2]) -> impl Iterator<Item = [usize; 2]> {
+    pub fn under(&self, plan: [[f64; 2]; 2]) -> impl Iterator<Item = [StationId; 2]> {
         let [[ax, ay], [bx, by]] = plan;
         let column = AABB::from_corners([ax, ay, f64::MIN], [bx, by, f64::MAX]);
         let near = self.bodies.locate_in_envelope_intersecting(column).map(|entry| entry.data);
@@ -327,7 +344,7 @@ impl Rock {
     }
 
     /// The place between two passages or rooms, if it is too thin and no short way joins them.
-    pub fn thin_between(&self, one: [usize; 2], other: [usize; 2], least_m: f64) -> Option<Thin> {
+    pub fn thin_between(&self, one: [StationId; 2], other: [StationId; 2], least_m: f64) -> Option<Thin> {
         if self.touch(one, other) {
             return None;
         }
@@ -336,7 +353,7 @@ impl Rock {
         if gap.rock_m >= least_m || joined() {
             return None;
         }
-        let levels = |[a, b]: [usize; 2]| [self.nodes[a].level, self.nodes[b].level];
+        let levels = |[a, b]: [StationId; 2]| [self.node(a).level, self.node(b).level];
         let common = levels(one).iter().any(|level| levels(other).contains(level));
         Some(Thin {
             passages: [one.min(other), one.max(other)],
@@ -347,14 +364,14 @@ impl Rock {
     }
 
     /// Whether two passages share a station, or a third one joins them.
-    fn touch(&self, one: [usize; 2], other: [usize; 2]) -> bool {
-        one.iter().any(|end| other.contains(end) || self.neighbors[*end].iter().any(|next| other.contains(next)))
+    fn touch(&self, one: [StationId; 2], other: [StationId; 2]) -> bool {
+        one.iter().any(|end| other.contains(end) || self.neighbors_of(*end).iter().any(|next| other.contains(next)))
     }
 
     /// Whether a way of at most this length leads from the end of one passage to that of another.
-    fn is_way(&self, from: [usize; 2], to: [usize; 2], most_m: f64) -> bool {
-        let mut least: FxHashMap<usize, f64> = FxHashMap::default();
-        let mut open: VecDeque<(usize, f64)> = from.iter().map(|&end| (end, 0.0)).collect();
+    fn is_way(&self, from: [StationId; 2], to: [StationId; 2], most_m: f64) -> bool {
+        let mut least: FxHashMap<StationId, f64> = FxHashMap::default();
+        let mut open: VecDeque<(StationId, f64)> = from.iter().map(|&end| (end, 0.0)).collect();
         while let Some((node, way_m)) = open.pop_front() {
             if least.get(&node).is_some_and(|known| *known <= way_m) {
                 continue;
@@ -363,8 +380,8 @@ impl Rock {
                 return true;
             }
             least.insert(node, way_m);
-            for &next in &self.neighbors[node] {
-                let way_m = way_m + (self.nodes[next].position - self.nodes[node].position).norm();
+            for &next in self.neighbors_of(node) {
+                let way_m = way_m + (self.node(next).position - self.node(node).position).norm();
                 if way_m <= most_m {
                     open.push_back((next, way_m));
                 }
@@ -373,7 +390,7 @@ impl Rock {
         false
     }
 
-    fn entry(&self, body: [usize; 2]) -> GeomWithData<Rectangle<[f64; 3]>, [usize; 2]> {
+    fn entry(&self, body: [StationId; 2]) -> GeomWithData<Rectangle<[f64; 3]>, [StationId; 2]> {
         let hull = self.body(body).hull(0.0);
         GeomWithData::new(Rectangle::from_aabb(hull), body)
     }

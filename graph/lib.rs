@@ -10,6 +10,7 @@ pub mod centreline;
 pub mod clearance;
 pub mod echo;
 mod generator;
+mod id;
 mod neighbors;
 mod outside;
 pub mod realism;
@@ -27,7 +28,9 @@ pub mod tidy;
 use nalgebra::Point3;
 
 pub use aabb::Aabb;
+pub use centreline::VertexId;
 pub use generator::{GenerateError, Generator};
+pub use id::Id;
 pub use neighbors::Neighbors;
 pub use outside::{Nowhere, Outside, RunError, Task};
 pub use rows::Rows;
@@ -42,8 +45,8 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub struct Node {
     /// Name of the station in files; unique in its graph.
     pub id: u64,
-    /// Index of the node it grew from; `None` for the origin of each part.
-    pub parent: Option<usize>,
+    /// The node it grew from; `None` for the origin of each part.
+    pub parent: Option<StationId>,
     /// Position in metres, rounded to 1 mm.
     pub position: Point3<f64>,
     /// Reach to the next node in metres, as in the PLUME paper; passages are wide by a factor of it.
@@ -56,11 +59,14 @@ pub struct Node {
     pub section: Option<Section>,
 }
 
+/// A station of a graph: its place among the nodes.
+pub type StationId = Id<Node>;
+
 /// Stations and the passages between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Graph {
     /// The stations.
     pub nodes: Vec<Node>,
-    /// Passages as pairs of indices into `nodes`, smaller first, sorted, unique.
-    pub edges: Vec<[usize; 2]>,
+    /// Passages as pairs of stations, smaller first, sorted, unique.
+    pub edges: Vec<[StationId; 2]>,
 }

@@ -4,16 +4,16 @@ use std::collections::VecDeque;
 use std::mem;
 use std::ops::Index;
 
-use super::Rows;
+use super::{Id, Rows};
 
 /// The neighbours of every node, each list ascending.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Neighbors(Rows<usize>);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Neighbors<T>(Rows<Id<T>>);
 
-impl Neighbors {
+impl<T> Neighbors<T> {
     /// The neighbours of so many nodes along these edges.
-    pub fn of(nodes: usize, edges: &[[usize; 2]]) -> Self {
-        let both_ways = edges.iter().flat_map(|&[a, b]| [(a, b), (b, a)]);
+    pub fn of(nodes: usize, edges: &[[Id<T>; 2]]) -> Self {
+        let both_ways = edges.iter().flat_map(|&[a, b]| [(a.index(), b), (b.index(), a)]);
         Self(Rows::from_pairs(nodes, both_ways).ascending())
     }
 
@@ -27,30 +27,35 @@ impl Neighbors {
         self.len() == 0
     }
 
+    /// Every node.
+    pub fn nodes(&self) -> impl DoubleEndedIterator<Item = Id<T>> + ExactSizeIterator + Clone {
+        Id::all(self.len())
+    }
+
     /// The neighbours of each node, in the order of the nodes.
-    pub fn iter(&self) -> impl Iterator<Item = &[usize]> {
+    pub fn iter(&self) -> impl Iterator<Item = &[Id<T>]> {
         self.0.iter()
     }
 
     /// The number of neighbours of each node.
     pub fn degrees(&self) -> impl Iterator<Item = usize> {
-        self.iter().map(<[usize]>::len)
+        self.iter().map(<[_]>::len)
     }
 
     /// What can be reached from the starts, breadth first: each node once, after the one it was reached from, and that one.
     /// A start has none, and is passed over where it was reached from an earlier one.
-    pub fn by_breadth(&self, starts: impl IntoIterator<Item = usize>) -> impl Iterator<Item = (usize, Option<usize>)> {
+    pub fn by_breadth(&self, starts: impl IntoIterator<Item = Id<T>>) -> impl Iterator<Item = (Id<T>, Option<Id<T>>)> {
         let mut starts = starts.into_iter();
         let mut seen = vec![false; self.len()];
         let mut ahead = VecDeque::new();
         std::iter::from_fn(move || {
             if ahead.is_empty() {
-                let start = starts.find(|&start| !mem::replace(&mut seen[start], true))?;
+                let start = starts.find(|&start| !mem::replace(&mut seen[start.index()], true))?;
                 ahead.push_back((start, None));
             }
             let (node, parent) = ahead.pop_front()?;
             for &other in &self[node] {
-                if !mem::replace(&mut seen[other], true) {
+                if !mem::replace(&mut seen[other.index()], true) {
                     ahead.push_back((other, Some(node)));
                 }
             }
@@ -59,33 +64,39 @@ impl Neighbors {
     }
 }
 
-impl Index<usize> for Neighbors {
-    type Output = [usize];
+impl<T> Index<Id<T>> for Neighbors<T> {
+    type Output = [Id<T>];
 
-    fn index(&self, node: usize) -> &[usize] {
-        &self.0[node]
+    fn index(&self, node: Id<T>) -> &[Id<T>] {
+        &self.0[node.index()]
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::StationId;
 
     /// A square with a tail, a pair, and a node on its own.
-    fn neighbors() -> Neighbors {
-        Neighbors::of(8, &[[0, 1], [1, 2], [2, 3], [0, 3], [2, 4], [6, 7]])
+    fn neighbors() -> Neighbors<crate::Node> {
+        Neighbors::of(8, &StationId::pairs([[0, 1], [1, 2], [2, 3], [0, 3], [2, 4], [6, 7]]))
     }
 
     #[test]
     fn neighbours_are_ascending() {
         let neighbors = neighbors();
-        assert_eq!((&neighbors[0], &neighbors[2], &neighbors[5]), (&[1, 3][..], &[1, 3, 4][..], &[][..]));
+        for (node, others) in [(0, &[1, 3][..]), (2, &[1, 3, 4]), (5, &[])] {
+            assert!(neighbors[StationId::new(node)].iter().map(|other| other.index()).eq(others.iter().copied()));
+        }
         assert!(neighbors.degrees().eq([2, 2, 3, 2, 1, 0, 1, 1]));
     }
 
     #[test]
     fn a_walk_reaches_every_node_once_and_the_near_ones_first() {
-        let walk = |starts: &[usize]| neighbors().by_breadth(starts.iter().copied()).collect::<Vec<_>>();
+        let walk = |starts: &[usize]| {
+            let walk = neighbors().by_breadth(starts.iter().copied().map(StationId::new)).collect::<Vec<_>>();
+            walk.into_iter().map(|(node, parent)| (node.index(), parent.map(Id::index))).collect::<Vec<_>>()
+        };
         let square = [(4, None), (2, Some(4)), (1, Some(2)), (3, Some(2)), (0, Some(1))];
         assert_eq!(walk(&[4, 0, 4]), square);
         assert_eq!(walk(&[5, 7]), [(5, None), (7, None), (6, Some(7))]);

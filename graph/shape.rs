@@ -1,11 +1,13 @@
 //! What can be asked of any graph, and how one is put together.
 
-use super::{Aabb, Graph, Neighbors, Node};
+use std::ops::{Index, IndexMut};
+
+use super::{Aabb, Graph, Neighbors, Node, StationId};
 
 impl Graph {
     /// A graph of these nodes; edges may come in any order, either way round and more than once.
-    pub fn new(nodes: Vec<Node>, edges: Vec<[usize; 2]>) -> Self {
-        let mut edges: Vec<[usize; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    pub fn new(nodes: Vec<Node>, edges: Vec<[StationId; 2]>) -> Self {
+        let mut edges: Vec<[StationId; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
         edges.dedup();
         Self { nodes, edges }
@@ -15,55 +17,60 @@ impl Graph {
     /// before their children; ids follow the new order. Nodes on no passage are left out; those on several are not active.
     pub fn numbered_by_breadth(self) -> Self {
         let neighbors = self.neighbors();
-        let starts = (0..neighbors.len()).filter(|&node| !neighbors[node].is_empty());
-        let mut new = vec![usize::MAX; neighbors.len()];
+        let starts = neighbors.nodes().filter(|&node| !neighbors[node].is_empty());
+        let mut new = vec![StationId::default(); neighbors.len()];
         let mut nodes = Vec::with_capacity(neighbors.len());
         for (old, parent) in neighbors.by_breadth(starts) {
-            new[old] = nodes.len();
+            new[old.index()] = StationId::new(nodes.len());
             nodes.push(Node {
                 id: nodes.len() as u64,
-                parent: parent.map(|parent| new[parent]),
-                active: self.nodes[old].active && neighbors[old].len() == 1,
-                ..self.nodes[old].clone()
+                parent: parent.map(|parent| new[parent.index()]),
+                active: self[old].active && neighbors[old].len() == 1,
+                ..self[old].clone()
             });
         }
-        Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node])).collect())
+        Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node.index()])).collect())
     }
 
     /// With radii, which were 0: the way to the first child, or back to the parent at a dead end.
     pub fn with_reaches(mut self) -> Self {
         // Later children first, so that the first one has the last word.
-        for node in (0..self.nodes.len()).rev() {
-            let Some(parent) = self.nodes[node].parent else { continue };
+        for node in self.stations().rev() {
+            let Some(parent) = self[node].parent else { continue };
             let reach = millimetres(self.distance_m(node, parent)).max(0.001);
-            if self.nodes[node].radius == 0.0 {
-                self.nodes[node].radius = reach;
+            if self[node].radius == 0.0 {
+                self[node].radius = reach;
             }
-            self.nodes[parent].radius = reach;
+            self[parent].radius = reach;
         }
         self
     }
 
+    /// Every station.
+    pub fn stations(&self) -> impl DoubleEndedIterator<Item = StationId> + ExactSizeIterator + Clone + use<> {
+        StationId::all(self.nodes.len())
+    }
+
     /// The neighbours of each node, ascending.
-    pub fn neighbors(&self) -> Neighbors {
+    pub fn neighbors(&self) -> Neighbors<Node> {
         Neighbors::of(self.nodes.len(), &self.edges)
     }
 
     /// Passages at a node. Looks at all edges: ask for the [degrees](Self::degrees) of many nodes at once.
-    pub fn degree(&self, node: usize) -> usize {
+    pub fn degree(&self, node: StationId) -> usize {
         self.edges.iter().filter(|edge| edge.contains(&node)).count()
     }
 
     /// Passages at each node.
     pub fn degrees(&self) -> Vec<usize> {
         let mut degrees = vec![0; self.nodes.len()];
-        self.edges.iter().flatten().for_each(|&end| degrees[end] += 1);
+        self.edges.iter().flatten().for_each(|&end| degrees[end.index()] += 1);
         degrees
     }
 
     /// Straight distance between two nodes in metres.
-    pub fn distance_m(&self, a: usize, b: usize) -> f64 {
-        (self.nodes[a].position - self.nodes[b].position).norm()
+    pub fn distance_m(&self, a: StationId, b: StationId) -> f64 {
+        (self[a].position - self[b].position).norm()
     }
 
     /// Length of all passages in metres.
@@ -77,10 +84,10 @@ impl Graph {
     }
 
     /// Sets of nodes that passages connect, each ascending, ordered by their first node.
-    pub fn components(&self) -> Vec<Vec<usize>> {
+    pub fn components(&self) -> Vec<Vec<StationId>> {
         let neighbors = self.neighbors();
-        let mut components: Vec<Vec<usize>> = Vec::new();
-        for (node, parent) in neighbors.by_breadth(0..neighbors.len()) {
+        let mut components: Vec<Vec<StationId>> = Vec::new();
+        for (node, parent) in neighbors.by_breadth(neighbors.nodes()) {
             match components.last_mut().filter(|_| parent.is_some()) {
                 Some(component) => component.push(node),
                 None => components.push(vec![node]),
@@ -99,6 +106,20 @@ impl Graph {
     pub fn scaled(&self, factor: f64) -> Self {
         let nodes = self.nodes.iter().map(|node| node.scaled(factor)).collect();
         Self { nodes, edges: self.edges.clone() }
+    }
+}
+
+impl Index<StationId> for Graph {
+    type Output = Node;
+
+    fn index(&self, station: StationId) -> &Node {
+        &self.nodes[station.index()]
+    }
+}
+
+impl IndexMut<StationId> for Graph {
+    fn index_mut(&mut self, station: StationId) -> &mut Node {
+        &mut self.nodes[station.index()]
     }
 }
 

@@ -1,7 +1,7 @@
 //! Dead ends that go: bumps in a wall, and those for which there is no room.
 
 use super::Neighbors;
-use super::centreline::{Branch, CentrelineBuilder};
+use super::centreline::{Branch, CentrelineBuilder, Vertex, VertexId};
 
 /// A spur whose end reaches less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
 const SPUR_REACH: f64 = 0.7;
@@ -20,13 +20,13 @@ impl CentrelineBuilder {
     }
 
     /// Without the shortest spurs among its branches, at most so many of them; `None` if none can go.
-    pub(super) fn pruned(self, branches: &[Branch], neighbors: &Neighbors, most: usize) -> Option<Self> {
+    pub(super) fn pruned(self, branches: &[Branch], neighbors: &Neighbors<Vertex>, most: usize) -> Option<Self> {
         let spurs = branches.iter().filter_map(|branch| Spur::of(branch, neighbors)).collect();
         shortest(spurs, most, neighbors).map(|gone| self.without(&gone))
     }
 
     fn is_bump(&self, spur: &Spur) -> bool {
-        let [foot, tip] = [spur.foot, spur.tip].map(|end| self.vertices[end].half_width_m());
+        let [foot, tip] = [spur.foot, spur.tip].map(|end| self[end].half_width_m());
         spur.branch.length_m + tip < foot + SPUR_REACH * foot.max(tip)
     }
 }
@@ -34,12 +34,12 @@ impl CentrelineBuilder {
 /// A branch from a junction to a dead end.
 struct Spur<'a> {
     branch: &'a Branch,
-    foot: usize,
-    tip: usize,
+    foot: VertexId,
+    tip: VertexId,
 }
 
 impl<'a> Spur<'a> {
-    fn of(branch: &'a Branch, neighbors: &Neighbors) -> Option<Self> {
+    fn of(branch: &'a Branch, neighbors: &Neighbors<Vertex>) -> Option<Self> {
         let [first, last] = [branch.first(), branch.last()];
         match (neighbors[first].len(), neighbors[last].len()) {
             (3.., 1) => Some(Self { branch, foot: first, tip: last }),
@@ -51,16 +51,16 @@ impl<'a> Spur<'a> {
 
 /// Which vertices go with the shortest spurs, at most so many of them; `None` if none can go. A junction keeps two passages, so
 /// that no spur turns what is left into points.
-fn shortest(mut spurs: Vec<Spur>, most: usize, neighbors: &Neighbors) -> Option<Vec<bool>> {
+fn shortest(mut spurs: Vec<Spur>, most: usize, neighbors: &Neighbors<Vertex>) -> Option<Vec<bool>> {
     spurs.sort_by(|a, b| a.branch.shorter_first(b.branch));
     let mut left: Vec<usize> = neighbors.degrees().collect();
     let mut gone = vec![false; neighbors.len()];
     let mut lost = 0;
     for Spur { branch, foot, .. } in spurs {
-        if lost < most && left[foot] > 2 {
-            left[foot] -= 1;
+        if lost < most && left[foot.index()] > 2 {
+            left[foot.index()] -= 1;
             lost += 1;
-            branch.vertices.iter().filter(|&&vertex| vertex != foot).for_each(|&vertex| gone[vertex] = true);
+            branch.vertices.iter().filter(|&&vertex| vertex != foot).for_each(|&vertex| gone[vertex.index()] = true);
         }
     }
     (lost > 0).then_some(gone)
@@ -78,6 +78,6 @@ mod tests {
     fn bumps_go_and_side_passages_stay() {
         let places = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [10.0, 1.0], [30.0, 0.0], [20.0, 9.0]];
         let rough = centreline(&places, &[[0, 1], [1, 2], [1, 3], [2, 4], [2, 5]]);
-        assert_eq!(rough.without_spurs().lines, [[0, 1], [1, 2], [2, 4], [2, 5]]);
+        assert_eq!(rough.without_spurs().lines, VertexId::pairs([[0, 1], [1, 2], [2, 4], [2, 5]]));
     }
 }

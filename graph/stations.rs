@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use rustc_hash::FxHashMap;
 
-use super::centreline::{Branch, CentrelineBuilder, Vertex};
+use super::centreline::{Branch, CentrelineBuilder, Vertex, VertexId};
 
 impl CentrelineBuilder {
     /// The same centrelines with exactly `count` vertices, spread as evenly along them as junctions allow. Where junctions
@@ -29,9 +29,9 @@ impl CentrelineBuilder {
     /// The branches with their shares of stations between their ends.
     fn spread(&self, branches: &[Branch], shares: &[usize]) -> Self {
         let mut centreline = Self::default();
-        let mut ends: FxHashMap<usize, usize> = FxHashMap::default();
+        let mut ends: FxHashMap<VertexId, VertexId> = FxHashMap::default();
         for (branch, &share) in branches.iter().zip(shares) {
-            let mut end = |vertex: usize| *ends.entry(vertex).or_insert_with(|| centreline.add(self.vertices[vertex]));
+            let mut end = |vertex: VertexId| *ends.entry(vertex).or_insert_with(|| centreline.add(self[vertex]));
             let (first, last) = (end(branch.first()), end(branch.last()));
             let mut before = first;
             for station in self.along(branch, share) {
@@ -55,7 +55,7 @@ impl CentrelineBuilder {
                 let length = self.distance_m(a, b);
                 if at <= start + length || leg + 2 == branch.vertices.len() {
                     let share = if length > 0.0 { ((at - start) / length).min(1.0) } else { 0.0 };
-                    return between(&self.vertices[a], &self.vertices[b], share);
+                    return between(&self[a], &self[b], share);
                 }
                 start += length;
                 leg += 1;
@@ -66,7 +66,7 @@ impl CentrelineBuilder {
 
 /// Vertices at the ends of branches.
 fn ends(branches: &[Branch]) -> usize {
-    let mut ends: Vec<usize> = branches.iter().flat_map(|branch| [branch.first(), branch.last()]).collect();
+    let mut ends: Vec<VertexId> = branches.iter().flat_map(|branch| [branch.first(), branch.last()]).collect();
     ends.sort_unstable();
     ends.dedup();
     ends.len()
@@ -74,7 +74,7 @@ fn ends(branches: &[Branch]) -> usize {
 
 /// Vertices that each branch keeps inside: a ring two, and one where another branch has the same ends, lest two become one.
 fn least_inside(branches: &[Branch]) -> Vec<usize> {
-    let mut alike: FxHashMap<[usize; 2], usize> = FxHashMap::default();
+    let mut alike: FxHashMap<[VertexId; 2], usize> = FxHashMap::default();
     branches.iter().for_each(|branch| *alike.entry(branch.ends()).or_default() += 1);
     let least = |branch: &Branch| match branch.ends() {
         [a, b] if a == b => 2,
@@ -126,7 +126,7 @@ mod tests {
         let graph = line.with_stations(5).expect("it is long enough").into_graph();
         let x: Vec<f64> = graph.nodes.iter().map(|node| node.position.x).collect();
         assert_eq!(x, [0.0, 2.5, 5.0, 7.5, 10.0]);
-        assert_eq!(graph.nodes[4].parent, Some(3));
+        assert_eq!(graph.nodes[4].parent, Some(crate::StationId::new(3)));
         assert!(graph.nodes.iter().all(|node| node.radius == 2.5));
     }
 

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::Graph;
-use super::centreline::{Branch, CentrelineBuilder, Vertex};
+use super::centreline::{Branch, CentrelineBuilder, Vertex, VertexId};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
 pub const MOST_PASSAGES: usize = 5;
@@ -21,23 +21,22 @@ impl CentrelineBuilder {
         let mut branches = self.branches_among(&neighbors);
         branches.sort_by(Branch::shorter_first);
         let mut degrees: Vec<usize> = neighbors.degrees().collect();
-        let mut into: Vec<usize> = (0..self.vertices.len()).collect();
+        let mut into: Vec<VertexId> = self.ids().collect();
         let mut gone = vec![false; self.vertices.len()];
         for branch in &branches {
             let [a, b] = [branch.first(), branch.last()].map(|end| root(&into, end));
-            let width = 2.0 * self.vertices[a].half_width_m().min(self.vertices[b].half_width_m());
-            let sum = degrees[a] + degrees[b];
-            let crowded = degrees[a] > 2 && degrees[b] > 2 && branch.length_m < part * width;
+            let width = 2.0 * self[a].half_width_m().min(self[b].half_width_m());
+            let sum = degrees[a.index()] + degrees[b.index()];
+            let crowded = degrees[a.index()] > 2 && degrees[b.index()] > 2 && branch.length_m < part * width;
             if !crowded || a == b || sum - 2 > MOST_PASSAGES {
                 continue;
             }
-            let [kept, lost] =
-                if self.vertices[b].half_width_m() > self.vertices[a].half_width_m() { [b, a] } else { [a, b] };
-            into[lost] = kept;
-            degrees[kept] = sum - 2;
-            branch.vertices[1..branch.vertices.len() - 1].iter().for_each(|&vertex| gone[vertex] = true);
+            let [kept, lost] = if self[b].half_width_m() > self[a].half_width_m() { [b, a] } else { [a, b] };
+            into[lost.index()] = kept;
+            degrees[kept.index()] = sum - 2;
+            branch.vertices[1..branch.vertices.len() - 1].iter().for_each(|&vertex| gone[vertex.index()] = true);
         }
-        let lines = self.lines.iter().filter(|line| line.iter().all(|&vertex| !gone[vertex]));
+        let lines = self.lines.iter().filter(|line| line.iter().all(|&vertex| !gone[vertex.index()]));
         let lines = lines.map(|line| line.map(|vertex| root(&into, vertex))).filter(|[a, b]| a != b).collect();
         Self { lines, vertices: self.vertices }
     }
@@ -46,7 +45,7 @@ impl CentrelineBuilder {
     /// and takes the width there. Junctions and dead ends stay.
     pub fn smoothed(mut self, rounds: usize) -> Self {
         for branch in self.branches() {
-            let mut vertices: Vec<Vertex> = branch.vertices.iter().map(|&vertex| self.vertices[vertex]).collect();
+            let mut vertices: Vec<Vertex> = branch.vertices.iter().map(|&vertex| self[vertex]).collect();
             for _ in 0..rounds {
                 let mut before = vertices[0];
                 for at in 1..vertices.len() - 1 {
@@ -56,10 +55,7 @@ impl CentrelineBuilder {
                 }
             }
             let inner = 1..vertices.len() - 1;
-            branch.vertices[inner.clone()]
-                .iter()
-                .zip(&vertices[inner])
-                .for_each(|(&at, vertex)| self.vertices[at] = *vertex);
+            branch.vertices[inner.clone()].iter().zip(&vertices[inner]).for_each(|(&at, vertex)| self[at] = *vertex);
         }
         self
     }
@@ -70,15 +66,16 @@ impl CentrelineBuilder {
         for _ in 0..SLOPE_ROUNDS {
             let mut steep = false;
             // What is too steep is made gentler than it must be, or the rounds would only come near the end.
-            for &[a, b] in &self.lines {
-                let way = self.vertices[b].position - self.vertices[a].position;
+            for line in 0..self.lines.len() {
+                let [a, b] = self.lines[line];
+                let way = self[b].position - self[a].position;
                 let plan = way.xy().norm();
                 if way.z.abs() > most * plan + 0.001 {
                     steep = true;
                     let excess = way.z.abs() - GENTLER * most * plan;
                     let each = 0.5 * excess.copysign(way.z);
-                    self.vertices[a].position.z += each;
-                    self.vertices[b].position.z -= each;
+                    self[a].position.z += each;
+                    self[b].position.z -= each;
                 }
             }
             if !steep {
@@ -91,7 +88,7 @@ impl CentrelineBuilder {
     /// With one in `step` vertices between junctions, and without those that no line joins.
     pub fn with_every(self, step: usize) -> Self {
         let mut sparse = Self::default();
-        let mut new = vec![usize::MAX; self.vertices.len()];
+        let mut new = vec![None; self.vertices.len()];
         for branch in self.branches() {
             let last = branch.vertices.len() - 1;
             // A ring keeps two vertices between its ends, which are one.
@@ -99,11 +96,9 @@ impl CentrelineBuilder {
             let kept = (0..last).step_by(step).chain([last]);
             let mut before = None;
             for old in kept.map(|place| branch.vertices[place]) {
-                if new[old] == usize::MAX {
-                    new[old] = sparse.add(self.vertices[old]);
-                }
-                if let Some(before) = before.replace(new[old]) {
-                    sparse.join(before, new[old]);
+                let at = *new[old.index()].get_or_insert_with(|| sparse.add(self[old]));
+                if let Some(before) = before.replace(at) {
+                    sparse.join(before, at);
                 }
             }
         }
@@ -111,25 +106,26 @@ impl CentrelineBuilder {
     }
 
     /// With this vertex as the first one.
-    fn rooted(mut self, root: usize) -> Self {
-        let moved = |vertex: usize| match vertex {
-            0 => root,
-            vertex if vertex == root => 0,
+    fn rooted(mut self, root: VertexId) -> Self {
+        let first = VertexId::new(0);
+        let moved = |vertex: VertexId| match vertex {
+            vertex if vertex == first => root,
+            vertex if vertex == root => first,
             vertex => vertex,
         };
         self.lines.iter_mut().for_each(|line| *line = line.map(moved));
-        self.vertices.swap(0, root);
+        self.vertices.swap(first.index(), root.index());
         self
     }
 
     /// With the vertex nearest to the origin as the first one, among those where passages meet or end.
     pub fn rooted_in_the_middle(self) -> Self {
         let neighbors = self.neighbors();
-        let away = |&vertex: &usize| {
+        let away = |&vertex: &VertexId| {
             let passages = neighbors[vertex].len();
-            (passages == 0, passages == 2, self.vertices[vertex].position.coords.norm_squared().to_bits())
+            (passages == 0, passages == 2, self[vertex].position.coords.norm_squared().to_bits())
         };
-        let root = (0..self.vertices.len()).min_by_key(away);
+        let root = self.ids().min_by_key(away);
         root.map_or(Self::default(), |root| self.rooted(root))
     }
 
@@ -143,21 +139,21 @@ impl CentrelineBuilder {
         let mut distances = vec![f64::INFINITY; self.vertices.len()];
         let mut near = vec![false; self.vertices.len()];
         // Distances are not negative, so their bits are in their order.
-        let mut front = BinaryHeap::from([Reverse((0_u64, 0_usize))]);
+        let mut front = BinaryHeap::from([Reverse((0_u64, VertexId::new(0)))]);
         distances[0] = 0.0;
         let mut sum_m = 0.0;
         while let Some(Reverse((bits, vertex))) = front.pop() {
-            if near[vertex] || sum_m > most_m {
+            if near[vertex.index()] || sum_m > most_m {
                 continue;
             }
-            near[vertex] = true;
+            near[vertex.index()] = true;
             for &other in &neighbors[vertex] {
                 let length = self.distance_m(vertex, other);
-                if near[other] {
+                if near[other.index()] {
                     sum_m += length;
-                } else if f64::from_bits(bits) + length < distances[other] {
-                    distances[other] = f64::from_bits(bits) + length;
-                    front.push(Reverse((distances[other].to_bits(), other)));
+                } else if f64::from_bits(bits) + length < distances[other.index()] {
+                    distances[other.index()] = f64::from_bits(bits) + length;
+                    front.push(Reverse((distances[other.index()].to_bits(), other)));
                 }
             }
         }
@@ -172,8 +168,8 @@ impl CentrelineBuilder {
         let root = self.vertices.first()?.position;
         let fit = |centreline: Self| {
             let stations = centreline.with_stations(nodes)?;
-            let away = |&vertex: &usize| (stations.vertices[vertex].position - root).norm_squared().to_bits();
-            let first = (0..stations.vertices.len()).min_by_key(away)?;
+            let away = |&vertex: &VertexId| (stations[vertex].position - root).norm_squared().to_bits();
+            let first = stations.ids().min_by_key(away)?;
             let graph = stations.rooted(first).with_slopes_under(slope_max).into_graph();
             (graph.nodes.len() == nodes).then_some(graph)
         };
@@ -183,16 +179,16 @@ impl CentrelineBuilder {
     /// A tree of the same passages: breadth first from the first vertex.
     fn opened(mut self) -> Self {
         let neighbors = self.neighbors();
-        let walk = neighbors.by_breadth(0..neighbors.len());
+        let walk = neighbors.by_breadth(neighbors.nodes());
         self.lines = walk.filter_map(|(vertex, parent)| Some([parent?, vertex])).collect();
         self
     }
 }
 
 /// What a vertex has become part of. That is not far: more than three junctions have too many passages to be one.
-fn root(into: &[usize], mut vertex: usize) -> usize {
-    while into[vertex] != vertex {
-        vertex = into[vertex];
+fn root(into: &[VertexId], mut vertex: VertexId) -> VertexId {
+    while into[vertex.index()] != vertex {
+        vertex = into[vertex.index()];
     }
     vertex
 }
@@ -214,6 +210,7 @@ mod tests {
     use nalgebra::Point3;
 
     use super::*;
+    use crate::StationId;
 
     fn centreline(places: &[[f64; 2]], lines: &[[usize; 2]]) -> CentrelineBuilder {
         CentrelineBuilder::flat(places, lines).hollow(4.0)
@@ -232,7 +229,7 @@ mod tests {
     fn what_is_cut_is_farthest_from_the_first_knot() {
         let chain =
             centreline(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [-4.0, 0.0], [50.0, 0.0]], &[[0, 1], [1, 2], [0, 3]]);
-        assert_eq!(chain.cut_to(7.0).lines, [[0, 1], [0, 3]]);
+        assert_eq!(chain.cut_to(7.0).lines, VertexId::pairs([[0, 1], [0, 3]]));
     }
 
     #[test]
@@ -247,7 +244,7 @@ mod tests {
         let mut stairs = centreline(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [12.0, 0.0]], &[[0, 1], [1, 2], [2, 3]]);
         stairs.vertices[2].position.z = 3.0;
         let graph = stairs.with_nodes(4, 0.25).expect("there is a line");
-        let way = |&[a, b]: &[usize; 2]| graph.nodes[b].position - graph.nodes[a].position;
+        let way = |&[a, b]: &[StationId; 2]| graph[b].position - graph[a].position;
         assert!(graph.edges.iter().map(way).all(|way| way.z.abs() <= 0.25 * way.x.abs() + 0.003), "{:?}", graph.nodes);
     }
 

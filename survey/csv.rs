@@ -22,7 +22,7 @@ use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::text::{LENGTH_HINT, line_of, utf8};
 use super::{Import, Parts, ReadError, Source, Tally, Written};
 use plume_graph::echo::{sentence, shown};
-use plume_graph::{Graph, Node, millimetres};
+use plume_graph::{Graph, Node, StationId, millimetres};
 
 const HEADER_HINT: &str = "begin with the names of the columns: x1,y1,z1,x2,y2,z2";
 
@@ -135,17 +135,17 @@ fn place(station: &Node) -> [u64; 3] {
 struct Stations {
     draft: Draft,
     /// With keys hashed at random: no file can make its places collide.
-    of_place: HashMap<[u64; 3], usize>,
+    of_place: HashMap<[u64; 3], StationId>,
 }
 
 impl Stations {
-    fn find(&mut self, station: Node) -> usize {
+    fn find(&mut self, station: Node) -> StationId {
         let next = self.draft.nodes.len();
-        let index = *self.of_place.entry(place(&station)).or_insert(next);
-        if index == next {
+        let found = *self.of_place.entry(place(&station)).or_insert(StationId::new(next));
+        if found.index() == next {
             self.draft.nodes.push(Node { id: next as u64, ..station });
         }
-        index
+        found
     }
 }
 
@@ -154,7 +154,7 @@ pub(super) fn export(graph: &Graph) -> Vec<Written> {
     let header = |end: u8| format!("x{end},y{end},z{end},radius{end},level{end},width{end},height{end},shape{end}");
     let mut text = format!("{},{}\n", header(1), header(2));
     for [a, b] in &graph.edges {
-        let [first, second] = [&graph.nodes[*a], &graph.nodes[*b]].map(columns);
+        let [first, second] = [&graph[*a], &graph[*b]].map(columns);
         writeln!(text, "{first},{second}").expect("memory takes any text");
     }
     vec![Written { suffix: "", bytes: text.into_bytes() }]

@@ -20,7 +20,7 @@ pub(super) fn export(graph: &Graph) -> Vec<Written> {
         writeln!(text, "  n{} [pos=\"{x},{y}\", z=\"{z}\"];", node.id).expect("memory takes any text");
     }
     for edge in &graph.edges {
-        let [a, b] = edge.map(|node| graph.nodes[node].id);
+        let [a, b] = edge.map(|node| graph[node].id);
         writeln!(text, "  n{a} -- n{b};").expect("memory takes any text");
     }
     text.push_str("}\n");

@@ -11,13 +11,13 @@ use nalgebra::Point3;
 use super::limits::MAX_LENGTH_M;
 use super::parts::{Disconnected, Fate, first_at_place};
 use super::{Parts, ReadError, Tally};
-use plume_graph::{Graph, Node, millimetres};
+use plume_graph::{Graph, Node, StationId, millimetres};
 
 /// Nodes and edges in any order. A radius of 0 is not known; parents are neighbours and lead in no circle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Draft {
     pub(super) nodes: Vec<Node>,
-    pub(super) edges: Vec<[usize; 2]>,
+    pub(super) edges: Vec<[StationId; 2]>,
 }
 
 /// A node of which no more than its place is known.
@@ -61,7 +61,8 @@ impl Draft {
             1 => return Err(DraftError::TooFew("one node")),
             _ => {}
         }
-        let fate = Fate::of(&places, &self.edges, parts).map_err(DraftError::Disconnected)?;
+        let lines: Vec<[usize; 2]> = self.edges.iter().map(|edge| edge.map(StationId::index)).collect();
+        let fate = Fate::of(&places, &lines, parts).map_err(DraftError::Disconnected)?;
         if !fate.stays.contains(&true) {
             return Err(DraftError::TooFew("nodes without passages"));
         }
@@ -76,27 +77,29 @@ impl Draft {
 
     /// The graph of the nodes that stay, each where the `welds` put it.
     fn graph(self, fate: &Fate, welds: &[usize]) -> Graph {
-        let mut new = vec![usize::MAX; self.nodes.len()];
+        let mut new = vec![StationId::default(); self.nodes.len()];
         let mut graph = Graph::default();
         let mut parents = Vec::new();
         let mut merged = false;
         for (old, node) in self.nodes.into_iter().enumerate().filter(|&(old, _)| fate.stays[old]) {
             let parent = node.parent;
             if welds[old] == old {
-                new[old] = graph.nodes.len();
+                new[old] = StationId::new(graph.nodes.len());
                 graph.nodes.push(Node { parent: None, ..rounded(node) });
                 parents.push(parent);
                 continue;
             }
             merged = true;
             new[old] = new[welds[old]];
-            parents[new[old]] = parents[new[old]].or(parent);
+            let kept = &mut parents[new[old].index()];
+            *kept = kept.or(parent);
         }
-        let edges = self.edges.into_iter().filter(|edge| edge.iter().all(|&end| fate.stays[end]));
-        let edges = edges.chain(fate.joins.iter().copied()).map(|edge| edge.map(|end| new[end]));
+        let edges = self.edges.into_iter().filter(|edge| edge.iter().all(|end| fate.stays[end.index()]));
+        let joins = fate.joins.iter().map(|join| join.map(StationId::new));
+        let edges = edges.chain(joins).map(|edge| edge.map(|end| new[end.index()]));
         let mut graph = Graph::new(graph.nodes, edges.filter(|[a, b]| a != b).collect());
-        let mut parents: Vec<Option<usize>> =
-            parents.into_iter().map(|parent| parent.map(|parent| new[parent])).collect();
+        let mut parents: Vec<Option<StationId>> =
+            parents.into_iter().map(|parent| parent.map(|parent: StationId| new[parent.index()])).collect();
         let roots = parents.iter().filter(|parent| parent.is_none()).count();
         if merged || !fate.joins.is_empty() || roots != fate.parts {
             parents = forest(&graph, &parents);
@@ -115,11 +118,11 @@ fn rounded(node: Node) -> Node {
 }
 
 /// Parents by breadth from the first node of each part that had none, or from its first.
-fn forest(graph: &Graph, had: &[Option<usize>]) -> Vec<Option<usize>> {
-    let origins = had.iter().enumerate().filter(|(_, parent)| parent.is_none()).map(|(node, _)| node);
+fn forest(graph: &Graph, had: &[Option<StationId>]) -> Vec<Option<StationId>> {
+    let origins = graph.stations().filter(|node| had[node.index()].is_none());
     let mut parents = vec![None; graph.nodes.len()];
-    for (node, parent) in graph.neighbors().by_breadth(origins.chain(0..graph.nodes.len())) {
-        parents[node] = parent;
+    for (node, parent) in graph.neighbors().by_breadth(origins.chain(graph.stations())) {
+        parents[node.index()] = parent;
     }
     parents
 }
@@ -127,11 +130,11 @@ fn forest(graph: &Graph, had: &[Option<usize>]) -> Vec<Option<usize>> {
 /// A node without a radius reaches as far as its nearest neighbour.
 fn fill_radii(graph: &mut Graph) {
     let neighbors = graph.neighbors();
-    for (node, others) in neighbors.iter().enumerate() {
-        if graph.nodes[node].radius > 0.0 {
+    for node in graph.stations() {
+        if graph[node].radius > 0.0 {
             continue;
         }
-        let nearest = others.iter().map(|&other| graph.distance_m(node, other)).fold(f64::INFINITY, f64::min);
-        graph.nodes[node].radius = millimetres(nearest).clamp(0.001, MAX_LENGTH_M);
+        let nearest = neighbors[node].iter().map(|&other| graph.distance_m(node, other)).fold(f64::INFINITY, f64::min);
+        graph[node].radius = millimetres(nearest).clamp(0.001, MAX_LENGTH_M);
     }
 }

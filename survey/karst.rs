@@ -17,7 +17,7 @@ use super::limits::{MAX_LEGS, MAX_LINE, MAX_STATIONS};
 use super::text::{LENGTH_HINT, coordinate, utf8, whole};
 use super::{Import, Parts, ReadError, STRAY, STRAY_HINT, STRAY_LINE, STRAY_LINE_HINT, Source, Written};
 use plume_graph::echo::shown;
-use plume_graph::{Graph, Node};
+use plume_graph::{Graph, Node, StationId};
 
 const NODES: &str = "_nodes.dat";
 const LINKS: &str = "_links.dat";
@@ -71,7 +71,7 @@ fn read_nodes(path: &Path, bytes: &[u8]) -> Result<Vec<Node>, ReadError> {
     Ok(nodes)
 }
 
-fn read_links(path: &Path, bytes: &[u8], nodes: usize) -> Result<Vec<[usize; 2]>, ReadError> {
+fn read_links(path: &Path, bytes: &[u8], nodes: usize) -> Result<Vec<[StationId; 2]>, ReadError> {
     let mut links = Vec::new();
     for row in rows(path, bytes)? {
         let (line, columns) = row?;
@@ -83,7 +83,8 @@ fn read_links(path: &Path, bytes: &[u8], nodes: usize) -> Result<Vec<[usize; 2]>
         let read = |text: &str| {
             let number = whole(text).map_err(|fault| ReadError::line(path, line, fault, LINK_HINT))?;
             let node = (number as usize).checked_sub(1).filter(|&node| node < nodes);
-            node.ok_or_else(|| ReadError::line(path, line, format!("there is no node {}", shown(text)), LINK_HINT))
+            node.map(StationId::new)
+                .ok_or_else(|| ReadError::line(path, line, format!("there is no node {}", shown(text)), LINK_HINT))
         };
         links.push([read(ends[0])?, read(ends[1])?]);
     }
@@ -122,7 +123,7 @@ pub(super) fn export(graph: &Graph) -> Vec<Written> {
     }
     let mut links = String::new();
     for [a, b] in &graph.edges {
-        writeln!(links, "{} {}", a + 1, b + 1).expect("memory takes any text");
+        writeln!(links, "{} {}", a.index() + 1, b.index() + 1).expect("memory takes any text");
     }
     vec![
         Written { suffix: "_nodes", bytes: nodes.into_bytes() },

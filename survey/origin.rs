@@ -35,7 +35,7 @@ impl Draft {
     fn origin(&self) -> Point3<f64> {
         let is_near = self.nodes.iter().all(|node| is_near(node.position));
         let first = self.edges.iter().flatten().min().filter(|_| !is_near);
-        first.map_or_else(Point3::origin, |&first| self.nodes[first].position)
+        first.map_or_else(Point3::origin, |first| self.nodes[first.index()].position)
     }
 }
 

@@ -153,7 +153,7 @@ pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::centreline::{CentrelineBuilder, Vertex};
+    use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
     /// A centreline whose parts are as they were asked for.
     #[derive(Clone, Debug, PartialEq)]
@@ -168,21 +168,25 @@ mod tests {
     /// Drops vertices that hang on nothing and does with the parts as asked.
     fn settled(centreline: CentrelineBuilder, parts: Parts) -> Result<Settled, Disconnected> {
         let places: Vec<Point3<f64>> = centreline.vertices.iter().map(|vertex| vertex.position).collect();
-        let fate = Fate::of(&places, &centreline.lines, parts)?;
+        let lines: Vec<[usize; 2]> = centreline.lines.iter().map(|line| line.map(VertexId::index)).collect();
+        let fate = Fate::of(&places, &lines, parts)?;
         let mut settled =
             Settled { centreline: CentrelineBuilder::default(), joined: fate.joins.len(), left_out: fate.left_out };
-        let mut new = vec![usize::MAX; centreline.vertices.len()];
+        let mut new = vec![VertexId::default(); centreline.vertices.len()];
         for (index, vertex) in centreline.vertices.into_iter().enumerate().filter(|&(index, _)| fate.stays[index]) {
             new[index] = settled.centreline.add(vertex);
         }
-        let lines = centreline.lines.into_iter().filter(|line| line.iter().all(|&end| fate.stays[end]));
+        let lines = lines.into_iter().filter(|line| line.iter().all(|&end| fate.stays[end]));
         settled.centreline.lines = lines.chain(fate.joins).map(|line| line.map(|end| new[end])).collect();
         Ok(settled)
     }
 
     fn centreline(places: &[[f64; 3]], lines: &[[usize; 2]]) -> CentrelineBuilder {
         let vertex = |&place: &[f64; 3]| Vertex { position: place.into(), section: None, level: 0 };
-        CentrelineBuilder { vertices: places.iter().map(vertex).collect(), lines: lines.to_vec() }
+        CentrelineBuilder {
+            vertices: places.iter().map(vertex).collect(),
+            lines: VertexId::pairs(lines.iter().copied()),
+        }
     }
 
     /// Three parts along x, a vertex that hangs on nothing and a line without length.
@@ -211,7 +215,7 @@ mod tests {
     fn parts_are_joined_where_they_are_nearest() {
         let Settled { centreline, joined, left_out } = settled(three(), Parts::Join).expect("joined");
         assert_eq!((centreline.vertices.len(), joined, left_out), (6, 2, 0));
-        assert_eq!(centreline.lines, [[0, 1], [2, 3], [4, 5], [1, 2], [2, 4]]);
+        assert_eq!(centreline.lines, VertexId::pairs([[0, 1], [2, 3], [4, 5], [1, 2], [2, 4]]));
     }
 
     #[test]

@@ -22,7 +22,7 @@ use super::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use super::parts::Fate;
 use super::{Import, Parts, ReadError, Source, origin};
 use plume_graph::Graph;
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
 /// The least and the greatest reach of a station near which nothing was measured, in metres. Legs are as long as
 /// the view was, up to 30 m and more, and passages are not as wide as that: with the default width of 0.6 reaches
@@ -187,10 +187,11 @@ fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>],
         });
     }
     centreline.vertices.swap(0, first);
-    let swapped = |vertex: usize| match vertex {
-        0 => first,
-        vertex if vertex == first => 0,
-        vertex => vertex,
+    // Each station becomes the vertex of the same place.
+    let swapped = |station: usize| match station {
+        0 => VertexId::new(first),
+        station if station == first => VertexId::new(0),
+        station => VertexId::new(station),
     };
     centreline.lines = lines.into_iter().map(|line| line.map(swapped)).collect();
     let mut graph = centreline.into_graph();

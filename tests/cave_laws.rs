@@ -9,7 +9,7 @@ use common::{assert_lawful, chunks, triangle_set, visuals};
 use nalgebra::Point3;
 use plume::field::{CaveField, PassageSettings};
 use plume::generators::GENERATORS;
-use plume::graph::{Graph, Node};
+use plume::graph::{Graph, Node, StationId};
 use plume::material::{Look, MATERIALS, MaterialRow};
 use plume::mesh::MeshSettings;
 use serde_json::json;
@@ -57,7 +57,7 @@ fn chunk_size_changes_no_triangle() {
 fn ladder(rungs: usize) -> Graph {
     let node = |id: usize| Node {
         id: id as u64,
-        parent: id.checked_sub(if id.is_multiple_of(2) { 2 } else { 1 }),
+        parent: id.checked_sub(if id.is_multiple_of(2) { 2 } else { 1 }).map(StationId::new),
         position: Point3::new((id / 2) as f64 * 9.0, (id % 2) as f64 * 8.0, 0.0),
         radius: 5.0,
         active: false,
@@ -66,7 +66,7 @@ fn ladder(rungs: usize) -> Graph {
     };
     let rungs_between = (0..rungs).map(|i| [2 * i, 2 * i + 1]);
     let rails = (0..rungs - 1).flat_map(|i| [[2 * i, 2 * i + 2], [2 * i + 1, 2 * i + 3]]);
-    Graph::new((0..2 * rungs).map(node).collect(), rungs_between.chain(rails).collect())
+    Graph::new((0..2 * rungs).map(node).collect(), StationId::pairs(rungs_between.chain(rails)))
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 use nalgebra::Point3;
 use plume::field::{Aabb, CaveField, Field, PassageSettings, Region, Surface, Texel};
-use plume::graph::{Graph, Node, Section, Shape};
+use plume::graph::{Graph, Node, Section, Shape, StationId};
 use plume::material::{DomainWarp, JUMP_M, Look, MATERIALS, Material, Rock, STEEPEST, Site, Wall};
 use plume::noise::Real;
 use proptest::prelude::*;
@@ -39,8 +39,8 @@ fn graph() -> Graph {
     for drift in &mut nodes[7..] {
         drift.section = Some(Section { width_m: 3.5, height_m: 3.0, shape: Shape::Drift });
     }
-    let edges = vec![[0, 1], [0, 4], [0, 7], [1, 2], [2, 3], [2, 5], [2, 6], [3, 4], [7, 8]];
-    Graph { nodes, edges }
+    let edges = [[0, 1], [0, 4], [0, 7], [1, 2], [2, 3], [2, 5], [2, 6], [3, 4], [7, 8]];
+    Graph { nodes, edges: StationId::pairs(edges) }
 }
 
 /// A rock that leaves all it can to the trait, with a wall that is torn by so much at every second metre.
@@ -312,7 +312,8 @@ fn every_station_is_in_air() {
 fn a_robot_gets_through() {
     let settings = PassageSettings::default();
     let width = f64::from(settings.width_min_m);
-    let graph = Graph { nodes: vec![node(0, [0.0; 3], width), node(1, [30.0, 0.0, 0.0], width)], edges: vec![[0, 1]] };
+    let nodes = vec![node(0, [0.0; 3], width), node(1, [30.0, 0.0, 0.0], width)];
+    let graph = Graph { nodes, edges: StationId::pairs([[0, 1]]) };
     for row in MATERIALS.iter() {
         for seed in 0..3 {
             let rock = (row.read)(json!({})).expect("an empty object is valid");

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use files::Files;
 use nalgebra::Vector3;
 use plume::generators::GENERATORS;
-use plume::graph::{Graph, Node, Section, Shape};
+use plume::graph::{Graph, Node, Section, Shape, StationId};
 use plume::survey::{self, FORMATS, FormatRow, Import, Parts, ReadError, Written, read_as};
 use world::small;
 
@@ -59,7 +59,7 @@ fn keeps_the_laws(graph: &Graph, parts: Parts) {
     let ids: BTreeSet<u64> = graph.nodes.iter().map(|node| node.id).collect();
     assert_eq!(ids.len(), graph.nodes.len());
     assert!(graph.edges.windows(2).all(|pair| pair[0] < pair[1]));
-    assert!(graph.edges.iter().all(|[a, b]| a < b && *b < graph.nodes.len()));
+    assert!(graph.edges.iter().all(|[a, b]| a < b && b.index() < graph.nodes.len()));
     let neighbors = graph.neighbors();
     assert!(neighbors.iter().all(|others| !others.is_empty()));
     let components = graph.components().len();
@@ -77,11 +77,11 @@ fn keeps_the_laws(graph: &Graph, parts: Parts) {
         graph.nodes.iter().map(|node| node.position.coords.map(f64::to_bits).into()).collect();
     assert_eq!(places.len(), graph.nodes.len());
     assert_eq!(graph.nodes.iter().filter(|node| node.parent.is_none()).count(), components);
-    assert!((0..graph.nodes.len()).all(|node| leads_to_an_origin(graph, node)));
+    assert!(graph.stations().all(|node| leads_to_an_origin(graph, node)));
 }
 
-fn leads_to_an_origin(graph: &Graph, node: usize) -> bool {
-    std::iter::successors(Some(node), |&node| graph.nodes[node].parent).take(graph.nodes.len() + 1).count()
+fn leads_to_an_origin(graph: &Graph, node: StationId) -> bool {
+    std::iter::successors(Some(node), |&node| graph[node].parent).take(graph.nodes.len() + 1).count()
         <= graph.nodes.len()
 }
 
@@ -104,15 +104,16 @@ fn graphs() -> Vec<Graph> {
     }
     let mut two = graphs[1].clone();
     let count = two.nodes.len();
+    let moved = |station: StationId| StationId::new(station.index() + count);
     for index in 0..count {
         let node = &mut two.nodes[index];
         node.id = 3 * node.id + 7;
-        let far = Node { id: node.id + 1, parent: node.parent.map(|parent| parent + count), ..node.clone() };
+        let far = Node { id: node.id + 1, parent: node.parent.map(moved), ..node.clone() };
         two.nodes.push(Node { position: far.position + Vector3::new(500.0, 0.0, -3.5), ..far });
     }
     two.edges.extend_from_within(..);
     let edges = two.edges.len();
-    two.edges[edges / 2..].iter_mut().flatten().for_each(|end| *end += count);
+    two.edges[edges / 2..].iter_mut().flatten().for_each(|end| *end = moved(*end));
     graphs.extend([shaped, two]);
     graphs
 }
@@ -121,7 +122,10 @@ fn graphs() -> Vec<Graph> {
 fn geometry(graph: &Graph) -> (BTreeSet<[i64; 3]>, BTreeSet<[[i64; 3]; 2]>) {
     let place = |node: &Node| node.position.coords.map(|x| (x * 1000.0).round() as i64).into();
     let places: Vec<[i64; 3]> = graph.nodes.iter().map(place).collect();
-    let passage = |&[a, b]: &[usize; 2]| [places[a].min(places[b]), places[a].max(places[b])];
+    let passage = |ends: &[StationId; 2]| {
+        let [a, b] = ends.map(|end| places[end.index()]);
+        [a.min(b), a.max(b)]
+    };
     (places.iter().copied().collect(), graph.edges.iter().map(passage).collect())
 }
 
@@ -227,7 +231,7 @@ fn what_lies_far_away_is_counted_from_its_first_node() {
             for path in readable(row, &files) {
                 let Import { graph: mut found, tally, .. } = read(row, &path, Parts::Refuse, &files).expect(row.name);
                 keeps_the_laws(&found, Parts::Refuse);
-                let first = graph.nodes[graph.edges[0][0]].position.coords;
+                let first = graph[graph.edges[0][0]].position.coords;
                 assert_eq!(tally.origin_m, if is_moved { first.into() } else { [0.0; 3] }, "{}", row.name);
                 found.nodes.iter_mut().for_each(|node| node.position += Vector3::from(tally.origin_m));
                 assert_eq!(geometry(&found), geometry(graph), "{}", row.name);

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::fs;
 
 use files::Files;
-use plume::graph::{Graph, Node};
+use plume::graph::{Graph, Node, StationId};
 use plume::survey::json::{Document, ReadError, read, write};
 use plume::survey::{self, Import, Parts};
 use proptest::prelude::*;
@@ -64,10 +64,10 @@ fn edges_named_at_one_end_and_parents_are_enough() {
         {"id": 9, "edges": [3, 5], "coordinates": {"x": 4, "y": 3}}
     ]}"#;
     let graph = read(text).unwrap().graph;
-    assert_eq!(graph.edges, [[0, 1], [0, 2], [1, 2]]);
+    assert_eq!(graph.edges, StationId::pairs([[0, 1], [0, 2], [1, 2]]));
     let radii: Vec<f64> = graph.nodes.iter().map(|node| node.radius).collect();
     assert_eq!(radii, [4.0, 3.0, 3.0]);
-    let parents: Vec<_> = graph.nodes.iter().map(|node| node.parent).collect();
+    let parents: Vec<_> = graph.nodes.iter().map(|node| node.parent.map(StationId::index)).collect();
     assert_eq!(parents, [None, Some(0), Some(0)]);
 }
 
@@ -82,7 +82,7 @@ fn stations_in_one_place_are_one_node() {
     let graph = read(text).unwrap().graph;
     assert_eq!(graph.nodes.len(), 3);
     assert_eq!(graph.loops(), 1);
-    let parents: Vec<_> = graph.nodes.iter().map(|node| node.parent).collect();
+    let parents: Vec<_> = graph.nodes.iter().map(|node| node.parent.map(StationId::index)).collect();
     assert_eq!(parents, [None, Some(0), Some(0)]);
 }
 
@@ -101,10 +101,9 @@ fn parts_are_done_with_as_asked() {
     let import = |parts| survey::read("parts.json".as_ref(), parts, &Files::one("parts.json", PARTS));
     let told = |import: Result<Import, survey::ReadError>| {
         let Import { graph, tally, .. } = import.unwrap();
-        let ids = |node: Option<usize>| node.map(|node| graph.nodes[node].id);
-        let parents: Vec<_> =
-            (0..graph.nodes.len()).map(|node| (ids(Some(node)), ids(graph.nodes[node].parent))).collect();
-        let edges: Vec<_> = graph.edges.iter().map(|edge| edge.map(|node| graph.nodes[node].id)).collect();
+        let ids = |node: Option<StationId>| node.map(|node| graph[node].id);
+        let parents: Vec<_> = graph.stations().map(|node| (ids(Some(node)), ids(graph[node].parent))).collect();
+        let edges: Vec<_> = graph.edges.iter().map(|edge| edge.map(|node| graph[node].id)).collect();
         format!("joined {} left out {}\n{parents:?}\n{edges:?}", tally.joined, tally.left_out)
     };
     insta::assert_snapshot!("parts_refused", import(Parts::Refuse).unwrap_err());
@@ -144,28 +143,31 @@ fn bad_files_are_told_what_is_wrong_with_them() {
 fn straight(nodes: usize) -> Graph {
     let node = |i: usize| Node {
         id: i as u64,
-        parent: i.checked_sub(1),
+        parent: i.checked_sub(1).map(StationId::new),
         position: [2.0 * i as f64, 1.0, -0.5].into(),
         radius: 2.0,
         active: i + 1 == nodes,
         level: 0,
         section: None,
     };
-    let edges = (1..nodes).map(|i| [i, i - 1]).collect();
+    let edges = StationId::pairs((1..nodes).map(|i| [i, i - 1]));
     Graph::new((0..nodes).map(node).collect(), edges)
 }
 
 #[test]
 fn a_graph_knows_its_shape() {
     let graph = straight(4);
-    assert_eq!(graph.edges, [[0, 1], [1, 2], [2, 3]]);
-    assert_eq!((graph.degree(0), graph.degree(1)), (1, 2));
+    assert_eq!(graph.edges, StationId::pairs([[0, 1], [1, 2], [2, 3]]));
+    assert_eq!((graph.degree(StationId::new(0)), graph.degree(StationId::new(1))), (1, 2));
     assert_eq!((graph.length_m(), graph.loops()), (6.0, 0));
     let mut closed = graph.clone();
-    closed.edges.push([0, 3]);
+    closed.edges.extend(StationId::pairs([[0, 3]]));
     assert_eq!(closed.loops(), 1);
-    let cut = Graph::new(graph.nodes.clone(), vec![[2, 3], [3, 2]]);
-    assert_eq!(cut.components(), [vec![0], vec![1], vec![2, 3]]);
+    let cut = Graph::new(graph.nodes.clone(), StationId::pairs([[2, 3], [3, 2]]));
+    assert_eq!(
+        cut.components(),
+        [&[0][..], &[1], &[2, 3]].map(|part| part.iter().copied().map(StationId::new).collect::<Vec<_>>())
+    );
     assert_eq!(Graph::default().bounds(), None);
 }
 

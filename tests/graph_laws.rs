@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 
 use plume::generators::{GENERATORS, GeneratorRow};
 use plume::graph::realism::{Likeness, Verdict};
-use plume::graph::{Generator, Graph};
+use plume::graph::{Generator, Graph, StationId};
 use plume::survey::json::{read, write};
 use proptest::prelude::*;
 use segment::distance;
@@ -113,12 +113,12 @@ fn lengths_are_finite_whole_millimetres_and_not_zero() {
 fn parents_are_older_neighbours_of_all_but_the_origin() {
     hold(|name, _, graph| {
         let neighbors = graph.neighbors();
-        for (node, others) in neighbors.iter().enumerate() {
-            match graph.nodes[node].parent {
-                None => assert_eq!(node, 0, "{name}"),
+        for node in graph.stations() {
+            match graph[node].parent {
+                None => assert_eq!(node.index(), 0, "{name}"),
                 Some(parent) => {
-                    assert!(parent < node, "{name} node {node}");
-                    assert!(others.contains(&parent), "{name} node {node}");
+                    assert!(parent < node, "{name} node {node:?}");
+                    assert!(neighbors[node].contains(&parent), "{name} node {node:?}");
                 }
             }
         }
@@ -267,9 +267,9 @@ fn caves_stay_in_bounds_and_are_not_too_steep() {
                 assert!(node.position.y.abs() <= bound("bounds_y_m") + 0.001);
             }
             for &[a, b] in &graph.edges {
-                let way = graph.nodes[b].position - graph.nodes[a].position;
+                let way = graph[b].position - graph[a].position;
                 let slope = libm::atan2(way.z.abs(), way.xy().norm()).to_degrees();
-                let one_level = graph.nodes[a].level == graph.nodes[b].level;
+                let one_level = graph[a].level == graph[b].level;
                 let only_one = settings["layers"].is_null();
                 let most = if one_level && only_one { 20.0 } else { 28.0 };
                 assert!(slope <= most + 0.1, "{settings} seed {seed}: {slope}");
@@ -287,14 +287,14 @@ fn passages_at_a_node_stand_apart_and_none_grows_in_the_forbidden_arc() {
         let behind = settings["forbidden_deg"].as_f64().unwrap_or(150.0) / 2.0;
         for seed in 0..6 {
             let graph = generator.generate(seed, &World).unwrap();
-            for (node, others) in graph.neighbors().iter().enumerate() {
-                let parent = graph.nodes[node].parent;
+            for (node, others) in graph.stations().zip(graph.neighbors().iter()) {
+                let parent = graph[node].parent;
                 for (place, &a) in others.iter().enumerate() {
                     for &b in &others[place + 1..] {
-                        let grown = graph.nodes[b].parent == Some(node) && parent == Some(a);
+                        let grown = graph[b].parent == Some(node) && parent == Some(a);
                         let least = if grown { behind } else { 55.0 };
                         let angle = plan_angle_deg(&graph, node, a, b);
-                        assert!(angle > least - SECTION_DEG, "{settings} {seed} {node}: {angle}");
+                        assert!(angle > least - SECTION_DEG, "{settings} {seed} {node:?}: {angle}");
                     }
                 }
             }
@@ -302,8 +302,8 @@ fn passages_at_a_node_stand_apart_and_none_grows_in_the_forbidden_arc() {
     }
 }
 
-fn plan_angle_deg(graph: &Graph, at: usize, a: usize, b: usize) -> f64 {
-    let way = |to: usize| (graph.nodes[to].position - graph.nodes[at].position).xy();
+fn plan_angle_deg(graph: &Graph, at: StationId, a: StationId, b: StationId) -> f64 {
+    let way = |to: StationId| (graph[to].position - graph[at].position).xy();
     way(a).angle(&way(b)).to_degrees()
 }
 
@@ -315,7 +315,7 @@ fn the_radius_of_a_node_is_the_reach_to_its_children() {
         let graph = generator.generate(seed, &World).unwrap();
         for node in &graph.nodes {
             let Some(parent) = node.parent else { continue };
-            let parent = &graph.nodes[parent];
+            let parent = &graph[parent];
             let reach = (node.position - parent.position).xy().norm();
             assert!((reach - parent.radius).abs() < 0.002, "seed {seed} {}", node.id);
         }
@@ -368,8 +368,8 @@ fn what_has_no_room_is_refused_with_a_hint() {
 /// By how much the nearest two passages are farther apart than the law asks, over all pairs; in metres.
 fn nearest_excess(graph: &Graph) -> f64 {
     let neighbors = graph.neighbors();
-    let half = |node: usize| 0.3 * graph.nodes[node].radius;
-    let joined = |[a, b]: [usize; 2], [c, d]: [usize; 2]| {
+    let half = |node: StationId| 0.3 * graph[node].radius;
+    let joined = |[a, b]: [StationId; 2], [c, d]: [StationId; 2]| {
         [a, b].iter().any(|end| *end == c || *end == d || neighbors[*end].contains(&c) || neighbors[*end].contains(&d))
     };
     // Two passages and the rock between them are shorter together.
@@ -380,9 +380,9 @@ fn nearest_excess(graph: &Graph) -> f64 {
             if graph.distance_m(first[0], second[0]) > FAR_M || joined(first, second) {
                 continue;
             }
-            let width = |[a, b]: [usize; 2]| half(a).max(half(b));
+            let width = |[a, b]: [StationId; 2]| half(a).max(half(b));
             let need = width(first) + width(second) + 0.8;
-            let ends = |[a, b]: [usize; 2]| [graph.nodes[a].position, graph.nodes[b].position];
+            let ends = |ends: [StationId; 2]| ends.map(|end| graph[end].position);
             least = least.min(distance(ends(first), ends(second)) - need);
         }
     }

@@ -7,7 +7,7 @@ mod segment;
 mod world;
 
 use plume::generators::GENERATORS;
-use plume::graph::{GenerateError, Graph, Neighbors, Node};
+use plume::graph::{GenerateError, Graph, Neighbors, Node, StationId};
 use segment::distance;
 use serde_json::{Value, json};
 use world::World;
@@ -67,10 +67,10 @@ fn hold(law: impl Fn(&Case, &Graph, &str)) {
 fn no_passage_is_steeper_than_asked() {
     hold(|case, graph, name| {
         for &[a, b] in &graph.edges {
-            let way = graph.nodes[b].position - graph.nodes[a].position;
+            let way = graph[b].position - graph[a].position;
             // Two millimetres are what rounding both ends may add.
             let rise = way.z.abs() - 0.003;
-            assert!(libm::atan2(rise, way.xy().norm()).to_degrees() <= case.steepest_deg, "{name} {a}-{b}");
+            assert!(libm::atan2(rise, way.xy().norm()).to_degrees() <= case.steepest_deg, "{name} {a:?}-{b:?}");
         }
     });
 }
@@ -78,12 +78,12 @@ fn no_passage_is_steeper_than_asked() {
 #[test]
 fn passages_at_a_station_stand_apart() {
     hold(|case, graph, name| {
-        for (node, others) in graph.neighbors().iter().enumerate() {
-            assert!(others.len() <= 4, "{name} {node}");
-            let way = |other: usize| graph.nodes[other].position - graph.nodes[node].position;
+        for (node, others) in graph.stations().zip(graph.neighbors().iter()) {
+            assert!(others.len() <= 4, "{name} {node:?}");
+            let way = |other: StationId| graph[other].position - graph[node].position;
             for (place, &a) in others.iter().enumerate() {
                 for &b in &others[place + 1..] {
-                    assert!(way(a).angle(&way(b)).to_degrees() > case.junction_deg - 0.1, "{name} {node}");
+                    assert!(way(a).angle(&way(b)).to_degrees() > case.junction_deg - 0.1, "{name} {node:?}");
                 }
             }
         }
@@ -98,7 +98,7 @@ fn no_passage_runs_through_another() {
         for (place, &first) in graph.edges.iter().enumerate() {
             for &second in &graph.edges[place + 1..] {
                 let need = clearance_radius(graph, first) + clearance_radius(graph, second) + case.rock_m;
-                let ends = |[a, b]: [usize; 2]| [graph.nodes[a].position, graph.nodes[b].position];
+                let ends = |ends: [StationId; 2]| ends.map(|end| graph[end].position);
                 let apart = distance(ends(first), ends(second));
                 if apart < need - 0.01 && !is_joined(graph, &neighbors, first, second, 2.0 * need.max(case.dug_m())) {
                     panic!("{name}: {first:?} and {second:?} are {apart} m apart");
@@ -144,14 +144,14 @@ fn widths_follow_the_pipe_model() {
     settings.as_object_mut().unwrap().extend(lengths.as_object().unwrap().clone());
     let made = (GENERATORS.find("space-colonization").unwrap().read)(settings).unwrap();
     let graph = made.generate(1, &World).unwrap();
-    let area = |node: usize| {
-        let width_m = graph.nodes[node].section.unwrap().width_m;
+    let area = |node: StationId| {
+        let width_m = graph[node].section.unwrap().width_m;
         width_m * width_m
     };
-    for node in 0..graph.nodes.len() {
-        let children = (0..graph.nodes.len()).filter(|&child| graph.nodes[child].parent == Some(node));
+    for node in graph.stations() {
+        let children = graph.stations().filter(|&child| graph[child].parent == Some(node));
         let fed = children.map(area).sum::<f64>().max(4.0);
-        assert!((area(node) / fed.min(81.0) - 1.0).abs() < 0.01, "{node}: {} of {fed}", area(node));
+        assert!((area(node) / fed.min(81.0) - 1.0).abs() < 0.01, "{node:?}: {} of {fed}", area(node));
     }
 }
 
@@ -188,26 +188,32 @@ fn hostile_grammars_end() {
     }
 }
 
-fn clearance_radius(graph: &Graph, ends: [usize; 2]) -> f64 {
+fn clearance_radius(graph: &Graph, ends: [StationId; 2]) -> f64 {
     let of = |node: &Node| {
         let section = node.section.expect("what is dug has a size");
         (section.width_m / 2.0).max(section.height_m / 1.5)
     };
-    ends.map(|end| of(&graph.nodes[end])).into_iter().fold(0.0, f64::max)
+    ends.map(|end| of(&graph[end])).into_iter().fold(0.0, f64::max)
 }
 
 /// Whether a way of at most this length leads from an end of one passage to an end of the other.
-fn is_joined(graph: &Graph, neighbors: &Neighbors, from: [usize; 2], to: [usize; 2], most_m: f64) -> bool {
-    let mut open: Vec<(usize, f64)> = from.map(|end| (end, 0.0)).into();
+fn is_joined(
+    graph: &Graph,
+    neighbors: &Neighbors<Node>,
+    from: [StationId; 2],
+    to: [StationId; 2],
+    most_m: f64,
+) -> bool {
+    let mut open: Vec<(StationId, f64)> = from.map(|end| (end, 0.0)).into();
     let mut least = vec![f64::INFINITY; graph.nodes.len()];
     while let Some((node, walked)) = open.pop() {
         if to.contains(&node) {
             return true;
         }
-        if walked >= least[node] {
+        if walked >= least[node.index()] {
             continue;
         }
-        least[node] = walked;
+        least[node.index()] = walked;
         let onward = neighbors[node].iter().map(|&other| (other, walked + graph.distance_m(node, other)));
         open.extend(onward.filter(|(_, walked)| *walked <= most_m));
     }

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 use plume::generators::GENERATORS;
 use plume::graph::clearance::{PassageSize, RockReport, thin_rock};
-use plume::graph::{Graph, Node};
+use plume::graph::{Graph, Node, StationId};
 use serde_json::{Value, json};
 use world::World;
 
@@ -43,22 +43,22 @@ fn setting(settings: &Value, key: &str) -> f64 {
     settings[key].as_f64().or_else(|| schema["properties"][key]["default"].as_f64()).unwrap()
 }
 
-fn slope_deg(graph: &Graph, [a, b]: [usize; 2]) -> f64 {
-    let way = graph.nodes[b].position - graph.nodes[a].position;
+fn slope_deg(graph: &Graph, [a, b]: [StationId; 2]) -> f64 {
+    let way = graph[b].position - graph[a].position;
     libm::atan2(way.z.abs(), way.xy().norm()).to_degrees()
 }
 
 /// Runs of passages with a slope, from the station at the top to that at the bottom. Level passages part them.
-fn runs(graph: &Graph, steep: &[[usize; 2]]) -> Vec<[usize; 2]> {
+fn runs(graph: &Graph, steep: &[[StationId; 2]]) -> Vec<[StationId; 2]> {
     let mut ends = Vec::new();
-    let mut left: BTreeSet<[usize; 2]> = steep.iter().copied().collect();
+    let mut left: BTreeSet<[StationId; 2]> = steep.iter().copied().collect();
     while let Some(first) = left.pop_first() {
-        let mut stations: BTreeSet<usize> = first.into();
+        let mut stations: BTreeSet<StationId> = first.into();
         while let Some(next) = left.iter().find(|edge| edge.iter().any(|end| stations.contains(end))).copied() {
             left.remove(&next);
             stations.extend(next);
         }
-        let height = |&&station: &&usize| (graph.nodes[station].position.z * 1000.0) as i64;
+        let height = |&&station: &&StationId| (graph[station].position.z * 1000.0) as i64;
         let [top, bottom] = [stations.iter().max_by_key(height), stations.iter().min_by_key(height)];
         ends.push([*top.unwrap(), *bottom.unwrap()]);
     }
@@ -72,22 +72,22 @@ fn links_are_counted_and_spaced_and_keep_their_slopes() {
         let [count, spacing_m] = ["link_count", "link_spacing_m"].map(|key| setting(&settings, key));
         for seed in 0..SEEDS {
             let graph = make("layers", &settings, seed);
-            let is_steep = |edge: &&[usize; 2]| slope_deg(&graph, **edge) > 0.0;
-            let mut steep: Vec<[usize; 2]> = graph.edges.iter().filter(is_steep).copied().collect();
+            let is_steep = |edge: &&[StationId; 2]| slope_deg(&graph, **edge) > 0.0;
+            let mut steep: Vec<[StationId; 2]> = graph.edges.iter().filter(is_steep).copied().collect();
             for &edge in &steep {
                 let slope = slope_deg(&graph, edge);
                 assert!(range.contains(&slope), "{settings} seed {seed}: {slope}");
             }
             for pair in 1..settings["layer"].as_array().unwrap().len() as u32 {
-                let leads_to = |edge: &[usize; 2]| edge.iter().map(|&end| graph.nodes[end].level).max() == Some(pair);
+                let leads_to = |edge: &[StationId; 2]| edge.iter().map(|&end| graph[end].level).max() == Some(pair);
                 let (these, rest) = steep.into_iter().partition(leads_to);
                 steep = rest;
                 let links = runs(&graph, &these);
                 assert_eq!(links.len(), count as usize, "{settings} seed {seed}");
                 for (place, link) in links.iter().enumerate() {
-                    assert_eq!(link.map(|end| graph.nodes[end].level), [pair - 1, pair], "{settings} seed {seed}");
+                    assert_eq!(link.map(|end| graph[end].level), [pair - 1, pair], "{settings} seed {seed}");
                     for (end, other) in links[..place].iter().flat_map(|other| [0, 1].map(|end| (end, other))) {
-                        let [a, b] = [link[end], other[end]].map(|station| graph.nodes[station].position.xy());
+                        let [a, b] = [link[end], other[end]].map(|station| graph[station].position.xy());
                         assert!((a - b).norm() >= spacing_m - 0.002, "{settings} seed {seed}: {}", (a - b).norm());
                     }
                 }
@@ -109,20 +109,20 @@ fn links_within_a_cave_are_counted_and_spaced_and_keep_their_slopes() {
                               "ramp_max_deg": greatest, "link_spacing_m": spacing_m});
         for seed in 0..SEEDS {
             let graph = make("gaussian-perlin", &settings, seed);
-            let is_steep = |edge: &&[usize; 2]| slope_deg(&graph, **edge) > 0.0;
-            let steep: Vec<[usize; 2]> = graph.edges.iter().filter(is_steep).copied().collect();
+            let is_steep = |edge: &&[StationId; 2]| slope_deg(&graph, **edge) > 0.0;
+            let steep: Vec<[StationId; 2]> = graph.edges.iter().filter(is_steep).copied().collect();
             for &edge in &steep {
                 let slope = slope_deg(&graph, edge);
                 assert!((least - 0.05..=greatest + 0.05).contains(&slope), "{settings} seed {seed}: {slope}");
             }
             for pair in 1..3 {
-                let leads_to = |edge: &&[usize; 2]| edge.iter().map(|&end| graph.nodes[end].level).max() == Some(pair);
-                let these: Vec<[usize; 2]> = steep.iter().filter(leads_to).copied().collect();
+                let leads_to = |edge: &&[StationId; 2]| edge.iter().map(|&end| graph[end].level).max() == Some(pair);
+                let these: Vec<[StationId; 2]> = steep.iter().filter(leads_to).copied().collect();
                 let found = runs(&graph, &these);
                 assert_eq!(found.len(), links, "{settings} seed {seed}");
                 for (place, link) in found.iter().enumerate() {
                     for (end, other) in found[..place].iter().flat_map(|other| [0, 1].map(|end| (end, other))) {
-                        let [a, b] = [link[end], other[end]].map(|station| graph.nodes[station].position.xy());
+                        let [a, b] = [link[end], other[end]].map(|station| graph[station].position.xy());
                         assert!((a - b).norm() >= spacing_m - 0.002, "{settings} seed {seed}: {}", (a - b).norm());
                     }
                 }
@@ -145,7 +145,9 @@ fn ways(graph: &Graph) -> Vec<Vec<f64>> {
     let count = graph.nodes.len();
     let mut ways = vec![vec![f64::INFINITY; count]; count];
     for &[a, b] in &graph.edges {
-        (ways[a][b], ways[b][a]) = (graph.distance_m(a, b), graph.distance_m(a, b));
+        let length_m = graph.distance_m(a, b);
+        let [a, b] = [a, b].map(StationId::index);
+        (ways[a][b], ways[b][a]) = (length_m, length_m);
     }
     for middle in 0..count {
         for from in 0..count {
@@ -158,20 +160,20 @@ fn ways(graph: &Graph) -> Vec<Vec<f64>> {
 }
 
 /// The least rock between passages that the law is about, by points along their axes and ellipses round them.
-fn least_rock(graph: &Graph, asked_m: f64, is_asked: impl Fn([usize; 2], [usize; 2]) -> bool) -> f64 {
+fn least_rock(graph: &Graph, asked_m: f64, is_asked: impl Fn([StationId; 2], [StationId; 2]) -> bool) -> f64 {
     let (ways, neighbors) = (ways(graph), graph.neighbors());
-    let near = |a: usize, b: usize| a == b || neighbors[a].contains(&b);
+    let near = |a: StationId, b: StationId| a == b || neighbors[a].contains(&b);
     let mut least = f64::INFINITY;
     for (place, &one) in graph.edges.iter().enumerate() {
         for &other in graph.edges[..place].iter().filter(|&&other| is_asked(one, other)) {
-            let ends = one.map(|a| other.map(|b| (near(a, b), ways[a][b]))).concat();
-            let sizes = [one, other].map(|edge| half(edge.map(|end| &graph.nodes[end])));
+            let ends = one.map(|a| other.map(|b| (near(a, b), ways[a.index()][b.index()]))).concat();
+            let sizes = [one, other].map(|edge| half(edge.map(|end| &graph[end])));
             let need: f64 = sizes.iter().map(|[width, height]| width.max(*height)).sum();
             if ends.iter().any(|&(touch, way)| touch || way <= 2.0 * (1.19 * need + asked_m)) {
                 continue;
             }
-            let at = |[a, b]: [usize; 2], share: f64| {
-                let [a, b] = [a, b].map(|end| graph.nodes[end].position);
+            let at = |[a, b]: [StationId; 2], share: f64| {
+                let [a, b] = [a, b].map(|end| graph[end].position);
                 a + (b - a) * share
             };
             for step in 0..81 {
@@ -201,7 +203,7 @@ fn rock_stays_between_layers_and_round_links() {
         let asked_m = setting(&settings, "rock_min_m");
         for seed in 0..SEEDS / 2 {
             let graph = make("layers", &settings, seed);
-            let levels = |[a, b]: [usize; 2]| [graph.nodes[a].level, graph.nodes[b].level];
+            let levels = |[a, b]: [StationId; 2]| [graph[a].level, graph[b].level];
             let apart = |one, other| !levels(one).iter().any(|level| levels(other).contains(level));
             let least_m = least_rock(&graph, asked_m, apart);
             assert!(least_m >= asked_m, "{settings} seed {seed}: {least_m}");
@@ -281,11 +283,10 @@ fn the_thickness_of_rock_is_told_to_the_millimetre() {
         (Vector3::new(0.0, 0.0, -2.0), 2.0 - 2.64),
     ] {
         let graph = pair(apart);
+        let passages = [[0, 1], [4, 5]].map(|passage| passage.map(StationId::new));
         let thin = thin_rock(&graph, PassageSize::default(), 4.0);
-        let found = thin.iter().find(|thin| thin.passages == [[0, 1], [4, 5]]).expect("it is thinner than 4 m");
+        let found = thin.iter().find(|thin| thin.passages == passages).expect("it is thinner than 4 m");
         assert!((found.rock_m - rock_m).abs() < 1e-3, "{apart}: {}", found.rock_m);
-        assert!(
-            !thin_rock(&graph, PassageSize::default(), rock_m - 0.001).iter().any(|t| t.passages == [[0, 1], [4, 5]])
-        );
+        assert!(!thin_rock(&graph, PassageSize::default(), rock_m - 0.001).iter().any(|t| t.passages == passages));
     }
 }

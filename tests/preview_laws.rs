@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use plume::field::{CaveField, PassageSettings};
 use plume::generators::GENERATORS;
-use plume::graph::Graph;
+use plume::graph::{Graph, StationId};
 use plume::material::{Look, MATERIALS};
 use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Theme, VIEWS, view};
 use rayon::prelude::*;
@@ -155,13 +155,14 @@ fn a_large_graph_makes_no_larger_map() {
     graph.nodes = (0..side * side)
         .map(|i| {
             let mut node = template.clone();
-            (node.id, node.parent) = (i as u64, (i > 0).then_some(0));
+            (node.id, node.parent) = (i as u64, (i > 0).then_some(StationId::new(0)));
             node.position = [(i % side) as f64 * 3.0, (i / side) as f64 * 3.0, (i % 7) as f64].into();
             node
         })
         .collect();
     let across = (0..side * side).filter(|i| i % side > 0).map(|i| [i - 1, i]);
-    let graph = Graph::new(graph.nodes, across.chain((side..side * side).map(|i| [i - side, i])).collect());
+    let edges = across.chain((side..side * side).map(|i| [i - side, i]));
+    let graph = Graph::new(graph.nodes, StationId::pairs(edges));
     for name in ["plan", "profile"] {
         let Ok(Drawn::File(svg)) = draw(&graph, 0, name, &order(Format::Svg, &stop)) else {
             panic!("a map is a file");

@@ -13,7 +13,7 @@ use dump::dumped_passages;
 use files::Files;
 use nalgebra::{Point3, Vector3};
 use plume::field::{CaveField, Field, PassageSettings};
-use plume::graph::Graph;
+use plume::graph::{Graph, StationId};
 use plume::material::{Look, MATERIALS};
 use plume::survey::{Import, Parts, ReadError, read};
 use serde_json::json;
@@ -30,8 +30,8 @@ fn hollow() -> Vec<u8> {
     data("formats/survex-3d/hollow.3d")
 }
 
-fn node_at(graph: &Graph, place: Point3<f64>) -> Option<usize> {
-    (0..graph.nodes.len()).find(|&node| (graph.nodes[node].position - place).norm() < 0.001)
+fn node_at(graph: &Graph, place: Point3<f64>) -> Option<StationId> {
+    graph.stations().find(|&node| (graph[node].position - place).norm() < 0.001)
 }
 
 #[test]
@@ -218,8 +218,8 @@ fn assert_is_as_dumped(name: &str, outside: &Files, dump: &str, tolerance_m: f64
     for ends in &passages {
         let [a, b] = ends.map(|end| {
             let place = end - Vector3::from(tally.origin_m);
-            let away = |node: &usize| (graph.nodes[*node].position - place).norm();
-            let node = (0..graph.nodes.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+            let away = |node: &StationId| (graph[*node].position - place).norm();
+            let node = graph.stations().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
             assert!(away(&node) < tolerance_m, "{name}: {place} is {} m off", away(&node));
             node
         });

@@ -31,7 +31,7 @@ fn agrees(survey: &str, dump: &str) {
     let Import { graph, tally, .. } = import.unwrap_or_else(|error| panic!("{error}"));
     let origin = Vector3::from(tally.origin_m);
     let ours: Vec<[Point3<f64>; 2]> =
-        graph.edges.iter().map(|edge| edge.map(|node| graph.nodes[node].position + origin)).collect();
+        graph.edges.iter().map(|edge| edge.map(|node| graph[node].position + origin)).collect();
     let theirs = dumped_passages(&fs::read_to_string(dump).expect("it is in the repository"));
     let near = |a: &Point3<f64>, b: &Point3<f64>| (a - b).amax() < 0.0056;
     let same =

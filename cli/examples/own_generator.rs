@@ -54,6 +54,7 @@ impl Generator for Spiral {
         let first_bearing = rng.between(0.0, std::f64::consts::TAU);
         let section = Section { width_m: self.width_m, height_m: self.width_m, shape: Shape::Drift };
         let mut centreline = CentrelineBuilder::default();
+        let mut previous = None;
         for station in 0..=self.turns * STATIONS {
             let turned = f64::from(station) / f64::from(STATIONS);
             let bearing = first_bearing + turned * std::f64::consts::TAU;
@@ -61,7 +62,7 @@ impl Generator for Spiral {
             // Not the functions of `f64`: theirs differ from one platform to another.
             let position = [self.radius_m * libm::cos(bearing), self.radius_m * libm::sin(bearing), -depth_m].into();
             let vertex = centreline.add(Vertex { position, section: Some(section), level: 0 });
-            if let Some(previous) = vertex.checked_sub(1) {
+            if let Some(previous) = previous.replace(vertex) {
                 centreline.join(previous, vertex);
             }
         }

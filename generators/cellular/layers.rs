@@ -3,10 +3,12 @@
 //! A ramp leaves the outermost passage of a layer outwards, runs along beside both layers and comes back to the outermost
 //! passage of the next one. Each ramp is on another side than the one before it.
 
+use std::ops::Range;
+
 use nalgebra::Vector2;
 
 use super::Cellular;
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
 /// Nodes of a layer that tell its passages and the ramp to it.
 pub(super) const LEAST_NODES: u32 = 12;
@@ -26,11 +28,12 @@ pub(super) fn joined(settings: &Cellular, layers: Vec<CentrelineBuilder>) -> Cen
     for layer in layers {
         let start = whole.vertices.len();
         whole.vertices.extend(layer.vertices);
-        whole.lines.extend(layer.lines.iter().map(|line| line.map(|vertex| vertex + start)));
+        whole.lines.extend(layer.lines.iter().map(|line| line.map(|vertex| VertexId::new(start + vertex.index()))));
         let below = start..whole.vertices.len();
         let neighbors = whole.neighbors();
-        let passages =
-            |layer: &std::ops::Range<usize>| layer.clone().filter(|&vertex| !neighbors[vertex].is_empty()).collect();
+        let passages = |layer: &Range<usize>| {
+            layer.clone().map(VertexId::new).filter(|&vertex| !neighbors[vertex].is_empty()).collect()
+        };
         let ramp = Ramp::choose(settings, &whole, [passages(&above), passages(&below)], side);
         side = Some(ramp.side);
         ramp.build(settings, &mut whole);
@@ -42,7 +45,7 @@ pub(super) fn joined(settings: &Cellular, layers: Vec<CentrelineBuilder>) -> Cen
 /// Where a ramp begins and ends.
 struct Ramp {
     side: usize,
-    ends: [usize; 2],
+    ends: [VertexId; 2],
 }
 
 impl Ramp {
@@ -50,12 +53,11 @@ impl Ramp {
     fn choose(
         settings: &Cellular,
         centreline: &CentrelineBuilder,
-        layers: [Vec<usize>; 2],
+        layers: [Vec<VertexId>; 2],
         last: Option<usize>,
     ) -> Self {
-        let at =
-            |vertex: usize, way: [f64; 2]| centreline.vertices[vertex].position.coords.xy().dot(&Vector2::from(way));
-        let outermost = |layer: &[usize], way: [f64; 2], may: &dyn Fn(usize) -> bool| {
+        let at = |vertex: VertexId, way: [f64; 2]| centreline[vertex].position.coords.xy().dot(&Vector2::from(way));
+        let outermost = |layer: &[VertexId], way: [f64; 2], may: &dyn Fn(VertexId) -> bool| {
             let vertices = layer.iter().copied().filter(|&vertex| may(vertex));
             vertices.max_by(|&a, &b| at(a, way).total_cmp(&at(b, way)))
         };
@@ -63,8 +65,8 @@ impl Ramp {
         let on = |side: usize| {
             let (way, along) = (SIDES[side], [SIDES[side][1], SIDES[side][0]]);
             let head = outermost(&layers[0], way, &|_| true)?;
-            let apart = |vertex: usize| (at(vertex, along) - at(head, along)).abs();
-            let far = |vertex: usize| apart(vertex) >= least;
+            let apart = |vertex: VertexId| (at(vertex, along) - at(head, along)).abs();
+            let far = |vertex: VertexId| apart(vertex) >= least;
             let foot = outermost(&layers[1], way, &far).or_else(|| outermost(&layers[1], way, &|_| true))?;
             Some((apart(foot), Self { side, ends: [head, foot] }))
         };
@@ -75,7 +77,7 @@ impl Ramp {
 
     /// Digs it, as long as its inclination asks.
     fn build(&self, settings: &Cellular, centreline: &mut CentrelineBuilder) {
-        let [head, foot] = self.ends.map(|vertex| centreline.vertices[vertex]);
+        let [head, foot] = self.ends.map(|vertex| centreline[vertex]);
         let out = Vector2::from(SIDES[self.side]);
         let [head_out, foot_out] = [head, foot].map(|vertex| vertex.position.coords.xy().dot(&out));
         let across = (foot.position - head.position).xy();

@@ -13,7 +13,7 @@ use super::tuning::{
 };
 use crate::perlin::Perlin;
 use plume_graph::rng::Rng;
-use plume_graph::{Graph, Node, millimetres};
+use plume_graph::{Graph, Node, StationId, millimetres};
 
 /// What a station belongs to.
 #[derive(Clone, Copy, PartialEq)]
@@ -256,10 +256,10 @@ impl<'a> Cave<'a> {
         let mut edges = Vec::with_capacity(self.stations.len());
         let mut nodes = Vec::with_capacity(self.stations.len());
         for (index, station) in self.stations.into_iter().enumerate() {
-            edges.extend(station.neighbors.iter().map(|&other| [index, other]));
+            edges.extend(station.neighbors.iter().map(|&other| [index, other].map(StationId::new)));
             nodes.push(Node {
                 id: index as u64,
-                parent: station.parent,
+                parent: station.parent.map(StationId::new),
                 position: station.position,
                 radius: station.radius,
                 active: station.alive && station.neighbors.len() == 1,

@@ -4,7 +4,7 @@ use nalgebra::{Point3, center};
 use rustc_hash::FxHashSet;
 
 use super::room::least_m;
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
 /// Lines are looked for in cells of this size, in metres; lines are hardly longer.
 const CELL_M: f64 = 4.0;
@@ -15,15 +15,15 @@ const BRAID_M: f64 = 10.0;
 struct Split {
     line: usize,
     share: f64,
-    vertex: usize,
+    vertex: VertexId,
 }
 
 /// Joins lines that cross in the plan with too little rock between the upper and the lower one, half way between them.
 /// Passages through the vertices of `kept` stay.
-pub(super) fn join_crossings(centreline: &mut CentrelineBuilder, kept: &FxHashSet<usize>) {
+pub(super) fn join_crossings(centreline: &mut CentrelineBuilder, kept: &FxHashSet<VertexId>) {
     let mut splits = Vec::new();
     for pair in pairs_of_cells(centreline) {
-        let [first, second] = pair.map(|line| centreline.lines[line].map(|vertex| centreline.vertices[vertex]));
+        let [first, second] = pair.map(|line| centreline.lines[line].map(|vertex| centreline[vertex]));
         let Some(shares) = crossing(first.map(|end| end.position), second.map(|end| end.position)) else { continue };
         let [upper, lower] = [(first, shares[0]), (second, shares[1])]
             .map(|([start, end], share)| start.position + (end.position - start.position) * share);
@@ -38,7 +38,7 @@ pub(super) fn join_crossings(centreline: &mut CentrelineBuilder, kept: &FxHashSe
 
 /// Of short passages between the same two junctions only the shortest stays, and none that leads back to where it begins;
 /// those through the vertices of `kept` stay anyway.
-fn drop_braids(centreline: &mut CentrelineBuilder, kept: &FxHashSet<usize>) {
+fn drop_braids(centreline: &mut CentrelineBuilder, kept: &FxHashSet<VertexId>) {
     let mut branches = centreline.branches();
     branches.retain(|branch| branch.length_m < BRAID_M && !branch.vertices.iter().any(|vertex| kept.contains(vertex)));
     branches.sort_by(|a, b| a.ends().cmp(&b.ends()).then(a.length_m.total_cmp(&b.length_m)));
@@ -77,8 +77,7 @@ fn split(centreline: &mut CentrelineBuilder, mut splits: Vec<Split>) {
 fn pairs_of_cells(centreline: &CentrelineBuilder) -> Vec<[usize; 2]> {
     let mut in_cells: Vec<([i32; 2], u32)> = Vec::with_capacity(2 * centreline.lines.len());
     for (line, ends) in centreline.lines.iter().enumerate() {
-        let [a, b] =
-            ends.map(|vertex| centreline.vertices[vertex].position.xy().map(|at| (at / CELL_M).floor() as i32));
+        let [a, b] = ends.map(|vertex| centreline[vertex].position.xy().map(|at| (at / CELL_M).floor() as i32));
         for x in a.x.min(b.x)..=a.x.max(b.x) {
             in_cells.extend((a.y.min(b.y)..=a.y.max(b.y)).map(|y| ([x, y], line as u32)));
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use plume_graph::centreline::CentrelineBuilder;
+use plume_graph::centreline::{CentrelineBuilder, VertexId};
 use plume_graph::tidy::MOST_PASSAGES;
 
 /// Cosine of the angle at which passages fork, or at a wider one: 30 degrees.
@@ -24,13 +24,13 @@ fn open_some(centreline: &mut CentrelineBuilder) -> bool {
     centreline.lines.iter_mut().for_each(|line| line.sort_unstable());
     centreline.lines.sort_unstable();
     centreline.lines.dedup();
-    let ends = |(line, ends): (usize, &[usize; 2])| ends.map(|vertex| (vertex as u32, line as u32));
-    let mut at_knots: Vec<(u32, u32)> = centreline.lines.iter().enumerate().flat_map(ends).collect();
+    let ends = |(line, ends): (usize, &[VertexId; 2])| ends.map(|vertex| (vertex, line as u32));
+    let mut at_knots: Vec<(VertexId, u32)> = centreline.lines.iter().enumerate().flat_map(ends).collect();
     at_knots.sort_unstable();
     let mut touched = vec![false; centreline.lines.len()];
     let mut left = Vec::new();
     for at_knot in at_knots.chunk_by(|a, b| a.0 == b.0) {
-        let vertex = at_knot[0].0 as usize;
+        let vertex = at_knot[0].0;
         left.clear();
         left.extend(at_knot.iter().map(|&(_, line)| line as usize).filter(|&line| !touched[line]));
         while let Some((cosine, short, long)) = narrowest(centreline, vertex, &left) {
@@ -47,9 +47,9 @@ fn open_some(centreline: &mut CentrelineBuilder) -> bool {
 }
 
 /// The two of these lines with the least angle between them: its cosine, the shorter line, the longer one.
-fn narrowest(centreline: &CentrelineBuilder, vertex: usize, lines: &[usize]) -> Option<(f64, usize, usize)> {
+fn narrowest(centreline: &CentrelineBuilder, vertex: VertexId, lines: &[usize]) -> Option<(f64, usize, usize)> {
     let way = |line: usize| -> Vector3<f64> {
-        centreline.vertices[other_end(centreline, line, vertex)].position - centreline.vertices[vertex].position
+        centreline[other_end(centreline, line, vertex)].position - centreline[vertex].position
     };
     let mut least: Option<(f64, usize, usize)> = None;
     for (place, &a) in lines.iter().enumerate() {
@@ -65,7 +65,7 @@ fn narrowest(centreline: &CentrelineBuilder, vertex: usize, lines: &[usize]) -> 
     least
 }
 
-fn other_end(centreline: &CentrelineBuilder, line: usize, vertex: usize) -> usize {
+fn other_end(centreline: &CentrelineBuilder, line: usize, vertex: VertexId) -> VertexId {
     let [a, b] = centreline.lines[line];
     if a == vertex { b } else { a }
 }

@@ -11,7 +11,7 @@ use super::crowds::drop_crowds;
 use super::forks::open_forks;
 use super::rock::Rock;
 use super::room::{crowds, give_way, watched};
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::rng::Rng;
 use plume_graph::{Section, Shape};
 
@@ -50,7 +50,7 @@ pub(super) fn drawn(
 }
 
 /// A vertex for each point of the lines, and which of them are at key points, the first of these first of all.
-fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBuilder, FxHashSet<usize>) {
+fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBuilder, FxHashSet<VertexId>) {
     let mut points: Vec<usize> = lines.iter().flatten().copied().collect();
     points.sort_unstable();
     points.dedup();
@@ -58,9 +58,9 @@ fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBui
     let root = keys.iter().find_map(|&key| place(key)).unwrap_or(0);
     // It changes places with the first point.
     let knot_of = |point: usize| match place(point)? {
-        0 => Some(root),
-        at if at == root => Some(0),
-        at => Some(at),
+        0 => Some(VertexId::new(root)),
+        at if at == root => Some(VertexId::new(0)),
+        at => Some(VertexId::new(at)),
     };
     let vertex = |&point: &usize| Vertex { position: cloud.point(point), section: None, level: 0 };
     let mut centreline =
@@ -78,11 +78,11 @@ fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBui
 /// Lets dead ends end anywhere between the two points they lie between; the root stays.
 fn shorten_tips(centreline: &mut CentrelineBuilder, rng: &mut Rng) {
     let neighbors = centreline.neighbors();
-    for tip in 1..centreline.vertices.len() {
+    for tip in centreline.ids().skip(1) {
         if let &[before] = &neighbors[tip] {
-            let to = centreline.vertices[before].position;
-            let way = to - centreline.vertices[tip].position;
-            centreline.vertices[tip].position += way * rng.between(0.0, MOST_SHORTENED);
+            let to = centreline[before].position;
+            let way = to - centreline[tip].position;
+            centreline[tip].position += way * rng.between(0.0, MOST_SHORTENED);
         }
     }
 }
@@ -91,11 +91,11 @@ fn shorten_tips(centreline: &mut CentrelineBuilder, rng: &mut Rng) {
 /// stochastic models", 1982).
 fn wound(settings: &Karst, mut centreline: CentrelineBuilder, rng: &mut Rng) -> CentrelineBuilder {
     let lines = std::mem::take(&mut centreline.lines);
-    let mut left: Vec<[usize; 2]> = Vec::new();
+    let mut left: Vec<[VertexId; 2]> = Vec::new();
     for line in lines {
         left.push(line);
         while let Some([a, b]) = left.pop() {
-            let way = centreline.vertices[b].position - centreline.vertices[a].position;
+            let way = centreline[b].position - centreline[a].position;
             if way.norm() <= WINDING_M {
                 centreline.join(a, b);
                 continue;
@@ -103,7 +103,7 @@ fn wound(settings: &Karst, mut centreline: CentrelineBuilder, rng: &mut Rng) -> 
             let aside = settings.roughness * rng.normal().clamp(-2.0, 2.0);
             let up = UPS_AND_DOWNS * aside.abs() * rng.sign();
             let moved = Vector3::new(-way.y * aside, way.x * aside, way.xy().norm() * up);
-            let position = centreline.vertices[a].position + 0.5 * way + moved;
+            let position = centreline[a].position + 0.5 * way + moved;
             let middle = centreline.add(Vertex { position, section: None, level: 0 });
             left.push([middle, b]);
             left.push([a, middle]);

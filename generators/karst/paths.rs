@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use super::Karst;
 use super::cloud::{Cloud, Neighbour};
 use super::rock::Rock;
-use plume_graph::Neighbors;
+use plume_graph::Rows;
 use plume_graph::rng::Rng;
 
 const NONE: u32 = u32::MAX;
@@ -86,7 +86,7 @@ impl Paths {
     /// Meetings that survive: no third key point makes for a way that costs less when each part is raised to `gamma`.
     fn kept(&self, gamma: f64, cycles: f64, rng: &mut Rng) -> Vec<Meeting> {
         let pairs: Vec<[usize; 2]> = self.meetings.iter().map(|meeting| meeting.keys.map(|key| key as usize)).collect();
-        let around = Neighbors::of(self.keys(), &pairs);
+        let around = Rows::from_pairs(self.keys(), pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)])).ascending();
         let raised = |meeting: &Meeting| libm::pow(f64::from(meeting.cost), gamma);
         let costs: FxHashMap<[usize; 2], f64> = pairs.iter().copied().zip(self.meetings.iter().map(raised)).collect();
         let survives = |[a, b]: [usize; 2]| {

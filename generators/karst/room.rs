@@ -1,7 +1,7 @@
 //! Room between passages: where two of them run too near to each other, both give way.
 
 use plume_graph::Neighbors;
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::section::{Section, clearance_radius_m};
 
 /// Least rock between passages, beside what rounding bends to stations takes, in metres (tuned).
@@ -22,19 +22,19 @@ const LEVELLED: f64 = 0.8;
 /// the way that joins them.
 pub(super) fn give_way(centreline: &mut CentrelineBuilder, watched: &[Watched]) {
     let is_there: Vec<bool> = centreline.neighbors().degrees().map(|passages| passages > 0).collect();
-    let is_left = |watched: &&Watched| watched.pair.iter().all(|&vertex| is_there[vertex as usize]);
+    let is_left = |watched: &&Watched| watched.pair.iter().all(|&vertex| is_there[vertex.index()]);
     for _ in 0..ROUNDS {
         let mut is_still = true;
         for &Watched { pair, least_m } in watched.iter().filter(is_left) {
-            let [a, b] = pair.map(|vertex| vertex as usize);
-            let way = centreline.vertices[b].position - centreline.vertices[a].position;
+            let [a, b] = pair;
+            let way = centreline[b].position - centreline[a].position;
             // Slopes are bounded, so there is room at the sides only.
             let up = LEVELLED * way.z;
             let aside = (least_m * least_m - up * up).max(0.0).sqrt() - way.xy().norm();
             if let (true, Some(along)) = (aside > 0.01, way.xy().try_normalize(1e-6)) {
                 let moved = (along * (0.5 * aside)).push(0.0);
-                centreline.vertices[a].position -= moved;
-                centreline.vertices[b].position += moved;
+                centreline[a].position -= moved;
+                centreline[b].position += moved;
                 is_still = false;
             }
         }
@@ -45,16 +45,15 @@ pub(super) fn give_way(centreline: &mut CentrelineBuilder, watched: &[Watched]) 
 }
 
 /// Pairs of vertices that could not give way without bending passages out of shape.
-pub(super) fn crowds(centreline: &CentrelineBuilder, watched: &[Watched]) -> Vec<[u32; 2]> {
-    let is_crowded = |Watched { pair: [a, b], least_m }: &&Watched| {
-        centreline.distance_m(*a as usize, *b as usize) < least_m - MOST_GIVEN_M
-    };
+pub(super) fn crowds(centreline: &CentrelineBuilder, watched: &[Watched]) -> Vec<[VertexId; 2]> {
+    let is_crowded =
+        |Watched { pair: [a, b], least_m }: &&Watched| centreline.distance_m(*a, *b) < least_m - MOST_GIVEN_M;
     watched.iter().filter(is_crowded).map(|watched| watched.pair).collect()
 }
 
 /// Two vertices that may come too near to each other.
 pub(super) struct Watched {
-    pair: [u32; 2],
+    pair: [VertexId; 2],
     /// The distance that they should keep.
     least_m: f64,
 }
@@ -66,10 +65,10 @@ pub(super) fn watched(centreline: &CentrelineBuilder) -> Vec<Watched> {
     let mut walk = Walk::default();
     let mut watched = Vec::new();
     for pairs in near.chunk_by(|a, b| a[0] == b[0]) {
-        walk.start(centreline, &neighbors, pairs[0][0] as usize);
+        walk.start(centreline, &neighbors, pairs[0][0]);
         for &pair in pairs {
-            let [a, b] = pair.map(|vertex| vertex as usize);
-            let least_m = least_m(&centreline.vertices[a], &centreline.vertices[b]).min(PART_OF_WAY * walk.way_m(b));
+            let [a, b] = pair;
+            let least_m = least_m(&centreline[a], &centreline[b]).min(PART_OF_WAY * walk.way_m(b));
             if centreline.distance_m(a, b) < least_m + WATCHED_M {
                 watched.push(Watched { pair, least_m });
             }
@@ -92,17 +91,17 @@ fn reach_m(vertex: &Vertex) -> f64 {
 struct Swept {
     row: i32,
     x: f64,
-    vertex: u32,
+    vertex: VertexId,
 }
 
 /// Pairs of vertices that are nearer to each other than they should be, or nearly so.
-fn near_pairs(vertices: &[Vertex]) -> Vec<[u32; 2]> {
+fn near_pairs(vertices: &[Vertex]) -> Vec<[VertexId; 2]> {
     let widest = vertices.iter().map(reach_m).fold(0.0, f64::max);
     let most_m = 2.0 * widest + ROCK_M + WATCHED_M;
     let swept = |(place, vertex): (usize, &Vertex)| Swept {
         row: (vertex.position.y / most_m).floor() as i32,
         x: vertex.position.x,
-        vertex: place as u32,
+        vertex: VertexId::new(place),
     };
     let mut sweep: Vec<Swept> = vertices.iter().enumerate().map(swept).collect();
     sweep.sort_unstable_by(|a, b| a.row.cmp(&b.row).then(a.x.total_cmp(&b.x)).then(a.vertex.cmp(&b.vertex)));
@@ -117,9 +116,9 @@ fn near_pairs(vertices: &[Vertex]) -> Vec<[u32; 2]> {
         let beside = |from: usize, row: i32| {
             sweep[from..].iter().take_while(move |other| other.row == row && other.x <= here.x + most_m)
         };
-        let vertex = &vertices[here.vertex as usize];
-        let is_near = |&other: &u32| {
-            let other = &vertices[other as usize];
+        let vertex = &vertices[here.vertex.index()];
+        let is_near = |&other: &VertexId| {
+            let other = &vertices[other.index()];
             let most_m = least_m(vertex, other) + WATCHED_M;
             (other.position - vertex.position).norm_squared() < most_m * most_m
         };
@@ -131,12 +130,12 @@ fn near_pairs(vertices: &[Vertex]) -> Vec<[u32; 2]> {
 
 /// The shortest ways along the cave from one vertex to those around it.
 #[derive(Default)]
-struct Walk(Vec<(usize, f64)>);
+struct Walk(Vec<(VertexId, f64)>);
 
 impl Walk {
     /// Begins anew at a vertex, and goes as far as ways matter.
-    fn start(&mut self, centreline: &CentrelineBuilder, neighbors: &Neighbors, from: usize) {
-        let most_m = 2.0 * reach_m(&centreline.vertices[from]) + ROCK_M;
+    fn start(&mut self, centreline: &CentrelineBuilder, neighbors: &Neighbors<Vertex>, from: VertexId) {
+        let most_m = 2.0 * reach_m(&centreline[from]) + ROCK_M;
         let most_m = FARTHEST * most_m / PART_OF_WAY;
         self.0.clear();
         self.0.push((from, 0.0));
@@ -153,7 +152,7 @@ impl Walk {
     }
 
     /// Infinite where the walk did not come.
-    fn way_m(&self, vertex: usize) -> f64 {
+    fn way_m(&self, vertex: VertexId) -> f64 {
         self.0.iter().filter(|(at, _)| *at == vertex).map(|&(_, way_m)| way_m).fold(f64::INFINITY, f64::min)
     }
 }

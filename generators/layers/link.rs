@@ -7,7 +7,7 @@ use nalgebra::{Point2, Point3, Vector3};
 use super::stack::Stack;
 use crate::ramp::{Course, Helix, Slopes, slope, way_down};
 use plume_graph::rng::Rng;
-use plume_graph::{Node, millimetres};
+use plume_graph::{Node, StationId, millimetres};
 
 /// What all links keep.
 pub(super) struct Law {
@@ -43,9 +43,9 @@ const STEP_M: Range<f64> = 2.0..6.0;
 /// Where a link may start or end.
 #[derive(Clone, Copy)]
 enum Place {
-    Station(usize),
+    Station(StationId),
     /// Inside the passage between two stations, so far along, at this point of the plan.
-    Passage([usize; 2], f64, Point2<f64>),
+    Passage([StationId; 2], f64, Point2<f64>),
 }
 
 impl Stack {
@@ -55,9 +55,10 @@ impl Stack {
         // The smaller layer is asked, since all of it may lie under or over a small part of the other.
         let from = usize::from(pair[1].len() < pair[0].len());
         for _ in 0..DRAWS {
-            let mut drawn: Vec<usize> = (0..DRAWN).map(|_| pair[from].start + rng.index(pair[from].len())).collect();
+            let mut station = || StationId::new(pair[from].start + rng.index(pair[from].len()));
+            let mut drawn: Vec<StationId> = (0..DRAWN).map(|_| station()).collect();
             drawn.sort_by_cached_key(|&station| {
-                let at = self.rock.nodes[station].position.xy();
+                let at = self.rock.node(station).position.xy();
                 let away_um = others.iter().map(|link| ((link[from].xy() - at).norm() * 1e6) as u64);
                 std::cmp::Reverse(away_um.min())
             });
@@ -74,7 +75,7 @@ impl Stack {
     /// A link from or to a station, which lies in the first or the second of the `pair`.
     fn link_from(
         &mut self,
-        station: usize,
+        station: StationId,
         pair: &[Range<usize>; 2],
         from: usize,
         others: &[Link],
@@ -103,13 +104,13 @@ impl Stack {
     }
 
     /// Where passages at a station cross above or below those of the other layer.
-    fn crossings(&self, station: usize, other: &Range<usize>) -> Vec<[Place; 2]> {
-        let at = |node: usize| self.rock.nodes[node].position;
+    fn crossings(&self, station: StationId, other: &Range<usize>) -> Vec<[Place; 2]> {
+        let at = |node: StationId| self.rock.node(node).position;
         let mut found = Vec::new();
-        for &next in &self.rock.neighbors[station] {
+        for &next in self.rock.neighbors_of(station) {
             let ends = [at(station), at(next)];
             for [a, b] in self.rock.under(ends.map(|end| [end.x, end.y])) {
-                if !other.contains(&a) || !other.contains(&b) {
+                if ![a, b].iter().all(|end| other.contains(&end.index())) {
                     continue;
                 }
                 let Some([s, t]) = crossing(ends, [at(a), at(b)]) else { continue };
@@ -124,17 +125,18 @@ impl Stack {
     }
 
     /// Stations of the other layer that a link could lead to, those first that a straight one of middling slope would reach.
-    fn goals(&self, station: usize, other: &Range<usize>, law: &Law, rng: &mut Rng) -> Vec<[Place; 2]> {
-        if self.rock.neighbors[station].len() > MOST_PASSAGES {
+    fn goals(&self, station: StationId, other: &Range<usize>, law: &Law, rng: &mut Rng) -> Vec<[Place; 2]> {
+        if self.rock.neighbors_of(station).len() > MOST_PASSAGES {
             return Vec::new();
         }
-        let from = self.rock.nodes[station].position;
+        let from = self.rock.node(station).position;
         let middling = libm::tan(0.5 * (law.slopes.least + law.slopes.greatest));
         let mut near = Vec::new();
-        for goal in other.clone() {
-            let way = self.rock.nodes[goal].position - from;
+        for goal in other.clone().map(StationId::new) {
+            let way = self.rock.node(goal).position - from;
             let (drop, apart) = (way.z.abs(), way.xy().norm());
-            if apart * libm::tan(law.slopes.least) > drop + 0.001 || self.rock.neighbors[goal].len() > MOST_PASSAGES {
+            if apart * libm::tan(law.slopes.least) > drop + 0.001 || self.rock.neighbors_of(goal).len() > MOST_PASSAGES
+            {
                 continue;
             }
             let off_m = (apart - drop / middling).abs();
@@ -167,12 +169,12 @@ impl Stack {
     /// Whether a link turns away from all passages at its end.
     fn leaves(&self, place: Place, from: &Point3<f64>, to: &Point3<f64>) -> bool {
         let others = match place {
-            Place::Station(station) => self.rock.neighbors[station].clone(),
+            Place::Station(station) => self.rock.neighbors_of(station).to_vec(),
             Place::Passage(ends, ..) => ends.to_vec(),
         };
         let way: Vector3<f64> = (to - from).normalize();
         others.iter().all(|&other| {
-            let passage = self.rock.nodes[other].position - from;
+            let passage = self.rock.node(other).position - from;
             passage.dot(&way) <= SHARPEST_COS * passage.norm()
         })
     }
@@ -184,12 +186,12 @@ impl Stack {
         let mut stations = vec![head];
         for (place, &position) in way[1..way.len() - 1].iter().enumerate() {
             let share = (place + 1) as f64 / (way.len() - 1) as f64;
-            let [head, foot] = [head, foot].map(|end| &self.rock.nodes[end]);
+            let [head, foot] = [head, foot].map(|end| self.rock.node(end));
             let node = Node { position, level: foot.level, ..blend(head, foot, share) };
             stations.push(self.rock.add(node));
         }
         stations.push(foot);
-        let passages: Vec<[usize; 2]> =
+        let passages: Vec<[StationId; 2]> =
             stations.windows(2).map(|leg| [leg[0].min(leg[1]), leg[0].max(leg[1])]).collect();
         passages.iter().for_each(|&[a, b]| self.rock.join(a, b));
         if !self.has_rock(&passages, rock_m) {
@@ -206,15 +208,15 @@ impl Stack {
     }
 
     /// Whether passages that are not settled keep their distance from those that are, and from each other.
-    fn has_rock(&self, passages: &[[usize; 2]], rock_m: f64) -> bool {
-        let apart = |one: [usize; 2], other: [usize; 2]| self.rock.thin_between(one, other, rock_m).is_none();
+    fn has_rock(&self, passages: &[[StationId; 2]], rock_m: f64) -> bool {
+        let apart = |one: [StationId; 2], other: [StationId; 2]| self.rock.thin_between(one, other, rock_m).is_none();
         passages.iter().all(|&passage| self.rock.thin(passage, rock_m).next().is_none())
             && (passages.iter().enumerate())
                 .all(|(place, &one)| passages[..place].iter().all(|&other| apart(one, other)))
     }
 
     /// The station at a place, set into its passage where there is none.
-    fn open(&mut self, place: Place) -> usize {
+    fn open(&mut self, place: Place) -> StationId {
         match place {
             Place::Station(station) => station,
             Place::Passage([a, b], ..) => {
@@ -235,9 +237,9 @@ impl Stack {
     }
 
     /// What a link changes where it ends: a passage in two, or a room.
-    fn settle_end(&mut self, place: Place, station: usize) {
+    fn settle_end(&mut self, place: Place, station: StationId) {
         match place {
-            Place::Station(_) if self.rock.is_room(station) && self.rock.neighbors[station].len() == 3 => {
+            Place::Station(_) if self.rock.is_room(station) && self.rock.neighbors_of(station).len() == 3 => {
                 self.rock.settle(&[[station, station]]);
             }
             Place::Station(_) => {}
@@ -254,9 +256,9 @@ impl Stack {
     /// The station at a place, as it is or would be.
     fn node(&self, place: Place) -> Node {
         match place {
-            Place::Station(station) => self.rock.nodes[station].clone(),
+            Place::Station(station) => self.rock.node(station).clone(),
             Place::Passage([a, b], share, plan) => {
-                let [a, b] = [a, b].map(|end| &self.rock.nodes[end]);
+                let [a, b] = [a, b].map(|end| self.rock.node(end));
                 let z = millimetres(a.position.z + (b.position.z - a.position.z) * share);
                 let level = if share < 0.5 { a.level } else { b.level };
                 Node { position: Point3::new(plan.x, plan.y, z), level, ..blend(a, b, share) }

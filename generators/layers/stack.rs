@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::layer::Layer;
 use plume_graph::clearance::{Body, PassageSize, Rock};
-use plume_graph::{Graph, millimetres};
+use plume_graph::{Graph, StationId, millimetres};
 
 /// Least way down when a layer is moved, in metres, so that it comes to an end.
 const LEAST_MOVE_M: f64 = 0.25;
@@ -76,13 +76,14 @@ impl Stack {
     fn append(&mut self, graph: Graph) {
         let start = self.rock.nodes.len();
         self.levels = graph.nodes.iter().map(|node| node.level + 1).max().unwrap_or(self.levels);
-        let joined = |[a, b]: &[usize; 2]| [start + a, start + b];
+        let joined = |edge: &[StationId; 2]| edge.map(|station| StationId::new(start + station.index()));
         for node in graph.nodes {
             self.rock.add(node);
         }
         graph.edges.iter().map(joined).for_each(|[a, b]| self.rock.join(a, b));
         self.layers.push(start..self.rock.nodes.len());
-        let new: Vec<[usize; 2]> = self.rock.all_bodies().into_iter().filter(|body| body[0] >= start).collect();
+        let is_new = |body: &[StationId; 2]| body[0].index() >= start;
+        let new: Vec<[StationId; 2]> = self.rock.all_bodies().into_iter().filter(is_new).collect();
         self.rock.settle(&new);
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{Mask, distance, thin};
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::{Section, Shape};
 
 /// Rounds of smoothing: a step of one cell becomes a bend of about five (tuned: fewer leave stairs, more cut corners).
@@ -24,11 +24,11 @@ fn rough(mask: &Mask, cell_m: f64) -> CentrelineBuilder {
     let squares = distance::squares(mask);
     let thin = thin::thinned(mask, &squares);
     let mut centreline = CentrelineBuilder::default();
-    let mut vertices = vec![u32::MAX; thin.open.len()];
+    let mut vertices = vec![VertexId::default(); thin.open.len()];
     for cell in (0..thin.open.len()).filter(|&cell| thin.open[cell]) {
-        vertices[cell] = centreline.add(vertex(mask, &squares, cell, cell_m)) as u32;
+        vertices[cell] = centreline.add(vertex(mask, &squares, cell, cell_m));
         for to in earlier_neighbours(&thin, cell) {
-            centreline.join(vertices[to] as usize, vertices[cell] as usize);
+            centreline.join(vertices[to], vertices[cell]);
         }
     }
     centreline

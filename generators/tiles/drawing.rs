@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 use super::board::{Board, Cell, Link, SIDES, Tile, bit, opposite};
 use super::{Access, Tiles};
-use plume_graph::centreline::{CentrelineBuilder, Vertex};
+use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::rng::Rng;
 use plume_graph::{Section, Shape};
 
@@ -33,12 +33,12 @@ struct Drawing<'a> {
     rng: &'a mut Rng,
     centreline: CentrelineBuilder,
     /// The vertex in the middle of each side that a passage crosses, by the cell to the west or south and the side.
-    borders: FxHashMap<(Cell, usize), usize>,
+    borders: FxHashMap<(Cell, usize), VertexId>,
 }
 
 impl Drawing<'_> {
     fn tile(&mut self, tile: &Tile) {
-        let ends: Vec<usize> =
+        let ends: Vec<VertexId> =
             (0..4).filter(|&side| tile.doors & bit(side) != 0).map(|side| self.door(tile.cell, side)).collect();
         match ends.as_slice() {
             &[a, b] if !tile.is_room => self.way(tile, a, b),
@@ -52,8 +52,8 @@ impl Drawing<'_> {
     }
 
     /// A passage between two connectors: from straight to a quarter of a circle, moved aside in its middle.
-    fn way(&mut self, tile: &Tile, a: usize, b: usize) {
-        let [from, to] = [a, b].map(|end| self.centreline.vertices[end].position);
+    fn way(&mut self, tile: &Tile, a: VertexId, b: VertexId) {
+        let [from, to] = [a, b].map(|end| self.centreline[end].position);
         let pull = self.middle(tile);
         let mut before = a;
         for place in 1..=BEND_KNOTS {
@@ -69,7 +69,7 @@ impl Drawing<'_> {
     }
 
     /// The vertex at the end of a connector: shared with the next tile, or capped.
-    fn door(&mut self, cell: Cell, side: usize) -> usize {
+    fn door(&mut self, cell: Cell, side: usize) -> VertexId {
         let [dx, dy] = SIDES[side];
         if !self.board.leads_on(cell, side) {
             let at = self.at(cell, [CAPPED * f64::from(dx), CAPPED * f64::from(dy)]);
@@ -117,7 +117,7 @@ impl Drawing<'_> {
         self.rng.between(self.settings.width_min_m, self.settings.width_max_m)
     }
 
-    fn vertex(&mut self, position: Point3<f64>, width_m: f64, level: i32) -> usize {
+    fn vertex(&mut self, position: Point3<f64>, width_m: f64, level: i32) -> VertexId {
         let section = Section { width_m, height_m: self.settings.height_m, shape: Shape::Drift };
         self.centreline.add(Vertex { position, section: Some(section), level: level as u32 })
     }

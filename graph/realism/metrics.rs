@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::reduced::{Paths, Reduced};
 use super::{METRICS, SCALE_FREE};
-use crate::Graph;
 use crate::branches::Branches;
+use crate::{Graph, Node, StationId};
 
 /// Nodes of the reduced graph up to which every shortest path is counted.
 pub const EXACT_TO: usize = 20_000;
@@ -111,9 +111,7 @@ impl Metrics {
 }
 
 fn max_degree(graph: &Graph) -> usize {
-    let mut degrees = vec![0; graph.nodes.len()];
-    graph.edges.iter().flatten().for_each(|&node| degrees[node] += 1);
-    degrees.into_iter().max().unwrap_or_default()
+    graph.degrees().into_iter().max().unwrap_or_default()
 }
 
 /// Classes of a tenth of the longest branch; a branch without length belongs to none.
@@ -129,7 +127,7 @@ fn length_entropy(lengths: &[f64], longest: f64) -> f64 {
 fn orientation_entropy(graph: &Graph) -> f64 {
     let mut classes = [0.0; 18];
     for &[a, b] in &graph.edges {
-        let way = (graph.nodes[b].position - graph.nodes[a].position).xy();
+        let way = (graph[b].position - graph[a].position).xy();
         if way.norm() > 0.0 {
             classes[class(azimuth_deg(way.x, way.y), classes.len())] += way.norm();
         }
@@ -173,19 +171,19 @@ fn variation(values: &[f64]) -> f64 {
 }
 
 /// The length of each branch in metres.
-fn lengths(branches: &Branches, graph: &Graph) -> Vec<f64> {
-    let leg = |pair: &[usize]| graph.distance_m(pair[0], pair[1]);
+fn lengths(branches: &Branches<Node>, graph: &Graph) -> Vec<f64> {
+    let leg = |pair: &[StationId]| graph.distance_m(pair[0], pair[1]);
     branches.iter().map(|branch| branch.windows(2).map(leg).sum()).collect()
 }
 
 /// 1 where every branch is a ring.
-fn tortuosity(branches: &Branches, lengths: &[f64], graph: &Graph) -> f64 {
+fn tortuosity(branches: &Branches<Node>, lengths: &[f64], graph: &Graph) -> f64 {
     let ratios: Vec<f64> = branches
         .iter()
         .zip(lengths)
         .filter_map(|(branch, length)| {
             let [first, last] = [branch[0], branch[branch.len() - 1]];
-            let apart = (graph.nodes[first].position - graph.nodes[last].position).norm();
+            let apart = graph.distance_m(first, last);
             (apart > 0.0).then(|| length / apart)
         })
         .collect();

@@ -3,10 +3,10 @@
 use rustc_hash::FxHashMap;
 
 use super::metrics::Sampling;
-use crate::Rows;
 use crate::branches::Branches;
 use crate::rng::Rng;
 use crate::seed;
+use crate::{Node, Rows, StationId};
 
 /// Sources sampled at least.
 const FEWEST_SOURCES: usize = 64;
@@ -18,8 +18,8 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    pub(super) fn of(branches: &Branches) -> Self {
-        let mut parallel: FxHashMap<[usize; 2], u32> = FxHashMap::default();
+    pub(super) fn of(branches: &Branches<Node>) -> Self {
+        let mut parallel: FxHashMap<[StationId; 2], u32> = FxHashMap::default();
         for branch in branches.iter() {
             *parallel.entry(ends(branch)).or_default() += 1;
         }
@@ -131,7 +131,7 @@ fn standard_error(count: f64, sum: f64, squares: f64) -> f64 {
     ((squares / count - mean * mean).max(0.0) / count).sqrt()
 }
 
-fn ends(branch: &[usize]) -> [usize; 2] {
+fn ends(branch: &[StationId]) -> [StationId; 2] {
     let (first, last) = (branch[0], branch[branch.len() - 1]);
     [first.min(last), first.max(last)]
 }
@@ -139,17 +139,17 @@ fn ends(branch: &[usize]) -> [usize; 2] {
 /// Gives stations their place in the reduced graph as they come.
 #[derive(Default)]
 struct Builder {
-    places: FxHashMap<usize, usize>,
+    places: FxHashMap<StationId, usize>,
     edges: Vec<[usize; 2]>,
 }
 
 impl Builder {
-    fn join(&mut self, a: usize, b: usize) {
+    fn join(&mut self, a: StationId, b: StationId) {
         let edge = [a, b].map(|station| self.place(station));
         self.edges.push(edge);
     }
 
-    fn place(&mut self, station: usize) -> usize {
+    fn place(&mut self, station: StationId) -> usize {
         let next = self.places.len();
         *self.places.entry(station).or_insert(next)
     }

@@ -91,7 +91,7 @@ impl State {
 
 /// Levels with a passage.
 fn levels(graph: &Graph) -> usize {
-    let mut levels: Vec<u32> = graph.edges.iter().flatten().map(|&node| graph.nodes[node].level).collect();
+    let mut levels: Vec<u32> = graph.edges.iter().flatten().map(|&node| graph[node].level).collect();
     levels.sort_unstable();
     levels.dedup();
     levels.len()

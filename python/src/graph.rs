@@ -25,7 +25,7 @@ impl Graph {
         let graph = cave.graph();
         let positions = graph.nodes.iter().map(|node| node.position.coords.into()).collect::<Vec<[f64; 3]>>();
         let radii = graph.nodes.iter().map(|node| node.radius).collect();
-        let edges = graph.edges.iter().map(|edge| edge.map(|node| node as u32)).collect();
+        let edges = graph.edges.iter().map(|edge| edge.map(|node| node.index() as u32)).collect();
         Ok(Self {
             positions: array::rows(py, positions)?.unbind(),
             radii: PyArray1::from_vec(py, radii).unbind(),

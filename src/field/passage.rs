@@ -11,7 +11,7 @@ use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use plume_graph::clearance::PassageSize;
-use plume_graph::{Graph, Node, Section, Shape};
+use plume_graph::{Graph, Node, Section, Shape, StationId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -160,17 +160,19 @@ pub(super) struct Capsule {
 pub(super) fn capsules(graph: &Graph, settings: &PassageSettings, domain_warp: DomainWarp) -> Vec<Capsule> {
     let profiles: Vec<Profile> = graph.nodes.iter().map(|node| Profile::at(node, settings)).collect();
     let degrees = graph.degrees();
-    let ends = |a: usize, b: usize| [&graph.nodes[a], &graph.nodes[b]];
-    let passages = graph.edges.iter().map(|&[a, b]| Capsule::new(ends(a, b), [profiles[a], profiles[b]], domain_warp));
-    let is_room = |&node: &usize| degrees[node] >= 3 && graph.nodes[node].section.is_none();
-    let lone = |&node: &usize| degrees[node] == 0;
-    let rooms = (0..graph.nodes.len()).filter(is_room).map(|node| {
-        let room = profiles[node].widened(settings.room_factor);
-        Capsule::new(ends(node, node), [room; 2], domain_warp)
+    let profile = |station: StationId| profiles[station.index()];
+    let passage = |ends: &[StationId; 2]| Capsule::new(ends.map(|end| &graph[end]), ends.map(profile), domain_warp);
+    let passages = graph.edges.iter().map(passage);
+    let is_room = |&station: &StationId| degrees[station.index()] >= 3 && graph[station].section.is_none();
+    let lone = |&station: &StationId| degrees[station.index()] == 0;
+    let rooms = graph.stations().filter(is_room).map(|station| {
+        let room = profile(station).widened(settings.room_factor);
+        Capsule::new([&graph[station]; 2], [room; 2], domain_warp)
     });
-    let pockets = (0..graph.nodes.len())
+    let pockets = graph
+        .stations()
         .filter(lone)
-        .map(|node| Capsule::new(ends(node, node), [profiles[node]; 2], domain_warp));
+        .map(|station| Capsule::new([&graph[station]; 2], [profile(station); 2], domain_warp));
     passages.chain(rooms).chain(pockets).collect()
 }
 

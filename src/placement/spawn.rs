@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::column::{ceiling_z, floor_z};
 use crate::field::Field;
-use plume_graph::Graph;
+use plume_graph::{Graph, StationId};
 
 /// Half the footprint that must be level, m: a Husky is 0.99 m long and 0.67 m wide.
 const FOOTPRINT_M: f64 = 0.45;
@@ -25,7 +25,7 @@ pub struct Spawn {
 /// Up to `count` start poses at stations of the graph: the most level one first, then far from those already chosen.
 /// Empty if there is no headroom anywhere.
 pub fn spawns(field: &dyn Field, graph: &Graph, count: usize) -> Vec<Spawn> {
-    let mut candidates: Vec<Spawn> = (0..graph.nodes.len()).filter_map(|node| spawn_at(field, graph, node)).collect();
+    let mut candidates: Vec<Spawn> = graph.stations().filter_map(|station| spawn_at(field, graph, station)).collect();
     candidates.sort_by(|a, b| a.unevenness_m.total_cmp(&b.unevenness_m));
     // The better half is level enough; among those, distance counts.
     candidates.truncate(candidates.len().div_ceil(2).max(count));
@@ -46,8 +46,8 @@ fn distance_to(chosen: &[Spawn], candidate: &Spawn) -> f64 {
     chosen.iter().map(|c| (at(c) - at(candidate)).norm()).fold(f64::INFINITY, f64::min)
 }
 
-fn spawn_at(field: &dyn Field, graph: &Graph, node: usize) -> Option<Spawn> {
-    let centre = graph.nodes[node].position;
+fn spawn_at(field: &dyn Field, graph: &Graph, station: StationId) -> Option<Spawn> {
+    let centre = graph[station].position;
     let mut low = f64::INFINITY;
     let mut high = f64::NEG_INFINITY;
     for (dx, dy) in footprint() {
@@ -60,7 +60,7 @@ fn spawn_at(field: &dyn Field, graph: &Graph, node: usize) -> Option<Spawn> {
         high = high.max(floor);
     }
     let origin = Point3::new(centre.x, centre.y, high + CLEARANCE_M);
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading(graph, node));
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading(graph, station));
     let pose = Isometry3::from_parts(Translation3::from(origin), yaw);
     Some(Spawn { pose, unevenness_m: high - low })
 }
@@ -72,11 +72,11 @@ fn footprint() -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// Direction of the first passage at the station, rad from +X.
-fn heading(graph: &Graph, node: usize) -> f64 {
-    let Some([a, b]) = graph.edges.iter().find(|edge| edge.contains(&node)) else {
+fn heading(graph: &Graph, station: StationId) -> f64 {
+    let Some([a, b]) = graph.edges.iter().find(|edge| edge.contains(&station)) else {
         return 0.0;
     };
-    let other = if *a == node { *b } else { *a };
-    let along = graph.nodes[other].position - graph.nodes[node].position;
+    let other = if *a == station { *b } else { *a };
+    let along = graph[other].position - graph[station].position;
     libm::atan2(along.y, along.x)
 }

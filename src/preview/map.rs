@@ -22,6 +22,7 @@ use super::image::Image;
 use super::svg::{Anchor, Spot, Svg};
 use super::theme::{Palette, class_color, elevation_class};
 use super::{Drawn, Format, Order, PreviewError, Size, Subject};
+use plume_graph::StationId;
 
 /// Colours along one passage.
 const MOST_STEPS: usize = 8;
@@ -93,9 +94,9 @@ fn draw_panel(svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, fr
 /// The outline of every passage with the class of its elevation, those behind first.
 fn shapes(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<(usize, Vec<Spot>)> {
     let mut pieces = thin::pieces(sheet, panel, frame);
-    let depth = |[a, b]: [usize; 2]| sheet.stations[a].depth + sheet.stations[b].depth;
+    let depth = |[a, b]: [StationId; 2]| sheet[a].depth + sheet[b].depth;
     pieces.sort_by(|&one, &other| depth(one).total_cmp(&depth(other)));
-    pieces.into_iter().flat_map(|piece| steps(sheet, piece.map(|end| &sheet.stations[end]), frame)).collect()
+    pieces.into_iter().flat_map(|piece| steps(sheet, piece.map(|end| &sheet[end]), frame)).collect()
 }
 
 /// A passage in as many steps as it has colours, up to [`MOST_STEPS`].

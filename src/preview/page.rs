@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use self::solid::Solid;
 use super::theme::VIRIDIS;
 use super::{Drawn, Order, PreviewError, Size, Subject};
-use plume_graph::Graph;
+use plume_graph::{Graph, StationId};
 
 /// The page, without a cave.
 static PAGE: &str = include_str!("../../templates/preview/page.html");
@@ -71,7 +71,7 @@ fn skeleton(subject: &Subject) -> Value {
             stations.push(subject.passage.reach(node).aside_m);
         }
     }
-    let ends = |edge: &[usize; 2]| edge.map(|end| places[stands_for[end]] as u32);
+    let ends = |edge: &[StationId; 2]| edge.map(|end| places[stands_for[end.index()]] as u32);
     let mut edges: Vec<[u32; 2]> = graph.edges.iter().map(ends).filter(|[a, b]| a != b).collect();
     edges.sort_unstable();
     edges.dedup();

@@ -12,6 +12,7 @@ use crate::fields::{Field, Fields, field};
 use crate::limits::{MAX_DEPTH, MAX_LEGS, MAX_LINE, MAX_STATIONS};
 use crate::text::{LENGTH_HINT, coordinate, line_of, utf8};
 use crate::{Import, Parts, ReadError, Source};
+use plume_graph::StationId;
 use plume_graph::echo::{sentence, shown};
 
 /// Reads the one graph of the file.
@@ -88,7 +89,7 @@ struct Walk {
     value: String,
     draft: Draft,
     /// Nodes by name, hashed at random: no file can make its names collide.
-    names: HashMap<String, usize>,
+    names: HashMap<String, StationId>,
     /// Edges whose nodes come later, and where they are.
     pending: Vec<([String; 2], u64)>,
 }
@@ -172,7 +173,7 @@ impl Walk {
                 "give every node an id of its own",
             ));
         }
-        self.names.insert(id, next);
+        self.names.insert(id, StationId::new(next));
         self.node = self.defaults;
         Ok(Element::Node)
     }
@@ -291,8 +292,8 @@ fn attributes<const N: usize>(element: &BytesStart, names: [&str; N]) -> Result<
     Ok(values)
 }
 
-fn by_node(names: HashMap<String, usize>) -> Vec<String> {
-    let mut names: Vec<(String, usize)> = names.into_iter().collect();
+fn by_node(names: HashMap<String, StationId>) -> Vec<String> {
+    let mut names: Vec<(String, StationId)> = names.into_iter().collect();
     names.sort_unstable_by_key(|&(_, node)| node);
     names.into_iter().map(|(name, _)| name).collect()
 }

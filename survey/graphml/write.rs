@@ -27,7 +27,7 @@ pub(crate) fn export(graph: &Graph) -> Vec<Written> {
         write_node(&mut text, node).expect("memory takes any text");
     }
     for edge in &graph.edges {
-        let [a, b] = edge.map(|node| graph.nodes[node].id);
+        let [a, b] = edge.map(|node| graph[node].id);
         writeln!(text, r#"<edge source="n{a}" target="n{b}"/>"#).expect("memory takes any text");
     }
     text.push_str("</graph>\n</graphml>\n");

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::error::ReadError;
 use super::parse::Station;
 use crate::draft::Draft;
-use plume_graph::Node;
+use plume_graph::{Node, StationId};
 
 /// Puts a graph together.
 pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
@@ -18,7 +18,7 @@ pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
         })
     };
     let mut draft = Draft::default();
-    for (at, station) in stations.iter().enumerate() {
+    for (at, station) in stations.iter().enumerate().map(|(at, station)| (StationId::new(at), station)) {
         for &other in &station.edges {
             draft.edges.push([at, find(station, "edges", other)?]);
         }
@@ -31,17 +31,17 @@ pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
 }
 
 /// Where the station of each id stands, hashed at random: no file can make its ids collide.
-fn indices(stations: &[Station]) -> Result<HashMap<u64, usize>, ReadError> {
+fn indices(stations: &[Station]) -> Result<HashMap<u64, StationId>, ReadError> {
     let mut indices = HashMap::new();
     for (index, station) in stations.iter().enumerate() {
-        if indices.insert(station.id, index).is_some() {
+        if indices.insert(station.id, StationId::new(index)).is_some() {
             return Err(ReadError::DuplicateId { id: station.id });
         }
     }
     Ok(indices)
 }
 
-fn node(station: &Station, parent: Option<usize>) -> Node {
+fn node(station: &Station, parent: Option<StationId>) -> Node {
     Node {
         id: station.id,
         parent,
@@ -61,7 +61,7 @@ fn check_parents(nodes: &[Node]) -> Result<(), ReadError> {
         while walk_of[at] == usize::MAX {
             walk_of[at] = start;
             match nodes[at].parent {
-                Some(parent) => at = parent,
+                Some(parent) => at = parent.index(),
                 None => break,
             }
         }

@@ -38,10 +38,10 @@ pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
     let mut text = format!("{{\n\"plume\": {version},\n\"recipe\": {recipe},\n\"nodes\": [");
     let neighbors = graph.neighbors();
     for (index, (node, others)) in graph.nodes.iter().zip(neighbors.iter()).enumerate() {
-        let edges: Vec<u64> = others.iter().map(|&other| graph.nodes[other].id).collect();
+        let edges: Vec<u64> = others.iter().map(|&other| graph[other].id).collect();
         let station = Station {
             id: node.id,
-            parent: node.parent.map(|parent| graph.nodes[parent].id),
+            parent: node.parent.map(|parent| graph[parent].id),
             edges: &edges,
             coordinates: Coordinates { x: node.position.x, y: node.position.y, z: node.position.z },
             radius: node.radius,

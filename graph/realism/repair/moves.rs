@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector2};
 
 use super::plan::Plan;
 use crate::rng::Rng;
-use crate::{Graph, Node, millimetres};
+use crate::{Graph, Node, StationId, millimetres};
 
 /// Draws a change.
 pub(super) type Move = fn(&Plan, &mut Rng) -> Option<Graph>;
@@ -39,13 +39,13 @@ const LOOP_HOPS: usize = 5;
 fn bend(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let (mut graph, branch) = divided(plan, drawn(plan, rng));
     let last = branch.len() - 1;
-    let chord = (graph.nodes[branch[last]].position - graph.nodes[branch[0]].position).xy();
+    let chord = (graph[branch[last]].position - graph[branch[0]].position).xy();
     let across = Vector2::new(-chord.y, chord.x).try_normalize(1e-6)?;
     let waves = 1 + rng.index(3.min(last - 1));
     let swing_m = rng.sign() * rng.between(0.05, 0.4) * chord.norm() / waves as f64;
     for (place, &station) in branch.iter().enumerate().take(last).skip(1) {
         let phase = PI * (waves * place) as f64 / last as f64;
-        shift(&mut graph.nodes[station], across * (swing_m * libm::sin(phase)));
+        shift(&mut graph[station], across * (swing_m * libm::sin(phase)));
     }
     Some(graph)
 }
@@ -54,7 +54,7 @@ fn bend(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
 fn straighten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = drawn(plan, rng);
     let last = branch.len() - 1;
-    let ends = [branch[0], branch[last]].map(|end| plan.graph.nodes[end].position);
+    let ends = [branch[0], branch[last]].map(|end| plan.graph[end].position);
     if last < 2 || ends[0] == ends[1] {
         return None;
     }
@@ -62,8 +62,8 @@ fn straighten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let part = rng.between(0.1, 0.5);
     for (place, &station) in branch.iter().enumerate().take(last).skip(1) {
         let straight = ends[0] + (ends[1] - ends[0]) * (place as f64 / last as f64);
-        let by = (straight - graph.nodes[station].position).xy() * part;
-        shift(&mut graph.nodes[station], by);
+        let by = (straight - graph[station].position).xy() * part;
+        shift(&mut graph[station], by);
     }
     Some(graph)
 }
@@ -89,7 +89,7 @@ fn warp(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
 
 /// Grows a dead end at a station that has a way on.
 fn add_spur(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
-    let foot = rng.index(plan.neighbors.len());
+    let foot = StationId::new(rng.index(plan.neighbors.len()));
     let bearing = rng.between(0.0, TAU);
     let length_m = plan.branch_m * libm::exp(rng.normal() - 0.7);
     let fits = (2..MAX_DEGREE).contains(&plan.degree(foot)) && is_open(plan, foot, bearing);
@@ -123,16 +123,16 @@ fn shorten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
 
 /// Joins two stations that are near in space and far along the cave.
 fn close_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
-    let nodes = &plan.graph.nodes;
-    let from = rng.index(nodes.len());
+    let graph = &plan.graph;
+    let from = StationId::new(rng.index(graph.nodes.len()));
     let reach_m = plan.branch_m.max(2.0 * plan.leg_m) * rng.between(0.5, 2.0);
-    let takes_more = |node: usize| (1..MAX_DEGREE).contains(&plan.degree(node));
-    let is_near = |&to: &usize| {
-        let way = nodes[to].position - nodes[from].position;
-        let is_level = nodes[to].level == nodes[from].level && way.z.abs() <= SLOPE * way.xy().norm();
+    let takes_more = |node: StationId| (1..MAX_DEGREE).contains(&plan.degree(node));
+    let is_near = |&to: &StationId| {
+        let way = graph[to].position - graph[from].position;
+        let is_level = graph[to].level == graph[from].level && way.z.abs() <= SLOPE * way.xy().norm();
         to != from && takes_more(to) && is_level && way.norm() <= reach_m
     };
-    let near: Vec<usize> = (0..nodes.len()).filter(is_near).collect();
+    let near: Vec<StationId> = graph.stations().filter(is_near).collect();
     if !takes_more(from) || near.is_empty() {
         return None;
     }
@@ -143,7 +143,7 @@ fn close_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
         return None;
     }
     let legs = (way.norm() / plan.leg_m).round().max(1.0) as usize;
-    Some(inserted(plan.graph.clone(), from, to, legs - 1).0)
+    Some(inserted(graph.clone(), from, to, legs - 1).0)
 }
 
 /// Takes a third of a branch on a loop away, or more, up to all of it.
@@ -157,12 +157,12 @@ fn open_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     is_on_loop.then(|| without(plan, &branch[first..=first + taken]))
 }
 
-fn drawn<'a>(plan: &'a Plan, rng: &mut Rng) -> &'a [usize] {
+fn drawn<'a>(plan: &'a Plan, rng: &mut Rng) -> &'a [StationId] {
     &plan.branches[rng.index(plan.branches.len())]
 }
 
 /// A branch with a dead end, that end last.
-fn outwards(plan: &Plan, branch: &[usize]) -> Option<Vec<usize>> {
+fn outwards(plan: &Plan, branch: &[StationId]) -> Option<Vec<StationId>> {
     match [branch[0], branch[branch.len() - 1]].map(|end| plan.degree(end)) {
         [_, 1] => Some(branch.to_vec()),
         [1, _] => Some(branch.iter().rev().copied().collect()),
@@ -180,32 +180,34 @@ fn shift(node: &mut Node, by: Vector2<f64>) {
 }
 
 /// Whether no passage leaves a station too near a bearing.
-fn is_open(plan: &Plan, station: usize, bearing: f64) -> bool {
+fn is_open(plan: &Plan, station: StationId, bearing: f64) -> bool {
     let nearest = libm::cos(MIN_ANGLE);
     let mut ways = plan.neighbors[station].iter().map(|&other| plan.way(station, other));
     ways.all(|way| way.dot(&towards(bearing)) <= nearest * way.norm())
 }
 
 /// The graph with a level, winding passage from a station on.
-fn grown(plan: &Plan, rng: &mut Rng, from: usize, mut bearing: f64, length_m: f64) -> Graph {
-    let Graph { mut nodes, mut edges } = plan.graph.clone();
+fn grown(plan: &Plan, rng: &mut Rng, from: StationId, mut bearing: f64, length_m: f64) -> Graph {
+    let mut graph = plan.graph.clone();
     let legs = (length_m / plan.leg_m).round().max(1.0) as usize;
     let leg_m = (length_m / legs as f64).max(0.5 * plan.leg_m);
     let mut tip = from;
     for _ in 0..legs {
-        let mut node = Node { active: true, position: nodes[tip].position, ..nodes[from].clone() };
+        let mut node = Node { active: true, position: graph[tip].position, ..graph[from].clone() };
         shift(&mut node, towards(bearing) * leg_m);
-        nodes.push(node);
-        edges.push([tip, nodes.len() - 1]);
-        tip = nodes.len() - 1;
+        let next = StationId::new(graph.nodes.len());
+        graph.nodes.push(node);
+        graph.edges.push([tip, next]);
+        tip = next;
         bearing += TURN * rng.normal();
     }
-    Graph::new(nodes, edges)
+    Graph::new(graph.nodes, graph.edges)
 }
 
 /// The graph without the passages of a way.
-fn without(plan: &Plan, way: &[usize]) -> Graph {
-    let mut gone: Vec<[usize; 2]> = way.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]).collect();
+fn without(plan: &Plan, way: &[StationId]) -> Graph {
+    let mut gone: Vec<[StationId; 2]> =
+        way.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]).collect();
     gone.sort_unstable();
     let mut graph = plan.graph.clone();
     graph.edges.retain(|edge| gone.binary_search(edge).is_err());
@@ -213,7 +215,7 @@ fn without(plan: &Plan, way: &[usize]) -> Graph {
 }
 
 /// The graph with a branch that can be bent: a single passage is divided in four.
-fn divided(plan: &Plan, branch: &[usize]) -> (Graph, Vec<usize>) {
+fn divided(plan: &Plan, branch: &[StationId]) -> (Graph, Vec<StationId>) {
     match *branch {
         [a, b] => inserted(plan.graph.clone(), a, b, 3),
         _ => (plan.graph.clone(), branch.to_vec()),
@@ -221,15 +223,15 @@ fn divided(plan: &Plan, branch: &[usize]) -> (Graph, Vec<usize>) {
 }
 
 /// The graph with two stations joined by so many new ones on a straight line, and the way along it.
-fn inserted(mut graph: Graph, a: usize, b: usize, count: usize) -> (Graph, Vec<usize>) {
-    let ends = [a, b].map(|end| graph.nodes[end].position);
+fn inserted(mut graph: Graph, a: StationId, b: StationId, count: usize) -> (Graph, Vec<StationId>) {
+    let ends = [a, b].map(|end| graph[end].position);
     let mut way = vec![a];
     for place in 1..=count {
         let part = place as f64 / (count + 1) as f64;
         let position = (ends[0] + (ends[1] - ends[0]) * part).map(millimetres);
         let nearer = if part < 0.5 { a } else { b };
-        graph.nodes.push(Node { position, active: false, ..graph.nodes[nearer].clone() });
-        way.push(graph.nodes.len() - 1);
+        way.push(StationId::new(graph.nodes.len()));
+        graph.nodes.push(Node { position, active: false, ..graph[nearer].clone() });
     }
     way.push(b);
     graph.edges.retain(|edge| *edge != [a.min(b), a.max(b)]);

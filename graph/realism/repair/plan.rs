@@ -3,13 +3,13 @@
 use nalgebra::Vector2;
 
 use crate::branches::Branches;
-use crate::{Graph, Neighbors};
+use crate::{Graph, Neighbors, Node, StationId};
 
 /// A graph, its branches and its usual lengths.
 pub(super) struct Plan {
     pub(super) graph: Graph,
-    pub(super) neighbors: Neighbors,
-    pub(super) branches: Vec<Vec<usize>>,
+    pub(super) neighbors: Neighbors<Node>,
+    pub(super) branches: Vec<Vec<StationId>>,
     /// Stations that have a passage.
     pub(super) stations: usize,
     /// Mean length of a passage.
@@ -21,7 +21,7 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn of(graph: Graph) -> Self {
         let neighbors = graph.neighbors();
-        let branches: Vec<Vec<usize>> = Branches::of(&neighbors).iter().map(<[usize]>::to_vec).collect();
+        let branches: Vec<Vec<StationId>> = Branches::of(&neighbors).iter().map(<[_]>::to_vec).collect();
         let length_m = graph.length_m();
         Self {
             stations: neighbors.degrees().filter(|&degree| degree > 0).count(),
@@ -33,35 +33,35 @@ impl Plan {
         }
     }
 
-    pub(super) fn degree(&self, node: usize) -> usize {
+    pub(super) fn degree(&self, node: StationId) -> usize {
         self.neighbors[node].len()
     }
 
     /// The way from one station to another, on the map.
-    pub(super) fn way(&self, from: usize, to: usize) -> Vector2<f64> {
-        (self.graph.nodes[to].position - self.graph.nodes[from].position).xy()
+    pub(super) fn way(&self, from: StationId, to: StationId) -> Vector2<f64> {
+        (self.graph[to].position - self.graph[from].position).xy()
     }
 
     /// Whether at most `hops` passages lead from one to the other, not counting one that joins them directly.
-    pub(super) fn are_joined(&self, from: usize, to: usize, hops: usize) -> bool {
+    pub(super) fn are_joined(&self, from: StationId, to: StationId, hops: usize) -> bool {
         let mut seen = vec![false; self.neighbors.len()];
         let mut rim = vec![from];
-        seen[from] = true;
+        seen[from.index()] = true;
         for _ in 0..hops {
             let mut next = Vec::new();
             for &node in &rim {
                 for &other in self.neighbors[node].iter().filter(|&&other| (node, other) != (from, to)) {
-                    if !seen[other] {
-                        seen[other] = true;
+                    if !seen[other.index()] {
+                        seen[other.index()] = true;
                         next.push(other);
                     }
                 }
             }
-            if seen[to] || next.is_empty() {
+            if seen[to.index()] || next.is_empty() {
                 break;
             }
             rim = next;
         }
-        seen[to]
+        seen[to.index()]
     }
 }

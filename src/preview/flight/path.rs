@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 use crate::field::{CaveField, Field};
 use crate::preview::inside::{Pose, is_air, raised};
 use crate::preview::{PreviewError, Subject};
-use plume_graph::Graph;
+use plume_graph::{Graph, StationId};
 
 /// Distance between the points of a way, metres.
 const STEP_M: f64 = 0.25;
@@ -28,7 +28,7 @@ impl Path {
     /// From the first station to the one that is furthest away through passages.
     pub fn longest(subject: &Subject) -> Result<Self, PreviewError> {
         let stations = furthest(subject.graph);
-        let axis: Vec<Point3<f64>> = stations.iter().map(|&station| subject.graph.nodes[station].position).collect();
+        let axis: Vec<Point3<f64>> = stations.iter().map(|&station| subject.graph[station].position).collect();
         let axis = resampled(&axis);
         let round = rounded(&rounded(&axis));
         let eye = |(round, axis): (&Point3<f64>, &Point3<f64>)| eye(subject.field, *round, *axis);
@@ -69,29 +69,30 @@ impl Path {
 }
 
 /// Stations on the shortest way to the station that is furthest from the first.
-fn furthest(graph: &Graph) -> Vec<usize> {
+fn furthest(graph: &Graph) -> Vec<StationId> {
     let neighbors = graph.neighbors();
     let mut way_m = vec![f64::INFINITY; graph.nodes.len()];
-    let mut before: Vec<Option<usize>> = vec![None; graph.nodes.len()];
+    let mut before: Vec<Option<StationId>> = vec![None; graph.nodes.len()];
     // Lengths are not negative, and so their bits are in their order.
-    let mut queue = BinaryHeap::from([(Reverse(0_u64), Reverse(0_usize))]);
-    way_m[0] = 0.0;
+    let first = StationId::new(0);
+    let mut queue = BinaryHeap::from([(Reverse(0_u64), Reverse(first))]);
+    way_m[first.index()] = 0.0;
     while let Some((Reverse(bits), Reverse(station))) = queue.pop() {
-        if f64::from_bits(bits) > way_m[station] {
+        if f64::from_bits(bits) > way_m[station.index()] {
             continue;
         }
         for &other in &neighbors[station] {
-            let through = way_m[station] + graph.distance_m(station, other);
-            if through < way_m[other] {
-                way_m[other] = through;
-                before[other] = Some(station);
+            let through = way_m[station.index()] + graph.distance_m(station, other);
+            if through < way_m[other.index()] {
+                way_m[other.index()] = through;
+                before[other.index()] = Some(station);
                 queue.push((Reverse(through.to_bits()), Reverse(other)));
             }
         }
     }
-    let reached = (0..graph.nodes.len()).filter(|&station| way_m[station].is_finite());
-    let last = reached.rev().max_by(|&a, &b| way_m[a].total_cmp(&way_m[b])).unwrap_or(0);
-    let mut stations: Vec<usize> = std::iter::successors(Some(last), |&station| before[station]).collect();
+    let reached = graph.stations().filter(|station| way_m[station.index()].is_finite());
+    let last = reached.rev().max_by(|a, b| way_m[a.index()].total_cmp(&way_m[b.index()])).unwrap_or(first);
+    let mut stations: Vec<StationId> = std::iter::successors(Some(last), |station| before[station.index()]).collect();
     stations.reverse();
     stations
 }

@@ -96,7 +96,7 @@ fn glance(field: &dyn Field, eye: [f32; 3]) -> Glance {
 /// The first stations and the passages between them.
 fn beginning(graph: &Graph) -> Graph {
     let nodes = graph.nodes.iter().take(MOST_STATIONS).cloned().collect();
-    let edges = graph.edges.iter().filter(|edge| edge.iter().all(|&end| end < MOST_STATIONS)).copied().collect();
+    let edges = graph.edges.iter().filter(|edge| edge.iter().all(|end| end.index() < MOST_STATIONS)).copied().collect();
     Graph::new(nodes, edges)
 }
 
@@ -106,21 +106,21 @@ mod tests {
     use crate::field::{CaveField, PassageSettings};
     use crate::material::{Look, MATERIALS};
     use nalgebra::Point3;
-    use plume_graph::Node;
+    use plume_graph::{Node, StationId};
     use serde_json::json;
 
     /// A straight passage from the origin, each station so much higher than the one before, metres.
     fn passage(rise_m: f64) -> Graph {
         let node = |i: usize| Node {
             id: i as u64,
-            parent: i.checked_sub(1),
+            parent: i.checked_sub(1).map(StationId::new),
             position: Point3::new(6.0, 0.0, rise_m) * i as f64,
             radius: 4.0,
             active: false,
             level: 0,
             section: None,
         };
-        Graph::new((0..6).map(node).collect(), (1..6).map(|i| [i - 1, i]).collect())
+        Graph::new((0..6).map(node).collect(), StationId::pairs((1..6).map(|i| [i - 1, i])))
     }
 
     /// The best of the glances along a passage.

@@ -7,7 +7,8 @@ use super::frame::Frame;
 use super::sheet::{Panel, Sheet};
 use crate::preview::svg::{Spot, Svg};
 use crate::preview::theme::Palette;
-use plume_graph::Graph;
+use plume_graph::sets::Sets;
+use plume_graph::{Graph, StationId};
 
 /// A mark nearer to another than this is left out, in units of the paper.
 const APART: f64 = 9.0;
@@ -29,18 +30,18 @@ pub enum Mark {
 /// The marks of a cave.
 pub struct Marks {
     /// Each with the stations it stands between, twice the same where it stands at one.
-    marks: Vec<(Mark, [usize; 2])>,
+    marks: Vec<(Mark, [StationId; 2])>,
 }
 
 impl Marks {
     /// Origins first, then loops, then dead ends.
     pub fn of(graph: &Graph) -> Self {
         let degrees = graph.degrees();
-        let stations = 0..graph.nodes.len();
-        let is_origin = |station: &usize| graph.nodes[*station].parent.is_none();
+        let stations = graph.stations();
+        let is_origin = |station: &StationId| graph[*station].parent.is_none();
         let origins = stations.clone().filter(is_origin).map(|station| (Mark::Origin, [station; 2]));
         let loops = closing(graph).into_iter().map(|edge| (Mark::Loop, edge));
-        let is_end = |station: &usize| degrees[*station] == 1 && !is_origin(station);
+        let is_end = |station: &StationId| degrees[station.index()] == 1 && !is_origin(station);
         let ends = stations.filter(is_end).map(|station| (Mark::DeadEnd, [station; 2]));
         Self { marks: origins.chain(loops).chain(ends).collect() }
     }
@@ -53,12 +54,12 @@ impl Marks {
     /// Draws those of a panel, the earlier where two are too near each other.
     pub fn draw(&self, svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
         let mut places = Places { apart_px: APART * frame.line_px, taken: BTreeMap::new() };
-        let is_here = |end: &usize| panel.level.is_none_or(|level| sheet.stations[*end].level == level);
+        let is_here = |end: &StationId| panel.level.is_none_or(|level| sheet[*end].level == level);
         for (mark, ends) in &self.marks {
             if !ends.iter().any(is_here) {
                 continue;
             }
-            let [a, b] = ends.map(|end| frame.spot(sheet.stations[end].at));
+            let [a, b] = ends.map(|end| frame.spot(sheet[end].at));
             let spot = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
             if places.take(spot) {
                 draw(svg, palette, *mark, spot, frame.line_px);
@@ -116,24 +117,8 @@ pub fn draw(svg: &mut Svg, palette: &Palette, mark: Mark, at: Spot, unit: f64) {
 }
 
 /// Passages that close a loop when they are added in their order: as many as there are loops.
-fn closing(graph: &Graph) -> Vec<[usize; 2]> {
-    let mut heads: Vec<usize> = (0..graph.nodes.len()).collect();
-    let mut closing = Vec::new();
-    for &[a, b] in &graph.edges {
-        let (one, other) = (head(&mut heads, a), head(&mut heads, b));
-        if one == other {
-            closing.push([a, b]);
-        }
-        heads[one.max(other)] = one.min(other);
-    }
-    closing
-}
-
-/// The station that stands for all that are joined with this one.
-fn head(heads: &mut [usize], mut station: usize) -> usize {
-    while heads[station] != station {
-        heads[station] = heads[heads[station]];
-        station = heads[station];
-    }
-    station
+fn closing(graph: &Graph) -> Vec<[StationId; 2]> {
+    let mut joined = Sets::new(graph.nodes.len());
+    let closes = |&&[a, b]: &&[StationId; 2]| !joined.unite(a.index(), b.index());
+    graph.edges.iter().filter(closes).copied().collect()
 }

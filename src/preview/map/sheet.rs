@@ -1,7 +1,9 @@
 //! A graph as it lies on paper, still in metres.
 
+use std::ops::Index;
+
 use crate::preview::Subject;
-use plume_graph::{Aabb, Graph, Node};
+use plume_graph::{Aabb, Graph, Node, StationId};
 
 /// More storeys than this are drawn over each other.
 const MOST_PANELS: usize = 12;
@@ -45,7 +47,7 @@ pub struct Panel {
     /// The storey it shows; `None` for all.
     pub level: Option<u32>,
     /// Passages, as pairs of stations.
-    pub edges: Vec<[usize; 2]>,
+    pub edges: Vec<[StationId; 2]>,
 }
 
 /// A map before it is scaled.
@@ -147,6 +149,14 @@ impl Sheet {
     }
 }
 
+impl Index<StationId> for Sheet {
+    type Output = Station;
+
+    fn index(&self, station: StationId) -> &Station {
+        &self.stations[station.index()]
+    }
+}
+
 /// A panel for each storey. A passage between two is drawn in both.
 fn storeys(graph: &Graph) -> Vec<Panel> {
     let mut levels: Vec<u32> = graph.nodes.iter().map(|node| node.level).collect();
@@ -159,7 +169,7 @@ fn storeys(graph: &Graph) -> Vec<Panel> {
 }
 
 fn storey(graph: &Graph, level: u32) -> Panel {
-    let is_here = |edge: &&[usize; 2]| edge.iter().any(|&end| graph.nodes[end].level == level);
+    let is_here = |edge: &&[StationId; 2]| edge.iter().any(|&end| graph[end].level == level);
     let heights = graph.nodes.iter().filter(|node| node.level == level).map(|node| node.position.z);
     let (low, high) = (heights.clone().fold(f64::INFINITY, f64::min), heights.fold(f64::NEG_INFINITY, f64::max));
     let (low, high) = (whole(low), whole(high));

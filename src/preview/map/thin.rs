@@ -4,6 +4,7 @@ use rustc_hash::FxHashMap;
 
 use super::frame::Frame;
 use super::sheet::{Panel, Sheet, Station};
+use plume_graph::StationId;
 
 /// More pieces than this are not drawn. Tuned: a second's work for a viewer of SVG.
 const MOST_PIECES: usize = 16_000;
@@ -12,7 +13,7 @@ const LEAST_PX: f64 = 1.0;
 
 /// The passages of a panel as pairs of stations, or one station twice where it has none that can be seen. Of stations in
 /// one pixel the nearest to the viewer stands for all; the pixel grows until few enough are left.
-pub fn pieces(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<[usize; 2]> {
+pub fn pieces(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<[StationId; 2]> {
     let mut cell_m = LEAST_PX * frame.line_px / frame.px_per_m;
     loop {
         let pieces = merged(sheet, panel, cell_m);
@@ -23,22 +24,23 @@ pub fn pieces(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<[usize; 2]> {
     }
 }
 
-fn merged(sheet: &Sheet, panel: &Panel, cell_m: f64) -> Vec<[usize; 2]> {
+fn merged(sheet: &Sheet, panel: &Panel, cell_m: f64) -> Vec<[StationId; 2]> {
     let cell = |station: &Station| station.at.map(|metres| (metres / cell_m).floor() as i64);
     let is_here = |station: &Station| panel.level.is_none_or(|level| station.level == level);
-    let mut first: FxHashMap<[i64; 2], usize> = FxHashMap::default();
-    let mut enter = |index: usize| {
-        let slot = first.entry(cell(&sheet.stations[index])).or_insert(index);
-        if sheet.stations[index].depth > sheet.stations[*slot].depth {
-            *slot = index;
+    let mut first: FxHashMap<[i64; 2], StationId> = FxHashMap::default();
+    let mut enter = |station: StationId| {
+        let slot = first.entry(cell(&sheet[station])).or_insert(station);
+        if sheet[station].depth > sheet[*slot].depth {
+            *slot = station;
         }
     };
     panel.edges.iter().flatten().for_each(|&end| enter(end));
-    let alone: Vec<usize> = (0..sheet.stations.len()).filter(|&index| is_here(&sheet.stations[index])).collect();
-    alone.iter().for_each(|&index| enter(index));
-    let of = |index: usize| first[&cell(&sheet.stations[index])];
-    let mut pieces: Vec<[usize; 2]> = panel.edges.iter().map(|&ends| ends.map(of)).collect();
-    pieces.extend(alone.into_iter().map(|index| [of(index); 2]));
+    let alone: Vec<StationId> =
+        StationId::all(sheet.stations.len()).filter(|&station| is_here(&sheet[station])).collect();
+    alone.iter().for_each(|&station| enter(station));
+    let of = |station: StationId| first[&cell(&sheet[station])];
+    let mut pieces: Vec<[StationId; 2]> = panel.edges.iter().map(|&ends| ends.map(of)).collect();
+    pieces.extend(alone.into_iter().map(|station| [of(station); 2]));
     pieces.iter_mut().for_each(|piece| piece.sort_unstable());
     pieces.sort_unstable();
     pieces.dedup();
@@ -46,9 +48,9 @@ fn merged(sheet: &Sheet, panel: &Panel, cell_m: f64) -> Vec<[usize; 2]> {
 }
 
 /// A station that a passage ends in needs not be drawn again.
-fn without_covered(mut pieces: Vec<[usize; 2]>, stations: usize) -> Vec<[usize; 2]> {
+fn without_covered(mut pieces: Vec<[StationId; 2]>, stations: usize) -> Vec<[StationId; 2]> {
     let mut covered = vec![false; stations];
-    pieces.iter().filter(|[a, b]| a != b).flatten().for_each(|&end| covered[end] = true);
-    pieces.retain(|&[a, b]| a != b || !covered[a]);
+    pieces.iter().filter(|[a, b]| a != b).flatten().for_each(|end| covered[end.index()] = true);
+    pieces.retain(|&[a, b]| a != b || !covered[a.index()]);
     pieces
 }

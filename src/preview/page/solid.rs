@@ -10,7 +10,7 @@ use super::packed;
 use crate::field::Reach;
 use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings, QUANTA_PER_M};
 use crate::preview::{PreviewError, Subject};
-use plume_graph::Aabb;
+use plume_graph::{Aabb, StationId};
 
 /// Triangles before they are simplified. Tuned: about a second's work on two cores.
 const TRIANGLES: f64 = 120_000.0;
@@ -93,10 +93,10 @@ impl Solid {
 
 /// About how large the wall is: every passage as a tube.
 fn area_m2(subject: &Subject) -> f64 {
-    let around_m = |station: usize| {
-        let Reach { aside_m, up_m, down_m } = subject.passage.reach(&subject.graph.nodes[station]);
+    let around_m = |station: StationId| {
+        let Reach { aside_m, up_m, down_m } = subject.passage.reach(&subject.graph[station]);
         PI * f64::from(aside_m + (up_m + down_m) / 2.0)
     };
-    let tube = |&[a, b]: &[usize; 2]| subject.graph.distance_m(a, b) * (around_m(a) + around_m(b)) / 2.0;
+    let tube = |&[a, b]: &[StationId; 2]| subject.graph.distance_m(a, b) * (around_m(a) + around_m(b)) / 2.0;
     subject.graph.edges.iter().map(tube).sum()
 }
