@@ -96,7 +96,7 @@ impl Preview {
             },
             size: self.size.as_deref().map(str::parse::<Size>).transpose()?,
             at: numbers("--at", &self.at)?,
-            look: numbers("--look", &self.look)?.map(|angles: [f32; 2]| angles.map(f32::to_radians)),
+            look_rad: numbers("--look", &self.look)?.map(|angles: [f32; 2]| angles.map(f32::to_radians)),
             pace: Pace::new(self.fps.unwrap_or(usual.fps), self.seconds.unwrap_or(usual.seconds))?,
             stop: console.stop(),
         })

@@ -147,7 +147,7 @@ impl GrownTunnels {
             nodes: self.nodes as usize,
             rock_m: self.rock_m,
             widest: Size::new(self.width_max_m, self.height_ratio),
-            steepest: self.max_inclination_deg.to_radians(),
+            steepest_rad: self.max_inclination_deg.to_radians(),
             junction: self.junction_angle_deg.to_radians(),
             // Connectors are this generator's own loops.
             loop_closure: 0.0,
@@ -206,17 +206,17 @@ impl Tunnels<'_> {
         let mut part = |most_deg: f64| most_deg.to_radians() * rng.between(-1.0, 1.0);
         let (turn, turn_noise) = (part(settings.yaw_tendency_deg), part(settings.yaw_noise_deg));
         let (rise, rise_noise) = (part(settings.inclination_tendency_deg), part(settings.inclination_noise_deg));
-        let mut yaw = rng.between(0.0, TAU);
+        let mut yaw_rad = rng.between(0.0, TAU);
         let mut corners = vec![from];
         let mut at = from;
         let mut drawn = 0.0;
         while drawn < length {
             let step = mean * rng.between(SHORTEST, 2.0 - SHORTEST);
-            let pitch = rise + rise_noise * rng.between(-1.0, 1.0);
-            at += step * ahead(yaw, pitch);
+            let pitch_rad = rise + rise_noise * rng.between(-1.0, 1.0);
+            at += step * ahead(yaw_rad, pitch_rad);
             corners.push(at);
             drawn += step;
-            yaw += turn + turn_noise * rng.between(-1.0, 1.0);
+            yaw_rad += turn + turn_noise * rng.between(-1.0, 1.0);
         }
         corners
     }

@@ -129,7 +129,7 @@ impl LSystem {
             nodes: self.nodes as usize,
             rock_m: self.rock_m,
             widest: Size::new(self.width_max_m, self.height_ratio),
-            steepest: self.max_slope_deg.to_radians(),
+            steepest_rad: self.max_slope_deg.to_radians(),
             junction: network::JUNCTION,
             loop_closure: self.loop_closure,
             spacing_m: self.step_m,
@@ -150,7 +150,7 @@ struct Part {
 /// Digs one branch.
 struct Turtle {
     station: usize,
-    yaw: f64,
+    yaw_rad: f64,
     pitch_deg: f64,
     width_m: f64,
     /// What is to be read, the innermost last.
@@ -188,7 +188,7 @@ impl Dig<'_> {
     fn begin(&self, station: usize, rng: &mut Rng) -> Turtle {
         let axiom = self.part(0, self.settings.iterations);
         let width_m = self.settings.width_max_m;
-        Turtle { station, yaw: rng.between(0.0, TAU), pitch_deg: 0.0, width_m, parts: vec![axiom] }
+        Turtle { station, yaw_rad: rng.between(0.0, TAU), pitch_deg: 0.0, width_m, parts: vec![axiom] }
     }
 
     /// Reads on until a step is dug; none when the branch is at its end or finds no room.
@@ -199,8 +199,8 @@ impl Dig<'_> {
             self.left -= 1;
             let (symbol, depth) = self.read(&mut turtle)?;
             match symbol {
-                '+' => turtle.yaw += settings.angle_deg.to_radians(),
-                '-' => turtle.yaw -= settings.angle_deg.to_radians(),
+                '+' => turtle.yaw_rad += settings.angle_deg.to_radians(),
+                '-' => turtle.yaw_rad -= settings.angle_deg.to_radians(),
                 '^' => turtle.pitch_deg = (turtle.pitch_deg + settings.pitch_deg).min(steepest),
                 '&' => turtle.pitch_deg = (turtle.pitch_deg - settings.pitch_deg).max(-steepest),
                 '!' => turtle.width_m = (turtle.width_m * settings.narrowing).max(settings.width_min_m),
@@ -249,12 +249,12 @@ impl Dig<'_> {
     fn step(&self, turtle: &mut Turtle, network: &mut Network, rng: &mut Rng) -> Option<usize> {
         let settings = self.settings;
         let from = *network.position(turtle.station);
-        let yaw = turtle.yaw + (settings.wander_deg * rng.normal()).to_radians();
+        let yaw_rad = turtle.yaw_rad + (settings.wander_deg * rng.normal()).to_radians();
         let size = Size::new(turtle.width_m, settings.height_ratio);
         for dodge in DODGES_DEG.map(f64::to_radians) {
-            let position = from + settings.step_m * ahead(yaw + dodge, turtle.pitch_deg.to_radians());
+            let position = from + settings.step_m * ahead(yaw_rad + dodge, turtle.pitch_deg.to_radians());
             if let Some(next) = network.lay(turtle.station, &[Spot { position, size }], None) {
-                turtle.yaw = yaw + dodge;
+                turtle.yaw_rad = yaw_rad + dodge;
                 return Some(next);
             }
         }

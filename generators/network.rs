@@ -39,7 +39,7 @@ pub(super) struct Rules {
     /// The largest section of a passage.
     pub(super) widest: Size,
     /// Greatest inclination of a passage.
-    pub(super) steepest: f64,
+    pub(super) steepest_rad: f64,
     /// Least angle between two passages at a station.
     pub(super) junction: f64,
     /// How many loops are closed; 1 for as many as in real caves.
@@ -107,7 +107,7 @@ impl Network {
             places: Cells::new(side_m),
             openings: Vec::new(),
             held: 0,
-            steepest_slope: libm::tan(rules.steepest),
+            steepest_slope: libm::tan(rules.steepest_rad),
             sharpest: libm::cos(rules.junction),
             rules,
         };
@@ -294,9 +294,9 @@ impl Network {
 }
 
 /// The direction of this yaw and inclination, of length 1.
-pub(super) fn ahead(yaw: f64, pitch: f64) -> Vector3<f64> {
-    let level = libm::cos(pitch);
-    Vector3::new(level * libm::cos(yaw), level * libm::sin(yaw), libm::sin(pitch))
+pub(super) fn ahead(yaw_rad: f64, pitch_rad: f64) -> Vector3<f64> {
+    let level = libm::cos(pitch_rad);
+    Vector3::new(level * libm::cos(yaw_rad), level * libm::sin(yaw_rad), libm::sin(pitch_rad))
 }
 
 /// Refuses two settings of which the least exceeds the greatest.

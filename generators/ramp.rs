@@ -22,27 +22,27 @@ const MOST_STEPS: f64 = 200.0;
 /// Rounds in which an arc is lengthened by what its chords cut short.
 const CHORD_ROUNDS: usize = 4;
 
-/// From the least to the greatest slope, in radians.
+/// From the least to the greatest slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Slopes {
-    pub(super) least: f64,
-    pub(super) greatest: f64,
+    pub(super) least_rad: f64,
+    pub(super) greatest_rad: f64,
 }
 
 impl Slopes {
-    pub(super) fn of_degrees(least: f64, greatest: f64) -> Self {
-        Self { least: least.to_radians(), greatest: greatest.to_radians() }
+    pub(super) fn of_degrees(least_deg: f64, greatest_deg: f64) -> Self {
+        Self { least_rad: least_deg.to_radians(), greatest_rad: greatest_deg.to_radians() }
     }
 
     /// Whether a passage has such a slope.
     pub(super) fn hold(&self, a: &Point3<f64>, b: &Point3<f64>) -> bool {
-        let slope = slope(a, b);
-        slope >= self.least - ROUNDING && slope <= self.greatest + ROUNDING
+        let slope_rad = slope_rad(a, b);
+        slope_rad >= self.least_rad - ROUNDING && slope_rad <= self.greatest_rad + ROUNDING
     }
 }
 
 /// The slope of a passage, in radians.
-pub(super) fn slope(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
+pub(super) fn slope_rad(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
     libm::atan2((a.z - b.z).abs(), (a.xy() - b.xy()).norm())
 }
 
@@ -58,14 +58,14 @@ pub(super) enum Course {
 /// A way of one slope round an upright axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Helix {
-    /// In radians.
-    pub(super) slope: f64,
+    /// Of every step.
+    pub(super) slope_rad: f64,
     /// Whole turns; what is left of one comes on top.
     pub(super) turns: u32,
     /// To the left (1) or to the right (-1).
     pub(super) side: f64,
     /// Where it sets out between points above each other, in radians from east.
-    pub(super) bearing: f64,
+    pub(super) bearing_rad: f64,
 }
 
 /// The stations of a way down from `top` to `foot`, both included, at most `step_m` apart. `None` where the course does not
@@ -94,47 +94,47 @@ struct Arc {
     center: Vector2<f64>,
     radius: f64,
     /// Where on the circle it starts.
-    start: f64,
+    start_rad: f64,
     /// How far round it leads, with its sign.
-    turn: f64,
+    turn_rad: f64,
     steps: usize,
 }
 
 impl Arc {
     fn between([top, foot]: [Point3<f64>; 2], helix: Helix, step_m: f64) -> Option<Self> {
-        let Helix { slope, turns, side, bearing } = helix;
+        let Helix { slope_rad, turns, side, bearing_rad } = helix;
         let chord = (foot.xy() - top.xy()).norm();
-        let length = (top.z - foot.z) / libm::tan(slope);
+        let length = (top.z - foot.z) / libm::tan(slope_rad);
         let mut arc_length = length;
         let mut found = None;
         for _ in 0..CHORD_ROUNDS {
-            let (radius, turn) = if turns == 0 { bow(chord, arc_length)? } else { coil(chord, arc_length, turns)? };
-            let steps = (arc_length / libm::cos(slope) / step_m).ceil().max((turn / SHARPEST).ceil()).max(2.0);
+            let (radius, turn_rad) = if turns == 0 { bow(chord, arc_length)? } else { coil(chord, arc_length, turns)? };
+            let steps = (arc_length / libm::cos(slope_rad) / step_m).ceil().max((turn_rad / SHARPEST).ceil()).max(2.0);
             if steps > MOST_STEPS {
                 return None;
             }
-            let half_step = 0.5 * turn / steps;
+            let half_step = 0.5 * turn_rad / steps;
             arc_length = length * half_step / libm::sin(half_step);
-            found = Some((radius, turn, steps as usize));
+            found = Some((radius, turn_rad, steps as usize));
         }
-        let (radius, turn, steps) = found?;
+        let (radius, turn_rad, steps) = found?;
         let along = if chord > 0.001 {
             (foot.xy() - top.xy()) / chord
         } else {
-            Vector2::new(libm::cos(bearing), libm::sin(bearing))
+            Vector2::new(libm::cos(bearing_rad), libm::sin(bearing_rad))
         };
         let left = Vector2::new(-along.y, along.x) * side;
         // Half a chord on, and as far aside as the circle asks: to the other side beyond half a turn.
-        let bend = 0.5 * turn.rem_euclid(TAU);
+        let bend = 0.5 * turn_rad.rem_euclid(TAU);
         let center = top.coords.xy() + along * (0.5 * chord) + left * (radius * libm::cos(bend));
         let out = top.coords.xy() - center;
-        Some(Self { center, radius, start: libm::atan2(out.y, out.x), turn: side * turn, steps })
+        Some(Self { center, radius, start_rad: libm::atan2(out.y, out.x), turn_rad: side * turn_rad, steps })
     }
 
     fn stations(&self, [top, foot]: [Point3<f64>; 2]) -> Vec<Point3<f64>> {
         let inner = (1..self.steps).map(|step| {
             let share = step as f64 / self.steps as f64;
-            let angle = self.start + self.turn * share;
+            let angle = self.start_rad + self.turn_rad * share;
             let x = self.center.x + self.radius * libm::cos(angle);
             let y = self.center.y + self.radius * libm::sin(angle);
             Point3::new(x, y, top.z + (foot.z - top.z) * share).map(millimetres)
@@ -145,24 +145,24 @@ impl Arc {
 
 /// Radius and turn of an arc of this length over a chord, less than once round.
 fn bow(chord: f64, length: f64) -> Option<(f64, f64)> {
-    let ratio = |turn: f64| libm::sin(0.5 * turn) / (0.5 * turn);
+    let ratio = |turn_rad: f64| libm::sin(0.5 * turn_rad) / (0.5 * turn_rad);
     if length <= chord || chord / length < ratio(LONGEST_ARC) {
         return None;
     }
-    let turn = halved([1e-3, LONGEST_ARC], |turn| ratio(turn) * length > chord);
-    Some((length / turn, turn))
+    let turn_rad = halved([1e-3, LONGEST_ARC], |turn_rad| ratio(turn_rad) * length > chord);
+    Some((length / turn_rad, turn_rad))
 }
 
 /// Radius and turn of an arc of this length over a chord that leads round so many times, and on by the short way.
 fn coil(chord: f64, length: f64, turns: u32) -> Option<(f64, f64)> {
     let round = TAU * f64::from(turns);
-    let turn = |radius: f64| round + 2.0 * libm::asin((0.5 * chord / radius).min(1.0));
+    let turn_rad = |radius: f64| round + 2.0 * libm::asin((0.5 * chord / radius).min(1.0));
     let least = (0.5 * chord).max(1e-3);
-    if least * turn(least) > length {
+    if least * turn_rad(least) > length {
         return None;
     }
-    let radius = halved([least, length / PI], |radius| radius * turn(radius) < length);
-    Some((radius, turn(radius)))
+    let radius = halved([least, length / PI], |radius| radius * turn_rad(radius) < length);
+    Some((radius, turn_rad(radius)))
 }
 
 /// Where, between two values, a condition ends that holds at the first.
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     fn arc(degrees: f64, turns: u32, side: f64) -> Course {
-        Course::Round(Helix { slope: degrees.to_radians(), turns, side, bearing: 1.0 })
+        Course::Round(Helix { slope_rad: degrees.to_radians(), turns, side, bearing_rad: 1.0 })
     }
 
     #[test]

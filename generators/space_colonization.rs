@@ -148,7 +148,7 @@ impl SpaceColonization {
             nodes: self.nodes as usize,
             rock_m: self.rock_m,
             widest: self.widest(),
-            steepest: self.max_slope_deg.to_radians(),
+            steepest_rad: self.max_slope_deg.to_radians(),
             junction: network::JUNCTION,
             loop_closure: self.loop_closure,
             spacing_m: self.step_m,
@@ -238,11 +238,11 @@ impl Colony<'_> {
     fn grow(&self, network: &mut Network, station: usize, pull: Vector3<f64>, rng: &mut Rng) -> bool {
         let way = pull + self.settings.tropism();
         let steepest = self.settings.max_slope_deg.to_radians();
-        let pitch = libm::atan2(way.z, way.xy().norm()).clamp(-steepest, steepest);
-        let yaw = libm::atan2(way.y, way.x) + (self.settings.wander_deg * rng.normal()).to_radians();
+        let pitch_rad = libm::atan2(way.z, way.xy().norm()).clamp(-steepest, steepest);
+        let yaw_rad = libm::atan2(way.y, way.x) + (self.settings.wander_deg * rng.normal()).to_radians();
         let from = *network.position(station);
         DODGES_DEG.into_iter().any(|dodge| {
-            let position = from + self.settings.step_m * ahead(yaw + dodge.to_radians(), pitch);
+            let position = from + self.settings.step_m * ahead(yaw_rad + dodge.to_radians(), pitch_rad);
             network.lay(station, &[Spot { position, size: self.settings.widest() }], None).is_some()
         })
     }

@@ -127,7 +127,7 @@ impl Worms {
             nodes: self.nodes as usize,
             rock_m: self.rock_m,
             widest: Size::new(self.width_max_m, self.height_ratio),
-            steepest: self.max_slope_deg.to_radians(),
+            steepest_rad: self.max_slope_deg.to_radians(),
             junction: network::JUNCTION,
             loop_closure: self.loop_closure,
             spacing_m: self.step_m,
@@ -148,7 +148,7 @@ struct Crawl<'a> {
 
 /// A worm on its way: where in the noise each of its motions is read.
 struct Worm {
-    bearing: f64,
+    bearing_rad: f64,
     swing: f64,
     drift: f64,
     rise: f64,
@@ -166,7 +166,7 @@ impl Growth for Crawl<'_> {
             for _ in 0..STARTS {
                 let mut lane = || rng.between(0.0, 256.0);
                 let [swing, drift, rise, passage_size] = [lane(), lane(), lane(), lane()];
-                let mut worm = Worm { bearing: rng.between(0.0, TAU), swing, drift, rise, passage_size };
+                let mut worm = Worm { bearing_rad: rng.between(0.0, TAU), swing, drift, rise, passage_size };
                 if self.crawl(network, &mut worm, from, length) {
                     break;
                 }
@@ -192,28 +192,28 @@ impl Crawl<'_> {
     fn step(&self, network: &mut Network, worm: &mut Worm, tip: usize, crawled_m: f64) -> Option<usize> {
         let at = *network.position(tip);
         let size = self.size(worm, crawled_m);
-        let pitch = self.pitch(worm, crawled_m, at.z);
+        let pitch_rad = self.pitch_rad(worm, crawled_m, at.z);
         let sides = DODGES_DEG.into_iter().flat_map(|dodge| [dodge, -dodge]);
         for dodge in sides.map(f64::to_radians).skip(1) {
-            let yaw = self.yaw(worm, crawled_m) + dodge;
-            let spot = Spot { position: at + self.settings.step_m * ahead(yaw, pitch), size };
+            let yaw_rad = self.yaw_rad(worm, crawled_m) + dodge;
+            let spot = Spot { position: at + self.settings.step_m * ahead(yaw_rad, pitch_rad), size };
             if let Some(next) = network.lay(tip, &[spot], None) {
-                worm.bearing += dodge;
+                worm.bearing_rad += dodge;
                 return Some(next);
             }
         }
         None
     }
 
-    fn yaw(&self, worm: &Worm, crawled_m: f64) -> f64 {
+    fn yaw_rad(&self, worm: &Worm, crawled_m: f64) -> f64 {
         let swing_length = self.settings.swing_length_m;
         let swing = self.settings.swing_deg * self.noise(crawled_m / swing_length, worm.swing);
         let drift = self.settings.drift_deg * self.noise(crawled_m / (DRIFT_LENGTH * swing_length), worm.drift);
-        worm.bearing + (swing + drift).to_radians()
+        worm.bearing_rad + (swing + drift).to_radians()
     }
 
     /// Up or down by noise, and back where the range of depths ends.
-    fn pitch(&self, worm: &Worm, crawled_m: f64, z: f64) -> f64 {
+    fn pitch_rad(&self, worm: &Worm, crawled_m: f64, z: f64) -> f64 {
         let steepest = self.settings.max_slope_deg.to_radians();
         let half = 0.5 * self.settings.depth_m;
         let rise = self.noise(crawled_m / self.settings.swing_length_m, worm.rise);

@@ -49,7 +49,7 @@ pub struct Order<'a> {
     /// Where to look from, metres; `None` for that of some start poses that shows most.
     pub at: Option<[f32; 3]>,
     /// Yaw and pitch in radians, from +x to +y and up; `None` to look where one sees furthest, about level.
-    pub look: Option<[f32; 2]>,
+    pub look_rad: Option<[f32; 2]>,
     /// How long a flight takes.
     pub pace: Pace,
     /// Set to stop.

@@ -315,12 +315,12 @@ impl Instruments {
     }
 
     /// Adds this to every bearing, in radians.
-    pub(super) fn set_declination(&mut self, declination: f64) {
-        self.gauges[Quantity::Declination as usize].zero = -declination;
+    pub(super) fn set_declination_rad(&mut self, declination_rad: f64) {
+        self.gauges[Quantity::Declination as usize].zero = -declination_rad;
     }
 
     /// What is added to every bearing, in radians.
-    pub(super) fn declination(&self) -> f64 {
+    pub(super) fn declination_rad(&self) -> f64 {
         -self.gauges[Quantity::Declination as usize].zero
     }
 

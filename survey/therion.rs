@@ -157,10 +157,10 @@ impl Reader<'_> {
             ("endsurvey", _) => self.close(Kind::Survey, outer),
             ("centreline" | "centerline", _) => {
                 self.open(spot, Kind::Centreline)?;
-                let declination = self.settings.instruments.declination();
+                let declination_rad = self.settings.instruments.declination_rad();
                 self.settings = Settings::default();
                 self.settings.instruments.dialect = Dialect::Therion;
-                self.settings.instruments.set_declination(declination);
+                self.settings.instruments.set_declination_rad(declination_rad);
                 Ok(())
             }
             ("equate", words) => self.equate(words),
@@ -191,8 +191,8 @@ impl Reader<'_> {
             }
             ("declination", ["-" | ""]) => {
                 let survey = self.blocks.iter().rev().find(|block| block.kind == Kind::Centreline);
-                let declination = survey.map(|block| block.settings.instruments.declination());
-                self.settings.instruments.set_declination(declination.unwrap_or_default());
+                let declination_rad = survey.map(|block| block.settings.instruments.declination_rad());
+                self.settings.instruments.set_declination_rad(declination_rad.unwrap_or_default());
                 Ok(())
             }
             ("units" | "calibrate" | "sd" | "declination" | "infer", rest) => {
@@ -254,7 +254,7 @@ impl Reader<'_> {
         }
         match value("-declination").map(|text| text.split_whitespace().collect::<Vec<_>>()) {
             None => {}
-            Some(words) if words.is_empty() => self.settings.instruments.set_declination(0.0),
+            Some(words) if words.is_empty() => self.settings.instruments.set_declination_rad(0.0),
             Some(words) => self.settings.instruments.obey("declination", &words, &lex::number)?,
         }
         Ok(())

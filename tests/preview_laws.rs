@@ -26,7 +26,7 @@ fn order(format: Format, stop: &AtomicBool) -> Order<'_> {
         theme: Theme::Light,
         size: Some(Size::new(WIDTH, HEIGHT).unwrap()),
         at: None,
-        look: None,
+        look_rad: None,
         pace: Pace::new(2, 1.0).unwrap(),
         stop,
     }

@@ -1,7 +1,7 @@
 //! A branch: steps until its planned length is used up or nothing is left to draw.
 
 use super::cave::{Cave, Kind};
-use super::circle::{Spread, wrap};
+use super::circle::{Spread, wrapped_rad};
 use super::clearance::Goal;
 use super::step::{Floor, Step};
 use super::tuning::{BEARING_PULL, DRIFT, NODES_IN_BRANCH, STRAIGHT_FROM};
@@ -10,7 +10,7 @@ use super::tuning::{BEARING_PULL, DRIFT, NODES_IN_BRANCH, STRAIGHT_FROM};
 #[derive(Clone, Copy)]
 pub(super) struct Bud {
     pub(super) station: usize,
-    pub(super) bearing: f64,
+    pub(super) bearing_rad: f64,
     pub(super) trunk: bool,
 }
 
@@ -27,20 +27,20 @@ impl Cave<'_> {
             (false, false) => Kind::Spur,
         };
         let spread = if length > STRAIGHT_FROM * mean { Spread::Trunk } else { Spread::Spur };
-        let (mut tip, mut bearing, mut heading) = (bud.station, bud.bearing, bud.bearing);
+        let (mut tip, mut bearing_rad, mut heading_rad) = (bud.station, bud.bearing_rad, bud.bearing_rad);
         let mut grown = 0.0;
         while grown < length && self.room() > 0 {
             let radius = self.draw_reach(mean, Some(self.stations[tip].radius));
             let level = self.stations[tip].level;
-            let step = Step { heading, spread, radius, kind, level, floor: Floor::Surface, goal: Goal::Open };
+            let step = Step { heading_rad, spread, radius, kind, level, floor: Floor::Surface, goal: Goal::Open };
             let Some(next) = self.step(tip, &step) else {
                 break;
             };
             grown += self.stations[tip].radius;
             tip = next;
-            bearing += DRIFT * self.rng.normal();
-            bearing = self.turned_from_wall(tip, bearing);
-            heading = self.pulled(tip, bearing);
+            bearing_rad += DRIFT * self.rng.normal();
+            bearing_rad = self.bearing_along_wall_rad(tip, bearing_rad);
+            heading_rad = self.pulled_heading_rad(tip, bearing_rad);
         }
         if main && tip != bud.station && self.room() > 0 {
             self.stations[tip].kind = Kind::Trunk;
@@ -49,9 +49,9 @@ impl Cave<'_> {
     }
 
     /// The heading on from a node, drawn back to the bearing of its branch.
-    pub(super) fn pulled(&self, station: usize, bearing: f64) -> f64 {
-        let heading = self.stations[station].heading;
-        heading + BEARING_PULL * wrap(bearing - heading)
+    pub(super) fn pulled_heading_rad(&self, station: usize, bearing_rad: f64) -> f64 {
+        let heading_rad = self.stations[station].heading_rad;
+        heading_rad + BEARING_PULL * wrapped_rad(bearing_rad - heading_rad)
     }
 
     fn draw_length(&mut self, trunk: bool) -> (f64, bool) {
@@ -65,16 +65,16 @@ impl Cave<'_> {
     }
 
     /// The bearing, turned to slide along the bounds where it would run into them.
-    fn turned_from_wall(&self, station: usize, bearing: f64) -> f64 {
+    fn bearing_along_wall_rad(&self, station: usize, bearing_rad: f64) -> f64 {
         const INWARD: f64 = 0.35;
         let at = self.position(station);
         let rim = 2.0 * self.derived.trunk_reach;
-        let (mut x, mut y) = (libm::cos(bearing), libm::sin(bearing));
+        let (mut x, mut y) = (libm::cos(bearing_rad), libm::sin(bearing_rad));
         let meets = |at: f64, half: f64, along: f64| at.abs() > half - rim && along * at > 0.0;
         let east_west = meets(at.x, self.derived.half[0], x);
         let north_south = meets(at.y, self.derived.half[1], y);
         if !east_west && !north_south {
-            return bearing;
+            return bearing_rad;
         }
         if east_west {
             x = -INWARD.copysign(at.x);

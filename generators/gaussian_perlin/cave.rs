@@ -35,7 +35,7 @@ pub(super) struct Station {
     pub(super) kind: Kind,
     pub(super) level: u32,
     /// Azimuth in which it was reached.
-    pub(super) heading: f64,
+    pub(super) heading_rad: f64,
     pub(super) alive: bool,
     /// Where it stands in the list of tips.
     pub(super) tip: Option<usize>,
@@ -50,7 +50,7 @@ impl Station {
             neighbors: Vec::new(),
             kind,
             level,
-            heading: 0.0,
+            heading_rad: 0.0,
             alive: true,
             tip: None,
         }
@@ -164,7 +164,7 @@ impl<'a> Cave<'a> {
     }
 
     /// Azimuth from one station to another.
-    pub(super) fn azimuth(&self, from: usize, to: usize) -> f64 {
+    pub(super) fn azimuth_rad(&self, from: usize, to: usize) -> f64 {
         let way = self.position(to) - self.position(from);
         libm::atan2(way.y, way.x)
     }

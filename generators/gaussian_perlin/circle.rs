@@ -43,7 +43,7 @@ pub(super) struct Compass {
 
 impl Compass {
     pub(super) fn new(settings: &GaussianPerlin, rng: &mut Rng) -> Self {
-        let sigma = settings.sigma_deg * DEGREE;
+        let sigma_rad = settings.sigma_deg * DEGREE;
         let fracture = fracture(rng);
         Self {
             noise: Perlin::new(rng),
@@ -52,22 +52,22 @@ impl Compass {
                 Distribution::Hybrid => settings.perlin_weight,
                 Distribution::Perlin => 1.0,
             },
-            directions: (0..SECTIONS).map(|s| [libm::cos(middle(s)), libm::sin(middle(s))]).collect(),
-            gaussians: [sigma, sigma * SPUR_SIGMA, LINK_SIGMA].map(gaussian),
+            directions: (0..SECTIONS).map(|s| [libm::cos(middle_rad(s)), libm::sin(middle_rad(s))]).collect(),
+            gaussians: [sigma_rad, sigma_rad * SPUR_SIGMA, LINK_SIGMA].map(gaussian),
             fracture,
             fracture_root: fracture.map(f64::sqrt),
         }
     }
 
     /// The circle of the node at `center` with this `radius`.
-    pub(super) fn circle(&self, center: [f64; 2], radius: f64, heading: f64, spread: Spread) -> Circle {
+    pub(super) fn circle(&self, center: [f64; 2], radius: f64, heading_rad: f64, spread: Spread) -> Circle {
         let gaussian = &self.gaussians[spread as usize];
         let fracture = match spread {
             Spread::Link => &self.fracture_root,
             Spread::Trunk | Spread::Spur => &self.fracture,
         };
         let perlin = self.perlin(center, radius);
-        let ahead = section(heading);
+        let ahead = section(heading_rad);
         Circle {
             weights: std::array::from_fn(|s| {
                 let offset = (s + SECTIONS - ahead) % SECTIONS;
@@ -98,19 +98,19 @@ pub(super) struct Circle {
 
 impl Circle {
     /// Allows nothing nearer than `arc` to the azimuth.
-    pub(super) fn forbid(&mut self, azimuth: f64, arc: f64) {
+    pub(super) fn forbid(&mut self, azimuth_rad: f64, arc_rad: f64) {
         // Sections farther off than this have their middle outside the arc.
-        let aside = ((arc / DEGREE) as usize + 2).min(SECTIONS / 2);
-        let first = section(azimuth) + SECTIONS - aside;
+        let aside = ((arc_rad / DEGREE) as usize + 2).min(SECTIONS / 2);
+        let first = section(azimuth_rad) + SECTIONS - aside;
         for s in (first..=first + 2 * aside).map(|s| s % SECTIONS) {
-            if wrap(middle(s) - azimuth).abs() < arc {
+            if wrapped_rad(middle_rad(s) - azimuth_rad).abs() < arc_rad {
                 self.weights[s] = 0;
             }
         }
     }
 
     /// An azimuth drawn by weight, uniform in its section; `None` when no section is left.
-    pub(super) fn draw(&self, rng: &mut Rng) -> Option<f64> {
+    pub(super) fn draw_azimuth_rad(&self, rng: &mut Rng) -> Option<f64> {
         let total: u64 = self.weights.iter().sum();
         if total == 0 {
             return None;
@@ -125,8 +125,8 @@ impl Circle {
     }
 
     /// Allows nothing near an azimuth that was drawn and failed.
-    pub(super) fn rule_out(&mut self, azimuth: f64) {
-        let first = section(azimuth) + SECTIONS - RULED_OUT;
+    pub(super) fn rule_out(&mut self, azimuth_rad: f64) {
+        let first = section(azimuth_rad) + SECTIONS - RULED_OUT;
         for s in first..=first + 2 * RULED_OUT {
             self.weights[s % SECTIONS] = 0;
         }
@@ -134,24 +134,24 @@ impl Circle {
 }
 
 /// The angle in [-π, π).
-pub(super) fn wrap(angle: f64) -> f64 {
-    (angle + PI).rem_euclid(TAU) - PI
+pub(super) fn wrapped_rad(angle_rad: f64) -> f64 {
+    (angle_rad + PI).rem_euclid(TAU) - PI
 }
 
-fn section(angle: f64) -> usize {
-    ((angle.rem_euclid(TAU) / DEGREE) as usize) % SECTIONS
+fn section(angle_rad: f64) -> usize {
+    ((angle_rad.rem_euclid(TAU) / DEGREE) as usize) % SECTIONS
 }
 
-fn middle(section: usize) -> f64 {
+fn middle_rad(section: usize) -> f64 {
     (section as f64 + 0.5) * DEGREE
 }
 
 /// A Gaussian wrapped round the circle, by number of sections from its mean.
-fn gaussian(sigma: f64) -> Table {
-    let density = |angle: f64| libm::exp(-0.5 * (angle / sigma) * (angle / sigma));
+fn gaussian(sigma_rad: f64) -> Table {
+    let density = |angle_rad: f64| libm::exp(-0.5 * (angle_rad / sigma_rad) * (angle_rad / sigma_rad));
     normalized(std::array::from_fn(|s| {
-        let angle = wrap(s as f64 * DEGREE);
-        density(angle - TAU) + density(angle) + density(angle + TAU)
+        let angle_rad = wrapped_rad(s as f64 * DEGREE);
+        density(angle_rad - TAU) + density(angle_rad) + density(angle_rad + TAU)
     }))
 }
 
@@ -160,10 +160,10 @@ fn fracture(rng: &mut Rng) -> Table {
     let first = rng.between(0.0, PI);
     let second = first + rng.between(55.0 * DEGREE, 90.0 * DEGREE);
     let strength = rng.between(0.4, 1.0);
-    let peak = |angle: f64| libm::exp(FRACTURE_KAPPA * (libm::cos(2.0 * angle) - 1.0));
+    let peak = |angle_rad: f64| libm::exp(FRACTURE_KAPPA * (libm::cos(2.0 * angle_rad) - 1.0));
     let raw: Table = std::array::from_fn(|s| {
-        let angle = middle(s);
-        1.0 + FRACTURE * (peak(angle - first) + strength * peak(angle - second))
+        let angle_rad = middle_rad(s);
+        1.0 + FRACTURE * (peak(angle_rad - first) + strength * peak(angle_rad - second))
     });
     normalized(raw).map(|weight| weight * SECTIONS as f64)
 }
@@ -188,8 +188,8 @@ mod tests {
         let (compass, mut rng) = compass(Distribution::Gaussian);
         let circle = compass.circle([0.0, 0.0], 4.0, -0.01, Spread::Link);
         for _ in 0..500 {
-            let azimuth = circle.draw(&mut rng).expect("no arc is forbidden");
-            assert!(wrap(azimuth).abs() < 5.0 * LINK_SIGMA, "{azimuth}");
+            let azimuth_rad = circle.draw_azimuth_rad(&mut rng).expect("no arc is forbidden");
+            assert!(wrapped_rad(azimuth_rad).abs() < 5.0 * LINK_SIGMA, "{azimuth_rad}");
         }
     }
 
@@ -207,11 +207,11 @@ mod tests {
         let mut circle = compass.circle([0.0, 0.0], 4.0, 3.0, Spread::Spur);
         circle.forbid(-3.1, 1.0);
         for _ in 0..500 {
-            let azimuth = circle.draw(&mut rng).expect("most of the circle is free");
-            assert!(wrap(azimuth + 3.1).abs() > 1.0 - DEGREE);
+            let azimuth_rad = circle.draw_azimuth_rad(&mut rng).expect("most of the circle is free");
+            assert!(wrapped_rad(azimuth_rad + 3.1).abs() > 1.0 - DEGREE);
         }
         circle.forbid(0.0, 4.0);
-        assert_eq!(circle.draw(&mut rng), None);
+        assert_eq!(circle.draw_azimuth_rad(&mut rng), None);
     }
 
     #[test]
@@ -220,8 +220,8 @@ mod tests {
         let mut circle = compass.circle([0.0, 0.0], 4.0, 0.0, Spread::Trunk);
         circle.rule_out(0.001);
         for _ in 0..500 {
-            let azimuth = circle.draw(&mut rng).expect("most of the circle is free");
-            assert!(wrap(azimuth).abs() >= 7.0 * DEGREE);
+            let azimuth_rad = circle.draw_azimuth_rad(&mut rng).expect("most of the circle is free");
+            assert!(wrapped_rad(azimuth_rad).abs() >= 7.0 * DEGREE);
         }
     }
 }

@@ -89,23 +89,23 @@ impl<'a> Growth<'a> {
     fn plant(&mut self) {
         let cave = &mut self.cave;
         let radius = cave.draw_reach(cave.derived.trunk_reach, None);
-        let heading = cave.rng.between(0.0, 2.0 * PI);
+        let heading_rad = cave.rng.between(0.0, 2.0 * PI);
         let position = Point3::new(0.0, 0.0, cave.surface(0.0, 0.0, 0));
-        let origin = cave.add_station(Station { heading, ..Station::new(position, radius, Kind::Trunk, 0) });
-        let opposite = heading + cave.rng.between(130.0, 230.0) * DEGREE;
+        let origin = cave.add_station(Station { heading_rad, ..Station::new(position, radius, Kind::Trunk, 0) });
+        let opposite = heading_rad + cave.rng.between(130.0, 230.0) * DEGREE;
         let third = cave.rng.chance(THIRD_AT_ORIGIN);
         let aside = cave.rng.sign() * cave.rng.between(60.0, 120.0) * DEGREE;
         let aside_trunk = cave.rng.chance(0.5);
-        self.bud(origin, heading, true);
+        self.bud(origin, heading_rad, true);
         self.bud(origin, opposite, true);
         if third {
-            self.bud(origin, heading + aside, aside_trunk);
+            self.bud(origin, heading_rad + aside, aside_trunk);
         }
     }
 
-    fn bud(&mut self, station: usize, bearing: f64, trunk: bool) {
+    fn bud(&mut self, station: usize, bearing_rad: f64, trunk: bool) {
         let buds = if trunk { &mut self.trunks } else { &mut self.spurs };
-        buds.push(Bud { station, bearing, trunk });
+        buds.push(Bud { station, bearing_rad, trunk });
     }
 
     /// Goes down to the next layer when it is due.
@@ -120,9 +120,9 @@ impl<'a> Growth<'a> {
         self.layer_start = bottom;
         self.above.append(&mut self.trunks);
         self.above.append(&mut self.spurs);
-        let heading = self.cave.stations[foot].heading;
-        self.bud(foot, heading - 50.0 * DEGREE, true);
-        self.bud(foot, heading + 50.0 * DEGREE, true);
+        let heading_rad = self.cave.stations[foot].heading_rad;
+        self.bud(foot, heading_rad - 50.0 * DEGREE, true);
+        self.bud(foot, heading_rad + 50.0 * DEGREE, true);
         true
     }
 
@@ -178,7 +178,7 @@ impl<'a> Growth<'a> {
         let end = cave.stations[station].degree() < 2;
         Bud {
             station,
-            bearing: cave.stations[station].heading + if end { 0.0 } else { aside },
+            bearing_rad: cave.stations[station].heading_rad + if end { 0.0 } else { aside },
             trunk: cave.rng.chance(WAKE_TRUNK),
         }
     }
@@ -190,23 +190,23 @@ impl<'a> Growth<'a> {
             self.cave.stations[tip].alive = false;
             return;
         }
-        let heading = self.cave.stations[tip].heading;
+        let heading_rad = self.cave.stations[tip].heading_rad;
         let rng = &mut self.cave.rng;
         let side = rng.sign();
         let mut turn = |low: f64, high: f64| side * rng.between(low, high) * DEGREE;
         if trunk {
-            let ahead = heading - turn(0.0, 25.0);
-            let aside = heading + turn(55.0, 100.0);
-            let beyond = heading - turn(70.0, 105.0);
+            let ahead = heading_rad - turn(0.0, 25.0);
+            let aside = heading_rad + turn(55.0, 100.0);
+            let beyond = heading_rad - turn(70.0, 105.0);
             let aside_trunk = self.cave.rng.chance(SIDE_TRUNK);
             let buds = [(ahead, true), (aside, aside_trunk), (beyond, false)];
-            for &(bearing, trunk) in &buds[..children] {
-                self.bud(tip, bearing, trunk);
+            for &(bearing_rad, trunk) in &buds[..children] {
+                self.bud(tip, bearing_rad, trunk);
             }
         } else {
             let split = turn(25.0, 50.0);
-            for &bearing in &[heading - split, heading + split][..children] {
-                self.bud(tip, bearing, false);
+            for &bearing_rad in &[heading_rad - split, heading_rad + split][..children] {
+                self.bud(tip, bearing_rad, false);
             }
         }
     }

@@ -45,8 +45,8 @@ impl Cave<'_> {
         let slope = self.rng.between(GENTLEST_RAMP * steepest, steepest);
         let aside = self.rng.sign() * self.rng.between(40.0, 100.0) * DEGREE;
         let passing = self.stations[head].degree() == 2;
-        let bearing = self.stations[head].heading + if passing { aside } else { 0.0 };
-        let foot = self.walk_down(head, bearing, libm::tan(slope * DEGREE));
+        let bearing_rad = self.stations[head].heading_rad + if passing { aside } else { 0.0 };
+        let foot = self.walk_down(head, bearing_rad, libm::tan(slope * DEGREE));
         if foot.is_none() {
             self.truncate(start);
             self.deepest = self.stations[head].level;
@@ -54,12 +54,12 @@ impl Cave<'_> {
         foot
     }
 
-    fn walk_down(&mut self, head: usize, bearing: f64, slope: f64) -> Option<usize> {
+    fn walk_down(&mut self, head: usize, bearing_rad: f64, slope: f64) -> Option<usize> {
         let level = self.stations[head].level + 1;
-        let (mut tip, mut heading) = (head, bearing);
+        let (mut tip, mut heading_rad) = (head, bearing_rad);
         loop {
             let step = Step {
-                heading,
+                heading_rad,
                 spread: Spread::Trunk,
                 radius: self.draw_reach(self.derived.trunk_reach, Some(self.stations[tip].radius)),
                 kind: Kind::Ramp,
@@ -75,7 +75,7 @@ impl Cave<'_> {
             if at.z <= self.surface(at.x, at.y, level) + ARRIVED_M {
                 return Some(tip);
             }
-            heading = self.pulled(tip, bearing);
+            heading_rad = self.pulled_heading_rad(tip, bearing_rad);
         }
     }
 }

@@ -81,20 +81,20 @@ impl Cave<'_> {
     /// Goes down from a station to the surface of the next layer; the station there, if all found room.
     pub(super) fn sink(&mut self, head: usize) -> Option<usize> {
         let slopes = self.settings.link_slopes();
-        let slope = self.rng.between(slopes.least, slopes.greatest);
+        let slope_rad = self.rng.between(slopes.least_rad, slopes.greatest_rad);
         let aside = self.rng.sign() * self.rng.between(40.0, 100.0) * DEGREE;
         let passing = self.stations[head].degree() == 2;
-        let bearing = self.stations[head].heading + if passing { aside } else { 0.0 };
-        let foot = self.landing(head, bearing, slope);
+        let bearing_rad = self.stations[head].heading_rad + if passing { aside } else { 0.0 };
+        let foot = self.landing(head, bearing_rad, slope_rad);
         let step_m = self.draw_reach(self.derived.trunk_reach, Some(self.stations[head].radius));
         let way = way_down([*self.position(head), foot], Course::Straight, &slopes, step_m)?;
         let level = self.stations[head].level;
-        let is_open = slope >= SHAFT || self.opens(head, bearing);
+        let is_open = slope_rad >= SHAFT || self.opens(head, bearing_rad);
         if !is_open || way.len() > self.room() || !self.is_spaced(level, [way[0], foot]) {
             return None;
         }
         let (start, deepest) = (self.stations.len(), self.deepest);
-        let Some(landed) = self.dig(head, &way, bearing) else {
+        let Some(landed) = self.dig(head, &way, bearing_rad) else {
             self.truncate(start);
             self.deepest = deepest;
             return None;
@@ -105,13 +105,13 @@ impl Cave<'_> {
     }
 
     /// Where a straight way of this slope meets the layer below, or nearly.
-    fn landing(&self, head: usize, bearing: f64, slope: f64) -> Point3<f64> {
+    fn landing(&self, head: usize, bearing_rad: f64, slope_rad: f64) -> Point3<f64> {
         let (from, level) = (self.position(head), self.stations[head].level + 1);
-        let along = Vector2::new(libm::cos(bearing), libm::sin(bearing));
+        let along = Vector2::new(libm::cos(bearing_rad), libm::sin(bearing_rad));
         let mut at = from.xy();
         for _ in 0..SINK_ROUNDS {
             let drop = from.z - self.surface(at.x, at.y, level);
-            at = from.xy() + along * (drop / libm::tan(slope));
+            at = from.xy() + along * (drop / libm::tan(slope_rad));
         }
         Point3::new(at.x, at.y, self.surface(at.x, at.y, level)).map(millimetres)
     }
@@ -125,14 +125,17 @@ impl Cave<'_> {
     }
 
     /// Adds the stations of a way; the last one, if all are within bounds and clear.
-    fn dig(&mut self, head: usize, way: &[Point3<f64>], bearing: f64) -> Option<usize> {
+    fn dig(&mut self, head: usize, way: &[Point3<f64>], bearing_rad: f64) -> Option<usize> {
         let level = self.stations[head].level + 1;
         let leg = (way[1] - way[0]).norm();
         let radius = leg.max(self.settings.reach_min_m).min(self.settings.reach_max_m);
         let mut tip = head;
         for position in &way[1..] {
-            let station =
-                Station { parent: Some(tip), heading: bearing, ..Station::new(*position, radius, Kind::Ramp, level) };
+            let station = Station {
+                parent: Some(tip),
+                heading_rad: bearing_rad,
+                ..Station::new(*position, radius, Kind::Ramp, level)
+            };
             let inside = position.x.abs() <= self.derived.half[0] && position.y.abs() <= self.derived.half[1];
             if !inside || !self.is_clear(tip, position, station.half_width(), Goal::Open) {
                 return None;

@@ -137,7 +137,7 @@ impl Cave<'_> {
                 return false;
             }
             let step = Step {
-                heading: self.azimuth(tip, to) + bend,
+                heading_rad: self.azimuth_rad(tip, to) + bend,
                 spread: Spread::Link,
                 radius: self.draw_reach(self.derived.spur_reach, Some(self.stations[tip].radius)),
                 kind: if crosses { Kind::Ramp } else { Kind::Link },
@@ -161,8 +161,8 @@ impl Cave<'_> {
         let end = &self.stations[to];
         reach.contains(&gap)
             && self.is_walkable(tip, to, kind)
-            && self.opens(tip, self.azimuth(tip, to))
-            && self.opens(to, self.azimuth(to, tip))
+            && self.opens(tip, self.azimuth_rad(tip, to))
+            && self.opens(to, self.azimuth_rad(to, tip))
             && self.is_clear(tip, &end.position, end.half_width(), Goal::Joining(to))
     }
 

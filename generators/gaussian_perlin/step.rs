@@ -3,13 +3,13 @@
 use nalgebra::Point3;
 
 use super::cave::{Cave, Kind, Station, half_width};
-use super::circle::{Circle, Spread, wrap};
+use super::circle::{Circle, Spread, wrapped_rad};
 use super::clearance::Goal;
 use super::tuning::{DEGREE, DRAWS, MIN_JUNCTION};
 
 /// What to draw.
 pub(super) struct Step {
-    pub(super) heading: f64,
+    pub(super) heading_rad: f64,
     pub(super) spread: Spread,
     /// Radius of the new node.
     pub(super) radius: f64,
@@ -35,18 +35,18 @@ impl Cave<'_> {
     pub(super) fn step(&mut self, from: usize, step: &Step) -> Option<usize> {
         let mut circle = self.circle(from, step);
         for _ in 0..DRAWS {
-            let Some(azimuth) = circle.draw(&mut self.rng) else {
+            let Some(azimuth_rad) = circle.draw_azimuth_rad(&mut self.rng) else {
                 break;
             };
-            let position = self.placed(from, azimuth, step);
+            let position = self.placed(from, azimuth_rad, step);
             if self.accepts(from, &position, step) {
                 return Some(self.add_station(Station {
                     parent: Some(from),
-                    heading: azimuth,
+                    heading_rad: azimuth_rad,
                     ..Station::new(position, step.radius, step.kind, step.level)
                 }));
             }
-            circle.rule_out(azimuth);
+            circle.rule_out(azimuth_rad);
         }
         self.stations[from].alive = false;
         None
@@ -55,20 +55,20 @@ impl Cave<'_> {
     fn circle(&self, from: usize, step: &Step) -> Circle {
         let station = &self.stations[from];
         let center = [station.position.x, station.position.y];
-        let mut circle = self.compass.circle(center, station.radius, step.heading, step.spread);
+        let mut circle = self.compass.circle(center, station.radius, step.heading_rad, step.spread);
         let behind = 0.5 * self.settings.forbidden_deg * DEGREE;
         for &other in &station.neighbors {
             let arc = if station.parent == Some(other) { behind } else { MIN_JUNCTION };
-            circle.forbid(self.azimuth(from, other), arc);
+            circle.forbid(self.azimuth_rad(from, other), arc);
         }
         circle
     }
 
-    fn placed(&self, from: usize, azimuth: f64, step: &Step) -> Point3<f64> {
+    fn placed(&self, from: usize, azimuth_rad: f64, step: &Step) -> Point3<f64> {
         let station = &self.stations[from];
         let (radius, at) = (station.radius, &station.position);
-        let x = at.x + radius * libm::cos(azimuth);
-        let y = at.y + radius * libm::sin(azimuth);
+        let x = at.x + radius * libm::cos(azimuth_rad);
+        let y = at.y + radius * libm::sin(azimuth_rad);
         let z = match step.floor {
             Floor::Surface => self.surface(x, y, step.level),
             Floor::Ramp(slope) => (at.z - radius * slope).max(self.surface(x, y, step.level)),
@@ -107,9 +107,9 @@ impl Cave<'_> {
     }
 
     /// Whether a passage at a station in this azimuth keeps the least angle to the others there.
-    pub(super) fn opens(&self, station: usize, azimuth: f64) -> bool {
+    pub(super) fn opens(&self, station: usize, azimuth_rad: f64) -> bool {
         let mut neighbors = self.stations[station].neighbors.iter();
-        neighbors.all(|&other| wrap(self.azimuth(station, other) - azimuth).abs() >= MIN_JUNCTION)
+        neighbors.all(|&other| wrapped_rad(self.azimuth_rad(station, other) - azimuth_rad).abs() >= MIN_JUNCTION)
     }
 
     /// Whether a passage between two stations is not too steep.

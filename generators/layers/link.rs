@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Point2, Point3, Vector3};
 
 use super::stack::Stack;
-use crate::ramp::{Course, Helix, Slopes, slope, way_down};
+use crate::ramp::{Course, Helix, Slopes, slope_rad, way_down};
 use plume_graph::rng::Rng;
 use plume_graph::{Node, StationId, millimetres};
 
@@ -83,7 +83,7 @@ impl Stack {
         rng: &mut Rng,
     ) -> Option<Link> {
         let mut ends = Vec::new();
-        if law.slopes.greatest >= SHAFT {
+        if law.slopes.greatest_rad >= SHAFT {
             ends.extend(self.crossings(station, &pair[1 - from]));
         }
         ends.extend(self.goals(station, &pair[1 - from], law, rng));
@@ -130,12 +130,13 @@ impl Stack {
             return Vec::new();
         }
         let from = self.rock.node(station).position;
-        let middling = libm::tan(0.5 * (law.slopes.least + law.slopes.greatest));
+        let middling = libm::tan(0.5 * (law.slopes.least_rad + law.slopes.greatest_rad));
         let mut near = Vec::new();
         for goal in other.clone().map(StationId::new) {
             let way = self.rock.node(goal).position - from;
             let (drop, apart) = (way.z.abs(), way.xy().norm());
-            if apart * libm::tan(law.slopes.least) > drop + 0.001 || self.rock.neighbors_of(goal).len() > MOST_PASSAGES
+            if apart * libm::tan(law.slopes.least_rad) > drop + 0.001
+                || self.rock.neighbors_of(goal).len() > MOST_PASSAGES
             {
                 continue;
             }
@@ -287,14 +288,16 @@ fn crossing([a, b]: [Point3<f64>; 2], [c, d]: [Point3<f64>; 2]) -> Option<[f64; 
 
 /// Ways a link may run, the plainer first: straight, bent, round and round.
 fn courses([head, foot]: [Point3<f64>; 2], slopes: &Slopes, rng: &mut Rng) -> Vec<Course> {
-    let (side, bearing) = (rng.sign(), rng.between(0.0, std::f64::consts::TAU));
-    let gentle = 0.5 * (slopes.least + slopes.greatest);
-    let steep = slopes.greatest - 0.05 * (slopes.greatest - slopes.least);
-    let arc = |slope: f64, turns: u32| [side, -side].map(|side| Course::Round(Helix { slope, turns, side, bearing }));
-    let natural = slope(&head, &foot);
+    let (side, bearing_rad) = (rng.sign(), rng.between(0.0, std::f64::consts::TAU));
+    let gentle = 0.5 * (slopes.least_rad + slopes.greatest_rad);
+    let steep = slopes.greatest_rad - 0.05 * (slopes.greatest_rad - slopes.least_rad);
+    let arc = |slope_rad: f64, turns: u32| {
+        [side, -side].map(|side| Course::Round(Helix { slope_rad, turns, side, bearing_rad }))
+    };
+    let natural = slope_rad(&head, &foot);
     let mut courses = vec![Course::Straight];
-    if natural <= slopes.greatest {
-        courses.extend(arc(0.5 * (slopes.least + natural), 0));
+    if natural <= slopes.greatest_rad {
+        courses.extend(arc(0.5 * (slopes.least_rad + natural), 0));
         return courses;
     }
     for turns in 0..=MOST_TURNS {

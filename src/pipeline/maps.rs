@@ -31,7 +31,7 @@ impl Pipeline<'_> {
             theme: Theme::Light,
             size: None,
             at: None,
-            look: None,
+            look_rad: None,
             pace: Pace::default(),
             stop: self.observer.stop(),
         };

@@ -60,7 +60,7 @@ fn spawn_at(field: &dyn Field, graph: &Graph, station: StationId) -> Option<Spaw
         high = high.max(floor);
     }
     let origin = Point3::new(centre.x, centre.y, high + CLEARANCE_M);
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading(graph, station));
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad(graph, station));
     let pose = Isometry3::from_parts(Translation3::from(origin), yaw);
     Some(Spawn { pose, unevenness_m: high - low })
 }
@@ -72,7 +72,7 @@ fn footprint() -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// Direction of the first passage at the station, rad from +X.
-fn heading(graph: &Graph, station: StationId) -> f64 {
+fn heading_rad(graph: &Graph, station: StationId) -> f64 {
     let Some([a, b]) = graph.edges.iter().find(|edge| edge.contains(&station)) else {
         return 0.0;
     };

@@ -51,8 +51,8 @@ fn pose(subject: &Subject, order: &Order) -> Result<Pose, PreviewError> {
         Some(eye) => auto_camera::furthest(subject.field, eye),
         None => auto_camera::best(subject)?,
     };
-    if let Some([yaw, pitch]) = order.look {
-        (pose.yaw, pose.pitch) = (yaw, pitch);
+    if let Some([yaw_rad, pitch_rad]) = order.look_rad {
+        (pose.yaw_rad, pose.pitch_rad) = (yaw_rad, pitch_rad);
     }
     Ok(pose)
 }

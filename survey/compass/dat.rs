@@ -133,7 +133,7 @@ impl Table {
     fn read(words: &[&str]) -> Result<Self, String> {
         let mut words = words.iter().copied();
         let mut instruments = Instruments::of_compass();
-        instruments.set_declination(number(words.next().unwrap_or_default())?.to_radians());
+        instruments.set_declination_rad(number(words.next().unwrap_or_default())?.to_radians());
         let mut format = "";
         while let Some(word) = words.next() {
             let corrected: &[Quantity] = match word {

@@ -183,7 +183,7 @@ impl Instruments {
         }
         if self.dialect == Dialect::Therion {
             // By the compass there, by the map in Survex.
-            let (sine, cosine) = libm::sincos(self.declination());
+            let (sine, cosine) = libm::sincos(self.declination_rad());
             vector = Vector3::new(vector.x * cosine + vector.y * sine, vector.y * cosine - vector.x * sine, vector.z);
         }
         let least = Accuracy { position_m: 0.0, ..Accuracy::default() }.station();
@@ -268,12 +268,12 @@ impl Instruments {
 }
 
 /// One metre this way in plan.
-fn ahead(bearing: f64) -> Vector3<f64> {
-    Vector3::new(libm::sin(bearing), libm::cos(bearing), 0.0)
+fn ahead(bearing_rad: f64) -> Vector3<f64> {
+    Vector3::new(libm::sin(bearing_rad), libm::cos(bearing_rad), 0.0)
 }
 
-fn is_plumb(gradient: f64) -> bool {
-    (gradient.abs() - FRAC_PI_2).abs() < PLUMB
+fn is_plumb(gradient_rad: f64) -> bool {
+    (gradient_rad.abs() - FRAC_PI_2).abs() < PLUMB
 }
 
 /// The mean of two measurements, or the one there is.

@@ -84,7 +84,7 @@ impl Instruments {
             }
             [declination, unit] => {
                 let Unit::Angle(factor) = named_unit(unit)? else { return Err(format!("{} is no angle", shown(unit))) };
-                self.set_declination(some(declination, number)? * factor);
+                self.set_declination_rad(some(declination, number)? * factor);
                 Ok(())
             }
             _ => Err("a declination is an angle and its unit".to_owned()),

@@ -90,10 +90,10 @@ fn warp(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
 /// Grows a dead end at a station that has a way on.
 fn add_spur(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let foot = StationId::new(rng.index(plan.neighbors.len()));
-    let bearing = rng.between(0.0, TAU);
+    let bearing_rad = rng.between(0.0, TAU);
     let length_m = plan.branch_m * libm::exp(rng.normal() - 0.7);
-    let fits = (2..MAX_DEGREE).contains(&plan.degree(foot)) && is_open(plan, foot, bearing);
-    fits.then(|| grown(plan, rng, foot, bearing, length_m))
+    let fits = (2..MAX_DEGREE).contains(&plan.degree(foot)) && is_open(plan, foot, bearing_rad);
+    fits.then(|| grown(plan, rng, foot, bearing_rad, length_m))
 }
 
 /// Takes a dead end away.
@@ -109,9 +109,9 @@ fn stretch(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = outwards(plan, drawn(plan, rng))?;
     let [before, tip] = [branch[branch.len() - 2], branch[branch.len() - 1]];
     let way = plan.way(before, tip);
-    let bearing = libm::atan2(way.y, way.x) + TURN * rng.normal();
+    let bearing_rad = libm::atan2(way.y, way.x) + TURN * rng.normal();
     let length_m = plan.branch_m * rng.between(0.3, 1.5);
-    Some(grown(plan, rng, tip, bearing, length_m))
+    Some(grown(plan, rng, tip, bearing_rad, length_m))
 }
 
 /// Takes the last stations of a dead end away, but not all.
@@ -138,8 +138,11 @@ fn close_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     }
     let to = near[rng.index(near.len())];
     let way = plan.way(from, to);
-    let bearing = libm::atan2(way.y, way.x);
-    if plan.are_joined(from, to, LOOP_HOPS - 1) || !is_open(plan, from, bearing) || !is_open(plan, to, bearing + PI) {
+    let bearing_rad = libm::atan2(way.y, way.x);
+    if plan.are_joined(from, to, LOOP_HOPS - 1)
+        || !is_open(plan, from, bearing_rad)
+        || !is_open(plan, to, bearing_rad + PI)
+    {
         return None;
     }
     let legs = (way.norm() / plan.leg_m).round().max(1.0) as usize;
@@ -170,8 +173,8 @@ fn outwards(plan: &Plan, branch: &[StationId]) -> Option<Vec<StationId>> {
     }
 }
 
-fn towards(bearing: f64) -> Vector2<f64> {
-    Vector2::new(libm::cos(bearing), libm::sin(bearing))
+fn towards(bearing_rad: f64) -> Vector2<f64> {
+    Vector2::new(libm::cos(bearing_rad), libm::sin(bearing_rad))
 }
 
 fn shift(node: &mut Node, by: Vector2<f64>) {
@@ -180,26 +183,26 @@ fn shift(node: &mut Node, by: Vector2<f64>) {
 }
 
 /// Whether no passage leaves a station too near a bearing.
-fn is_open(plan: &Plan, station: StationId, bearing: f64) -> bool {
+fn is_open(plan: &Plan, station: StationId, bearing_rad: f64) -> bool {
     let nearest = libm::cos(MIN_ANGLE);
     let mut ways = plan.neighbors[station].iter().map(|&other| plan.way(station, other));
-    ways.all(|way| way.dot(&towards(bearing)) <= nearest * way.norm())
+    ways.all(|way| way.dot(&towards(bearing_rad)) <= nearest * way.norm())
 }
 
 /// The graph with a level, winding passage from a station on.
-fn grown(plan: &Plan, rng: &mut Rng, from: StationId, mut bearing: f64, length_m: f64) -> Graph {
+fn grown(plan: &Plan, rng: &mut Rng, from: StationId, mut bearing_rad: f64, length_m: f64) -> Graph {
     let mut graph = plan.graph.clone();
     let legs = (length_m / plan.leg_m).round().max(1.0) as usize;
     let leg_m = (length_m / legs as f64).max(0.5 * plan.leg_m);
     let mut tip = from;
     for _ in 0..legs {
         let mut node = Node { active: true, position: graph[tip].position, ..graph[from].clone() };
-        shift(&mut node, towards(bearing) * leg_m);
+        shift(&mut node, towards(bearing_rad) * leg_m);
         let next = StationId::new(graph.nodes.len());
         graph.nodes.push(node);
         graph.edges.push([tip, next]);
         tip = next;
-        bearing += TURN * rng.normal();
+        bearing_rad += TURN * rng.normal();
     }
     Graph::new(graph.nodes, graph.edges)
 }

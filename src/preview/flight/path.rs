@@ -55,8 +55,8 @@ impl Path {
         let level = libm::hypot(way.x, way.y);
         Pose {
             eye: eye.coords.map(|c| c as f32).into(),
-            yaw: libm::atan2(way.y, way.x) as f32,
-            pitch: (NODDING * libm::atan2(way.z, level)) as f32,
+            yaw_rad: libm::atan2(way.y, way.x) as f32,
+            pitch_rad: (NODDING * libm::atan2(way.z, level)) as f32,
         }
     }
 

@@ -79,18 +79,18 @@ pub fn furthest(field: &dyn Field, eye: [f32; 3]) -> Pose {
 
 fn glance(field: &dyn Field, eye: [f32; 3]) -> Glance {
     let angle = |i: usize| TAU * i as f32 / DIRECTIONS as f32;
-    let pose = |i: usize| Pose { eye, yaw: angle(i % DIRECTIONS), pitch: PITCHES[i / DIRECTIONS] };
+    let pose = |i: usize| Pose { eye, yaw_rad: angle(i % DIRECTIONS), pitch_rad: PITCHES[i / DIRECTIONS] };
     let count = DIRECTIONS * PITCHES.len();
     let rays: Vec<Ray> = (0..count).map(|i| Ray { from: eye, along: pose(i).ahead(), start: 0.0 }).collect();
     let open = march(field, &rays, GLANCE);
     let shows_m = |i: usize| {
         let row = i - i % DIRECTIONS;
         let [left, right] = [1, DIRECTIONS - 1].map(|turn| open[row + (i + turn) % DIRECTIONS]);
-        (0.4 * open[i] + 0.6 * left.min(right)) / (1.0 + LEVEL * pose(i).pitch.abs())
+        (0.4 * open[i] + 0.6 * left.min(right)) / (1.0 + LEVEL * pose(i).pitch_rad.abs())
     };
     let glances = (0..count).rev().map(|i| Glance { pose: pose(i), shows_m: shows_m(i) });
     let Glance { pose, shows_m } = most(glances).expect("one looks somewhere");
-    Glance { pose: Pose { pitch: pose.pitch.clamp(-MOST_PITCH, MOST_PITCH), ..pose }, shows_m }
+    Glance { pose: Pose { pitch_rad: pose.pitch_rad.clamp(-MOST_PITCH, MOST_PITCH), ..pose }, shows_m }
 }
 
 /// The first stations and the passages between them.
@@ -136,7 +136,7 @@ mod tests {
     fn one_looks_along_the_passage_and_not_at_the_ground() {
         for (rise_m, pitches) in [(0.0, 0.0..0.1), (2.0, 0.1..0.4), (-5.0, 0.3..0.4)] {
             let Glance { pose, shows_m } = best_in(&passage(rise_m));
-            assert!(shows_m > 4.0 && pitches.contains(&pose.pitch.abs()), "{rise_m}: {shows_m} m from {pose:?}");
+            assert!(shows_m > 4.0 && pitches.contains(&pose.pitch_rad.abs()), "{rise_m}: {shows_m} m from {pose:?}");
         }
     }
 }

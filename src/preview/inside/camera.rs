@@ -11,16 +11,16 @@ pub struct Pose {
     /// The eye, metres.
     pub eye: [f32; 3],
     /// Direction, radians anticlockwise from +x.
-    pub yaw: f32,
+    pub yaw_rad: f32,
     /// How far up, radians.
-    pub pitch: f32,
+    pub pitch_rad: f32,
 }
 
 impl Pose {
     /// Unit vector ahead.
     pub fn ahead(&self) -> [f32; 3] {
-        let level = libm::cosf(self.pitch);
-        [level * libm::cosf(self.yaw), level * libm::sinf(self.yaw), libm::sinf(self.pitch)]
+        let level = libm::cosf(self.pitch_rad);
+        [level * libm::cosf(self.yaw_rad), level * libm::sinf(self.yaw_rad), libm::sinf(self.pitch_rad)]
     }
 }
 
@@ -57,7 +57,7 @@ impl Camera {
     /// A camera for images of this size.
     pub fn new(pose: Pose, size: Size) -> Self {
         let ahead = pose.ahead();
-        let right = [libm::sinf(pose.yaw), -libm::cosf(pose.yaw), 0.0];
+        let right = [libm::sinf(pose.yaw_rad), -libm::cosf(pose.yaw_rad), 0.0];
         let up = cross(right, ahead);
         Self { eye: pose.eye, ahead, right, up, size, pixel: 2.0 * HALF_WIDTH / size.width as f32 }
     }
