@@ -38,20 +38,19 @@ pub fn nearest_shares(first: [&Point3<f64>; 2], second: [&Point3<f64>; 2]) -> [f
 mod tests {
     use super::*;
 
-    fn distance(first: [[f64; 3]; 2], second: [[f64; 3]; 2]) -> f64 {
-        let [a, b] = first.map(Point3::from);
-        let [c, d] = second.map(Point3::from);
-        segment_distance([&a, &b], [&c, &d])
+    fn distance(first: [Point3<f64>; 2], second: [Point3<f64>; 2]) -> f64 {
+        segment_distance(first.each_ref(), second.each_ref())
     }
 
     #[test]
     fn distances_of_segments() {
-        let x = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
-        assert_eq!(distance(x, [[1.0, -1.0, 3.0], [1.0, 1.0, 3.0]]), 3.0);
-        assert_eq!(distance(x, [[5.0, 4.0, 0.0], [5.0, 9.0, 0.0]]), 5.0);
-        assert_eq!(distance(x, [[1.0, 2.0, 0.0], [3.0, 2.0, 0.0]]), 2.0);
-        assert_eq!(distance(x, [[1.0, 2.0, 0.0]; 2]), 2.0);
-        assert_eq!(distance([[1.0, 2.0, 0.0]; 2], x), 2.0);
-        assert_eq!(distance([[0.0; 3]; 2], [[3.0, 4.0, 0.0]; 2]), 5.0);
+        let point = Point3::new;
+        let x = [Point3::origin(), point(2.0, 0.0, 0.0)];
+        let beside = [point(1.0, 2.0, 0.0); 2];
+        assert_eq!(distance(x, [point(1.0, -1.0, 3.0), point(1.0, 1.0, 3.0)]), 3.0);
+        assert_eq!(distance(x, [point(5.0, 4.0, 0.0), point(5.0, 9.0, 0.0)]), 5.0);
+        assert_eq!(distance(x, [point(1.0, 2.0, 0.0), point(3.0, 2.0, 0.0)]), 2.0);
+        assert_eq!((distance(x, beside), distance(beside, x)), (2.0, 2.0));
+        assert_eq!(distance([Point3::origin(); 2], [point(3.0, 4.0, 0.0); 2]), 5.0);
     }
 }
