@@ -212,7 +212,7 @@ fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), Cli
     let paths: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     if console.is_json() {
         let counts = counts(tally).into_iter().map(|(name, count, _)| (name.to_owned(), Value::from(count)));
-        let origin = ("origin_m".to_owned(), json!(tally.origin_m));
+        let origin = ("origin_m".to_owned(), json!(<[f64; 3]>::from(tally.origin_m)));
         let tally = Value::Object(counts.chain([origin]).collect());
         let told = json!({"graph": numbers(graph), "tally": tally, "files": paths});
         return console.result(&format!("{told:#}\n"));
@@ -224,8 +224,8 @@ fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), Cli
     if !counts.is_empty() {
         console.note(&format!("  changed   {}", counts.join(", ")));
     }
-    if tally.origin_m != [0.0; 3] {
-        let [x, y, z] = tally.origin_m;
+    let [x, y, z] = tally.origin_m.into();
+    if [x, y, z] != [0.0; 3] {
         console.note(&format!("  origin    at {x:.3}, {y:.3}, {z:.3} m of the file"));
     }
     console.note(&format!("  written   {}", paths.join(", ")));

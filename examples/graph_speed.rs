@@ -10,7 +10,7 @@ use std::process::Command;
 
 use cpu_time::ProcessTime;
 use plume::generators::GENERATORS;
-use plume::graph::Nowhere;
+use plume::graph::NoOutside;
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -41,7 +41,7 @@ fn row(name: &str, nodes: u32) -> Result<(), Box<dyn Error>> {
     let row = GENERATORS.find(name).ok_or("no such generator")?;
     let generator = (row.read)(json!({ "nodes": nodes }))?;
     let start = ProcessTime::now();
-    let graph = generator.generate(7, &Nowhere)?;
+    let graph = generator.generate(7, &NoOutside)?;
     let cpu_s = start.elapsed().as_secs_f64();
     let count = graph.nodes.len();
     println!("{name} | {count} | {cpu_s:.3} | {:.0} | {:.0}", count as f64 / cpu_s, peak_mb());

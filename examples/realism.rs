@@ -9,7 +9,7 @@ use std::error::Error;
 
 use plume::generators::{GENERATORS, GeneratorRow};
 use plume::graph::realism::{Gate, Likeness, METRICS, Metric, RealismSettings, SCALE_FREE, Verdict};
-use plume::graph::{Generator, Nowhere};
+use plume::graph::{Generator, NoOutside};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}", heading());
     for row in GENERATORS.iter() {
         let generator = (row.read)(settings(row, NODES))?;
-        if generator.generate(1, &Nowhere).is_ok() {
+        if generator.generate(1, &NoOutside).is_ok() {
             println!("{}", line(row.name, generator.as_ref(), few));
         }
     }
@@ -76,7 +76,7 @@ fn cell(metric: &Metric, graphs: &[Likeness]) -> String {
 /// Of the seeds that make a graph.
 fn likenesses(generator: &dyn Generator, gate: Gate, seeds: u64) -> Vec<Likeness> {
     let settings = RealismSettings { gate, tries: 1 };
-    let one = |seed: u64| Likeness::of(&settings.generate(generator, seed, &Nowhere).ok()?);
+    let one = |seed: u64| Likeness::of(&settings.generate(generator, seed, &NoOutside).ok()?);
     (1..=seeds).into_par_iter().filter_map(one).collect()
 }
 

@@ -17,7 +17,7 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
+use super::network::{self, Growth, Network, PassagePoint, Rules, Size, ahead, in_order};
 use super::{GenerateError, Generator};
 use plume_graph::Graph;
 use plume_graph::Outside;
@@ -136,7 +136,7 @@ impl Generator for GrownTunnels {
         in_order(["width_min_m", "width_max_m"], [self.width_min_m, self.width_max_m])?;
         network::grown(&self.rules(), seed, "grown-tunnels", |rng, _| {
             let tunnels = Tunnels { settings: self, connectors_due: 0.0 };
-            (self.spot(Point3::origin(), self.draw_width(rng)), tunnels)
+            (self.passage_point(Point3::origin(), self.draw_width(rng)), tunnels)
         })
     }
 }
@@ -159,8 +159,8 @@ impl GrownTunnels {
         rng.between(self.width_min_m, self.width_max_m)
     }
 
-    fn spot(&self, position: Point3<f64>, width_m: f64) -> Spot {
-        Spot { position, size: Size::new(width_m, self.height_ratio) }
+    fn passage_point(&self, position: Point3<f64>, width_m: f64) -> PassagePoint {
+        PassagePoint { position, size: Size::new(width_m, self.height_ratio) }
     }
 }
 
@@ -192,8 +192,9 @@ impl Tunnels<'_> {
         let mut way = spaced(&spline(&corners), self.settings.station_spacing_m);
         way.truncate(network.room());
         let width = self.settings.draw_width(rng);
-        let spots: Vec<Spot> = way.into_iter().map(|at| self.settings.spot(at, width)).collect();
-        network.lay(from, &spots, None).is_some()
+        let passage_points: Vec<PassagePoint> =
+            way.into_iter().map(|at| self.settings.passage_point(at, width)).collect();
+        network.lay(from, &passage_points, None).is_some()
     }
 
     /// The ends of a tunnel's segments.
@@ -245,8 +246,9 @@ impl Tunnels<'_> {
         let mut way = spaced(&spline(&corners), self.settings.station_spacing_m);
         way.pop();
         let width = self.settings.draw_width(rng);
-        let spots: Vec<Spot> = way.into_iter().map(|at| self.settings.spot(at, width)).collect();
-        network.lay(from, &spots, Some(to)).is_some()
+        let passage_points: Vec<PassagePoint> =
+            way.into_iter().map(|at| self.settings.passage_point(at, width)).collect();
+        network.lay(from, &passage_points, Some(to)).is_some()
     }
 
     /// The ends of a connector's segments; the first and the last inner ones stay in line, as in the paper's program.

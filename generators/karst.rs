@@ -20,9 +20,9 @@ mod cloud;
 mod crossings;
 mod crowds;
 mod forks;
+mod host_rock;
 mod network;
 mod paths;
-mod rock;
 mod room;
 
 use schemars::JsonSchema;
@@ -30,12 +30,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{GenerateError, Generator};
 use cloud::Cloud;
+use host_rock::HostRock;
 use paths::Paths;
 use plume_graph::Outside;
 use plume_graph::rng::Rng;
 use plume_graph::seed;
 use plume_graph::{Graph, centreline::CentrelineBuilder};
-use rock::Rock;
 
 /// Square metres of plan for each metre of passages, per metre between key points (tuned at the defaults; a sixth more
 /// than needed, to be cut from).
@@ -189,7 +189,7 @@ impl Karst {
     /// All passages of the rock, and some more than are needed.
     fn drawn(&self, seed: u64) -> CentrelineBuilder {
         let mut rng = Rng::new(seed::stream(seed, "karst", 0));
-        let rock = Rock::new(self, &mut rng);
+        let rock = HostRock::new(self, &mut rng);
         let side_m = self.side_m();
         let cloud = Cloud::scatter(self, &rock, side_m, &mut rng);
         let keys = self.keys(&rock, &cloud, side_m, &mut rng);
@@ -204,7 +204,7 @@ impl Karst {
     }
 
     /// Samples next to the key points, each once, a spring first.
-    fn keys(&self, rock: &Rock, cloud: &Cloud, side_m: f64, rng: &mut Rng) -> Vec<usize> {
+    fn keys(&self, rock: &HostRock, cloud: &Cloud, side_m: f64, rng: &mut Rng) -> Vec<usize> {
         let count = ((side_m / self.key_spacing_m) * (side_m / self.key_spacing_m)).ceil().max(2.0) as usize;
         let mut drawn = |edge: f64| [0, 1].map(|_| rng.between(-0.5, 0.5) * side_m * edge);
         let springs = or_drawn(&self.springs, count.div_ceil(KEYS_PER_SPRING), || rock.down_dip(drawn(1.0), side_m));
@@ -244,10 +244,10 @@ fn or_drawn(given: &[[f64; 2]], count: usize, mut draw: impl FnMut() -> [f64; 2]
 mod tests {
     use super::*;
     use plume_graph::clearance::{PassageSize, thin_rock};
-    use plume_graph::{Nowhere, StationId};
+    use plume_graph::{NoOutside, StationId};
 
     fn graphs(settings: Karst) -> impl Iterator<Item = Graph> {
-        (0..6).map(move |seed| settings.generate(seed, &Nowhere).expect("the rock has ways"))
+        (0..6).map(move |seed| settings.generate(seed, &NoOutside).expect("the rock has ways"))
     }
 
     #[test]
@@ -296,7 +296,7 @@ mod tests {
             }
         }
         let outside = Karst { sinks: vec![[1e6, 0.0]], ..Karst::default() };
-        assert!(outside.generate(1, &Nowhere).is_err());
+        assert!(outside.generate(1, &NoOutside).is_err());
     }
 
     #[test]

@@ -19,7 +19,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
+use super::network::{self, Growth, Network, PassagePoint, Rules, Size, ahead, in_order};
 use super::{GenerateError, Generator};
 use grammar::{FORWARD, Grammar, Production};
 use plume_graph::Graph;
@@ -117,7 +117,8 @@ impl Generator for LSystem {
         let grammar = Grammar::read(&self.axiom, &self.rules)?;
         network::grown(&self.rules(), seed, "l-system", |_, _| {
             let left = SYMBOLS[0] * u64::from(self.nodes) + SYMBOLS[1];
-            let first = Spot { position: Point3::origin(), size: Size::new(self.width_max_m, self.height_ratio) };
+            let first =
+                PassagePoint { position: Point3::origin(), size: Size::new(self.width_max_m, self.height_ratio) };
             (first, Dig { settings: self, grammar: &grammar, turtles: VecDeque::new(), left })
         })
     }
@@ -139,7 +140,7 @@ impl LSystem {
 
 /// A place in the rules: symbols of a production that are not read yet.
 #[derive(Clone, Copy)]
-struct Part {
+struct RuleCursor {
     production: usize,
     next: usize,
     end: usize,
@@ -154,7 +155,7 @@ struct Turtle {
     pitch_deg: f64,
     width_m: f64,
     /// What is to be read, the innermost last.
-    parts: Vec<Part>,
+    parts: Vec<RuleCursor>,
 }
 
 /// A grammar while it is dug.
@@ -217,8 +218,8 @@ impl Dig<'_> {
         None
     }
 
-    fn part(&self, production: usize, depth: u32) -> Part {
-        Part { production, next: 0, end: self.grammar.productions[production].symbols.len(), depth }
+    fn part(&self, production: usize, depth: u32) -> RuleCursor {
+        RuleCursor { production, next: 0, end: self.grammar.productions[production].symbols.len(), depth }
     }
 
     /// The next symbol of a turtle, and the iterations left for it. A branch is left to a turtle of its own.
@@ -236,7 +237,7 @@ impl Dig<'_> {
                 return Some((symbols[at], depth));
             }
             part.next = closing[at] + 1;
-            let branch = Part { next: at + 1, end: closing[at], ..*part };
+            let branch = RuleCursor { next: at + 1, end: closing[at], ..*part };
             // More branches than nodes can never all be dug.
             if self.turtles.len() < self.settings.nodes as usize {
                 self.turtles.push_back(Turtle { parts: vec![branch], ..*turtle });
@@ -253,7 +254,7 @@ impl Dig<'_> {
         let size = Size::new(turtle.width_m, settings.height_ratio);
         for dodge in DODGES_DEG.map(f64::to_radians) {
             let position = from + settings.step_m * ahead(yaw_rad + dodge, turtle.pitch_deg.to_radians());
-            if let Some(next) = network.lay(turtle.station, &[Spot { position, size }], None) {
+            if let Some(next) = network.lay(turtle.station, &[PassagePoint { position, size }], None) {
                 turtle.yaw_rad = yaw_rad + dodge;
                 return Some(next);
             }

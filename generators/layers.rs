@@ -103,7 +103,7 @@ impl Generator for Layers {
             let mut stack = self.pile(seed, attempt, outside)?;
             let mut rng = Rng::new(seed::stream(seed, "layer-links", attempt));
             match self.link(&mut stack, &law, &mut rng) {
-                Ok(()) => return Ok(stack.rock.into_graph().numbered_by_breadth()),
+                Ok(()) => return Ok(stack.passages.into_graph().numbered_by_breadth()),
                 Err(error) => fault = Some(error),
             }
         }

@@ -317,7 +317,7 @@ impl<'a> Survey<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::Nowhere;
+    use plume_graph::NoOutside;
 
     fn perfect() -> Mine {
         Mine { irregularity: 0.0, jitter_m: 0.0, ..Default::default() }
@@ -326,7 +326,7 @@ mod tests {
     #[test]
     fn without_irregularity_every_pillar_stands() {
         let mine = Mine { nodes: 17 + 5 * (5 * 4 + 4 * 3), ..perfect() };
-        let graph = mine.generate(1, &Nowhere).expect("one level fits");
+        let graph = mine.generate(1, &NoOutside).expect("one level fits");
         assert_eq!(graph.loops(), 5 * 4);
     }
 
@@ -334,7 +334,7 @@ mod tests {
     fn ramps_keep_their_inclination_and_shafts_are_vertical() {
         for (access, steepest) in [(Access::Ramp, 8.0), (Access::Shaft, 90.0)] {
             let mine = Mine { levels: 3, access, ..Default::default() };
-            let graph = mine.generate(5, &Nowhere).expect("three levels fit");
+            let graph = mine.generate(5, &NoOutside).expect("three levels fit");
             let [_, _, height_m] = graph.bounds().expect("it has nodes").size();
             assert_eq!(height_m, 2.0 * mine.level_spacing_m);
             for &[a, b] in &graph.edges {
@@ -350,14 +350,14 @@ mod tests {
     #[test]
     fn too_many_levels_are_refused_with_the_number_they_take() {
         let mine = Mine { nodes: 20, levels: 2, ..Default::default() };
-        let error = mine.generate(1, &Nowhere).expect_err("the ramp alone takes more");
+        let error = mine.generate(1, &NoOutside).expect_err("the ramp alone takes more");
         assert_eq!(error.message, "no room for 2 levels in 20 nodes");
     }
 
     #[test]
     fn drifts_too_near_each_other_are_refused() {
         let mine = Mine { drift_spacing_m: 5.0, ..Default::default() };
-        let error = mine.generate(1, &Nowhere).expect_err("9 m are needed");
+        let error = mine.generate(1, &NoOutside).expect_err("9 m are needed");
         assert!(error.message.contains("drift_spacing_m"), "{error}");
     }
 }

@@ -69,14 +69,14 @@ impl Size {
 
 /// Where a station is, and how large the passage is there.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
+pub(super) struct PassagePoint {
     pub(super) position: Point3<f64>,
     pub(super) size: Size,
 }
 
 #[derive(Clone, Debug)]
-struct Station {
-    spot: Spot,
+struct NetworkStation {
+    passage_point: PassagePoint,
     neighbors: [u32; DEGREE],
     degree: u8,
 }
@@ -88,7 +88,7 @@ pub(super) struct Network {
     steepest_slope: f64,
     /// Cosine of the least angle between passages at a station.
     sharpest: f64,
-    stations: Vec<Station>,
+    stations: Vec<NetworkStation>,
     passages: Cells<[u32; 2]>,
     places: Cells<u32>,
     /// Stations from which nothing was begun yet.
@@ -99,7 +99,7 @@ pub(super) struct Network {
 
 impl Network {
     /// A network of one station.
-    pub(super) fn new(rules: Rules, first: Spot) -> Self {
+    pub(super) fn new(rules: Rules, first: PassagePoint) -> Self {
         let side_m = rules.spacing_m.max(4.0 * rules.widest.clearance_radius() + 2.0 * rules.rock_m);
         let mut network = Self {
             stations: Vec::new(),
@@ -112,18 +112,18 @@ impl Network {
             rules,
         };
         let first = network.place(first);
-        let at = network.stations[first].spot.position;
+        let at = network.stations[first].passage_point.position;
         network.places.add(first as u32, [&at; 2]);
         network.openings.push(first);
         network
     }
 
-    pub(super) fn spot(&self, station: usize) -> &Spot {
-        &self.stations[station].spot
+    pub(super) fn passage_point(&self, station: usize) -> &PassagePoint {
+        &self.stations[station].passage_point
     }
 
     pub(super) fn position(&self, station: usize) -> &Point3<f64> {
-        &self.stations[station].spot.position
+        &self.stations[station].passage_point.position
     }
 
     /// The stations that passages join to this one.
@@ -160,13 +160,13 @@ impl Network {
 
     /// Lays a way of new stations from one station, and on to another where it is to end there. All of it or nothing:
     /// the last station, or `None` if the way breaks the law or there is no room.
-    pub(super) fn lay(&mut self, from: usize, way: &[Spot], to: Option<usize>) -> Option<usize> {
+    pub(super) fn lay(&mut self, from: usize, way: &[PassagePoint], to: Option<usize>) -> Option<usize> {
         if way.len() > self.room() || !self.is_open(from, to, way.is_empty()) {
             return None;
         }
         let first = self.stations.len();
         let mut chain = vec![from];
-        chain.extend(way.iter().map(|spot| self.place(*spot)));
+        chain.extend(way.iter().map(|passage_point| self.place(*passage_point)));
         chain.extend(to);
         chain.windows(2).for_each(|leg| self.link(leg[0], leg[1]));
         for (laid, leg) in chain.windows(2).enumerate() {
@@ -174,11 +174,11 @@ impl Network {
                 self.rollback(&chain, laid, first);
                 return None;
             }
-            let ends = [0, 1].map(|end| &self.stations[leg[end]].spot.position);
+            let ends = [0, 1].map(|end| &self.stations[leg[end]].passage_point.position);
             self.passages.add([leg[0] as u32, leg[1] as u32], ends);
         }
         for station in first..self.stations.len() {
-            self.places.add(station as u32, [&self.stations[station].spot.position; 2]);
+            self.places.add(station as u32, [&self.stations[station].passage_point.position; 2]);
             self.openings.push(station);
         }
         chain.last().copied()
@@ -192,9 +192,9 @@ impl Network {
         takes(from) && to.is_none_or(joins) && !(is_direct && to.is_none())
     }
 
-    fn place(&mut self, spot: Spot) -> usize {
-        let spot = Spot { position: spot.position.map(millimetres), ..spot };
-        self.stations.push(Station { spot, neighbors: [0; DEGREE], degree: 0 });
+    fn place(&mut self, passage_point: PassagePoint) -> usize {
+        let passage_point = PassagePoint { position: passage_point.position.map(millimetres), ..passage_point };
+        self.stations.push(NetworkStation { passage_point, neighbors: [0; DEGREE], degree: 0 });
         self.stations.len() - 1
     }
 
@@ -209,7 +209,7 @@ impl Network {
     /// Undoes a way of which this many legs are in the grid, and whose own stations begin at `first`.
     fn rollback(&mut self, chain: &[usize], laid: usize, first: usize) {
         for leg in chain.windows(2).take(laid) {
-            let ends = [0, 1].map(|end| &self.stations[leg[end]].spot.position);
+            let ends = [0, 1].map(|end| &self.stations[leg[end]].passage_point.position);
             self.passages.remove([leg[0] as u32, leg[1] as u32], ends);
         }
         for end in [chain[0], chain[chain.len() - 1]] {
@@ -228,12 +228,12 @@ impl Network {
 
     /// Gives every passage the size that is told for its station.
     pub(super) fn resize(&mut self, size: impl Fn(usize) -> Size) {
-        self.stations.iter_mut().enumerate().for_each(|(index, station)| station.spot.size = size(index));
+        self.stations.iter_mut().enumerate().for_each(|(index, station)| station.passage_point.size = size(index));
     }
 
     fn into_graph(self) -> Graph {
-        let vertex = |station: &Station| {
-            let Spot { position, size: Size { width_m, height_m } } = station.spot;
+        let vertex = |station: &NetworkStation| {
+            let PassagePoint { position, size: Size { width_m, height_m } } = station.passage_point;
             Vertex { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level: 0 }
         };
         let mut centreline =
@@ -263,7 +263,7 @@ pub(super) fn grown<G: Growth>(
     rules: &Rules,
     seed: u64,
     name: &str,
-    begin: impl Fn(&mut Rng, u64) -> (Spot, G),
+    begin: impl Fn(&mut Rng, u64) -> (PassagePoint, G),
 ) -> Result<Graph, GenerateError> {
     let mut most = 0;
     for attempt in 0..ATTEMPTS {

@@ -15,7 +15,7 @@ use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::network::{self, Growth, Network, Rules, Size, Spot, ahead, in_order};
+use super::network::{self, Growth, Network, PassagePoint, Rules, Size, ahead, in_order};
 use super::{GenerateError, Generator};
 use attractors::Attractors;
 use plume_graph::Graph;
@@ -136,7 +136,7 @@ impl Generator for SpaceColonization {
         network::grown(&self.rules(), seed, "space-colonization", |rng, attempt| {
             let scattered = self.scatter(attempt, rng);
             let attractors = Attractors::new(scattered, [self.kill_m, self.influence_m]);
-            let first = Spot { position: Point3::origin(), size: self.widest() };
+            let first = PassagePoint { position: Point3::origin(), size: self.widest() };
             (first, Colony { settings: self, attractors, met: 0 })
         })
     }
@@ -243,7 +243,7 @@ impl Colony<'_> {
         let from = *network.position(station);
         DODGES_DEG.into_iter().any(|dodge| {
             let position = from + self.settings.step_m * ahead(yaw_rad + dodge.to_radians(), pitch_rad);
-            network.lay(station, &[Spot { position, size: self.settings.widest() }], None).is_some()
+            network.lay(station, &[PassagePoint { position, size: self.settings.widest() }], None).is_some()
         })
     }
 }

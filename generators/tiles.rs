@@ -208,13 +208,13 @@ impl Tiles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use plume_graph::{Nowhere, StationId};
+    use plume_graph::{NoOutside, StationId};
 
     #[test]
     fn connectors_that_meet_close_loops() {
         let loops = |loop_closure: f64| {
             let settings = Tiles { nodes: 600, loop_closure, ..Tiles::default() };
-            (0..4).map(|seed| settings.generate(seed, &Nowhere).expect("there is room").loops()).sum::<usize>()
+            (0..4).map(|seed| settings.generate(seed, &NoOutside).expect("there is room").loops()).sum::<usize>()
         };
         assert_eq!(loops(0.0), 0);
         assert!(loops(1.0) > 10);
@@ -224,7 +224,7 @@ mod tests {
     fn weights_choose_the_tiles() {
         let straight =
             Tiles { bends: 0.0, tees: 0.0, crosses: 0.0, rooms: 0.0, dead_ends: 0.0, wobble: 0.0, ..Tiles::default() };
-        let graph = straight.generate(1, &Nowhere).expect("there is room");
+        let graph = straight.generate(1, &NoOutside).expect("there is room");
         let [width_m, depth_m, _] = graph.bounds().expect("it has nodes").size();
         assert!(width_m.min(depth_m) < 0.001);
     }
@@ -233,7 +233,7 @@ mod tests {
     fn shafts_are_upright_and_ramps_are_not_too_steep() {
         let slope = |access: Access| {
             let settings = Tiles { nodes: 300, levels: 3, access, ..Tiles::default() };
-            let graph = settings.generate(1, &Nowhere).expect("there is room");
+            let graph = settings.generate(1, &NoOutside).expect("there is room");
             let way = |&[a, b]: &[StationId; 2]| graph[b].position - graph[a].position;
             graph
                 .edges

@@ -14,7 +14,7 @@ use nalgebra::Point3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::network::{self, Growth, Network, Rules, Size, Spot, ahead};
+use super::network::{self, Growth, Network, PassagePoint, Rules, Size, ahead};
 use super::{GenerateError, Generator};
 use crate::perlin::Perlin;
 use plume_graph::Graph;
@@ -116,7 +116,7 @@ impl Generator for Worms {
         network::grown(&self.rules(), seed, "worms", |rng, _| {
             let crawl = Crawl { settings: self, noise: Perlin::new(rng) };
             let size = Size::new(0.5 * (self.width_min_m + self.width_max_m), self.height_ratio);
-            (Spot { position: Point3::origin(), size }, crawl)
+            (PassagePoint { position: Point3::origin(), size }, crawl)
         })
     }
 }
@@ -196,8 +196,8 @@ impl Crawl<'_> {
         let sides = DODGES_DEG.into_iter().flat_map(|dodge| [dodge, -dodge]);
         for dodge in sides.map(f64::to_radians).skip(1) {
             let yaw_rad = self.yaw_rad(worm, crawled_m) + dodge;
-            let spot = Spot { position: at + self.settings.step_m * ahead(yaw_rad, pitch_rad), size };
-            if let Some(next) = network.lay(tip, &[spot], None) {
+            let passage_point = PassagePoint { position: at + self.settings.step_m * ahead(yaw_rad, pitch_rad), size };
+            if let Some(next) = network.lay(tip, &[passage_point], None) {
                 worm.bearing_rad += dodge;
                 return Some(next);
             }

@@ -10,7 +10,7 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector3};
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -108,10 +108,10 @@ impl RockReport {
 /// Every pair of passages of a graph with less than `least_m` of rock between them, unless a short way joins them; in the
 /// order of the passages.
 pub fn thin_rock(graph: &Graph, passage_size: PassageSize, least_m: f64) -> Vec<Thin> {
-    let rock = Rock::new(graph, passage_size);
-    let bodies = rock.all_bodies();
+    let index = PassageIndex::new(graph, passage_size);
+    let bodies = index.all_bodies();
     let of_one = |&body: &[StationId; 2]| {
-        let mut thin: Vec<Thin> = rock.thin(body, least_m).filter(|thin| thin.passages[0] == body).collect();
+        let mut thin: Vec<Thin> = index.thin(body, least_m).filter(|thin| thin.passages[0] == body).collect();
         thin.sort_by(Thin::thinner_first);
         thin.truncate(MOST_OF_ONE);
         thin
@@ -214,23 +214,23 @@ impl Body {
 
 /// The passages of a graph that grows, and where they are.
 #[derive(Clone)]
-pub struct Rock {
+pub struct PassageIndex {
     passage_size: PassageSize,
     /// The stations.
     pub nodes: Vec<Node>,
     /// For each station those that passages join to it.
-    pub neighbors: Vec<Vec<StationId>>,
+    neighbors: Vec<Vec<StationId>>,
     bodies: RTree<GeomWithData<Rectangle<[f64; 3]>, [StationId; 2]>>,
 }
 
-impl Rock {
-    /// The rock round a graph.
+impl PassageIndex {
+    /// The passages of a graph, all of them [settled](Self::settle).
     pub fn new(graph: &Graph, passage_size: PassageSize) -> Self {
         let neighbors = graph.neighbors().iter().map(<[_]>::to_vec).collect();
-        let mut rock = Self { passage_size, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
-        let entries = rock.all_bodies().into_iter().map(|body| rock.entry(body)).collect();
-        rock.bodies = RTree::bulk_load(entries);
-        rock
+        let mut index = Self { passage_size, nodes: graph.nodes.clone(), neighbors, bodies: RTree::new() };
+        let entries = index.all_bodies().into_iter().map(|body| index.entry(body)).collect();
+        index.bodies = RTree::bulk_load(entries);
+        index
     }
 
     /// Every station.
@@ -336,9 +336,9 @@ impl Rock {
     }
 
     /// Settled passages whose boxes meet that between two points of the plan, at any depth.
-    pub fn under(&self, plan: [[f64; 2]; 2]) -> impl Iterator<Item = [StationId; 2]> {
-        let [[ax, ay], [bx, by]] = plan;
-        let column = AABB::from_corners([ax, ay, f64::MIN], [bx, by, f64::MAX]);
+    pub fn under(&self, plan: [Point2<f64>; 2]) -> impl Iterator<Item = [StationId; 2]> {
+        let [a, b] = plan;
+        let column = AABB::from_corners([a.x, a.y, f64::MIN], [b.x, b.y, f64::MAX]);
         let near = self.bodies.locate_in_envelope_intersecting(column).map(|entry| entry.data);
         near.filter(|[a, b]| a != b)
     }

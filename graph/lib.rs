@@ -32,7 +32,7 @@ pub use centreline::VertexId;
 pub use generator::{GenerateError, Generator};
 pub use id::Id;
 pub use neighbors::Neighbors;
-pub use outside::{Nowhere, Outside, RunError, Task};
+pub use outside::{NoOutside, Outside, RunError, Task};
 pub use rows::Rows;
 pub use section::{Section, Shape};
 pub use shape::millimetres;

@@ -63,9 +63,9 @@ pub struct RunError {
 
 /// No files and no programs.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Nowhere;
+pub struct NoOutside;
 
-impl Outside for Nowhere {
+impl Outside for NoOutside {
     fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "files cannot be read here"))
     }

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::files::{Files, Spot};
+use super::files::{FilePosition, Files};
 use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::measure::Measured;
-use super::survey::{Leg, Station, Survey, Walls};
+use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::traverse::{Fix, Shot, Traverse};
 use super::{Import, Parts, ReadError, Source};
 use plume_graph::echo::shown;
@@ -88,7 +88,7 @@ struct Claim {
     name: Name,
     position: Point3<f64>,
     covariance: Option<Matrix3<f64>>,
-    spot: Spot,
+    file_position: FilePosition,
 }
 
 /// A cross-section, by names.
@@ -238,10 +238,10 @@ impl Centreline {
         name: Name,
         position: Point3<f64>,
         covariance: Option<Matrix3<f64>>,
-        spot: Spot,
+        file_position: FilePosition,
     ) -> Result<(), String> {
         check_room(self.claims.len(), MAX_STATIONS, "fixes")?;
-        self.claims.push(Claim { name, position, covariance, spot });
+        self.claims.push(Claim { name, position, covariance, file_position });
         Ok(())
     }
 
@@ -344,7 +344,7 @@ impl Centreline {
             let message = format!("has {} pieces, and nothing says how {those} lie", held + placed.adrift.len());
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
-        let station = |position| Station { position, entrance: false };
+        let station = |position| SurveyStation { position, entrance: false };
         let mut survey =
             Survey { stations: placed.positions.into_iter().map(station).collect(), legs, walls: Vec::new() };
         for entrance in std::mem::take(&mut self.entrances) {
@@ -367,7 +367,11 @@ impl Centreline {
                 Some(known) if known.covariance.is_none() && fix.covariance.is_none() => {
                     if known.position != fix.position {
                         let message = "the station is fixed at another place, too";
-                        return Err(files.fault(claim.spot, message, "fix it once, or look for an equate too many"));
+                        return Err(files.fault(
+                            claim.file_position,
+                            message,
+                            "fix it once, or look for an equate too many",
+                        ));
                     }
                 }
                 Some(known) if known.covariance.is_none() || fix.covariance.is_some() => {}

@@ -9,7 +9,7 @@ use plume_graph::echo::shown;
 
 /// A line of a file that was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Spot {
+pub(super) struct FilePosition {
     file: usize,
     /// From 1.
     pub(super) line: usize,
@@ -35,21 +35,26 @@ impl<'a> Files<'a> {
     }
 
     /// A line of the file that is being read.
-    pub(super) fn spot(&self, line: usize) -> Spot {
-        Spot { file: self.open.last().copied().unwrap_or_default(), line }
+    pub(super) fn file_position(&self, line: usize) -> FilePosition {
+        FilePosition { file: self.open.last().copied().unwrap_or_default(), line }
     }
 
     /// A fault in a line.
-    pub(super) fn fault(&self, spot: Spot, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
-        match self.strays[spot.file] {
-            true => ReadError::line(&self.paths[spot.file], spot.line, STRAY_LINE, STRAY_LINE_HINT),
-            false => ReadError::line(&self.paths[spot.file], spot.line, message, hint),
+    pub(super) fn fault(
+        &self,
+        file_position: FilePosition,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> ReadError {
+        match self.strays[file_position.file] {
+            true => ReadError::line(&self.paths[file_position.file], file_position.line, STRAY_LINE, STRAY_LINE_HINT),
+            false => ReadError::line(&self.paths[file_position.file], file_position.line, message, hint),
         }
     }
 
     /// A fault of the whole file that is being read.
     pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
-        let file = self.spot(0).file;
+        let file = self.file_position(0).file;
         match self.strays[file] {
             true => ReadError::whole(&self.paths[file], STRAY_LINE, STRAY_LINE_HINT),
             false => ReadError::whole(&self.paths[file], message, hint),
@@ -64,15 +69,15 @@ impl<'a> Files<'a> {
     /// Opens the file that a line names, relative to the file it stands in: as it is named, or with an ending, in the
     /// case it has or in lower case. To be closed again. One that lies elsewhere than below the folder of the first file is
     /// refused, unless the outside allows it.
-    pub(super) fn open(&mut self, spot: Spot, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
-        let refused = |message: String, hint: &str| Err(self.fault(spot, message, hint));
+    pub(super) fn open(&mut self, file_position: FilePosition, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
+        let refused = |message: String, hint: &str| Err(self.fault(file_position, message, hint));
         if self.open.len() >= MAX_DEPTH {
             return refused(format!("files name each other more than {MAX_DEPTH} deep"), "");
         }
         if self.paths.len() >= MAX_FILES {
             return refused(format!("this leads to more than {MAX_FILES} files"), "");
         }
-        let folder = self.paths[spot.file].parent().unwrap_or(Path::new(""));
+        let folder = self.paths[file_position.file].parent().unwrap_or(Path::new(""));
         let name = name.replace('\\', "/");
         let small = name.to_ascii_lowercase();
         let names = [name.clone(), format!("{name}{ending}"), small.clone(), format!("{small}{ending}")];
@@ -123,7 +128,7 @@ impl<'a> Files<'a> {
     pub(super) fn line<'t>(&self, number: usize, line: &'t str) -> Result<&'t str, ReadError> {
         if line.len() > MAX_LINE {
             let message = format!("a line of more than {} KiB", MAX_LINE >> 10);
-            return Err(self.fault(self.spot(number), message, "is this a text?"));
+            return Err(self.fault(self.file_position(number), message, "is this a text?"));
         }
         Ok(line.strip_suffix('\r').unwrap_or(line))
     }

@@ -17,7 +17,7 @@ use nalgebra::Point3;
 
 use self::bytes::Bytes;
 use self::label::Label;
-use super::survey::{Leg, Station, Survey, Walls};
+use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::{Import, Parts, ReadError, Source};
 
 const FILE_ID: &[u8] = b"Survex 3D Image File";
@@ -130,7 +130,7 @@ impl<'a> Reader<'a> {
         let stations = &mut self.survey.stations;
         *self.of_place.entry(place).or_insert_with(|| {
             let position = Point3::from(place.map(|x_cm| f64::from(x_cm) / 100.0));
-            stations.push(Station { position, entrance: false });
+            stations.push(SurveyStation { position, entrance: false });
             stations.len() - 1
         })
     }

@@ -31,7 +31,7 @@ const REACH_M: [f64; 2] = [2.5, 6.0];
 
 /// A surveyed point.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Station {
+pub(super) struct SurveyStation {
     /// In metres, east, north, up, as the file counts them; national grids are welcome.
     pub(super) position: Point3<f64>,
     /// Whether the cave opens to the surface here.
@@ -69,7 +69,7 @@ pub(super) enum Leg {
 /// Stations, legs and cross-sections, each in the order of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Survey {
-    pub(super) stations: Vec<Station>,
+    pub(super) stations: Vec<SurveyStation>,
     pub(super) legs: Vec<([usize; 2], Leg)>,
     pub(super) walls: Vec<Walls>,
 }
@@ -93,7 +93,7 @@ pub struct Tally {
     pub left_out: usize,
     /// Where the origin of the graph lies in the coordinates of the file, in metres. A survey is moved so that its
     /// first entrance, or else its first station, is the origin; another graph only if it reaches too far away.
-    pub origin_m: [f64; 3],
+    pub origin_m: Point3<f64>,
 }
 
 impl Survey {
@@ -118,7 +118,7 @@ impl Survey {
         lines.extend(fate.joins);
 
         let first = self.first(source.path, &welds, &fate.stays)?;
-        tally.origin_m = places[first].into();
+        tally.origin_m = places[first];
         let (rooms, interpolated) = section::rooms(&self, &welds, &lines);
         tally.interpolated = interpolated;
         let graph = graph(&places, lines, &rooms, first);

@@ -18,7 +18,7 @@ use std::rc::Rc;
 use lex::Marks;
 
 use super::centreline::{Centreline, Flags, Name, Names, Section};
-use super::files::{self, Files, Spot};
+use super::files::{self, FilePosition, Files};
 use super::limits::MAX_DEPTH;
 use super::measure::{Columns, Instruments, Order, Row, Style};
 use super::{Import, Parts, ReadError, Source};
@@ -69,7 +69,7 @@ struct Block {
     /// The survey it named.
     name: Option<String>,
     settings: Settings,
-    spot: Spot,
+    file_position: FilePosition,
 }
 
 /// A survey while it is read.
@@ -88,18 +88,20 @@ impl Reader<'_> {
         let blocks = self.blocks.len();
         for (index, line) in text.split('\n').enumerate() {
             let line = self.files.line(index + 1, line)?;
-            let spot = self.files.spot(index + 1);
+            let file_position = self.files.file_position(index + 1);
             let marks = Rc::clone(&self.settings.marks);
             match marks.command(line) {
-                Some(command) => self.command(spot, command, blocks)?,
+                Some(command) => self.command(file_position, command, blocks)?,
                 None if marks.is_comment(line) => {}
-                None => self.data(&marks.words(line)).map_err(|message| self.files.fault(spot, message, HINT))?,
+                None => {
+                    self.data(&marks.words(line)).map_err(|message| self.files.fault(file_position, message, HINT))?
+                }
             }
         }
         self.centreline.end_tube();
         self.columns = Columns::default();
         match self.blocks.get(blocks) {
-            Some(open) => Err(self.files.fault(open.spot, "the block is never closed", "add an `*end`")),
+            Some(open) => Err(self.files.fault(open.file_position, "the block is never closed", "add an `*end`")),
             None => Ok(()),
         }
     }
@@ -155,7 +157,7 @@ impl Reader<'_> {
         Ok(at)
     }
 
-    fn begin(&mut self, spot: Spot, name: Option<&str>) -> Result<(), String> {
+    fn begin(&mut self, file_position: FilePosition, name: Option<&str>) -> Result<(), String> {
         if self.blocks.len() >= MAX_DEPTH {
             return Err(format!("blocks are more than {MAX_DEPTH} deep"));
         }
@@ -164,7 +166,7 @@ impl Reader<'_> {
             None => self.settings.survey,
         };
         let kept = self.settings.clone();
-        self.blocks.push(Block { name: name.map(|name| kept.spelled(name)), settings: kept, spot });
+        self.blocks.push(Block { name: name.map(|name| kept.spelled(name)), settings: kept, file_position });
         self.settings.survey = survey;
         Ok(())
     }
@@ -177,14 +179,14 @@ impl Reader<'_> {
         let name = name.map(|name| block.settings.spelled(name));
         if name != block.name {
             let name = shown(&block.name.unwrap_or_default());
-            return Err(format!("this does not close the block {name} of line {}", block.spot.line));
+            return Err(format!("this does not close the block {name} of line {}", block.file_position.line));
         }
         self.settings = block.settings;
         Ok(())
     }
 
-    fn include(&mut self, spot: Spot, name: &str) -> Result<(), ReadError> {
-        let bytes = self.files.open(spot, name, ".svx")?;
+    fn include(&mut self, file_position: FilePosition, name: &str) -> Result<(), ReadError> {
+        let bytes = self.files.open(file_position, name, ".svx")?;
         let survey = self.settings.survey;
         self.read(&bytes)?;
         self.settings.survey = survey;

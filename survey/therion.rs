@@ -15,7 +15,7 @@ use std::rc::Rc;
 use nalgebra::Point3;
 
 use super::centreline::{Centreline, Flags, Name, Names, Section};
-use super::files::{self, Files, Spot};
+use super::files::{self, FilePosition, Files};
 use super::limits::{MAX_COORDINATE_M, MAX_DEPTH};
 use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
 use super::{Import, Parts, ReadError, Source};
@@ -73,7 +73,7 @@ struct Settings {
 
 /// What a block is, and what it brings back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum BlockKind {
     Survey,
     Centreline,
     Group,
@@ -82,8 +82,8 @@ enum Kind {
 }
 
 struct Block {
-    kind: Kind,
-    spot: Spot,
+    kind: BlockKind,
+    file_position: FilePosition,
     survey: Name,
     settings: Settings,
 }
@@ -110,53 +110,58 @@ impl Reader<'_> {
                 self.files.line(index + 1, &long)?;
                 continue;
             }
-            let spot = self.files.spot(index + 1);
+            let file_position = self.files.file_position(index + 1);
             let whole = std::mem::take(&mut long) + line;
-            self.line(spot, &whole, outer)?;
+            self.line(file_position, &whole, outer)?;
         }
         match self.blocks.get(outer) {
-            Some(open) => Err(self.files.fault(open.spot, "the block is never closed", "add its `end…`")),
+            Some(open) => Err(self.files.fault(open.file_position, "the block is never closed", "add its `end…`")),
             None => Ok(()),
         }
     }
 
-    fn line(&mut self, spot: Spot, line: &str, outer: usize) -> Result<(), ReadError> {
-        if let Some(&Block { kind: Kind::Passed(block), .. }) = self.blocks.last() {
+    fn line(&mut self, file_position: FilePosition, line: &str, outer: usize) -> Result<(), ReadError> {
+        if let Some(&Block { kind: BlockKind::Passed(block), .. }) = self.blocks.last() {
             let first = line.split_whitespace().next().unwrap_or_default();
             if first.strip_prefix("end") == Some(PASSED_BLOCKS[block]) {
                 self.blocks.pop();
             }
             return Ok(());
         }
-        let fault = |reader: &Self, message: String| reader.files.fault(spot, message, HINT);
+        let fault = |reader: &Self, message: String| reader.files.fault(file_position, message, HINT);
         let words = lex::words(line).map_err(|message| fault(self, message))?;
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         if let ["input" | "source", name] = words[..] {
-            return self.input(spot, name);
+            return self.input(file_position, name);
         }
-        let in_centreline = matches!(self.blocks.last(), Some(Block { kind: Kind::Centreline | Kind::Group, .. }));
-        let done = if in_centreline { self.measure(spot, &words, outer) } else { self.describe(spot, &words, outer) };
+        let in_centreline =
+            matches!(self.blocks.last(), Some(Block { kind: BlockKind::Centreline | BlockKind::Group, .. }));
+        let done = if in_centreline {
+            self.measure(file_position, &words, outer)
+        } else {
+            self.describe(file_position, &words, outer)
+        };
         done.map_err(|message| fault(self, message))
     }
 
-    fn input(&mut self, spot: Spot, name: &str) -> Result<(), ReadError> {
+    fn input(&mut self, file_position: FilePosition, name: &str) -> Result<(), ReadError> {
         if name.to_ascii_lowercase().ends_with(".th2") {
             return Ok(());
         }
-        let bytes = self.files.open(spot, name, ".th")?;
+        let bytes = self.files.open(file_position, name, ".th")?;
         self.read(&bytes)?;
         self.files.close();
         Ok(())
     }
 
     /// A line outside a centreline.
-    fn describe(&mut self, spot: Spot, words: &[&str], outer: usize) -> Result<(), String> {
+    fn describe(&mut self, file_position: FilePosition, words: &[&str], outer: usize) -> Result<(), String> {
         let Some((&command, words)) = words.split_first() else { return Ok(()) };
         match (command, words) {
-            ("survey", [name, options @ ..]) => self.open_survey(spot, name, options),
-            ("endsurvey", _) => self.close(Kind::Survey, outer),
+            ("survey", [name, options @ ..]) => self.open_survey(file_position, name, options),
+            ("endsurvey", _) => self.close(BlockKind::Survey, outer),
             ("centreline" | "centerline", _) => {
-                self.open(spot, Kind::Centreline)?;
+                self.open(file_position, BlockKind::Centreline)?;
                 let declination_rad = self.settings.instruments.declination_rad();
                 self.settings = Settings::default();
                 self.settings.instruments.dialect = Dialect::Therion;
@@ -167,30 +172,30 @@ impl Reader<'_> {
             ("cs", [system]) => self.centreline.set_system(system),
             (passed, _) if PASSED_OVER.contains(&passed) => Ok(()),
             (block, _) => match PASSED_BLOCKS.iter().position(|passed| *passed == block) {
-                Some(index) => self.open(spot, Kind::Passed(index)),
+                Some(index) => self.open(file_position, BlockKind::Passed(index)),
                 None => Err(format!("{} is no command that is read here", shown(block))),
             },
         }
     }
 
     /// A line of a centreline.
-    fn measure(&mut self, spot: Spot, words: &[&str], outer: usize) -> Result<(), String> {
+    fn measure(&mut self, file_position: FilePosition, words: &[&str], outer: usize) -> Result<(), String> {
         let Some((&command, rest)) = words.split_first() else { return self.data(&[]) };
         if matches!(command, "data" | "break" | "group" | "endgroup" | "endcentreline" | "endcenterline") {
             self.centreline.end_tube();
             self.columns = Columns::default();
         }
         match (command, rest) {
-            ("endcentreline" | "endcenterline", _) => self.close(Kind::Centreline, outer),
-            ("group", _) => self.open(spot, Kind::Group),
-            ("endgroup", _) => self.close(Kind::Group, outer),
+            ("endcentreline" | "endcenterline", _) => self.close(BlockKind::Centreline, outer),
+            ("group", _) => self.open(file_position, BlockKind::Group),
+            ("endgroup", _) => self.close(BlockKind::Group, outer),
             ("break", _) => Ok(()),
             ("data", rest) => {
                 self.settings.order = Rc::new(Order::read(rest)?);
                 Ok(())
             }
             ("declination", ["-" | ""]) => {
-                let survey = self.blocks.iter().rev().find(|block| block.kind == Kind::Centreline);
+                let survey = self.blocks.iter().rev().find(|block| block.kind == BlockKind::Centreline);
                 let declination_rad = survey.map(|block| block.settings.instruments.declination_rad());
                 self.settings.instruments.set_declination_rad(declination_rad.unwrap_or_default());
                 Ok(())
@@ -207,10 +212,10 @@ impl Reader<'_> {
                 Ok(())
             }
             ("station", [station, _, flags @ ..]) => self.station_flags(station, flags),
-            ("fix", [station, coordinates @ ..]) => self.fix(spot, station, coordinates),
+            ("fix", [station, coordinates @ ..]) => self.fix(file_position, station, coordinates),
             ("equate", rest) => self.equate(rest),
             ("cs", [system]) => self.centreline.set_system(system),
-            ("comment", _) => self.open(spot, Kind::Passed(PASSED_BLOCKS.len() - 1)),
+            ("comment", _) => self.open(file_position, BlockKind::Passed(PASSED_BLOCKS.len() - 1)),
             (passed, _) if PASSED_IN_CENTRELINE.contains(&passed) => Ok(()),
             (command, rest) => match command.strip_prefix('!') {
                 Some("") => self.data(rest),
@@ -220,30 +225,30 @@ impl Reader<'_> {
         }
     }
 
-    fn open(&mut self, spot: Spot, kind: Kind) -> Result<(), String> {
+    fn open(&mut self, file_position: FilePosition, kind: BlockKind) -> Result<(), String> {
         if self.blocks.len() >= MAX_DEPTH {
             return Err(format!("blocks are more than {MAX_DEPTH} deep"));
         }
-        self.blocks.push(Block { kind, spot, survey: self.survey, settings: self.settings.clone() });
+        self.blocks.push(Block { kind, file_position, survey: self.survey, settings: self.settings.clone() });
         Ok(())
     }
 
     /// Closes a block that was opened in this file, in which `outer` were open before.
-    fn close(&mut self, kind: Kind, outer: usize) -> Result<(), String> {
+    fn close(&mut self, kind: BlockKind, outer: usize) -> Result<(), String> {
         match self.blocks.pop() {
             Some(block) if block.kind == kind && self.blocks.len() >= outer => {
                 self.survey = block.survey;
                 self.settings = block.settings;
                 Ok(())
             }
-            Some(block) => Err(format!("this does not close the block of line {}", block.spot.line)),
+            Some(block) => Err(format!("this does not close the block of line {}", block.file_position.line)),
             None => Err("no block is open".to_owned()),
         }
     }
 
     /// `survey <id> [-namespace on|off] [-entrance <station>] [-declination [<angle> <unit>]] …`
-    fn open_survey(&mut self, spot: Spot, name: &str, options: &[&str]) -> Result<(), String> {
-        self.open(spot, Kind::Survey)?;
+    fn open_survey(&mut self, file_position: FilePosition, name: &str, options: &[&str]) -> Result<(), String> {
+        self.open(file_position, BlockKind::Survey)?;
         let value = |option: &str| options.windows(2).find(|pair| pair[0] == option).map(|pair| pair[1]);
         if value("-namespace") != Some("off") {
             self.survey = self.centreline.names.below(self.survey, name)?;
@@ -332,7 +337,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn fix(&mut self, spot: Spot, station: &str, coordinates: &[&str]) -> Result<(), String> {
+    fn fix(&mut self, file_position: FilePosition, station: &str, coordinates: &[&str]) -> Result<(), String> {
         let numbers: Option<Vec<f64>> = coordinates.iter().map(|word| lex::number(word)).collect();
         let position = match numbers.as_deref() {
             Some([]) => Point3::origin(),
@@ -341,6 +346,6 @@ impl Reader<'_> {
         };
         let covariance = numbers.as_deref().and_then(|numbers| super::centreline::spread(numbers.get(3..)?));
         let station = self.elsewhere(station)?;
-        self.centreline.fix(station, position, covariance, spot)
+        self.centreline.fix(station, position, covariance, file_position)
     }
 }

@@ -14,7 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use files::Files;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use plume::generators::GENERATORS;
 use plume::graph::{Graph, Node, Section, Shape, StationId};
 use plume::survey::{self, FORMATS, FormatRow, Import, Parts, ReadError, Written, read_as};
@@ -231,9 +231,9 @@ fn what_lies_far_away_is_counted_from_its_first_node() {
             for path in readable(row, &files) {
                 let Import { graph: mut found, tally, .. } = read(row, &path, Parts::Refuse, &files).expect(row.name);
                 keeps_the_laws(&found, Parts::Refuse);
-                let first = graph[graph.edges[0][0]].position.coords;
-                assert_eq!(tally.origin_m, if is_moved { first.into() } else { [0.0; 3] }, "{}", row.name);
-                found.nodes.iter_mut().for_each(|node| node.position += Vector3::from(tally.origin_m));
+                let first = graph[graph.edges[0][0]].position;
+                assert_eq!(tally.origin_m, if is_moved { first } else { Point3::origin() }, "{}", row.name);
+                found.nodes.iter_mut().for_each(|node| node.position += tally.origin_m.coords);
                 assert_eq!(geometry(&found), geometry(graph), "{}", row.name);
             }
         }
@@ -248,7 +248,7 @@ fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
         survey::read("cave.csv".as_ref(), Parts::Refuse, &files)
     };
     let Import { graph, tally, .. } = read(&table("7")).unwrap();
-    assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, [500_000.0, 5_200_000.000_4, 7.0]));
+    assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, Point3::new(500_000.0, 5_200_000.000_4, 7.0)));
     let apart = read(&(table("7") + "500000,5200010.0008,7,500000,1000000,7\n")).unwrap_err();
     assert_eq!(apart.to_string(), "cave.csv: has stations 4200 km from each other, and 1000 km is the most");
     let nowhere = read(&table("2e8")).unwrap_err();

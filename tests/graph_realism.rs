@@ -6,7 +6,7 @@ use std::fs;
 use plume::generators::{GaussianPerlin, Layers, Mine};
 use plume::graph::clearance::{PassageSize, thin_rock};
 use plume::graph::realism::{CAVES, Gate, Likeness, METRICS, Metrics, RealismSettings, Verdict, percentile};
-use plume::graph::{Generator, Graph, Node, Nowhere, StationId};
+use plume::graph::{Generator, Graph, NoOutside, Node, StationId};
 
 fn numbers<const N: usize>(file: &str) -> Vec<[f64; N]> {
     let text = fs::read_to_string(format!("tests/data/sakany/{file}")).expect(file);
@@ -168,11 +168,11 @@ fn gate(gate: Gate, tries: u32) -> RealismSettings {
 
 #[test]
 fn an_open_gate_changes_nothing() {
-    let straight = mine(120).generate(5, &Nowhere);
-    assert_eq!(RealismSettings::default().generate(&mine(120), 5, &Nowhere), straight);
+    let straight = mine(120).generate(5, &NoOutside);
+    assert_eq!(RealismSettings::default().generate(&mine(120), 5, &NoOutside), straight);
     let cave = GaussianPerlin::default();
     for kind in [Gate::Reject, Gate::Repair] {
-        assert_eq!(gate(kind, 3).generate(&cave, 5, &Nowhere), cave.generate(5, &Nowhere));
+        assert_eq!(gate(kind, 3).generate(&cave, 5, &NoOutside), cave.generate(5, &NoOutside));
     }
 }
 
@@ -180,14 +180,14 @@ fn an_open_gate_changes_nothing() {
 fn a_gate_that_rejects_tries_other_seeds_and_tells_what_fails() {
     let loose = Layers::default();
     let judged = |graph: &Graph| Likeness::of(graph).unwrap().verdict;
-    let unlike = (0..60).find(|&seed| judged(&loose.generate(seed, &Nowhere).unwrap()) != Verdict::Real);
+    let unlike = (0..60).find(|&seed| judged(&loose.generate(seed, &NoOutside).unwrap()) != Verdict::Real);
     let seed = unlike.expect("some seed makes another graph");
-    let graph = gate(Gate::Reject, 200).generate(&loose, seed, &Nowhere).unwrap();
+    let graph = gate(Gate::Reject, 200).generate(&loose, seed, &NoOutside).unwrap();
     assert_eq!(judged(&graph), Verdict::Real);
-    assert_eq!(gate(Gate::Reject, 200).generate(&loose, seed, &Nowhere).unwrap(), graph);
-    let error = gate(Gate::Reject, 3).generate(&mine(120), 5, &Nowhere).unwrap_err();
+    assert_eq!(gate(Gate::Reject, 200).generate(&loose, seed, &NoOutside).unwrap(), graph);
+    let error = gate(Gate::Reject, 3).generate(&mine(120), 5, &NoOutside).unwrap_err();
     insta::assert_snapshot!("none_passes", format!("{error}\n{}", error.hint));
-    let error = gate(Gate::Repair, 3).generate(&mine(20), 5, &Nowhere).unwrap_err();
+    let error = gate(Gate::Repair, 3).generate(&mine(20), 5, &NoOutside).unwrap_err();
     insta::assert_snapshot!("too_small", format!("{error}\n{}", error.hint));
 }
 
@@ -195,12 +195,12 @@ fn a_gate_that_rejects_tries_other_seeds_and_tells_what_fails() {
 fn repaired_mines_are_like_caves_and_keep_their_laws() {
     for (nodes, levels, seed) in [(120, 1, 1), (120, 1, 2), (250, 1, 3), (250, 3, 4)] {
         let mine = Mine { levels, ..mine(nodes) };
-        let before = mine.generate(seed, &Nowhere).unwrap();
-        let graph = gate(Gate::Repair, 2).generate(&mine, seed, &Nowhere).unwrap();
+        let before = mine.generate(seed, &NoOutside).unwrap();
+        let graph = gate(Gate::Repair, 2).generate(&mine, seed, &NoOutside).unwrap();
         let name = format!("{nodes} nodes, {levels} levels, seed {seed}");
         let likeness = Likeness::of(&graph).unwrap();
         assert_eq!(likeness.verdict, Verdict::Real, "{name}: {:?}", likeness.failing());
-        assert_eq!(gate(Gate::Repair, 2).generate(&mine, seed, &Nowhere).unwrap(), graph, "{name}");
+        assert_eq!(gate(Gate::Repair, 2).generate(&mine, seed, &NoOutside).unwrap(), graph, "{name}");
         assert_eq!(graph.components().len(), 1, "{name}");
         assert!(graph.neighbors().iter().all(|others| (1..=4).contains(&others.len())), "{name}");
         assert!((6 * before.nodes.len() / 10..=16 * before.nodes.len() / 10).contains(&graph.nodes.len()), "{name}");

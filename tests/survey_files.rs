@@ -40,7 +40,7 @@ fn a_3d_file_reads_as_survex_reads_it() {
     let Import { graph, tally, .. } = parsed("bare.3d", &bytes, Parts::Refuse).unwrap();
     let dump = String::from_utf8(data("surveys/bare.dump")).unwrap();
     let passages = dumped_passages(&dump);
-    let origin = Vector3::from(tally.origin_m);
+    let origin = tally.origin_m.coords;
     for ends in &passages {
         let [a, b] = ends.map(|end| node_at(&graph, end - origin).expect("a node stands there"));
         assert!(graph.edges.contains(&[a.min(b), a.max(b)]), "{ends:?}");
@@ -53,7 +53,7 @@ fn a_3d_file_reads_as_survex_reads_it() {
 #[test]
 fn the_first_entrance_is_the_origin_wherever_the_grid_has_it() {
     let Import { graph, tally, .. } = parsed("bare.3d", &data("formats/survex-3d/bare.3d"), Parts::Refuse).unwrap();
-    assert_eq!(tally.origin_m, [500_000.25, 4_600_000.5, 1234.56]);
+    assert_eq!(tally.origin_m, Point3::new(500_000.25, 4_600_000.5, 1234.56));
     assert_eq!(graph.nodes[0].position, Point3::origin());
     assert!(graph.nodes.iter().all(|node| node.section.is_none() && (2.5..=6.0).contains(&node.radius)));
 }
@@ -151,7 +151,7 @@ const AT_WALL_M: f32 = 0.1;
 fn every_surveyed_station_is_in_the_open_in_every_rock() {
     let dump = String::from_utf8(data("surveys/hollow.dump")).unwrap();
     let Import { graph, tally, .. } = parsed("hollow.3d", &hollow(), Parts::Refuse).unwrap();
-    let stations = dumped_passages(&dump).into_iter().flatten().map(|place| place - Vector3::from(tally.origin_m));
+    let stations = dumped_passages(&dump).into_iter().flatten().map(|place| place - tally.origin_m.coords);
     let stations: Vec<[f32; 3]> = stations.map(|place| place.coords.map(|x| x as f32).into()).collect();
     for (row, seed) in MATERIALS.iter().flat_map(|row| (0..8).map(move |seed| (row, seed))) {
         let rock = (row.read)(json!({})).unwrap();
@@ -193,7 +193,7 @@ fn smooth_walls_stand_where_they_were_measured() {
     let rock = (MATERIALS.default_row().read)(json!({"relief": 0.0, "wander_m": 0.0, "rubble": -0.5})).unwrap();
     let field = CaveField::new(&graph, &settings, rock, Look::default(), 3);
     for Measured { place, looking: [from, to], walls } in measured {
-        let station = Point3::from(place) - Vector3::from(tally.origin_m);
+        let station = Point3::from(place) - tally.origin_m.coords;
         let ahead = Vector3::new(to[0] - from[0], to[1] - from[1], 0.0).normalize();
         let left = Vector3::new(-ahead.y, ahead.x, 0.0);
         let axis = graph.nodes.iter().map(|node| node.position);
@@ -217,7 +217,7 @@ fn assert_is_as_dumped(name: &str, outside: &Files, dump: &str, tolerance_m: f64
     let passages = dumped_passages(&dump);
     for ends in &passages {
         let [a, b] = ends.map(|end| {
-            let place = end - Vector3::from(tally.origin_m);
+            let place = end - tally.origin_m.coords;
             let away = |node: &StationId| (graph[*node].position - place).norm();
             let node = graph.stations().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
             assert!(away(&node) < tolerance_m, "{name}: {place} is {} m off", away(&node));

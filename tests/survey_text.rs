@@ -12,7 +12,7 @@ use std::{fs, io};
 
 use dump::dumped_passages;
 use files::Files;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use plume::graph::Outside;
 use plume::survey::{Import, Parts, ReadError, read};
 
@@ -29,7 +29,7 @@ impl Outside for Disk {
 fn agrees(survey: &str, dump: &str) {
     let import = read(Path::new(survey), Parts::Refuse, &Disk);
     let Import { graph, tally, .. } = import.unwrap_or_else(|error| panic!("{error}"));
-    let origin = Vector3::from(tally.origin_m);
+    let origin = tally.origin_m.coords;
     let ours: Vec<[Point3<f64>; 2]> =
         graph.edges.iter().map(|edge| edge.map(|node| graph[node].position + origin)).collect();
     let theirs = dumped_passages(&fs::read_to_string(dump).expect("it is in the repository"));
@@ -172,7 +172,7 @@ fn names_from_the_root_and_entrances_of_surveys_are_found() {
     let svx = "*begin a\n1 2 5 0 0\n*begin b\n\\a.2 1 5 90 0\n*prefix \\\n1 a.b.1 3 0 0\n*end b\n*end a\n";
     assert_eq!(parsed("a.svx", svx).unwrap().graph.nodes.len(), 4);
     let therion = "survey a -entrance 2\ncentreline\nfix 1 0 0 0\n1 2 5 0 0\nendcentreline\nendsurvey\n";
-    assert_eq!(parsed("a.th", therion).unwrap().tally.origin_m, [0.0, 5.0, 0.0]);
+    assert_eq!(parsed("a.th", therion).unwrap().tally.origin_m, Point3::new(0.0, 5.0, 0.0));
 }
 
 #[test]

@@ -17,7 +17,7 @@ use std::fs;
 
 use plume::exporters::check::check;
 use plume::generators::GENERATORS;
-use plume::graph::Nowhere;
+use plume::graph::NoOutside;
 use plume::material::{MATERIALS, MaterialRow};
 use plume::recipe::Recipe;
 use plume::registry::RegisterError;
@@ -40,7 +40,7 @@ fn a_generator_of_ones_own_works_in_recipes_layers_and_commands() {
     assert_eq!(GENERATORS.iter().last().unwrap().name, "spiral");
 
     let recipe = Recipe::from_overrides(&settings).unwrap();
-    assert_eq!(recipe.graph().generate(7, &Nowhere).unwrap().nodes.len(), 33);
+    assert_eq!(recipe.graph().generate(7, &NoOutside).unwrap().nodes.len(), 33);
     assert!(recipe.to_toml().contains("Number of turns around the shaft"), "{}", recipe.to_toml());
     let out_of_range = recipe.with("graph.turns", 51).unwrap_err().to_string();
     assert!(out_of_range.contains("graph.turns"), "{out_of_range}");

@@ -1,6 +1,6 @@
 //! A branch: steps until its planned length is used up or nothing is left to draw.
 
-use super::cave::{Cave, Kind};
+use super::cave::{Cave, PassageKind};
 use super::circle::{Spread, wrapped_rad};
 use super::clearance::Goal;
 use super::step::{Floor, Step};
@@ -22,9 +22,9 @@ impl Cave<'_> {
         let (length, main) = self.draw_length(bud.trunk);
         let mean = self.reach_in(length, bud.trunk);
         let kind = match (main, bud.trunk) {
-            (true, _) => Kind::Main,
-            (false, true) => Kind::Trunk,
-            (false, false) => Kind::Spur,
+            (true, _) => PassageKind::Main,
+            (false, true) => PassageKind::Trunk,
+            (false, false) => PassageKind::Spur,
         };
         let spread = if length > STRAIGHT_FROM * mean { Spread::Trunk } else { Spread::Spur };
         let (mut tip, mut bearing_rad, mut heading_rad) = (bud.station, bud.bearing_rad, bud.bearing_rad);
@@ -43,7 +43,7 @@ impl Cave<'_> {
             heading_rad = self.pulled_heading_rad(tip, bearing_rad);
         }
         if main && tip != bud.station && self.room() > 0 {
-            self.stations[tip].kind = Kind::Trunk;
+            self.stations[tip].kind = PassageKind::Trunk;
         }
         (tip != bud.station).then_some(tip)
     }

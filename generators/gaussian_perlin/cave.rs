@@ -17,7 +17,7 @@ use plume_graph::{Graph, Node, StationId, millimetres};
 
 /// What a station belongs to.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum PassageKind {
     /// The longest branch of a block of planned lengths; spared by connectors.
     Main,
     Trunk,
@@ -27,12 +27,12 @@ pub(super) enum Kind {
 }
 
 /// A node, and what growth needs to know of it.
-pub(super) struct Station {
+pub(super) struct GrowingStation {
     pub(super) position: Point3<f64>,
     pub(super) radius: f64,
     pub(super) parent: Option<usize>,
     pub(super) neighbors: Vec<usize>,
-    pub(super) kind: Kind,
+    pub(super) kind: PassageKind,
     pub(super) level: u32,
     /// Azimuth in which it was reached.
     pub(super) heading_rad: f64,
@@ -41,8 +41,8 @@ pub(super) struct Station {
     pub(super) tip: Option<usize>,
 }
 
-impl Station {
-    pub(super) fn new(position: Point3<f64>, radius: f64, kind: Kind, level: u32) -> Self {
+impl GrowingStation {
+    pub(super) fn new(position: Point3<f64>, radius: f64, kind: PassageKind, level: u32) -> Self {
         Self {
             position: position.map(millimetres),
             radius: millimetres(radius),
@@ -111,7 +111,7 @@ pub(super) struct Cave<'a> {
     pub(super) compass: Compass,
     pub(super) relief: Perlin,
     pub(super) lengths: Lengths,
-    pub(super) stations: Vec<Station>,
+    pub(super) stations: Vec<GrowingStation>,
     pub(super) grid: Grid,
     /// Stations with one passage.
     pub(super) tips: Vec<usize>,
@@ -181,7 +181,7 @@ impl<'a> Cave<'a> {
         smooth.max(self.settings.reach_min_m).min(self.settings.reach_max_m)
     }
 
-    pub(super) fn add_station(&mut self, station: Station) -> usize {
+    pub(super) fn add_station(&mut self, station: GrowingStation) -> usize {
         let index = self.stations.len();
         let parent = station.parent;
         self.grid.add_station(index, &station.position);

@@ -6,7 +6,7 @@ use nalgebra::Point3;
 
 use super::GaussianPerlin;
 use super::branches::Bud;
-use super::cave::{Cave, Kind, Station};
+use super::cave::{Cave, GrowingStation, PassageKind};
 use super::hops::Hops;
 use super::tuning::{
     DEGREE, EXTRA_CHILD, MAX_DEGREE, PATIENCE, SIDE_TRUNK, SPUR_SPLITS, THIRD_AT_ORIGIN, TRUNK_DIES, TRUNK_FIRST,
@@ -91,7 +91,10 @@ impl<'a> Growth<'a> {
         let radius = cave.draw_reach(cave.derived.trunk_reach, None);
         let heading_rad = cave.rng.between(0.0, 2.0 * PI);
         let position = Point3::new(0.0, 0.0, cave.surface(0.0, 0.0, 0));
-        let origin = cave.add_station(Station { heading_rad, ..Station::new(position, radius, Kind::Trunk, 0) });
+        let origin = cave.add_station(GrowingStation {
+            heading_rad,
+            ..GrowingStation::new(position, radius, PassageKind::Trunk, 0)
+        });
         let opposite = heading_rad + cave.rng.between(130.0, 230.0) * DEGREE;
         let third = cave.rng.chance(THIRD_AT_ORIGIN);
         let aside = cave.rng.sign() * cave.rng.between(60.0, 120.0) * DEGREE;
@@ -234,7 +237,7 @@ impl<'a> Growth<'a> {
         let drawn = (0..WAKE_DRAWS).map(|_| self.layer_start + cave.rng.index(deep));
         let open = drawn.into_iter().find(|&drawn| {
             let station = &cave.stations[drawn];
-            station.degree() == 2 && matches!(station.kind, Kind::Trunk | Kind::Spur)
+            station.degree() == 2 && matches!(station.kind, PassageKind::Trunk | PassageKind::Spur)
         });
         open.unwrap_or_else(|| cave.rng.index(cave.stations.len()))
     }

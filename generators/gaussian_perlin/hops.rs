@@ -1,6 +1,6 @@
 //! How many passages away stations are.
 
-use super::cave::Station;
+use super::cave::GrowingStation;
 use super::tuning::HOPS_COUNTED;
 
 /// Distances along the cave from one station, counted anew without clearing memory.
@@ -14,7 +14,7 @@ pub(super) struct Hops {
 
 impl Hops {
     /// Counts from a station outwards.
-    pub(super) fn count(&mut self, from: usize, stations: &[Station]) {
+    pub(super) fn count(&mut self, from: usize, stations: &[GrowingStation]) {
         self.round += 1;
         self.reached.resize(stations.len().max(self.reached.len()), (0, 0));
         self.reached[from] = (self.round, 0);

@@ -1,6 +1,6 @@
 //! Layers: the surface each one lies on, and the ramps between them.
 
-use super::cave::{Cave, Kind};
+use super::cave::{Cave, PassageKind};
 use super::circle::Spread;
 use super::clearance::Goal;
 use super::step::{Floor, Step};
@@ -31,7 +31,7 @@ impl Cave<'_> {
         (0..RAMP_HEADS).find_map(|_| {
             let head = start + self.rng.index(self.stations.len() - start);
             let station = &self.stations[head];
-            let fits = station.level == self.deepest && station.degree() <= 2 && station.kind != Kind::Ramp;
+            let fits = station.level == self.deepest && station.degree() <= 2 && station.kind != PassageKind::Ramp;
             if !fits {
                 return None;
             }
@@ -62,7 +62,7 @@ impl Cave<'_> {
                 heading_rad,
                 spread: Spread::Trunk,
                 radius: self.draw_reach(self.derived.trunk_reach, Some(self.stations[tip].radius)),
-                kind: Kind::Ramp,
+                kind: PassageKind::Ramp,
                 level,
                 floor: Floor::Ramp(slope),
                 goal: Goal::Open,

@@ -6,7 +6,7 @@
 use nalgebra::{Point3, Vector2};
 
 use super::GaussianPerlin;
-use super::cave::{Cave, Kind, Station};
+use super::cave::{Cave, GrowingStation, PassageKind};
 use super::clearance::Goal;
 use super::hops::Hops;
 use super::tuning::{DEGREE, GENTLEST_RAMP, LINK_GOALS, LINK_SHARE, RAMP_HEADS, SHAFT, SINK_ROUNDS};
@@ -55,7 +55,7 @@ impl Cave<'_> {
         (0..RAMP_HEADS).any(|_| {
             let head = self.rng.index(self.stations.len());
             let station = &self.stations[head];
-            let fits = station.level == upper && station.degree() <= 2 && station.kind != Kind::Ramp;
+            let fits = station.level == upper && station.degree() <= 2 && station.kind != PassageKind::Ramp;
             fits && self.link_from(head, hops)
         })
     }
@@ -131,10 +131,10 @@ impl Cave<'_> {
         let radius = leg.max(self.settings.reach_min_m).min(self.settings.reach_max_m);
         let mut tip = head;
         for position in &way[1..] {
-            let station = Station {
+            let station = GrowingStation {
                 parent: Some(tip),
                 heading_rad: bearing_rad,
-                ..Station::new(*position, radius, Kind::Ramp, level)
+                ..GrowingStation::new(*position, radius, PassageKind::Ramp, level)
             };
             let inside = position.x.abs() <= self.derived.half[0] && position.y.abs() <= self.derived.half[1];
             if !inside || !self.is_clear(tip, position, station.half_width(), Goal::Open) {

@@ -3,7 +3,7 @@
 //! A connector is walked like any branch, its Gaussian turned to the goal, and must keep the clearance law when it is
 //! done. What cannot arrive is undone.
 
-use super::cave::{Cave, Kind};
+use super::cave::{Cave, PassageKind};
 use super::circle::Spread;
 use super::clearance::Goal;
 use super::hops::Hops;
@@ -51,7 +51,7 @@ impl Cave<'_> {
         for _ in 0..4 * MID_TRIES {
             let drawn = self.rng.index(self.stations.len());
             let station = &self.stations[drawn];
-            let plain = !matches!(station.kind, Kind::Ramp | Kind::Main);
+            let plain = !matches!(station.kind, PassageKind::Ramp | PassageKind::Main);
             if mids < MID_TRIES && plain && station.degree() == 2 {
                 sources.push(drawn);
                 mids += 1;
@@ -69,7 +69,7 @@ impl Cave<'_> {
             if way_round < LOOP_HOPS || !self.is_joinable(from, to) {
                 continue;
             }
-            if self.stations[to].kind == Kind::Main && self.rng.chance(KEEP_MAIN) {
+            if self.stations[to].kind == PassageKind::Main && self.rng.chance(KEEP_MAIN) {
                 continue;
             }
             let cost = self.cost_m(from, to) / libm::pow(f64::from(way_round), LOOP_BIAS);
@@ -91,11 +91,11 @@ impl Cave<'_> {
         let (a, b) = (&self.stations[from], &self.stations[to]);
         let apart = self.distance(from, to);
         b.degree() <= 2
-            && b.kind != Kind::Ramp
+            && b.kind != PassageKind::Ramp
             && a.level.abs_diff(b.level) <= u32::from(!self.settings.has_links())
             && apart <= self.derived.join_distance
             && apart >= LAST_LEG * self.settings.reach_min_m
-            && (a.level == b.level || self.is_walkable(from, to, Kind::Ramp))
+            && (a.level == b.level || self.is_walkable(from, to, PassageKind::Ramp))
             && self.legs(apart) - 1.0 <= self.room() as f64
     }
 
@@ -140,7 +140,7 @@ impl Cave<'_> {
                 heading_rad: self.azimuth_rad(tip, to) + bend,
                 spread: Spread::Link,
                 radius: self.draw_reach(self.derived.spur_reach, Some(self.stations[tip].radius)),
-                kind: if crosses { Kind::Ramp } else { Kind::Link },
+                kind: if crosses { PassageKind::Ramp } else { PassageKind::Link },
                 level: self.stations[tip].level,
                 floor: if crosses { Floor::Straight(to) } else { Floor::Surface },
                 goal: Goal::Towards(to),
@@ -157,7 +157,7 @@ impl Cave<'_> {
     fn can_join(&self, tip: usize, to: usize, crosses: bool) -> bool {
         let gap = self.distance(tip, to);
         let reach = LAST_LEG * self.settings.reach_min_m..=self.settings.reach_max_m;
-        let kind = if crosses { Kind::Ramp } else { Kind::Link };
+        let kind = if crosses { PassageKind::Ramp } else { PassageKind::Link };
         let end = &self.stations[to];
         reach.contains(&gap)
             && self.is_walkable(tip, to, kind)

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::cave::{Cave, Kind, Station, half_width};
+use super::cave::{Cave, GrowingStation, PassageKind, half_width};
 use super::circle::{Circle, Spread, wrapped_rad};
 use super::clearance::Goal;
 use super::tuning::{DEGREE, DRAWS, MIN_JUNCTION};
@@ -13,7 +13,7 @@ pub(super) struct Step {
     pub(super) spread: Spread,
     /// Radius of the new node.
     pub(super) radius: f64,
-    pub(super) kind: Kind,
+    pub(super) kind: PassageKind,
     pub(super) level: u32,
     pub(super) floor: Floor,
     pub(super) goal: Goal,
@@ -40,10 +40,10 @@ impl Cave<'_> {
             };
             let position = self.placed(from, azimuth_rad, step);
             if self.accepts(from, &position, step) {
-                return Some(self.add_station(Station {
+                return Some(self.add_station(GrowingStation {
                     parent: Some(from),
                     heading_rad: azimuth_rad,
-                    ..Station::new(position, step.radius, step.kind, step.level)
+                    ..GrowingStation::new(position, step.radius, step.kind, step.level)
                 }));
             }
             circle.rule_out(azimuth_rad);
@@ -89,9 +89,9 @@ impl Cave<'_> {
             && self.is_clear(from, position, half_width(step.radius), step.goal)
     }
 
-    fn greatest_slope(&self, kind: Kind) -> f64 {
+    fn greatest_slope(&self, kind: PassageKind) -> f64 {
         let degrees = match kind {
-            Kind::Ramp => self.settings.ramp_max_deg,
+            PassageKind::Ramp => self.settings.ramp_max_deg,
             _ => self.settings.max_slope_deg,
         };
         libm::tan(degrees * DEGREE)
@@ -113,7 +113,7 @@ impl Cave<'_> {
     }
 
     /// Whether a passage between two stations is not too steep.
-    pub(super) fn is_walkable(&self, a: usize, b: usize, kind: Kind) -> bool {
+    pub(super) fn is_walkable(&self, a: usize, b: usize, kind: PassageKind) -> bool {
         let rise = (self.position(a).z - self.position(b).z).abs();
         rise <= self.distance(a, b) * self.greatest_slope(kind)
     }

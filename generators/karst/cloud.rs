@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use super::Karst;
-use super::rock::Rock;
+use super::host_rock::HostRock;
 use plume_graph::Rows;
 use plume_graph::rng::Rng;
 
@@ -33,7 +33,7 @@ pub(super) struct Cloud {
 impl Cloud {
     /// Throws points and keeps those that have room (dart throwing: Cook, "Stochastic sampling in computer graphics",
     /// 1986).
-    pub(super) fn scatter(settings: &Karst, rock: &Rock, side_m: f64, rng: &mut Rng) -> Self {
+    pub(super) fn scatter(settings: &Karst, rock: &HostRock, side_m: f64, rng: &mut Rng) -> Self {
         let [bottom, top] = rock.extremes();
         let apart_m = settings.sample_spacing_m;
         // No narrower than points are apart, so that only columns side by side are in each other's way.

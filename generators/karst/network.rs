@@ -9,7 +9,7 @@ use super::cloud::Cloud;
 use super::crossings::join_crossings;
 use super::crowds::drop_crowds;
 use super::forks::open_forks;
-use super::rock::Rock;
+use super::host_rock::HostRock;
 use super::room::{crowds, give_way, watched};
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::rng::Rng;
@@ -25,7 +25,7 @@ const UPS_AND_DOWNS: f64 = 0.08;
 /// The passages along `lines`, that at the first key point which they reach first.
 pub(super) fn drawn(
     settings: &Karst,
-    rock: &Rock,
+    rock: &HostRock,
     cloud: &Cloud,
     lines: &[[usize; 2]],
     keys: &[usize],

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 
 use super::Karst;
 use super::cloud::{Cloud, Neighbour};
-use super::rock::Rock;
+use super::host_rock::HostRock;
 use plume_graph::Rows;
 use plume_graph::rng::Rng;
 
@@ -39,7 +39,7 @@ pub(super) struct Paths {
 }
 
 impl Paths {
-    pub(super) fn between(keys: &[usize], cloud: &Cloud, rock: &Rock) -> Self {
+    pub(super) fn between(keys: &[usize], cloud: &Cloud, rock: &HostRock) -> Self {
         let mut flood = Flood::of(keys, cloud, rock);
         let mut now = 0;
         while now < flood.buckets.len() {
@@ -53,7 +53,7 @@ impl Paths {
     }
 
     /// Lines between points that are passages.
-    pub(super) fn network(&self, settings: &Karst, cloud: &Cloud, rock: &Rock, rng: &mut Rng) -> Vec<[usize; 2]> {
+    pub(super) fn network(&self, settings: &Karst, cloud: &Cloud, rock: &HostRock, rng: &mut Rng) -> Vec<[usize; 2]> {
         let mut used = vec![false; self.back.len()];
         let mut lines = Vec::new();
         for meeting in self.kept(settings.gamma, settings.cycles, rng) {
@@ -131,7 +131,7 @@ impl Paths {
 /// two points costs less than a bucket is wide, so what is in one is settled and may be taken in the order of memory.
 struct Flood<'a> {
     cloud: &'a Cloud,
-    rock: &'a Rock,
+    rock: &'a HostRock,
     paths: Paths,
     /// The number of the key point that reaches each point first.
     owner: Vec<u32>,
@@ -144,7 +144,7 @@ struct Flood<'a> {
 }
 
 impl<'a> Flood<'a> {
-    fn of(keys: &[usize], cloud: &'a Cloud, rock: &'a Rock) -> Self {
+    fn of(keys: &[usize], cloud: &'a Cloud, rock: &'a HostRock) -> Self {
         let len = cloud.len();
         let mut paths = Paths { back: vec![NONE; len], costs: vec![f32::INFINITY; len], meetings: Vec::new() };
         let mut owner = vec![NONE; len];

@@ -58,7 +58,7 @@ impl Stack {
             let mut station = || StationId::new(pair[from].start + rng.index(pair[from].len()));
             let mut drawn: Vec<StationId> = (0..DRAWN).map(|_| station()).collect();
             drawn.sort_by_cached_key(|&station| {
-                let at = self.rock.node(station).position.xy();
+                let at = self.passages.node(station).position.xy();
                 let away_um = others.iter().map(|link| ((link[from].xy() - at).norm() * 1e6) as u64);
                 std::cmp::Reverse(away_um.min())
             });
@@ -105,11 +105,11 @@ impl Stack {
 
     /// Where passages at a station cross above or below those of the other layer.
     fn crossings(&self, station: StationId, other: &Range<usize>) -> Vec<[Place; 2]> {
-        let at = |node: StationId| self.rock.node(node).position;
+        let at = |node: StationId| self.passages.node(node).position;
         let mut found = Vec::new();
-        for &next in self.rock.neighbors_of(station) {
+        for &next in self.passages.neighbors_of(station) {
             let ends = [at(station), at(next)];
-            for [a, b] in self.rock.under(ends.map(|end| [end.x, end.y])) {
+            for [a, b] in self.passages.under(ends.map(|end| end.xy())) {
                 if ![a, b].iter().all(|end| other.contains(&end.index())) {
                     continue;
                 }
@@ -126,17 +126,17 @@ impl Stack {
 
     /// Stations of the other layer that a link could lead to, those first that a straight one of middling slope would reach.
     fn goals(&self, station: StationId, other: &Range<usize>, law: &Law, rng: &mut Rng) -> Vec<[Place; 2]> {
-        if self.rock.neighbors_of(station).len() > MOST_PASSAGES {
+        if self.passages.neighbors_of(station).len() > MOST_PASSAGES {
             return Vec::new();
         }
-        let from = self.rock.node(station).position;
+        let from = self.passages.node(station).position;
         let middling = libm::tan(0.5 * (law.slopes.least_rad + law.slopes.greatest_rad));
         let mut near = Vec::new();
         for goal in other.clone().map(StationId::new) {
-            let way = self.rock.node(goal).position - from;
+            let way = self.passages.node(goal).position - from;
             let (drop, apart) = (way.z.abs(), way.xy().norm());
             if apart * libm::tan(law.slopes.least_rad) > drop + 0.001
-                || self.rock.neighbors_of(goal).len() > MOST_PASSAGES
+                || self.passages.neighbors_of(goal).len() > MOST_PASSAGES
             {
                 continue;
             }
@@ -170,38 +170,38 @@ impl Stack {
     /// Whether a link turns away from all passages at its end.
     fn leaves(&self, place: Place, from: &Point3<f64>, to: &Point3<f64>) -> bool {
         let others = match place {
-            Place::Station(station) => self.rock.neighbors_of(station).to_vec(),
+            Place::Station(station) => self.passages.neighbors_of(station).to_vec(),
             Place::Passage(ends, ..) => ends.to_vec(),
         };
         let way: Vector3<f64> = (to - from).normalize();
         others.iter().all(|&other| {
-            let passage = self.rock.node(other).position - from;
+            let passage = self.passages.node(other).position - from;
             passage.dot(&way) <= SHARPEST_COS * passage.norm()
         })
     }
 
     /// Adds the stations of a link, unless it has too little rock round it somewhere.
     fn settle_link(&mut self, ends: [Place; 2], way: &[Point3<f64>], rock_m: f64) -> bool {
-        let len = self.rock.nodes.len();
+        let len = self.passages.nodes.len();
         let [head, foot] = ends.map(|place| self.open(place));
         let mut stations = vec![head];
         for (place, &position) in way[1..way.len() - 1].iter().enumerate() {
             let share = (place + 1) as f64 / (way.len() - 1) as f64;
-            let [head, foot] = [head, foot].map(|end| self.rock.node(end));
+            let [head, foot] = [head, foot].map(|end| self.passages.node(end));
             let node = Node { position, level: foot.level, ..blend(head, foot, share) };
-            stations.push(self.rock.add(node));
+            stations.push(self.passages.add(node));
         }
         stations.push(foot);
         let passages: Vec<[StationId; 2]> =
             stations.windows(2).map(|leg| [leg[0].min(leg[1]), leg[0].max(leg[1])]).collect();
-        passages.iter().for_each(|&[a, b]| self.rock.join(a, b));
+        passages.iter().for_each(|&[a, b]| self.passages.join(a, b));
         if !self.has_rock(&passages, rock_m) {
-            passages.iter().for_each(|&[a, b]| self.rock.part(a, b));
-            self.rock.truncate(len);
+            passages.iter().for_each(|&[a, b]| self.passages.part(a, b));
+            self.passages.truncate(len);
             ends.into_iter().for_each(|place| self.close(place));
             return false;
         }
-        self.rock.settle(&passages);
+        self.passages.settle(&passages);
         for (place, end) in ends.into_iter().zip([head, foot]) {
             self.settle_end(place, end);
         }
@@ -210,8 +210,9 @@ impl Stack {
 
     /// Whether passages that are not settled keep their distance from those that are, and from each other.
     fn has_rock(&self, passages: &[[StationId; 2]], rock_m: f64) -> bool {
-        let apart = |one: [StationId; 2], other: [StationId; 2]| self.rock.thin_between(one, other, rock_m).is_none();
-        passages.iter().all(|&passage| self.rock.thin(passage, rock_m).next().is_none())
+        let apart =
+            |one: [StationId; 2], other: [StationId; 2]| self.passages.thin_between(one, other, rock_m).is_none();
+        passages.iter().all(|&passage| self.passages.thin(passage, rock_m).next().is_none())
             && (passages.iter().enumerate())
                 .all(|(place, &one)| passages[..place].iter().all(|&other| apart(one, other)))
     }
@@ -221,10 +222,10 @@ impl Stack {
         match place {
             Place::Station(station) => station,
             Place::Passage([a, b], ..) => {
-                let station = self.rock.add(self.node(place));
-                self.rock.part(a, b);
-                self.rock.join(a, station);
-                self.rock.join(station, b);
+                let station = self.passages.add(self.node(place));
+                self.passages.part(a, b);
+                self.passages.join(a, station);
+                self.passages.join(station, b);
                 station
             }
         }
@@ -233,22 +234,22 @@ impl Stack {
     /// Makes a passage whole again whose station is gone.
     fn close(&mut self, place: Place) {
         if let Place::Passage([a, b], ..) = place {
-            self.rock.join(a, b);
+            self.passages.join(a, b);
         }
     }
 
     /// What a link changes where it ends: a passage in two, or a room.
     fn settle_end(&mut self, place: Place, station: StationId) {
         match place {
-            Place::Station(_) if self.rock.is_room(station) && self.rock.neighbors_of(station).len() == 3 => {
-                self.rock.settle(&[[station, station]]);
+            Place::Station(_) if self.passages.is_room(station) && self.passages.neighbors_of(station).len() == 3 => {
+                self.passages.settle(&[[station, station]]);
             }
             Place::Station(_) => {}
             Place::Passage([a, b], ..) => {
-                self.rock.unsettle([a.min(b), a.max(b)]);
-                self.rock.settle(&[[a, station], [b, station]]);
-                if self.rock.is_room(station) {
-                    self.rock.settle(&[[station, station]]);
+                self.passages.unsettle([a.min(b), a.max(b)]);
+                self.passages.settle(&[[a, station], [b, station]]);
+                if self.passages.is_room(station) {
+                    self.passages.settle(&[[station, station]]);
                 }
             }
         }
@@ -257,9 +258,9 @@ impl Stack {
     /// The station at a place, as it is or would be.
     fn node(&self, place: Place) -> Node {
         match place {
-            Place::Station(station) => self.rock.node(station).clone(),
+            Place::Station(station) => self.passages.node(station).clone(),
             Place::Passage([a, b], share, plan) => {
-                let [a, b] = [a, b].map(|end| self.rock.node(end));
+                let [a, b] = [a, b].map(|end| self.passages.node(end));
                 let z = millimetres(a.position.z + (b.position.z - a.position.z) * share);
                 let level = if share < 0.5 { a.level } else { b.level };
                 Node { position: Point3::new(plan.x, plan.y, z), level, ..blend(a, b, share) }

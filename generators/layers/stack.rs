@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Point3, Vector3};
 
 use super::layer::Layer;
-use plume_graph::clearance::{Body, PassageSize, Rock};
+use plume_graph::clearance::{Body, PassageIndex, PassageSize};
 use plume_graph::{Graph, StationId, millimetres};
 
 /// Least way down when a layer is moved, in metres, so that it comes to an end.
@@ -14,7 +14,7 @@ const LEAST_MOVE_M: f64 = 0.25;
 /// Layers and the rock round them.
 #[derive(Clone)]
 pub(super) struct Stack {
-    pub(super) rock: Rock,
+    pub(super) passages: PassageIndex,
     /// The stations of each layer. Those of links, and those set into passages for links, come after all of them.
     pub(super) layers: Vec<Range<usize>>,
     /// Levels of all layers so far.
@@ -25,8 +25,8 @@ pub(super) struct Stack {
 
 impl Default for Stack {
     fn default() -> Self {
-        let rock = Rock::new(&Graph::default(), PassageSize::default());
-        Self { rock, layers: Vec::new(), levels: 0, middle: None }
+        let passages = PassageIndex::new(&Graph::default(), PassageSize::default());
+        Self { passages, layers: Vec::new(), levels: 0, middle: None }
     }
 }
 
@@ -34,7 +34,7 @@ impl Stack {
     /// Puts a layer below those that are there: at its depth, or as far below it as `rock_m` of rock to all of them asks. One
     /// without a depth lies so much deeper still.
     pub(super) fn lay(&mut self, mut graph: Graph, layer: &Layer, rock_m: Option<f64>, deeper_m: f64) {
-        let own = Rock::new(&graph, PassageSize::default());
+        let own = PassageIndex::new(&graph, PassageSize::default());
         let bodies: Vec<Body> = own.all_bodies().into_iter().map(|body| own.body(body)).collect();
         let mut by = self.start(&graph, layer);
         while let Some(lacking_m) = rock_m.and_then(|rock_m| self.lacking(&bodies, &by, rock_m)) {
@@ -58,7 +58,7 @@ impl Stack {
         let first = *self.middle.get_or_insert(middle);
         let aside = Vector3::new(layer.east_m, layer.north_m, 0.0);
         let bottom = self.layers.last().map(|above| {
-            let heights = self.rock.nodes[above.clone()].iter().map(|node| node.position.z);
+            let heights = self.passages.nodes[above.clone()].iter().map(|node| node.position.z);
             heights.fold(f64::INFINITY, f64::min) - bounds.max[2]
         });
         let z = layer.depth_m.map(|depth_m| -depth_m).or(bottom).unwrap_or(0.0);
@@ -69,21 +69,21 @@ impl Stack {
 
     /// How much rock lacks between a layer that is moved like this and those above.
     fn lacking(&self, bodies: &[Body], by: &Vector3<f64>, rock_m: f64) -> Option<f64> {
-        let rocks = bodies.iter().filter_map(|body| self.rock.thinnest(&body.moved(by), rock_m));
+        let rocks = bodies.iter().filter_map(|body| self.passages.thinnest(&body.moved(by), rock_m));
         rocks.min_by(f64::total_cmp).map(|least_m| rock_m - least_m)
     }
 
     fn append(&mut self, graph: Graph) {
-        let start = self.rock.nodes.len();
+        let start = self.passages.nodes.len();
         self.levels = graph.nodes.iter().map(|node| node.level + 1).max().unwrap_or(self.levels);
         let joined = |edge: &[StationId; 2]| edge.map(|station| StationId::new(start + station.index()));
         for node in graph.nodes {
-            self.rock.add(node);
+            self.passages.add(node);
         }
-        graph.edges.iter().map(joined).for_each(|[a, b]| self.rock.join(a, b));
-        self.layers.push(start..self.rock.nodes.len());
+        graph.edges.iter().map(joined).for_each(|[a, b]| self.passages.join(a, b));
+        self.layers.push(start..self.passages.nodes.len());
         let is_new = |body: &[StationId; 2]| body[0].index() >= start;
-        let new: Vec<[StationId; 2]> = self.rock.all_bodies().into_iter().filter(is_new).collect();
-        self.rock.settle(&new);
+        let new: Vec<[StationId; 2]> = self.passages.all_bodies().into_iter().filter(is_new).collect();
+        self.passages.settle(&new);
     }
 }

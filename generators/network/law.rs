@@ -87,7 +87,7 @@ impl Network {
     }
 
     fn clearance_radius(&self, [u, v]: [usize; 2]) -> f64 {
-        self.spot(u).size.clearance_radius().max(self.spot(v).size.clearance_radius())
+        self.passage_point(u).size.clearance_radius().max(self.passage_point(v).size.clearance_radius())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Network, Size, Spot};
+use super::{Network, PassagePoint, Size};
 use plume_graph::rng::Rng;
 
 /// Loops of a real cave by ends and junctions, and one more (Collon et al. 2017: a mean degree of 2.13). Tuned.
@@ -112,17 +112,17 @@ impl Network {
             Some(heading) => across + heading * (SWING * way.norm()),
             None => across,
         };
-        let chain: Vec<Spot> = (1..=inner).map(|step| self.between(from, to, step, inner + 1, swing)).collect();
+        let chain: Vec<PassagePoint> = (1..=inner).map(|step| self.between(from, to, step, inner + 1, swing)).collect();
         self.lay(from, &chain, Some(to)).is_some()
     }
 
     /// A station of a connector: a parabola over the straight line, which swings out by `swing` in its middle.
-    fn between(&self, from: usize, to: usize, step: usize, steps: usize, swing: Vector3<f64>) -> Spot {
+    fn between(&self, from: usize, to: usize, step: usize, steps: usize, swing: Vector3<f64>) -> PassagePoint {
         let part = step as f64 / steps as f64;
-        let [a, b] = [self.spot(from), self.spot(to)];
+        let [a, b] = [self.passage_point(from), self.passage_point(to)];
         let blend = |a: f64, b: f64| a + (b - a) * part;
         let level = Vector3::new(swing.x, swing.y, 0.0);
-        Spot {
+        PassagePoint {
             position: a.position + (b.position - a.position) * part + level * (4.0 * part * (1.0 - part)),
             size: Size {
                 width_m: blend(a.size.width_m, b.size.width_m),

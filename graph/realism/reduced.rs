@@ -72,26 +72,26 @@ impl Reduced {
 
     fn paths_from(&self, sources: &[usize]) -> Paths {
         let len = self.neighbors.len();
-        let mut tally = Tally { between: vec![0.0; len], squares: vec![0.0; len] };
+        let mut sums = BetweennessSums { between: vec![0.0; len], squares: vec![0.0; len] };
         let mut search = Search::new(len);
         let mut means = Vec::with_capacity(sources.len());
         for &source in sources {
             search.run(&self.neighbors, source);
             means.push(search.mean_distance());
-            search.add_to(&self.neighbors, source, &mut tally);
+            search.add_to(&self.neighbors, source, &mut sums);
         }
         let count = sources.len() as f64;
         // Each source stands for its share of all nodes.
         let pairs = count / len as f64 * (len.max(3) - 1) as f64 * (len.max(3) - 2) as f64;
-        let central = tally.most_central();
+        let central = sums.most_central();
         let sampling = (sources.len() < len).then(|| Sampling {
             sources: sources.len(),
             average_path_error: standard_error(count, means.iter().sum(), means.iter().map(|m| m * m).sum()),
-            dominance_error: standard_error(count, tally.between[central], tally.squares[central]) * count / pairs,
+            dominance_error: standard_error(count, sums.between[central], sums.squares[central]) * count / pairs,
         });
         Paths {
             average: means.iter().sum::<f64>() / count,
-            dominance: dominance(&tally.between, tally.between[central]) / pairs,
+            dominance: dominance(&sums.between, sums.between[central]) / pairs,
             sampling,
         }
     }
@@ -107,12 +107,12 @@ pub(super) struct Paths {
 }
 
 /// Shortest paths over each node, summed over sources (Brandes 2001), and the squares of what each source adds.
-struct Tally {
+struct BetweennessSums {
     between: Vec<f64>,
     squares: Vec<f64>,
 }
 
-impl Tally {
+impl BetweennessSums {
     fn most_central(&self) -> usize {
         let by = |a: &usize, b: &usize| self.between[*a].total_cmp(&self.between[*b]);
         (0..self.between.len()).max_by(by).unwrap_or_default()
@@ -207,7 +207,7 @@ impl Search {
         sum / (self.order.len().max(2) - 1) as f64
     }
 
-    fn add_to(&mut self, neighbors: &Rows<usize>, source: usize, tally: &mut Tally) {
+    fn add_to(&mut self, neighbors: &Rows<usize>, source: usize, sums: &mut BetweennessSums) {
         for &node in self.order.iter().rev() {
             let share = (1.0 + self.dependency[node]) / self.paths[node];
             for &other in &neighbors[node] {
@@ -216,8 +216,8 @@ impl Search {
                 }
             }
             if node != source {
-                tally.between[node] += self.dependency[node];
-                tally.squares[node] += self.dependency[node] * self.dependency[node];
+                sums.between[node] += self.dependency[node];
+                sums.squares[node] += self.dependency[node] * self.dependency[node];
             }
         }
     }

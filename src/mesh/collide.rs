@@ -17,14 +17,14 @@ mod cells;
 mod hull;
 mod merge;
 mod report;
-mod rock;
+mod rock_mass;
 mod settings;
 
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 pub use self::report::{PieceMeasures, PieceReport, measure_pieces};
-use self::rock::Rock;
+use self::rock_mass::RockMass;
 pub use self::settings::PieceSettings;
 use super::Mesh;
 
@@ -75,5 +75,5 @@ pub fn pieces(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Vec<Pie
     if wall.triangles.is_empty() {
         return Vec::new();
     }
-    merge::merged(wall, &Rock::new(wall, around, settings))
+    merge::merged(wall, &RockMass::new(wall, around, settings))
 }

@@ -15,7 +15,7 @@ pub(super) struct Nearest {
     /// Each with its index in the surface.
     triangles: Vec<(Triangle, u32)>,
     /// A box is followed by its first half.
-    boxes: Vec<Branch>,
+    boxes: Vec<TreeNode>,
 }
 
 /// What is nearest to a point.
@@ -30,7 +30,7 @@ pub(super) struct Found {
 
 /// The box round some triangles.
 #[derive(Clone, Copy)]
-struct Branch {
+struct TreeNode {
     bounds: Aabb<f64>,
     /// Index of the second half; 0 for a leaf.
     second: usize,
@@ -50,7 +50,7 @@ impl Nearest {
         let corners = part.iter().flat_map(|(triangle, _)| triangle).copied();
         let bounds = Aabb::from_points(corners).expect("a part has triangles");
         let at = self.boxes.len();
-        self.boxes.push(Branch { bounds, second: 0 });
+        self.boxes.push(TreeNode { bounds, second: 0 });
         if end - start <= LEAF {
             return;
         }
@@ -136,7 +136,7 @@ pub(super) fn squared_distance(point: Point, triangle: Triangle) -> f64 {
 
 /// A part of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum Feature {
     /// The corner with this place.
     Corner(usize),
     /// The edge from the corner with this place to the next.
@@ -147,34 +147,34 @@ pub(super) enum Part {
 
 /// The point of a triangle that is closest to `p`, and the part of the triangle it lies in (Ericson, *Real-Time Collision
 /// Detection*, 2005, 5.1.5).
-pub(super) fn closest(p: Point, [a, b, c]: Triangle) -> (Point, Part) {
+pub(super) fn closest(p: Point, [a, b, c]: Triangle) -> (Point, Feature) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
     if d1 <= 0.0 && d2 <= 0.0 {
-        return (a, Part::Corner(0));
+        return (a, Feature::Corner(0));
     }
     let bp = p - b;
     let (d3, d4) = (ab.dot(&bp), ac.dot(&bp));
     if d3 >= 0.0 && d4 <= d3 {
-        return (b, Part::Corner(1));
+        return (b, Feature::Corner(1));
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return (a + ab * (d1 / (d1 - d3)), Part::Edge(0));
+        return (a + ab * (d1 / (d1 - d3)), Feature::Edge(0));
     }
     let cp = p - c;
     let (d5, d6) = (ab.dot(&cp), ac.dot(&cp));
     if d6 >= 0.0 && d5 <= d6 {
-        return (c, Part::Corner(2));
+        return (c, Feature::Corner(2));
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return (a + ac * (d2 / (d2 - d6)), Part::Edge(2));
+        return (a + ac * (d2 / (d2 - d6)), Feature::Edge(2));
     }
     let va = d3 * d6 - d5 * d4;
     if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return (b + (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6)), Part::Edge(1));
+        return (b + (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6)), Feature::Edge(1));
     }
     let scale = 1.0 / (va + vb + vc);
-    (a + ab * (vb * scale) + ac * (vc * scale), Part::Inside)
+    (a + ab * (vb * scale) + ac * (vc * scale), Feature::Inside)
 }

@@ -17,9 +17,9 @@ mod thin;
 use self::frame::{Area, Frame};
 use self::furniture::Furniture;
 use self::marks::Marks;
-use self::sheet::{Panel, Sheet, Station};
+use self::sheet::{Panel, Sheet, SheetStation};
 use super::image::Image;
-use super::svg::{Anchor, Spot, Svg};
+use super::svg::{Anchor, PaperPoint, Svg};
 use super::theme::{Palette, class_color, elevation_class};
 use super::{Drawn, Format, Order, PreviewError, Size, Subject};
 use plume_graph::StationId;
@@ -79,10 +79,11 @@ fn label(furniture: &mut Furniture, panel: &Panel, frame: &Frame) {
 /// The passages of a storey, over the shades of the others.
 fn draw_panel(svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
     if sheet.panels.len() > 1 {
-        let all: Vec<Vec<Spot>> = shapes(sheet, &sheet.everything, frame).into_iter().map(|(_, shape)| shape).collect();
+        let all: Vec<Vec<PaperPoint>> =
+            shapes(sheet, &sheet.everything, frame).into_iter().map(|(_, shape)| shape).collect();
         svg.fill(&all, palette.ghost);
     }
-    let (classes, shapes): (Vec<usize>, Vec<Vec<Spot>>) = shapes(sheet, panel, frame).into_iter().unzip();
+    let (classes, shapes): (Vec<usize>, Vec<Vec<PaperPoint>>) = shapes(sheet, panel, frame).into_iter().unzip();
     svg.outline(&shapes, palette.wall, 2.0 * frame.line_px);
     let mut first = 0;
     for run in classes.chunk_by(|one, next| one == next) {
@@ -92,7 +93,7 @@ fn draw_panel(svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, fr
 }
 
 /// The outline of every passage with the class of its elevation, those behind first.
-fn shapes(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<(usize, Vec<Spot>)> {
+fn shapes(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<(usize, Vec<PaperPoint>)> {
     let mut pieces = thin::pieces(sheet, panel, frame);
     let depth = |[a, b]: [StationId; 2]| sheet[a].depth + sheet[b].depth;
     pieces.sort_by(|&one, &other| depth(one).total_cmp(&depth(other)));
@@ -100,7 +101,7 @@ fn shapes(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<(usize, Vec<Spot>)
 }
 
 /// A passage in as many steps as it has colours, up to [`MOST_STEPS`].
-fn steps(sheet: &Sheet, [a, b]: [&Station; 2], frame: &Frame) -> Vec<(usize, Vec<Spot>)> {
+fn steps(sheet: &Sheet, [a, b]: [&SheetStation; 2], frame: &Frame) -> Vec<(usize, Vec<PaperPoint>)> {
     let class = |height_m: f64| elevation_class(sheet.share(height_m));
     let count = class(a.height_m).abs_diff(class(b.height_m)).clamp(1, MOST_STEPS);
     let at = |step: usize| a.towards(b, step as f64 / count as f64);

@@ -12,7 +12,7 @@ use super::Size;
 static FONT: &[u8] = include_bytes!("../../templates/preview/DejaVuSans-subset.ttf");
 
 /// A point on the paper in pixels, y down.
-pub type Spot = [f64; 2];
+pub type PaperPoint = [f64; 2];
 
 /// Which part of a text stands at its spot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,19 +47,19 @@ impl Svg {
     }
 
     /// A filled rectangle.
-    pub fn rectangle(&mut self, corner: Spot, size: Spot, fill: &str) {
+    pub fn rectangle(&mut self, corner: PaperPoint, size: PaperPoint, fill: &str) {
         let ([x, y], [width, height]) = (corner.map(Px), size.map(Px));
         self.line(format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" fill=\"{fill}\"/>"));
     }
 
     /// Filled polygons.
-    pub fn fill(&mut self, polygons: &[Vec<Spot>], fill: &str) {
+    pub fn fill(&mut self, polygons: &[Vec<PaperPoint>], fill: &str) {
         let data = closed(polygons);
         self.line(format_args!("<path fill=\"{fill}\" d=\"{data}\"/>"));
     }
 
     /// The edges of polygons.
-    pub fn outline(&mut self, polygons: &[Vec<Spot>], stroke: &str, width: f64) {
+    pub fn outline(&mut self, polygons: &[Vec<PaperPoint>], stroke: &str, width: f64) {
         let (data, width) = (closed(polygons), Px(width));
         self.line(format_args!(
             "<path fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" d=\"{data}\"/>"
@@ -67,13 +67,13 @@ impl Svg {
     }
 
     /// Open lines.
-    pub fn strokes(&mut self, lines: &[Vec<Spot>], stroke: &str, width: f64) {
+    pub fn strokes(&mut self, lines: &[Vec<PaperPoint>], stroke: &str, width: f64) {
         let (data, width) = (lines.iter().map(|line| open(line)).collect::<String>(), Px(width));
         self.line(format_args!("<path fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\" d=\"{data}\"/>"));
     }
 
     /// A text in one line, `size` pixels high.
-    pub fn text(&mut self, at: Spot, anchor: Anchor, size: f64, fill: &str, text: &str) {
+    pub fn text(&mut self, at: PaperPoint, anchor: Anchor, size: f64, fill: &str, text: &str) {
         let scale = size / f64::from(self.face.units_per_em());
         let width = self.text_width(text, size);
         let left = match anchor {
@@ -111,7 +111,7 @@ impl Svg {
 
 /// Draws letters.
 struct Pen {
-    at: Spot,
+    at: PaperPoint,
     scale: f64,
     data: String,
 }
@@ -160,7 +160,7 @@ impl std::fmt::Display for Px {
     }
 }
 
-fn open(line: &[Spot]) -> String {
+fn open(line: &[PaperPoint]) -> String {
     let mut data = String::new();
     for (i, [x, y]) in line.iter().enumerate() {
         let command = if i == 0 { 'M' } else { 'L' };
@@ -169,7 +169,7 @@ fn open(line: &[Spot]) -> String {
     data
 }
 
-fn closed(polygons: &[Vec<Spot>]) -> String {
+fn closed(polygons: &[Vec<PaperPoint>]) -> String {
     polygons.iter().map(|polygon| open(polygon) + "Z").collect()
 }
 

@@ -68,28 +68,28 @@ impl Baker<'_> {
             for row in 0..rows.len() {
                 tile.extend(columns.clone().filter_map(|x| {
                     let owner = owners[row * width + x];
-                    (owner != NONE).then_some(Spot { owner, x: x as u32, row: row as u32 })
+                    (owner != NONE).then_some(TexelSample { owner, x: x as u32, row: row as u32 })
                 }));
             }
             // Charts that meet in a tile may lie far apart in the cave.
-            tile.sort_by_key(|spot| self.textured.charts[spot.owner as usize]);
-            for spots in tile.chunk_by(|a, b| self.chart(a) == self.chart(b)) {
-                batch.look(self, spots, rows.start);
-                batch.paint(self, spots, &mut pixels);
+            tile.sort_by_key(|sample| self.textured.charts[sample.owner as usize]);
+            for samples in tile.chunk_by(|a, b| self.chart(a) == self.chart(b)) {
+                batch.look(self, samples, rows.start);
+                batch.paint(self, samples, &mut pixels);
             }
         }
         pixels.fill_background(&owners);
         pixels.into_maps(self.wants_height)
     }
 
-    fn chart(&self, spot: &Spot) -> u32 {
-        self.textured.charts[spot.owner as usize]
+    fn chart(&self, sample: &TexelSample) -> u32 {
+        self.textured.charts[sample.owner as usize]
     }
 }
 
 /// A texel to look at: `row` counts from the bottom of its strip.
 #[derive(Clone, Copy)]
-struct Spot {
+struct TexelSample {
     owner: u32,
     x: u32,
     row: u32,
@@ -105,11 +105,11 @@ struct Batch {
 }
 
 impl Batch {
-    fn look(&mut self, baker: &Baker, spots: &[Spot], first_row: i32) {
+    fn look(&mut self, baker: &Baker, samples: &[TexelSample], first_row: i32) {
         self.frames.clear();
-        for run in spots.chunk_by(|a, b| a.owner == b.owner) {
+        for run in samples.chunk_by(|a, b| a.owner == b.owner) {
             let patch = Patch::new(baker.textured, run[0].owner);
-            let frame = |spot: &Spot| patch.frame(spot.x as i32, first_row + spot.row as i32);
+            let frame = |sample: &TexelSample| patch.frame(sample.x as i32, first_row + sample.row as i32);
             self.frames.extend(run.iter().map(frame));
         }
         self.points.clear();
@@ -117,17 +117,17 @@ impl Batch {
         self.normals.clear();
         self.normals.extend(self.frames.iter().map(Frame::unit_normal));
         self.texels.clear();
-        self.texels.resize(spots.len(), Texel::default());
+        self.texels.resize(samples.len(), Texel::default());
         let texel_m = 1.0 / baker.textured.texels_per_m;
         let bounds = Aabb::from_points(self.points.iter().copied()).expect("a batch has texels");
         baker.surface.texels(bounds, texel_m, &self.points, &self.normals, &mut self.texels);
     }
 
-    fn paint(&self, baker: &Baker, spots: &[Spot], pixels: &mut Pixels) {
-        for ((spot, frame), texel) in spots.iter().zip(&self.frames).zip(&self.texels) {
+    fn paint(&self, baker: &Baker, samples: &[TexelSample], pixels: &mut Pixels) {
+        for ((sample, frame), texel) in samples.iter().zip(&self.frames).zip(&self.texels) {
             let roughness = byte(texel.roughness);
             pixels.set(
-                spot,
+                sample,
                 Pixel {
                     color: texel.color.map(|c| baker.srgb.encode(c)),
                     normal: frame.tangent_normal(texel.normal).map(|c| byte(0.5 * c + 0.5)),
@@ -171,8 +171,8 @@ impl Pixels {
         Self { width, pixels: vec![BLANK; width * rows] }
     }
 
-    fn set(&mut self, spot: &Spot, pixel: Pixel) {
-        self.pixels[spot.row as usize * self.width + spot.x as usize] = pixel;
+    fn set(&mut self, sample: &TexelSample, pixel: Pixel) {
+        self.pixels[sample.row as usize * self.width + sample.x as usize] = pixel;
     }
 
     /// Gives every free texel the nearest pixel of its row.

@@ -44,7 +44,7 @@ impl Reader<'_> {
         let (mut in_shots, mut has_table) = (false, false);
         for (index, line) in text.split('\n').enumerate() {
             let line = self.files.line(index + 1, line)?;
-            let spot = self.files.spot(index + 1);
+            let file_position = self.files.file_position(index + 1);
             if line.contains('\x0c') || line.trim_ascii().starts_with('\x1a') {
                 (table, in_shots) = (Table::default(), false);
                 continue;
@@ -53,11 +53,11 @@ impl Reader<'_> {
             match words[..] {
                 [] => {}
                 [..] if in_shots => {
-                    self.shot(&table, &words).map_err(|message| self.files.fault(spot, message, SHOT_HINT))?;
+                    self.shot(&table, &words).map_err(|message| self.files.fault(file_position, message, SHOT_HINT))?;
                 }
                 ["DECLINATION:", ref settings @ ..] => {
                     let read = Table::read(settings);
-                    table = read.map_err(|message| self.files.fault(spot, message, HEADER_HINT))?;
+                    table = read.map_err(|message| self.files.fault(file_position, message, HEADER_HINT))?;
                 }
                 ["FROM", "TO", ..] => (in_shots, has_table) = (true, true),
                 _ => {}

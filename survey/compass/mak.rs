@@ -11,7 +11,7 @@ use nalgebra::Point3;
 
 use super::Reader;
 use crate::ReadError;
-use crate::files::{self, Spot};
+use crate::files::{self, FilePosition};
 use crate::limits::MAX_COORDINATE_M;
 use crate::measure::METRES_PER_FOOT;
 use plume_graph::echo::shown;
@@ -36,11 +36,11 @@ impl Reader<'_> {
             return Err(self.files.fault_of_file("names no book", HINT));
         }
         for (line, entry) in entries {
-            let spot = self.files.spot(line);
+            let file_position = self.files.file_position(line);
             let book = entry.ok_or_else(|| "names a book that does not end".to_owned()).and_then(|entry| book(&entry));
-            let begun = book.and_then(|book| self.begin(spot, &book).map(|()| book));
-            let book = begun.map_err(|message| self.files.fault(spot, message, HINT))?;
-            let bytes = self.files.open(spot, &book.file, ".dat")?;
+            let begun = book.and_then(|book| self.begin(file_position, &book).map(|()| book));
+            let book = begun.map_err(|message| self.files.fault(file_position, message, HINT))?;
+            let bytes = self.files.open(file_position, &book.file, ".dat")?;
             self.read_book(&bytes)?;
             self.files.close();
         }
@@ -48,7 +48,7 @@ impl Reader<'_> {
     }
 
     /// Says which stations a book knows, and where some of them are.
-    fn begin(&mut self, spot: Spot, book: &Book) -> Result<(), String> {
+    fn begin(&mut self, file_position: FilePosition, book: &Book) -> Result<(), String> {
         if !book.links.is_empty() {
             let before = std::mem::replace(&mut self.book, self.centreline.names.add()?);
             for name in book.links.iter().chain(book.fixes.iter().map(|(name, _)| name)) {
@@ -59,7 +59,7 @@ impl Reader<'_> {
         }
         for (name, position) in &book.fixes {
             let station = self.station(name)?;
-            self.centreline.fix(station, *position, None, spot)?;
+            self.centreline.fix(station, *position, None, file_position)?;
         }
         Ok(())
     }

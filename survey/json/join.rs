@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 
 use super::error::ReadError;
-use super::parse::Station;
+use super::parse::ParsedStation;
 use crate::draft::Draft;
 use plume_graph::{Node, StationId};
 
 /// Puts a graph together.
-pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
+pub(super) fn join(stations: &[ParsedStation]) -> Result<Draft, ReadError> {
     let indices = indices(stations)?;
-    let find = |from: &Station, key: &'static str, id: u64| {
+    let find = |from: &ParsedStation, key: &'static str, id: u64| {
         indices.get(&id).copied().ok_or_else(|| ReadError::Node {
             node: format!("node {}", from.id),
             key,
@@ -31,7 +31,7 @@ pub(super) fn join(stations: &[Station]) -> Result<Draft, ReadError> {
 }
 
 /// Where the station of each id stands, hashed at random: no file can make its ids collide.
-fn indices(stations: &[Station]) -> Result<HashMap<u64, StationId>, ReadError> {
+fn indices(stations: &[ParsedStation]) -> Result<HashMap<u64, StationId>, ReadError> {
     let mut indices = HashMap::new();
     for (index, station) in stations.iter().enumerate() {
         if indices.insert(station.id, StationId::new(index)).is_some() {
@@ -41,7 +41,7 @@ fn indices(stations: &[Station]) -> Result<HashMap<u64, StationId>, ReadError> {
     Ok(indices)
 }
 
-fn node(station: &Station, parent: Option<StationId>) -> Node {
+fn node(station: &ParsedStation, parent: Option<StationId>) -> Node {
     Node {
         id: station.id,
         parent,

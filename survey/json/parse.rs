@@ -13,7 +13,7 @@ use plume_graph::echo::{plain, sentence, shown};
 use plume_graph::{Section, Shape, millimetres};
 
 /// A node as the file has it.
-pub(super) struct Station {
+pub(super) struct ParsedStation {
     pub(super) id: u64,
     pub(super) parent: Option<u64>,
     pub(super) edges: Vec<u64>,
@@ -28,7 +28,7 @@ pub(super) struct Station {
 pub(super) struct File {
     pub(super) version: Option<Value>,
     pub(super) recipe: Option<Value>,
-    pub(super) stations: Vec<Station>,
+    pub(super) stations: Vec<ParsedStation>,
 }
 
 /// Reads the text of a file.
@@ -67,7 +67,7 @@ fn explained(error: &serde_json::Error, text: &str) -> ReadError {
 struct Keys {
     version: Option<Value>,
     recipe: Option<Value>,
-    nodes: Option<Result<Vec<Station>, ReadError>>,
+    nodes: Option<Result<Vec<ParsedStation>, ReadError>>,
 }
 
 impl<'de> Deserialize<'de> for Keys {
@@ -108,7 +108,7 @@ const MAX_ENDS: usize = 2 * MAX_LEGS;
 /// Gathers stations until one of them is at fault.
 #[derive(Default)]
 struct Nodes {
-    stations: Vec<Station>,
+    stations: Vec<ParsedStation>,
     /// Edges of all of them, each as often as it is named.
     edges: usize,
     fault: Option<ReadError>,
@@ -135,13 +135,13 @@ impl Nodes {
         }
     }
 
-    fn done(self) -> Result<Vec<Station>, ReadError> {
+    fn done(self) -> Result<Vec<ParsedStation>, ReadError> {
         self.fault.map_or(Ok(self.stations), Err)
     }
 }
 
 impl<'de> DeserializeSeed<'de> for Nodes {
-    type Value = Result<Vec<Station>, ReadError>;
+    type Value = Result<Vec<ParsedStation>, ReadError>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
         deserializer.deserialize_any(self)
@@ -149,7 +149,7 @@ impl<'de> DeserializeSeed<'de> for Nodes {
 }
 
 impl<'de> Visitor<'de> for Nodes {
-    type Value = Result<Vec<Station>, ReadError>;
+    type Value = Result<Vec<ParsedStation>, ReadError>;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("`nodes` to be a list, or an object keyed by id")
@@ -173,7 +173,7 @@ impl<'de> Visitor<'de> for Nodes {
 }
 
 /// Reads one node; `place` is its key where nodes are `keyed` by id.
-fn station(place: &str, keyed: bool, node: Value) -> Result<Station, ReadError> {
+fn station(place: &str, keyed: bool, node: Value) -> Result<ParsedStation, ReadError> {
     let label = if keyed { format!("node {}", plain(place)) } else { place.to_owned() };
     let Value::Object(fields) = node else {
         let what = format!("{label} must be an object, found {}", kind(&node));
@@ -204,8 +204,8 @@ struct Fields {
 }
 
 impl Fields {
-    fn station(&self) -> Result<Station, ReadError> {
-        Ok(Station {
+    fn station(&self) -> Result<ParsedStation, ReadError> {
+        Ok(ParsedStation {
             id: self.id,
             parent: self.parent()?,
             edges: self.edges()?,

@@ -8,7 +8,7 @@ use serde_json::Value;
 use plume_graph::{Graph, Section};
 
 #[derive(Serialize)]
-struct Station<'a> {
+struct WrittenStation<'a> {
     id: u64,
     parent: Option<u64>,
     edges: &'a [u64],
@@ -39,7 +39,7 @@ pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
     let neighbors = graph.neighbors();
     for (index, (node, others)) in graph.nodes.iter().zip(neighbors.iter()).enumerate() {
         let edges: Vec<u64> = others.iter().map(|&other| graph[other].id).collect();
-        let station = Station {
+        let station = WrittenStation {
             id: node.id,
             parent: node.parent.map(|parent| graph[parent].id),
             edges: &edges,

@@ -177,13 +177,13 @@ fn room(width_m: Option<f64>, up_m: Option<f64>, down_m: Option<f64>, aside: Vec
 
 #[cfg(test)]
 mod tests {
-    use super::super::Station;
+    use super::super::SurveyStation;
     use super::*;
 
     /// Three stations northwards, 10 m apart, with these walls at the middle one.
     fn middle_room(walls: [Option<f64>; 4]) -> Option<Room> {
         let [left_m, right_m, up_m, down_m] = walls;
-        let station = |y: f64| Station { position: Point3::new(0.0, y, 0.0), entrance: false };
+        let station = |y: f64| SurveyStation { position: Point3::new(0.0, y, 0.0), entrance: false };
         let walls = vec![Walls { station: 1, looking: [0, 2], left_m, right_m, up_m, down_m }];
         let survey = Survey { stations: vec![station(0.0), station(10.0), station(20.0)], legs: Vec::new(), walls };
         rooms(&survey, &[0, 1, 2], &[[0, 1], [1, 2]]).0[1]
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_shaft_that_a_leg_follows_is_no_ceiling() {
         let places = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 1.0, 12.0]];
-        let stations = places.map(|place| Station { position: place.into(), entrance: false }).to_vec();
+        let stations = places.map(|place| SurveyStation { position: place.into(), entrance: false }).to_vec();
         let walls = |station: usize, up_m: f64| Walls {
             station,
             looking: [0, 1],

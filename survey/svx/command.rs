@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use super::{Case, HINT, Reader};
 use crate::ReadError;
 use crate::centreline::{Names, spread};
-use crate::files::Spot;
+use crate::files::FilePosition;
 use crate::limits::MAX_COORDINATE_M;
 use crate::measure::{Columns, Order};
 use plume_graph::echo::shown;
@@ -17,8 +17,8 @@ const PASSED_OVER: &[&str] = &["title", "date", "team", "instrument", "export", 
 
 impl Reader<'_> {
     /// Obeys the command of a line, in a file in which `outer` blocks were open before.
-    pub(super) fn command(&mut self, spot: Spot, line: &str, outer: usize) -> Result<(), ReadError> {
-        let fault = |reader: &Self, message: String| reader.files.fault(spot, message, HINT);
+    pub(super) fn command(&mut self, file_position: FilePosition, line: &str, outer: usize) -> Result<(), ReadError> {
+        let fault = |reader: &Self, message: String| reader.files.fault(file_position, message, HINT);
         let words = self.settings.marks.quoted(line).map_err(|message| fault(self, message))?;
         let Some((command, words)) = words.split_first() else {
             return Err(fault(self, "there is no command behind the asterisk".to_owned()));
@@ -26,20 +26,20 @@ impl Reader<'_> {
         let command = command.to_ascii_lowercase();
         if command == "include" {
             return match words {
-                [name] => self.include(spot, name),
+                [name] => self.include(file_position, name),
                 _ => Err(fault(self, "`*include` takes the name of one file, in quotes if it has blanks".to_owned())),
             };
         }
-        self.obey(spot, &command, words, outer).map_err(|message| fault(self, message))
+        self.obey(file_position, &command, words, outer).map_err(|message| fault(self, message))
     }
 
-    fn obey(&mut self, spot: Spot, command: &str, words: &[&str], outer: usize) -> Result<(), String> {
+    fn obey(&mut self, file_position: FilePosition, command: &str, words: &[&str], outer: usize) -> Result<(), String> {
         if matches!(command, "begin" | "end" | "data" | "default") {
             self.centreline.end_tube();
             self.columns = Columns::default();
         }
         match (command, words) {
-            ("begin", [] | [_]) => self.begin(spot, words.first().copied()),
+            ("begin", [] | [_]) => self.begin(file_position, words.first().copied()),
             ("end", [] | [_]) => self.end_block(words.first().copied(), outer),
             ("data", []) => Ok(()),
             ("data", words) => {
@@ -52,7 +52,7 @@ impl Reader<'_> {
             }
             ("flags", words) => self.settings.flags.read(words),
             ("cs", words) => self.centreline.set_system(words.last().copied().unwrap_or_default()),
-            ("fix", [station, words @ ..]) => self.fix(spot, station, words),
+            ("fix", [station, words @ ..]) => self.fix(file_position, station, words),
             ("equate", [first, others @ ..]) if !others.is_empty() => self.equate(first, others),
             ("entrance", [station]) => {
                 let station = self.station(station)?;
@@ -82,7 +82,7 @@ impl Reader<'_> {
     }
 
     /// `*fix <station> [reference] [<x> <y> <z> [<standard deviations> [<covariances>]]]`
-    fn fix(&mut self, spot: Spot, station: &str, words: &[&str]) -> Result<(), String> {
+    fn fix(&mut self, file_position: FilePosition, station: &str, words: &[&str]) -> Result<(), String> {
         let name = self.station(station)?;
         let words = match words {
             [word, rest @ ..] if word.eq_ignore_ascii_case("reference") => rest,
@@ -99,7 +99,7 @@ impl Reader<'_> {
             _ => return Err("a fix is three coordinates and up to three standard deviations".to_owned()),
         };
         let covariance = numbers.get(3..).and_then(spread);
-        self.centreline.fix(name, position, covariance, spot)
+        self.centreline.fix(name, position, covariance, file_position)
     }
 
     fn equate(&mut self, first: &str, others: &[&str]) -> Result<(), String> {

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::super::QUANTA_PER_M;
 use super::super::nearest::{Point, Triangle};
 use super::hull::{Hull, hull};
-use super::rock::Rock;
+use super::rock_mass::RockMass;
 use super::{MOST_CORNERS, Piece, Zone};
 
 /// Pieces are no longer than this along any axis, in metres, unless a triangle of the wall is.
@@ -94,7 +94,7 @@ pub(super) struct Body {
 
 impl Body {
     /// Behind one triangle of the wall.
-    pub(super) fn behind(front: Front, rock: &Rock) -> Self {
+    pub(super) fn behind(front: Front, rock: &RockMass) -> Self {
         let way = |back| Self::closed(front.clone(), back, rock);
         let fits = |body: &Self| body.front_share(&[], rock).is_some() && body.is_backed(rock);
         let thinnest = || way(BACKS.len() - 1).expect("a triangle has an area, and a back of its own");
@@ -103,7 +103,7 @@ impl Body {
 
     /// Around two, and the share of the tolerance that it takes up, if samples of the faces at the wall stay within. What lies
     /// behind the wall seldom fails, and may then be closed in another way.
-    pub(super) fn around(a: &Self, b: &Self, rock: &Rock) -> Option<(Self, f64)> {
+    pub(super) fn around(a: &Self, b: &Self, rock: &RockMass) -> Option<(Self, f64)> {
         let front = Front::of_both(&a.front, &b.front)?;
         let known = [a.front_edges(), b.front_edges()].concat();
         let body = Self::closed(front, a.back.max(b.back), rock).filter(|body| body.positions.len() <= MOST_CORNERS)?;
@@ -111,7 +111,7 @@ impl Body {
         Some((body, share))
     }
 
-    fn closed(front: Front, back: usize, rock: &Rock) -> Option<Self> {
+    fn closed(front: Front, back: usize, rock: &RockMass) -> Option<Self> {
         let points = front.closed(rock.thickness, BACKS[back])?;
         let Hull { corners, faces } = hull(&points)?;
         let fronts = corners.partition_point(|&corner| (corner as usize) < front.corners.len());
@@ -120,7 +120,7 @@ impl Body {
     }
 
     /// The body, if every point of its surface stays within the tolerance; with another back, perhaps.
-    pub(super) fn held(&self, rock: &Rock) -> Option<Self> {
+    pub(super) fn held(&self, rock: &RockMass) -> Option<Self> {
         let holds = |body: &Self, face: &[u32; 3]| rock.holds(body.place(face, rock));
         if !self.faces.iter().filter(|face| self.is_front(face)).all(|face| holds(self, face)) {
             return None;
@@ -135,7 +135,7 @@ impl Body {
 
     /// The share of the tolerance that samples of the faces at the wall take up; nothing if one is beyond. Edges that are
     /// `known`, and faces between such, need no sample.
-    fn front_share(&self, known: &[Edge], rock: &Rock) -> Option<f64> {
+    fn front_share(&self, known: &[Edge], rock: &RockMass) -> Option<f64> {
         let mut most = f64::NEG_INFINITY;
         for face in self.faces.iter().filter(|face| self.is_front(face)) {
             let mut is_new = false;
@@ -152,7 +152,7 @@ impl Body {
     }
 
     /// Whether the corners behind the wall stay within.
-    fn is_backed(&self, rock: &Rock) -> bool {
+    fn is_backed(&self, rock: &RockMass) -> bool {
         self.positions[self.fronts..].iter().all(|&corner| rock.share(rock.at(corner)).is_some())
     }
 
@@ -170,7 +170,7 @@ impl Body {
         face.iter().all(|&corner| (corner as usize) < self.fronts)
     }
 
-    fn place(&self, face: &[u32; 3], rock: &Rock) -> Triangle {
+    fn place(&self, face: &[u32; 3], rock: &RockMass) -> Triangle {
         face.map(|corner| rock.at(self.positions[corner as usize]))
     }
 

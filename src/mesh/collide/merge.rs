@@ -10,14 +10,14 @@ use std::collections::{BTreeSet, BinaryHeap};
 use super::super::Mesh;
 use super::Piece;
 use super::body::{Body, Front};
-use super::rock::Rock;
+use super::rock_mass::RockMass;
 
 /// How far pieces begin behind the wall, as a share of the tolerance. They then lie on either side of what cameras see, and
 /// are fewer: on a rough cave 0 took 34 % more of them, 1 took 21 % fewer.
 const SINK: f64 = 0.5;
 
 /// Few pieces behind every triangle of a wall.
-pub(super) fn merged(wall: &Mesh, rock: &Rock) -> Vec<Piece> {
+pub(super) fn merged(wall: &Mesh, rock: &RockMass) -> Vec<Piece> {
     let mut merger = Merger::new(wall, rock);
     merger.merge(Some);
     merger.split();
@@ -35,7 +35,7 @@ struct Patch {
 }
 
 struct Merger<'a> {
-    rock: &'a Rock,
+    rock: &'a RockMass,
     /// One for each triangle, and those merged from others behind them.
     patches: Vec<Patch>,
     /// Pairs of triangles with a common edge.
@@ -49,7 +49,7 @@ struct Merger<'a> {
 type Offer = (u32, [u32; 2]);
 
 impl<'a> Merger<'a> {
-    fn new(wall: &Mesh, rock: &'a Rock) -> Self {
+    fn new(wall: &Mesh, rock: &'a RockMass) -> Self {
         let (patches, pairs) = (seeds(wall, rock), pairs(wall));
         Self { rock, patches, pairs, beside: Vec::new(), queue: BinaryHeap::new() }
     }
@@ -147,7 +147,7 @@ impl<'a> Merger<'a> {
 const LEAST_SHARE: f64 = -8.0;
 
 /// A patch for each triangle.
-fn seeds(wall: &Mesh, rock: &Rock) -> Vec<Patch> {
+fn seeds(wall: &Mesh, rock: &RockMass) -> Vec<Patch> {
     let sunk = sunk(wall, rock);
     let seed = |(index, triangle): (usize, &[u32; 3])| {
         let [a, b, c] = triangle.map(|corner| rock.at(wall.positions[corner as usize]));
@@ -162,7 +162,7 @@ fn seeds(wall: &Mesh, rock: &Rock) -> Vec<Patch> {
 
 /// The vertices of a wall, moved into the rock where it is thick enough: no further than the floor allows, if it is near.
 /// Normals on a border are the same in both chunks, so no gap opens there.
-fn sunk(wall: &Mesh, rock: &Rock) -> Vec<[i32; 3]> {
+fn sunk(wall: &Mesh, rock: &RockMass) -> Vec<[i32; 3]> {
     let mut most = vec![0.0; wall.positions.len()];
     for (index, triangle) in wall.triangles.iter().enumerate() {
         for (&corner, tolerance) in triangle.iter().zip(rock.corner_tolerances(index)) {

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::super::nearest::{Point, Triangle};
 use super::super::{Mesh, QUANTA_PER_M};
-use super::rock::Rock;
+use super::rock_mass::RockMass;
 use super::{Piece, PieceSettings, Zone};
 use crate::field::Field;
 
@@ -44,11 +44,11 @@ pub fn measure_pieces(
     if pieces.is_empty() {
         return Vec::new();
     }
-    let rock = Rock::new(wall, around, settings);
+    let rock = RockMass::new(wall, around, settings);
     pieces.iter().map(|piece| measured(piece, &rock, field, settings)).collect()
 }
 
-fn measured(piece: &Piece, rock: &Rock, field: &dyn Field, settings: &PieceSettings) -> PieceMeasures {
+fn measured(piece: &Piece, rock: &RockMass, field: &dyn Field, settings: &PieceSettings) -> PieceMeasures {
     let quanta = f64::from(QUANTA_PER_M);
     let spacing = SPACING * f64::from(settings.tolerance_m(piece.zone)) * quanta;
     let (mut intrusion_m, mut floor_intrusion_m) = (0.0, 0.0);

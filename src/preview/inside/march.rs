@@ -123,7 +123,7 @@ mod tests {
     use super::*;
     use crate::field::{CaveField, PassageSettings};
     use crate::material::{Look, MATERIALS, MaterialRow};
-    use plume_graph::Nowhere;
+    use plume_graph::NoOutside;
     use serde_json::json;
 
     /// Steps of the slow way, metres.
@@ -143,7 +143,7 @@ mod tests {
     fn strays(rock: &MaterialRow) -> usize {
         let row = plume_generators::GENERATORS.find("gaussian-perlin").expect("the table has it");
         let generator = (row.read)(json!({"nodes": 20})).expect("settings of its own");
-        let graph = generator.generate(3, &Nowhere).expect("a small cave");
+        let graph = generator.generate(3, &NoOutside).expect("a small cave");
         let material = (rock.read)(json!({})).expect("settings of its own");
         let field = CaveField::new(&graph, &PassageSettings::default(), material, Look::default(), 3);
         let from = graph.nodes[5].position.coords.map(|c| c as f32).into();

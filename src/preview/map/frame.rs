@@ -2,20 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use super::sheet::{Sheet, Station};
+use super::sheet::{Sheet, SheetStation};
 use crate::preview::Size;
-use crate::preview::svg::Spot;
+use crate::preview::svg::PaperPoint;
 
 /// The part of the paper that maps are drawn on. Lengths in units of a paper of 1280 × 640 pixels.
 pub struct Area {
     /// Pixels to a unit.
     pub unit: f64,
     /// Size of the whole paper in pixels.
-    pub paper: Spot,
+    pub paper: PaperPoint,
     /// Upper left corner.
-    pub min: Spot,
+    pub min: PaperPoint,
     /// Lower right corner.
-    pub max: Spot,
+    pub max: PaperPoint,
 }
 
 impl Area {
@@ -45,7 +45,7 @@ pub struct Frame {
     /// Width of a thin line.
     pub line_px: f64,
     /// Upper left corner, in pixels.
-    pub corner: Spot,
+    pub corner: PaperPoint,
     /// Leftmost and highest metre, which stands at the corner.
     origin: [f64; 2],
 }
@@ -76,23 +76,23 @@ impl Frame {
     }
 
     /// Where a place stands.
-    pub fn spot(&self, at: [f64; 2]) -> Spot {
+    pub fn paper_point(&self, at: [f64; 2]) -> PaperPoint {
         let [left, high] = self.origin;
         [self.corner[0] + (at[0] - left) * self.px_per_m, self.corner[1] + (high - at[1]) * self.px_per_m]
     }
 
     /// The outline of the passage between two stations: the hull of its sections there.
-    pub fn shape(&self, ends: [&Station; 2]) -> Vec<Spot> {
+    pub fn shape(&self, ends: [&SheetStation; 2]) -> Vec<PaperPoint> {
         let mut spots = self.section(ends[0]);
         spots.extend(self.section(ends[1]));
         hull(spots)
     }
 
     /// A passage as seen at its station: a circle from above, egg-shaped from the side.
-    fn section(&self, station: &Station) -> Vec<Spot> {
+    fn section(&self, station: &SheetStation) -> Vec<PaperPoint> {
         let [aside, up, down] = station.reach.map(|reach| (reach * self.px_per_m).max(0.6 * self.line_px));
         let corners = 4 * ((aside.max(up) / 3.0) as usize + 2).min(8);
-        let [x, y] = self.spot(station.at);
+        let [x, y] = self.paper_point(station.at);
         let corner = |i: usize| {
             let angle = TAU * i as f64 / corners as f64;
             let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
@@ -103,7 +103,7 @@ impl Frame {
 }
 
 /// The convex hull of points (Andrew's monotone chain).
-fn hull(mut points: Vec<Spot>) -> Vec<Spot> {
+fn hull(mut points: Vec<PaperPoint>) -> Vec<PaperPoint> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup();
     let mut hull = chain(points.iter());
@@ -112,8 +112,8 @@ fn hull(mut points: Vec<Spot>) -> Vec<Spot> {
 }
 
 /// One side of a hull, without its last point.
-fn chain<'a>(points: impl Iterator<Item = &'a Spot>) -> Vec<Spot> {
-    let mut side: Vec<Spot> = Vec::new();
+fn chain<'a>(points: impl Iterator<Item = &'a PaperPoint>) -> Vec<PaperPoint> {
+    let mut side: Vec<PaperPoint> = Vec::new();
     for &point in points {
         while let [.., a, b] = side[..] {
             let turn = (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);

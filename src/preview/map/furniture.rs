@@ -4,7 +4,7 @@ use super::frame::{Area, Frame};
 use super::marks::{self, Mark, Marks};
 use super::sheet::{Sheet, whole};
 use crate::preview::Subject;
-use crate::preview::svg::{Anchor, Spot, Svg};
+use crate::preview::svg::{Anchor, PaperPoint, Svg};
 use crate::preview::theme::{Palette, VIRIDIS, class_color};
 
 /// Paper, and what is drawn on it.
@@ -33,7 +33,7 @@ impl Furniture {
     }
 
     /// A text that becomes smaller where it would reach beyond `right`.
-    fn fitted(&mut self, at: Spot, right: f64, size: f64, fill: &str, text: &str) {
+    fn fitted(&mut self, at: PaperPoint, right: f64, size: f64, fill: &str, text: &str) {
         let share = (right - at[0]) / self.svg.text_width(text, size).max(1e-9);
         self.svg.text(at, Anchor::Left, size * share.min(1.0), fill, text);
     }
@@ -84,7 +84,7 @@ impl Furniture {
         let bounds = sheet.bounds();
         let [low, high] = [bounds.min, bounds.max].map(|[_, metres]| metres / sheet.stretch);
         for height_m in ticks(low, high, 6.0) {
-            let y = frame.spot([0.0, height_m * sheet.stretch])[1];
+            let y = frame.paper_point([0.0, height_m * sheet.stretch])[1];
             let [left, right] = [self.area.min[0], self.area.max[0]];
             self.svg.strokes(&[vec![[left, y], [right, y]]], self.palette.grid, unit);
             let at = [left - 8.0 * unit, y + 4.5 * unit];

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use super::frame::Frame;
 use super::sheet::{Panel, Sheet};
-use crate::preview::svg::{Spot, Svg};
+use crate::preview::svg::{PaperPoint, Svg};
 use crate::preview::theme::Palette;
 use plume_graph::sets::Sets;
 use plume_graph::{Graph, StationId};
@@ -59,10 +59,10 @@ impl Marks {
             if !ends.iter().any(is_here) {
                 continue;
             }
-            let [a, b] = ends.map(|end| frame.spot(sheet[end].at));
-            let spot = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
-            if places.take(spot) {
-                draw(svg, palette, *mark, spot, frame.line_px);
+            let [a, b] = ends.map(|end| frame.paper_point(sheet[end].at));
+            let paper_point = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+            if places.take(paper_point) {
+                draw(svg, palette, *mark, paper_point, frame.line_px);
             }
         }
     }
@@ -71,31 +71,32 @@ impl Marks {
 /// Where marks stand already, by squares as wide as they are apart.
 struct Places {
     apart_px: f64,
-    taken: BTreeMap<[i64; 2], Vec<Spot>>,
+    taken: BTreeMap<[i64; 2], Vec<PaperPoint>>,
 }
 
 impl Places {
     /// Takes a spot, if no other is too near.
-    fn take(&mut self, spot: Spot) -> bool {
-        let [column, row] = spot.map(|pixel| (pixel / self.apart_px).floor() as i64);
+    fn take(&mut self, paper_point: PaperPoint) -> bool {
+        let [column, row] = paper_point.map(|pixel| (pixel / self.apart_px).floor() as i64);
         let squares = (column - 1..=column + 1).flat_map(|x| (row - 1..=row + 1).map(move |y| [x, y]));
         let mut others = squares.filter_map(|square| self.taken.get(&square)).flatten();
-        let is_free = others.all(|other| libm::hypot(other[0] - spot[0], other[1] - spot[1]) >= self.apart_px);
+        let is_free =
+            others.all(|other| libm::hypot(other[0] - paper_point[0], other[1] - paper_point[1]) >= self.apart_px);
         if is_free {
-            self.taken.entry([column, row]).or_default().push(spot);
+            self.taken.entry([column, row]).or_default().push(paper_point);
         }
         is_free
     }
 }
 
 /// Draws a mark; `unit` is the width of a thin line.
-pub fn draw(svg: &mut Svg, palette: &Palette, mark: Mark, at: Spot, unit: f64) {
+pub fn draw(svg: &mut Svg, palette: &Palette, mark: Mark, at: PaperPoint, unit: f64) {
     let round = |radius: f64| {
         let corner = |i: usize| {
             let angle = TAU * i as f64 / CORNERS as f64;
             [at[0] + radius * unit * libm::cos(angle), at[1] + radius * unit * libm::sin(angle)]
         };
-        (0..CORNERS).map(corner).collect::<Vec<Spot>>()
+        (0..CORNERS).map(corner).collect::<Vec<PaperPoint>>()
     };
     match mark {
         Mark::Origin => {

@@ -13,7 +13,7 @@ const LEAST_HEIGHT: f64 = 0.2;
 const STRETCHES: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 
 /// A station as it lies on paper, in metres; stretched, if the sheet is.
-pub struct Station {
+pub struct SheetStation {
     /// To the right and up.
     pub at: [f64; 2],
     /// How near the viewer it is.
@@ -26,7 +26,7 @@ pub struct Station {
     pub level: u32,
 }
 
-impl Station {
+impl SheetStation {
     /// A place on the straight way to another.
     pub fn towards(&self, other: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * share;
@@ -61,7 +61,7 @@ pub struct Sheet {
     /// How much larger heights are drawn than lengths.
     pub stretch: f64,
     /// Every station of the graph.
-    pub stations: Vec<Station>,
+    pub stations: Vec<SheetStation>,
     /// What is drawn, side by side.
     pub panels: Vec<Panel>,
     /// All of it over each other.
@@ -76,7 +76,7 @@ impl Sheet {
         let station = |node: &Node| {
             let aside = f64::from(subject.passage.reach(node).aside_m);
             let [x, y, z] = node.position.coords.into();
-            Station { at: [x, y], depth: z, height_m: z, reach: [aside; 3], level: node.level }
+            SheetStation { at: [x, y], depth: z, height_m: z, reach: [aside; 3], level: node.level }
         };
         let stations = subject.graph.nodes.iter().map(station).collect();
         let panels = storeys(subject.graph);
@@ -89,7 +89,7 @@ impl Sheet {
         let station = |node: &Node| {
             let reach = subject.passage.reach(node);
             let [x, y, z] = node.position.coords.into();
-            Station {
+            SheetStation {
                 at: [x * along_x + y * along_y, z],
                 depth: x * along_y - y * along_x,
                 height_m: z,
@@ -103,7 +103,7 @@ impl Sheet {
         Self { is_upright: true, note, ..Self::new("profile", subject.graph, stations) }.stretched(ratio)
     }
 
-    fn new(what: &'static str, graph: &Graph, stations: Vec<Station>) -> Self {
+    fn new(what: &'static str, graph: &Graph, stations: Vec<SheetStation>) -> Self {
         let heights = stations.iter().map(|station| station.height_m);
         let heights_m = [heights.clone().fold(f64::INFINITY, f64::min), heights.fold(f64::NEG_INFINITY, f64::max)];
         let everything = || Panel { label: String::new(), level: None, edges: graph.edges.clone() };
@@ -135,7 +135,7 @@ impl Sheet {
 
     /// A box round everything.
     pub fn bounds(&self) -> Aabb<f64, 2> {
-        let bounds = self.stations.iter().map(|&Station { at: [x, y], reach: [aside, up, down], .. }| Aabb {
+        let bounds = self.stations.iter().map(|&SheetStation { at: [x, y], reach: [aside, up, down], .. }| Aabb {
             min: [x - aside, y - down],
             max: [x + aside, y + up],
         });
@@ -150,9 +150,9 @@ impl Sheet {
 }
 
 impl Index<StationId> for Sheet {
-    type Output = Station;
+    type Output = SheetStation;
 
-    fn index(&self, station: StationId) -> &Station {
+    fn index(&self, station: StationId) -> &SheetStation {
         &self.stations[station.index()]
     }
 }

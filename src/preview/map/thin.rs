@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::frame::Frame;
-use super::sheet::{Panel, Sheet, Station};
+use super::sheet::{Panel, Sheet, SheetStation};
 use plume_graph::StationId;
 
 /// More pieces than this are not drawn. Tuned: a second's work for a viewer of SVG.
@@ -25,8 +25,8 @@ pub fn pieces(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<[StationId; 2]
 }
 
 fn merged(sheet: &Sheet, panel: &Panel, cell_m: f64) -> Vec<[StationId; 2]> {
-    let cell = |station: &Station| station.at.map(|metres| (metres / cell_m).floor() as i64);
-    let is_here = |station: &Station| panel.level.is_none_or(|level| station.level == level);
+    let cell = |station: &SheetStation| station.at.map(|metres| (metres / cell_m).floor() as i64);
+    let is_here = |station: &SheetStation| panel.level.is_none_or(|level| station.level == level);
     let mut first: FxHashMap<[i64; 2], StationId> = FxHashMap::default();
     let mut enter = |station: StationId| {
         let slot = first.entry(cell(&sheet[station])).or_insert(station);

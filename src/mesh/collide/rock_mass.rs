@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 
 use super::super::measure::weld;
-use super::super::nearest::{Ball, Found, Part, Point, Triangle, closest, halves, squared_distance};
+use super::super::nearest::{Ball, Feature, Found, Point, Triangle, closest, halves, squared_distance};
 use super::super::{Mesh, QUANTA_PER_M};
 use super::cells::Cells;
 use super::{PieceSettings, Zone};
@@ -18,7 +18,7 @@ use plume_graph::Aabb;
 const FINEST: f64 = 2.0;
 
 /// The rock around a chunk, in quanta from an origin.
-pub(super) struct Rock {
+pub(super) struct RockMass {
     origin: [i32; 3],
     /// Of the walls of the chunk and of those around it, as far as pieces may reach.
     triangles: Vec<[u32; 3]>,
@@ -37,7 +37,7 @@ pub(super) struct Rock {
     least_tolerance: f64,
 }
 
-impl Rock {
+impl RockMass {
     /// Around the wall of a chunk, whose triangles come first.
     pub(super) fn new(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Self {
         let quanta = f64::from(QUANTA_PER_M);
@@ -97,9 +97,9 @@ impl Rock {
         let (foot, part) = closest(point, found.triangle);
         let corners = self.triangles[found.index as usize];
         let normal = match part {
-            Part::Inside => normal(&found.triangle),
-            Part::Corner(place) => self.corner_normals[corners[place] as usize],
-            Part::Edge(place) => {
+            Feature::Inside => normal(&found.triangle),
+            Feature::Corner(place) => self.corner_normals[corners[place] as usize],
+            Feature::Edge(place) => {
                 let [a, b] = [corners[place], corners[(place + 1) % 3]];
                 self.edge_normals[&[a.min(b), a.max(b)]]
             }

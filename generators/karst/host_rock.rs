@@ -18,7 +18,7 @@ const NOISE_REACH: f64 = 0.5;
 /// Horizons, fractures and permeability.
 ///
 /// Places in the rock are given by their height over the dipping plane through the origin, so that horizons are level.
-pub(super) struct Rock {
+pub(super) struct HostRock {
     horizons: Vec<f64>,
     /// Metres sunk per metre east and north.
     dip: Vector2<f64>,
@@ -33,7 +33,7 @@ pub(super) struct Rock {
     width_variation: f64,
 }
 
-impl Rock {
+impl HostRock {
     pub(super) fn new(settings: &Karst, rng: &mut Rng) -> Self {
         let mut horizons = settings.horizons_m.clone();
         horizons.sort_by(f64::total_cmp);
