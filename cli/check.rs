@@ -1,4 +1,4 @@
-//! `plume check`: is a package whole.
+//! `plume check`: is a package intact.
 
 use std::path::PathBuf;
 
@@ -10,19 +10,20 @@ use super::fault::CliError;
 use super::progress::Console;
 use plume_graph::echo::{plain, sentence};
 
-/// Checks a package: hashes, no file missing or too many, every format parses, every reference leads to a file inside.
+/// Checks a package: hashes match, no file is missing or extra, every file parses, every reference stays inside and
+/// resolves.
 #[derive(Args)]
 pub struct Check {
-    /// A package: a folder, or a zip, mjz, tar.zst or tgz; nothing is unpacked
+    /// A package: a folder, or a zip, mjz, tar.zst or tgz archive, which is not unpacked
     #[arg(value_name = "PACKAGE")]
     package: PathBuf,
 }
 
 impl Check {
-    /// Prints what is wrong on stdout, a line for each fault.
+    /// Prints the faults on stdout, one per line.
     ///
     /// # Errors
-    /// When it is not a package, or has faults.
+    /// If it is not a package, or has faults.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let report = check(&self.package)?;
         if console.is_json() {
@@ -44,7 +45,7 @@ impl Check {
             let Report { target, generator, files, bytes, .. } = report;
             let package = self.package.display();
             let (target, generator) = (plain(target), plain(generator));
-            return format!("{package}: whole: {target} by {generator}, {files} files, {bytes} bytes\n");
+            return format!("{package}: intact: {target} by {generator}, {files} files, {bytes} bytes\n");
         }
         report.faults.iter().map(|fault| format!("{}: {}\n", sentence(&fault.path), sentence(&fault.what))).collect()
     }

@@ -1,4 +1,4 @@
-//! `plume export`: the main job in one line.
+//! `plume export`: from recipe to packages in one command.
 
 use std::path::{Path, PathBuf};
 
@@ -16,30 +16,30 @@ use plume::cave::{self, Cave, Input, Order, Wanted};
 use plume::pipeline::{Observer, Pipeline, PipelineError};
 use plume::store::{CaveFolder, TemporaryFolder};
 
-/// Makes a cave and hands it to simulators.
+/// Makes a cave and exports it for simulators.
 #[derive(Args)]
 pub struct Export {
     #[command(flatten)]
     source: Source,
-    /// Targets, separated by commas; `plume list targets` names them
+    /// Targets, separated by commas; see `plume list targets`
     #[arg(long, short, value_name = "TARGET", value_delimiter = ',', required = true)]
     target: Vec<String>,
-    /// Where the package goes; with several targets, the folder above theirs [default: NAME-TARGET]
+    /// Where to write the package; with several targets, the parent folder of all packages [default: NAME-TARGET]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Set an option of a target, for example --option gazebo.lights=false
     #[arg(long, value_name = "TARGET.KEY=VALUE")]
     option: Vec<String>,
-    /// Make one file of each package: zip, tar.zst, tgz for npm and Unity, mjz for MuJoCo
+    /// Write each package as a single file: zip, tar.zst, tgz (npm, Unity) or mjz (MuJoCo)
     #[arg(long, value_name = "KIND")]
     bundle: Option<String>,
-    /// Keep the cave folder here, to export from it again
+    /// Keep the cave folder here for later exports
     #[arg(long, value_name = "CAVE_DIR")]
     keep: Option<PathBuf>,
 }
 
 impl Export {
-    /// Makes the cave if need be, then each package.
+    /// Makes the cave if necessary, then each package.
     ///
     /// # Errors
     /// Bad input, the disk, Ctrl-C, a missing USD library.
@@ -74,7 +74,7 @@ impl Export {
         summary.print(console)
     }
 
-    /// The cave, with what the orders want of it.
+    /// The cave, with the convex pieces if an order needs them.
     fn made(
         &self,
         input: Input,
@@ -99,14 +99,14 @@ impl Export {
         wanted.filter(|choice| choice.row.needs_usd()).map(|choice| choice.row.name).next()
     }
 
-    /// Refuses a place that two would write to.
+    /// Refuses a path that two outputs share.
     fn refuse_same_place(&self, outputs: &[PathBuf]) -> Result<(), CliError> {
         let places: Vec<&PathBuf> = outputs.iter().chain(&self.keep).collect();
         let twice = places.iter().enumerate().find(|(i, place)| places[..*i].contains(place));
         twice.map_or(Ok(()), |(_, place)| {
             Err(CliError::Usage {
-                message: format!("{}: two things cannot both be written here", place.display()),
-                hint: "name each target once, and a folder of its own for --keep".into(),
+                message: format!("{}: two outputs have this path", place.display()),
+                hint: "name each target only once, and give --keep a separate folder".into(),
             })
         })
     }
@@ -125,7 +125,7 @@ impl Export {
         }
     }
 
-    /// The orders that are still to be done: of an export that was stopped, some may be done already.
+    /// The orders still to be done: an interrupted export may have completed some.
     fn open_orders(
         &self,
         wanted: Vec<Wanted>,
@@ -155,8 +155,8 @@ impl Export {
         Ok(open)
     }
 
-    /// A named cave folder serves as it is; else, and where the recipe is another, the cave is made in a hidden folder beside
-    /// the package.
+    /// A cave folder given as input is used directly. Otherwise, or if overrides change its recipe, the cave is made in a
+    /// hidden folder next to the package.
     fn work_folder(&self, input: &Input, output: &Path) -> Result<WorkFolder, CliError> {
         if let Some(path) = &self.keep {
             return Ok(WorkFolder::Named(path.clone()));
@@ -164,27 +164,27 @@ impl Export {
         if let Some(path) = input.folder.as_ref().filter(|_| !input.is_overridden) {
             return Ok(WorkFolder::Named(path.clone()));
         }
-        // A folder that is there, perhaps as `.`, gets a neighbour and not something inside it.
+        // Resolved so that the hidden folder of an existing output, perhaps `.`, goes next to it and not inside.
         let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
         let name = output.file_name().unwrap_or_default().to_string_lossy();
         Ok(WorkFolder::Hidden(TemporaryFolder::claim(&output.with_file_name(format!(".{name}.cave")))?))
     }
 }
 
-/// What no second run could finish is not kept for it.
+/// Whether no second run could finish the work either, so that nothing is kept for one.
 fn is_hopeless(error: &CliError) -> bool {
     matches!(error, CliError::Pipeline(PipelineError::Grid(_) | PipelineError::Empty))
 }
 
-/// The folder in which the cave is made. A hidden one goes when the packages are whole and stays after a kill, so that the
-/// next run goes on.
+/// The folder in which the cave is made. A hidden one is removed once the packages are complete and stays after a kill, so
+/// that the next run can resume.
 enum WorkFolder {
     Named(PathBuf),
     Hidden(TemporaryFolder),
 }
 
 impl WorkFolder {
-    /// The folder, which takes over what fits of the cave folder that was named.
+    /// The folder, which reuses whatever still fits from the cave folder `named`.
     fn open(&self, named: Option<&Path>) -> Result<CaveFolder, CliError> {
         let folder = match self {
             Self::Named(path) => CaveFolder::open_or_new(path)?,

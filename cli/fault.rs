@@ -1,4 +1,4 @@
-//! The exit code of a fault.
+//! Exit codes of errors.
 
 use std::io::ErrorKind;
 
@@ -9,8 +9,8 @@ pub use plume::cave::CaveError as CliError;
 use plume::pipeline::PipelineError;
 use plume::store::StoreError;
 
-/// 1 the disk or a failed check, 2 usage or bad input, 69 a needed part is missing, 128 and the number of the signal that
-/// interrupted it.
+/// 1 for a disk error or a failed check, 2 for usage or bad input, 69 for a missing dependency, 128 plus the signal number
+/// after an interrupt.
 pub fn exit_code(error: &CliError) -> u8 {
     match error {
         CliError::Export(ExportError::MissingPart { .. }) => 69,
@@ -23,7 +23,7 @@ pub fn exit_code(error: &CliError) -> u8 {
     }
 }
 
-/// What the user can mend is bad input; what the disk does is not.
+/// What the user can fix counts as bad input; disk failures do not.
 fn io_exit_code(error: &std::io::Error) -> u8 {
     use ErrorKind::{
         AlreadyExists, InvalidData, InvalidFilename, IsADirectory, NotADirectory, NotFound, PermissionDenied,

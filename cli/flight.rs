@@ -1,7 +1,7 @@
-//! The frames of a flight, in a folder that the user has named.
+//! The frames of a flight, in a folder chosen by the user.
 //!
-//! `flight.json` lists them. Only frames that it lists, and that are as it says, are replaced or removed; anything else in the
-//! folder is somebody's own.
+//! `flight.json` lists them. Only frames that it lists and whose hashes match are replaced or removed; anything else in the
+//! folder belongs to the user.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -17,26 +17,26 @@ use plume::store::{StoreError, sha256};
 /// The list in the folder.
 const LIST: &str = "flight.json";
 const MOST_LIST_BYTES: u64 = 1 << 24;
-/// A larger file is none of our frames.
+/// A larger file is not one of our frames.
 const MOST_FRAME_BYTES: u64 = 1 << 30;
-const HINT: &str = "name a folder that is new, empty or holds an earlier flight and nothing else by such names";
+const HINT: &str = "name a folder that is new, empty, or contains an unmodified earlier flight";
 
-/// The frames in a folder: the SHA-256 that each has, or two where a run that was stopped has written or not.
+/// The frames in a folder with their SHA-256; two for a frame that an interrupted run may or may not have written.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Flight {
     frames: BTreeMap<String, BTreeSet<String>>,
 }
 
-/// Says before the work whether its frames may be written.
+/// Checks before the work whether frames may be written to the folder.
 ///
 /// # Errors
-/// When the folder holds what is no flight, or frames that somebody has changed; those of the disk.
+/// If the folder holds something other than a flight, or frames that have been changed; I/O errors.
 pub fn check(folder: &Path) -> Result<(), CliError> {
     earlier(folder).map(drop)
 }
 
-/// Writes the frames in the place of those of an earlier flight.
+/// Writes the frames, replacing those of an earlier flight.
 ///
 /// # Errors
 /// As [`check`].
@@ -52,7 +52,7 @@ pub fn save(folder: &Path, frames: &[Vec<u8>]) -> Result<(), CliError> {
     };
     let frames: Vec<(String, &Vec<u8>)> =
         frames.iter().enumerate().map(|(number, bytes)| (format!("{number:05}.png"), bytes)).collect();
-    // Both hashes stand in the list while the frames are written: whatever stops that, the next run knows them.
+    // Both hashes are listed while the frames are written, so that the next run recognises them after any interruption.
     for (name, bytes) in &frames {
         flight.frames.entry(name.clone()).or_default().insert(sha256(bytes));
     }
@@ -71,7 +71,7 @@ pub fn save(folder: &Path, frames: &[Vec<u8>]) -> Result<(), CliError> {
     write(LIST, Flight { frames: whole }.to_text().as_bytes())
 }
 
-/// The flight that is in a folder, all of it as it was written; an empty one if the folder is new or empty.
+/// The flight in a folder, verified to be unchanged; an empty one if the folder is new or empty.
 fn earlier(folder: &Path) -> Result<Flight, CliError> {
     let entries = match names(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Flight::default()),
@@ -81,16 +81,16 @@ fn earlier(folder: &Path) -> Result<Flight, CliError> {
         return Ok(Flight::default());
     }
     let flight = Flight::read(&folder.join(LIST))
-        .ok_or_else(|| refused(folder.to_path_buf(), "holds files, and no list of the frames of a flight"))?;
+        .ok_or_else(|| refused(folder.to_path_buf(), "contains files but no flight.json of an earlier flight"))?;
     for name in entries.iter().filter(|name| is_frame(name)) {
         if !flight.frames.get(name).is_some_and(|hashes| is_intact(&folder.join(name), hashes)) {
-            return Err(refused(folder.join(name), "is no frame of an earlier flight, or was changed since"));
+            return Err(refused(folder.join(name), "is not a frame of the earlier flight, or was changed since"));
         }
     }
     Ok(flight)
 }
 
-/// What is in a folder, without what a killed run has left.
+/// The contents of a folder, without leftovers of a killed run.
 fn names(folder: &Path) -> io::Result<Vec<String>> {
     plume_disk::sweep(folder);
     fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()

@@ -11,13 +11,13 @@ use super::summary::Summary;
 use plume::cave::{self, Input};
 use plume::store::{CaveFolder, Stage};
 
-/// Makes a cave folder; stopped or killed, the same command goes on where it stopped. Named itself, a cave folder follows
-/// the changes in its recipe and graph.
+/// Makes a cave folder. If interrupted, the same command resumes where it stopped. Given a cave folder as input, updates it
+/// to match changes of its recipe and graph.
 #[derive(Args)]
 pub struct Generate {
     #[command(flatten)]
     source: Source,
-    /// The cave folder to make [default: the name of the cave, or the cave folder named]
+    /// The cave folder to write [default: the name of the cave, or the cave folder given as input]
     #[arg(short, long, value_name = "CAVE_DIR")]
     output: Option<PathBuf>,
 }
@@ -26,7 +26,7 @@ impl Generate {
     /// Runs the stages up to `last`.
     ///
     /// # Errors
-    /// Bad input, the disk, Ctrl-C.
+    /// Bad input, I/O errors, Ctrl-C.
     pub fn run(&self, last: Stage, console: &Console) -> Result<(), CliError> {
         let input = self.source.resolve(console)?;
         let named = input.folder.clone();
@@ -45,7 +45,7 @@ impl Generate {
     }
 }
 
-/// Says what has changed in a cave folder, before what follows from it is made.
+/// Notes what has changed in a cave folder before it is updated.
 pub fn note_changes(input: &Input, console: &Console) {
     for change in &input.changes {
         console.note(&format!("  changed   {change}"));

@@ -1,4 +1,4 @@
-//! `plume graph`: makes a graph, and brings graphs in from files and out to them.
+//! `plume graph`: makes, imports and exports graphs.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use plume::store::{self, CaveFolder, Stage, StoreError};
 use plume_graph::Graph;
 use plume_survey::{FORMATS, FormatRow, Import, Parts, ReadError, Tally, Written};
 
-/// Makes or renews the graph of a cave folder, or exchanges graphs with other programs.
+/// Makes or updates the graph of a cave folder, or exchanges graphs with other programs.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct GraphCommand {
@@ -27,17 +27,17 @@ pub struct GraphCommand {
 
 #[derive(Subcommand)]
 enum Exchange {
-    /// Make a graph JSON of a graph or a cave survey
+    /// Convert a graph or cave survey to graph JSON
     Import(Bring),
-    /// Write the graph of a file or a cave folder for other programs
+    /// Convert the graph of a file or cave folder to another format
     Export(Hand),
 }
 
 impl GraphCommand {
-    /// Does what was asked.
+    /// Runs the command.
     ///
     /// # Errors
-    /// Bad input, the disk, Ctrl-C.
+    /// Bad input, I/O errors, Ctrl-C.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         match &self.exchange {
             None => self.generate.run(Stage::Graph, console),
@@ -47,16 +47,16 @@ impl GraphCommand {
     }
 }
 
-/// Where to, and how.
+/// Where to write, and how.
 #[derive(Args)]
 struct Output {
     /// The file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Name of the format, where the file's name does not tell it; `plume list formats` names them
+    /// Format, if the file name does not imply it; see `plume list formats`
     #[arg(long, value_name = "NAME")]
     format: Option<String>,
-    /// Replace files that are in the way
+    /// Replace existing files
     #[arg(long)]
     force: bool,
 }
@@ -66,10 +66,10 @@ struct Bring {
     /// The graph or survey
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// What becomes of parts that no passage joins
+    /// What to do with disconnected parts of the graph
     #[arg(long, value_name = "refuse|join|keep|longest", default_value = "refuse", value_parser = parts)]
     parts: Parts,
-    /// Factor on every length
+    /// Factor by which all lengths are multiplied
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = factor)]
     scale: f64,
     #[command(flatten)]
@@ -86,8 +86,8 @@ impl Bring {
         let import = import.and_then(|import| import.scaled(self.scale, &self.file)).map_err(faulty)?;
         let json = &FORMATS[0];
         if self.to.named_format().is_some_and(|row| row.name != json.name) {
-            let message = format!("{}: an import makes a graph JSON", self.to.output.display());
-            let hint = "name it .json; `plume graph export` writes the other formats".to_owned();
+            let message = format!("{}: an import always writes graph JSON", self.to.output.display());
+            let hint = "use a name ending in .json; `plume graph export` writes the other formats".to_owned();
             return Err(CliError::Usage { message, hint });
         }
         self.to.write(json, &import, console)
@@ -111,8 +111,8 @@ impl Hand {
         };
         let path = match self.input.is_dir() {
             true if !CaveFolder::is_at(&self.input) => {
-                let message = format!("{}: holds no cave", self.input.display());
-                let hint = "name a graph, or a folder that `plume graph -o` made".to_owned();
+                let message = format!("{}: does not contain a cave", self.input.display());
+                let hint = "name a graph, or a folder made by `plume graph -o`".to_owned();
                 return Err(CliError::Usage { message, hint });
             }
             true => self.input.join(store::GRAPH),
@@ -125,22 +125,22 @@ impl Hand {
     fn unknown(&self) -> CliError {
         let known = FORMATS.iter().filter(|row| row.write.is_some()).flat_map(|row| row.endings);
         CliError::Usage {
-            message: format!("{}: is of no graph format that is written", self.to.output.display()),
-            hint: format!("known names end with {}; or give --format", known.copied().collect::<Vec<_>>().join(", ")),
+            message: format!("{}: no graph format that can be written has this extension", self.to.output.display()),
+            hint: format!("known extensions: {}; or give --format", known.copied().collect::<Vec<_>>().join(", ")),
         }
     }
 }
 
 impl Output {
-    /// The format that is written under such a name.
+    /// The format that is written to files with such a name.
     fn named_format(&self) -> Option<&'static FormatRow> {
         plume_survey::format_of(&self.output, |row| row.write.is_some())
     }
 
-    /// Writes what was read as a row does, and tells about it.
+    /// Writes what was read in the format of a row, and reports it.
     fn write(&self, row: &FormatRow, import: &Import, console: &Console) -> Result<(), CliError> {
         let Some(write) = row.write else {
-            let message = format!("{} is read, not written", row.name);
+            let message = format!("{} can be read but not written", row.name);
             return Err(CliError::Usage { message, hint: "see `plume list formats`".to_owned() });
         };
         let files = match &import.recipe {
@@ -153,11 +153,14 @@ impl Output {
         };
         signals::listen();
         let paths: Vec<PathBuf> = files.iter().map(|file| self.path(row, file.suffix)).collect();
-        // What a killed run has finished is kept, as are the packages of a stopped export.
+        // What a killed run has finished is kept, as are the packages of an interrupted export.
         let open: Vec<_> = paths.iter().zip(&files).filter(|(path, file)| !holds(path, &file.bytes)).collect();
         if let Some((path, _)) = open.iter().find(|(path, _)| path.exists() && !self.force) {
             let message = format!("{}: already exists", path.display());
-            return Err(CliError::Usage { message, hint: "give another name, or --force to replace it".to_owned() });
+            return Err(CliError::Usage {
+                message,
+                hint: "choose another name, or replace it with --force".to_owned(),
+            });
         }
         let existing = if self.force { Existing::Replace } else { Existing::Keep };
         for (path, file) in open {
@@ -167,7 +170,7 @@ impl Output {
         tell(import, &paths, console)
     }
 
-    /// Of one file, the path that was asked for; of several, that without its ending, and an ending each.
+    /// For one file, the path asked for; for several, that path with an extension for each.
     fn path(&self, row: &FormatRow, suffix: &str) -> PathBuf {
         if suffix.is_empty() {
             return self.output.clone();
@@ -192,9 +195,9 @@ fn faulty(error: ReadError) -> CliError {
     CliError::Pipeline(PipelineError::GraphFile(error))
 }
 
-/// Reads what recipes call `parts`.
+/// Parses what recipes call `parts`.
 pub fn parts(name: &str) -> Result<Parts, String> {
-    serde_json::from_value(Value::from(name)).map_err(|_| "is none of refuse, join, keep, longest".to_owned())
+    serde_json::from_value(Value::from(name)).map_err(|_| "must be refuse, join, keep or longest".to_owned())
 }
 
 fn factor(text: &str) -> Result<f64, String> {
@@ -202,7 +205,7 @@ fn factor(text: &str) -> Result<f64, String> {
     factor.ok_or_else(|| "must be a number from 0.001 to 1000".to_owned())
 }
 
-/// Whether the file at `path` is just this.
+/// Whether the file at `path` has exactly this content.
 fn holds(path: &Path, bytes: &[u8]) -> bool {
     plume_disk::regular::read(path, bytes.len() as u64).is_ok_and(|found| found == bytes)
 }
@@ -244,13 +247,13 @@ fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 7] {
         ("duplicates", tally.duplicates, "duplicate legs dropped"),
         ("surface", tally.surface, "surface legs dropped"),
         ("interpolated", tally.interpolated, "sections interpolated"),
-        ("welded", tally.welded, "legs without length welded"),
+        ("welded", tally.welded, "zero-length legs welded"),
         ("joined", tally.joined, "passages added between parts"),
         ("left_out", tally.left_out, "stations left out"),
     ]
 }
 
-/// A count with a comma at every third digit.
+/// A count with thousands separators.
 fn grouped(count: usize) -> String {
     let digits = count.to_string();
     let start = digits.len() % 3;

@@ -1,4 +1,4 @@
-//! From the binary, which holds no Python, to the `plume` command of a Python that has the same version of Plume.
+//! From the binary, which has no Python inside, to the `plume` command of a Python with the same version of Plume.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use plume_exporters::ExportError;
 use super::fault::CliError;
 use plume::VERSION;
 
-/// Names the Python to hand over to, before any other.
+/// Names the Python to hand over to; takes precedence over all others.
 const VARIABLE: &str = "PLUME_PYTHON";
-/// Folders above the program in which `.venv` is looked for: `target/release/plume` lies three below a workspace.
+/// Number of parent folders searched for `.venv`: `target/release/plume` is three levels below a workspace.
 const FOLDERS_ABOVE: usize = 4;
-/// Prints the version of Plume that this Python has, or why there is none. Looks, but loads no USD.
+/// Prints the version of Plume in this Python, or why there is none. Finds USD without loading it.
 const PROBE: &str = "
 try:
     import importlib.metadata, plume
@@ -23,11 +23,11 @@ except Exception as error:
     print('!', error)
 ";
 
-/// Runs the same command line in a Python that can write USD. On Unix that takes this process's place; elsewhere its
-/// exit code is given.
+/// Runs the same command line in a Python that can write USD. On Unix that replaces this process; elsewhere its exit code is
+/// returned.
 ///
 /// # Errors
-/// [`ExportError::MissingPart`], which names each place that was looked at.
+/// [`ExportError::MissingPart`], which lists every place searched.
 pub fn to_python(target: &str, arguments: &[OsString]) -> Result<u8, CliError> {
     let mut looked = String::new();
     for candidate in candidates() {
@@ -48,13 +48,14 @@ pub fn to_python(target: &str, arguments: &[OsString]) -> Result<u8, CliError> {
     .into())
 }
 
-/// A Python that may have Plume, and why we think so.
+/// A Python that may have Plume, and how it was found.
 struct Candidate {
     origin: String,
     python: PathBuf,
 }
 
-/// The Python that was named and no other; else the active environment, those around the program, the one on the path.
+/// Only the Python named by the variable if it is set; otherwise the active environment, those near the program, and the
+/// one on the path.
 fn candidates() -> Vec<Candidate> {
     if let Some(python) = std::env::var_os(VARIABLE) {
         return vec![Candidate { origin: VARIABLE.to_owned(), python: python.into() }];
@@ -66,7 +67,7 @@ fn candidates() -> Vec<Candidate> {
     let program = std::env::current_exe().and_then(|program| program.canonicalize()).unwrap_or_default();
     let around = program.ancestors().skip(1).take(FOLDERS_ABOVE).filter_map(|folder| {
         let environment = folder.join(".venv");
-        let candidate = Candidate { origin: "beside the program".to_owned(), python: python_of(&environment) };
+        let candidate = Candidate { origin: "near the program".to_owned(), python: python_of(&environment) };
         environment.is_dir().then_some(candidate)
     });
     let on_path = Candidate { origin: "on the path".to_owned(), python: "python3".into() };
@@ -77,7 +78,7 @@ fn python_of(environment: &Path) -> PathBuf {
     environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
 }
 
-/// Whether this Python has our version; if not, why.
+/// Whether this Python has our version; if not, why not.
 fn probe(python: &Path) -> Result<(), String> {
     let output = Command::new(python).args(["-c", PROBE]).output().map_err(|error| error.to_string())?;
     match String::from_utf8_lossy(&output.stdout).trim() {

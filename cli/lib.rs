@@ -1,6 +1,6 @@
 //! The command line, as a library: `main` and the Python package call [`run`].
 //!
-//! The only code that prints. What was asked for goes to stdout; progress, notes and faults go to stderr.
+//! The only code that prints. Results go to stdout; progress, notes and errors go to stderr.
 
 mod check;
 mod export;
@@ -46,7 +46,7 @@ struct Cli {
 /// Options of every command.
 #[derive(Args)]
 pub struct Common {
-    /// Print nothing but faults
+    /// Print only errors
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Print the result as JSON on stdout
@@ -55,10 +55,10 @@ pub struct Common {
     /// Number of threads [default: all cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Let recipes run programs, as the generator `external` does
+    /// Allow recipes to run programs, as the generator `external` does
     #[arg(long, global = true)]
     allow_run: bool,
-    /// Let surveys include files that do not lie below their own folder
+    /// Allow surveys to include files from outside their own folder
     #[arg(long, global = true)]
     allow_outside: bool,
 }
@@ -66,7 +66,7 @@ pub struct Common {
 /// What a cave is made from.
 #[derive(Args)]
 pub struct Named {
-    /// A recipe (TOML), a graph or survey (`plume list formats`) or a cave folder [default: the default cave]
+    /// A recipe (TOML), a graph or survey (see `plume list formats`), or a cave folder [default: the default cave]
     #[arg(value_name = "RECIPE|GRAPH|CAVE_DIR")]
     input: Option<PathBuf>,
     /// Set a key of the recipe, for example --set graph.nodes=100
@@ -77,12 +77,12 @@ pub struct Named {
     seed: Option<String>,
 }
 
-/// What a cave is made from, and whether it may take the place of another.
+/// What a cave is made from, and whether it may replace another.
 #[derive(Args)]
 pub struct Source {
     #[command(flatten)]
     named: Named,
-    /// Replace what is in the way
+    /// Replace existing output
     #[arg(long)]
     force: bool,
 }
@@ -94,7 +94,7 @@ impl Named {
         self.set.iter().cloned().chain(seed).collect()
     }
 
-    /// Reads what was named. Work may follow that leaves things behind, so from now on signals stop that.
+    /// Reads the input. The work that follows can leave files behind, so from here on signals stop it cleanly.
     fn resolve(&self, console: &Console) -> Result<Input, CliError> {
         let input = Input::read(self.input.as_deref(), &self.overrides(), console.disk());
         signals::listen();
@@ -103,7 +103,7 @@ impl Named {
 }
 
 impl Source {
-    /// Reads what was named.
+    /// Reads the input.
     fn resolve(&self, console: &Console) -> Result<Input, CliError> {
         self.named.resolve(console)
     }
@@ -111,11 +111,11 @@ impl Source {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Make a cave and hand it to simulators
+    /// Make a cave and export it for simulators
     Export(export::Export),
     /// Make a cave folder: graph, plan and profile, mesh and textures
     Generate(generate::Generate),
-    /// Make or renew the graph of a cave folder; import and export graphs
+    /// Make or update the graph of a cave folder; import and export graphs
     Graph(graph::GraphCommand),
     /// Make the graph and the mesh of a cave folder
     Mesh(generate::Generate),
@@ -123,19 +123,19 @@ enum Command {
     Texture(generate::Generate),
     /// Make the graph, the mesh and the convex pieces of a cave folder
     Pieces(generate::Generate),
-    /// Show a cave in seconds, before it is made
+    /// Draw a cave within seconds, before it is made
     Preview(preview::Preview),
-    /// Print a commented recipe
+    /// Print a commented recipe to start from
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
     /// List targets, generators, formats, materials, presets and views
     List(list::List),
-    /// Check that a package is whole and names nothing outside itself
+    /// Check that a package is intact and refers to nothing outside itself
     Check(check::Check),
-    /// Say how far a cave folder is and what is left to do
+    /// Show the progress of a cave folder and what is left to do
     Status(status::Status),
-    /// Tell how like a real cave a graph is; check the mesh of a cave folder: closed, manifold, consistent
+    /// Compare a graph with real caves; check the mesh of a cave folder (closed, manifold, consistent)
     Measure(measure::Measure),
 }
 
@@ -148,7 +148,7 @@ impl Command {
         }
     }
 
-    /// Whether it prints what the program knows by itself, for which it takes no threads.
+    /// Whether it only prints built-in information, which needs no threads.
     fn only_prints(&self) -> bool {
         matches!(self, Self::New(_) | Self::Schema | Self::List(_))
     }
@@ -156,7 +156,7 @@ impl Command {
 
 /// The program that runs the command line.
 pub enum Host {
-    /// The `plume` binary, which holds no Python: for USD it hands over to the other.
+    /// The `plume` binary, which has no Python inside: for USD it hands over to the other.
     Binary,
     /// The `plume` command of the Python package, with its USD library.
     Python(Arc<dyn Library>),
@@ -171,8 +171,8 @@ impl Host {
     }
 }
 
-/// Runs a command line and gives the exit code: 0 done, 1 the disk or a failed check, 2 usage or bad input, 69 a needed
-/// part is missing, 128 and the number of the signal that interrupted it: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP.
+/// Runs a command line and returns the exit code: 0 done, 1 a disk error or a failed check, 2 usage or bad input, 69 a
+/// missing dependency, 128 plus the signal number after an interrupt: 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP.
 pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     signals::survive_file_limit();
@@ -194,15 +194,15 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     })
 }
 
-/// Starts the pool of threads, as many as there are cores where `count` is 0. Where the system gives none, this thread works
-/// alone. A pool that exists already, as in a host program, stays.
+/// Starts the thread pool, with one thread per core if `count` is 0. If the system refuses, this thread works alone. A pool
+/// that exists already, as in a host program, stays.
 fn start_threads(count: usize) {
     if rayon::ThreadPoolBuilder::new().num_threads(count).build_global().is_err() {
         let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     }
 }
 
-/// Prints what was asked for in place of a command, such as the help, or what is wrong with the command line.
+/// Prints the help or the version, or what is wrong with the command line.
 fn answer(usage: clap::Error) -> u8 {
     let printed = usage.print();
     if usage.use_stderr() {
@@ -217,7 +217,7 @@ fn answer(usage: clap::Error) -> u8 {
     }
 }
 
-/// The same with what the user has typed clipped.
+/// The same with the user's input clipped.
 fn clipped(mut usage: clap::Error) -> clap::Error {
     let typed = [ContextKind::InvalidArg, ContextKind::InvalidSubcommand, ContextKind::InvalidValue];
     for kind in typed {

@@ -1,15 +1,15 @@
-//! A graph among real caves, as a table or as JSON.
+//! A graph compared with real caves, as a table or as JSON.
 
 use serde_json::{Map, Value, json};
 
 use plume_graph::Graph;
 use plume_graph::realism::{CORE_NEEDED, LEAST_STATIONS, Likeness, Row, SCALE_FREE, Standing, Verdict};
 
-/// A table and the verdict.
+/// A table followed by the verdict.
 pub fn text(likeness: &Likeness, graph: &Graph) -> String {
     let heading = format!(
         "{:28} {:>9} {:>11} {:>9} {:>9} {:>9} {:>9}\n",
-        "among 34 real caves", "value", "percentile", "least", "10 %", "90 %", "greatest"
+        "among 34 real caves", "value", "percentile", "min", "10 %", "90 %", "max"
     );
     let (counted, others): (Vec<Row>, Vec<Row>) = likeness.rows().partition(|row| row.counts);
     let lines = |rows: Vec<Row>| rows.iter().map(line).collect::<String>();
@@ -17,7 +17,7 @@ pub fn text(likeness: &Likeness, graph: &Graph) -> String {
         format!("graph: {}\n\n", size(likeness, graph)),
         heading,
         lines(counted),
-        "grows with the cave, does not count:\n".to_owned(),
+        "grow with the cave, not counted:\n".to_owned(),
         lines(others),
         sampling(likeness),
         format!("\n{}\n", verdict(likeness)),
@@ -25,7 +25,7 @@ pub fn text(likeness: &Likeness, graph: &Graph) -> String {
     .concat()
 }
 
-/// The same for programs; metrics are named by their snake-case names.
+/// The same for programs; metrics have snake-case names.
 pub fn json(likeness: &Likeness, graph: &Graph) -> Value {
     let metrics: Map<String, Value> =
         likeness.rows().map(|row| (row.metric.name.replace(' ', "_"), cell(&row))).collect();
@@ -43,7 +43,7 @@ pub fn json(likeness: &Likeness, graph: &Graph) -> Value {
     })
 }
 
-/// Why it is not like a real cave.
+/// Why the graph is not like a real cave.
 pub fn complaint(likeness: &Likeness) -> String {
     let why = match likeness.verdict {
         Verdict::TooSmall => "it is too small to judge".to_owned(),
@@ -95,7 +95,7 @@ fn cell(row: &Row) -> Value {
 fn sampling(likeness: &Likeness) -> String {
     likeness.metrics.sampling.map_or_else(String::new, |sampling| {
         format!(
-            "shortest ways were counted from a sample of {} places; standard errors: average path {:.3}, central point \
+            "shortest paths were counted from a sample of {} places; standard errors: average path {:.3}, central point \
              dominance {:.3}\n",
             sampling.sources, sampling.average_path_error, sampling.dominance_error
         )
@@ -108,10 +108,10 @@ fn verdict(likeness: &Likeness) -> String {
     let failing = likeness.failing().join(", ");
     match likeness.verdict {
         Verdict::Real => format!("like a real cave: {counts}"),
-        Verdict::Unusual => format!("unusual for a real cave: {counts}, where {CORE_NEEDED} are asked ({failing})"),
+        Verdict::Unusual => format!("unusual for a real cave: {counts}, where {CORE_NEEDED} are needed ({failing})"),
         Verdict::Unreal => format!("unlike any real cave: {counts} ({failing})"),
         Verdict::TooSmall => {
-            format!("too small to judge: statistics take {LEAST_STATIONS} stations and a junction")
+            format!("too small to judge: the statistics need {LEAST_STATIONS} stations and a junction")
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `plume list`: what there is to choose from.
+//! `plume list`: the available choices.
 
 use clap::{Args, ValueEnum};
 use plume_exporters::ImageFormat;
@@ -35,7 +35,7 @@ enum Table {
 struct Row {
     name: String,
     summary: String,
-    /// An object: what programs may want to know besides.
+    /// The same as a JSON object, with further facts for programs.
     facts: Value,
 }
 
@@ -49,7 +49,7 @@ impl List {
     /// Prints the tables on stdout.
     ///
     /// # Errors
-    /// None; commands can fail.
+    /// None; the signature is that of all commands.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let tables: Vec<(Table, Vec<Row>)> = vec![
             (Table::Targets, TARGETS.iter().map(target).collect()),
@@ -69,7 +69,7 @@ impl List {
     }
 }
 
-/// A target with the facts that tests and other programs choose targets by.
+/// A target with the facts by which tests and other programs choose targets.
 fn target(row: &TargetRow) -> Row {
     let images = row.images.iter().map(|format: &ImageFormat| format.extension()).collect::<Vec<_>>();
     let facts = json!({
@@ -86,7 +86,7 @@ fn target(row: &TargetRow) -> Row {
     Row { facts, ..Row::new(&row.usage(), row.summary) }
 }
 
-/// What it is, whether it is read and written, and by which names.
+/// What the format is, whether it can be read or written, and its extensions.
 fn format_summary(row: &FormatRow) -> String {
     let ways = match (row.read, row.write) {
         (Some(_), Some(_)) => "read and written",

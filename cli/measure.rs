@@ -1,4 +1,4 @@
-//! `plume measure`: is a graph like a real cave; are a cave's mesh and its convex pieces what they should be.
+//! `plume measure`: how a graph compares with real caves, and whether a cave's mesh and convex pieces are sound.
 
 use std::path::PathBuf;
 
@@ -20,20 +20,20 @@ use plume_graph::clearance::RockReport;
 use plume_graph::realism::{Likeness, Verdict};
 use plume_survey::{Import, Parts};
 
-/// Tells how like a real cave a graph is. Of a cave folder it also welds the chunks, if there are any, and checks the whole, and
+/// Compares a graph with real caves. For a cave folder, also welds its chunks, if any, checks the resulting mesh and
 /// measures the convex pieces.
 #[derive(Args)]
 pub struct Measure {
-    /// A graph or cave survey (`plume list formats`), or a cave folder
+    /// A graph or cave survey (see `plume list formats`), or a cave folder
     #[arg(value_name = "GRAPH|CAVE_DIR")]
     path: PathBuf,
-    /// What becomes of parts of the graph that no passage joins
+    /// What to do with disconnected parts of the graph
     #[arg(long, value_name = "refuse|join|keep|longest", default_value = "keep", value_parser = parts)]
     parts: Parts,
-    /// Name passages with less rock than this between them, 0 to 100 metres, unless a short way joins them
+    /// List pairs of passages with less rock than this between them (0 to 100 metres), unless a short path connects them
     #[arg(long, value_name = "M", default_value_t = 0.5, value_parser = rock_m)]
     rock: f64,
-    /// Fail unless the graph is like a real cave
+    /// Fail unless the graph is like that of a real cave
     #[arg(long)]
     gate: bool,
 }
@@ -42,7 +42,7 @@ impl Measure {
     /// Prints the report on stdout.
     ///
     /// # Errors
-    /// When there is nothing to measure, the mesh is not clean, or the gate does not open.
+    /// If there is nothing to measure, the mesh is not clean, or the realism gate rejects the graph.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let file = if self.path.is_dir() { self.path.join(store::GRAPH) } else { self.path.clone() };
         let folder = self.path.is_dir().then(|| self.folder()).transpose()?;
@@ -67,8 +67,8 @@ impl Measure {
     fn folder(&self) -> Result<CaveFolder, CliError> {
         if !CaveFolder::is_at(&self.path) {
             return Err(CliError::Usage {
-                message: format!("{}: holds no cave", self.path.display()),
-                hint: "name a graph, or a folder that `plume generate -o` made".into(),
+                message: format!("{}: does not contain a cave", self.path.display()),
+                hint: "name a graph, or a folder made by `plume generate -o`".into(),
             });
         }
         Ok(CaveFolder::open(&self.path)?)
@@ -76,12 +76,12 @@ impl Measure {
 
     fn judged(&self, graph: &Graph) -> Result<Likeness, CliError> {
         Likeness::of(graph).ok_or_else(|| CliError::Usage {
-            message: format!("{}: has no passage to measure", self.path.display()),
-            hint: "a graph needs two stations and a passage between them".into(),
+            message: format!("{}: has no passages to measure", self.path.display()),
+            hint: "a graph needs at least two stations and a passage between them".into(),
         })
     }
 
-    /// The report of the mesh and of its convex pieces, and whether the mesh is clean; `None` without a mesh.
+    /// The reports on the mesh and its convex pieces, and whether the mesh is clean; `None` without a mesh.
     fn mesh(&self, folder: &CaveFolder, console: &Console) -> Result<Option<(bool, Value)>, CliError> {
         let walls = folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty());
         let meshes = walls.map(|unit| store::read_mesh(folder, &unit.name)).collect::<Result<Vec<_>, _>>()?;
@@ -104,13 +104,13 @@ impl Measure {
     }
 }
 
-/// Where more rock is asked for, most passages are neighbours, and pairs of them grow with the square of the graph.
+/// The upper limit is there because with more rock most passages are neighbours, and the number of pairs is quadratic.
 fn rock_m(text: &str) -> Result<f64, String> {
     let rock_m = text.parse().ok().filter(|rock_m| (0.0..=100.0).contains(rock_m));
     rock_m.ok_or_else(|| "must be a number from 0 to 100".to_owned())
 }
 
-/// Both reports, as the console wants them.
+/// Both reports, as text or JSON.
 fn said(console: &Console, likeness: &Likeness, graph: &Graph, rock: &RockReport, mesh: Option<&Value>) -> String {
     let mesh = mesh.and_then(Value::as_object);
     if console.is_json() {
@@ -126,7 +126,7 @@ fn said(console: &Console, likeness: &Likeness, graph: &Graph, rock: &RockReport
     format!("{}{}{title}{lines}", likeness::text(likeness, graph), rock_text(rock, graph))
 }
 
-/// How much rock is left between passages, and where least.
+/// How much rock is left between passages, and where it is thinnest.
 fn rock_text(rock: &RockReport, graph: &Graph) -> String {
     let asked = rock.rock_asked_m;
     let Some(thinnest) = rock.thinnest.first() else {

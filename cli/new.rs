@@ -1,4 +1,4 @@
-//! `plume new`: a recipe to start from.
+//! `plume new`: prints a recipe to start from.
 
 use clap::Args;
 
@@ -7,10 +7,10 @@ use super::progress::Console;
 use plume::cave;
 use plume::recipe::Recipe;
 
-/// Prints a recipe in which every key explains itself.
+/// Prints a recipe in which every key is documented.
 #[derive(Args)]
 pub struct New {
-    /// What to start from; `plume list presets` names them
+    /// What to start from; see `plume list presets`
     #[arg(long, default_value = "cave")]
     preset: String,
     /// Set a key of the recipe, for example --set graph.nodes=100
@@ -22,7 +22,7 @@ impl New {
     /// Prints the recipe on stdout.
     ///
     /// # Errors
-    /// When there is no such preset, or a faulty override.
+    /// If there is no such preset, or an override is faulty.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let row = cave::preset(&self.preset)?;
         let recipe = Recipe::from_toml(row.text, row.name.as_ref(), &self.set)?;

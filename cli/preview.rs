@@ -1,4 +1,4 @@
-//! `plume preview`: what a cave will be like, in seconds.
+//! `plume preview`: what a cave will look like, within seconds.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -17,37 +17,37 @@ use plume::pipeline::Observer;
 use plume::preview::{self, Drawn, Format, Order, Pace, Size, ViewRow};
 use plume::store::StoreError;
 
-/// Shows a cave from its graph and its field alone, before there are triangles.
+/// Draws a cave from its graph and field alone, before there is a mesh.
 #[derive(Args)]
 pub struct Preview {
     #[command(flatten)]
     named: Named,
-    /// What to show; `plume list views` names them [default: what FILE can hold]
+    /// What to draw; see `plume list views` [default: the first view that fits the extension of FILE]
     #[arg(long)]
     view: Option<String>,
-    /// What maps are drawn on [default: light]
+    /// Colour theme of maps [default: light]
     #[arg(long, value_enum)]
     theme: Option<Theme>,
-    /// Width and height in pixels, for example 1280x720 [default: of the view]
+    /// Width and height in pixels, for example 1280x720 [default: depends on the view]
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
-    /// Where to look from inside, metres [default: of some start poses the one that shows most]
+    /// Camera position inside the cave, in metres [default: the start pose that shows most]
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     at: Vec<f32>,
-    /// Where to look to, degrees from +x to +y and up [default: where one sees furthest]
+    /// Camera direction in degrees: azimuth from +x towards +y, and elevation [default: the longest line of sight]
     #[arg(long, value_name = "YAW,PITCH", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     look: Vec<f32>,
-    /// Frames of a flight in a second [default: 10]
+    /// Frames per second of a flight [default: 10]
     #[arg(long, value_name = "N")]
     fps: Option<u32>,
-    /// Seconds of a flight [default: 6]
+    /// Length of a flight in seconds [default: 6]
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
-    /// Show the file with the program that the system has for it
+    /// Open the file in the default program of the system
     #[arg(long)]
     open: bool,
-    /// The file to write, over the one that is there; its ending says as what, and none means a folder of frames, which is
-    /// new, empty or of an earlier flight
+    /// The file to write, replacing an existing one. The extension sets the format; without one, a folder of frames is
+    /// written, which must be new, empty or from an earlier flight
     /// [default: NAME-VIEW]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -61,10 +61,10 @@ enum Theme {
 }
 
 impl Preview {
-    /// Draws the view and writes it.
+    /// Draws the view and writes it to a file.
     ///
     /// # Errors
-    /// Bad input, nothing to see, the disk, Ctrl-C.
+    /// Bad input, nothing to see, I/O errors, Ctrl-C.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let start = Instant::now();
         let row = self.row()?;
@@ -102,7 +102,7 @@ impl Preview {
         })
     }
 
-    /// Refuses options that would change nothing.
+    /// Refuses options that have no effect on the view.
     fn refuse_unheeded(&self, row: &ViewRow) -> Result<(), CliError> {
         let given = [
             ("theme", self.theme.is_some()),
@@ -117,11 +117,11 @@ impl Preview {
         };
         let heeding = preview::VIEWS.iter().filter(|row| row.heeds.contains(&option));
         let names: Vec<&str> = heeding.map(|row| row.name).collect();
-        let message = format!("--{option} changes nothing in the view {}", row.name);
-        Err(CliError::Usage { message, hint: format!("it is for --view {}", names.join(", ")) })
+        let message = format!("--{option} has no effect on the view {}", row.name);
+        Err(CliError::Usage { message, hint: format!("use it with --view {}", names.join(", ")) })
     }
 
-    /// The view that was named, or the first that the file can hold.
+    /// The view that was named, or the first one that fits the file's extension.
     fn row(&self) -> Result<&'static ViewRow, CliError> {
         if let Some(name) = &self.view {
             return cave::view_row(name);
@@ -135,7 +135,7 @@ impl Preview {
                     known.push(format.ending());
                 }
             }
-            self.unfit("no view makes", &known)
+            self.unfit("no view can write", &known)
         })
     }
 
@@ -144,10 +144,10 @@ impl Preview {
             return Ok(row.formats[0]);
         };
         let known: Vec<&str> = row.formats.iter().map(|format| format.ending()).collect();
-        format_called(row, &ending).ok_or_else(|| self.unfit(&format!("the view {} does not make", row.name), &known))
+        format_called(row, &ending).ok_or_else(|| self.unfit(&format!("the view {} cannot write", row.name), &known))
     }
 
-    /// The ending of the file, lower case; `None` where no file was named.
+    /// The extension of the file, lower case; `None` if no file was named.
     fn ending(&self) -> Option<String> {
         let output = self.output.as_ref()?;
         Some(output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default())
@@ -155,21 +155,21 @@ impl Preview {
 
     fn unfit(&self, what: &str, known: &[&str]) -> CliError {
         let output = self.output.as_deref().unwrap_or(Path::new(""));
-        let message = format!("{}: {what} such a file", output.display());
+        let message = format!("{}: {what} files with this extension", output.display());
         let endings: Vec<String> = known.iter().filter(|one| !one.is_empty()).map(|one| format!(".{one}")).collect();
-        CliError::Usage { message, hint: format!("it may end with {}", endings.join(", ")) }
+        CliError::Usage { message, hint: format!("known extensions: {}", endings.join(", ")) }
     }
 }
 
-/// As many finite numbers as an option wants, or none.
+/// The finite numbers of an option, exactly `N` of them.
 fn numbers<const N: usize>(option: &str, given: &[f32]) -> Result<Option<[f32; N]>, CliError> {
     if given.is_empty() {
         return Ok(None);
     }
     let wanted: Option<[f32; N]> = given.try_into().ok().filter(|all: &[f32; N]| all.iter().all(|one| one.is_finite()));
     wanted.map(Some).ok_or_else(|| CliError::Usage {
-        message: format!("{option} wants {N} numbers"),
-        hint: format!("separate them by commas, for example {option} {}", ["1.5"; N].join(",")),
+        message: format!("{option} takes {N} numbers"),
+        hint: format!("separate them with commas, for example {option} {}", ["1.5"; N].join(",")),
     })
 }
 
@@ -177,7 +177,7 @@ fn format_called(row: &ViewRow, ending: &str) -> Option<Format> {
     row.formats.iter().copied().find(|format| format.ending() == ending)
 }
 
-/// Says that there is no such folder before the work and not after it.
+/// Reports a missing folder before the work rather than after it.
 fn refuse_nowhere(output: &Path) -> Result<(), CliError> {
     let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) else {
         return Ok(());
@@ -190,7 +190,7 @@ fn refuse_nowhere(output: &Path) -> Result<(), CliError> {
     Err(StoreError::io(folder, fault).into())
 }
 
-/// Writes what was drawn; gives its size.
+/// Writes what was drawn and returns its size.
 fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
     match drawn {
         Drawn::File(bytes) => {
@@ -218,7 +218,7 @@ fn report(console: &Console, row: &ViewRow, output: &Path, bytes: usize, start: 
 
 fn open(output: &Path) -> Result<(), CliError> {
     open::that_detached(output).map_err(|error| CliError::Usage {
-        message: format!("{}: it was written, but cannot be shown: {error}", output.display()),
-        hint: "open it by hand".into(),
+        message: format!("{}: was written, but cannot be opened: {error}", output.display()),
+        hint: "open it yourself".into(),
     })
 }

@@ -12,7 +12,7 @@ use super::{Common, signals};
 use plume::pipeline::{Disk, Observer};
 use plume::store::Stage;
 
-/// Where everything is printed.
+/// All printing goes through this.
 pub struct Console {
     quiet: bool,
     json: bool,
@@ -28,17 +28,17 @@ impl Console {
         Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, disk, bar: Mutex::new(None) }
     }
 
-    /// Whether results are asked for as JSON.
+    /// Whether results are to be printed as JSON.
     pub fn is_json(&self) -> bool {
         self.json
     }
 
-    /// The disk, as far as the user lets files lead on it.
+    /// The disk, with the access that the user allows.
     pub fn disk(&self) -> Disk {
         self.disk
     }
 
-    /// Prints what was asked for.
+    /// Prints a result.
     ///
     /// # Errors
     /// As [`told`].
@@ -46,14 +46,14 @@ impl Console {
         told(io::stdout().write_all(text.as_bytes()))
     }
 
-    /// Prints a line about the work.
+    /// Prints a progress note.
     pub fn note(&self, text: &str) {
         if !self.quiet {
             let _ = writeln!(io::stderr(), "{text}");
         }
     }
 
-    /// Prints a fault and its hint.
+    /// Prints an error and its hint.
     pub fn fault(&self, error: &CliError) {
         self.clear();
         fault(error);
@@ -66,20 +66,20 @@ impl Console {
     }
 }
 
-/// Ends what was written to standard output. A reader that hangs up early is no fault.
+/// Flushes standard output. A reader that closes the pipe early is not an error.
 ///
 /// # Errors
-/// When not all of it could be written.
+/// If not everything could be written.
 pub fn told(written: io::Result<()>) -> Result<(), CliError> {
     match written.and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(CliError::Failed(format!("standard output: {error}; what was printed is not whole")))
+            Err(CliError::Failed(format!("standard output: {error}; the output is incomplete")))
         }
         _ => Ok(()),
     }
 }
 
-/// Prints a fault and its hint.
+/// Prints an error and its hint.
 pub fn fault(error: &CliError) {
     let hint = error.hint();
     let mut stderr = io::stderr();
@@ -99,7 +99,7 @@ impl Observer for Console {
         let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {eta}");
         bar.set_style(style.expect("the template is a constant"));
         bar.set_prefix(stage.name());
-        // It takes a thread, which nobody needs who sees no bar.
+        // A steady tick takes a thread, which a hidden bar does not need.
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(200));
         }

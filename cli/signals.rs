@@ -1,8 +1,8 @@
 //! Signals that end a run: Ctrl-C, and those that a system or a supervisor sends.
 //!
-//! The first one sets a flag: the units in work are finished, a program of a recipe is stopped, temporary files go. The
-//! second one ends the process at once, as it would have without us. Only the command line listens; a host program that
-//! uses Plume as a library keeps its own handlers.
+//! The first one sets a flag: units of work in progress are finished, a program run by a recipe is stopped, temporary files
+//! are removed. The second one ends the process immediately, as it would have by default. Only the command line listens; a
+//! host program that uses Plume as a library keeps its own handlers.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -16,7 +16,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 static CODE: AtomicUsize = AtomicUsize::new(FIRST_CODE + SIGINT as usize);
 static LISTEN: Once = Once::new();
 
-/// What shells add to the number of a signal: 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
+/// What shells add to the signal number: 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP.
 const FIRST_CODE: usize = 128;
 #[cfg(unix)]
 const ENDING: [i32; 3] = [SIGINT, SIGTERM, signal_hook::consts::SIGHUP];
@@ -33,12 +33,12 @@ pub fn exit_code() -> u8 {
     u8::try_from(CODE.load(Ordering::Relaxed)).unwrap_or(1)
 }
 
-/// Has signals set the flag from now on. Those that the caller has ignored, as `nohup` does, stay ignored.
+/// Makes signals set the flag from now on. Signals ignored by the caller, as `nohup` does, stay ignored.
 pub fn listen() {
     LISTEN.call_once(|| {
         let ignored = ignored();
         for signal in ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0) {
-            // Where a signal cannot be caught, it ends the process as ever.
+            // A signal that cannot be caught ends the process as usual.
             let _ = flag::register_conditional_default(signal, &STOP)
                 .and_then(|_| flag::register_usize(signal, &CODE, FIRST_CODE + signal as usize))
                 .and_then(|_| flag::register(signal, &STOP));
@@ -46,11 +46,11 @@ pub fn listen() {
     });
 }
 
-/// Has a write past the largest file that the system allows fail, as one on a full disk does, instead of ending the process.
+/// Makes a write beyond the file size limit of the process fail, like one on a full disk, instead of ending the process.
 pub fn survive_file_limit() {
     #[cfg(unix)]
     {
-        /// Nobody asks: the write that fails tells.
+        /// Never read: the failing write reports the problem.
         static PASSED: AtomicBool = AtomicBool::new(false);
         static SURVIVE: Once = Once::new();
         SURVIVE.call_once(|| {
@@ -59,7 +59,7 @@ pub fn survive_file_limit() {
     }
 }
 
-/// The signals that are ignored, from the lowest bit up; none where the system does not tell.
+/// The signals that are ignored, lowest bit first; none where the system does not tell.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -1,4 +1,4 @@
-//! `plume status`: how far a cave folder is.
+//! `plume status`: the progress of a cave folder.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use plume::cave::Input;
 use plume::pipeline::{Pipeline, StageStatus, State};
 use plume::store::{CaveFolder, Stage};
 
-/// Says what is finished in a cave folder, what is outdated or damaged, and which command goes on; writes nothing.
+/// Shows what is finished in a cave folder, what is outdated or damaged, and which command to run next; writes nothing.
 #[derive(Args)]
 pub struct Status {
     /// A cave folder, finished or not
@@ -23,7 +23,7 @@ impl Status {
     /// Prints a line for each stage on stdout.
     ///
     /// # Errors
-    /// When the folder holds no cave or cannot be read.
+    /// If the folder contains no cave or cannot be read.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let Input { recipe, graph, .. } = Input::read(Some(&self.folder), &[], console.disk())?;
         let folder = CaveFolder::open(&self.folder)?;
@@ -46,10 +46,10 @@ impl Status {
         console.result(&text)
     }
 
-    /// What is to be done before the cave is finished.
+    /// What to do next to finish the cave.
     fn next(&self, stages: &[StageStatus], is_busy: bool) -> Option<String> {
         if is_busy {
-            return Some("wait: a run is at work here".to_owned());
+            return Some("wait: another run is using this folder".to_owned());
         }
         let needed = stages.iter().filter(|status| status.stage != Stage::Pieces);
         let open = needed.filter(|status| status.state != State::Done).count();
@@ -59,12 +59,12 @@ impl Status {
 
 fn line(status: &StageStatus) -> String {
     let state = match status.state {
-        State::Missing if status.stage == Stage::Pieces => "not made; targets that want them make them".to_owned(),
+        State::Missing if status.stage == Stage::Pieces => "not made; made for targets that need them".to_owned(),
         State::Missing => "missing".to_owned(),
-        State::Empty => "empty     there is no open space that a voxel can hold".to_owned(),
+        State::Empty => "empty     no open space at this voxel size".to_owned(),
         State::Done => format!("done      {}", units(status.stage, status.done)),
         State::Outdated => {
-            format!("outdated  {} of an earlier recipe, graph or version", units(status.stage, status.outdated))
+            format!("outdated  {} from an earlier recipe, graph or version", units(status.stage, status.outdated))
         }
         State::Partial => match status.total {
             Some(total) => format!("partial   {} of {total}", status.done),
@@ -73,7 +73,7 @@ fn line(status: &StageStatus) -> String {
     };
     let damaged = match status.damaged.as_slice() {
         [] => String::new(),
-        damaged => format!("; changed or missing on the disk: {}", damaged.join(", ")),
+        damaged => format!("; changed or missing: {}", damaged.join(", ")),
     };
     format!("  {:9} {state}{damaged}\n", status.stage.name())
 }

@@ -1,4 +1,4 @@
-//! What was made, in a few lines or as JSON.
+//! A summary of what was made, in a few lines or as JSON.
 
 use std::fs;
 use std::ops::Add;
@@ -84,7 +84,7 @@ impl Summary {
     pub fn package(&mut self, order: &Order, exported: &Exported) {
         let (path, open) = (&order.place.path, &exported.summary.open);
         let (count, bytes) = (exported.files.0.len(), exported.files.bytes());
-        // Packages are written side by side, so that each brings its own time along.
+        // Packages are written in parallel, so each reports its own time.
         let cpu_s = exported.cpu.as_secs_f64();
         let numbers =
             json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
@@ -93,10 +93,10 @@ impl Summary {
         self.lines.push(format!("  {:9} {open}", "to open:"));
     }
 
-    /// A package was there already, whole and of the same cave.
+    /// An intact package of the same cave was there already.
     pub fn kept(&mut self, order: &Order) {
         let (name, path) = (order.wanted.choice.name(), &order.place.path);
-        self.lines.push(format!("  {name:9} {}  is there already, whole", path.display()));
+        self.lines.push(format!("  {name:9} {}  already up to date", path.display()));
         self.json.insert(name, json!({"path": path.to_string_lossy(), "kept": true}));
     }
 
@@ -115,7 +115,7 @@ impl Summary {
     /// Prints it all.
     ///
     /// # Errors
-    /// None; the last step of commands that can fail.
+    /// Those of standard output.
     pub fn print(mut self, console: &Console) -> Result<(), CliError> {
         let wall_s = self.wall.elapsed().as_secs_f64();
         self.json.insert("wall_s".into(), json!(wall_s));
@@ -146,7 +146,7 @@ fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
 
-/// The most memory the process ever held, where the system tells (Linux).
+/// Peak memory of the process, where the system reports it (Linux).
 fn peak_memory_bytes() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -1,6 +1,6 @@
-//! Names that are no files everywhere.
+//! File names that Windows reserves for devices.
 
-/// Whether Windows takes a file or folder of this name, with whatever ending and in whatever case, for a device.
+/// Whether Windows takes this name for a device, whatever its extension and case.
 pub fn is_device_name(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or_default().trim_end().to_ascii_lowercase();
     match stem.as_str() {
@@ -9,7 +9,7 @@ pub fn is_device_name(name: &str) -> bool {
     }
 }
 
-/// Windows counts superscripts as digits.
+/// Windows accepts superscripts as digits here.
 fn is_digit(text: &str) -> bool {
     let mut letters = text.chars();
     letters.next().is_some_and(|letter| letter.is_ascii_digit() || "¹²³".contains(letter)) && letters.next().is_none()
@@ -20,7 +20,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn devices_are_known_with_any_ending_and_in_any_case() {
+    fn devices_are_recognized_with_any_extension_and_case() {
         for name in ["con", "NUL", "Aux.tar.gz", "com1", "LPT9.txt", "prn ", "com²"] {
             assert!(is_device_name(name), "{name}");
         }

@@ -1,4 +1,4 @@
-//! Files that are written in one go.
+//! Files that are written in one step.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -6,19 +6,19 @@ use std::path::Path;
 
 use crate::{Staging, publish, replace_file};
 
-/// What becomes of a file that is there already.
+/// What to do with an existing file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
-    /// It stays, and nothing is written.
+    /// Keep it and write nothing.
     Keep,
-    /// It makes room.
+    /// Replace it.
     Replace,
 }
 
-/// Writes the file at `path`, with the folders above it.
+/// Writes the file at `path`, creating parent folders.
 ///
 /// # Errors
-/// [`io::ErrorKind::AlreadyExists`] when it is there and is to stay; those of the system.
+/// [`io::ErrorKind::AlreadyExists`] if it exists and is to be kept; I/O errors.
 pub fn write_file(path: &Path, existing: Existing, bytes: &[u8]) -> io::Result<()> {
     let staging = Staging::beside(path)?;
     let growing = staging.path().join("file");

@@ -1,18 +1,18 @@
-//! Giving finished files and folders their names.
+//! Renames finished files and folders into place.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Gives a finished file or folder its name, unless something has that name by now; an empty folder gives way to a folder.
-/// The content is on the disk before the name is.
+/// Renames a finished file or folder into place, unless something else is there by now; a folder may replace an empty one.
+/// The content is synced before the name.
 ///
 /// # Errors
-/// [`ErrorKind::AlreadyExists`] or [`ErrorKind::DirectoryNotEmpty`] when the name is taken; those of the system.
+/// [`ErrorKind::AlreadyExists`] or [`ErrorKind::DirectoryNotEmpty`] if the name is taken; I/O errors.
 pub fn publish(from: &Path, to: &Path) -> io::Result<()> {
     sync_tree(from)?;
     if from.is_dir() {
-        // Fails for anything but an empty folder, and so asks and renames in one step.
+        // Fails for anything but an empty folder, so it checks and renames in one step.
         publish_folder(from, to)?;
     } else {
         publish_file(from, to)?;
@@ -20,10 +20,10 @@ pub fn publish(from: &Path, to: &Path) -> io::Result<()> {
     sync_parent(to)
 }
 
-/// Gives a finished file its name; a file or link that has it goes.
+/// Renames a finished file into place; replaces a file or link of that name.
 ///
 /// # Errors
-/// Those of the system.
+/// I/O errors.
 pub fn replace_file(from: &Path, to: &Path) -> io::Result<()> {
     File::open(from)?.sync_all()?;
     fs::rename(from, to)?;
@@ -35,7 +35,7 @@ fn publish_folder(from: &Path, to: &Path) -> io::Result<()> {
     fs::rename(from, to)
 }
 
-/// Elsewhere no folder gives way to another.
+/// On other systems no folder replaces another.
 #[cfg(not(unix))]
 fn publish_folder(from: &Path, to: &Path) -> io::Result<()> {
     match fs::remove_dir(to) {
@@ -44,8 +44,8 @@ fn publish_folder(from: &Path, to: &Path) -> io::Result<()> {
     }
 }
 
-/// A second name refuses to take the place of anything, and works on every system that has such names. Where a file system
-/// has none, the name is claimed by an empty file first.
+/// A hard link never replaces anything, and works on every system that has them. Where a file system has none, an empty
+/// file claims the name first.
 fn publish_file(from: &Path, to: &Path) -> io::Result<()> {
     match fs::hard_link(from, to) {
         Ok(()) => fs::remove_file(from),
@@ -57,10 +57,10 @@ fn publish_file(from: &Path, to: &Path) -> io::Result<()> {
     }
 }
 
-/// Swaps two names in one step, where the system and the file system can.
+/// Swaps two names atomically, where the system and the file system can.
 ///
 /// # Errors
-/// [`ErrorKind::Unsupported`] where they cannot; those of the system.
+/// [`ErrorKind::Unsupported`] where they cannot; I/O errors.
 #[cfg(any(target_os = "linux", target_os = "android", target_vendor = "apple"))]
 pub(crate) fn exchange(one: &Path, other: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
@@ -76,7 +76,7 @@ pub(crate) fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(ErrorKind::Unsupported.into())
 }
 
-/// Waits until everything below `path` is on the disk.
+/// Syncs everything below `path` to the disk.
 pub(crate) fn sync_tree(path: &Path) -> io::Result<()> {
     let kind = path.symlink_metadata()?.file_type();
     if kind.is_file() {
@@ -91,10 +91,10 @@ pub(crate) fn sync_tree(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Waits until the names in a folder are on the disk, where the system can tell.
+/// Syncs the names in the parent folder, where the system supports it.
 ///
 /// # Errors
-/// Those of the system.
+/// I/O errors.
 pub fn sync_folder(path: &Path) -> io::Result<()> {
     if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }

@@ -1,17 +1,16 @@
-//! Reading regular files and nothing else.
+//! Reads regular files and nothing else.
 //!
-//! A pipe that nobody writes to blocks whoever opens it, and a device such as `/dev/zero` never ends. Neither is what a
-//! user means by a recipe, a survey or a package.
+//! A pipe without a writer blocks whoever opens it, and a device such as `/dev/zero` never ends. Neither is what a user
+//! means by a recipe, a survey or a package.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Opens a regular file for reading, at once.
+/// Opens a regular file for reading, without blocking.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a pipe, a socket or a device, [`ErrorKind::IsADirectory`] for a folder; those of the
-/// system.
+/// [`ErrorKind::InvalidInput`] for a pipe, a socket or a device, [`ErrorKind::IsADirectory`] for a folder; I/O errors.
 pub fn open(path: &Path) -> io::Result<File> {
     only_regular(options(Links::Follow).open(path)?)
 }
@@ -27,7 +26,7 @@ pub fn open_no_follow(path: &Path) -> io::Result<File> {
     only_regular(options(Links::Refuse).open(path)?)
 }
 
-/// Opens a regular file to add to its end, and makes it if it is not there; never through a symbolic link.
+/// Opens a regular file for appending and creates it if it is missing; never through a symbolic link.
 ///
 /// # Errors
 /// As [`open_no_follow`].
@@ -49,7 +48,7 @@ pub fn read(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
 /// The content of an open file of at most `most_bytes`.
 ///
 /// # Errors
-/// [`ErrorKind::FileTooLarge`]; those of the system.
+/// [`ErrorKind::FileTooLarge`]; I/O errors.
 pub fn read_at_most(file: File, most_bytes: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(most_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -73,7 +72,7 @@ enum Links {
     Refuse,
 }
 
-/// Not blocking matters for pipes alone: opening one waits for a writer otherwise.
+/// The flag matters for pipes only: opening one would wait for a writer.
 fn options(links: Links) -> OpenOptions {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -98,7 +97,7 @@ fn only_regular(file: File) -> io::Result<File> {
     if kind.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
     }
-    Err(io::Error::new(ErrorKind::InvalidInput, "is not a regular file but a pipe, a socket or a device"))
+    Err(io::Error::new(ErrorKind::InvalidInput, "is a pipe, a socket or a device, not a regular file"))
 }
 
 #[cfg(test)]
@@ -118,7 +117,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_pipe_and_a_device_are_refused_at_once() {
+    fn a_pipe_and_a_device_are_refused_without_blocking() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
@@ -129,7 +128,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_is_followed_only_where_it_may_be() {
+    fn a_link_is_followed_only_where_allowed() {
         let folder = tempfile::tempdir().unwrap();
         let [file, link] = ["file", "link"].map(|name| folder.path().join(name));
         std::fs::write(&file, "text").unwrap();

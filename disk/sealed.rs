@@ -1,22 +1,22 @@
-//! Texts that show when they are no longer as they were written.
+//! Texts that reveal whether they were changed since they were written.
 //!
-//! A seal is no signature: it holds off accidents, not forgers.
+//! A seal is not a signature: it detects accidents, not forgery.
 
 use sha2::{Digest, Sha256};
 
-/// What stands before the seal, and after it.
+/// The text before the seal, and after it.
 const SEAL: &str = "  \"seal\": \"";
 const SEAL_END: &str = "\"\n}\n";
 const HEX_DIGITS: usize = 64;
 
-/// A pretty-printed JSON object with one more key at its end: the SHA-256 of all that stands before the digits.
+/// A pretty-printed JSON object with one more key at its end: the SHA-256 of everything before the digits.
 pub fn seal(json: &str) -> String {
     let before = format!("{},\n{SEAL}", json.trim_end_matches("\n}"));
     let digits = sha256(before.as_bytes());
     before + &digits + SEAL_END
 }
 
-/// The JSON object without its seal; `None` if it has none, or another.
+/// The JSON object without its seal; `None` if the seal is missing or wrong.
 pub fn unseal(text: &[u8]) -> Option<Vec<u8>> {
     let before = text.strip_suffix(SEAL_END.as_bytes())?;
     let (before, digits) = before.split_at_checked(before.len().checked_sub(HEX_DIGITS)?)?;
@@ -27,7 +27,7 @@ pub fn unseal(text: &[u8]) -> Option<Vec<u8>> {
     Some([bare, b"\n}"].concat())
 }
 
-/// Whether a text was sealed once, whatever has become of it.
+/// Whether a text has a seal, valid or not.
 pub fn looks_sealed(text: &[u8]) -> bool {
     text.windows(SEAL.len()).any(|window| window == SEAL.as_bytes())
 }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn any_change_of_a_byte_breaks_a_seal() {
+    fn any_changed_byte_breaks_the_seal() {
         let sealed = seal("{\n  \"a\": 1\n}");
         assert_eq!(unseal(sealed.as_bytes()).unwrap(), b"{\n  \"a\": 1\n}");
         for place in 0..sealed.len() {

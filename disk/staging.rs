@@ -1,4 +1,4 @@
-//! Hidden folders in which files grow.
+//! Hidden folders in which output is written until it is complete.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
@@ -6,20 +6,19 @@ use std::path::{Path, PathBuf};
 
 use crate::publish;
 
-/// What the name of a staging folder begins with; random letters follow.
+/// Prefix of the names of staging folders; random letters follow.
 const PREFIX: &str = ".plume-";
 const RANDOM_LETTERS: usize = 8;
-/// The file that marks a staging folder. It is locked as long as the folder is in use.
+/// The file that marks a staging folder. It is locked while the folder is in use.
 const MARKER: &str = "plume-staging";
-const MARKER_TEXT: &[u8] =
-    b"A file or folder beside this one is being written by Plume, or was until Plume was killed.\n\
-                             The next run removes this folder; so may you when no run is at work.\n";
-/// Where what a new folder takes the place of waits, under its own name, on systems that cannot swap two names.
+const MARKER_TEXT: &[u8] = b"Plume is writing a file or folder next to this one, or was until it was killed.\n\
+    The next run removes this folder; you may remove it yourself when Plume is not running.\n";
+/// Where a folder that is being replaced is kept, under its own name, on systems that cannot swap two names.
 const REPLACED: &str = "replaced";
-/// How often another run may sweep a folder away while it is being marked.
+/// How many times another run may sweep a folder away while it is being marked.
 const ATTEMPTS: usize = 16;
 
-/// A hidden folder of this process beside a place that is written to. It goes when dropped, with all it holds.
+/// A hidden folder of this process next to the path that is written to. Removed with its contents when dropped.
 #[derive(Debug)]
 pub struct Staging {
     path: PathBuf,
@@ -27,10 +26,10 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// Makes a staging folder in `parent`, with the folders above it, and [sweeps](sweep) there.
+    /// Makes a staging folder in `parent`, creating parent folders, and [sweeps](sweep) there.
     ///
     /// # Errors
-    /// Those of the system.
+    /// I/O errors.
     pub fn new(parent: &Path) -> io::Result<Self> {
         fs::create_dir_all(parent)?;
         sweep(parent);
@@ -40,13 +39,13 @@ impl Staging {
                 return Ok(Self { path: folder.keep(), marker: Some(marker) });
             }
         }
-        Err(io::Error::other("other runs keep sweeping the folder"))
+        Err(io::Error::other("other runs keep removing the staging folder"))
     }
 
-    /// Makes a staging folder beside `place`.
+    /// Makes a staging folder next to `place`.
     ///
     /// # Errors
-    /// Those of the system.
+    /// I/O errors.
     pub fn beside(place: &Path) -> io::Result<Self> {
         Self::new(folder_of(place))
     }
@@ -56,12 +55,12 @@ impl Staging {
         &self.path
     }
 
-    /// Puts the folder `name` from here in the place of the folder `to`. Gives the path at which the old folder, if there
-    /// was one, now waits for the end of this staging folder. A kill leaves the old or the new one in place, or, where the
+    /// Replaces the folder `to` with the folder `name` from here. Returns the path at which the old folder, if there was
+    /// one, is kept until this staging folder is removed. A kill leaves the old or the new one in place, or, where the
     /// system cannot swap, the old one here until the next run puts it back.
     ///
     /// # Errors
-    /// Those of the system; the old folder is in its place then.
+    /// I/O errors; the old folder is then in its place.
     pub fn swap(&self, name: &str, to: &Path) -> io::Result<Option<PathBuf>> {
         let from = self.path.join(name);
         if to.symlink_metadata().is_err() {
@@ -84,7 +83,7 @@ impl Staging {
         let old = waiting.join(to.file_name().ok_or(ErrorKind::InvalidInput)?);
         fs::rename(to, &old)?;
         fs::rename(from, to).inspect_err(|_| {
-            // The first error is the one to tell; what cannot be put back now is put back by the next run.
+            // The first error is the one to report; what cannot be put back now is put back by the next run.
             let _ = fs::rename(&old, to);
         })?;
         Ok(old)
@@ -94,14 +93,14 @@ impl Staging {
 impl Drop for Staging {
     fn drop(&mut self) {
         put_back(&self.path);
-        // Some systems do not remove what is open. Another run that sweeps here then has only helped.
+        // Some systems cannot remove open files. If another run sweeps now, that does no harm.
         self.marker = None;
         let _ = fs::remove_dir_all(&self.path);
     }
 }
 
-/// Removes the staging folders in `parent` that killed processes have left, and nothing else: a folder has to have the name
-/// and the marker of one, and nobody may hold its lock. What cannot be removed stays.
+/// Removes the staging folders in `parent` left by killed processes, and nothing else: a folder must have the name and the
+/// marker of one, and no process may hold its lock. What cannot be removed stays.
 pub fn sweep(parent: &Path) {
     let Ok(entries) = fs::read_dir(parent) else { return };
     for entry in entries.flatten() {
@@ -112,7 +111,7 @@ pub fn sweep(parent: &Path) {
     }
 }
 
-/// [Sweeps](sweep) the folder that `place` lies in.
+/// [Sweeps](sweep) the folder that contains `place`.
 pub fn sweep_beside(place: &Path) {
     sweep(folder_of(place));
 }
@@ -126,14 +125,14 @@ fn is_name(name: &str) -> bool {
 fn remove_if_abandoned(folder: &Path) {
     match crate::regular::open_no_follow(&folder.join(MARKER)) {
         Ok(marker) => {
-            // Without a lock it is not known to be abandoned, and stays.
+            // Without the lock the folder cannot be known to be abandoned, so it stays.
             if marker.try_lock().is_ok() {
                 put_back(folder);
                 drop(marker);
                 let _ = fs::remove_dir_all(folder);
             }
         }
-        // Killed before it was marked; this removes empty folders only.
+        // Its process was killed before marking it; this removes empty folders only.
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let _ = fs::remove_dir(folder);
         }
@@ -141,7 +140,7 @@ fn remove_if_abandoned(folder: &Path) {
     }
 }
 
-/// Gives a folder its name again if a kill came before its successor had it.
+/// Restores a folder if a kill came before its replacement was in place.
 fn put_back(staging: &Path) {
     let Some(parent) = staging.parent() else { return };
     for entry in fs::read_dir(staging.join(REPLACED)).into_iter().flatten().flatten() {
@@ -152,14 +151,14 @@ fn put_back(staging: &Path) {
     }
 }
 
-/// Marks a staging folder and locks the mark; `None` if another run has swept it away meanwhile.
+/// Marks a staging folder and locks the marker; `None` if another run has swept it away in the meantime.
 fn mark(folder: &Path) -> io::Result<Option<File>> {
     let path = folder.join(MARKER);
     let mut marker = match File::create_new(&path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         made => made?,
     };
-    // Where there are no locks, no run sweeps.
+    // Where locks are not supported, no run sweeps.
     if let Err(TryLockError::WouldBlock) = marker.try_lock() {
         return Ok(None);
     }
@@ -197,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn a_staging_folder_goes_with_its_owner() {
+    fn a_staging_folder_is_removed_with_its_owner() {
         let parent = tempfile::tempdir().unwrap();
         let staging = Staging::new(parent.path()).unwrap();
         fs::write(staging.path().join("half"), "h").unwrap();
@@ -207,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_marked_and_nobodys_is_swept() {
+    fn only_marked_and_abandoned_folders_are_swept() {
         let parent = tempfile::tempdir().unwrap();
         let staging = Staging::new(parent.path()).unwrap();
         let own = staging.path().file_name().unwrap().to_str().unwrap().to_owned();
@@ -249,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_swap_in_two_steps_ends_as_one_in_one() {
+    fn a_swap_in_two_steps_has_the_same_result() {
         let parent = tempfile::tempdir().unwrap();
         let place = parent.path().join("cave");
         fs::create_dir(&place).unwrap();
@@ -263,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_kill_between_the_two_steps_is_mended_by_the_next_run() {
+    fn the_next_run_recovers_from_a_kill_between_the_two_steps() {
         let parent = tempfile::tempdir().unwrap();
         let staging = abandoned(parent.path());
         fs::create_dir_all(staging.join(REPLACED).join("cave")).unwrap();
@@ -274,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn many_at_once_do_not_sweep_each_other() {
+    fn concurrent_runs_do_not_sweep_each_other() {
         let parent = tempfile::tempdir().unwrap();
         std::thread::scope(|scope| {
             for _ in 0..8 {

@@ -1,10 +1,10 @@
-//! Texts of others in messages: short, and harmless to a terminal.
+//! Quotes untrusted text in messages: short, and harmless to a terminal.
 //!
-//! A name may be as long as a file, and may hold what clears a screen or turns its text round.
+//! A name may be as long as a file, and may contain characters that clear the screen or reverse the text.
 
-/// Letters of a name or a value that a message shows.
+/// Maximum length of a name or a value in a message.
 const SHOWN: usize = 80;
-/// Letters of a sentence that others have made of such, as parsers do.
+/// Maximum length of a sentence that contains such text, as messages of parsers do.
 const SENTENCE: usize = 400;
 
 /// A text in quotes.
@@ -19,13 +19,13 @@ pub fn plain(text: &str) -> String {
     format!("{}{rest}", printable(start))
 }
 
-/// A path, or a sentence that may name things.
+/// A path, or a sentence that may quote names.
 pub fn sentence(text: &str) -> String {
     let (start, rest) = clipped(text, SENTENCE);
     format!("{}{rest}", printable(start))
 }
 
-/// The first letters of a text, and the ellipsis that stands for the others.
+/// The beginning of a text, with an ellipsis for the rest.
 fn clipped(text: &str, most: usize) -> (&str, &'static str) {
     match text.char_indices().nth(most) {
         Some((end, _)) => (&text[..end], "…"),
@@ -33,7 +33,7 @@ fn clipped(text: &str, most: usize) -> (&str, &'static str) {
     }
 }
 
-/// A text with what would steer a terminal written out.
+/// A text with control characters escaped.
 fn printable(text: &str) -> String {
     let steers = |c: char| {
         c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn what_steers_a_terminal_is_written_out() {
+    fn control_characters_are_escaped() {
         assert_eq!(shown("a\u{1b}[2Jb\"\n\u{202e}"), r#""a\u{1b}[2Jb\"\n\u{202e}""#);
         assert_eq!(plain("a\u{1b}[2J\u{202e}"), r"a\u{1b}[2J\u{202e}");
     }

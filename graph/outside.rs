@@ -1,32 +1,31 @@
-//! The world outside a graph: files and programs. Whoever wants a graph made answers for it.
+//! Access to files and programs, provided by whoever asks for a graph.
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Answers when a generator or a reader asks for a file or a program.
+/// Provides files and programs to generators and readers.
 pub trait Outside: Sync {
-    /// The whole file.
+    /// The content of a file.
     ///
     /// # Errors
-    /// When it cannot be read, or is larger than the outside allows.
+    /// If it cannot be read, or is larger than allowed.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
 
-    /// Whether a file lies below a folder, wherever links lead. Where files have no places, all do.
+    /// Whether a file is below a folder, symlinks resolved. True by default, for implementations without folders.
     fn is_below(&self, _folder: &Path, _path: &Path) -> bool {
         true
     }
 
-    /// Whether a file may name files that do not lie below its folder.
+    /// Whether a file may refer to files outside its own folder.
     fn allows_strays(&self) -> bool {
         false
     }
 
-    /// Runs a program to its end and gives what it wrote to standard output.
+    /// Runs a program and returns its standard output.
     ///
     /// # Errors
-    /// When programs are not allowed, as they are not unless said otherwise; when it does not start, fails, takes too long or
-    /// writes too much.
+    /// If programs are not allowed (the default), or it does not start, fails, takes too long or writes too much.
     fn run(&self, _task: &Task) -> Result<Vec<u8>, RunError> {
         Err(RunError { message: "programs cannot be run here".to_owned(), hint: String::new() })
     }
@@ -41,21 +40,21 @@ pub struct Task {
     pub arguments: Vec<String>,
     /// The folder it runs in.
     pub folder: PathBuf,
-    /// Names of variables that it sees beside those that any program needs.
+    /// Names of environment variables that it sees in addition to those that any program needs.
     pub environment: Vec<String>,
     /// What it reads on standard input.
     pub input: Vec<u8>,
-    /// How long it may take.
+    /// Time limit.
     pub limit: Duration,
-    /// How much it may write to standard output.
+    /// Most bytes that it may write to standard output.
     pub most_bytes: usize,
 }
 
-/// A program did not do what it was asked to.
+/// A program that failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct RunError {
-    /// What went wrong, lower case, with the last words of the program where it had any.
+    /// What went wrong, lower case, with the last output of the program if there was any.
     pub message: String,
     /// What to do.
     pub hint: String,

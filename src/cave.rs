@@ -1,7 +1,7 @@
-//! A cave from its input to its packages: what the command line and the Python package have in common.
+//! A cave from its input to its packages: the common ground of the command line and the Python package.
 //!
-//! [`make`] runs the stages. [`Cave`] is a folder in which all of them are done, and [`target`] hands it over. Says
-//! nothing to anybody: an [`Observer`] watches, a [`CaveError`] tells what went wrong and what to do.
+//! [`make`] runs the stages. [`Cave`] is a folder in which all of them are done, and [`target`] exports it. Prints nothing:
+//! an [`Observer`] follows progress, a [`CaveError`] says what went wrong and what to do.
 //!
 //! ```
 //! use plume::cave::{self, Order};
@@ -55,7 +55,7 @@ pub struct Cave {
 }
 
 impl Cave {
-    /// Makes what is not there yet; `force` replaces another cave in the folder.
+    /// Makes what is missing; `force` replaces another cave in the folder.
     ///
     /// # Errors
     /// As [`make`].
@@ -72,10 +72,10 @@ impl Cave {
         Ok(Self { recipe: input.recipe, graph, folder, walls, fingerprint })
     }
 
-    /// Opens a finished cave folder, and writes nothing.
+    /// Opens a finished cave folder without writing anything.
     ///
     /// # Errors
-    /// When there is none at `root`, it cannot be read, or a stage is not done.
+    /// If there is none at `root`, it cannot be read, or a stage is not done.
     pub fn open(root: &Path, observer: &dyn Observer) -> Result<Self, CaveError> {
         if !root.is_dir() {
             return Err(unfit(root, "there is no cave folder"));
@@ -91,10 +91,10 @@ impl Cave {
         Ok(Self { recipe, graph, folder, walls, fingerprint })
     }
 
-    /// Makes the convex pieces of its chunks, where they are not there yet, and tells `done`.
+    /// Makes the missing convex pieces of its chunks, and calls `done`.
     ///
     /// # Errors
-    /// The disk, another run in the folder, the observer's stop.
+    /// I/O errors, another run in the folder, the observer's stop.
     pub fn make_pieces(
         &self,
         observer: &dyn Observer,
@@ -114,7 +114,7 @@ impl Cave {
         &self.recipe
     }
 
-    /// Where its passages go.
+    /// The graph of its passages.
     pub fn graph(&self) -> &Graph {
         &self.graph
     }
@@ -147,11 +147,11 @@ impl Cave {
     }
 }
 
-/// Makes the stage `last` and those before it in `folder`, tells `done` after each, and settles the folder. Where the
-/// folder is the input, what its recipe and graph now say is followed; `force` replaces another cave.
+/// Makes the stages up to `last` in `folder`, calls `done` after each, and settles the folder. If the folder is itself the
+/// input, it follows edits of its recipe and graph; `force` replaces another cave.
 ///
 /// # Errors
-/// A graph that cannot be, another cave in the folder, the disk, the observer's stop.
+/// An impossible graph, another cave in the folder, I/O errors, the observer's stop.
 pub fn make<'a>(
     input: &'a Input,
     folder: &'a CaveFolder,
@@ -183,10 +183,10 @@ pub fn make<'a>(
     Ok(pipeline)
 }
 
-/// SHA-256 of all that the cave of this input follows from.
+/// SHA-256 of everything that the cave of this input follows from.
 ///
 /// # Errors
-/// A graph that cannot be.
+/// An impossible graph.
 pub fn fingerprint(input: &Input, observer: &dyn Observer) -> Result<String, CaveError> {
     let graph = preview::graph_of(input, observer)?;
     Ok(pipeline::cave_fingerprint(&input.recipe, &graph))
@@ -194,5 +194,5 @@ pub fn fingerprint(input: &Input, observer: &dyn Observer) -> Result<String, Cav
 
 fn unfit(root: &Path, what: &str) -> CaveError {
     let message = format!("{}: {what}", root.display());
-    CaveError::Usage { message, hint: "name a folder that `plume generate -o` has finished".into() }
+    CaveError::Usage { message, hint: "name a folder finished by `plume generate -o`".into() }
 }

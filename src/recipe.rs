@@ -1,7 +1,7 @@
 //! The recipe: what a cave is made from.
 //!
-//! A recipe is TOML with a default for every key. It is checked against the JSON Schema of the settings structs that
-//! stand beside the code they set, so one doc comment and one range serve the reader, the editor and `plume new`.
+//! A recipe is TOML with a default for every key. It is checked against the JSON Schema of the settings structs next to the
+//! code that uses them, so one doc comment and one range serve the reader, the editor and `plume new`.
 
 mod check;
 mod fault;
@@ -29,10 +29,10 @@ use crate::texture::{LodSettings, TextureSettings};
 use plume_graph::Generator;
 use plume_graph::realism::RealismSettings;
 
-/// A whole recipe: every key has a value, every value is in range.
+/// A complete recipe: every key has a value, every value is in range.
 ///
-/// It cannot be changed: fingerprints, cave folders and packages follow from its text, and settings that drifted away from the
-/// text would describe another cave. [`Recipe::with`] makes another one.
+/// It is immutable: fingerprints, cave folders and packages follow from its text, and settings that differ from the text
+/// would describe another cave. [`Recipe::with`] makes a changed copy.
 ///
 /// ```
 /// use plume::recipe::Recipe;
@@ -68,7 +68,7 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Reads TOML. `file` names it in faults; `overrides` are `key=value` pairs that win over it.
+    /// Reads TOML. `file` names it in faults; `overrides` are `key=value` pairs that take precedence.
     ///
     /// # Errors
     /// Every fault found, each with its line, key and hint.
@@ -78,7 +78,7 @@ impl Recipe {
         Self::from_draft(draft)
     }
 
-    /// Reads the JSON form that graph files carry.
+    /// Reads the JSON form found in graph files.
     ///
     /// # Errors
     /// As [`Recipe::from_toml`].
@@ -120,11 +120,11 @@ impl Recipe {
         })
     }
 
-    /// The same recipe with another value for one key, such as `mesh.voxel_m`. Keys that belong to a choice (`graph.generator`,
-    /// `rock.kind`) have to suit it.
+    /// The same recipe with another value for one key, such as `mesh.voxel_m`. The key must exist for the chosen
+    /// `graph.generator` or `rock.kind`.
     ///
     /// # Errors
-    /// When there is no such key, or the value is out of its range.
+    /// If there is no such key, or the value is out of range.
     pub fn with(&self, key: &str, value: impl Serialize) -> Result<Self, Faults> {
         let mut draft = self.draft.clone();
         let value = serde_json::to_value(value).map_err(|error| draft.fault(key, error.to_string()))?;
@@ -133,12 +133,12 @@ impl Recipe {
         Self::from_draft(draft)
     }
 
-    /// Name of the cave, and of what is made of it.
+    /// Name of the cave and of what is made from it.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The seed everything random follows from.
+    /// The seed of everything random.
     pub fn seed(&self) -> u64 {
         self.seed
     }
@@ -148,12 +148,12 @@ impl Recipe {
         &*self.graph
     }
 
-    /// Whether the passages have to run as in real caves.
+    /// Whether the graph has to resemble those of real caves.
     pub fn realism(&self) -> &RealismSettings {
         &self.realism
     }
 
-    /// How wide and high the passages are.
+    /// Width and height of the passages.
     pub fn passage(&self) -> &PassageSettings {
         &self.passage
     }
@@ -177,17 +177,17 @@ impl Recipe {
         &self.look
     }
 
-    /// Triangles.
+    /// Mesh settings.
     pub fn mesh(&self) -> &MeshSettings {
         &self.mesh
     }
 
-    /// Images.
+    /// Texture settings.
     pub fn texture(&self) -> &TextureSettings {
         &self.texture
     }
 
-    /// Coarser triangles for the same images.
+    /// Levels of detail.
     pub fn lod(&self) -> &LodSettings {
         &self.lod
     }
@@ -207,23 +207,23 @@ impl Recipe {
         print::commented(&schema::of(&self.resolved), &self.resolved)
     }
 
-    /// The recipe as a cave folder keeps it: with a last line that shows that nothing is cut off.
+    /// The recipe as stored in a cave folder: with a last line that proves it is complete.
     pub fn to_kept_toml(&self) -> String {
         format!("{}\n{LAST_LINE}\n", self.to_toml())
     }
 
-    /// Reads the recipe of a cave folder, which may be edited but has every key and its last line: a part of it would make
-    /// another cave.
+    /// Reads the recipe of a cave folder, which may be edited but must have every key and its last line: a truncated one
+    /// would make another cave.
     ///
     /// # Errors
-    /// As [`Recipe::from_toml`]; when a key or the last line is missing.
+    /// As [`Recipe::from_toml`]; if a key or the last line is missing.
     pub fn from_kept_toml(text: &str, file: &Path) -> Result<Self, Faults> {
         if text.trim_end().lines().next_back() != Some(LAST_LINE) {
-            return Err(incomplete(file, "is cut off: its last line is missing".to_owned()));
+            return Err(incomplete(file, "is truncated: its last line is missing".to_owned()));
         }
         let recipe = Self::from_toml(text, file, &[])?;
         match missing_key("", &recipe.resolved, &read::toml(text, file)?.value) {
-            Some(key) => Err(incomplete(file, format!("is not complete: {key} is missing"))),
+            Some(key) => Err(incomplete(file, format!("is incomplete: {key} is missing"))),
             None => Ok(recipe),
         }
     }
@@ -234,7 +234,7 @@ impl Recipe {
     }
 }
 
-/// What `now` says otherwise than `before`, key by key: `graph.nodes: 8 → 9`.
+/// The differences from `before` to `now`, key by key: `graph.nodes: 8 → 9`.
 pub fn differences(before: &Value, now: &Value) -> Vec<String> {
     let mut found = Vec::new();
     collect_differences("", before, now, &mut found);
@@ -263,14 +263,14 @@ fn incomplete(file: &Path, message: String) -> Faults {
     Fault { origin: Origin::File(file.to_path_buf()), message, hint }.into()
 }
 
-/// The first key of `whole` that `part` does not have. Keys without a value need not be written.
+/// The first key of `whole` that is missing in `part`. Keys without a value may be missing.
 fn missing_key(path: &str, whole: &Value, part: &Value) -> Option<String> {
     let keys = whole.as_object()?.iter().filter(|(_, value)| !value.is_null());
     keys.map(|(key, value)| (if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, &part[key]))
         .find_map(|(path, value, part)| if part.is_null() { Some(path) } else { missing_key(&path, value, part) })
 }
 
-/// Settings given as `key=value` pairs alone, checked against their schema, every key with its value.
+/// Settings from `key=value` pairs alone, checked against their schema and completed with defaults.
 ///
 /// # Errors
 /// Every fault found.
@@ -292,7 +292,7 @@ fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>,
     (row.read)(Value::Object(settings)).map_err(|e| draft.fault("graph", e.to_string()))
 }
 
-/// Takes the paths in settings relative to the recipe.
+/// Resolves the paths in settings relative to the recipe.
 fn anchor(schema: &Value, settings: &mut Value, key: &str, draft: &read::Draft) -> Result<(), Faults> {
     let schema = schema::chosen(schema, settings);
     match settings {

@@ -441,8 +441,7 @@ fn results_go_to_stdout_and_notes_to_stderr() {
 fn a_result_that_cannot_be_printed_is_told() {
     let desk = Desk::new();
     desk.make(&["export", "--target", "gltf", "--output", "package", "--keep", "cave"]);
-    let fault =
-        "exit 1\nerror: standard output: No space left on device (os error 28); what was printed is not whole\n";
+    let fault = "exit 1\nerror: standard output: No space left on device (os error 28); the output is incomplete\n";
     for command in [
         "new",
         "schema",
@@ -604,7 +603,7 @@ fn said_of(desk: &Desk, package: &str) -> String {
 fn a_package_is_checked() {
     let desk = Desk::new();
     desk.make(&SOME);
-    assert!(said_of(&desk, "cave").starts_with("exit 0\ncave: whole: gazebo by plume "));
+    assert!(said_of(&desk, "cave").starts_with("exit 0\ncave: intact: gazebo by plume "));
     let license = fs::read_to_string(desk.path("cave/LICENSE.md")).unwrap();
     desk.file("cave/LICENSE.md", &license.replace("yours", "OURS!"));
     desk.file("cave/virus\u{1b}[2J.exe", "MZ");

@@ -57,13 +57,13 @@ fn what_is_too_small_or_no_graph_is_told() {
     desk.file("line.json", &json!({"nodes": [node(0, &[1]), node(1, &[2]), node(2, &[])]}).to_string());
     assert_snapshot!("line", said(&desk, &["line.json", "--gate"]));
     desk.file("letter.txt", "dear diary");
-    assert!(said(&desk, &["letter.txt"]).starts_with("exit 2\nerror: letter.txt: is of no known graph format\n"));
+    assert!(said(&desk, &["letter.txt"]).starts_with("exit 2\nerror: letter.txt: has no known graph format\n"));
     assert_snapshot!("no_such_parts", said(&desk, &["line.json", "--parts", "some"]));
     for rock in ["nan", "inf", "-1", "1e9"] {
         assert!(said(&desk, &["line.json", &format!("--rock={rock}")]).contains("must be a number from 0 to 100"));
     }
     fs::create_dir(desk.path("empty")).unwrap();
-    assert!(said(&desk, &["empty"]).starts_with("exit 2\nerror: empty: holds no cave\n hint: "));
+    assert!(said(&desk, &["empty"]).starts_with("exit 2\nerror: empty: does not contain a cave\n hint: "));
 }
 
 #[test]

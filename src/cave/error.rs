@@ -1,4 +1,4 @@
-//! What went wrong, as the user is told it: what, where, a hint.
+//! Errors as users see them: what, where, and a hint.
 
 use std::io::ErrorKind;
 use std::path::PathBuf;
@@ -11,31 +11,31 @@ use crate::recipe::{Faults, did_you_mean};
 use crate::store::StoreError;
 use plume_graph::echo::shown;
 
-/// Why a cave was not made, opened or handed over.
+/// Why a cave was not made, opened or exported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaveError {
-    /// The recipe.
+    /// The recipe is faulty.
     #[error(transparent)]
     Recipe(#[from] Faults),
-    /// The work.
+    /// A stage failed.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
-    /// The package.
+    /// The export failed.
     #[error(transparent)]
     Export(ExportError),
-    /// What was to be checked is no package.
+    /// The package cannot be checked.
     #[error(transparent)]
     Check(#[from] CheckError),
-    /// An input file.
+    /// An input file cannot be read.
     #[error("{}: {source}", path.display())]
     Input {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// What was asked for.
+    /// The request is faulty.
     #[error("{message}")]
     Usage {
         /// What is wrong.
@@ -43,10 +43,10 @@ pub enum CaveError {
         /// What to do.
         hint: String,
     },
-    /// The user stopped work that leaves nothing behind to go on from.
+    /// The user stopped work that cannot be resumed.
     #[error("interrupted")]
     Interrupted,
-    /// A check that did not pass.
+    /// A check failed.
     #[error("{0}")]
     Failed(String),
 }
@@ -69,7 +69,7 @@ impl From<StoreError> for CaveError {
 }
 
 impl CaveError {
-    /// A name that is in no table: `what` it was to be, and the names there are.
+    /// An unknown name of a `what`, with the known ones.
     pub fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Self {
         let names = known.clone().collect::<Vec<_>>().join(", ");
         let hint = format!("{}known: {names}", did_you_mean(name, known));
@@ -94,24 +94,25 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::GraphFile(error) => error.hint.clone(),
         PipelineError::Preview(error) => error.hint().to_owned(),
         PipelineError::Grid(error) => error.hint().to_owned(),
-        PipelineError::OtherCave { .. } => "give another folder, or --force to make it anew".into(),
+        PipelineError::OtherCave { .. } => "choose another folder, or make it anew with --force".into(),
         PipelineError::EditedGraph { .. } => {
-            "to go on with it, name the cave folder and leave `graph` and `seed` as they were; --force drops it".into()
+            "to keep your edits, name the cave folder and leave `graph` and `seed` as they were; --force discards them"
+                .into()
         }
         PipelineError::ChangedFiles { .. } => {
-            "to keep what you have changed, copy it elsewhere; --force makes these files anew".into()
+            "to keep your changes, copy them elsewhere; --force makes these files anew".into()
         }
-        PipelineError::Empty => "widen the passages, take a smaller mesh.voxel_m, or ask for more nodes".into(),
-        PipelineError::Store(StoreError::Occupied { .. }) => "give a folder that is new or empty".into(),
-        PipelineError::Store(StoreError::InUse { .. }) => "wait for it to end, or give another folder".into(),
+        PipelineError::Empty => "widen the passages, reduce mesh.voxel_m, or ask for more nodes".into(),
+        PipelineError::Store(StoreError::Occupied { .. }) => "choose a new or empty folder".into(),
+        PipelineError::Store(StoreError::InUse { .. }) => "wait for it to finish, or choose another folder".into(),
         PipelineError::Store(StoreError::Changed { .. }) => "`plume generate CAVE_DIR --force` makes it anew".into(),
         PipelineError::Store(StoreError::Damaged { .. }) => {
-            "take from the folder what you want to keep, and make the cave again in another".into()
+            "save what you want to keep from the folder, and make the cave again in another".into()
         }
         PipelineError::Store(StoreError::Io { source, .. }) if source.kind() == ErrorKind::StorageFull => {
-            "free some space and run the same command again: it goes on where it stopped".into()
+            "free some space and run the same command again: it resumes where it stopped".into()
         }
-        PipelineError::Interrupted => "run the same command again: it goes on where it stopped".into(),
+        PipelineError::Interrupted => "run the same command again: it resumes where it stopped".into(),
         _ => String::new(),
     }
 }

@@ -1,4 +1,4 @@
-//! What a cave is made from: nothing, a recipe, a graph or a cave folder.
+//! What a cave is made from: the default recipe, a recipe, a graph or a cave folder.
 
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -15,30 +15,30 @@ use plume_graph::Graph;
 use plume_graph::realism::RealismSettings;
 use plume_survey::{Parts, format_of};
 
-/// What is said of a cave folder whose graph is no longer what was written.
+/// The note about a cave folder whose graph was edited.
 pub const GRAPH_EDITED: &str = "graph.json has been edited";
 
 /// What a cave is made from, resolved.
 #[derive(Debug)]
 pub struct Input {
-    /// The whole recipe.
+    /// The recipe.
     pub recipe: Recipe,
     /// A graph that replaces the recipe's own.
     pub graph: Option<Graph>,
-    /// The cave folder, if that is what was named.
+    /// The cave folder, if that is the input.
     pub folder: Option<PathBuf>,
-    /// Whether the recipe is another than that of the cave folder that was named.
+    /// Whether overrides change the recipe of the cave folder.
     pub is_overridden: bool,
-    /// What is otherwise than when the cave folder that was named was made: `graph.nodes: 8 → 9`, or an edited graph.
+    /// What has changed since the cave folder was made: `graph.nodes: 8 → 9`, or an edited graph.
     pub changes: Vec<String>,
 }
 
 impl Input {
-    /// Reads what is named, a recipe (TOML), a graph or survey from `disk`, or a cave folder, or takes the default recipe;
-    /// `overrides` are `key=value` pairs that win over it.
+    /// Reads the input: a recipe (TOML), a graph or survey from `disk`, or a cave folder; without one, the default recipe.
+    /// `overrides` are `key=value` pairs that take precedence.
     ///
     /// # Errors
-    /// When it cannot be read or is faulty.
+    /// If it cannot be read or is faulty.
     pub fn read(path: Option<&Path>, overrides: &[String], disk: Disk) -> Result<Self, CaveError> {
         let Some(path) = path else {
             return Ok(Self::of(Recipe::from_overrides(overrides)?));
@@ -60,8 +60,8 @@ impl Input {
 
 fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> {
     if !CaveFolder::is_at(folder) {
-        let message = format!("{}: holds no cave", folder.display());
-        let hint = "name a recipe, a graph, or a folder that `plume generate -o` made".into();
+        let message = format!("{}: does not contain a cave", folder.display());
+        let hint = "name a recipe, a graph, or a folder made by `plume generate -o`".into();
         return Err(CaveError::Usage { message, hint });
     }
     let path = folder.join(store::RECIPE);
@@ -77,25 +77,25 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
     Ok(input)
 }
 
-/// Whether the graph of a cave folder is no longer what was written.
+/// Whether the graph of a cave folder was edited.
 ///
 /// # Errors
-/// When the folder cannot be read.
+/// If the folder cannot be read.
 pub fn is_graph_edited(folder: &CaveFolder) -> Result<bool, CaveError> {
     let units = folder.units(Stage::Graph);
     let mut records = units.iter().flat_map(|unit| &unit.files).filter(|file| file.path == store::GRAPH);
     Ok(records.next().map_or(Ok(false), |record| folder.is_changed(record))?)
 }
 
-/// The graph of a cave folder counts, not the file or the generator it once came from, until the recipe asks for
-/// another or it is gone.
+/// The graph of a cave folder takes precedence over the file or the generator it came from, until the recipe asks for
+/// another or the graph is deleted.
 fn with_kept_graph(input: Input, path: &Path) -> Result<Input, CaveError> {
     if !path.exists() {
         return Ok(input);
     }
     let recipe = &input.recipe;
     let document = pipeline::read_graph(path, parts_of(recipe.to_json()))?;
-    // A graph of a version without the gate has gone through none.
+    // A graph of a version without the realism gate has not passed it.
     let gate =
         |made: &Value| -> RealismSettings { serde_json::from_value(made["realism"].clone()).unwrap_or_default() };
     let is_of = |made: &Value| {
@@ -107,18 +107,18 @@ fn with_kept_graph(input: Input, path: &Path) -> Result<Input, CaveError> {
     Ok(Input { graph, changes, ..input })
 }
 
-/// What becomes of the parts of a graph that this recipe is of; only that of a file may have several.
+/// What to do with disconnected parts of the graph of this recipe; only graphs from files may have several.
 fn parts_of(recipe: &Value) -> Parts {
     Parts::deserialize(&recipe["graph"]["parts"]).unwrap_or_default()
 }
 
-/// A graph of ours brings its recipe. One of others gets the default recipe round it, which reads it as it says of parts.
+/// A graph written by Plume carries its recipe. Any other gets the default recipe, whose `parts` setting applies.
 fn graph_file(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, CaveError> {
     let document = disk.graph(path, Parts::Keep)?;
     let Some(recipe) = document.recipe else {
         let name = path.to_str().ok_or_else(|| CaveError::Usage {
-            message: format!("{}: a recipe cannot hold this path", path.display()),
-            hint: "rename the file so that its path is UTF-8".into(),
+            message: format!("{}: this path cannot be written to a recipe", path.display()),
+            hint: "rename the file so that its path is valid UTF-8".into(),
         })?;
         let file = json!({"graph": {"generator": "file", "path": name}});
         let recipe = Recipe::from_json(file, path, overrides)?;
@@ -132,7 +132,7 @@ fn graph_file(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, Ca
 /// The preset called `name`.
 ///
 /// # Errors
-/// [`CaveError::Usage`], which names the nearest.
+/// [`CaveError::Usage`], which suggests the nearest.
 pub fn preset(name: &str) -> Result<&'static Preset, CaveError> {
     let row = PRESETS.iter().find(|row| row.name == name);
     row.ok_or_else(|| CaveError::unknown("preset", name, PRESETS.iter().map(|row| row.name)))
@@ -141,7 +141,7 @@ pub fn preset(name: &str) -> Result<&'static Preset, CaveError> {
 /// Reads a recipe that the user named.
 ///
 /// # Errors
-/// When it cannot be read.
+/// If it cannot be read.
 pub fn read(path: &Path) -> Result<String, CaveError> {
     let text = plume_disk::regular::read(path, recipe::MAX_BYTES).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "is not UTF-8 text"))

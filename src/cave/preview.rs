@@ -1,4 +1,4 @@
-//! A look at a cave before it is made.
+//! Previews of a cave before it is made.
 
 use std::borrow::Cow;
 
@@ -10,7 +10,7 @@ use plume_graph::Graph;
 /// The view called `name`.
 ///
 /// # Errors
-/// [`CaveError::Usage`], which names the nearest.
+/// [`CaveError::Usage`], which suggests the nearest.
 pub fn view_row(name: &str) -> Result<&'static ViewRow, CaveError> {
     view(name).ok_or_else(|| CaveError::unknown("view", name, VIEWS.iter().map(|row| row.name)))
 }
@@ -18,14 +18,14 @@ pub fn view_row(name: &str) -> Result<&'static ViewRow, CaveError> {
 /// The file of a view of this cave.
 ///
 /// # Errors
-/// A graph that cannot be, nothing to see, the order's stop.
+/// An impossible graph, nothing to see, the order's stop.
 pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Observer) -> Result<Drawn, CaveError> {
     let graph = graph_of(input, observer)?;
     let field = pipeline::field(&input.recipe, &graph);
     Ok(row.draw(&pipeline::subject(&input.recipe, &graph, &field), order)?)
 }
 
-/// The graph that the pipeline would go on with.
+/// The graph that the pipeline would use.
 pub(super) fn graph_of<'a>(input: &'a Input, observer: &dyn Observer) -> Result<Cow<'a, Graph>, CaveError> {
     if let Some(graph) = &input.graph {
         return Ok(Cow::Borrowed(graph));

@@ -21,38 +21,38 @@ use crate::store::sha256;
 /// The target called `name`.
 ///
 /// # Errors
-/// [`CaveError::Usage`], which names the nearest.
+/// [`CaveError::Usage`], which suggests the nearest.
 pub fn target(name: &str) -> Result<Choice, CaveError> {
     let usages: Vec<String> = TARGETS.iter().map(TargetRow::usage).collect();
     let unknown = |_| CaveError::unknown("target", name, usages.iter().map(String::as_str));
     plume_exporters::target(name).map_err(unknown)
 }
 
-/// The kind of file called `name`, into which each target can put its package.
+/// The kind of bundle called `name`, which all these targets support.
 ///
 /// # Errors
-/// [`CaveError::Usage`], which names the nearest, or the targets that have it.
+/// [`CaveError::Usage`], which suggests the nearest, or the targets that support it.
 pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     let bundle = Bundle::ALL.into_iter().find(|bundle| bundle.name() == name);
     let bundle = bundle.ok_or_else(|| CaveError::unknown("bundle", name, Bundle::ALL.map(Bundle::name).into_iter()))?;
     let mut rows = choices.iter().map(|choice| choice.row);
     let Some(row) = rows.find(|row| !row.has(bundle)) else { return Ok(bundle) };
     let able = TARGETS.iter().filter(|row| row.has(bundle));
-    let hint = format!("targets that have it: {}", able.map(|row| row.name).collect::<Vec<_>>().join(", "));
-    Err(CaveError::Usage { message: format!("target `{}` has no bundle `{name}`", row.name), hint })
+    let hint = format!("targets that support it: {}", able.map(|row| row.name).collect::<Vec<_>>().join(", "));
+    Err(CaveError::Usage { message: format!("target `{}` does not support the bundle `{name}`", row.name), hint })
 }
 
 /// A target with its options.
 pub struct Wanted {
-    /// What was asked for.
+    /// The target and options as requested.
     pub choice: Choice,
-    /// The target that was built of it.
+    /// The target built from them.
     pub target: Box<dyn Target>,
     settings: Value,
 }
 
 impl Wanted {
-    /// SHA-256 of all that its package of a cave follows from, of which the cave has this fingerprint.
+    /// SHA-256 of everything that its package of the cave with this fingerprint follows from.
     fn fingerprint(&self, cave: &str) -> String {
         let revision = match self.choice.row.revision {
             0 => String::new(),
@@ -66,7 +66,7 @@ impl Wanted {
 /// The targets with their options, `TARGET.KEY=VALUE`; `library` is the USD library of the host program.
 ///
 /// # Errors
-/// Faults of the options; a missing USD library, where one is needed.
+/// Faulty options; a missing USD library.
 pub fn build(
     choices: Vec<Choice>,
     options: &[String],
@@ -84,7 +84,7 @@ pub fn build(
     wanted.collect()
 }
 
-/// An unknown format with the name that is nearest.
+/// An unknown format, with the nearest name.
 fn named(error: ExportError) -> CaveError {
     match error {
         ExportError::UnknownFormat { target, name, known } => {
@@ -105,7 +105,7 @@ pub struct Order {
 }
 
 impl Order {
-    /// Whether the package is there already, whole, of the cave with this fingerprint.
+    /// Whether an intact package of the cave with this fingerprint is there already.
     pub fn is_done(&self, cave: &str) -> bool {
         let is_whole = |report: Report| report.is_whole() && report.fingerprint == self.wanted.fingerprint(cave);
         self.place.path.exists() && check(&self.place.path).is_ok_and(is_whole)
@@ -114,7 +114,7 @@ impl Order {
     /// Writes the package; it appears whole or not at all.
     ///
     /// # Errors
-    /// When something else is at its place, the scene cannot be read, the disk refuses.
+    /// If something else is at its path, the scene cannot be read, or the disk fails.
     pub fn write(&self, scene: &Scene) -> Result<(Summary, Files), ExportError> {
         let Wanted { choice, target, .. } = &self.wanted;
         let scene = Scene { fingerprint: self.wanted.fingerprint(&scene.fingerprint), ..scene.clone() };
@@ -122,22 +122,22 @@ impl Order {
     }
 }
 
-/// A package that was written.
+/// A written package.
 pub struct Exported {
-    /// What the target says of it.
+    /// The target's summary.
     pub summary: Summary,
     /// Its files.
     pub files: Files,
-    /// Processor time that it took.
+    /// CPU time that it took.
     pub cpu: Duration,
 }
 
-/// Writes packages of a scene, as many at once as there are threads; each appears whole or not at all. Memory: a few chunks a
-/// thread. Chunks are loaded for each package anew: that is about a tenth of the time that a package takes, and to keep them would
-/// tie all packages to one pace, or hold all chunks.
+/// Writes packages of a scene, one per thread in parallel; each appears whole or not at all. Memory: a few chunks per
+/// thread. Every package loads its own chunks, which takes about a tenth of its time; sharing them would force all packages
+/// to the same pace, or keep all chunks in memory.
 ///
 /// # Errors
-/// The first in the order of `orders`, after all are done: as [`Order::write`].
+/// As [`Order::write`]: after all are done, the first in the order of `orders`.
 pub fn export(scene: &Scene, orders: &[Order]) -> Result<Vec<Exported>, ExportError> {
     let all: Vec<_> = orders.par_iter().map(|order| export_one(scene, order)).collect();
     all.into_iter().collect()

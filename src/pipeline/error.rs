@@ -10,16 +10,16 @@ use plume_survey::ReadError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PipelineError {
-    /// The disk.
+    /// The cave folder could not be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The generator could not make such a graph.
+    /// The generator could not make the graph.
     #[error("graph: {0}")]
     Generate(#[from] GenerateError),
     /// A graph file is faulty.
     #[error(transparent)]
     GraphFile(#[from] ReadError),
-    /// There is no map of it.
+    /// The preview could not be drawn.
     #[error("preview: {0}")]
     Preview(#[from] PreviewError),
     /// No grid of chunks fits.
@@ -28,7 +28,7 @@ pub enum PipelineError {
     /// The folder holds another cave.
     #[error("{}: holds another cave (its {stage} differs)", path.display())]
     OtherCave {
-        /// Which folder.
+        /// The folder.
         path: PathBuf,
         /// The first stage that differs.
         stage: &'static str,
@@ -39,7 +39,7 @@ pub enum PipelineError {
         /// The graph file.
         path: PathBuf,
     },
-    /// Files of the folder are no longer what was written.
+    /// Files of the folder have changed since they were written.
     #[error("{}: {} changed since {} written: {}", path.display(), counted(files), was(files), listed(files))]
     ChangedFiles {
         /// The cave folder.
@@ -48,7 +48,7 @@ pub enum PipelineError {
         files: Vec<String>,
     },
     /// There is no wall in the whole cave.
-    #[error("mesh: the cave has no open space that a voxel can hold")]
+    #[error("mesh: the cave has no open space at this voxel size")]
     Empty,
     /// A chunk could not be textured.
     #[error("texture: {0}")]
@@ -58,7 +58,7 @@ pub enum PipelineError {
     Interrupted,
 }
 
-/// Files that are named; the rest is counted.
+/// Number of files listed; the rest are counted.
 const NAMED_FILES: usize = 8;
 
 fn counted(files: &[String]) -> String {

@@ -1,4 +1,4 @@
-//! The disk and programs, as generators and readers get them.
+//! Access to files and programs for generators and readers.
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -10,14 +10,14 @@ use super::{PipelineError, program};
 use plume_graph::{Outside, RunError, Task};
 use plume_survey::{Import, Parts};
 
-/// The disk alone: regular files, since a pipe may block and a device may never end.
+/// Access to files only: regular ones, since a pipe may block and a device may never end.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk {
-    /// Whether files may name files that lie elsewhere than below their folder.
+    /// Whether files may refer to files outside their own folder.
     pub allows_strays: bool,
 }
 
-/// The disk, and programs that run until `stop` is set.
+/// Access to files, and to programs that run until `stop` is set.
 #[derive(Clone, Copy, Debug)]
 pub struct Machine<'a> {
     /// The disk.
@@ -26,14 +26,14 @@ pub struct Machine<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// A graph or survey larger than this is none.
+/// Most bytes of a graph or survey.
 const MAX_BYTES: u64 = 1 << 30;
 
 impl Disk {
     /// Reads a graph or a survey.
     ///
     /// # Errors
-    /// When it cannot be read or is no graph.
+    /// If it cannot be read or is not a graph.
     pub fn graph(&self, path: &Path, parts: Parts) -> Result<Import, PipelineError> {
         Ok(plume_survey::read(path, parts, self)?)
     }
@@ -58,19 +58,19 @@ impl Outside for Disk {
 
     fn run(&self, _: &Task) -> Result<Vec<u8>, RunError> {
         Err(RunError {
-            message: "the recipe wants to run this program, and programs are not allowed".to_owned(),
+            message: "the recipe asks to run this program, but programs are not allowed".to_owned(),
             hint: "if you trust the recipe and the program, add --allow-run".to_owned(),
         })
     }
 }
 
-/// Where links lead. Of what is not there, where it would be; `None` where that cannot be told.
+/// The path with symlinks resolved. For a missing file, where it would be; `None` if that is unknown.
 fn resolved(path: &Path) -> Option<PathBuf> {
     if let Ok(resolved) = path.canonicalize() {
         return Some(resolved);
     }
     if path.symlink_metadata().is_ok() {
-        // A link that leads nowhere, or into what we may not look at.
+        // A dangling link, or one into a folder that we may not read.
         return None;
     }
     let last = path.components().next_back().filter(|last| matches!(last, Component::Normal(_)))?;

@@ -1,8 +1,8 @@
-//! Runs a program that may hang, flood, lie or leave others behind.
+//! Runs a program that may hang, flood its output, lie or leave child processes behind.
 //!
-//! What it reads and writes lies in nameless files, so that nobody who holds them open is ever waited for. It runs in a
-//! process group of its own, which ends with it. On Linux so does every process that it has started and that carries its
-//! [`Mark`], in whatever session; one that was started with an environment of its own is not known to be its own.
+//! Its input and output are unnamed files rather than pipes, so that Plume never waits for a process that holds them open.
+//! It runs in its own process group, which is killed with it. On Linux so is every process it has started, in whatever
+//! session, recognised by the [`Mark`] in its environment; one started with a different environment is missed.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -15,17 +15,17 @@ use std::time::{Duration, Instant};
 
 use plume_graph::{RunError, Task};
 
-/// How often a running program is looked at.
+/// How often a running program is polled.
 const GLANCE: Duration = Duration::from_millis(10);
-/// How much of its standard error is shown, and how much there may be.
+/// How much of its standard error is shown, and how much it may write.
 const SHOWN_BYTES: u64 = 2000;
 const MOST_WORDS_BYTES: u64 = 64 << 20;
 
-/// What a program sees of our environment. Anything else may be a secret, and would make the graph depend on who asks for it.
+/// What a program sees of our environment. Anything else may be a secret, and would make the graph depend on the user.
 const PASSED_ON: &[&str] = &["PATH", "HOME", "USER", "LANG", "TZ", "TMPDIR"];
-/// And all that begin so.
+/// And all variables with this prefix.
 const PASSED_ON_PREFIX: &str = "LC_";
-/// What programs on Windows do not start without.
+/// What programs on Windows need to start.
 #[cfg(windows)]
 const PASSED_ON_HERE: &[&str] = &[
     "SystemRoot",
@@ -42,14 +42,17 @@ const PASSED_ON_HERE: &[&str] = &[
 #[cfg(not(windows))]
 const PASSED_ON_HERE: &[&str] = &[];
 
-/// Runs the program to its end and gives its standard output.
+/// Runs the program and returns its standard output.
 ///
 /// # Errors
-/// When it does not start, fails, takes too long, writes too much, or `stop` is set.
+/// If it does not start, fails, takes too long, writes too much, or `stop` is set.
 pub fn run(task: &Task, stop: &AtomicBool) -> Result<Vec<u8>, RunError> {
     let mark = Mark::new();
     let mut streams = Streams::new(&task.input).map_err(|error| {
-        fault(format!("cannot be listened to: {error}"), "make room in the folder for temporary files")
+        fault(
+            format!("its input and output cannot be set up: {error}"),
+            "free some space in the folder for temporary files",
+        )
     })?;
     let mut child = started(task, &streams, &mark)?;
     let end = wait(&mut child, task, stop, &streams);
@@ -57,13 +60,13 @@ pub fn run(task: &Task, stop: &AtomicBool) -> Result<Vec<u8>, RunError> {
     let words = streams.last_words();
     let status = end.map_err(|fault| with_words(fault, &words))?;
     if !status.success() {
-        return Err(with_words(fault(format!("failed ({status})"), "mend the program, or its settings"), &words));
+        return Err(with_words(fault(format!("failed ({status})"), "fix the program or its settings"), &words));
     }
     streams.refuse_flood(task).map_err(|fault| with_words(fault, &words))?;
-    streams.told().map_err(|error| fault(format!("cannot be listened to: {error}"), ""))
+    streams.told().map_err(|error| fault(format!("its output cannot be read: {error}"), ""))
 }
 
-/// What it reads and what it writes, in files that nobody else can name.
+/// Its input and output, in unnamed files.
 struct Streams {
     input: File,
     output: File,
@@ -79,15 +82,15 @@ impl Streams {
         Ok(streams)
     }
 
-    /// Refuses more than may be written. It is looked at now and then: somewhat more than that may lie on the disk.
+    /// Fails if the output exceeds its limit. Polled, so slightly more than the limit may be on the disk.
     fn refuse_flood(&self, task: &Task) -> Result<(), RunError> {
         if length(&self.output) > task.most_bytes as u64 {
             let message = format!("wrote more than {} bytes", task.most_bytes);
-            return Err(fault(message, "raise `size_limit_mb`, or mend the program"));
+            return Err(fault(message, "raise `size_limit_mb`, or fix the program"));
         }
         if length(&self.words) > MOST_WORDS_BYTES {
             let message = format!("wrote more than {} MiB to standard error", MOST_WORDS_BYTES >> 20);
-            return Err(fault(message, "have the program say less"));
+            return Err(fault(message, "make the program print less"));
         }
         Ok(())
     }
@@ -99,7 +102,7 @@ impl Streams {
         Ok(told)
     }
 
-    /// The end of its standard error; nothing if that cannot be read.
+    /// The end of its standard error; empty if that cannot be read.
     fn last_words(&mut self) -> Vec<u8> {
         let mut words = Vec::new();
         let start = length(&self.words).saturating_sub(SHOWN_BYTES);
@@ -109,7 +112,7 @@ impl Streams {
     }
 }
 
-/// Bytes in a file of ours; none that can be told are none.
+/// Size of a file; 0 if it cannot be determined.
 fn length(file: &File) -> u64 {
     file.metadata().map_or(0, |about| about.len())
 }
@@ -134,7 +137,7 @@ fn started(task: &Task, streams: &Streams, mark: &Mark) -> Result<Child, RunErro
     command.spawn().map_err(refused)
 }
 
-/// The variables that a program sees: the usual ones, and those that its recipe names.
+/// The environment variables that a program sees: the usual ones, and those named in its recipe.
 fn passed_on(named: &[String]) -> impl Iterator<Item = (OsString, OsString)> {
     std::env::vars_os().filter(|(name, _)| {
         let Some(name) = name.to_str() else { return false };
@@ -154,7 +157,7 @@ fn wait(child: &mut Child, task: &Task, stop: &AtomicBool, streams: &Streams) ->
         }
         if started.elapsed() > task.limit {
             let message = format!("took longer than {} s", task.limit.as_secs_f64());
-            return Err(fault(message, "raise `time_limit_s`, or mend the program"));
+            return Err(fault(message, "raise `time_limit_s`, or fix the program"));
         }
         streams.refuse_flood(task)?;
         match child.try_wait() {
@@ -165,7 +168,7 @@ fn wait(child: &mut Child, task: &Task, stop: &AtomicBool, streams: &Streams) ->
     }
 }
 
-/// Ends the program and those that it left behind.
+/// Kills the program and all processes that it left behind.
 fn end_all(child: &mut Child, mark: &Mark) {
     #[cfg(unix)]
     if let Some(group) = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw) {
@@ -176,19 +179,19 @@ fn end_all(child: &mut Child, mark: &Mark) {
     mark.end_all_who_carry_it();
 }
 
-/// A variable in the environment of a program, by which it and all whom it starts are known.
+/// An environment variable by which a program and its descendants are recognised.
 struct Mark(String);
 
 impl Mark {
     const VARIABLE: &str = "PLUME_RUN";
 
     fn new() -> Self {
-        // Of random keys, as hash maps have them; it has to be new and not secret.
+        // From the random keys of hash maps; it has to be unique, not secret.
         let [one, other] = [(); 2].map(|()| RandomState::new().hash_one(std::process::id()));
         Self(format!("{one:016x}{other:016x}"))
     }
 
-    /// Again and again, because one may have started another meanwhile.
+    /// Repeated, because a process may start another in the meantime.
     #[cfg(target_os = "linux")]
     fn end_all_who_carry_it(&self) {
         const ROUNDS: usize = 100;
@@ -203,7 +206,7 @@ impl Mark {
     #[cfg(not(target_os = "linux"))]
     fn end_all_who_carry_it(&self) {}
 
-    /// Ends those who are there now. Whether there were any.
+    /// Kills the processes that exist now. Whether there were any.
     #[cfg(target_os = "linux")]
     fn end_some(&self) -> bool {
         use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
@@ -211,7 +214,7 @@ impl Mark {
         let mut found = false;
         for entry in std::fs::read_dir("/proc").into_iter().flatten().flatten() {
             let pid = entry.file_name().to_str().and_then(|name| name.parse().ok()).and_then(Pid::from_raw);
-            // Held, so that the number stays that of the process whose environment is read.
+            // Held open so that the id cannot be reused by another process.
             let Some(process) = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok()) else { continue };
             let Ok(environment) = std::fs::read(entry.path().join("environ")) else { continue };
             if environment.split(|&byte| byte == 0).any(|one| one == variable.as_bytes()) {
@@ -226,7 +229,7 @@ fn fault(message: String, hint: &str) -> RunError {
     RunError { message, hint: hint.to_owned() }
 }
 
-/// The fault with what the program said last.
+/// The fault with the last output of the program.
 fn with_words(fault: RunError, words: &[u8]) -> RunError {
     let words = String::from_utf8_lossy(words);
     let words: String = words.trim().chars().filter(|c| !c.is_control() || *c == '\n').collect();
@@ -234,7 +237,7 @@ fn with_words(fault: RunError, words: &[u8]) -> RunError {
         return fault;
     }
     let lines: String = words.lines().map(|line| format!("\n   | {line}")).collect();
-    RunError { message: format!("{}; its last words:{lines}", fault.message), ..fault }
+    RunError { message: format!("{}; its last output:{lines}", fault.message), ..fault }
 }
 
 #[cfg(all(test, unix))]
@@ -267,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_fails_has_the_last_word() {
+    fn the_last_output_of_a_failing_program_is_shown() {
         let told = outcome("echo no rock >&2; exit 3", 20.0);
         assert!(told.contains("exit status: 3") && told.contains("| no rock"), "{told}");
     }
@@ -284,11 +287,11 @@ mod tests {
     }
 
     #[test]
-    fn a_child_left_behind_holds_nobody_up() {
+    fn a_child_left_behind_does_not_block() {
         assert_eq!(outcome("sleep 1000 & echo done", 20.0), "done\n");
     }
 
-    /// The processes that sleep for this many seconds, which nobody else does.
+    /// The number of processes that sleep for this many seconds; no other process does.
     #[cfg(target_os = "linux")]
     fn sleepers(seconds: &str) -> usize {
         let entries = std::fs::read_dir("/proc").expect("there are processes").flatten();
@@ -298,7 +301,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_grandchild_in_a_session_of_its_own_holds_nobody_up_and_is_ended() {
+    fn a_grandchild_in_its_own_session_does_not_block_and_is_killed() {
         let script = "setsid sleep 98765 & (setsid sh -c 'sleep 98765' &) ; sleep 0.1; echo done";
         let start = Instant::now();
         assert_eq!(outcome(script, 20.0), "done\n");
@@ -318,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_says_too_much_on_the_side_is_stopped() {
+    fn a_program_that_floods_standard_error_is_stopped() {
         assert!(outcome("yes >&2", 20.0).contains("wrote more than 64 MiB to standard error"));
     }
 
@@ -329,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_is_none_is_told() {
+    fn a_missing_program_is_reported() {
         let task = Task { program: "./no-such-program".into(), ..shell("", 20.0) };
         let error = run(&task, &AtomicBool::new(false)).expect_err("there is none");
         assert!(error.message.contains("no such program"), "{error}");

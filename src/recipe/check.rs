@@ -1,8 +1,8 @@
-//! Checks a draft against a JSON Schema and says what is wrong in words.
+//! Checks a draft against a JSON Schema and explains what is wrong.
 //!
-//! Covers the part of JSON Schema that settings structs use: objects with known keys, numbers in ranges, strings out of
-//! a list or of a pattern, booleans, arrays with bounds of their length, `null` for what may be left out, and objects whose keys depend
-//! on what one of them says.
+//! Covers the part of JSON Schema that settings structs use: objects with known keys, numbers in ranges, strings from a list
+//! or matching a pattern, booleans, arrays of limited length, `null` for optional values, and objects whose keys depend on
+//! the value of one of them.
 
 use regex_lite::Regex;
 use serde_json::Value;
@@ -15,7 +15,7 @@ use plume_graph::echo::{plain, shown};
 /// Checks the whole draft.
 ///
 /// # Errors
-/// Every fault, in the order of the draft.
+/// All faults, in the order of the draft.
 pub fn against(schema: &Value, draft: &Draft) -> Result<(), Faults> {
     let mut checker = Checker { draft, faults: Faults::default() };
     checker.check(schema, &draft.value, "");
@@ -49,7 +49,7 @@ impl Checker<'_> {
         }
     }
 
-    /// An object whose keys depend on what one of them says.
+    /// An object whose keys depend on the value of one of them.
     fn choice(&mut self, schema: &Value, by: &str, value: &Value, key: &str) {
         let variants = schema["oneOf"].as_array().into_iter().flatten();
         let names: Vec<&str> = variants.filter_map(|variant| variant["properties"][by]["default"].as_str()).collect();
@@ -122,17 +122,17 @@ impl Checker<'_> {
 
     fn string(&mut self, schema: &Value, value: &Value, key: &str) {
         let Some(text) = value.as_str() else {
-            return self.mistyped("a text in quotes", value, key);
+            return self.mistyped("a string in quotes", value, key);
         };
         let too_long = schema["maxLength"].as_u64().is_some_and(|max| text.chars().count() as u64 > max);
         let too_short = schema["minLength"].as_u64().is_some_and(|min| (text.chars().count() as u64) < min);
         let is_unlike = schema["pattern"].as_str().is_some_and(|pattern| !matches(pattern, text));
         if schema["format"] == FILE_NAME && plume_disk::is_device_name(text) {
-            let hint = "Windows keeps this name for a device: take another".to_owned();
-            return self.fault(key, |key| (format!("{key} cannot be {}", shown(text)), hint));
+            let hint = "Windows reserves this name for a device: choose another".to_owned();
+            return self.fault(key, |key| (format!("{key} must not be {}", shown(text)), hint));
         }
         if too_long || too_short || is_unlike {
-            self.fault(key, |key| (format!("{key} cannot be {}", shown(text)), hint_from(schema)));
+            self.fault(key, |key| (format!("{key} must not be {}", shown(text)), hint_from(schema)));
         }
     }
 
@@ -145,7 +145,7 @@ impl Checker<'_> {
         }
         self.fault(key, |key| {
             let hint = format!("{}known: {}", did_you_mean(text, words.iter().copied()), words.join(", "));
-            (format!("{key} has no {}", shown(text)), hint)
+            (format!("{key} cannot be {}", shown(text)), hint)
         });
     }
 
@@ -164,7 +164,7 @@ impl Checker<'_> {
         });
     }
 
-    /// Adds a fault; `said` gives its message and its hint, where it is told, for a key that may be clipped.
+    /// Adds a fault; `said` gives its message and hint for a key that may be clipped, and is called only if it is listed.
     fn fault(&mut self, key: &str, said: impl FnOnce(&str) -> (String, String)) {
         let draft = self.draft;
         self.faults.add(|| {
@@ -174,7 +174,7 @@ impl Checker<'_> {
     }
 }
 
-/// The schema below `anyOf [X, null]` or `type [x, null]`, and whether `null` was admitted.
+/// The schema inside `anyOf [X, null]` or `type [x, null]`, and whether `null` is allowed.
 fn unwrap_optional(schema: &Value) -> (&Value, bool) {
     let is_null = |s: &Value| s["type"] == "null";
     if let Some(variants) = schema["anyOf"].as_array().filter(|v| v.iter().any(is_null)) {
@@ -204,7 +204,7 @@ pub fn words(schema: &Value) -> Option<Vec<&str>> {
     Some(words.collect())
 }
 
-/// Whether a text has a match of a regular expression; nothing has one of what is none.
+/// Whether a text matches a regular expression; false if the expression is invalid.
 fn matches(pattern: &str, text: &str) -> bool {
     Regex::new(pattern).is_ok_and(|pattern| pattern.is_match(text))
 }

@@ -10,9 +10,9 @@ use plume_graph::echo::shown;
 pub enum Origin {
     /// A line of a file, counted from 1.
     Line(PathBuf, usize),
-    /// A file without lines worth naming.
+    /// A file as a whole.
     File(PathBuf),
-    /// A `key=value` of the command line.
+    /// A `key=value` pair from the command line.
     Override(String),
 }
 
@@ -37,20 +37,20 @@ pub struct Fault {
     pub hint: String,
 }
 
-/// Faults that are told; the others are counted.
+/// Number of faults listed; the others are counted.
 const MOST_TOLD: usize = 20;
 
 /// The faults of a recipe.
 #[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
 pub struct Faults {
-    /// The first of them; none if there are none.
+    /// The first faults.
     pub told: Vec<Fault>,
-    /// How many more there are.
+    /// The number of further faults.
     pub more: usize,
 }
 
 impl Faults {
-    /// Adds a fault; `said` is asked for it if it is told.
+    /// Adds a fault; `said` is called only if it is listed.
     pub(super) fn add(&mut self, said: impl FnOnce() -> Fault) {
         if self.told.len() < MOST_TOLD {
             self.told.push(said());

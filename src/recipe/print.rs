@@ -1,4 +1,4 @@
-//! A recipe as TOML in which every key explains itself.
+//! Prints a recipe as TOML in which every key is documented.
 
 use std::fmt::Write;
 
@@ -24,7 +24,7 @@ pub fn commented(schema: &Value, value: &Value) -> String {
     out
 }
 
-/// A section, and after its own keys the lists of sections in it.
+/// A section: its own keys, then its lists of sections.
 fn table(out: &mut String, heading: &str, path: &str, schema: &Value, value: &Value) {
     let _ = writeln!(out, "\n{heading}");
     let properties = chosen(schema, value)["properties"].as_object();
@@ -98,12 +98,12 @@ fn literal(value: &Value) -> Option<String> {
     }
 }
 
-/// A key in quotes, which any key may have.
+/// A key in quotes, which TOML allows for any key.
 fn quoted(key: &str) -> String {
     Value::from(key).to_string()
 }
 
-/// A decimal that TOML takes for a float, not an integer.
+/// A decimal that TOML reads as a float, not an integer.
 fn float(x: f64) -> String {
     let text = x.to_string();
     if text.contains('.') { text } else { format!("{text}.0") }

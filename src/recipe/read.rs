@@ -10,18 +10,18 @@ use toml_edit::{ArrayOfTables, Document, Item, Table, TableLike};
 use super::fault::{Fault, Faults, Origin};
 use plume_graph::echo::{plain, sentence};
 
-/// Bytes of a recipe.
+/// Largest size of a recipe.
 pub const MAX_BYTES: u64 = 1 << 20;
-/// Keys of a recipe, sections among them.
+/// Most keys of a recipe, including sections.
 const MAX_KEYS: usize = 20_000;
-/// Letters of a key, and keys within keys: each is noted with all those that it is in.
+/// Longest key, and deepest nesting: each key is stored with its full path.
 const MAX_KEY: usize = 100;
 const MAX_DEPTH: usize = 16;
 
 /// An unchecked recipe.
 #[derive(Clone, Debug)]
 pub struct Draft {
-    /// What was written.
+    /// The value as written.
     pub value: Value,
     file: PathBuf,
     origins: BTreeMap<String, Origin>,
@@ -33,7 +33,7 @@ impl Draft {
         Self { value, file: file.to_path_buf(), origins: BTreeMap::new() }
     }
 
-    /// Where `key`, or the nearest table around it, was written.
+    /// Where `key`, or the innermost table around it, was written.
     pub fn origin(&self, key: &str) -> Origin {
         let mut key = key;
         loop {
@@ -53,13 +53,13 @@ impl Draft {
         Fault { origin: self.origin(key), message, hint: String::new() }.into()
     }
 
-    /// The path at `key`, which is meant relative to the recipe where it stands in one.
+    /// The path at `key`, resolved relative to the recipe if it was written in one.
     pub fn beside(&self, key: &str, path: &str) -> Result<String, Faults> {
         let Some(folder) = self.file.parent().filter(|_| matches!(self.origin(key), Origin::Line(..))) else {
             return Ok(path.to_owned());
         };
         let joined = folder.join(path).into_os_string().into_string();
-        joined.map_err(|_| self.fault(key, "lies in a folder whose name is not UTF-8".to_owned()))
+        joined.map_err(|_| self.fault(key, "is relative to a folder whose name is not UTF-8".to_owned()))
     }
 }
 
@@ -75,7 +75,7 @@ pub fn toml(text: &str, file: &Path) -> Result<Draft, Faults> {
         Fault {
             origin: Origin::Line(file.to_path_buf(), line),
             message: sentence(&error.message().trim().replace('\n', ", ")),
-            hint: "recipes are TOML: key = value lines under [section] headings".into(),
+            hint: "recipes are TOML: `key = value` lines under [section] headings".into(),
         }
     })?;
     let mut draft = Draft::new(Value::Null, file);
@@ -90,7 +90,7 @@ pub fn toml(text: &str, file: &Path) -> Result<Draft, Faults> {
     faults.or(draft)
 }
 
-/// The line of a byte, from 1, by the ends of all lines.
+/// The line of a byte, counted from 1, given the ends of all lines.
 fn line_of(byte: usize, ends: &[usize]) -> usize {
     1 + ends.partition_point(|&end| end < byte)
 }
@@ -108,7 +108,7 @@ impl Lines<'_> {
     fn table(&mut self, table: &dyn TableLike, path: &str) -> Value {
         let mut map = Map::new();
         if self.depth == MAX_DEPTH {
-            return self.refuse(path, "holds sections in sections without end");
+            return self.refuse(path, "is nested too deeply");
         }
         self.depth += 1;
         for (key, item) in table.iter() {
@@ -186,14 +186,14 @@ impl Lines<'_> {
     }
 }
 
-/// Lays `key=value` pairs over a draft. Values are TOML; a bare word is a string.
+/// Applies `key=value` pairs to a draft. Values are TOML; a bare word is a string.
 pub fn overrides(draft: &mut Draft, pairs: &[String]) -> Result<(), Faults> {
     for pair in pairs {
         let Some((key, text)) = pair.split_once('=').filter(|(key, _)| !key.trim().is_empty()) else {
             return Err(Fault {
                 origin: Origin::Override(pair.clone()),
                 message: "not of the form key=value".into(),
-                hint: "write the key, = and the value without spaces: graph.nodes=100".into(),
+                hint: "write it without spaces, for example graph.nodes=100".into(),
             }
             .into());
         };
@@ -203,14 +203,14 @@ pub fn overrides(draft: &mut Draft, pairs: &[String]) -> Result<(), Faults> {
     Ok(())
 }
 
-/// Lays one value over a draft; `pair` names it in faults.
+/// Sets one value of a draft; `pair` names it in faults.
 pub fn set(draft: &mut Draft, key: &str, value: Value, pair: &str) -> Result<(), Faults> {
     let key = key.trim().replace('[', ".").replace(']', "");
     note_origin(draft, &key, pair);
     put(&mut draft.value, &key, value).map_err(|Obstacle { at, what }| Fault {
         origin: Origin::Override(pair.to_owned()),
         message: format!("{} {what}", plain(&at)),
-        hint: format!("set {} itself, or correct it where it is written", plain(&at)),
+        hint: format!("set {} itself, or fix it where it is written", plain(&at)),
     })?;
     Ok(())
 }
@@ -233,7 +233,7 @@ fn override_value(text: &str, pair: &str) -> Result<Value, Faults> {
     Ok(draft.value["x"].take())
 }
 
-/// The pair is the origin of its key and of every section that exists through it alone.
+/// Records the pair as the origin of its key and of every section that it creates.
 fn note_origin(draft: &mut Draft, key: &str, pair: &str) {
     let origin = || Origin::Override(pair.to_owned());
     let path = path_of(&draft.value, key);
@@ -246,7 +246,7 @@ fn note_origin(draft: &mut Draft, key: &str, pair: &str) {
     }
 }
 
-/// The name of a key in faults: numbers that follow a list in brackets.
+/// The name of a key in faults, with list indices in brackets.
 fn path_of(value: &Value, key: &str) -> String {
     let (mut at, mut path) = (value, String::new());
     for part in key.split('.') {
@@ -267,7 +267,7 @@ struct Obstacle {
     what: &'static str,
 }
 
-/// Sets a key, making the sections above it.
+/// Sets a key, creating the sections above it.
 fn put(value: &mut Value, key: &str, new: Value) -> Result<(), Obstacle> {
     let mut at = value;
     let mut end = 0;
@@ -282,9 +282,9 @@ fn put(value: &mut Value, key: &str, new: Value) -> Result<(), Obstacle> {
             Value::Object(map) => map.entry(part).or_insert(Value::Null),
             Value::Array(items) => {
                 let item = part.parse().ok().and_then(|place: usize| items.get_mut(place));
-                item.ok_or_else(|| obstacle("has no item of this number; they are counted from 0"))?
+                item.ok_or_else(|| obstacle("has no item with this number; items are counted from 0"))?
             }
-            _ => return Err(obstacle("is a value and holds no keys")),
+            _ => return Err(obstacle("is a value and cannot have keys")),
         };
     }
     *at = new;

@@ -1,4 +1,4 @@
-//! The JSON Schema of a recipe, put together from the tables of generators and rocks.
+//! The JSON Schema of recipes, assembled from the tables of generators and rocks.
 
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
@@ -11,18 +11,18 @@ use crate::texture::{LodSettings, TextureSettings};
 use plume_generators::GENERATORS;
 use plume_graph::realism::RealismSettings;
 
-/// The format of a text that becomes the name of files and folders.
+/// The format of a string that becomes a file or folder name.
 pub const FILE_NAME: &str = "file-name";
 
-/// The schema that fits this recipe: its generator's and its rock's settings, or the defaults'.
+/// The schema for this recipe: with the settings of its generator and rock, or of the default ones.
 pub fn of(recipe: &Value) -> Value {
     let generator = recipe["graph"]["generator"].as_str().unwrap_or(GENERATORS.default_row().name);
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS.default_row().name);
     let row = GENERATORS.find(generator).unwrap_or_else(|| GENERATORS.default_row());
     let settings = plain((row.schema)().to_value());
-    let graph = choice("generator", &GENERATORS.names_for(generator), "How the passages grow.", settings);
+    let graph = choice("generator", &GENERATORS.names_for(generator), "The algorithm that lays out the passages.", settings);
     let rock_row = MATERIALS.find(kind).unwrap_or_else(|| MATERIALS.default_row());
-    let rock = choice("kind", &MATERIALS.names_for(kind), "Which rock.", plain((rock_row.schema)().to_value()));
+    let rock = choice("kind", &MATERIALS.names_for(kind), "The kind of rock.", plain((rock_row.schema)().to_value()));
     whole(graph, rock)
 }
 
@@ -40,7 +40,7 @@ pub fn editor_schema() -> Value {
     schema
 }
 
-/// Pins the choice of each variant to its own name; the first may be left out, being the default.
+/// Fixes the choice of each variant to its own name; the first, being the default, may be omitted.
 fn only(variants: impl Iterator<Item = Value>, key: &str, names: &[&str]) -> Vec<Value> {
     let pin = |(i, mut variant): (usize, Value)| {
         variant["properties"][key]["enum"] = json!([names[i]]);
@@ -64,11 +64,11 @@ fn rock_names() -> Vec<&'static str> {
 fn whole(graph: Value, rock: Value) -> Value {
     let name = json!({
         "type": "string", "format": FILE_NAME, "default": "cave", "pattern": "^[a-z][a-z0-9_-]*$", "maxLength": 60,
-        "description": "Name of the cave and of every model made of it: lower-case letters, digits, - and _."
+        "description": "Name of the cave and of every model made from it: lower-case letters, digits, - and _."
     });
     let seed = json!({
         "type": "integer", "default": 7, "minimum": 0, "maximum": i64::MAX,
-        "description": "Everything random follows from this number: same recipe, seed and version, same bytes."
+        "description": "Seed of everything random: the same recipe, seed and version give the same bytes."
     });
     json!({
         "type": "object",
@@ -96,7 +96,7 @@ pub fn schema_of<T: JsonSchema>() -> Value {
     plain(settings.into_generator().into_root_schema_for::<T>().to_value())
 }
 
-/// Replaces numbers that passed through `f32` (0.20000000298) by the decimal that was meant (0.2).
+/// Replaces numbers that passed through `f32` (0.20000000298) by the intended decimal (0.2).
 pub fn plain(value: Value) -> Value {
     match value {
         Value::Number(n) if n.is_f64() => {
@@ -111,7 +111,7 @@ pub fn plain(value: Value) -> Value {
     }
 }
 
-/// Puts the key that chooses a row in front of the row's own settings.
+/// Puts the key that chooses a row before the row's own settings.
 fn choice(key: &str, names: &[&str], about: &str, settings: Value) -> Value {
     let selector = json!({"type": "string", "enum": names, "default": names[0], "description": about});
     let mut properties = Map::new();
@@ -125,7 +125,8 @@ fn choice(key: &str, names: &[&str], about: &str, settings: Value) -> Value {
     schema
 }
 
-/// The variant that a value has chosen by the key that tells them apart, or else the first; a schema without variants itself.
+/// The variant that a value selects by its discriminating key, or else the first; a schema without variants is returned
+/// as it is.
 pub fn chosen<'a>(schema: &'a Value, value: &Value) -> &'a Value {
     let Some(key) = choosing_key(schema) else { return schema };
     let variants = schema["oneOf"].as_array().map_or(&[][..], Vec::as_slice);
@@ -133,12 +134,12 @@ pub fn chosen<'a>(schema: &'a Value, value: &Value) -> &'a Value {
     variants.iter().find(is_chosen).or(variants.first()).unwrap_or(schema)
 }
 
-/// The key that tells the variants of a schema apart, where it has variants with keys of their own.
+/// The discriminating key of a schema, if it has variants with different keys.
 pub fn choosing_key(schema: &Value) -> Option<&str> {
     schema["discriminator"]["propertyName"].as_str()
 }
 
-/// `value` with the default of every key it leaves out, in the order of the schema.
+/// `value` completed with defaults, in the order of the schema.
 pub fn filled(schema: &Value, value: &Value) -> Value {
     let schema = chosen(schema, value);
     let Some(properties) = schema["properties"].as_object() else {

@@ -1,4 +1,4 @@
-//! Light, friction and gravity: what a simulator needs beside the rock.
+//! Light, friction and gravity: what a simulator needs in addition to the rock.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,21 +7,21 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorldSettings {
-    /// Hang lamps along the passages. Without them a robot brings its own light.
+    /// Hang lamps along the passages. Without them robots need their own lights.
     pub lights: bool,
     /// Distance between lamps along the passages, m.
     #[schemars(range(min = 2.0, max = 100.0))]
     pub light_spacing_m: f64,
-    /// Coulomb friction of the floor against rubber; dry rock is about 0.8, wet limestone 0.5.
+    /// Coulomb friction coefficient of rubber on the floor: about 0.8 on dry rock, 0.5 on wet limestone.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub friction: f64,
-    /// The same of walls and ceilings.
+    /// Coulomb friction coefficient of walls and ceilings.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub wall_friction: f64,
-    /// Downward acceleration, m/s². Earth 9.81, Mars 3.71, Moon 1.62.
+    /// Gravity, m/s²: Earth 9.81, Mars 3.71, Moon 1.62.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub gravity: f64,
-    /// Number of start poses to look for, spread over the cave.
+    /// Number of start poses to find, spread over the cave.
     #[schemars(range(min = 1, max = 64))]
     pub spawns: usize,
 }

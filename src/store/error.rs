@@ -2,42 +2,42 @@
 
 use std::path::{Path, PathBuf};
 
-/// Something went wrong between us and the disk.
+/// A cave folder could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// The operating system refused.
+    /// An I/O error.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
-        /// What it said.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// A file of the folder is not what a stage has written: it was edited, or the disk has lost it.
-    #[error("{}: is not the file that was written: its SHA-256 is another", path.display())]
+    /// A file of the folder is not what a stage has written: it was edited or damaged.
+    #[error("{}: was changed since it was written: its SHA-256 does not match", path.display())]
     Changed {
-        /// Which file.
+        /// The file.
         path: PathBuf,
     },
-    /// Something in the folder cannot be what we wrote.
+    /// Something in the folder cannot have been written by Plume.
     #[error("{}: {message}", path.display())]
     Damaged {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What is wrong with it.
         message: String,
     },
-    /// The folder is in use for something else.
-    #[error("{}: the folder exists and holds no cave", path.display())]
+    /// The folder contains something else.
+    #[error("{}: the folder is not empty and does not contain a cave", path.display())]
     Occupied {
-        /// Which folder.
+        /// The folder.
         path: PathBuf,
     },
-    /// Another process is at work in the folder.
-    #[error("{}: another run is at work in this folder", path.display())]
+    /// Another process is using the folder.
+    #[error("{}: another run is using this folder", path.display())]
     InUse {
-        /// Which folder.
+        /// The folder.
         path: PathBuf,
     },
 }
@@ -48,7 +48,7 @@ impl StoreError {
         Self::Io { path: path.to_path_buf(), source }
     }
 
-    /// Something is wrong with what is at `path`.
+    /// Something is wrong with the file or folder at `path`.
     pub fn damaged(path: &Path, message: impl ToString) -> Self {
         Self::Damaged { path: path.to_path_buf(), message: message.to_string() }
     }
