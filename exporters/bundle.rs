@@ -2,27 +2,27 @@
 
 use std::path::{Path, PathBuf};
 
-/// A kind of file that holds a package.
+/// A kind of archive for a package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bundle {
-    /// A zip: opened by everything.
+    /// A zip: supported everywhere.
     Zip,
-    /// A tar, compressed by Zstandard: smaller.
+    /// A tar compressed with Zstandard: smaller.
     TarZst,
-    /// A tar, compressed by gzip, all of it below `package/`: what npm and the Unity Package Manager install.
+    /// A tar compressed with gzip, everything below `package/`: installable with npm and the Unity Package Manager.
     Tgz,
     /// MuJoCo's archive: a zip whose model is called `model.xml`.
     Mjz,
 }
 
 impl Bundle {
-    /// Every kind.
+    /// All kinds.
     pub const ALL: [Self; 4] = [Self::Zip, Self::TarZst, Self::Tgz, Self::Mjz];
 
-    /// Kinds that hold a package of any target.
+    /// Kinds supported by all targets.
     pub const COMMON: [Self; 2] = [Self::Zip, Self::TarZst];
 
-    /// What the user types, and the extension of the file.
+    /// Name on the command line, and file extension.
     pub fn name(self) -> &'static str {
         match self {
             Self::Zip => "zip",
@@ -32,7 +32,7 @@ impl Bundle {
         }
     }
 
-    /// The file that `output` becomes: the extension is added where it is not there yet.
+    /// The file for `output`: the extension is added if it is missing.
     pub fn file(self, output: &Path) -> PathBuf {
         let extension = format!(".{}", self.name());
         match output.as_os_str().as_encoded_bytes().ends_with(extension.as_bytes()) {

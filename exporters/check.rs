@@ -1,8 +1,8 @@
-//! Whether a package is whole: what `plume check` asks.
+//! Whether a package is intact: the checks of `plume check`.
 //!
-//! Every file is there with the size and hash that the manifest says, and no other; every file parses as what its name says;
-//! every reference leads to a file of the package. Nothing is unpacked to the disk, and nothing is trusted ([`contents`]).
-//! Not asked: who made it (the seal is no signature), and whether a simulator likes it.
+//! Every file has the size and hash recorded in the manifest, and there are no others; every file parses as the format that
+//! its extension names; every reference leads to a file of the package. Nothing is unpacked to the disk, and nothing is
+//! trusted ([`contents`]). Not checked: who made it (the seal is not a signature), and whether a simulator accepts it.
 //!
 //! [`contents`]: crate::contents
 
@@ -26,23 +26,23 @@ mod content;
 mod found;
 mod readers;
 
-/// Faults that are told; a package that has more is beyond repair.
+/// Maximum number of faults reported; a package that has more is beyond repair.
 const MOST_FAULTS: usize = 1000;
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Report {
-    /// What the package says that it is for; empty if its manifest cannot be read.
+    /// The target, according to the package; empty if its manifest cannot be read.
     pub target: String,
-    /// What the package says that made it.
+    /// The program that made it, according to the package.
     pub generator: String,
-    /// SHA-256 of all that it follows from; empty if the package does not say.
+    /// SHA-256 of everything that it follows from; empty if the package does not say.
     pub fingerprint: String,
-    /// Number of files, the manifest among them.
+    /// Number of files, including the manifest.
     pub files: usize,
-    /// Size of its files together, as they should be.
+    /// Total size of its files, according to the manifest.
     pub bytes: u64,
-    /// What is wrong, by path; none if the package is whole.
+    /// What is wrong, by path; empty if the package is intact.
     pub faults: Vec<Fault>,
 }
 
@@ -51,30 +51,30 @@ pub struct Report {
 pub struct Fault {
     /// The path in the package; `.` for the package itself.
     pub path: String,
-    /// What is wrong, as the end of a sentence about the path.
+    /// What is wrong, as the predicate of a sentence whose subject is the path.
     pub what: String,
 }
 
-/// Why nothing was checked.
+/// Why a package could not be checked.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckError {
-    /// It cannot be read.
+    /// The folder or file cannot be read.
     #[error("{}: {source}", path.display())]
     Unreadable {
         /// The folder or file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: io::Error,
     },
-    /// It is something else.
-    #[error("{}: holds no manifest of a package", path.display())]
+    /// The folder or archive is not a package.
+    #[error("{}: contains no package manifest", path.display())]
     NotAPackage {
         /// The folder or archive.
         path: PathBuf,
     },
-    /// A later version has made it.
-    #[error("{}: {generator} has made this package; its manifest has format {format}, this program knows {FORMAT}", path.display())]
+    /// The package was made by a later version.
+    #[error("{}: this package was made by {generator}; its manifest has format {format}, this program supports {FORMAT}", path.display())]
     Newer {
         /// The folder or archive.
         path: PathBuf,
@@ -83,8 +83,8 @@ pub enum CheckError {
         /// Format of its manifest.
         format: u32,
     },
-    /// An earlier version has made it.
-    #[error("{}: an earlier version has made this package, whose manifest says too little", path.display())]
+    /// The package was made by an earlier version.
+    #[error("{}: this package was made by an earlier version, whose manifest lacks what a check needs", path.display())]
     Older {
         /// The folder or archive.
         path: PathBuf,
@@ -95,10 +95,8 @@ impl CheckError {
     /// What to do about it.
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::Unreadable { .. } => {
-                "name a folder that `plume export` has written, or a zip, mjz, tar.zst or tgz of one"
-            }
-            Self::NotAPackage { .. } => "name a package that `plume export` has written",
+            Self::Unreadable { .. } => "name a folder written by `plume export`, or a zip, mjz, tar.zst or tgz of one",
+            Self::NotAPackage { .. } => "name a package written by `plume export`",
             Self::Newer { .. } => "upgrade plume",
             Self::Older { .. } => "export the package again",
         }
@@ -108,7 +106,7 @@ impl CheckError {
 /// Checks the package at `path`, a folder or an archive.
 ///
 /// # Errors
-/// When it is not a package of this version; a package with faults is no error.
+/// If it is not a package of this version. Faults in a package are not errors; they are in the report.
 pub fn check(path: &Path) -> Result<Report, CheckError> {
     let unreadable = |source| CheckError::Unreadable { path: path.to_owned(), source };
     let contents = Contents::open(path).map_err(unreadable)?;
@@ -133,7 +131,7 @@ fn is_of_the_system(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
 }
 
-/// A manifest of another version says so; one that is damaged still looks like ours.
+/// Tells a manifest of another version from a damaged one and from a file that is not ours.
 fn check_version(path: &Path, text: &[u8]) -> Result<(), CheckError> {
     let path = path.to_owned();
     match serde_json::from_slice::<Head>(text) {
@@ -152,14 +150,14 @@ impl Report {
         self.faults.is_empty()
     }
 
-    /// Of a package of which nothing can be said but one fault.
+    /// The report on a package of which nothing but one fault is known.
     fn broken(path: &str, what: String) -> Self {
         let faults = vec![Fault { path: path.to_owned(), what }];
         Self { target: String::new(), generator: String::new(), fingerprint: String::new(), files: 0, bytes: 0, faults }
     }
 }
 
-/// A check under way.
+/// A check in progress.
 struct Inspection<'a> {
     manifest: &'a Manifest,
     seen: BTreeSet<String>,
@@ -172,18 +170,18 @@ impl<'a> Inspection<'a> {
         Self { manifest, seen: BTreeSet::new(), found: Found::default(), faults: BTreeSet::new() }
     }
 
-    /// Reads a file as what it is, and compares it with the manifest.
+    /// Parses a file by its extension, and compares it with the manifest.
     fn inspect(&mut self, content: &mut Content<'_>, sha256: &str) -> Result<(), String> {
         let parsed = readers::read(content, &mut self.found);
         let (bytes, found) = content.finish().map_err(|error| format!("cannot be read: {error}"))?;
         if bytes > content.size() {
-            return Err(format!("has more than the {} bytes that the manifest says", content.size()));
+            return Err(format!("has more than the {} bytes recorded in the manifest", content.size()));
         }
         if bytes < content.size() {
-            return Err(format!("has {bytes} bytes, not the {} that the manifest says", content.size()));
+            return Err(format!("has {bytes} bytes, not the {} recorded in the manifest", content.size()));
         }
         if found != sha256 {
-            self.fault(content.path(), "is not the file that the manifest tells of: its SHA-256 is another");
+            self.fault(content.path(), "differs from the manifest: the SHA-256 does not match");
         }
         parsed.map_err(|unfit| unfit.0)
     }

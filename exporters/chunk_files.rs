@@ -1,7 +1,8 @@
-//! Files that hold all chunks of a scene or one each, for formats that leave the choice.
+//! Files with all chunks of a scene or one each, for formats that allow both.
 //!
-//! A format may want to know at the start of a file what only its end tells, and several files may grow at a time, where a
-//! [`Package`] has one open. So they grow in a scratch folder and are copied when they are whole: each chunk is loaded once.
+//! A format may need values at the start of a file that are known only at its end, and several files may be written at the
+//! same time, while a [`Package`] allows one open file. So they are written in a scratch folder and copied when complete:
+//! each chunk is loaded once.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -11,7 +12,7 @@ use crate::error::{ExportError, at};
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
 
-/// Triangles written: those that cameras see, and those that robots touch.
+/// Triangles written: visual and collision.
 pub(crate) type Triangles = [u64; 2];
 
 /// Files that belong together and share a stem.
@@ -25,7 +26,7 @@ pub(crate) trait ChunkFiles: Sized {
         out: &mut dyn Package,
     ) -> Result<Triangles, ExportError>;
 
-    /// Puts the files into the package.
+    /// Copies the files into the package.
     fn finish(self, out: &mut dyn Package) -> Result<(), ExportError>;
 }
 
@@ -56,7 +57,7 @@ pub(crate) fn write<S: ChunkFiles>(
     Ok(triangles)
 }
 
-/// How the files are opened that end in `extension`.
+/// How to open the files with this extension.
 pub(crate) fn how_to_open(scene: &Scene, per_chunk: bool, extension: &str) -> String {
     match per_chunk {
         true => "open the files of chunks/ together".to_owned(),
@@ -64,24 +65,24 @@ pub(crate) fn how_to_open(scene: &Scene, per_chunk: bool, extension: &str) -> St
     }
 }
 
-/// How the files of a chunk_files are called, and where they grow.
+/// Names of files that belong together, and their scratch folder.
 #[derive(Clone)]
 pub(crate) struct Stem {
-    /// Where they lie in the package: nothing, or a folder and a slash.
+    /// Their folder in the package: empty, or with a trailing slash.
     pub folder: &'static str,
-    /// What their names begin with.
+    /// The stem of their names.
     pub name: String,
     scratch: PathBuf,
 }
 
 impl Stem {
-    /// An empty file called by the stem and `ending`.
+    /// An empty file named by the stem and `ending`.
     pub fn grow(&self, ending: &str) -> Result<TempFile, ExportError> {
         let file = format!("{}{ending}", self.name);
         TempFile::create(self.scratch.join(&file), format!("{}{file}", self.folder))
     }
 
-    /// A file called so that begins as `model` is now.
+    /// A file with this name that starts as a copy of `model`.
     pub fn grow_from(&self, model: &mut TempFile, ending: &str) -> Result<TempFile, ExportError> {
         model.flush()?;
         let mut copy = self.grow(ending)?;
@@ -103,7 +104,7 @@ impl TempFile {
         Ok(Self { place, path, file: BufWriter::with_capacity(1 << 16, file) })
     }
 
-    /// What has been flushed, from the start.
+    /// A reader of what has been flushed.
     fn reopen(&self) -> io::Result<File> {
         File::open(&self.place).map_err(|error| at(&self.path, &error))
     }
@@ -113,14 +114,14 @@ impl TempFile {
         &self.path
     }
 
-    /// Adds what has gathered to `out`.
+    /// Appends the content to `out`.
     pub fn append_to(mut self, out: &mut dyn Write) -> Result<(), ExportError> {
         self.flush()?;
         io::copy(&mut self.reopen()?, out)?;
         Ok(fs::remove_file(self.place)?)
     }
 
-    /// Puts it into the package as it is.
+    /// Copies it into the package.
     pub fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
         let path = self.path.clone();
         out.write(&path, |file| self.append_to(file))

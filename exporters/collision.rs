@@ -1,26 +1,26 @@
-//! What robots touch, for targets that leave the choice.
+//! Collision shapes, for targets that offer a choice.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which shapes robots touch.
+/// Collision shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Collision {
-    /// A concave mesh per chunk: the wall itself, to the triangle, and the fastest to load.
+    /// A concave mesh per chunk: exactly the collision mesh of the wall, and the fastest to load.
     #[default]
     Triangles,
-    /// Convex pieces of the rock behind the wall, for engines that make every mesh convex.
+    /// Convex pieces of the rock behind the wall, for engines that only support convex meshes.
     Pieces,
 }
 
-/// Collision meshes that an importer knows by their names.
+/// Collision meshes recognised by importers by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedCollision {
-    /// None: every mesh is one to see.
+    /// No collision meshes.
     #[default]
     None,
-    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal wants them.
+    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal expects.
     Pieces,
 }

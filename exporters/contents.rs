@@ -1,7 +1,7 @@
-//! What a folder or an archive holds, file by file, without putting anything on the disk.
+//! Reads the files of a folder or an archive one by one, without writing anything to the disk.
 //!
-//! Nothing that is read is trusted: names that lead out, links, devices, doubles and what unpacks to far more than it takes
-//! are told, not followed. Memory: the list of names, one file at a time as a stream, and the window of the compression.
+//! Nothing is trusted: names that lead outside, links, devices, duplicates and archives that unpack to far more than their
+//! size are reported, not followed. Memory: the list of names, one file as a stream, and the window of the compression.
 
 use std::collections::BTreeSet;
 use std::io::{self, Read};
@@ -16,17 +16,17 @@ mod folder;
 mod tar;
 mod zip;
 
-/// Where everything in a `tgz` lies.
+/// The top-level folder of a `tgz`.
 pub const TGZ_ROOT: &str = "package/";
 
-/// The path of what holds the files, in faults.
+/// The path of the folder or archive itself, in faults.
 pub const WHOLE: &str = ".";
 
-/// Files that a package may hold.
+/// Most files of a package.
 const MOST_FILES: usize = 200_000;
-/// An archive may unpack to this many times its size. Meshes as text take a tenth, seldom a fiftieth.
+/// An archive may unpack to this many times its size. Meshes as text compress to a tenth, seldom to a fiftieth.
 const MOST_TIMES: u64 = 200;
-/// And to this much more, because small archives are mostly heads.
+/// Additional allowance, because small archives are mostly headers.
 const MOST_BYTES_MORE: u64 = 1 << 24;
 /// The longest text that is read into memory.
 const MOST_TEXT_BYTES: u64 = 1 << 26;
@@ -44,29 +44,29 @@ enum Kind {
     Tar(tar::Compression),
 }
 
-/// Gets what is in a folder or an archive.
+/// Receives the content of a folder or an archive.
 pub trait Visitor {
-    /// A file. Its path is one that fits into a package, and comes once; its bytes need not be read to the end.
+    /// A file. Its path is valid in a package, and unique; its bytes need not be read to the end.
     fn file(&mut self, path: &str, bytes: &mut dyn Read) -> ControlFlow<()>;
 
-    /// Something that has no place in a package: where, and what is wrong.
+    /// Something that is not allowed in a package: its path, and what is wrong.
     fn fault(&mut self, path: &str, what: &str);
 }
 
 impl Contents {
-    /// Looks at what is at `path`: a folder, or by its first bytes a zip, `tar.zst` or `tgz`.
+    /// Opens what is at `path`: a folder or, recognised by its first bytes, a zip, `tar.zst` or `tgz`.
     ///
     /// # Errors
-    /// [`io::ErrorKind::InvalidInput`] for any other file; those of the system.
+    /// [`io::ErrorKind::InvalidInput`] for any other file; I/O errors.
     pub fn open(path: &Path) -> io::Result<Self> {
         let kind = if path.is_dir() { Kind::Folder } else { kind(&head(path)?)? };
         Ok(Self { path: path.to_owned(), kind })
     }
 
-    /// Shows `visitor` everything, in the order in which it lies there, until it breaks off.
+    /// Passes everything to `visitor`, in stored order, until it breaks.
     ///
     /// # Errors
-    /// When an archive is damaged, ends early, or unpacks to more than an honest one would; those of the system.
+    /// If an archive is damaged, truncated, or unpacks to an implausible size; I/O errors.
     pub fn read(&self, visitor: &mut dyn Visitor) -> io::Result<()> {
         let gate = Gate { visitor, names: BTreeSet::new() };
         match self.kind {
@@ -76,10 +76,10 @@ impl Contents {
         }
     }
 
-    /// The bytes of one file, if it is there.
+    /// The bytes of one file, if it exists.
     ///
     /// # Errors
-    /// As [`Contents::read`]; when the file has more than 64 MiB.
+    /// As [`Contents::read`]; if the file has more than 64 MiB.
     pub fn text_of(&self, path: &str) -> io::Result<Option<Vec<u8>>> {
         let mut wanted = Wanted { path, found: None };
         self.read(&mut wanted)?;
@@ -91,7 +91,7 @@ impl Contents {
     }
 }
 
-/// The first bytes of a file, which tell what it is.
+/// The first bytes of a file, which determine its format.
 fn head(path: &Path) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
     regular::open(path)?.take(4).read_to_end(&mut head)?;
@@ -103,11 +103,11 @@ fn kind(head: &[u8]) -> io::Result<Kind> {
         [b'P', b'K', ..] => Ok(Kind::Zip),
         [0x28, 0xb5, 0x2f, 0xfd] => Ok(Kind::Tar(tar::Compression::Zstd)),
         [0x1f, 0x8b, ..] => Ok(Kind::Tar(tar::Compression::Gzip)),
-        _ => Err(io::Error::new(io::ErrorKind::InvalidInput, "is neither a folder nor a zip, tar.zst or tgz")),
+        _ => Err(io::Error::new(io::ErrorKind::InvalidInput, "is not a folder, zip, tar.zst or tgz")),
     }
 }
 
-/// Looks for one file.
+/// Finds one file.
 struct Wanted<'a> {
     path: &'a str,
     found: Option<io::Result<Vec<u8>>>,
@@ -130,17 +130,17 @@ impl Visitor for Wanted<'_> {
     fn fault(&mut self, _: &str, _: &str) {}
 }
 
-/// Lets through what fits into a package.
+/// Passes on what is allowed in a package.
 struct Gate<'a> {
     visitor: &'a mut dyn Visitor,
     names: BTreeSet<String>,
 }
 
 impl Gate<'_> {
-    /// The path of a file or folder, if it is one; else that is told.
+    /// The path of a file or folder, if it is valid; otherwise reports it.
     fn path(&mut self, raw: &[u8]) -> Option<String> {
         let Ok(path) = std::str::from_utf8(raw) else {
-            self.fault(&String::from_utf8_lossy(raw), "has a name that is no UTF-8");
+            self.fault(&String::from_utf8_lossy(raw), "has a name that is not UTF-8");
             return None;
         };
         let bare = path.strip_suffix('/').unwrap_or(path);
@@ -153,10 +153,10 @@ impl Gate<'_> {
 
     fn file(&mut self, path: String, bytes: &mut dyn Read) -> io::Result<ControlFlow<()>> {
         if self.names.len() >= MOST_FILES {
-            return Err(invalid(format!("holds more than {MOST_FILES} files")));
+            return Err(invalid(format!("contains more than {MOST_FILES} files")));
         }
         if self.names.contains(&path) {
-            self.fault(&path, "is there twice");
+            self.fault(&path, "appears twice");
             return Ok(ControlFlow::Continue(()));
         }
         let flow = self.visitor.file(&path, bytes);
@@ -169,7 +169,7 @@ impl Gate<'_> {
     }
 }
 
-/// Ends in an error where more comes than may.
+/// Fails if there are more bytes than allowed.
 struct Limited<R> {
     inner: R,
     left: u64,
@@ -184,7 +184,7 @@ impl<R: Read> Read for Limited<R> {
 }
 
 fn too_much() -> io::Error {
-    invalid("unpacks to more than a package would".to_owned())
+    invalid("unpacks to an implausible size".to_owned())
 }
 
 fn invalid(what: String) -> io::Error {

@@ -5,32 +5,32 @@ use std::path::PathBuf;
 
 use crate::image_format::ImageFormat;
 
-/// An export that did not happen. The output folder is as it was before.
+/// A failed export. The output folder is unchanged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// No row of the table has this name.
+    /// There is no target of this name.
     #[error("unknown target `{name}`; known targets are {known}")]
     UnknownTarget {
-        /// The name asked for.
+        /// The requested name.
         name: String,
-        /// The names there are.
+        /// The names of all targets.
         known: String,
     },
-    /// The library that a target is written by has no format of this name.
+    /// The library that writes a target has no format of this name.
     #[error("target `{target}` has no format `{name}`; known formats are {}", known.join(", "))]
     UnknownFormat {
         /// The target.
         target: &'static str,
-        /// The format asked for; empty if none was.
+        /// The requested format; empty if there was none.
         name: String,
-        /// The formats there are.
+        /// The formats of the library.
         known: Vec<String>,
     },
     /// The settings of a target cannot be read.
     #[error("settings of target `{target}`: {source}")]
     Settings {
-        /// Whose settings.
+        /// The target.
         target: &'static str,
         /// What is wrong with them.
         source: serde_json::Error,
@@ -41,14 +41,14 @@ pub enum ExportError {
         /// The folder.
         path: PathBuf,
     },
-    /// The output was to be replaced, but no export of ours has made it.
-    #[error("output was not written by an export and is left alone: {}", path.display())]
+    /// The output was to be replaced, but was not written by an export.
+    #[error("output was not written by an export and is not replaced: {}", path.display())]
     NotOurs {
         /// The folder or file.
         path: PathBuf,
     },
-    /// A file that no export has written has the name of one of the package.
-    #[error("output has a file of yours where the package has one of its own: {}", path.display())]
+    /// A file that was not written by an export has the name of a file of the package.
+    #[error("output contains a file of yours with the name of a file of the package: {}", path.display())]
     InTheWay {
         /// The file.
         path: PathBuf,
@@ -65,13 +65,13 @@ pub enum ExportError {
         /// The folder.
         path: PathBuf,
     },
-    /// The output file is there already.
-    #[error("output file exists: {}", path.display())]
+    /// The output file exists already.
+    #[error("output file already exists: {}", path.display())]
     FileExists {
         /// The file.
         path: PathBuf,
     },
-    /// A path inside the package is absolute, climbs out of it, or is taken.
+    /// A path inside the package is absolute, leads out of it, or is taken.
     #[error("package path {fault}: `{path}`")]
     BadPath {
         /// The path inside the package.
@@ -79,7 +79,7 @@ pub enum ExportError {
         /// What is wrong with it.
         fault: &'static str,
     },
-    /// The scene breaks a promise of the scene module.
+    /// The scene violates an invariant of the scene module.
     #[error("scene `{scene}`: {fault}")]
     BadScene {
         /// Name of the scene.
@@ -94,11 +94,11 @@ pub enum ExportError {
         scene: String,
         /// Index of the chunk.
         index: usize,
-        /// What happened.
+        /// The cause.
         source: io::Error,
     },
-    /// A file is larger than its format can say.
-    #[error("{path} would be {bytes} bytes, more than {format} can hold")]
+    /// A file exceeds the size limit of its format.
+    #[error("{path} would have {bytes} bytes, more than {format} allows")]
     TooLarge {
         /// The path inside the package.
         path: String,
@@ -107,35 +107,35 @@ pub enum ExportError {
         /// Bytes the file would have.
         bytes: u64,
     },
-    /// An image is of a kind that the simulator does not read.
-    #[error("target `{target}` takes {} images only: {}", names(wanted), path.display())]
+    /// An image has a format that the simulator does not read.
+    #[error("target `{target}` supports only {} images: {}", names(wanted), path.display())]
     UnfitImage {
         /// Name of the target.
         target: &'static str,
         /// The image.
         path: PathBuf,
-        /// The kinds that it reads.
+        /// The formats that it reads.
         wanted: &'static [ImageFormat],
     },
-    /// A library that the target is written by is not there, or not the right one.
+    /// A library needed to write the target is missing or unsuitable.
     #[error("{message}")]
     MissingPart {
-        /// What is missing, and for what.
+        /// What is missing, and what for.
         message: String,
         /// How to get it.
         hint: String,
     },
-    /// A library that writes for us refused.
+    /// A library failed to write a file.
     #[error("{library} could not write {path}: {message}")]
     Library {
         /// Its name.
         library: &'static str,
-        /// What it was to write.
+        /// The file.
         path: String,
-        /// What it said.
+        /// Its error message.
         message: String,
     },
-    /// A file cannot be read or written. The text names the file, the kind says why, e.g. a full disk.
+    /// A file cannot be read or written. The text names the file, the kind tells the cause, e.g. a full disk.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
@@ -143,7 +143,7 @@ pub enum ExportError {
 impl ExportError {
     pub(crate) fn no_usd(target: &str) -> Self {
         Self::MissingPart {
-            message: format!("target `{target}` is written by the Python package usd-core, which this program has not"),
+            message: format!("target `{target}` needs the Python package usd-core, which this program does not have"),
             hint: "use the `plume` command of the Python package plume-caves".to_owned(),
         }
     }
@@ -152,12 +152,12 @@ impl ExportError {
     pub fn hint(&self) -> Option<&str> {
         match self {
             Self::MissingPart { hint, .. } => Some(hint),
-            Self::NotEmpty { .. } => Some("name a new folder, or replace the package with `--force`"),
-            Self::FileExists { .. } => Some("name a new file, or replace this one with `--force`"),
+            Self::NotEmpty { .. } => Some("choose a new folder, or replace the package with `--force`"),
+            Self::FileExists { .. } => Some("choose a new file, or replace this one with `--force`"),
             Self::InTheWay { .. } => Some("move it out of the package, then export again"),
-            Self::NotOurs { .. } => Some("name a new place, or empty this one yourself"),
+            Self::NotOurs { .. } => Some("choose another path, or remove this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
-            Self::UnfitImage { .. } => Some("make the cave with other images: `--set texture.format=png`"),
+            Self::UnfitImage { .. } => Some("make the cave with another image format: `--set texture.format=png`"),
             Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {
                 Some("free some space, or make smaller textures")
             }
@@ -165,7 +165,7 @@ impl ExportError {
         }
     }
 
-    /// Whether the user asked for something that cannot be, as opposed to a machine that failed.
+    /// Whether the user asked for something impossible, as opposed to a failure of the machine.
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
@@ -188,7 +188,7 @@ fn names(formats: &[ImageFormat]) -> String {
     formats.iter().map(|format| format.name()).collect::<Vec<_>>().join(" and ")
 }
 
-/// The same error, its text led by the file it is about.
+/// The same error, prefixed with the file.
 pub(crate) fn at(path: impl std::fmt::Display, error: &io::Error) -> io::Error {
     io::Error::new(error.kind(), format!("{path}: {error}"))
 }

@@ -1,5 +1,5 @@
-//! File formats: meshes and materials as bytes, in the conventions of one format each. What a simulator expects around
-//! them is the business of the targets.
+//! File formats: meshes and materials as bytes, each in the conventions of one format. What a simulator expects around them
+//! is up to the targets.
 
 #[doc(hidden)]
 pub mod fbx;

@@ -1,4 +1,4 @@
-//! Every change of axes, UV origin and rotation notation that a target asks for.
+//! All conversions of axes, UV origin and rotation notation for targets.
 //!
 //! The scene is in metres, right-handed, Z up, with the UV origin at the lower left of the image.
 
@@ -6,13 +6,13 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The frame that numbers are in.
+/// A coordinate frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axes {
     /// The axis that points up.
     pub up: Up,
-    /// Whether x, y and z are thumb, index and middle finger of the right or of the left hand.
+    /// Handedness: whether x, y and z are thumb, index and middle finger of the right or of the left hand.
     pub handedness: Handedness,
     /// Length of a unit in metres.
     pub metres_per_unit: f64,
@@ -28,7 +28,7 @@ pub enum Up {
     Z,
 }
 
-/// A hand.
+/// Handedness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handedness {
@@ -39,11 +39,11 @@ pub enum Handedness {
 }
 
 impl Axes {
-    /// Of the scene: metres, right-handed, Z up.
+    /// The scene: metres, right-handed, Z up.
     pub const SCENE: Self = Self { up: Up::Z, handedness: Handedness::Right, metres_per_unit: 1.0 };
-    /// Of glTF: metres, right-handed, Y up.
+    /// glTF: metres, right-handed, Y up.
     pub const GLTF: Self = Self { up: Up::Y, handedness: Handedness::Right, metres_per_unit: 1.0 };
-    /// Of Unity: metres, left-handed, Y up.
+    /// Unity: metres, left-handed, Y up.
     pub const UNITY: Self = Self { up: Up::Y, handedness: Handedness::Left, metres_per_unit: 1.0 };
 }
 
@@ -54,7 +54,7 @@ pub fn gltf_from_scene<T: Copy + std::ops::Neg<Output = T>>([x, y, z]: [T; 3]) -
 
 /// A scene tangent in the frame of glTF.
 ///
-/// The handedness stays: the turn is proper, and the bitangent of glTF points up in the image as ours does, against its
+/// The handedness stays: the rotation is proper, and the bitangent of glTF points up in the image like ours, against its
 /// own v (<https://github.com/KhronosGroup/glTF-Sample-Models/issues/174>).
 pub fn gltf_tangent_from_scene([x, y, z, w]: [f32; 4]) -> [f32; 4] {
     let [x, y, z] = gltf_from_scene([x, y, z]);
@@ -77,15 +77,15 @@ fn gltf_turn_from_scene() -> Matrix3<f64> {
     Matrix3::from([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>))
 }
 
-/// A scene vector in the frame of Unity, which is left-handed and Y up: what its FBX importer, which turns x round, makes of a
-/// file in the frame of glTF.
+/// A scene vector in the frame of Unity, which is left-handed and Y up: the result of its FBX importer, which negates x, for
+/// a file in the frame of glTF.
 pub fn unity_from_scene<T: Copy + std::ops::Neg<Output = T>>(scene: [T; 3]) -> [T; 3] {
     let [x, y, z] = gltf_from_scene(scene);
     [-x, y, z]
 }
 
-/// The pose of a body in the frame of Unity: position, and rotation as x, y, z, w. A body of the scene looks along its +X with
-/// +Z up, one of Unity along its +Z with +Y up.
+/// The pose of a body in the frame of Unity: position, and rotation as x, y, z, w. A body faces along its +X with +Z up in
+/// the scene, and along its +Z with +Y up in Unity.
 pub fn unity_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
     let axes = [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
     let turned = axes.map(|axis| unity_from_scene((scene_from_body.rotation * Vector3::from(axis)).into()));
@@ -111,33 +111,33 @@ pub fn gltf_euler_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3]
     (gltf_from_scene(scene_from_body.translation.vector.into()), roll_pitch_yaw(&turn))
 }
 
-/// A scene point in the frame of Unreal, which is left-handed and Z up, in centimetres: what its importer makes of a file
-/// in the scene's frame and unit.
+/// A scene point in the frame of Unreal, which is left-handed and Z up, in centimetres: the result of its importer for a
+/// file in the scene's frame and unit.
 pub fn unreal_from_scene([x, y, z]: [f64; 3]) -> [f64; 3] {
     [100.0 * x, -100.0 * y, 100.0 * z]
 }
 
 /// A scene pose in the frame of Unreal: location in centimetres, and roll, pitch and yaw of its rotator in degrees.
 ///
-/// A rotator turns about x, then y, then z as our angles do. Seen by whoever looks along +X, it rolls clockwise, as ours;
-/// but it pitches the nose up and yaws to the right, where ours go down and to the left.
+/// A rotator rotates about x, then y, then z like our angles. Looking along +X, it rolls clockwise like ours, but pitches up
+/// and yaws right, while ours go down and left.
 pub fn unreal_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 3]) {
     let (location, [roll, pitch, yaw]) = euler_pose(scene_from_body);
     (unreal_from_scene(location), [roll, -pitch, -yaw].map(f64::to_degrees))
 }
 
-/// A pose as SDF and URDF write it, `x y z roll pitch yaw`: metres and radians about fixed x, y, z, to the micrometre
+/// A pose in the notation of SDF and URDF, `x y z roll pitch yaw`: metres and radians about fixed x, y, z, to the micrometre
 /// and the microradian.
 pub fn sdf_pose(pose: &Isometry3<f64>) -> String {
     let ([x, y, z], [roll, pitch, yaw]) = euler_pose(pose);
     [x, y, z, roll, pitch, yaw].map(micro).join(" ")
 }
 
-/// Angles about fixed x, y, z; own and not nalgebra's because libm gives the same bits everywhere.
+/// Angles about fixed x, y, z; not nalgebra's, because libm gives the same bits everywhere.
 fn roll_pitch_yaw(m: &Matrix3<f64>) -> [f64; 3] {
     let cos_pitch = (m[(0, 0)] * m[(0, 0)] + m[(1, 0)] * m[(1, 0)]).sqrt();
     let pitch = libm::atan2(-m[(2, 0)], cos_pitch);
-    // Looking straight up or down, roll and yaw are one angle: all of it is given to yaw.
+    // Gimbal lock: roll and yaw are one angle, which is assigned to yaw.
     if cos_pitch < 1e-9 {
         return [0.0, pitch, libm::atan2(-m[(0, 1)], m[(1, 1)])];
     }
@@ -158,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn up_stays_up_and_hands_stay_hands() {
+    fn up_and_handedness_are_preserved() {
         assert_eq!(gltf_from_scene([0.0, 0.0, 1.0]), [0.0, 1.0, 0.0]);
         let [x, y, z] =
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(gltf_from_scene(axis)));
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn unity_has_the_other_hand() {
+    fn unity_is_left_handed() {
         assert_eq!(unity_from_scene([1.0, 2.0, 3.0]), [-1.0, 3.0, -2.0]);
         let [x, y, z] =
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(unity_from_scene(axis)));
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_in_unity_looks_where_it_does_in_the_scene() {
+    fn a_body_in_unity_faces_as_in_the_scene() {
         let pose =
             Isometry3::from_parts(Translation3::new(1.0, -2.0, 3.0), UnitQuaternion::from_euler_angles(0.3, -0.4, 2.0));
         let (position, [i, j, k, w]) = unity_pose_from_scene(&pose);
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_looks_where_the_body_does() {
+    fn a_camera_faces_as_the_body() {
         let body =
             Isometry3::from_parts(Translation3::new(1.0, 2.0, 3.0), UnitQuaternion::from_euler_angles(0.1, -0.2, 0.7));
         let camera = camera_from_body(&body);
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn sdf_poses_turn_back_into_the_rotation() {
+    fn sdf_poses_convert_back_to_the_rotation() {
         for (roll, pitch, yaw) in [(0.0, 0.0, 1.5), (0.2, -0.7, -3.0), (0.0, 1.0, 0.0)] {
             let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
             let angles = roll_pitch_yaw(rotation.to_rotation_matrix().matrix());
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn unreal_has_the_other_hand() {
+    fn unreal_is_left_handed() {
         let [x, y, z] =
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(unreal_from_scene(axis)));
         assert_eq!(x.cross(&y), -100.0 * z);

@@ -36,7 +36,7 @@ pub use error::ExportError;
 pub use image_format::ImageFormat;
 pub use target::{Build, BuildError, Built, Choice, Lent, Summary, Target, TargetRow};
 
-/// Every target, in the order they are listed. Programs may [register](Registry::register) their own.
+/// All targets, in the order in which they are listed. Programs may [register](Registry::register) their own.
 pub static TARGETS: Registry<TargetRow> = Registry::new(&[
     targets::gazebo::ROW,
     targets::isaac::ROW,

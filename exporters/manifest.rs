@@ -1,9 +1,9 @@
-//! What a package says of itself: [`MANIFEST`](crate::package::MANIFEST).
+//! The manifest of a package: [`MANIFEST`](crate::package::MANIFEST).
 //!
-//! Where it comes from (recipe, seed), what is where in it (chunks, start poses), in which frame, and every file with its
-//! size and SHA-256. No time and no place: the same scene gives the same text. It ends with a seal, the SHA-256 of all that
-//! stands before it, so that a slip in the manifest shows as one in a file does. A seal is no signature: it holds off accidents,
-//! not forgers.
+//! Its origin (recipe, seed), its content (chunks, start poses), frames, and every file with its size and SHA-256. No times
+//! and no absolute paths: the same scene gives the same text. It ends with a seal, the SHA-256 of everything before it, so
+//! that damage to the manifest is detected like damage to a file. A seal is not a signature: it detects accidents, not
+//! forgery.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -23,10 +23,10 @@ use self::recorder::ChunkFacts;
 
 pub(crate) mod recorder;
 
-/// Version of the shape of a manifest. The first was a plain list of files, the second had no fingerprint.
+/// Version of the manifest format. The first was a plain list of files, the second had no fingerprint.
 pub const FORMAT: u32 = 3;
 
-/// A manifest, but for its seal.
+/// A manifest without its seal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
@@ -42,21 +42,21 @@ pub struct Manifest {
     pub description: String,
     /// The seed of the recipe.
     pub seed: u64,
-    /// The text that alone makes the scene again, if there is one.
+    /// The text from which alone the scene can be made again, if there is one.
     pub recipe: String,
-    /// SHA-256 of all that the package follows from: two packages with the same fingerprint have the same bytes.
+    /// SHA-256 of everything that the package follows from: packages with the same fingerprint have the same bytes.
     pub fingerprint: String,
     /// Units of all numbers here.
     pub units: Units,
     /// Frames.
     pub axes: Frames,
-    /// The box round all chunks.
+    /// Bounds of all chunks.
     pub bounds: Bounds,
-    /// Where a robot may start.
+    /// Start poses.
     pub spawns: Vec<Spawn>,
     /// The chunks, in their order.
     pub chunks: Vec<ChunkEntry>,
-    /// Every file but this one.
+    /// Every file except this one.
     pub files: Files,
 }
 
@@ -80,7 +80,7 @@ pub struct Frames {
     pub manifest: Axes,
 }
 
-/// The least and the greatest corner of a box.
+/// Minimum and maximum corner of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
@@ -90,7 +90,7 @@ pub struct Bounds {
     pub max: [f32; 3],
 }
 
-/// A start pose: +X looks along the passage, +Z is up, the origin is on the ground.
+/// A start pose: +X points along the passage, +Z is up, the origin is on the ground.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spawn {
@@ -100,13 +100,13 @@ pub struct Spawn {
     pub orientation_wxyz: [f64; 4],
 }
 
-/// A chunk, as the scene has it: a target may leave levels, collision or images out, of which its README tells.
+/// A chunk of the scene: a target may omit levels, collision or images, as described in its README.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChunkEntry {
     /// Unique in the package.
     pub name: String,
-    /// The box round its visual mesh.
+    /// Bounds of its visual mesh.
     pub bounds: Bounds,
     /// Names of the chunks next to it.
     pub neighbors: Vec<String>,
@@ -116,10 +116,10 @@ pub struct ChunkEntry {
     pub lods: Vec<LodEntry>,
     /// Triangles of the collision mesh.
     pub collision_triangles: u64,
-    /// Number of convex pieces, if the target took them.
+    /// Number of convex pieces, if the target uses them.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub convex_pieces: Option<u64>,
-    /// The images by role, where they lie in the package as files of their own and unchanged.
+    /// The images by role, if they are in the package as separate, unchanged files.
     pub textures: BTreeMap<String, String>,
 }
 
@@ -129,11 +129,11 @@ pub struct ChunkEntry {
 pub struct LodEntry {
     /// Its triangles.
     pub triangles: u64,
-    /// How far it lies from the full detail at most, in metres.
+    /// Upper bound of its distance from the full detail, in metres.
     pub error_m: f32,
 }
 
-/// What every version of a manifest has, so that one of a later version is known for what it is.
+/// The common part of all versions, by which a later version is recognised.
 #[derive(Deserialize)]
 pub(crate) struct Head {
     pub format: u32,
@@ -144,7 +144,7 @@ pub(crate) struct Head {
 }
 
 impl Manifest {
-    /// Of the package that `out` holds by now.
+    /// The manifest of the files written to `out` so far.
     pub(crate) fn new(
         target_name: &str,
         target: &dyn Target,
@@ -175,7 +175,7 @@ impl Manifest {
     /// The text of the file, sealed.
     ///
     /// # Errors
-    /// None that a manifest of numbers and texts can cause.
+    /// None for a manifest of numbers and strings.
     pub fn to_text(&self) -> Result<String, ExportError> {
         let text = serde_json::to_string_pretty(self).map_err(io::Error::from)?;
         Ok(sealed::seal(&text))
@@ -184,9 +184,9 @@ impl Manifest {
     /// Reads the text of the file.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// What is wrong with it.
     pub fn from_text(text: &[u8]) -> Result<Self, String> {
-        let bare = sealed::unseal(text).ok_or("is not as it was written: its seal does not fit")?;
+        let bare = sealed::unseal(text).ok_or("was changed since it was written: its seal does not match")?;
         serde_json::from_slice(&bare).map_err(|error| format!("is not a manifest: {error}"))
     }
 }
@@ -196,13 +196,13 @@ pub(crate) fn is_ours(text: &[u8]) -> bool {
     serde_json::from_slice::<Head>(text).is_ok() || is_of_first_format(text)
 }
 
-/// The files that a manifest of ours names, of this version, an earlier or a later one.
+/// The files listed in a manifest of ours, of this version, an earlier or a later one.
 pub(crate) fn files_of(text: &[u8]) -> Option<Files> {
     let head = serde_json::from_slice::<Head>(text).map(|head| head.files);
     head.or_else(|_| serde_json::from_slice(text)).ok()
 }
 
-/// Whether a text is the plain list of files that once was the manifest.
+/// Whether a text is the plain list of files of the first manifest version.
 pub(crate) fn is_of_first_format(text: &[u8]) -> bool {
     serde_json::from_slice::<Files>(text).is_ok()
 }
@@ -230,7 +230,7 @@ fn entry(chunk: &ChunkFacts, all: &[ChunkFacts], files: &Files) -> ChunkEntry {
     }
 }
 
-/// The path in the package of the copy of a file.
+/// The path of the copy of a file in the package.
 fn copy_of(source: &Path, files: &Files) -> Option<String> {
     let copy = files.0.iter().find(|(_, entry)| entry.source.as_deref() == Some(source));
     copy.map(|(path, _)| path.clone())

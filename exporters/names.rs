@@ -1,14 +1,14 @@
 //! Names that are safe everywhere: SDF and URDF elements, USD prims, glTF nodes and file names on every system; and those by
-//! which importers know what a mesh is for.
+//! which importers recognise the purpose of a mesh.
 
-/// Whether `name` is `[a-z][a-z0-9_]*`, and no device of Windows.
+/// Whether `name` is `[a-z][a-z0-9_]*`, and not a device name of Windows.
 pub fn is_safe(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_lowercase())
         && name.chars().all(is_safe_char)
         && !plume_disk::is_device_name(name)
 }
 
-/// The safe name nearest to `text`: lower case, runs of anything else become one underscore.
+/// A safe name derived from `text`: lower case, runs of other characters become one underscore.
 pub fn safe(text: &str) -> String {
     let mut name = String::with_capacity(text.len());
     for letter in text.chars().map(|letter| letter.to_ascii_lowercase()) {
@@ -25,12 +25,12 @@ pub fn safe(text: &str) -> String {
     }
 }
 
-/// Of a level of detail, 0 being the full one: what engines know levels by.
+/// Name of a level of detail, 0 being the full one, by which engines recognise levels.
 pub fn level(chunk: &str, number: usize) -> String {
     format!("{chunk}_LOD{number}")
 }
 
-/// Of a convex piece of the mesh called `mesh`: what Unreal knows collision by.
+/// Name of a convex piece of the mesh called `mesh`, by which Unreal recognises collision.
 pub fn convex_piece(mesh: &str, number: usize) -> String {
     format!("UCX_{mesh}_{number:02}")
 }

@@ -24,42 +24,41 @@ pub const MANIFEST: &str = "manifest.json";
 ///
 /// Paths are relative with forward slashes, and each is written once.
 pub trait Package {
-    /// Opens a new file. Targets call `write` instead, which checks the path, and names the file in errors.
+    /// Opens a new file. Targets call `write` instead, which checks the path and names the file in errors.
     ///
     /// # Errors
     /// When it cannot be created.
     fn open(&mut self, path: &str) -> io::Result<Box<dyn Write + '_>>;
 
-    /// Ends the file that was opened last. Called by `write`.
+    /// Closes the file opened last. Called by `write`.
     ///
     /// # Errors
-    /// When what was gathered cannot be put in its place.
+    /// If buffered data cannot be written.
     fn close(&mut self) -> io::Result<()> {
         Ok(())
     }
 
-    /// A folder on a disk, for libraries that only write files; what should stay is [copied](#method.copy). It is
-    /// removed when dropped.
+    /// A scratch folder on the disk, for libraries that only write files; results are [copied](#method.copy). It is removed
+    /// when dropped.
     ///
     /// # Errors
     /// When it cannot be made.
     fn scratch(&mut self) -> io::Result<TempDir>;
 
-    /// The list of what has been written so far.
+    /// The list of files written so far.
     fn files(&mut self) -> &mut Files;
 
-    /// The kind of file that the package becomes, if it does not stay a folder.
+    /// The kind of bundle, if the package is not a folder.
     fn bundle(&self) -> Option<Bundle> {
         None
     }
 }
 
 impl dyn Package + '_ {
-    /// Writes the file `path` with whatever `fill` puts into it.
+    /// Writes the file `path` with the content from `fill`.
     ///
     /// # Errors
-    /// When the path is not relative, climbs out, or is taken; when the file cannot be written; and the errors of
-    /// `fill`.
+    /// If the path is not relative, leads outside, or is taken; if the file cannot be written; and the errors of `fill`.
     pub fn write(
         &mut self,
         path: &str,
@@ -76,10 +75,10 @@ impl dyn Package + '_ {
         Ok(())
     }
 
-    /// Copies the file `from` of the disk to `path`.
+    /// Copies the file `from` on the disk to `path`.
     ///
     /// # Errors
-    /// As [`write`](#method.write), and when `from` cannot be read.
+    /// As [`write`](#method.write), and if `from` cannot be read.
     pub fn copy(&mut self, path: &str, from: &Path) -> Result<(), ExportError> {
         let mut source = File::open(from).map_err(|error| at(from.display(), &error))?;
         self.write(path, |file| Ok(io::copy(&mut source, file).map(drop)?))?;
@@ -87,8 +86,8 @@ impl dyn Package + '_ {
         Ok(())
     }
 
-    /// Copies an image of a chunk into `textures/` below `folder`, which is empty or ends with a slash; gives its path from
-    /// there.
+    /// Copies an image of a chunk into `textures/` below `folder`, which is empty or ends with a slash; returns its path
+    /// relative to `folder`.
     ///
     /// # Errors
     /// As [`copy`](#method.copy).
@@ -111,20 +110,20 @@ impl dyn Package + '_ {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Files(pub BTreeMap<String, Entry>);
 
-/// A line of the list of files.
+/// An entry of the list of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Entry {
     /// Size in bytes.
     pub bytes: u64,
     /// SHA-256 in lower-case hexadecimal.
     pub sha256: String,
-    /// The file of the disk that it is a copy of, if it is one; not written down.
+    /// The file on the disk that it was copied from, if any; not stored.
     #[serde(skip)]
     pub source: Option<PathBuf>,
 }
 
 impl Files {
-    /// Bytes of all files together.
+    /// Total bytes of all files.
     pub fn bytes(&self) -> u64 {
         self.0.values().fold(0, |sum, entry| sum.saturating_add(entry.bytes))
     }
@@ -136,13 +135,13 @@ impl Files {
     }
 }
 
-/// What is wrong with a path as one inside a package, if anything.
+/// What is wrong with a path inside a package, if anything.
 pub(crate) fn path_fault(path: &str) -> Option<&'static str> {
     if path.starts_with('/') || path.contains(['\\', ':', '\0']) {
         return Some("is not relative with forward slashes");
     }
     if path.split('/').any(plume_disk::is_device_name) {
-        return Some("has a part that is a device on Windows");
+        return Some("has a part that is a device name on Windows");
     }
     let has_odd_part = path.split('/').any(|part| matches!(part, "" | "." | ".."));
     has_odd_part.then_some("has an empty, `.` or `..` part")
@@ -170,7 +169,7 @@ impl Package for Memory {
     }
 }
 
-/// Counts and hashes what passes, and puts the path into errors.
+/// Counts and hashes the bytes written, and adds the path to errors.
 struct HashingWriter<'a> {
     path: &'a str,
     inner: Box<dyn Write + 'a>,
@@ -202,7 +201,7 @@ impl Write for HashingWriter<'_> {
     }
 }
 
-/// JSON for people to read, with a newline at its end.
+/// Pretty-printed JSON with a trailing newline.
 pub(crate) fn pretty(value: &impl Serialize) -> Result<String, ExportError> {
     let mut text = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
     text.push('\n');

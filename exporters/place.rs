@@ -1,4 +1,4 @@
-//! Where a package goes, and the one way to write it whole: the target's files, whose it is, and what is in it.
+//! Destinations of packages, and how a complete package is written: the target's files, its licence, and its manifest.
 
 use std::path::PathBuf;
 
@@ -21,22 +21,22 @@ mod folder;
 mod pack;
 mod user_files;
 
-/// Name of the file that says whose the package is.
+/// Name of the licence file.
 pub const LICENSE: &str = "LICENSE.md";
 
-/// Where a package goes.
+/// Destination of a package.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The folder or file.
     pub path: PathBuf,
-    /// The kind of file that the package becomes, if it does not stay a folder.
+    /// The kind of bundle, if the package is not a folder.
     pub bundle: Option<Bundle>,
-    /// What to do with what is there already.
+    /// What to do with an existing package.
     pub existing: Existing,
 }
 
 impl Place {
-    /// Whether a package can be made here: asked before the long work.
+    /// Whether a package can be made here: checked before the long work.
     ///
     /// # Errors
     /// As [`Folder::check`] and [`Archive::check`].
@@ -47,10 +47,10 @@ impl Place {
         }
     }
 
-    /// Writes the package; it appears whole or not at all. `name` is what was asked for, such as `gazebo`.
+    /// Writes the package; it appears whole or not at all. `name` is the requested target, such as `gazebo`.
     ///
     /// # Errors
-    /// When something else is here, the scene cannot be read, or the disk refuses.
+    /// If something else is here, the scene cannot be read, or the disk fails.
     pub fn write(&self, name: &str, target: &dyn Target, scene: &Scene) -> Result<(Summary, Files), ExportError> {
         match self.bundle {
             None => {
@@ -70,7 +70,7 @@ impl Place {
     }
 }
 
-/// Writes a whole package into `out`, which is empty. `name` is what was asked for, such as `gazebo`.
+/// Writes a complete package into `out`, which is empty. `name` is the requested target, such as `gazebo`.
 ///
 /// # Errors
 /// As [`Target::export`].

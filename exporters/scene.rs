@@ -1,4 +1,4 @@
-//! The scene: everything an exporter needs, resolved; metres, kilograms, seconds, radians; right-handed, Z up.
+//! The scene: everything that an exporter needs, resolved; metres, kilograms, seconds, radians; right-handed, Z up.
 //!
 //! Chunks are loaded one at a time, so memory does not grow with their number.
 
@@ -19,25 +19,25 @@ pub struct Scene<'a> {
     pub description: String,
     /// What made it, e.g. `plume 0.1.0`.
     pub generator: String,
-    /// The text that alone makes this scene again, if there is one.
+    /// The text from which alone this scene can be made again, if there is one.
     pub recipe: String,
-    /// SHA-256 of all that a package of it follows from, so that one that is there already can be known; may be empty.
+    /// SHA-256 of everything that a package of it follows from, by which an existing one is recognised; may be empty.
     pub fingerprint: String,
-    /// The seed in it.
+    /// The seed in the recipe.
     pub seed: u64,
     /// The chunks, in a fixed order.
     pub chunks: &'a dyn Chunks,
-    /// Where a robot may start; never empty. +X looks along the passage, +Z is up, the origin is on the ground.
+    /// Start poses; never empty. +X points along the passage, +Z is up, the origin is on the ground.
     pub spawns: Vec<Isometry3<f64>>,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Coulomb friction against rubber.
+    /// Coulomb friction of rubber on the rock.
     pub friction: ByZone,
     /// Downward acceleration in m/s².
     pub gravity: f64,
-    /// How far the collision mesh lies from the visual mesh at most, in metres.
+    /// Upper bound of the distance between collision mesh and visual mesh, in metres.
     pub collision_error_m: f64,
-    /// How far convex pieces reach into the open at most, in metres beyond the visual mesh.
+    /// Upper bound of how far convex pieces reach into the air beyond the visual mesh, in metres.
     pub piece_tolerance_m: ByZone,
 }
 
@@ -45,7 +45,7 @@ impl Scene<'_> {
     /// Checks what can be checked without loading a chunk.
     ///
     /// # Errors
-    /// [`ExportError::BadScene`] when a name is not safe or taken, or there is no chunk or no spawn pose.
+    /// [`ExportError::BadScene`] if a name is not safe or not unique, or there is no chunk or no start pose.
     pub fn check(&self) -> Result<(), ExportError> {
         if !names::is_safe(&self.name) {
             return Err(self.fault("its name is not `[a-z][a-z0-9_]*`".to_owned()));
@@ -64,7 +64,7 @@ impl Scene<'_> {
     /// Loads a chunk and checks it, so that exporters may index its arrays.
     ///
     /// # Errors
-    /// [`ExportError::Load`] when it cannot be read, [`ExportError::BadScene`] when its arrays do not agree.
+    /// [`ExportError::Load`] if it cannot be read, [`ExportError::BadScene`] if its arrays are inconsistent.
     pub fn chunk(&self, index: usize) -> Result<Chunk, ExportError> {
         let chunk =
             self.chunks.load(index).map_err(|source| ExportError::Load { scene: self.name.clone(), index, source })?;
@@ -80,7 +80,7 @@ impl Scene<'_> {
         Ok(chunk)
     }
 
-    /// Loads the convex pieces of a chunk and checks them. Only for targets that [want](crate::Target::wants_pieces) them.
+    /// Loads the convex pieces of a chunk and checks them. Only for targets that [use](crate::Target::wants_pieces) them.
     ///
     /// # Errors
     /// As [`Scene::chunk`].
@@ -97,7 +97,7 @@ impl Scene<'_> {
         Ok(pieces)
     }
 
-    /// Where the user looks from first: 1 m above the first spawn pose. +X looks ahead, +Z is up.
+    /// The initial viewpoint: 1 m above the first start pose. +X points ahead, +Z is up.
     pub fn viewpoint(&self) -> Isometry3<f64> {
         self.spawns[0] * Translation3::new(0.0, 0.0, 1.0)
     }
@@ -123,7 +123,7 @@ pub trait Chunks: Sync {
     /// When it cannot be read.
     fn load(&self, index: usize) -> Result<Chunk, std::io::Error>;
 
-    /// The chunks next to a chunk, those that share a face, an edge or a corner of the grid with it, in their order.
+    /// The neighbours of a chunk, which share a face, an edge or a corner of the grid with it, in their order.
     fn neighbors(&self, index: usize) -> Vec<usize>;
 
     /// Loads the convex pieces of a chunk.
@@ -133,24 +133,24 @@ pub trait Chunks: Sync {
     fn pieces(&self, index: usize) -> Result<Vec<Piece>, std::io::Error>;
 }
 
-/// A piece of the world.
+/// A part of the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chunk {
     /// Safe name, unique in the scene, e.g. `chunk_0_2_1`.
     pub name: String,
-    /// What cameras see, in full detail.
+    /// The visual mesh in full detail.
     pub visual: Mesh,
-    /// The same with fewer and fewer triangles and the same material, for cameras further away; may be empty. Vertices
-    /// on the border of a chunk are those of `visual` at every level, so that no level tears from any other.
+    /// Coarser levels of detail with the same material, for distant cameras; may be empty. Vertices on the border of a chunk
+    /// are those of `visual` at every level, so that levels of neighbouring chunks meet without cracks.
     pub lods: Vec<Lod>,
-    /// What wheels touch: fewer triangles, positions and triangles only.
+    /// The collision mesh: fewer triangles, positions and triangles only.
     pub collision: Mesh,
     /// Material of the visual mesh.
     pub material: Material,
 }
 
 impl Chunk {
-    /// Every level of detail, the full one first, with how far it lies from the full one at most, in metres.
+    /// Every level of detail, the full one first, with an upper bound of its distance from the full one, in metres.
     pub fn levels(&self) -> impl Iterator<Item = (&Mesh, f32)> {
         let coarser = self.lods.iter().map(|lod| (&lod.mesh, lod.error_m));
         std::iter::once((&self.visual, 0.0)).chain(coarser)
@@ -160,9 +160,9 @@ impl Chunk {
 /// A coarser level of detail of a visual mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lod {
-    /// The triangles, every attribute present.
+    /// The triangles, with all attributes.
     pub mesh: Mesh,
-    /// How far it lies from the full detail at most, in metres.
+    /// Upper bound of its distance from the full detail, in metres.
     pub error_m: f32,
 }
 
@@ -170,14 +170,14 @@ pub struct Lod {
 /// chunk cover its wall; they may overlap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piece {
-    /// Its surface: closed, convex, at least four vertices that are not in one plane, every vertex a corner; positions and
+    /// Its surface: closed, convex, at least four vertices that are not coplanar, every vertex a corner; positions and
     /// triangles only.
     pub mesh: Mesh,
-    /// Which part of the wall it stands for.
+    /// The zone of the wall that it covers.
     pub zone: Zone,
 }
 
-/// A part of the wall, by what a robot does with it.
+/// A zone of the wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Zone {
     /// What wheels stand on.
@@ -189,7 +189,7 @@ pub enum Zone {
 }
 
 impl Zone {
-    /// Every zone.
+    /// All zones.
     pub const ALL: [Self; 3] = [Self::Floor, Self::Wall, Self::Ceiling];
 
     /// Its name in files.
@@ -205,16 +205,16 @@ impl Zone {
 /// A number for each zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ByZone {
-    /// Of the floor.
+    /// Value of the floor.
     pub floor: f64,
-    /// Of the walls.
+    /// Value of the walls.
     pub wall: f64,
-    /// Of the ceiling.
+    /// Value of the ceiling.
     pub ceiling: f64,
 }
 
 impl ByZone {
-    /// The number of a zone.
+    /// The value of a zone.
     pub fn of(self, zone: Zone) -> f64 {
         match zone {
             Zone::Floor => self.floor,
@@ -246,7 +246,7 @@ impl Mesh {
         self.indices.len() as u64 / 3
     }
 
-    /// The least and the greatest corner of the box round the vertices.
+    /// Minimum and maximum corner of the bounding box of the vertices.
     pub fn bounds(&self) -> [[f32; 3]; 2] {
         bounds(self.positions.iter().copied())
     }
@@ -273,7 +273,7 @@ impl Mesh {
     }
 }
 
-/// The least and the greatest corner of the box round some points.
+/// Minimum and maximum corner of the bounding box of some points.
 pub(crate) fn bounds(points: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
     let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
     for point in points {
@@ -308,10 +308,10 @@ pub struct Material {
 }
 
 impl Material {
-    /// Refuses images that the readers of `target` do not read; the height is not asked.
+    /// Refuses images that the readers of `target` do not support; the height map is not checked.
     ///
     /// # Errors
-    /// [`ExportError::UnfitImage`], which names the kinds that they do.
+    /// [`ExportError::UnfitImage`], which names the supported formats.
     pub(crate) fn refuse_unless(
         &self,
         target: &'static str,
@@ -325,12 +325,12 @@ impl Material {
     }
 }
 
-/// How far the rock lies before the visual mesh, along its normal.
+/// Height of the rock above the visual mesh, along its normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Height {
     /// A PNG with one channel of 16 bits, linear: black is `-amplitude_m`, white is `amplitude_m`.
     pub image: Image,
-    /// The greatest distance that the image can say, in metres.
+    /// The largest height that the image can represent, in metres.
     pub amplitude_m: f32,
 }
 
@@ -348,12 +348,12 @@ pub struct Image {
 pub struct Light {
     /// Safe name, unique in the scene.
     pub name: String,
-    /// Where.
+    /// Position.
     pub position: Point3<f64>,
     /// Linear RGB, 0–1.
     pub color: [f64; 3],
     /// Luminous intensity in candela.
     pub intensity_cd: f64,
-    /// Distance beyond which it can be left out, metres.
+    /// Distance beyond which it can be ignored, metres.
     pub range_m: f64,
 }

@@ -1,4 +1,4 @@
-//! What triangles are to a robot, by their slope.
+//! Zones of triangles, by slope.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -15,7 +15,7 @@ pub(crate) fn zones(mesh: &Mesh) -> [(Zone, Vec<u32>); 3] {
     zones
 }
 
-/// What faces along a unit normal.
+/// The zone of a face with this unit normal.
 pub(crate) fn zone(normal: [f32; 3]) -> Zone {
     match normal[2] {
         up if up > FRAC_1_SQRT_2 => Zone::Floor,
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn faces_are_told_apart_by_their_slope() {
+    fn faces_are_classified_by_slope() {
         let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.9], [0.0, 1.0, 1.1]];
         let indices = vec![0, 1, 2, 0, 2, 1, 0, 1, 3, 0, 1, 4, 0, 4, 1];
         let faces = zones(&Mesh { positions, indices, ..Mesh::default() });

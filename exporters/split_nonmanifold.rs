@@ -1,11 +1,11 @@
-//! Splits vertices in which two parts of a mesh touch.
+//! Splits non-manifold vertices, in which two parts of a mesh touch.
 //!
-//! A whole surface may be manifold and a piece of it not: where the border of the piece meets itself in a point, two fans
-//! of triangles share a vertex. Readers that ask each mesh to be manifold alone want a vertex for each.
+//! A surface may be manifold while a part of it is not: where the border of the part touches itself in a point, two fans of
+//! triangles share a vertex. Readers that require each mesh to be manifold need a vertex for each.
 
 use crate::scene::Mesh;
 
-/// Gives every fan but the first of a vertex a copy of it, at the end of the vertices. Positions and triangles only.
+/// Gives every fan of a vertex except the first a copy of it, appended to the vertices. Positions and triangles only.
 pub(crate) fn split_nonmanifold_vertices(mesh: &mut Mesh) {
     let mut corners: Vec<usize> = (0..mesh.indices.len()).collect();
     corners.sort_by_key(|&corner| mesh.indices[corner]);
@@ -24,7 +24,7 @@ pub(crate) fn split_nonmanifold_vertices(mesh: &mut Mesh) {
     }
 }
 
-/// The corners at one vertex, by fans: those whose triangles share an edge at the vertex, directly or through others.
+/// The corners at one vertex, by fan: those whose triangles share an edge at the vertex, directly or through others.
 fn fans(indices: &[u32], around: &[usize]) -> Vec<Vec<usize>> {
     let mut rest = around.to_vec();
     let mut fans = Vec::new();

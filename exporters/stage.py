@@ -1,7 +1,7 @@
 """Authors the layers of a USD stage with usd-core. The other half of `stage.rs`, which calls these functions.
 
-What is written where is decided there and arrives as plain JSON in `spec`; large arrays arrive beside it as NumPy arrays
-and leave `arrays` as soon as USD has its copy, so that memory stays at one chunk.
+What is written where is decided there and arrives as plain JSON in `spec`; large arrays arrive separately as NumPy arrays
+and are removed from `arrays` as soon as USD has its copy, so that memory stays at one chunk.
 """
 
 import math
@@ -66,8 +66,8 @@ def write_root(spec, arrays):
 
 
 def write_usdz(spec, arrays):
-    """One archive of the stage `root` and all that it refers to."""
-    # USD notes the local time of every file: a fixed one, so that the same stage gives the same bytes.
+    """An archive of the stage `root` and everything it refers to."""
+    # USD stores the local time of every file, so it is fixed for the same stage to give the same bytes.
     noon = time.mktime((1980, 1, 1, 12, 0, 0, 0, 0, -1))
     for file in Path(spec["root"]).parent.rglob("*"):
         os.utime(file, (noon, noon))
@@ -120,7 +120,7 @@ def fill_visual(mesh, spec, arrays):
 
 
 def define_zone(stage, spec):
-    """A part of the wall whose pieces have a friction of their own."""
+    """A zone of the wall, with its own friction."""
     UsdGeom.Scope.Define(stage, "/Chunk/Collision")
     zone = UsdGeom.Scope.Define(stage, f"/Chunk/Collision/{spec['name']}")
     ground = define_ground(stage, f"/Chunk/Looks/{spec['name'].title()}", spec["friction"])
@@ -128,7 +128,7 @@ def define_zone(stage, spec):
 
 
 def define_collider(stage, spec, arrays):
-    """What wheels touch: never drawn, and static because it has no rigid body."""
+    """A collider: never rendered, and static because it has no rigid body."""
     mesh = define_mesh(stage, f"/Chunk/{spec['name']}")
     fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.uniform)
     mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
@@ -193,12 +193,12 @@ def define_payload(stage, spec):
     prim = UsdGeom.Xform.Define(stage, f"/World/Chunks/{spec['name']}").GetPrim()
     Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
     prim.GetPayloads().AddPayload(spec["layer"])
-    # So that a chunk has a size while it is not loaded.
+    # Gives a chunk an extent while it is not loaded.
     UsdGeom.ModelAPI.Apply(prim).SetExtentsHint(box(spec["extent"]))
 
 
 def define_physics(stage, chunks, spec):
-    # Beside the world: who references the cave into a stage of their own has a scene already.
+    # Outside the world: a stage that references the cave has its own physics scene.
     scene = UsdPhysics.Scene.Define(stage, "/PhysicsScene")
     scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
     scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
@@ -222,7 +222,7 @@ def bind_ground(prim, ground):
 
 
 def define_light(stage, spec):
-    """A small bright sphere: luminous intensity over the area that is seen of it gives its luminance, in nits."""
+    """A small bright sphere: its luminance in nits is the luminous intensity divided by the projected area."""
     light = UsdLux.SphereLight.Define(stage, f"/World/Lights/{spec['name']}")
     light.CreateRadiusAttr(LAMP_RADIUS_M)
     light.CreateIntensityAttr(spec["intensity_cd"] / (math.pi * LAMP_RADIUS_M**2))
@@ -252,7 +252,7 @@ def box(corners):
 
 
 def typed(value):
-    """JSON with lists of three numbers as points, as `customLayerData` wants them."""
+    """JSON with lists of three numbers converted to points, as `customLayerData` requires."""
     if isinstance(value, dict):
         return {key: typed(item) for key, item in value.items()}
     return Gf.Vec3d(*value) if isinstance(value, list) else value

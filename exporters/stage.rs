@@ -5,15 +5,15 @@
 //! chunks/<chunk>.usdc        /Chunk: visual mesh at every level of detail, material, collision mesh
 //! chunks/textures/           images of the chunks
 //! ```
-//! Z up, metres, kilograms, right-handed; paths are relative, so the folder works wherever it lies. After the schemas
-//! UsdGeom, UsdShade, UsdLux, UsdPhysics and UsdSemantics (<https://openusd.org/release/api/index.html>). The cave is
-//! static: collision meshes have no rigid body and keep their triangles (`approximation = "none"`), so they may be
-//! concave. They are apart from the visual meshes, which have none. Convex pieces take their place where they are wanted
-//! (`/Chunk/Collision/<zone>/piece_<n>`, `approximation = "convexHull"`), with a friction for each zone.
+//! Z up, metres, kilograms, right-handed; paths are relative, so the folder can be moved. Uses the schemas UsdGeom,
+//! UsdShade, UsdLux, UsdPhysics and UsdSemantics (<https://openusd.org/release/api/index.html>). The cave is static:
+//! collision meshes have no rigid body and keep their triangles (`approximation = "none"`), so they may be concave. They are
+//! separate from the visual meshes. On request, convex pieces replace them (`/Chunk/Collision/<zone>/piece_<n>`,
+//! `approximation = "convexHull"`), with friction per zone.
 //!
-//! The layers are written by usd-core, which lives in Python: a host program lends it as [`Library`]. What is said of
-//! each prim is decided here or in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings
-//! and the version of usd-core.
+//! The layers are written by usd-core, a Python package: a host program provides it as [`Library`]. The content of each prim
+//! is decided here and in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings and the version
+//! of usd-core.
 
 use std::path::Path;
 
@@ -39,20 +39,20 @@ pub const SCRIPT: &str = include_str!("stage.py");
 
 /// The USD library of a host program: a Python with usd-core.
 pub trait Library: Send + Sync {
-    /// Whether it can be used; asked before the long work.
+    /// Whether it can be used; checked before the long work.
     ///
     /// # Errors
-    /// [`ExportError::MissingPart`] when usd-core is absent or of another version.
+    /// [`ExportError::MissingPart`] if usd-core is missing or has an unsupported version.
     fn check(&self) -> Result<(), ExportError>;
 
-    /// Calls `function(spec, arrays)` of [`SCRIPT`]. The arrays are handed over, not copied.
+    /// Calls `function(spec, arrays)` of [`SCRIPT`]. The arrays are passed without a copy.
     ///
     /// # Errors
     /// [`ExportError::Library`] with what Python raised.
     fn call(&self, function: &'static str, spec: &Value, arrays: Vec<(String, Array)>) -> Result<(), ExportError>;
 }
 
-/// An array that USD takes as it lies in memory.
+/// An array in the memory layout of USD.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Array {
     /// Shape (n, 3).
@@ -63,15 +63,15 @@ pub enum Array {
     Index(Vec<u32>),
 }
 
-/// Settings of the targets that are a stage and nothing more.
+/// Settings of the targets that are plain stages.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct StageSettings {
-    /// Whether the stage carries the lights of the scene.
+    /// Include the lights of the scene.
     pub lights: bool,
-    /// Whether the stage carries collision meshes, friction and gravity.
+    /// Include collision meshes, friction and gravity.
     pub physics: bool,
-    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
     pub collision: Collision,
 }
 
@@ -82,21 +82,21 @@ impl Default for StageSettings {
 }
 
 impl StageSettings {
-    /// What the stage then carries.
+    /// The content of the stage with these settings.
     pub fn contents(&self) -> Contents {
         let light_scale = if self.lights { 1.0 } else { 0.0 };
         Contents { physics: self.physics.then_some(self.collision), light_scale, omniverse_view: false }
     }
 }
 
-/// What a stage carries beside rock and start poses.
+/// The content of a stage in addition to rock and start poses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
-    /// What robots touch, with gravity and friction, if anything.
+    /// Collision shapes, with gravity and friction, if any.
     pub physics: Option<Collision>,
-    /// Factor on the luminous intensity of the lights; 0 leaves them out.
+    /// Factor on the luminous intensity of the lights; 0 omits them.
     pub light_scale: f64,
-    /// Whether an Omniverse viewport that opens the stage stands where the camera does, instead of outside.
+    /// Whether an Omniverse viewport starts at the camera instead of outside.
     pub omniverse_view: bool,
 }
 
@@ -152,13 +152,13 @@ pub fn root_name(scene: &Scene) -> String {
     format!("{}.usda", scene.name)
 }
 
-/// Images that the specification of UsdPreviewSurface demands of every reader, as far as a scene has them.
+/// Image formats that UsdPreviewSurface requires of every reader, as far as scenes use them.
 pub(crate) const IMAGES: [ImageFormat; 2] = [ImageFormat::Png, ImageFormat::Jpeg];
 
-/// Writes the layers and images of a stage into `out` for `target`; the summary says `open` of it.
+/// Writes the layers and images of a stage into `out` for `target`; `open` goes to the summary.
 ///
 /// # Errors
-/// As [`crate::Target::export`], and when the library refuses.
+/// As [`crate::Target::export`], and if the library fails.
 pub fn write(
     target: &'static str,
     scene: &Scene,
@@ -186,7 +186,7 @@ pub fn write(
     Ok(Summary { visual_triangles: triangles[0], collision_triangles: triangles[1], open })
 }
 
-/// Writes the layer and images of a chunk; gives what the root layer says of it.
+/// Writes the layer and images of a chunk; returns its description for the root layer.
 fn write_chunk(
     chunk: Chunk,
     colliders: Colliders,
@@ -223,7 +223,7 @@ fn write_chunk(
     Ok(json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }))
 }
 
-/// A level of detail: what is said of it; its arrays go to `arrays`.
+/// The description of a level of detail; its arrays go to `arrays`.
 fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
     let extent = mesh.bounds();
     let zones = slope::zones(&mesh);
@@ -260,7 +260,7 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
     if contents.physics.is_some() {
         spec["physics"] = json!({ "gravity_m_s2": scene.gravity });
     }
-    // Pieces bring the friction of their zone along.
+    // Pieces have the friction of their zone.
     if contents.physics == Some(Collision::Triangles) {
         spec["physics"]["friction"] = scene.friction.floor.into();
     }
@@ -284,7 +284,7 @@ fn light(light: &Light, scale: f64) -> Value {
     })
 }
 
-/// What Omniverse applications keep in a root layer about their viewport.
+/// Viewport data of Omniverse applications in the root layer.
 fn omniverse_view(view: &Isometry3<f64>) -> Value {
     let target = view * nalgebra::Point3::new(2.0, 0.0, 0.0);
     json!({ "cameraSettings": {

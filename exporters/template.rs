@@ -1,11 +1,11 @@
-//! Fills the texts of `templates/`.
+//! Fills in the templates of `templates/`.
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
 
-/// The file `path` of a package, filled from `template`. Markup is escaped everywhere but in Markdown.
+/// The file `path` of a package, filled in from `template`. Markup is escaped except in Markdown.
 ///
-/// Our templates and the values they name belong together: that they fit is what tests are for.
+/// Templates and values are both ours: tests make sure that they match.
 pub(crate) fn fill(path: &str, template: &str, values: &Value) -> String {
     let mut environment = Environment::new();
     let mut syntax = SyntaxConfig::builder();

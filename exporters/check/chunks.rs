@@ -1,4 +1,4 @@
-//! Whether the manifest agrees with itself.
+//! Whether the manifest is consistent.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use super::Fault;
 use crate::manifest::Manifest;
 use crate::package::{MANIFEST, path_fault};
 
-/// Paths that are none, images that are not listed, neighbours that are none.
+/// Invalid paths, images that are not listed, neighbours that are not mutual.
 pub fn faults(manifest: &Manifest) -> Vec<Fault> {
     let paths = manifest.files.0.keys();
     let wild = paths.filter_map(|path| Some(format!("lists `{path}`, which {}", path_fault(path)?)));
@@ -17,7 +17,7 @@ pub fn faults(manifest: &Manifest) -> Vec<Fault> {
 fn images(manifest: &Manifest) -> impl Iterator<Item = String> {
     let named = manifest.chunks.iter().flat_map(|chunk| chunk.textures.values().map(move |path| (&chunk.name, path)));
     let absent = named.filter(|(_, path)| !manifest.files.0.contains_key(*path));
-    absent.map(|(chunk, path)| format!("gives chunk `{chunk}` the image `{path}`, which it does not list"))
+    absent.map(|(chunk, path)| format!("lists chunk `{chunk}` with the image `{path}`, but not that file"))
 }
 
 fn neighbors(manifest: &Manifest) -> impl Iterator<Item = String> {
@@ -29,5 +29,5 @@ fn neighbors(manifest: &Manifest) -> impl Iterator<Item = String> {
     let pairs = manifest.chunks.iter().flat_map(|chunk| chunk.neighbors.iter().map(|other| (&*chunk.name, &**other)));
     let lonely = pairs.filter(move |(chunk, other)| !table.get(other).is_some_and(|back| back.contains(chunk)));
     lonely
-        .map(|(chunk, other)| format!("says that chunk `{chunk}` lies next to `{other}`, but not the other way round"))
+        .map(|(chunk, other)| format!("lists `{other}` as a neighbour of chunk `{chunk}`, but not the other way round"))
 }

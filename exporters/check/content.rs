@@ -1,4 +1,4 @@
-//! A file of a package as its reader sees it: a stream that is counted and hashed as it passes.
+//! A file of a package as its reader sees it: a stream that is counted and hashed while it is read.
 
 use std::io::{self, BufRead, BufReader, Read, Take};
 
@@ -6,10 +6,10 @@ use sha2::{Digest, Sha256};
 
 use plume_disk::sealed::hex;
 
-/// The most of a file that is held in memory.
+/// The largest part of a file that is held in memory.
 const MOST_BYTES: u64 = 1 << 28;
 
-/// Why a file is not what its name says, as the end of a sentence about it.
+/// Why a file is not what its extension says, as the predicate of a sentence about it.
 #[derive(Debug)]
 pub struct Unfit(pub String);
 
@@ -42,13 +42,13 @@ struct Tally<'a> {
 }
 
 impl<'a> Content<'a> {
-    /// The file `path`, which should have `size` bytes; no more than one beyond that is read.
+    /// The file `path`, which should have `size` bytes; at most one byte more is read.
     pub fn new(path: &'a str, size: u64, bytes: &'a mut dyn Read) -> Self {
         let tally = Tally { inner: bytes.take(size.saturating_add(1)), count: 0, hash: Sha256::new() };
         Self { path, size, bytes: BufReader::with_capacity(1 << 16, tally) }
     }
 
-    /// The file of exactly `size` bytes that stands next in a stream that goes on after it.
+    /// The file of exactly `size` bytes at the current position of a longer stream.
     pub fn part(path: &'a str, size: u64, bytes: &'a mut dyn Read) -> Self {
         let mut part = Self::new(path, size, bytes);
         part.bytes.get_mut().inner.set_limit(size);
@@ -65,7 +65,7 @@ impl<'a> Content<'a> {
         self.size
     }
 
-    /// Reads what is left, and gives the number of all bytes and their SHA-256.
+    /// Reads the rest, and returns the total number of bytes and their SHA-256.
     ///
     /// # Errors
     /// Those of the stream.
@@ -82,12 +82,12 @@ impl<'a> Content<'a> {
         Ok(array)
     }
 
-    /// The next four bytes as a number, least first.
+    /// The next four bytes as a little-endian number.
     pub fn u32(&mut self) -> Result<u32, Unfit> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    /// Passes over bytes.
+    /// Skips bytes.
     pub fn skip(&mut self, count: u64) -> Result<(), Unfit> {
         let skipped = io::copy(&mut (&mut self.bytes).take(count), &mut io::sink())?;
         if skipped == count { Ok(()) } else { Err("ends early".into()) }
@@ -96,43 +96,43 @@ impl<'a> Content<'a> {
     /// The next `count` bytes in memory.
     pub fn block(&mut self, count: u64) -> Result<Vec<u8>, Unfit> {
         if count > MOST_BYTES {
-            return Err("is larger than what is read at once".into());
+            return Err("is too large to be read into memory".into());
         }
         let mut block = Vec::new();
         (&mut self.bytes).take(count).read_to_end(&mut block)?;
         if block.len() as u64 == count { Ok(block) } else { Err("ends early".into()) }
     }
 
-    /// All that is left, in memory.
+    /// The rest, in memory.
     pub fn rest(&mut self) -> Result<Vec<u8>, Unfit> {
         self.rest_up_to(MOST_BYTES)
     }
 
-    /// All that is left, in memory, if it has no more bytes than these.
+    /// The rest, in memory, if it has at most this many bytes.
     pub fn rest_up_to(&mut self, most: u64) -> Result<Vec<u8>, Unfit> {
         let mut rest = Vec::new();
         (&mut self.bytes).take(most + 1).read_to_end(&mut rest)?;
-        if rest.len() as u64 > most { Err("is larger than what is read at once".into()) } else { Ok(rest) }
+        if rest.len() as u64 > most { Err("is too large to be read into memory".into()) } else { Ok(rest) }
     }
 
-    /// All that is left, as text.
+    /// The rest, as text.
     pub fn text(&mut self) -> Result<String, Unfit> {
-        String::from_utf8(self.rest()?).map_err(|_| "is no UTF-8".into())
+        String::from_utf8(self.rest()?).map_err(|_| "is not UTF-8".into())
     }
 
-    /// The next line without its end, or nothing after the last.
+    /// The next line without its line ending, or `None` after the last.
     pub fn line(&mut self) -> Result<Option<String>, Unfit> {
         let mut line = Vec::new();
         if (&mut self.bytes).take(MOST_BYTES).read_until(b'\n', &mut line)? == 0 {
             return Ok(None);
         }
-        let text = String::from_utf8(line).map_err(|_| Unfit::from("is no UTF-8"))?;
+        let text = String::from_utf8(line).map_err(|_| Unfit::from("is not UTF-8"))?;
         Ok(Some(text.trim_end_matches(['\n', '\r']).to_owned()))
     }
 
-    /// That nothing is left.
+    /// Fails unless everything was read.
     pub fn end(&mut self) -> Result<(), Unfit> {
-        if self.bytes.fill_buf()?.is_empty() { Ok(()) } else { Err("goes on after its end".into()) }
+        if self.bytes.fill_buf()?.is_empty() { Ok(()) } else { Err("has trailing data".into()) }
     }
 }
 

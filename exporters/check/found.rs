@@ -1,15 +1,15 @@
-//! What files name, and whether it is there.
+//! References between files, and whether they resolve.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Fault;
 use crate::package::{Files, MANIFEST};
 
-/// What the readers of all files have found.
+/// What all readers have found.
 #[derive(Default)]
 pub struct Found {
     references: Vec<Reference>,
-    /// Files inside files, by paths below that of the file.
+    /// Files inside archives, with paths below that of the archive.
     inside: BTreeSet<String>,
     guids: Vec<Guid>,
 }
@@ -20,7 +20,7 @@ struct Reference {
     least_bytes: u64,
 }
 
-/// An identifier of Unity: of the file itself, or of one that it names.
+/// A Unity GUID: of the file itself, or of one that it refers to.
 struct Guid {
     file: String,
     guid: String,
@@ -28,12 +28,12 @@ struct Guid {
 }
 
 impl Found {
-    /// The file `from` names `to`: a path relative to it, or a `model:` or `package:` URI.
+    /// The file `from` refers to `to`: a path relative to it, or a `model:` or `package:` URI.
     pub fn reference(&mut self, from: &str, to: impl Into<String>) {
         self.buffer(from, to, 0);
     }
 
-    /// The same, of which `least_bytes` bytes are wanted.
+    /// The same, for a file that must have at least `least_bytes` bytes.
     pub fn buffer(&mut self, from: &str, to: impl Into<String>, least_bytes: u64) {
         self.references.push(Reference { from: from.to_owned(), to: to.into(), least_bytes });
     }
@@ -48,12 +48,12 @@ impl Found {
         self.guids.push(Guid { file: file.to_owned(), guid: guid.to_owned(), is_own: true });
     }
 
-    /// The file `file` names another by its `guid`.
+    /// The file `file` refers to another by its `guid`.
     pub fn named_guid(&mut self, file: &str, guid: &str) {
         self.guids.push(Guid { file: file.to_owned(), guid: guid.to_owned(), is_own: false });
     }
 
-    /// References that lead nowhere.
+    /// References that do not resolve.
     pub fn faults(&self, files: &Files) -> Vec<Fault> {
         let there = There::new(files, &self.inside);
         let dangling = self.references.iter().filter_map(|reference| {
@@ -68,13 +68,16 @@ impl Found {
         let mut faults = Vec::new();
         for own in self.guids.iter().filter(|guid| guid.is_own) {
             if let Some(other) = owners.insert(&own.guid, &own.file) {
-                faults.push(Fault { path: own.file.clone(), what: format!("has the GUID of {other}: {}", own.guid) });
+                faults.push(Fault {
+                    path: own.file.clone(),
+                    what: format!("has the same GUID as {other}: {}", own.guid),
+                });
             }
         }
         let dangling = self.guids.iter().filter(|guid| !guid.is_own && !owners.contains_key(&*guid.guid));
         faults.extend(dangling.map(|named| Fault {
             path: named.file.clone(),
-            what: format!("names GUID {}, which no file here has", named.guid),
+            what: format!("refers to GUID {}, which no file of the package has", named.guid),
         }));
         faults
     }
@@ -99,23 +102,23 @@ impl<'a> There<'a> {
         let searched = to.strip_prefix("model://").or_else(|| to.strip_prefix("package://"));
         let path = match searched {
             Some(rest) => {
-                self.search(&reference.from, rest).ok_or_else(|| format!("names `{to}`, which is not here"))?
+                self.search(&reference.from, rest).ok_or_else(|| format!("refers to `{to}`, which does not exist"))?
             }
             None => self.beside(&reference.from, to)?,
         };
         match self.files.0.get(&path) {
             Some(entry) if entry.bytes < reference.least_bytes => {
-                Err(format!("wants {} bytes of `{to}`, which has {}", reference.least_bytes, entry.bytes))
+                Err(format!("needs {} bytes of `{to}`, which has {}", reference.least_bytes, entry.bytes))
             }
             _ => Ok(()),
         }
     }
 
-    /// A path relative to the file that names it. Files in an archive stay in it.
+    /// A path relative to the file that refers to it. Files in an archive cannot refer to files outside.
     fn beside(&self, from: &str, to: &str) -> Result<String, String> {
         let is_absolute = to.starts_with('/') || to.contains(':');
         if is_absolute || to.contains('\\') {
-            return Err(format!("names `{to}`, which is no relative path with forward slashes"));
+            return Err(format!("refers to `{to}`, which is not a relative path with forward slashes"));
         }
         let root = from.rfind(".usdz/").filter(|_| self.inside.contains(from)).map_or(0, |end| end + ".usdz/".len());
         let folder = from[root..].rsplit_once('/').map_or("", |(folder, _)| folder);
@@ -124,16 +127,17 @@ impl<'a> There<'a> {
             match part {
                 "" | "." => {}
                 ".." => {
-                    parts.pop().ok_or_else(|| format!("names `{to}`, which leads out of the package"))?;
+                    parts.pop().ok_or_else(|| format!("refers to `{to}`, which is outside the package"))?;
                 }
                 part => parts.push(part),
             }
         }
         let path = format!("{}{}", &from[..root], parts.join("/"));
-        if self.holds(&path) { Ok(path) } else { Err(format!("names `{to}`, which is not here")) }
+        if self.holds(&path) { Ok(path) } else { Err(format!("refers to `{to}`, which does not exist")) }
     }
 
-    /// The model or ROS package of a URI: a folder of that name, beside the file or further up, or in `models` there.
+    /// The model or ROS package of a URI: a folder of that name next to the file or further up, or in a `models` folder
+    /// there.
     fn search(&self, from: &str, rest: &str) -> Option<String> {
         let ends = from.match_indices('/').map(|(end, _)| end + 1);
         let folders = std::iter::once(0).chain(ends).map(|end| &from[..end]);
@@ -142,7 +146,7 @@ impl<'a> There<'a> {
     }
 
     fn holds(&self, path: &str) -> bool {
-        // The manifest lists every file but itself.
+        // The manifest lists every file except itself.
         path == MANIFEST || self.files.0.contains_key(path) || self.inside.contains(path) || self.folders.contains(path)
     }
 }

@@ -1,7 +1,7 @@
-//! What files are, by their extension, and what they name.
+//! Readers of files by extension, which also find the references in them.
 //!
-//! A reader parses as much as tells a whole file from a broken one, and notes every other file that is named. A new format is
-//! a row of [`READERS`]; a file with another extension is hashed only.
+//! A reader parses enough to tell an intact file from a broken one, and notes every reference to another file. A new format
+//! is a row of [`READERS`]; files with other extensions are only hashed.
 
 use super::content::{Content, Unfit};
 use super::found::Found;
@@ -44,7 +44,7 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["xml", "sdf", "urdf", "xacro", "world", "config", "mjcf", "dae", "x3d"], xml::read),
 ];
 
-/// Reads a file as what its name says.
+/// Reads a file by its extension.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     match reader(content.path()) {
         Some(read) => read(content, found),
@@ -52,7 +52,7 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     }
 }
 
-/// Whether a text ends like the name of a file that has a reader.
+/// Whether a text ends with an extension that has a reader.
 pub fn is_file_name(text: &str) -> bool {
     reader(text).is_some()
 }

@@ -9,7 +9,7 @@ use plume_disk::regular;
 use super::Gate;
 use crate::error::at;
 
-/// Shows the files below `root`; links are not followed.
+/// Passes on the files below `root`; links are not followed.
 pub fn read(root: &Path, mut gate: Gate<'_>) -> io::Result<()> {
     let mut folders = vec![(root.to_owned(), String::new())];
     while let Some((folder, above)) = folders.pop() {
@@ -21,7 +21,7 @@ pub fn read(root: &Path, mut gate: Gate<'_>) -> io::Result<()> {
             if kind.is_dir() {
                 folders.push((entry.path(), format!("{path}/")));
             } else if !kind.is_file() {
-                gate.fault(&path, if kind.is_symlink() { "is a link" } else { "is neither a file nor a folder" });
+                gate.fault(&path, if kind.is_symlink() { "is a link" } else { "is not a file or folder" });
             } else {
                 let mut file =
                     regular::open_no_follow(&entry.path()).map_err(|error| at(entry.path().display(), &error))?;

@@ -18,7 +18,7 @@ pub enum Compression {
     Gzip,
 }
 
-/// Shows the files. Heads that give the next entry another name or size are not read but told, as links are.
+/// Passes on the files. Headers that change the name or size of the next entry are reported instead of read, like links.
 pub fn read(file: File, compression: Compression, most_bytes: u64, mut gate: Gate<'_>) -> io::Result<()> {
     let mut archive = Archive::new(Limited { inner: Unpacker::new(file, compression)?, left: most_bytes });
     for entry in archive.entries()?.raw(true) {
@@ -36,12 +36,12 @@ pub fn read(file: File, compression: Compression, most_bytes: u64, mut gate: Gat
                 }
             }
             EntryType::Symlink | EntryType::Link => gate.fault(&path, "is a link"),
-            other => gate.fault(&path, &format!("is neither a file nor a folder: tar calls it {other:?}")),
+            other => gate.fault(&path, &format!("is not a file or folder but has the tar type {other:?}")),
         }
     }
     let mut rest = archive.into_inner();
     if !is_blank(&mut rest)? || !rest.inner.has_ended()? {
-        gate.fault(WHOLE, "goes on after its end");
+        gate.fault(WHOLE, "has trailing data");
     }
     Ok(())
 }
@@ -65,7 +65,7 @@ impl Unpacker {
         })
     }
 
-    /// Whether the file ends where what was unpacked does.
+    /// Whether the file ends where the unpacked data does.
     fn has_ended(self) -> io::Result<bool> {
         let mut file = match self {
             Self::Zstd(decoder) => decoder.finish(),
@@ -91,7 +91,7 @@ fn below_root(path: &str, compression: Compression) -> Option<String> {
     }
 }
 
-/// Whether nothing but zeros is left.
+/// Whether only zeros are left.
 fn is_blank(mut rest: impl Read) -> io::Result<bool> {
     let mut buffer = [0; 1 << 14];
     loop {

@@ -8,7 +8,7 @@ use zip::read::ZipFile;
 
 use super::{Gate, Limited, MOST_FILES, WHOLE, invalid};
 
-/// Bits of a Unix mode that say what an entry is, and those of a file and of a folder.
+/// Type bits of a Unix mode, and their values for a file and for a folder.
 const KIND: u32 = 0o170_000;
 const KIND_FILE: u32 = 0o100_000;
 const KIND_FOLDER: u32 = 0o040_000;
@@ -20,15 +20,15 @@ pub fn read(mut file: File, mut left: u64, mut gate: Gate<'_>) -> io::Result<()>
     file.rewind()?;
     let mut zip = ZipArchive::new(BufReader::new(file)).map_err(io::Error::from)?;
     if zip.len() > MOST_FILES {
-        return Err(invalid(format!("holds more than {MOST_FILES} files")));
+        return Err(invalid(format!("contains more than {MOST_FILES} files")));
     }
     if zip.offset() != 0 {
-        gate.fault(WHOLE, "begins with something that is no zip");
+        gate.fault(WHOLE, "begins with data that does not belong to the zip");
     } else if !ends_well {
-        gate.fault(WHOLE, "goes on after its end, or ends in a comment");
+        gate.fault(WHOLE, "has trailing data or a comment");
     }
     if let Err(error) = zip.validate_header_consistency() {
-        gate.fault(WHOLE, &format!("contradicts itself: {error}"));
+        gate.fault(WHOLE, &format!("is inconsistent: {error}"));
     }
     for index in 0..zip.len() {
         let raw = zip.by_index_data(index).map(|entry| entry.name_raw().to_vec()).map_err(io::Error::from)?;
@@ -54,15 +54,15 @@ pub fn read(mut file: File, mut left: u64, mut gate: Gate<'_>) -> io::Result<()>
     Ok(())
 }
 
-/// The record at the end of a zip that has no comment, and how it begins; how the one begins that stands before it in a large
-/// zip.
+/// The record at the end of a zip that has no comment, and how it begins; how the one begins that stands before it in a
+/// large zip.
 const END_BYTES: u64 = 22;
 const END: &[u8] = b"PK\x05\x06";
 const LOCATOR_BYTES: u64 = 20;
 const LOCATOR: &[u8] = b"PK\x06\x07";
 
-/// Whether the archive ends with its last record, and that follows on what it tells of: readers look for it from the end on
-/// backwards, and some might find another one.
+/// Whether the archive ends with its end record, directly after the data it describes: readers search it backwards from
+/// the end, and some might find another one.
 fn ends_well(file: &mut File) -> io::Result<bool> {
     let Some(at) = file.seek(SeekFrom::End(0))?.checked_sub(END_BYTES) else { return Ok(false) };
     let mut end = [0; END_BYTES as usize];
@@ -85,6 +85,6 @@ fn kind_fault(entry: &ZipFile<'_, BufReader<File>>) -> Option<&'static str> {
     match entry.unix_mode().unwrap_or(0) & KIND {
         0 | KIND_FILE | KIND_FOLDER => None,
         _ if entry.is_symlink() => Some("is a link"),
-        _ => Some("is neither a file nor a folder"),
+        _ => Some("is not a file or folder"),
     }
 }

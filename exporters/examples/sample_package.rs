@@ -1,11 +1,12 @@
 //! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
 //!
 //! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per chunk,
-//! `FOLDER/<target>_meshopt` packed, `FOLDER/<target>_pieces` with convex pieces where they are offered, and `FOLDER/fbx_y`
+//! `FOLDER/<target>_meshopt` compressed, `FOLDER/<target>_pieces` with convex pieces where supported, and `FOLDER/fbx_y`
 //! with Y up.
 //!
-//! The marker: `FOLDER/marker/<target>` with the truth in `FOLDER/marker/marker.json`, and with each fault as
-//! `FOLDER/marker_<fault>/<target>`; for the targets that need a USD library where an interpreter with usd-core is named.
+//! The marker: `FOLDER/marker/<target>` with the expected result in `FOLDER/marker/marker.json`, and with each injected
+//! fault as `FOLDER/marker_<fault>/<target>`; for targets that need a USD library only if an interpreter with usd-core is
+//! given.
 
 use std::error::Error;
 use std::fs;
@@ -66,7 +67,7 @@ fn write_chambers(folder: &Path) -> Result<()> {
         let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &chamber.scene(), &None)?;
     }
-    // `FOLDER/<target>_webp`, where WebP is written.
+    // `FOLDER/<target>_webp`, where WebP is supported.
     let webp = sample::Chamber::in_webp(textures.path())?;
     for row in TARGETS.iter().filter(|row| row.images.contains(&ImageFormat::WebP) && !row.needs_usd()) {
         write(&folder.join(format!("{}_webp", row.name)), row, json!({}), &webp.scene(), &None)?;

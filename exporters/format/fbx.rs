@@ -1,11 +1,11 @@
 //! Binary FBX 7.4: metres, right-handed, normals and tangents by vertex, UV origin at the lower left.
 //!
-//! There is no specification. What is written is what readers read: ufbx, Blender, assimp and three.js were asked. Nodes
-//! stand at the origin and are not turned, so the vertices are those of the scene to the last bit. The bytes depend on the
-//! scene alone: the time is always the same, objects are numbered in order, and arrays are compressed by Rust code.
+//! There is no specification. The output is what ufbx, Blender, assimp and three.js read. Nodes are at the origin and not
+//! rotated, so the vertices are those of the scene to the last bit. The bytes depend only on the scene: the time is always
+//! the same, objects are numbered in order, and arrays are compressed by Rust code.
 //!
-//! Memory: one part. How many objects there are stands before them, so the head is written twice, the second time when
-//! they are counted.
+//! Memory: one part. The number of objects precedes them, so the header is written twice, the second time when they have
+//! been counted.
 
 use crate::error::ExportError;
 use crate::frame::Up;
@@ -21,7 +21,7 @@ mod material;
 mod node;
 mod window;
 
-/// What a file says of itself.
+/// Metadata of a file.
 #[derive(Clone, Copy, Debug)]
 pub struct Head<'a> {
     /// The program that writes.
@@ -37,10 +37,10 @@ pub struct Maps {
     pub base_color: String,
     /// Tangent-space normals.
     pub normal: String,
-    /// Roughness alone. FBX has no slot for it: it is put in place of shininess, where Blender looks for it. Unreal would
-    /// take it for metalness.
+    /// Roughness alone. FBX has no slot for it: it is linked as shininess, where Blender looks for it. Unreal would take it
+    /// for metalness.
     pub roughness: Option<String>,
-    /// Occlusion, roughness and metalness in red, green and blue. Of these, readers see occlusion.
+    /// Occlusion, roughness and metalness in red, green and blue. Readers only use the occlusion.
     pub occlusion_roughness_metalness: Option<String>,
 }
 
@@ -51,11 +51,11 @@ pub struct Level<'a> {
     pub name: String,
     /// Triangles with every attribute.
     pub mesh: &'a Mesh,
-    /// How far it lies from the full detail at most, in metres.
+    /// Upper bound of its distance from the full detail, in metres.
     pub error_m: f32,
 }
 
-/// Triangles to touch, not to see.
+/// A collision mesh.
 #[derive(Clone, Debug)]
 pub struct Collider<'a> {
     /// Name of its node.
@@ -64,13 +64,13 @@ pub struct Collider<'a> {
     pub mesh: &'a Mesh,
 }
 
-/// The levels of detail of a chunk, under the names by which engines know them.
+/// The levels of detail of a chunk, with the names that engines expect.
 pub fn levels(chunk: &Chunk) -> impl Iterator<Item = Level<'_>> {
     let levels = chunk.levels().enumerate();
     levels.map(|(number, (mesh, error_m))| Level { name: names::level(&chunk.name, number), mesh, error_m })
 }
 
-/// Convex pieces of the mesh called `mesh`, under the names by which Unreal knows them.
+/// Convex pieces of the mesh called `mesh`, with the names that Unreal expects.
 pub fn convex_pieces<'a>(mesh: &str, pieces: &'a [Piece]) -> Vec<Collider<'a>> {
     let collider =
         |(number, piece): (usize, &'a Piece)| Collider { name: names::convex_piece(mesh, number), mesh: &piece.mesh };
@@ -80,11 +80,11 @@ pub fn convex_pieces<'a>(mesh: &str, pieces: &'a [Piece]) -> Vec<Collider<'a>> {
 /// A part of the world with one material.
 #[derive(Clone, Debug)]
 pub struct Part<'a> {
-    /// Name of the group of levels, where there are several.
+    /// Name of the group of levels, if there are several.
     pub name: &'a str,
     /// Full detail first; several are put into a group (`LodGroup`). Without any, there is no material either.
     pub levels: Vec<Level<'a>>,
-    /// What robots touch; these have no material.
+    /// Collision meshes, which have no material.
     pub colliders: Vec<Collider<'a>>,
     /// Name of the material.
     pub material: &'a str,
@@ -92,11 +92,11 @@ pub struct Part<'a> {
     pub maps: &'a Maps,
 }
 
-/// Writes the file `path` of a package: `fill` adds the parts, one at a time, and may write other files meanwhile.
+/// Writes the file `path` of a package: `fill` adds the parts, one at a time, and may write other files in between.
 ///
 /// # Errors
-/// As [`write`](../../package/trait.Package.html#method.write); [`ExportError::TooLarge`] past 4 GiB, which is all that this
-/// version of FBX can hold; and the errors of `fill`.
+/// As [`write`](../../package/trait.Package.html#method.write); [`ExportError::TooLarge`] beyond 4 GiB, the limit of this
+/// version of FBX; and the errors of `fill`.
 pub fn write(
     out: &mut dyn Package,
     path: &str,

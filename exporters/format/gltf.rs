@@ -1,7 +1,7 @@
 //! glTF 2.0 as JSON and bytes: Y up, metres.
 //!
-//! Written after the Khronos specification 2.0 (<https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>) and clean
-//! under its validator. [`Layout`] grows the JSON by chunks and hands out the bytes of each, so a writer holds one chunk.
+//! Follows the Khronos specification 2.0 (<https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>) and passes its
+//! validator. [`Layout`] builds the JSON chunk by chunk and returns the bytes of each, so a writer holds one chunk.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,14 +24,14 @@ pub use material::image_files;
 pub use payload::Payload;
 pub use readme::Readme;
 
-/// How a document keeps what it is made of.
+/// How a document stores its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
     /// Where vertices and triangles are.
     pub buffers: Place,
     /// Where images are.
     pub images: Place,
-    /// How vertices and triangles are packed.
+    /// Compression of vertices and triangles.
     pub compression: Compression,
 }
 
@@ -40,27 +40,27 @@ pub struct Style {
 pub enum Place {
     /// In the payload of the GLB.
     Embedded,
-    /// In files of its own beside the JSON: `buffers/<chunk>.bin`, `textures/<chunk>_<role>.<extension>`.
+    /// In separate files: `buffers/<chunk>.bin`, `textures/<chunk>_<role>.<extension>`.
     Beside,
 }
 
-/// How vertices and triangles are packed.
+/// Compression of vertices and triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Compression {
-    /// As they are: any viewer reads them.
+    /// Uncompressed: supported by any viewer.
     #[default]
     None,
-    /// By EXT_meshopt_compression, for viewers that know it, among them three.js and Babylon.js. Every number stays as
-    /// it is; a triangle may begin at another of its corners.
+    /// With EXT_meshopt_compression, for viewers that support it, among them three.js and Babylon.js. Lossless, except that
+    /// the corners of a triangle may be rotated.
     Meshopt,
 }
 
 impl Compression {
-    /// Whether this program can pack so.
+    /// Whether this program supports the compression.
     ///
     /// # Errors
-    /// [`ExportError::MissingPart`] when it was built without meshoptimizer.
+    /// [`ExportError::MissingPart`] if it was built without meshoptimizer.
     pub fn check(self) -> Result<(), ExportError> {
         match self {
             Self::None => Ok(()),

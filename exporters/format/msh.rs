@@ -1,6 +1,6 @@
 //! MuJoCo's binary mesh: counts, then positions, normals, texture coordinates and triangles, all of them 32 bits wide.
 //!
-//! Vertices keep every bit. Little-endian on every machine, as those are on which MuJoCo runs.
+//! Lossless. Always little-endian, like all machines on which MuJoCo runs.
 
 use std::io::{self, Write};
 

@@ -2,9 +2,9 @@
 //!
 //! Positions are printed with the fewest digits that give back the same `f32`, so neighbouring chunks still share
 //! their border vertices exactly. Normals have 4 decimals and texture coordinates 6 (a 500th of a texel of 2048).
-//! PBR keys after <http://exocortex.com/blog/extending_wavefront_mtl_to_support_pbr>; readers without them see the
-//! base colour. Normals are not written under `map_Bump`, too, the only key for them that Blender reads: it takes them for sRGB
-//! colours there, others for heights, and wrong normals look worse than none.
+//! PBR keys follow <http://exocortex.com/blog/extending_wavefront_mtl_to_support_pbr>; other readers see the base colour.
+//! Normals are not also written as `map_Bump`, the only such key that Blender reads: Blender takes them for sRGB colours
+//! there, others for heights, and wrong normals look worse than none.
 
 use std::io::{self, Write};
 
@@ -30,8 +30,8 @@ pub fn write_library(file: &mut dyn Write, library: &str) -> io::Result<()> {
     writeln!(file, "mtllib {library}")
 }
 
-/// Writes an object with normals and texture coordinates that uses the material `name`; `before` it there are so many
-/// vertices in the file.
+/// Writes an object with normals and texture coordinates that uses the material `name`; `before` is the number of vertices
+/// already in the file.
 ///
 /// # Errors
 /// Those of `file`.
@@ -52,7 +52,7 @@ pub fn write_visual(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) 
     Ok(())
 }
 
-/// Writes each mesh as [`write_collision`] does, as an object of its own.
+/// Writes each mesh with [`write_collision`], as a separate object.
 ///
 /// # Errors
 /// Those of `file`.
@@ -65,8 +65,8 @@ pub fn write_pieces(file: &mut dyn Write, name: &str, meshes: &[&Mesh]) -> io::R
     Ok(())
 }
 
-/// Writes an object of positions and triangles, and normals of the triangles only because Gazebo's DART engine silently
-/// leaves out a collision mesh without any; `before` it there are so many vertices in the file.
+/// Writes an object of positions and triangles, with normals of the triangles only because Gazebo's DART engine silently
+/// drops a collision mesh without them; `before` is the number of vertices already in the file.
 ///
 /// # Errors
 /// Those of `file`.
@@ -107,7 +107,7 @@ fn write_positions(file: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
     Ok(())
 }
 
-/// Means of the normals of the triangles at each vertex, by area; up where they cancel.
+/// Area-weighted mean normals of the triangles at each vertex; up where they cancel.
 fn vertex_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     let mut sums = vec![Vector3::zeros(); mesh.positions.len()];
     for corners in mesh.indices.chunks_exact(3) {
@@ -134,7 +134,7 @@ fn write_fixed(file: &mut dyn Write, line: &mut Vec<u8>, key: &str, numbers: &[f
     file.write_all(line)
 }
 
-/// A number in whole parts of `scale`, a power of ten; three times as fast as printing the float.
+/// Writes a number with a fixed number of decimals (`scale` is a power of ten); three times as fast as printing the float.
 fn push_fixed(line: &mut Vec<u8>, number: f32, scale: u32) {
     let parts = (f64::from(number.abs()) * f64::from(scale) + 0.5) as u64;
     if number < 0.0 && parts > 0 {

@@ -1,4 +1,4 @@
-//! Images whose channels are put differently: read, changed pixel by pixel, and written as PNG; and colours of images.
+//! Rearranges the channels of images and writes them as PNG; samples colours of images.
 //!
 //! Compressed fast and with one filter, as the images of a scene are. Memory: one image, twice.
 
@@ -11,11 +11,11 @@ use image::{ExtendedColorType, ImageEncoder, ImageError, ImageReader, RgbImage};
 use crate::error::{ExportError, at};
 use crate::scene::Image;
 
-/// Writes `image` as a PNG of 8 bits a channel, each pixel being what `map` makes of its red, green and blue: `N` is 1 for
-/// grey, 3 for RGB, 4 for RGB and alpha. Grey images have three equal channels.
+/// Writes `image` as an 8-bit PNG, applying `map` to the red, green and blue of each pixel: `N` is 1 for grey, 3 for RGB, 4
+/// for RGBA. Grey images have three equal channels.
 ///
 /// # Errors
-/// When the image cannot be read, with its path, and those of `out`.
+/// If the image cannot be read, with its path, and those of `out`.
 pub fn remap<const N: usize>(
     image: &Image,
     out: &mut dyn Write,
@@ -39,19 +39,19 @@ pub fn remap<const N: usize>(
     Ok(())
 }
 
-/// Colours of an image at texture coordinates, as a renderer sees them close by.
+/// Colours of an image at texture coordinates, with bilinear filtering.
 pub struct Sampler(RgbImage);
 
 impl Sampler {
     /// Reads the image.
     ///
     /// # Errors
-    /// When it cannot be read, with its path.
+    /// If it cannot be read, with its path.
     pub fn open(image: &Image) -> Result<Self, ExportError> {
         read(image).map(Self)
     }
 
-    /// The mean of the four nearest pixels by distance, at `uv` from the lower left; the image repeats.
+    /// The bilinear mean of the four nearest pixels at `uv` from the lower left; the image repeats.
     pub fn at(&self, [u, v]: [f32; 2]) -> [u8; 3] {
         let (x, y) = (Between::new(u, self.0.width()), Between::new(1.0 - v, self.0.height()));
         let mut sum = [0.0; 3];
@@ -65,7 +65,7 @@ impl Sampler {
     }
 }
 
-/// A place between the middles of two neighbouring pixels of a row or a column.
+/// A position between the centres of two neighbouring pixels of a row or a column.
 struct Between {
     pixels: [u32; 2],
     shares: [f32; 2],
@@ -80,7 +80,7 @@ impl Between {
     }
 }
 
-/// Pixels across and down.
+/// Width and height in pixels.
 ///
 /// # Errors
 /// When the image cannot be read, with its path.
@@ -92,7 +92,7 @@ fn read(image: &Image) -> Result<RgbImage, ExportError> {
     with(image, |reader| Ok(reader.decode()?.into_rgb8()))
 }
 
-/// Images of a scene may be larger than what a decoder takes from strangers.
+/// Images of a scene may exceed the default limits of the decoder.
 fn with<T>(
     image: &Image,
     read: impl FnOnce(ImageReader<BufReader<File>>) -> Result<T, ImageError>,
@@ -105,7 +105,7 @@ fn with<T>(
     Ok(open().map_err(|error| at(image.path.display(), &error))?)
 }
 
-/// The error of the disk, where it was one.
+/// The underlying I/O error, if there is one.
 fn plain(error: ImageError) -> io::Error {
     match error {
         ImageError::IoError(error) => error,
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_is_mapped_in_its_place() {
+    fn every_pixel_is_mapped() {
         let folder = tempfile::tempdir().unwrap();
         let image = on_disk(folder.path(), sample().into(), ImageFormat::Png);
         let rgb = remapped(&image, |[r, g, b]| [b, 255 - g, r]);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_those_of_the_pixels_and_blend_between_them() {
+    fn colours_blend_between_pixels() {
         let folder = tempfile::tempdir().unwrap();
         let sampler = Sampler::open(&on_disk(folder.path(), sample().into(), ImageFormat::Png)).unwrap();
         for (x, y, pixel) in sample().enumerate_pixels() {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_image_is_told_with_its_path() {
+    fn a_broken_image_is_reported_with_its_path() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rock.png");
         std::fs::write(&path, "no image").unwrap();

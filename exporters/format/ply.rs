@@ -1,8 +1,8 @@
 //! Binary PLY, little-endian: vertices with normals, colours and texture coordinates, labels of vertices and faces.
 //!
-//! After <https://paulbourke.net/dataformats/ply/>. Property names are those of MeshLab and Blender. The crate that writes
-//! the meshes of cave folders looks up each property of each row by its name, and takes twice as long; here it is a reader that is
-//! not ours, for the tests.
+//! Follows <https://paulbourke.net/dataformats/ply/>. Property names are those of MeshLab and Blender. The crate that writes
+//! the meshes of cave folders looks up each property of each row by name, which takes twice as long; here it serves as an
+//! independent reader in tests.
 
 use std::io::{self, Write};
 
@@ -61,7 +61,7 @@ pub fn write_vertices(file: &mut dyn Write, mesh: &Mesh, colors: &[[u8; 3]], lab
     Ok(())
 }
 
-/// Writes the triangles of a mesh with a label for each; `before` it there are so many vertices in the file.
+/// Writes the triangles of a mesh with a label for each; `before` is the number of vertices already in the file.
 ///
 /// # Errors
 /// Those of `file`.
@@ -77,7 +77,7 @@ pub fn write_faces(file: &mut dyn Write, mesh: &Mesh, labels: &[u8], before: u32
     Ok(())
 }
 
-/// The number of a zone in a label; 0 would be none.
+/// The label of a zone; 0 would be unlabelled.
 pub fn label(zone: Zone) -> u8 {
     match zone {
         Zone::Floor => 1,

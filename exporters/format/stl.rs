@@ -1,6 +1,6 @@
 //! Binary STL: a header of 80 bytes, the number of triangles, and 50 bytes for each, little-endian.
 //!
-//! After <https://www.fabbers.com/tech/STL_Format>. There are no units in it, and no vertices that triangles share.
+//! Follows <https://www.fabbers.com/tech/STL_Format>. It has no units and no shared vertices.
 
 use std::io::{self, Write};
 
@@ -9,8 +9,7 @@ use crate::slope;
 
 const HEADER_BYTES: usize = 80;
 
-/// Writes the header. What does not fit of `comment` is cut off; it must not begin with `solid`, by which readers know a
-/// text.
+/// Writes the header. `comment` is truncated if it is too long; it must not begin with `solid`, which marks text files.
 ///
 /// # Errors
 /// Those of `file`.
@@ -22,7 +21,7 @@ pub fn write_head(file: &mut dyn Write, comment: &str, triangles: u32) -> io::Re
     file.write_all(&triangles.to_le_bytes())
 }
 
-/// Writes triangles with their normals, which are zero where a triangle has no area.
+/// Writes triangles with their normals, which are zero for triangles without area.
 ///
 /// # Errors
 /// Those of `file`.

@@ -1,4 +1,4 @@
-//! Watches chunks pass from a scene to a target, so that nothing is loaded twice for the manifest.
+//! Observes chunks on their way from a scene to a target, so that nothing is loaded twice for the manifest.
 
 use std::io;
 use std::sync::{Mutex, PoisonError};
@@ -8,7 +8,7 @@ use crate::scene::{Chunk, Chunks, Material, Piece, Scene};
 
 use super::LodEntry;
 
-/// What a manifest tells of a chunk.
+/// The manifest's data about a chunk.
 #[derive(Clone)]
 pub struct ChunkFacts {
     pub name: String,
@@ -22,7 +22,7 @@ pub struct ChunkFacts {
     pub neighbors: Vec<usize>,
 }
 
-/// Hands chunks on and notes what they were like.
+/// Passes chunks on and records their data.
 pub struct RecordingChunks<'a> {
     inner: &'a dyn Chunks,
     notes: Mutex<Vec<Notes>>,
@@ -35,12 +35,12 @@ struct Notes {
 }
 
 impl<'a> RecordingChunks<'a> {
-    /// Watches the chunks of a scene.
+    /// Observes the chunks of a scene.
     pub fn new(scene: &Scene<'a>) -> Self {
         Self { inner: scene.chunks, notes: Mutex::new(vec![Notes::default(); scene.chunks.len()]) }
     }
 
-    /// What passed. A chunk that the target had no use for is loaded now.
+    /// The recorded data. Chunks that the target did not load are loaded now.
     ///
     /// # Errors
     /// As [`Scene::chunk`].

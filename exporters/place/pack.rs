@@ -13,14 +13,14 @@ use zip::{CompressionMethod, ZipWriter};
 
 use super::Bundle;
 
-/// The file that an archive grows in.
+/// The file that an archive is written to.
 ///
-/// After its first error it takes whatever comes, as if it were written at its end, and fails when it is finished: a zip that is
-/// given up writes its directory all the same, would print that it cannot, and fall over if it stood before what it has written.
+/// After its first error it silently accepts everything and fails when it is finished: an abandoned zip writer still writes
+/// its directory, prints errors of its own, and panics if the position is before what it has written.
 pub struct Sink<F = BufWriter<File>> {
     file: F,
     at: u64,
-    /// The furthest that it ever was.
+    /// The largest position so far.
     end: u64,
     has_failed: bool,
 }
@@ -73,19 +73,19 @@ impl<F: Seek> Seek for Sink<F> {
     }
 }
 
-/// 1980-01-01, the first time that a zip can say, in seconds since 1970: the time of no file.
+/// 1980-01-01, the earliest time that a zip can store, in seconds since 1970: the time of all files.
 const TIME_S: u64 = 315_532_800;
-/// Beyond level 6 files hardly get smaller: of the meshes of a small cave it leaves 25 % at 30 MB/s, level 9 24 % at 20 MB/s,
-/// level 3 28 % at 90 MB/s.
+/// Beyond level 6 files hardly get smaller: the meshes of a small cave are reduced to 25 % at 30 MB/s, by level 9 to 24 % at
+/// 20 MB/s, by level 3 to 28 % at 90 MB/s.
 const ZSTD_LEVEL: i32 = 6;
-/// A file of a tar up to this size is gathered in memory, a larger one on the disk.
+/// A file of a tar up to this size is buffered in memory, a larger one on the disk.
 const SPOOL_BYTES: usize = 1 << 22;
 
-/// Puts files into an archive, one after the other.
+/// Adds files to an archive, one after the other.
 pub enum Packer {
-    /// A zip, which learns the size of a file when it ends.
+    /// A zip, which needs the size of a file only at its end.
     Zip(Box<ZipWriter<Sink>>, SimpleFileOptions),
-    /// A tar, which must know it before.
+    /// A tar, which needs it at the start.
     Tar(TarPacker),
 }
 
@@ -93,7 +93,7 @@ impl Packer {
     /// Starts an archive.
     pub fn new(kind: Bundle, file: Sink) -> io::Result<Self> {
         Ok(match kind {
-            // A zip must know at the start of a file whether it may pass 4 GiB.
+            // A zip must know at the start of a file whether it may exceed 4 GiB.
             Bundle::Zip => Self::Zip(Box::new(ZipWriter::new(file)), zip_options().large_file(true)),
             Bundle::Mjz => Self::Zip(Box::new(ZipWriter::new(file)), zip_options()),
             Bundle::TarZst => Self::Tar(TarPacker::new(Box::new(zstd_encoder(file)?), "")),
@@ -104,7 +104,7 @@ impl Packer {
         })
     }
 
-    /// Starts a file; what must be gathered on the disk first is gathered in `folder`.
+    /// Starts a file; a buffer on the disk, if needed, is in `folder`.
     pub fn open(&mut self, path: &str, folder: &Path) -> io::Result<Box<dyn Write + '_>> {
         match self {
             Self::Zip(zip, options) => {
@@ -140,7 +140,7 @@ pub struct TarPacker {
 }
 
 impl TarPacker {
-    /// Every path is put below `root`.
+    /// Prefix of every path.
     fn new(squeeze: Box<dyn Squeeze>, root: &'static str) -> Self {
         Self { builder: Builder::new(squeeze), root, open: None }
     }
@@ -185,7 +185,7 @@ impl Squeeze for GzEncoder<Sink> {
     }
 }
 
-/// The checksum also covers what the manifest does not: heads of files, and what is between them.
+/// The checksum also covers what the manifest does not: headers, and gaps between files.
 fn zstd_encoder(file: Sink) -> io::Result<zstd::Encoder<'static, Sink>> {
     let mut encoder = zstd::Encoder::new(file, ZSTD_LEVEL)?;
     encoder.include_checksum(true)?;
@@ -202,7 +202,7 @@ fn zip_method(path: &str) -> CompressionMethod {
     if is_packed { CompressionMethod::Stored } else { CompressionMethod::Deflated }
 }
 
-/// What the system said, without a word round it.
+/// The error of the system, without wrappers.
 fn plain(error: ZipError) -> io::Error {
     match error {
         ZipError::Io(error) => error,
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_zip_is_given_up_wherever_the_disk_is_full() {
+    fn a_zip_is_abandoned_cleanly_wherever_the_disk_is_full() {
         for room in 0..600 {
             let file = Full(Cursor::new(Vec::new()), room);
             let mut zip = ZipWriter::new(Sink { file, at: 0, end: 0, has_failed: false });

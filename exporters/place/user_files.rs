@@ -1,4 +1,4 @@
-//! What users put into the folder of a package.
+//! Files that users put into the folder of a package.
 
 use std::fs::{self, FileType};
 use std::io::{self, ErrorKind};
@@ -7,17 +7,17 @@ use std::path::Path;
 use crate::error::{ExportError, at};
 use crate::package::{Files, MANIFEST};
 
-/// Gives everything in the package folder `old` that is not its `own` a second name in `new`, so that it is there whichever
-/// of the two goes.
+/// Hard-links everything in the package folder `old` that is not its `own` into `new`, so that it survives whichever of the
+/// two is removed.
 ///
 /// # Errors
-/// [`ExportError::InTheWay`] when `new` has that name already; when the disk refuses.
+/// [`ExportError::InTheWay`] if `new` has that name already; if the disk fails.
 pub fn carry_over(old: &Path, own: &Files, new: &Path) -> Result<(), ExportError> {
     carry_over_below(old, Some(""), own, new)
 }
 
-/// `above` is the path of `old` in the package, empty or with a slash at its end; `None` if it is not UTF-8, as no path in a
-/// manifest is.
+/// `above` is the path of `old` in the package, empty or with a trailing slash; `None` if it is not UTF-8 and so cannot be
+/// in a manifest.
 fn carry_over_below(old: &Path, above: Option<&str>, own: &Files, new: &Path) -> Result<(), ExportError> {
     let named = |error: io::Error| at(old.display(), &error);
     for entry in fs::read_dir(old).map_err(named)? {

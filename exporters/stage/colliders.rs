@@ -1,4 +1,4 @@
-//! What robots touch of a chunk: one mesh, or a mesh per convex piece below a scope per zone.
+//! The colliders of a chunk: one mesh, or a mesh per convex piece below a scope per zone.
 
 use serde_json::{Value, json};
 
@@ -17,7 +17,7 @@ pub(super) enum Colliders {
 }
 
 impl Colliders {
-    /// Those of the chunk `index`; a collision mesh is taken out of it.
+    /// The colliders of the chunk `index`; a collision mesh is moved out of it.
     pub fn of(scene: &Scene, index: usize, chunk: &mut Chunk, wanted: Option<Collision>) -> Result<Self, ExportError> {
         Ok(match wanted {
             None => Self::None,
@@ -35,14 +35,14 @@ impl Colliders {
         }
     }
 
-    /// The zones that are told apart, each with its friction.
+    /// The separate zones, each with its friction.
     pub fn zones(&self, friction: ByZone) -> Value {
         let Self::Pieces(pieces) = self else { return json!([]) };
         let there = Zone::ALL.into_iter().filter(|zone| pieces.iter().any(|piece| piece.zone == *zone));
         there.map(|zone| json!({ "name": zone.name(), "friction": friction.of(zone) })).collect()
     }
 
-    /// What is said of each mesh; its arrays go to `arrays`.
+    /// The description of each mesh; its arrays go to `arrays`.
     pub fn describe(self, arrays: &mut Vec<(String, Array)>) -> Value {
         match self {
             Self::None => json!([]),

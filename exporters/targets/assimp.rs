@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! <name>.<extension>             every chunk in full detail, or chunks/<chunk>.<extension>
-//! textures/<chunk>_<role>.png    the images beside it, which it names if the format can
+//! textures/<chunk>_<role>.png    the images, which it refers to if the format can
 //! README.md, recipe.toml
 //! ```
-//! assimp gets a GLB in memory whose images are names of files beside it, and keeps these names. It gets no lights, because
-//! version 5.2 aborts on the nodes of KHR_lights_punctual. How much of a material a format can say, and whether its files bear
-//! the time of their making, as Collada does, is assimp's doing: bytes are the same again as far as assimp writes the same.
-//! Formats that assimp cannot write into memory, such as 3MF, are told as its failure; what it prints, it prints.
+//! assimp gets a GLB in memory whose images are external file names, and keeps these names. It gets no lights, because
+//! version 5.2 aborts on the nodes of KHR_lights_punctual. How much of a material a format can express, and whether its files
+//! contain a time stamp, as Collada does, is up to assimp: bytes are reproducible only as far as its output is. Formats that
+//! assimp cannot write to memory, such as 3MF, are reported as its failure; whatever it prints is not captured.
 //!
-//! Memory: the scene three times, as GLB, as assimp keeps it and as it is written; with `per_chunk = true` a chunk.
+//! Memory: three times the scene (as GLB, in assimp, and as output); with `per_chunk = true`, three times a chunk.
 
 use minijinja::context;
 use schemars::JsonSchema;
@@ -33,7 +33,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "assimp",
     summary: "any format that the installed libassimp writes, such as assimp:collada or assimp:x3d",
     revision: 0,
-    opened_by: "what reads the format",
+    opened_by: "programs that read the format",
     contents: "any format that an installed libassimp writes: `assimp:collada`, `assimp:x3d`, …",
     tested_by: "trimesh and pycollada (Collada, OBJ)",
     checks: &["assimp"],
@@ -52,7 +52,7 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct AssimpSettings {
-    /// One file per chunk, to need less memory or past the 4 GiB that assimp takes at once, instead of a single file.
+    /// Write one file per chunk instead of a single file: needs less memory, and avoids assimp's limit of 4 GiB.
     pub per_chunk: bool,
 }
 
@@ -63,15 +63,15 @@ pub struct Assimp {
     format: Format,
 }
 
-/// What assimp calls the files that it writes into memory, where they name each other.
+/// The placeholder by which files that assimp writes to memory refer to each other.
 const NAME_OF_ASSIMP: &str = "$blobfile";
 
 impl Assimp {
-    /// Of the format that `library` calls `format`.
+    /// The target for the format with the id `format`.
     ///
     /// # Errors
-    /// [`ExportError::UnknownFormat`], which lists those there are; [`ExportError::MissingPart`] where the library is known to
-    /// write the format so that nothing reads it.
+    /// [`ExportError::UnknownFormat`], which lists all formats; [`ExportError::MissingPart`] if this version of the library is
+    /// known to write the format incorrectly.
     pub fn new(settings: AssimpSettings, format: Option<&str>, library: Library) -> Result<Self, ExportError> {
         let formats = library.formats();
         let Some(found) = formats.iter().find(|known| Some(known.id.as_str()) == format) else {
@@ -86,7 +86,7 @@ impl Assimp {
         Ok(Self { settings, format: found.clone(), library })
     }
 
-    /// Writes some chunks as the file `<stem>.<extension>` and what belongs to it; returns their triangles.
+    /// Writes some chunks as `<stem>.<extension>` with its companion files; returns their number of triangles.
     fn write(
         &self,
         scene: &Scene,
@@ -100,7 +100,7 @@ impl Assimp {
         let (mut layout, mut payload, mut triangles) = (Layout::new(scene, style), Vec::new(), 0);
         for index in chunks {
             let chunk = scene.chunk(index)?;
-            // Its reader of GLB does not know EXT_texture_webp, and would leave the images out.
+            // Its GLB reader does not support EXT_texture_webp, and would drop the images.
             chunk.material.refuse_unless(ROW.name, ROW.images)?;
             for (image_path, image) in image_files(&chunk) {
                 out.copy(image_path_in(folder, &image_path).as_str(), &image.path)?;
@@ -165,7 +165,7 @@ fn image_path_in(folder: &str, image: &str) -> String {
     if folder.is_empty() { image.to_owned() } else { format!("{folder}/{image}") }
 }
 
-/// A text with the name of the package in place of that which assimp gives to files in memory; other bytes as they are.
+/// Replaces assimp's placeholder name in a text with that of the package; other bytes are unchanged.
 fn named<'a>(file: &'a [u8], name: &str) -> std::borrow::Cow<'a, [u8]> {
     match std::str::from_utf8(file) {
         Ok(text) if text.contains(NAME_OF_ASSIMP) => text.replace(NAME_OF_ASSIMP, name).into_bytes().into(),
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fbx_is_refused_of_versions_that_break_it_only() {
+    fn fbx_is_refused_only_for_versions_that_break_it() {
         assert!(refuse_broken_fbx("collada", [5, 2]).is_ok());
         assert!(refuse_broken_fbx("fbx", [5, 3]).is_ok() && refuse_broken_fbx("fbx", [6, 0]).is_ok());
         for format in ["fbx", "fbxa"] {
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn texts_name_the_package_and_other_bytes_stay() {
+    fn placeholders_are_replaced_and_other_bytes_stay() {
         assert_eq!(&*named(b"mtllib $blobfile.mtl", "cave"), b"mtllib cave.mtl");
         assert_eq!(&*named(b"\xff$blobfile", "cave"), b"\xff$blobfile");
     }

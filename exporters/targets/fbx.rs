@@ -1,4 +1,4 @@
-//! Target `fbx`: binary FBX 7.4 with textures beside it, metres.
+//! Target `fbx`: binary FBX 7.4 with separate textures, metres.
 //!
 //! ```text
 //! <name>.fbx     chunks, start poses and lights
@@ -6,17 +6,17 @@
 //! textures/
 //! README.md
 //! ```
-//! Start poses are empty nodes `spawn_<N>`, whose +X looks ahead and whose +Z is up.
+//! Start poses are empty nodes `spawn_<N>`, whose +X points ahead and whose +Z is up.
 //!
 //! Levels of detail are nodes `<chunk>_LOD<N>` in a group `<chunk>` (`LodGroup`). Without coarser levels there is one node
-//! `<chunk>`. Programs that do not know such groups, Blender and three.js among them, show all levels at once.
+//! `<chunk>`. Programs that do not support such groups, among them Blender and three.js, show all levels together.
 //!
-//! Collision goes by names, too, since FBX has no place for it. A concave mesh is called `<chunk>_collision`. A convex piece is
-//! called `UCX_<mesh>_<NN>` after the full-detail mesh, `<chunk>_LOD0` or `<chunk>`, which is how Unreal knows that it
-//! belongs to that mesh and is not to be drawn. Anything else draws both.
+//! Collision meshes are identified by names, since FBX does not support them. A concave mesh is called `<chunk>_collision`. A
+//! convex piece is called `UCX_<mesh>_<NN>` after the full-detail mesh, `<chunk>_LOD0` or `<chunk>`, by which Unreal knows
+//! that it belongs to that mesh and is not rendered. Other programs render both.
 //!
-//! Materials are Phong, the only kind that every reader knows. It has no slot for roughness: the map is where Blender looks
-//! for it, in place of shininess. Unreal reads metalness there, so have it import no materials.
+//! Materials are Phong, the only kind that every reader supports. It has no slot for roughness: the map is where Blender looks
+//! for it, in place of shininess. Unreal reads metalness there, so it should not import materials.
 //!
 //! Memory: one chunk, loaded once.
 
@@ -35,7 +35,7 @@ use crate::{Build, Summary, Target, TargetRow, template};
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "fbx",
-    summary: "binary FBX 7.4 with textures beside it, levels of detail, start poses and lights",
+    summary: "binary FBX 7.4 with textures, levels of detail, start poses and lights",
     revision: 0,
     opened_by: "Blender, Maya, 3ds Max, Houdini, three.js, most mesh tools",
     contents: "binary FBX 7.4, metres: levels of detail in LOD groups, tangents, collision meshes by name, start poses, \
@@ -54,28 +54,28 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct FbxSettings {
-    /// One file per chunk, for streaming or past the 4 GiB that one file can hold, instead of a single file.
+    /// Write one file per chunk instead of a single file: for streaming, or beyond the format's limit of 4 GiB.
     pub per_chunk: bool,
-    /// Which axis points up. Readers turn the world by what the file says of its axes; `y` suits those that do not.
+    /// Which axis points up. Most readers rotate the world according to the axes in the file; `y` suits those that do not.
     pub up: Up,
-    /// Whether coarser levels of detail come with the full one.
+    /// Include coarser levels of detail.
     pub lods: bool,
-    /// Whether the file carries the lights of the scene.
+    /// Include the lights of the scene.
     pub lights: bool,
-    /// What robots touch.
+    /// Collision shapes.
     pub collision: FbxCollision,
 }
 
-/// Collision meshes that an importer knows by their names.
+/// Collision meshes recognised by importers by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FbxCollision {
-    /// None: every mesh is one to see.
+    /// No collision meshes.
     #[default]
     None,
     /// A concave mesh per chunk, named `<chunk>_collision`.
     Triangles,
-    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal wants them.
+    /// Convex pieces of the rock behind the wall, named `UCX_<mesh>_<NN>` as Unreal expects.
     Pieces,
 }
 
@@ -130,7 +130,7 @@ impl Target for Fbx {
     }
 }
 
-/// A chunk, and its pieces if they are wanted.
+/// A chunk, and its convex pieces if requested.
 struct Loaded {
     chunk: Chunk,
     pieces: Vec<Piece>,
@@ -162,7 +162,7 @@ impl Fbx {
         fbx::write(out, &path, head, |document, out| self.add_chunk(chunk, "../", document, out))
     }
 
-    /// Adds a chunk to a file from which `to_package` leads to the folder of the package.
+    /// Adds a chunk to a file; `to_package` is the relative path from it to the folder of the package.
     fn add_chunk(
         &self,
         chunk: &Loaded,

@@ -6,14 +6,14 @@
 //! README.md
 //! ```
 //! Meshes are OBJ, which every Gazebo since Classic reads, Z up. The model is static, so its collision meshes may be
-//! concave. URIs are `model://` only: the package works from any folder that is on `GZ_SIM_RESOURCE_PATH`. Occlusion
-//! is left out, because ogre2 does not show it.
+//! concave. All URIs are `model://`: the package works from any folder on `GZ_SIM_RESOURCE_PATH`. Occlusion is omitted,
+//! because ogre2 does not show it.
 //!
-//! Convex pieces are the objects of an OBJ file per chunk and zone: Bullet makes a hull of each, DART takes their
-//! triangles. With a collision element per piece every reader would see convex meshes, but DART tries all pairs of its
-//! shapes in every step: 2000 of them took 9 times as long to parse as triangles and 90 times as long to step, where
-//! such files of 4000 took 1.2 and 6 times. Elements that pick objects out of one file (`<submesh>`) are no way out: the
-//! Physics system of Gazebo attaches the whole file for each.
+//! Convex pieces are the objects of an OBJ file per chunk and zone: Bullet makes a hull of each, DART uses their triangles.
+//! With a collision element per piece every reader would see convex meshes, but DART tests all pairs of its shapes in every
+//! step: 2000 of them took 9 times as long to parse as triangles and 90 times as long to step, while such files with 4000
+//! took 1.2 and 6 times as long. Elements that select objects of a file (`<submesh>`) do not help: the Physics system of
+//! Gazebo attaches the whole file for each.
 
 use std::f64::consts::PI;
 
@@ -53,15 +53,14 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct GazeboSettings {
-    /// Whether the world carries the lights of the scene; without them only the robot's own lamps shine.
+    /// Include the lights of the scene; without them only the robot's own lights shine.
     pub lights: bool,
-    /// Ambient light, 0 (black) to 1, the same everywhere: not physical underground, but without any a camera without
-    /// a lamp sees nothing.
+    /// Ambient light, 0 (black) to 1: not physical underground, but without it a camera without a light sees nothing.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ambient: f64,
-    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
     pub collision: Collision,
-    /// Longest physics step in seconds.
+    /// Maximum physics time step in seconds.
     #[schemars(range(min = 0.0001, max = 0.05))]
     pub physics_step_s: f64,
 }
@@ -153,7 +152,7 @@ impl Gazebo {
     }
 }
 
-/// A chunk as the templates see it.
+/// A chunk for the templates.
 #[derive(Serialize)]
 struct Part {
     name: String,
@@ -163,7 +162,7 @@ struct Part {
     collisions: Vec<CollisionText>,
 }
 
-/// A collision as the templates see it.
+/// A collision for the templates.
 #[derive(Serialize)]
 struct CollisionText {
     name: String,
@@ -171,7 +170,7 @@ struct CollisionText {
     triangles: u64,
 }
 
-/// A zone as the templates see it.
+/// A zone for the templates.
 #[derive(Serialize)]
 struct ZoneText {
     name: &'static str,
@@ -254,7 +253,7 @@ fn write_pieces(
     Ok(collisions)
 }
 
-/// A light as the templates see it.
+/// A light for the templates.
 #[derive(Serialize)]
 struct LightText {
     name: String,

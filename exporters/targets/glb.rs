@@ -1,17 +1,17 @@
 //! Target `glb`: binary glTF 2.0 with everything embedded, Y up, metres.
 //!
-//! glTF has no place for collision meshes yet, but importers of games go by names. With `collision = "pieces"` the node of
-//! a chunk has a child `UCX_<chunk>_<NN>` for each convex piece. Unreal takes it as collision of the mesh `<chunk>` and does
-//! not draw it ("Import Collisions According to Mesh Names"); any other viewer draws it. Not seen in Unreal itself, which
-//! no test can open.
+//! glTF does not support collision meshes yet, but game engines recognise them by names. With `collision = "pieces"` the
+//! node of a chunk has a child `UCX_<chunk>_<NN>` for each convex piece. Unreal uses it as collision of the mesh `<chunk>`
+//! and does not render it ("Import Collisions According to Mesh Names"); other viewers render it. Not tested in Unreal
+//! itself.
 //!
-//! Coarser levels are asked for by `lods = true`: nodes outside of the scene, named by the extension MSFT_lod. three.js and
-//! all that keep to the specification show the full detail alone, and Babylon.js changes the levels; but Blender 4.2 shows
-//! every node of the file, and so all levels at once. One file can serve only one of them, so it is not the default; target
-//! `gltf` serves both.
+//! With `lods = true` there are coarser levels: nodes outside the scene, referenced by the extension MSFT_lod. three.js and
+//! others that follow the specification show only the full detail, and Babylon.js switches levels; but Blender 4.2 shows
+//! every node of the file, and so all levels together. One file cannot serve both, so this is not the default; target `gltf`
+//! serves both.
 //!
-//! Memory: one chunk. A GLB starts with its own length and a JSON that knows every size, so a file of several chunks
-//! loads each chunk twice: once to plan, once to write.
+//! Memory: one chunk. A GLB starts with its length and a JSON with all sizes, so for a file of several chunks each chunk is
+//! loaded twice: once for planning, once for writing.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,15 +53,15 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct GlbSettings {
-    /// One file per chunk, for streaming or past the 4 GiB that one file can hold, instead of a single file.
+    /// Write one file per chunk instead of a single file: for streaming, or beyond the format's limit of 4 GiB.
     pub per_chunk: bool,
-    /// Whether a single file carries the lights (extension KHR_lights_punctual).
+    /// Include the lights in a single file (extension KHR_lights_punctual).
     pub lights: bool,
-    /// Whether coarser levels of detail come along (extension MSFT_lod). Blender draws all of them at once.
+    /// Include coarser levels of detail (extension MSFT_lod). Blender shows all of them together.
     pub lods: bool,
-    /// What robots touch.
+    /// Collision shapes.
     pub collision: NamedCollision,
-    /// How vertices and triangles are packed.
+    /// Compression of vertices and triangles.
     pub compression: Compression,
 }
 
@@ -118,7 +118,7 @@ impl Glb {
         Ok((scene.chunk(index)?, pieces))
     }
 
-    /// Adds a chunk to the plan; what belongs into the file comes back.
+    /// Adds a chunk to the plan; returns what is to be written to the file.
     fn add<'a>(
         &self,
         layout: &mut Layout,

@@ -2,15 +2,15 @@
 //!
 //! ```text
 //! <name>.gltf                    every chunk in full detail: opens anywhere
-//! <name>_lods.gltf               the same with coarser levels by MSFT_lod, for readers that know it
+//! <name>_lods.gltf               the same with coarser levels (MSFT_lod), for readers that support it
 //! buffers/<chunk>.bin            vertices, triangles and convex pieces of a chunk
 //! buffers/<chunk>_lods.bin       its coarser levels
 //! textures/<chunk>_<role>.png    its images
 //! scene.json, README.md
 //! ```
-//! Both documents name the same buffers and images, so that the second costs its text alone. There are two because Blender
-//! 4.2 shows every node of a document, also those outside of the scene, where MSFT_lod keeps the coarser levels: it would
-//! draw them all at once. A reader that streams loads the buffers of the chunks that it needs.
+//! Both documents refer to the same buffers and images, so the second costs only its text. There are two because Blender 4.2
+//! shows every node of a document, including those outside the scene, where MSFT_lod keeps the coarser levels: it would show
+//! all of them together. A streaming reader loads the buffers of the chunks that it needs.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ use crate::{Build, Summary, Target, TargetRow};
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "gltf",
-    summary: "glTF 2.0 in separate files, levels of detail by MSFT_lod, and scene.json with spawn poses",
+    summary: "glTF 2.0 in separate files, levels of detail (MSFT_lod), and scene.json with spawn poses",
     revision: 0,
     opened_by: "Blender, three.js, Babylon.js, Godot, any glTF viewer",
     contents: "the same in separate files; `<name>_lods.gltf` next to it has the levels of detail",
@@ -50,13 +50,13 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct GltfSettings {
-    /// Whether the documents carry the lights (extension KHR_lights_punctual).
+    /// Include the lights (extension KHR_lights_punctual).
     pub lights: bool,
-    /// Whether there is a second document, with coarser levels of detail (extension MSFT_lod).
+    /// Write a second document with coarser levels of detail (extension MSFT_lod).
     pub lods: bool,
-    /// What robots touch.
+    /// Collision shapes.
     pub collision: NamedCollision,
-    /// How vertices and triangles are packed.
+    /// Compression of vertices and triangles.
     pub compression: Compression,
 }
 
@@ -115,7 +115,7 @@ fn lods_path(scene: &Scene) -> String {
     format!("{}_lods.gltf", scene.name)
 }
 
-/// The documents of a package, which grow chunk by chunk.
+/// The documents of a package, built chunk by chunk.
 struct Documents {
     full: Document,
     lods: Option<Document>,

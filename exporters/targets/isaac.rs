@@ -1,9 +1,9 @@
 //! Target `isaac`: a USD stage for Isaac Sim 4.5 and later and for Isaac Lab, whose physics engine is PhysX.
 //!
-//! PhysX collides static triangle meshes as they are, concave or not. Its other approximations are of no use to a cave:
-//! a hull of a passage fills it, pieces that it cuts itself raise the floor, and a distance grid costs minutes of
-//! preparation. The convex pieces of the scene keep their tolerance instead. Not seen in Isaac Sim itself, which has no
-//! package where the tests run.
+//! PhysX supports static triangle meshes, concave or not. Its other approximations are unsuitable for a cave: a convex hull
+//! of a passage fills it, its convex decomposition raises the floor, and a signed distance field takes minutes of
+//! preparation. The convex pieces of the scene keep their tolerance instead. Not tested in Isaac Sim itself, which is not
+//! available where the tests run.
 
 use std::sync::Arc;
 
@@ -42,13 +42,13 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct IsaacSettings {
-    /// Whether the stage carries the lights of the scene; without them only the robot's own lamps shine.
+    /// Include the lights of the scene; without them only the robot's own lights shine.
     pub lights: bool,
-    /// Factor on the lights. The default camera of Isaac Sim (f/5, 1/50 s, ISO 100) takes about 870 cd/m² for white
-    /// where most renderers take 1, so that lamps of true strength would look black; computed, not tuned by eye.
+    /// Factor on the lights. The default camera of Isaac Sim (f/5, 1/50 s, ISO 100) shows about 870 cd/m² as white, most
+    /// renderers 1, so lamps of realistic strength would look black; computed, not tuned by eye.
     #[schemars(range(min = 0.0, max = 1_000_000.0))]
     pub light_scale: f64,
-    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
     pub collision: Collision,
 }
 
@@ -64,7 +64,7 @@ const README: &str = include_str!("../templates/isaac/README.md.jinja");
 pub struct Isaac {
     /// Its settings.
     pub settings: IsaacSettings,
-    /// What writes the layers.
+    /// The library that writes the layers.
     pub library: Arc<dyn Library>,
 }
 

@@ -2,16 +2,16 @@
 //!
 //! ```text
 //! <name>.xml          the cave alone, ready to compile
-//! <name>_world.xml    the cave without options, for a model of the user's
+//! <name>_world.xml    the cave without options, for the user's models
 //! <name>_rover.xml    the cave with the rover at the first start pose
 //! rover.xml           the rover alone
 //! assets/             meshes (.msh) and textures
 //! README.md
 //! ```
-//! Names begin with that of the scene, and what is included sets no option, so that nothing clashes with a model of the
-//! user's. Paths are relative to the model that is opened; there is no `meshdir`, which would rule over the user's meshes,
-//! too. In an archive the cave is all in `model.xml`, since `MjSpec.from_zip` knows no includes, and that comes last, since it
-//! takes the last `.xml` for the model.
+//! Names begin with that of the scene, and the included file sets no option, so that nothing clashes with the user's model.
+//! Paths are relative to the opened model; there is no `meshdir`, which would also apply to the user's meshes. In an archive
+//! the whole cave is in `model.xml`, since `MjSpec.from_zip` does not support includes, and that comes last, since it takes
+//! the last `.xml` for the model.
 
 use minijinja::value::Serde;
 use minijinja::{Value, context};
@@ -56,22 +56,21 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct MujocoSettings {
-    /// What wheels touch: `pieces`, convex pieces of the rock, which is fast and holds for floor, walls and ceiling;
-    /// `flex`, the triangles of the collision mesh as a rigid flex, which is exact and slow; `floor_field`, a height
-    /// field per chunk, which is fast and carries floors only.
+    /// Collision shapes: `pieces`, convex pieces of the rock, fast, for floor, walls and ceiling; `flex`, the triangles
+    /// of the collision mesh as a rigid flex, exact but slow; `floor_field`, a height field per chunk, fast, but only
+    /// for floors.
     pub collision: Collision,
-    /// Spacing of the samples of `floor_field` in metres.
+    /// Sample spacing of `floor_field` in metres.
     #[schemars(range(min = 0.01, max = 1.0))]
     pub field_spacing_m: f64,
-    /// How many lamps of the scene shine, those nearest to the first start pose; the others are there but off. MuJoCo's
-    /// own renderer shows eight lights, of which the headlight takes one and the rover two.
+    /// Number of lamps that are switched on, those nearest to the first start pose; the others exist but are off.
+    /// MuJoCo's own renderer shows eight lights, of which the headlight takes one and the rover two.
     #[schemars(range(max = 100))]
     pub lights: u32,
-    /// Ambient light, 0 (black) to 1, the same everywhere: not physical underground, but without any a camera without
-    /// a lamp sees nothing.
+    /// Ambient light, 0 (black) to 1: not physical underground, but without it a camera without a light sees nothing.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ambient: f64,
-    /// Physics step in seconds.
+    /// Physics time step in seconds.
     #[schemars(range(min = 0.0001, max = 0.01))]
     pub physics_step_s: f64,
 }
@@ -82,7 +81,7 @@ impl Default for MujocoSettings {
     }
 }
 
-/// What wheels touch.
+/// Collision shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Collision {
@@ -94,17 +93,18 @@ pub enum Collision {
     FloorField,
 }
 
-/// Name of the rover, and the prefix of all that belongs to it.
+/// Name of the rover, and prefix of the names of its parts.
 const ROVER: &str = "rover";
 /// The rover starts this far above the ground and drops, since the ground under its wheels is not flat. Tuned.
 const START_HEIGHT_M: f64 = 0.05;
-/// What MuJoCo scales its view by: about as far as one sees in a passage. Tuned.
+/// The extent by which MuJoCo scales its view: about the visibility in a passage. Tuned.
 const EXTENT_M: f64 = 10.0;
-/// MuJoCo's own renderer shows linear colours as they are, which is too dark; lamps make up for some of it. Tuned by eye.
+/// MuJoCo's own renderer shows linear colours without gamma, which is too dark; brighter lamps partly compensate. Tuned by
+/// eye.
 const LIGHT_GAIN: f64 = 2.5;
-/// The nearest that is drawn, metres.
+/// Near clipping plane, metres.
 const NEAR_M: f64 = 0.05;
-/// The furthest that is drawn, metres.
+/// Far clipping plane, metres.
 const FAR_M: f64 = 500.0;
 
 /// The target.
@@ -167,7 +167,7 @@ impl Target for Mujoco {
 }
 
 impl Mujoco {
-    /// Writes the model `path`: some text and the cave. Gives the number of triangles that wheels touch.
+    /// Writes the model `path`: some text and the cave. Returns the number of collision triangles.
     fn write_world(
         &self,
         path: &str,
@@ -232,7 +232,7 @@ impl Mujoco {
     }
 }
 
-/// A light as the templates see it.
+/// A light for the templates.
 #[derive(Serialize)]
 struct LightText {
     name: String,
@@ -247,8 +247,8 @@ struct LightText {
 impl LightText {
     fn new(light: &Light, is_lit: bool) -> Self {
         let text = |numbers: [f64; 3]| numbers.map(micro).join(" ");
-        // MuJoCo's own renderer adds light as the screen shows it, where the inverse square of the distance looks about
-        // like the inverse. The constant keeps rock beside a lamp from burning out.
+        // MuJoCo's own renderer adds light in display space, where the inverse square of the distance looks about like the
+        // inverse. The constant prevents overexposed rock near a lamp.
         let attenuation = [1.0, libm::sqrt(std::f64::consts::PI / light.intensity_cd), 0.0];
         Self {
             name: light.name.clone(),
@@ -262,7 +262,7 @@ impl LightText {
     }
 }
 
-/// Writes the rover, alone or at the first start pose of a scene whose model is the file that is named with it.
+/// Writes the rover, alone or at the first start pose of a scene with the given model file.
 fn write_rover(cave: Option<(&Scene, &str)>, path: &str, out: &mut dyn Package) -> Result<(), ExportError> {
     let lift = Translation3::new(0.0, 0.0, START_HEIGHT_M);
     let start = cave.map_or(Isometry3::identity(), |(scene, _)| scene.spawns[0] * lift);

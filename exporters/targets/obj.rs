@@ -3,13 +3,14 @@
 //! ```text
 //! <name>.obj, <name>.mtl, textures/            an object and a material per chunk
 //! <name>_lod1.obj, …                           coarser levels, with `lods`
-//! <name>_collision.obj                         what robots touch, unless `collision = "none"`
+//! <name>_collision.obj                         collision shapes, unless `collision = "none"`
 //! README.md
 //! ```
-//! or the same below `chunks/` for each chunk. OBJ says neither unit nor axes: a comment does. Occlusion is left out, since MTL
-//! has no key for it.
+//! or the same below `chunks/` for each chunk. OBJ has no units or axes: a comment states them. Occlusion is omitted, since
+//! MTL has no key for it.
 //!
-//! A level of the whole holds each chunk at that level, or at its coarsest; the borders of chunks are the same at every level.
+//! A level of the whole cave has each chunk at that level, or at its coarsest; the borders of chunks are the same at every
+//! level.
 
 use std::io::Write;
 
@@ -48,15 +49,15 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct ObjSettings {
-    /// One set of files per chunk, instead of a single one.
+    /// Write one set of files per chunk instead of a single one.
     pub per_chunk: bool,
-    /// Whether the coarser levels of detail are written, a file for each.
+    /// Write coarser levels of detail, one file each.
     pub lods: bool,
-    /// What robots touch, in a file of its own.
+    /// Collision shapes, in a separate file.
     pub collision: SeparateCollision,
 }
 
-/// Collision meshes in files of their own.
+/// Collision shapes in separate files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SeparateCollision {
@@ -65,7 +66,7 @@ pub enum SeparateCollision {
     /// A concave mesh per chunk.
     #[default]
     Triangles,
-    /// Convex pieces of the rock behind the wall, an object each.
+    /// Convex pieces of the rock behind the wall, one object each.
     Pieces,
 }
 
@@ -107,12 +108,12 @@ impl Target for Obj {
     }
 }
 
-/// The files of the whole or of a chunk.
+/// The files of the whole cave or of a chunk.
 struct ObjFiles<'a> {
     settings: &'a ObjSettings,
     stem: Stem,
     materials: TempFile,
-    /// Full detail first. Each holds the chunks so far at its level or at their coarsest.
+    /// Levels, full detail first. Each has the chunks so far at its level or at their coarsest.
     levels: Vec<ObjFile>,
     collision: Option<ObjFile>,
 }
@@ -130,7 +131,7 @@ impl<'a> ObjFiles<'a> {
 
     fn add_levels(&mut self, chunk: &Chunk) -> Result<(), ExportError> {
         let lods = if self.settings.lods { &chunk.lods[..] } else { &[] };
-        // A file that is missing is the deepest so far: no chunk before had more levels.
+        // A missing file starts as a copy of the coarsest so far: no earlier chunk had more levels.
         while self.levels.len() <= lods.len() {
             let ending = format!("_lod{}.obj", self.levels.len());
             let deepest = self.levels.last_mut().expect("full detail is always there");
@@ -197,7 +198,7 @@ impl ChunkFiles for ObjFiles<'_> {
     }
 }
 
-/// An OBJ that grows.
+/// An OBJ being written.
 struct ObjFile {
     file: TempFile,
     vertices: u64,
@@ -210,7 +211,7 @@ impl ObjFile {
         Ok(Self { file, vertices: 0 })
     }
 
-    /// Gives the number of triangles.
+    /// Returns the number of triangles.
     fn add_collision(&mut self, name: &str, mesh: &Mesh) -> Result<u64, ExportError> {
         obj::write_collision(&mut self.file, name, mesh, self.vertices)?;
         self.vertices += mesh.positions.len() as u64;

@@ -1,16 +1,15 @@
-//! Target `ply`: binary PLY with normals, colours and labels at the vertices, Z up, metres: for point cloud and mesh tools,
-//! and for those who train on them.
+//! Target `ply`: binary PLY with normals, colours and labels per vertex, Z up, metres: for point cloud and mesh tools, and
+//! as training data.
 //!
 //! ```text
 //! <name>.ply, or chunks/<chunk>.ply
 //! README.md
 //! ```
-//! Colours are those of the base colour image at the texture coordinate of the vertex, which is all of the image that a PLY
-//! can carry: finer grain than the distance of vertices is lost. Of a PNG they are the same bytes everywhere; how a JPEG is
-//! decoded is up to the decoder.
+//! Colours are sampled from the base colour image at the vertices; detail finer than the distance of vertices is lost. For
+//! PNG they are the same bytes everywhere; for JPEG they depend on the decoder.
 //!
-//! Labels are those of target `isaac`: a face that faces up or down within 45° is floor or ceiling, the others are wall. A
-//! vertex has the label that its normal asks for.
+//! Labels are those of target `isaac`: a face that faces up or down within 45° is floor or ceiling, the others are wall. The
+//! label of a vertex follows from its normal.
 
 use minijinja::context;
 use schemars::JsonSchema;
@@ -47,7 +46,7 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct PlySettings {
-    /// One file per chunk, instead of a single file.
+    /// Write one file per chunk instead of a single file.
     pub per_chunk: bool,
 }
 
@@ -97,7 +96,7 @@ fn label_text(zone: Zone) -> String {
     format!("{} {}", ply::label(zone), zone.name())
 }
 
-/// A file that grows, and its second half.
+/// A file being written, and its second half.
 struct Cloud<'a> {
     comments: &'a [String],
     body: TempFile,
@@ -119,7 +118,7 @@ impl ChunkFiles for Cloud<'_> {
         let mesh = &chunk.visual;
         let before = self.counts[0];
         self.counts = [before + mesh.positions.len() as u64, self.counts[1] + mesh.triangles()];
-        // Readers take indices for numbers with a sign.
+        // Readers treat indices as signed.
         if i32::try_from(self.counts[0]).is_err() {
             return Err(self.too_large());
         }

@@ -1,11 +1,11 @@
-//! Target `stl`: binary STL, Z up, metres: the shape alone, for tools that want nothing else.
+//! Target `stl`: binary STL, Z up, metres: the shape alone.
 //!
 //! ```text
 //! <name>.stl, or chunks/<chunk>.stl
 //! README.md
 //! ```
-//! STL says neither unit nor axes: both stand in the header, which hardly any reader shows, and in the README. Triangles do
-//! not share vertices in it; those of neighbours have the same coordinates to the bit, so that readers can merge them.
+//! STL has no units or axes: both are in the header, which hardly any reader shows, and in the README. Triangles do not
+//! share vertices, but neighbours have exactly the same coordinates, so that readers can merge them.
 
 use minijinja::context;
 use schemars::JsonSchema;
@@ -40,7 +40,7 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct StlSettings {
-    /// One file per chunk, instead of a single file.
+    /// Write one file per chunk instead of a single file.
     pub per_chunk: bool,
     /// Which mesh is written.
     pub mesh: Shape,
@@ -50,10 +50,10 @@ pub struct StlSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// What cameras see, in full detail.
+    /// The visual mesh, in full detail.
     #[default]
     Visual,
-    /// What wheels touch: fewer triangles.
+    /// The collision mesh: fewer triangles.
     Collision,
 }
 
@@ -91,7 +91,7 @@ impl Target for Stl {
     }
 }
 
-/// A file that grows.
+/// A file being written.
 struct Solid<'a> {
     shape: Shape,
     comment: &'a str,

@@ -10,17 +10,18 @@
 //! ```
 //! Each file and folder has its `.meta`. GUIDs follow from the content ([`identity`]).
 //!
-//! - **Frame**: the FBX are Y up, in metres. Unity's importer turns x round and with it the order of corners; the prefab says start
-//!   poses and lights in the frame that follows ([`frame::unity_from_scene`](crate::frame::unity_from_scene)).
-//! - **References into an FBX**: Unity derives the number of a mesh from its name, and [`identity::mesh`] does the same, which
-//!   numbers that Unity has written into public projects confirm. The table `internalIDToNameTable` of the `.meta` says the same
-//!   numbers, so that either rule finds the meshes.
-//! - **Tangents**: Unity makes them anew, by MikkTSpace as those that the normal maps were baked in.
-//! - **Levels of detail** change where their error is a line of an image of 1080, seen under 60°. The last one is never hidden.
-//! - **Friction** is that of the scene; it rules over whatever touches the rock with less (`frictionCombine` is the maximum).
+//! - **Frame**: the FBX are Y up, in metres. Unity's importer negates x and reverses the winding; the prefab has start poses
+//!   and lights in the resulting frame ([`frame::unity_from_scene`](crate::frame::unity_from_scene)).
+//! - **References into an FBX**: Unity derives the id of a mesh from its name, and [`identity::mesh`] does the same, as
+//!   confirmed by ids that Unity has written into public projects. The table `internalIDToNameTable` of the `.meta` has the
+//!   same ids, so that either rule finds the meshes.
+//! - **Tangents**: Unity recomputes them with MikkTSpace, which was also used for baking the normal maps.
+//! - **Levels of detail** switch where their error is a line of an image of 1080 lines with a field of view of 60°. The last
+//!   one is never hidden.
+//! - **Friction** is that of the scene; it overrides lower values of touching bodies (`frictionCombine` is the maximum).
 //!
-//! No test opens Unity. Its YAML is held to the documented fields, all references to what they lead to, and the meshes to the
-//! frame, by readers that are not ours.
+//! Not tested in Unity itself. Independent readers check the YAML against the documented fields, that all references
+//! resolve, and the frame of the meshes.
 
 use minijinja::context;
 use schemars::JsonSchema;
@@ -74,11 +75,11 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct UnitySettings {
-    /// Render pipeline of the project, for which the materials are made.
+    /// Render pipeline for which the materials are made.
     pub pipeline: Pipeline,
-    /// What robots touch. Pieces have the friction of floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
     pub collision: Collision,
-    /// Whether the prefab carries the lights of the scene, without shadows.
+    /// Include the lights of the scene, without shadows.
     pub lights: bool,
 }
 
@@ -130,7 +131,7 @@ impl Target for Unity {
     }
 }
 
-/// Its name for the Package Manager, which takes no capital letters and no more than 214 of any other.
+/// Its name for the Package Manager, which allows no capital letters and at most 214 characters.
 fn package_name(scene: &str) -> String {
     let name: String = scene.chars().take(200).collect();
     format!("com.plume.{}", name.replace('_', "-"))
@@ -143,7 +144,7 @@ struct Shape {
     zone: Zone,
 }
 
-/// A package that is being written.
+/// A package being written.
 struct Writer<'a> {
     settings: &'a UnitySettings,
     scene: &'a Scene<'a>,
@@ -233,7 +234,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// The friction of a zone, written when it is first asked for.
+    /// The friction asset of a zone, written on first use.
     fn friction(&mut self, zone: Zone) -> Result<Guid, ExportError> {
         if let Some((_, guid)) = self.friction.iter().find(|(known, _)| *known == zone) {
             return Ok(*guid);
@@ -246,7 +247,7 @@ impl Writer<'_> {
         Ok(guid)
     }
 
-    /// Writes what all chunks share.
+    /// Writes what is shared by all chunks.
     fn finish(mut self, name: &str) -> Result<(), ExportError> {
         let scene = self.scene;
         self.prefab.add_spawns(&scene.spawns);
@@ -282,10 +283,10 @@ impl Writer<'_> {
     }
 }
 
-/// The object of a `.physicMaterial` that is the asset.
+/// The main object of a `.physicMaterial`.
 const FRICTION_OBJECT: u32 = 13_400_000;
 
-/// The collision mesh of a chunk. It has one friction, that of what wheels stand on.
+/// The collision mesh of a chunk, with the friction of the floor.
 fn whole(chunk: &Chunk) -> Shape {
     Shape { name: format!("{}_collision", chunk.name), mesh: chunk.collision.clone(), zone: Zone::Floor }
 }

@@ -1,4 +1,4 @@
-//! Target `unreal`: meshes, textures and a Python script that makes a level of them in Unreal Engine 5.3 and later.
+//! Target `unreal`: meshes, textures and a Python script that imports them as a level into Unreal Engine 5.3 and later.
 //!
 //! ```text
 //! README.md
@@ -8,15 +8,15 @@
 //! textures/<chunk>_{base_color,normal,orm}.*
 //! ```
 //! FBX is metres, right-handed, Z up, its front −Y: Unreal's importer then only changes the unit and mirrors y
-//! ([`frame::unreal_from_scene`](crate::frame::unreal_from_scene)). Every chunk stays at the origin of the cave. Normal maps
-//! have the green channel of DirectX; the other images are those of the scene. Heights are left out.
+//! ([`frame::unreal_from_scene`](crate::frame::unreal_from_scene)). All chunks are placed at the origin. Normal maps have
+//! the green channel of DirectX; the other images are those of the scene. Height maps are omitted.
 //!
-//! Unreal looks for convex pieces by the name of a mesh and not of its group of levels: those of `<chunk>` are called
-//! `UCX_<chunk>_LOD0_<NN>`. With triangles, bodies touch a collision mesh of its own ("complex collision mesh"), because what
-//! Nanite leaves of the visual mesh for physics is a coarse stand-in.
+//! Unreal finds convex pieces by the name of a mesh, not of its LOD group: those of `<chunk>` are called
+//! `UCX_<chunk>_LOD0_<NN>`. With triangles, bodies collide with a separate mesh ("complex collision mesh"), because Nanite
+//! keeps only a coarse fallback of the visual mesh for physics.
 //!
-//! Nothing here has been seen in Unreal, which no test can open. The script runs under a stub that knows the documented
-//! names only, and compares in Unreal what was imported with what was meant.
+//! Not tested in Unreal itself. The script is tested with a stub that has only the documented names, and it compares what
+//! was imported with what is expected.
 
 use minijinja::context;
 use minijinja::value::Serde;
@@ -43,7 +43,7 @@ pub const ROW: TargetRow = TargetRow {
     opened_by: "Unreal Engine 5.3 and later",
     contents: "an FBX per chunk with levels of detail and collision, normal maps in the DirectX convention, and a Python \
         script that builds materials, Nanite, collision and a level (5.3 and later)",
-    tested_by: "no Unreal runs here: the script runs against a strict stand-in for the module `unreal`, which lists every \
+    tested_by: "not in Unreal itself: the script runs against a strict stub of the module `unreal`, which lists every \
         call; ufbx",
     checks: &["blender", "libassimp"],
     images: &ImageFormat::COMMON,
@@ -58,14 +58,14 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct UnrealSettings {
-    /// What bodies touch. All of it has the friction of the floor, because Unreal knows one physical material per mesh.
+    /// Collision shapes. All have the friction of the floor, because Unreal has one physical material per mesh.
     pub collision: Collision,
-    /// Whether Nanite shows the chunks; where it does not run, Unreal falls back on levels of detail.
+    /// Render the chunks with Nanite; where it is not supported, Unreal falls back to levels of detail.
     pub nanite: bool,
-    /// Whether chunks carry their coarser levels of detail. Each shows where it is less than a pixel off, on a screen of
-    /// 1920 × 1080 that shows 90°.
+    /// Include coarser levels of detail. Each is shown where its error is below a pixel, on a screen of 1920 × 1080 with
+    /// a field of view of 90°.
     pub lods: bool,
-    /// Whether the level carries the lights of the scene; without them only the robot's own lamps shine.
+    /// Include the lights of the scene; without them only the robot's own lights shine.
     pub lights: bool,
 }
 
@@ -130,7 +130,7 @@ impl Unreal {
         Ok(entry)
     }
 
-    /// The full detail and, if they are wanted, the coarser levels.
+    /// The full detail and, if requested, the coarser levels.
     fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<fbx::Level<'a>> {
         let wanted = if self.0.lods { usize::MAX } else { 1 };
         fbx::levels(chunk).take(wanted).collect()
@@ -181,7 +181,7 @@ fn write_visual(
     })
 }
 
-/// The mesh that bodies touch, in a file of its own: Unreal takes it for a mesh like any other.
+/// The collision mesh, in a separate file: for Unreal it is a mesh like any other.
 fn write_collision(
     head: &fbx::Head,
     chunk: &Chunk,
@@ -205,7 +205,7 @@ fn write_collision(
     Ok(())
 }
 
-/// Convex pieces under names by which Unreal finds the mesh that they belong to.
+/// Convex pieces, with names by which Unreal finds their mesh.
 fn colliders<'a>(chunk: &str, pieces: &'a [Piece]) -> Vec<fbx::Collider<'a>> {
     fbx::convex_pieces(&names::level(chunk, 0), pieces)
 }

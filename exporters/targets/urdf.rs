@@ -1,17 +1,17 @@
-//! Target `urdf`: a ROS 2 package with the world as a URDF of one link that does not move.
+//! Target `urdf`: a ROS 2 package with the world as a URDF with a single static link.
 //!
 //! ```text
 //! <name>/{package.xml, CMakeLists.txt, urdf/<name>.urdf, meshes/, meshes/textures/}
 //! README.md
 //! ```
-//! Paths of meshes are `package://<name>/` only, and the package lies in a folder of its name, because Bullet and
-//! pinocchio find packages by the names of folders. All chunks hang on one link: as a link each they would break Bullet, which
-//! holds fewer than 128 joints in a body. The link weighs nothing, which is how Bullet knows that it is fixed. Start poses are links
-//! without geometry, so that joints and tf may refer to them.
+//! Paths of meshes are always `package://<name>/`, and the package is in a folder of its name, because Bullet and pinocchio
+//! find packages by folder names. All chunks belong to one link: separate links would exceed the limit of Bullet, fewer than
+//! 128 joints per body. The link has no mass, by which Bullet knows that it is fixed. Start poses are links without
+//! geometry, so that joints and tf can refer to them.
 //!
-//! URDF does not say whether a collision mesh may be concave. Bullet takes the triangles where the attribute `concave` is there,
-//! and else a convex hull for each object of the OBJ. Friction has no place in URDF either: Bullet reads one value a link,
-//! which is that of the floor. Images other than the base colour are named, but hardly any reader of URDF looks at them.
+//! URDF does not define whether a collision mesh may be concave. Bullet uses the triangles if the attribute `concave` is
+//! present, otherwise a convex hull of each object of the OBJ. Friction is not part of URDF either: Bullet reads one value
+//! per link, which is that of the floor. Images other than the base colour are referenced, but hardly any reader uses them.
 
 use minijinja::context;
 use minijinja::value::Serde;
@@ -50,7 +50,8 @@ pub const ROW: TargetRow = TargetRow {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct UrdfSettings {
-    /// What robots touch: `triangles` for readers that take concave meshes, `pieces` for those that take convex ones only.
+    /// Collision shapes: `triangles` for readers that support concave meshes, `pieces` for those that only support convex
+    /// ones.
     pub collision: Collision,
 }
 
@@ -89,7 +90,7 @@ impl Target for Urdf {
 }
 
 impl Urdf {
-    /// Writes what robots touch of a chunk; gives its number of triangles.
+    /// Writes the collision shapes of a chunk; returns their number of triangles.
     fn write_collision(
         &self,
         scene: &Scene,
@@ -137,7 +138,7 @@ impl Urdf {
     }
 }
 
-/// A pose as the templates see it.
+/// A pose for the templates.
 #[derive(Serialize)]
 struct Origin {
     xyz: String,

@@ -32,7 +32,7 @@ const README: &str = include_str!("../templates/usd/README.md.jinja");
 pub struct Usd {
     /// Its settings.
     pub settings: StageSettings,
-    /// What writes the layers.
+    /// The library that writes the layers.
     pub library: Arc<dyn Library>,
 }
 

@@ -1,6 +1,6 @@
-//! Target `usdz`: the stage of target `usd` and its images as one archive, for viewers and for sending.
+//! Target `usdz`: the stage of target `usd` and its images as one archive, for viewers and for sharing.
 //!
-//! Loads as a whole: an archive has payloads all the same, but is read in one piece.
+//! Loaded as a whole: an archive has payloads too, but is read in one piece.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ const README: &str = include_str!("../templates/usd/README.md.jinja");
 pub struct Usdz {
     /// Its settings.
     pub settings: StageSettings,
-    /// What writes the layers and the archive.
+    /// The library that writes the layers and the archive.
     pub library: Arc<dyn Library>,
 }
 

@@ -1,4 +1,4 @@
-//! What is said of files of each format, whole and broken, and that no bytes make the check fall over.
+//! Reports on intact and broken files of each format; no input makes the check panic.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -12,13 +12,13 @@ use forge::{Forged, amend, package, package_of, tar, verdict, zip, zstd};
 use plume_exporters::package::MANIFEST;
 use proptest::prelude::*;
 
-/// What is said of a package of one file and an image beside it.
+/// The report on a package of one file and an image.
 fn of(path: &str, bytes: &[u8]) -> String {
     let image = package("gazebo").into_iter().find(|(path, _)| path.ends_with(".png")).unwrap().1;
     verdict(&zip(&package_of(&[(path, bytes), ("rock.png", &image)]), |_| ()))
 }
 
-/// What is said of each of some files.
+/// The reports on some files.
 fn each(files: &[(&str, &[u8])]) -> String {
     files.iter().map(|(path, bytes)| format!("{}\n", of(path, bytes))).collect()
 }
@@ -45,18 +45,18 @@ fn meshes_are_read() {
         ("away.obj", b"mtllib ../../rock.mtl\nv 0 0 0\n"),
         ("a.mtl", b"newmtl rock\nmap_Kd -bm 1 rock.png\nnorm gone.png\nmap_Pr C:\\rock.png\nmap_Ks /rock.png\n"),
     ]), @r"
-    cut.stl: says that it has 1 triangles, which is not its size
+    cut.stl: states 1 triangles, which does not match its size
     text.stl: ends early
     cut.ply: ends early
-    long.ply: goes on after its end
+    long.ply: has trailing data
     huge.ply: ends early
-    odd.ply: has a property that is no PLY
-    face.obj: has line 3, which is no OBJ: `f 1 2 3`
-    nan.obj: has line 1, which is no OBJ: `v 0 0 nan`
-    away.obj: names `../../rock.mtl`, which leads out of the package
-    a.mtl: names `/rock.png`, which is no relative path with forward slashes
-    a.mtl: names `C:\rock.png`, which is no relative path with forward slashes
-    a.mtl: names `gone.png`, which is not here
+    odd.ply: has an invalid PLY property
+    face.obj: has an invalid OBJ line 3: `f 1 2 3`
+    nan.obj: has an invalid OBJ line 1: `v 0 0 nan`
+    away.obj: refers to `../../rock.mtl`, which is outside the package
+    a.mtl: refers to `/rock.png`, which is not a relative path with forward slashes
+    a.mtl: refers to `C:\rock.png`, which is not a relative path with forward slashes
+    a.mtl: refers to `gone.png`, which does not exist
     ");
 }
 
@@ -78,20 +78,20 @@ fn markup_is_read() {
         ("a.json", b"{\"chunks\": [{\"file\": \"gone.bin\"}, {\"file\": \"rock.png\"}]}"),
         ("b.json", "[".repeat(1000).as_bytes()),
     ]), @r"
-    a.sdf: names `model://cave/a.obj`, which is not here
-    b.sdf: names `https://fuel.gazebosim.org/a`, which is no relative path with forward slashes
-    a.urdf: names `file:///a.obj`, which is no relative path with forward slashes
-    a.urdf: names `package://cave/meshes/a.obj`, which is not here
-    a.xml: names `images/rock.png`, which is not here
-    b.xml: is no XML: XML with DTD detected
-    a.dae: names `b.png`, which is not here
-    a.dae: names `gone.png`, which is not here
-    deep.xml: is no XML: the root node was opened but never closed
+    a.sdf: refers to `model://cave/a.obj`, which does not exist
+    b.sdf: refers to `https://fuel.gazebosim.org/a`, which is not a relative path with forward slashes
+    a.urdf: refers to `file:///a.obj`, which is not a relative path with forward slashes
+    a.urdf: refers to `package://cave/meshes/a.obj`, which does not exist
+    a.xml: refers to `images/rock.png`, which does not exist
+    b.xml: is not valid XML: XML with DTD detected
+    a.dae: refers to `b.png`, which does not exist
+    a.dae: refers to `gone.png`, which does not exist
+    deep.xml: is not valid XML: the root node was opened but never closed
     many.xml: has an element with more than 1000 attributes
-    a.usda: names `gone.usdc`, which is not here
-    b.usda: has a text that does not end
-    a.json: names `gone.bin`, which is not here
-    b.json: is no JSON: recursion limit exceeded at line 1 column 128
+    a.usda: refers to `gone.usdc`, which does not exist
+    b.usda: has an unterminated string
+    a.json: refers to `gone.bin`, which does not exist
+    b.json: is not valid JSON: recursion limit exceeded at line 1 column 128
     ");
 }
 
@@ -110,18 +110,18 @@ fn gltf_is_read() {
     let said: String = files.iter().map(|more| format!("{}\n", of("a.gltf", document(more).as_bytes()))).collect();
     insta::assert_snapshot!(said, @r"
     whole
-    a.gltf: names `gone.png`, which is not here
-    a.gltf: wants 100000000 bytes of `rock.png`, which has 191
-    a.gltf: has view 0, which leads out of its buffer
-    a.gltf: is no glTF: bufferViews[0].buffer is Index out of bounds
-    a.gltf: has array 0, which leads out of its view
+    a.gltf: refers to `gone.png`, which does not exist
+    a.gltf: needs 100000000 bytes of `rock.png`, which has 191
+    a.gltf: has buffer view 0, which extends beyond its buffer
+    a.gltf: is not valid glTF: bufferViews[0].buffer is Index out of bounds
+    a.gltf: has accessor 0, which extends beyond its buffer view
     ");
     let glb = package("glb").remove("chamber.glb").unwrap();
     let mut short = glb.clone();
     short.truncate(glb.len() - 4);
     insta::assert_snapshot!(each(&[("a.glb", &short), ("b.glb", b"glTF\x01\0\0\0")]), @r"
-    a.glb: has a length in its head that is not its own
-    b.glb: is no binary glTF 2.0
+    a.glb: has a wrong length in its header
+    b.glb: is not a binary glTF 2.0
     ");
 }
 
@@ -145,10 +145,10 @@ fn files_of_unity_are_read() {
         said(&[("a.txt", ""), ("a.txt.meta", "fileFormatVersion: 2\n"), ("a.prefab", "hello: 1\n")]),
     ];
     insta::assert_snapshot!(faults.join("\n"), @r"
-    gone.txt.meta: names `gone.txt`, which is not here
-    b.txt.meta: has the GUID of a.txt.meta: 0123456789abcdef0123456789abcdef
-    a.mat: names GUID ffffffffffffffffffffffffffffffff, which no file here has
-    a.prefab: is no YAML of Unity
+    gone.txt.meta: refers to `gone.txt`, which does not exist
+    b.txt.meta: has the same GUID as a.txt.meta: 0123456789abcdef0123456789abcdef
+    a.mat: refers to GUID ffffffffffffffffffffffffffffffff, which no file of the package has
+    a.prefab: is not Unity YAML
     a.txt.meta: has no GUID
     ");
 }
@@ -180,11 +180,11 @@ fn fbx_is_read() {
         ("lost.fbx", &lost),
         ("text.fbx", b"; FBX 7.4.0 project file\n........"),
     ]), @r"
-    gone.fbx: names `textures/rock.png`, which is not here
-    away.fbx: names `C:\rock.png`, which is no relative path with forward slashes
-    cut.fbx: has a node that leads out of the one round it
-    lost.fbx: has a node that leads out of the one round it
-    text.fbx: is no binary FBX
+    gone.fbx: refers to `textures/rock.png`, which does not exist
+    away.fbx: refers to `C:\rock.png`, which is not a relative path with forward slashes
+    cut.fbx: has a node that extends beyond its parent
+    lost.fbx: has a node that extends beyond its parent
+    text.fbx: is not a binary FBX
     ");
 }
 
@@ -205,13 +205,13 @@ fn images_are_read() {
         ("no.ktx2", b"\xabKTX 20\xbb\r\n\x1a\n"),
         ("no.msh", &[1; 64]),
     ]), @r"
-    flipped.png: is no whole PNG: CRC error: expected 0xb83c5e90 have 0xa41bc685 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.
-    cut.png: is no whole PNG: unexpected end of file
-    cut.jpg: is no whole JPEG
-    no.jpg: has a segment that is no JPEG
-    cut.webp: is no whole WebP
+    flipped.png: is not an intact PNG: CRC error: expected 0xb83c5e90 have 0xa41bc685 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.
+    cut.png: is not an intact PNG: unexpected end of file
+    cut.jpg: is not an intact JPEG
+    no.jpg: has an invalid JPEG segment
+    cut.webp: is not an intact WebP
     no.ktx2: ends early
-    no.msh: has counts that are not its size
+    no.msh: has counts that do not match its size
     ");
 }
 
@@ -227,7 +227,7 @@ static PACKAGES: LazyLock<Vec<Forged>> = LazyLock::new(|| {
     vec![package("gazebo"), package("gltf"), more]
 });
 
-/// A change of some bytes: where, in parts of the whole, and to what; then how much is kept.
+/// A change of some bytes: where, relative to the length, and to what; then how much is kept.
 type Change = (Vec<(f64, u8)>, f64);
 
 fn change() -> impl Strategy<Value = Change> {
@@ -247,20 +247,20 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn no_bytes_make_the_check_fall_over(head in 0..4_usize, bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
+    fn no_bytes_make_the_check_panic(head in 0..4_usize, bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
         let heads: [&[u8]; 4] = [b"", b"PK\x03\x04", b"\x28\xb5\x2f\xfd", b"\x1f\x8b\x08"];
         prop_assert_ne!(verdict(&[heads[head], &bytes].concat()), "whole");
     }
 
     #[test]
-    fn no_damage_makes_the_check_fall_over(is_zip: bool, change in change()) {
+    fn no_damage_makes_the_check_panic(is_zip: bool, change in change()) {
         let package = package_of(&[("a.txt", b"Mind your head."), ("b.json", b"[1, 2, 3]")]);
         let archive = if is_zip { zip(&package, |_| ()) } else { zstd(&tar(&package, |_| ())) };
         let _ = verdict(&changed(&archive, &change));
     }
 
     #[test]
-    fn no_file_makes_the_check_fall_over(which in 0..3_usize, place: prop::sample::Index, change in change()) {
+    fn no_file_makes_the_check_panic(which in 0..3_usize, place: prop::sample::Index, change in change()) {
         let mut package = PACKAGES[which].clone();
         let paths: Vec<String> = package.keys().filter(|path| *path != MANIFEST).cloned().collect();
         let path = place.get(&paths);

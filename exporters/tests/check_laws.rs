@@ -1,4 +1,4 @@
-//! A package of any target is whole, as a folder and as every kind of archive, and no spoiled one is.
+//! A package of any target passes the check, as a folder and as every kind of archive; no damaged one does.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -36,7 +36,7 @@ impl Desk {
         Self { folder, chamber }
     }
 
-    /// Writes the sample for a target, and gives where.
+    /// Writes the sample for a target, and returns its path.
     fn write(&self, row: &'static TargetRow, bundle: Option<Bundle>) -> Result<PathBuf, ExportError> {
         let folder = self.folder.path().join(row.name);
         let path = bundle.map_or(folder.clone(), |bundle| bundle.file(&folder));
@@ -63,7 +63,7 @@ fn manifest(package: &Path) -> Manifest {
     Manifest::from_text(&fs::read(package.join(MANIFEST)).unwrap()).unwrap()
 }
 
-/// Makes the manifest true of files that were changed.
+/// Updates the manifest for changed files.
 fn amend(package: &Path, change: impl FnOnce(&mut Manifest)) {
     let mut manifest = manifest(package);
     change(&mut manifest);
@@ -76,7 +76,7 @@ fn entry(bytes: &[u8]) -> Entry {
 }
 
 #[test]
-fn every_package_is_whole() {
+fn every_package_is_intact() {
     let desk = Desk::new();
     for row in complete() {
         for bundle in std::iter::once(None).chain(Bundle::ALL.map(Some)) {
@@ -111,7 +111,7 @@ fn a_manifest_tells_where_everything_is() {
 }
 
 #[test]
-fn a_byte_that_is_flipped_is_found() {
+fn a_flipped_byte_is_found() {
     let desk = Desk::new();
     for row in complete() {
         let package = desk.package(row);
@@ -131,14 +131,14 @@ fn a_byte_that_is_flipped_is_found() {
 }
 
 #[test]
-fn a_file_too_few_and_one_too_many_are_found() {
+fn missing_and_extra_files_are_found() {
     let desk = Desk::new();
     for row in complete() {
         let package = desk.package(row);
         for path in manifest(&package).files.0.keys() {
             let aside = desk.folder.path().join("aside");
             fs::rename(package.join(path), &aside).unwrap();
-            // Who loses the GUID of the file is told of, too.
+            // Files that refer to the GUID of the missing one are reported too.
             assert!(faults(&package).contains(&format!("{path}: is missing\n")), "{}/{path}", row.name);
             fs::rename(&aside, package.join(path)).unwrap();
         }
@@ -148,9 +148,9 @@ fn a_file_too_few_and_one_too_many_are_found() {
     }
 }
 
-/// Files that others name, as a user might rename them, with a manifest that knows of it.
+/// Referenced files are renamed, as a user might do, with a matching manifest.
 #[test]
-fn a_reference_that_leads_nowhere_is_found() {
+fn a_dangling_reference_is_found() {
     let desk = Desk::new();
     for row in complete() {
         let package = desk.package(row);
@@ -201,11 +201,11 @@ fn a_reference_inside_an_archive_stays_in_it() {
     assert_ne!(spoiled, text);
     fs::write(&path, &spoiled).unwrap();
     amend(&package, |manifest| *manifest.files.0.get_mut("chamber.usdz").unwrap() = entry(&spoiled));
-    insta::assert_snapshot!(faults(&package), @"chamber.usdz/chunks/chunk_0_0_0.usdc: names `./textures/chunk_0_0_0_base_color.png`, which is not here");
+    insta::assert_snapshot!(faults(&package), @"chamber.usdz/chunks/chunk_0_0_0.usdc: refers to `./textures/chunk_0_0_0_base_color.png`, which does not exist");
 }
 
 #[test]
-fn a_file_that_is_no_longer_what_its_name_says_is_found() {
+fn a_file_with_the_wrong_format_is_found() {
     let desk = Desk::new();
     for row in complete() {
         let package = desk.package(row);
@@ -215,7 +215,7 @@ fn a_file_that_is_no_longer_what_its_name_says_is_found() {
             fs::write(package.join(path), &cut).unwrap();
             amend(&package, |manifest| drop(manifest.files.0.insert(path.clone(), entry(&cut))));
             let told = faults(&package);
-            // Who loses the GUID of a broken file is told of, too; of a buffer, who wants more of it than there is.
+            // Files that refer to the GUID of a broken file, or need more of a buffer than there is, are reported too.
             assert!(
                 told.contains(path.as_str()),
                 "{}/{path}: {told}; every extension needs a row in `READERS` of `check/readers.rs`",
@@ -239,9 +239,9 @@ fn the_same_scene_gives_the_same_archive() {
     }
 }
 
-/// The manifest says nothing of the heads of a tar and of the space between its files; gzip always has a checksum.
+/// The manifest does not cover the headers of a tar and the gaps between its files; gzip always has a checksum.
 #[test]
-fn a_zstd_archive_has_a_checksum_of_all_it_holds() {
+fn a_zstd_archive_has_a_checksum_of_its_whole_content() {
     let desk = Desk::new();
     let path = desk.write(plume_exporters::target("obj").unwrap().row, Some(Bundle::TarZst)).unwrap();
     let mut archive = fs::read(&path).unwrap();

@@ -1,4 +1,4 @@
-//! ufbx reads what we write, and finds the scene in it.
+//! ufbx reads the FBX files back and finds the scene in them.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -25,7 +25,7 @@ fn export(settings: FbxSettings) -> (Memory, sample::Chamber, tempfile::TempDir)
     (memory, chamber, folder)
 }
 
-/// A file as it is, without a complaint.
+/// A file as loaded, without warnings.
 fn read(bytes: &[u8]) -> ufbx::SceneRoot {
     let scene = ufbx::load_memory(bytes, LoadOpts { retain_dom: true, strict: true, ..LoadOpts::default() }).unwrap();
     let warnings: Vec<&str> = scene.metadata.warnings.iter().map(|warning| &*warning.description).collect();
@@ -65,7 +65,7 @@ fn at_corners(attribute: &ufbx::VertexVec3) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn every_level_of_every_chunk_comes_back_bit_for_bit() {
+fn every_level_of_every_chunk_reads_back_bit_for_bit() {
     for (up, turn) in [(Up::Z, (|v| v) as fn([f64; 3]) -> [f64; 3]), (Up::Y, gltf_from_scene)] {
         let (memory, chamber, _folder) = export(FbxSettings { up, ..FbxSettings::default() });
         let scene = read(&memory.bytes["chamber.fbx"]);
@@ -91,9 +91,9 @@ fn every_level_of_every_chunk_comes_back_bit_for_bit() {
     }
 }
 
-/// What the file says of its axes and units turns both kinds into the frame of the scene.
+/// The axes and units in the file convert both kinds into the frame of the scene.
 #[test]
-fn axes_and_units_lead_back_to_the_scene() {
+fn axes_and_units_convert_back_to_the_scene() {
     for (up, named) in [(Up::Z, CoordinateAxis::PositiveZ), (Up::Y, CoordinateAxis::PositiveY)] {
         let (memory, chamber, _folder) = export(FbxSettings { up, ..FbxSettings::default() });
         let bytes = &memory.bytes["chamber.fbx"];
@@ -142,7 +142,7 @@ fn the_binormal_runs_up_the_image() {
 }
 
 #[test]
-fn textures_are_found_beside_the_file() {
+fn textures_are_found() {
     for per_chunk in [false, true] {
         let folder = tempfile::tempdir().unwrap();
         let chamber = sample::Chamber::new(folder.path()).unwrap();
@@ -172,7 +172,7 @@ fn textures_are_found_beside_the_file() {
 }
 
 #[test]
-fn coarser_levels_are_shown_from_where_they_cannot_be_told_apart() {
+fn coarser_levels_are_shown_from_where_their_error_is_invisible() {
     let (memory, chamber, _folder) = export(FbxSettings::default());
     let scene = read(&memory.bytes["chamber.fbx"]);
     for index in 0..chamber.len() {
@@ -192,7 +192,7 @@ fn coarser_levels_are_shown_from_where_they_cannot_be_told_apart() {
 }
 
 #[test]
-fn what_robots_touch_comes_back_bit_for_bit() {
+fn collision_shapes_read_back_bit_for_bit() {
     for per_chunk in [false, true] {
         let settings = |collision| FbxSettings { per_chunk, collision, ..FbxSettings::default() };
         let (memory, chamber, _folder) = export(settings(FbxCollision::Triangles));
@@ -211,9 +211,9 @@ fn what_robots_touch_comes_back_bit_for_bit() {
     }
 }
 
-/// A part need not be seen, and a material need not have every map.
+/// A part need not have a visual mesh, and a material need not have every map.
 #[test]
-fn what_is_not_given_is_left_out() {
+fn missing_data_is_omitted() {
     let folder = tempfile::tempdir().unwrap();
     let chunk = sample::Chamber::new(folder.path()).unwrap().load(0).unwrap();
     let mut memory = Memory::default();
@@ -262,7 +262,7 @@ fn lights_shine_where_they_hang() {
         let light = node.light.as_ref().unwrap();
         assert_eq!(parts(&node.local_transform.translation), <[f64; 3]>::from(expected.position));
         assert_eq!(parts(&light.color), expected.color);
-        // ufbx counts in hundreds of percent, too.
+        // ufbx also uses 100 for 1.
         assert_eq!(light.intensity, expected.intensity_cd);
         assert!(light.type_ == ufbx::LightType::Point && light.decay == ufbx::LightDecay::Quadratic);
     }
@@ -287,9 +287,9 @@ fn one_file_per_chunk_holds_the_same() {
     assert_eq!((places.meshes.len(), places.lights.len(), places.empties.len()), (0, 2, 1));
 }
 
-/// The head says how many objects there are of each kind, although it stands before them.
+/// The header has the number of objects of each kind, although it precedes them.
 #[test]
-fn objects_are_as_many_as_announced() {
+fn the_numbers_of_objects_match_the_header() {
     let (memory, ..) = export(FbxSettings { collision: FbxCollision::Triangles, ..FbxSettings::default() });
     let scene = read(&memory.bytes["chamber.fbx"]);
     let root = scene.dom_root.as_ref().unwrap();

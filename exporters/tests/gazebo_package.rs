@@ -1,4 +1,4 @@
-//! Whatever a Gazebo package names is in it.
+//! All references of a Gazebo package resolve.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -90,7 +90,7 @@ fn pieces_have_the_friction_of_their_zone() {
 }
 
 #[test]
-fn lights_can_be_left_out() {
+fn lights_can_be_omitted() {
     for lights in [true, false] {
         let package = export(GazeboSettings { lights, ..GazeboSettings::default() });
         let document = Document::parse(text(&package, "worlds/chamber.sdf")).unwrap();
@@ -108,7 +108,7 @@ fn texts_are_escaped() {
     assert!(text(&package, "README.md").contains("tests & <examples>"));
 }
 
-/// The whole text, so that a change of it is seen in review.
+/// The full text, so that changes show up in review.
 #[test]
 fn texts_are_golden() {
     let package = export(GazeboSettings::default());

@@ -1,4 +1,4 @@
-//! The `gltf` crate reads what we write, and finds the scene in it.
+//! The `gltf` crate reads the GLB files back and finds the scene in them.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -24,7 +24,7 @@ fn export(settings: GlbSettings) -> (Memory, sample::Chamber, tempfile::TempDir)
 }
 
 #[test]
-fn one_file_holds_every_chunk_bit_for_bit() {
+fn a_single_file_has_every_chunk_bit_for_bit() {
     let (memory, chamber, _folder) = export(GlbSettings::default());
     let (document, buffers, images) = gltf::import_slice(&memory.bytes["chamber.glb"]).unwrap();
     assert_eq!(images.len(), 6);
@@ -111,7 +111,7 @@ fn one_file_per_chunk_holds_the_same() {
 }
 
 #[test]
-fn the_recipe_and_the_lights_travel_along() {
+fn the_recipe_and_the_lights_are_included() {
     let (memory, chamber, _folder) = export(GlbSettings::default());
     let glb = gltf::Gltf::from_slice(&memory.bytes["chamber.glb"]).unwrap();
     let extras = glb.document.as_json().extras.as_ref().unwrap().get();
@@ -126,7 +126,7 @@ fn the_recipe_and_the_lights_travel_along() {
 }
 
 #[test]
-fn pieces_come_back_bit_for_bit_and_convex() {
+fn pieces_read_back_bit_for_bit_and_convex() {
     for per_chunk in [false, true] {
         let settings = GlbSettings { per_chunk, collision: NamedCollision::Pieces, ..GlbSettings::default() };
         let (memory, chamber, _folder) = export(settings);
@@ -143,7 +143,7 @@ fn pieces_come_back_bit_for_bit_and_convex() {
 }
 
 #[test]
-fn coarser_levels_stand_outside_of_the_scene_with_their_errors() {
+fn coarser_levels_are_outside_the_scene_with_their_errors() {
     for per_chunk in [false, true] {
         let (memory, chamber, _folder) = export(GlbSettings { per_chunk, lods: true, ..GlbSettings::default() });
         let files = memory.bytes.iter().filter(|(path, _)| path.ends_with(".glb"));

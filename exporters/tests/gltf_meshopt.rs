@@ -1,4 +1,4 @@
-//! meshoptimizer unpacks what it has packed for us, and finds the plain document in it.
+//! meshoptimizer decompresses the compressed documents to the plain ones.
 
 #![cfg(feature = "meshopt")]
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
@@ -38,7 +38,7 @@ where
     meshopt::decode_vertex_buffer::<[u8; STRIDE]>(packed, count).unwrap().concat()
 }
 
-/// The triangles of indices of two bytes, each turned so that it begins at its least corner.
+/// The triangles of two-byte indices, each rotated so that it begins with its lowest corner.
 fn triangles(indices: &[u16]) -> Vec<[u16; 3]> {
     let turned = |triangle: &[u16]| {
         let first = (0..3).min_by_key(|&corner| triangle[corner]).unwrap();
@@ -48,7 +48,7 @@ fn triangles(indices: &[u16]) -> Vec<[u16; 3]> {
 }
 
 #[test]
-fn what_is_packed_comes_back_bit_for_bit() {
+fn compression_is_lossless() {
     let (plain, packed) = (export("none"), export("meshopt"));
     let ((plain_json, plain), (json, payload)) = (parts(&plain), parts(&packed));
     let (plain_views, views) = (&plain_json["bufferViews"], &json["bufferViews"]);
@@ -77,7 +77,7 @@ fn what_is_packed_comes_back_bit_for_bit() {
 }
 
 #[test]
-fn readers_are_told_that_they_must_unpack() {
+fn the_extension_is_required() {
     let packed = export("meshopt");
     let (json, payload) = parts(&packed);
     assert_eq!(json["extensionsRequired"], json!(["EXT_meshopt_compression"]));

@@ -1,4 +1,4 @@
-//! The `gltf` crate follows every name in the documents and finds the scene.
+//! The `gltf` crate resolves every reference of the documents and finds the scene.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -44,7 +44,7 @@ fn named(document: &gltf::Document) -> BTreeSet<&str> {
 }
 
 #[test]
-fn full_detail_is_there_bit_for_bit_in_a_buffer_per_chunk() {
+fn full_detail_reads_back_bit_for_bit_from_a_buffer_per_chunk() {
     let (memory, chamber, _folder) = export(GltfSettings::default());
     let document = gltf::Gltf::from_slice(&memory.bytes["chamber.gltf"]).unwrap();
     assert_eq!(document.buffers().count(), chamber.len());
@@ -66,7 +66,7 @@ fn full_detail_is_there_bit_for_bit_in_a_buffer_per_chunk() {
 }
 
 #[test]
-fn coarser_levels_stand_in_a_document_of_their_own() {
+fn coarser_levels_are_in_a_separate_document() {
     let (memory, chamber, _folder) = export(GltfSettings::default());
     let document = gltf::Gltf::from_slice(&memory.bytes["chamber_lods.gltf"]).unwrap();
     levels::check(&levels::of(&document, |buffer| data(&memory, &buffer)), &chamber);
@@ -83,7 +83,7 @@ fn coarser_levels_stand_in_a_document_of_their_own() {
 }
 
 #[test]
-fn every_file_is_named_and_every_name_is_a_file() {
+fn every_reference_resolves_and_every_file_is_referenced() {
     for lods in [true, false] {
         let (memory, ..) = export(GltfSettings { lods, ..GltfSettings::default() });
         let documents = memory.bytes.iter().filter(|(path, _)| path.ends_with(".gltf"));

@@ -1,4 +1,4 @@
-//! What is said of archives that were made to do harm, and that nothing of them is believed.
+//! Reports on malicious archives; nothing in them is trusted.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -13,12 +13,12 @@ use plume_exporters::package::MANIFEST;
 use tar::{EntryType, Header};
 use zip::write::SimpleFileOptions;
 
-/// A package that is small and whole.
+/// A small, intact package.
 fn innocent() -> Forged {
     package_of(&[("README.md", b"# A cave\n"), ("notes.txt", b"Mind your head.\n")])
 }
 
-/// What is said of a zip with one entry more.
+/// The report on a zip with an additional entry.
 fn with_entry(name: &str) -> String {
     verdict(&zip(&innocent(), |zip| {
         zip.start_file(name, SimpleFileOptions::default()).unwrap();
@@ -26,7 +26,7 @@ fn with_entry(name: &str) -> String {
     }))
 }
 
-/// The bytes with one text in the place of another of the same length, everywhere.
+/// The bytes with all occurrences of a text replaced by another of the same length.
 fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let mut replaced = bytes.to_vec();
@@ -38,7 +38,7 @@ fn replaced(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn names_that_lead_out_of_a_zip_are_told() {
+fn names_that_lead_outside_a_zip_are_reported() {
     assert_eq!(verdict(&zip(&innocent(), |_| ())), "whole");
     let names = ["../evil", "a/../../evil", "/etc/evil", "c:/evil", "a\\evil", "a//evil", "more.txt"];
     insta::assert_snapshot!(names.map(with_entry).join("\n"), @r"
@@ -51,73 +51,73 @@ fn names_that_lead_out_of_a_zip_are_told() {
     more.txt: is not in the manifest
     ");
     let with_odd_name = zip(&innocent(), |zip| zip.start_file("caf_.txt", SimpleFileOptions::default()).unwrap());
-    insta::assert_snapshot!(verdict(&replaced(&with_odd_name, b"caf_", b"caf\xe9")), @"caf�.txt: has a name that is no UTF-8");
+    insta::assert_snapshot!(verdict(&replaced(&with_odd_name, b"caf_", b"caf\xe9")), @"caf�.txt: has a name that is not UTF-8");
 }
 
 #[test]
-fn what_is_no_file_in_a_zip_is_told() {
+fn special_entries_of_a_zip_are_reported() {
     let link = zip(&innocent(), |zip| {
         zip.add_symlink("link", "/etc/passwd", SimpleFileOptions::default()).unwrap();
     });
     insta::assert_snapshot!(verdict(&link), @"link: is a link");
     let twice = zip(&innocent(), |zip| zip.start_file("READMY.md", SimpleFileOptions::default()).unwrap());
     insta::assert_snapshot!(verdict(&replaced(&twice, b"READMY.md", b"README.md")), @r"
-    .: contradicts itself: invalid Zip archive: header inconsistency detected: duplicate file names in central directory
-    README.md: has 0 bytes, not the 9 that the manifest says
+    .: is inconsistent: invalid Zip archive: header inconsistency detected: duplicate file names in central directory
+    README.md: has 0 bytes, not the 9 recorded in the manifest
     ");
 }
 
 #[test]
-fn a_zip_that_contradicts_itself_is_told() {
+fn an_inconsistent_zip_is_reported() {
     let whole = zip(&innocent(), |_| ());
-    insta::assert_snapshot!(verdict(&[b"PK=1; exec sh\n", &whole[..]].concat()), @".: begins with something that is no zip");
+    insta::assert_snapshot!(verdict(&[b"PK=1; exec sh\n", &whole[..]].concat()), @".: begins with data that does not belong to the zip");
     let local = whole.windows(9).position(|name| name == b"notes.txt").unwrap();
     let mut other_name = whole.clone();
     other_name[local] = b'v';
-    insta::assert_snapshot!(verdict(&other_name), @".: contradicts itself: invalid Zip archive: header inconsistency detected: Local file header filename mismatch (does not match central directory)");
+    insta::assert_snapshot!(verdict(&other_name), @".: is inconsistent: invalid Zip archive: header inconsistency detected: Local file header filename mismatch (does not match central directory)");
     insta::assert_snapshot!(verdict(&whole[..whole.len() / 2]), @".: cannot be read: invalid Zip archive: Could not find EOCD");
     insta::assert_snapshot!(verdict(b"PK"), @".: cannot be read: invalid Zip archive: Could not find EOCD");
 }
 
 #[test]
-fn a_zip_that_goes_on_after_its_end_is_told() {
+fn trailing_data_after_a_zip_is_reported() {
     let whole = zip(&innocent(), |_| ());
     let commented = zip(&innocent(), |zip| zip.set_comment("rm -rf").unwrap());
-    // The comment is another end, by which the archive has no comment.
+    // The comment contains another end record, according to which there is no comment.
     let mut twice = whole.clone();
     let end = whole[whole.len() - 22..].to_vec();
     *twice.iter_mut().rev().nth(1).unwrap() = 22;
     twice.extend(end);
     let said = [&[&whole[..], b"more"].concat(), &[&whole[..], &[0; 40]].concat(), &commented, &twice];
     insta::assert_snapshot!(said.map(|archive| verdict(archive)).join("\n"), @r"
-    .: goes on after its end, or ends in a comment
-    .: goes on after its end, or ends in a comment
-    .: goes on after its end, or ends in a comment
-    .: goes on after its end, or ends in a comment
+    .: has trailing data or a comment
+    .: has trailing data or a comment
+    .: has trailing data or a comment
+    .: has trailing data or a comment
     ");
 }
 
 #[test]
-fn a_name_that_is_a_device_somewhere_is_told() {
+fn device_names_are_reported() {
     insta::assert_snapshot!(["nul", "a/CON.txt", "console"].map(with_entry).join("\n"), @r"
-    nul: has a part that is a device on Windows
-    a/CON.txt: has a part that is a device on Windows
+    nul: has a part that is a device name on Windows
+    a/CON.txt: has a part that is a device name on Windows
     console: is not in the manifest
     ");
 }
 
 #[test]
-fn a_zip_that_holds_more_than_it_says_is_told() {
+fn a_zip_with_wrong_sizes_is_reported() {
     let mut bomb = innocent();
     bomb.insert("notes.txt".to_owned(), vec![0; 32 << 20]);
-    insta::assert_snapshot!(verdict(&zip(&bomb, |_| ())), @"notes.txt: has more than the 16 bytes that the manifest says");
-    // The heads say what the manifest says; the stream goes on.
+    insta::assert_snapshot!(verdict(&zip(&bomb, |_| ())), @"notes.txt: has more than the 16 bytes recorded in the manifest");
+    // The headers agree with the manifest, but the stream is longer.
     let sizes = [(32_u32 << 20).to_le_bytes(), 16_u32.to_le_bytes()];
     let lying = replaced(&zip(&bomb, |_| ()), &sizes[0], &sizes[1]);
     insta::assert_snapshot!(verdict(&lying), @"notes.txt: cannot be read: File is larger than its declared uncompressed size");
-    // A manifest may promise anything.
+    // A manifest may claim any size.
     amend(&mut bomb, |manifest| manifest.files.0.get_mut("notes.txt").unwrap().bytes = u64::MAX);
-    insta::assert_snapshot!(verdict(&zip(&bomb, |_| ())), @"notes.txt: cannot be read: unpacks to more than a package would");
+    insta::assert_snapshot!(verdict(&zip(&bomb, |_| ())), @"notes.txt: cannot be read: unpacks to an implausible size");
 }
 
 fn header(name: &str, kind: EntryType, size: u64) -> Header {
@@ -129,14 +129,14 @@ fn header(name: &str, kind: EntryType, size: u64) -> Header {
     header
 }
 
-/// What is said of a tar with one entry more.
+/// The report on a tar with an additional entry.
 fn with_tar_entry(name: &str, kind: EntryType) -> String {
     let tar = tar(&innocent(), |tar| tar.append(&header(name, kind, 0), &b""[..]).unwrap());
     verdict(&zstd(&tar))
 }
 
 #[test]
-fn what_is_no_file_in_a_tar_is_told() {
+fn special_entries_of_a_tar_are_reported() {
     assert_eq!(verdict(&zstd(&tar(&innocent(), |_| ()))), "whole");
     let entries = [
         ("../evil", EntryType::Regular),
@@ -160,27 +160,27 @@ fn what_is_no_file_in_a_tar_is_told() {
     whole
     link: is a link
     hard: is a link
-    pipe: is neither a file nor a folder: tar calls it Fifo
-    disk: is neither a file nor a folder: tar calls it Block
-    tty: is neither a file nor a folder: tar calls it Char
-    long: is neither a file nor a folder: tar calls it GNULongName
-    head: is neither a file nor a folder: tar calls it XHeader
-    holes: is neither a file nor a folder: tar calls it GNUSparse
-    README.md: is there twice
+    pipe: is not a file or folder but has the tar type Fifo
+    disk: is not a file or folder but has the tar type Block
+    tty: is not a file or folder but has the tar type Char
+    long: is not a file or folder but has the tar type GNULongName
+    head: is not a file or folder but has the tar type XHeader
+    holes: is not a file or folder but has the tar type GNUSparse
+    README.md: appears twice
     more.txt: is not in the manifest
     ");
 }
 
 #[test]
-fn a_tar_that_is_not_what_it_says_is_told() {
+fn a_damaged_tar_is_reported() {
     let whole = zstd(&tar(&innocent(), |_| ()));
     insta::assert_snapshot!(verdict(&whole[..whole.len() / 2]), @".: cannot be read: incomplete frame");
-    insta::assert_snapshot!(verdict(&[&whole[..], b"more"].concat()), @".: goes on after its end");
+    insta::assert_snapshot!(verdict(&[&whole[..], b"more"].concat()), @".: has trailing data");
     let hidden = [tar(&innocent(), |_| ()), tar(&Forged::from([("evil".to_owned(), Vec::new())]), |_| ())].concat();
-    insta::assert_snapshot!(verdict(&zstd(&hidden)), @".: goes on after its end");
-    // A frame that readers skip may hold anything.
+    insta::assert_snapshot!(verdict(&zstd(&hidden)), @".: has trailing data");
+    // A skippable frame may contain anything.
     let skipped = [&whole[..], &[0x50, 0x2a, 0x4d, 0x18, 4, 0, 0, 0], b"evil"].concat();
-    insta::assert_snapshot!(verdict(&skipped), @".: goes on after its end");
+    insta::assert_snapshot!(verdict(&skipped), @".: has trailing data");
     let packed = |bytes: &[u8]| {
         let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
         gzip.write_all(bytes).unwrap();
@@ -196,25 +196,25 @@ fn a_tar_that_is_not_what_it_says_is_told() {
     ];
     insta::assert_snapshot!(said.map(|archive| verdict(archive)).join("\n"), @r"
     whole
-    .: goes on after its end
-    .: goes on after its end
-    .: goes on after its end
+    .: has trailing data
+    .: has trailing data
+    .: has trailing data
     ");
     let bomb = tar(&innocent(), |tar| {
         let size = 64 << 20;
         tar.append(&header("zeros", EntryType::Regular, size), std::io::Read::take(std::io::repeat(0), size)).unwrap();
     });
     insta::assert_snapshot!(verdict(&zstd(&bomb)), @r"
-    .: cannot be read: unpacks to more than a package would
+    .: cannot be read: unpacks to an implausible size
     zeros: is not in the manifest
     ");
     let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     gzip.write_all(&tar(&innocent(), |_| ())).unwrap();
-    insta::assert_snapshot!(verdict(&gzip.finish().unwrap()), @"ARCHIVE: holds no manifest of a package");
+    insta::assert_snapshot!(verdict(&gzip.finish().unwrap()), @"ARCHIVE: contains no package manifest");
 }
 
 #[test]
-fn a_manifest_with_wild_paths_is_told() {
+fn invalid_paths_in_a_manifest_are_reported() {
     let mut wild = innocent();
     amend(&mut wild, |manifest| {
         for path in ["../../etc/passwd", "/etc/shadow", "a//b"] {
@@ -227,17 +227,17 @@ fn a_manifest_with_wild_paths_is_told() {
     ../../etc/passwd: is missing
     /etc/shadow: is missing
     a//b: is missing
-    manifest.json: gives chunk `chunk_0_0_0` the image `/dev/zero`, which it does not list
+    manifest.json: lists chunk `chunk_0_0_0` with the image `/dev/zero`, but not that file
     manifest.json: lists `../../etc/passwd`, which has an empty, `.` or `..` part
     manifest.json: lists `/etc/shadow`, which is not relative with forward slashes
     manifest.json: lists `a//b`, which has an empty, `.` or `..` part
-    manifest.json: says that chunk `chunk_0_0_0` lies next to `chunk_1_0_0`, but not the other way round
-    manifest.json: says that chunk `chunk_1_0_0` lies next to `nowhere`, but not the other way round
+    manifest.json: lists `chunk_1_0_0` as a neighbour of chunk `chunk_0_0_0`, but not the other way round
+    manifest.json: lists `nowhere` as a neighbour of chunk `chunk_1_0_0`, but not the other way round
     ");
 }
 
 #[test]
-fn other_versions_and_other_things_are_told() {
+fn other_versions_and_other_files_are_reported() {
     let text = |text: &str| zip(&Forged::from([(MANIFEST.to_owned(), text.as_bytes().to_vec())]), |_| ());
     let newer = r#"{"format": 4, "generator": "plume 9.1.0", "target": "gltf", "files": {}, "moons": 2}"#;
     let said = [
@@ -250,19 +250,19 @@ fn other_versions_and_other_things_are_told() {
         verdict(b""),
     ];
     insta::assert_snapshot!(said.join("\n"), @r"
-    ARCHIVE: plume 9.1.0 has made this package; its manifest has format 4, this program knows 3
-    ARCHIVE: an earlier version has made this package, whose manifest says too little
-    ARCHIVE: holds no manifest of a package
-    ARCHIVE: holds no manifest of a package
-    ARCHIVE: holds no manifest of a package
-    ARCHIVE: is neither a folder nor a zip, tar.zst or tgz
-    ARCHIVE: is neither a folder nor a zip, tar.zst or tgz
+    ARCHIVE: this package was made by plume 9.1.0; its manifest has format 4, this program supports 3
+    ARCHIVE: this package was made by an earlier version, whose manifest lacks what a check needs
+    ARCHIVE: contains no package manifest
+    ARCHIVE: contains no package manifest
+    ARCHIVE: contains no package manifest
+    ARCHIVE: is not a folder, zip, tar.zst or tgz
+    ARCHIVE: is not a folder, zip, tar.zst or tgz
     ");
 }
 
 #[cfg(unix)]
 #[test]
-fn links_in_a_folder_are_told() {
+fn links_in_a_folder_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     for (path, bytes) in innocent() {
         std::fs::write(folder.path().join(path), bytes).unwrap();

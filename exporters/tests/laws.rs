@@ -1,4 +1,4 @@
-//! Laws that every target keeps.
+//! Laws for every target.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -46,7 +46,7 @@ fn every_target_file_has_its_row() {
 }
 
 #[test]
-fn every_row_says_what_opens_the_package() {
+fn every_row_tells_what_opens_the_package() {
     for row in TARGETS.iter() {
         for text in [row.summary, row.opened_by, row.contents, row.tested_by] {
             assert!(
@@ -123,7 +123,7 @@ fn a_failed_export_leaves_nothing_behind() {
 }
 
 #[test]
-fn without_a_usd_library_the_missing_part_is_told() {
+fn a_missing_usd_library_is_reported() {
     for row in complete() {
         let missing = format!(
             "system: target `{}` is written by the Python package usd-core, which this program has not (hint: use the \
@@ -160,7 +160,7 @@ impl Chunks for Counted<'_> {
     }
 }
 
-/// Loading is not free: once, or twice where a format wants all sizes first.
+/// Loading is not free: once, or twice if a format needs all sizes first.
 #[test]
 fn no_chunk_is_loaded_more_than_twice() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +174,7 @@ fn no_chunk_is_loaded_more_than_twice() {
     }
 }
 
-/// Of every target that offers convex pieces, or carries nothing else.
+/// For every target that offers convex pieces, or has nothing else.
 fn targets_of_pieces() -> impl Iterator<Item = (&'static str, Box<dyn Target>)> {
     let offers = [json!({ "collision": "pieces" }), json!({})];
     complete().filter_map(move |row| {
@@ -184,7 +184,7 @@ fn targets_of_pieces() -> impl Iterator<Item = (&'static str, Box<dyn Target>)> 
 }
 
 #[test]
-fn the_pieces_of_the_scene_are_all_that_robots_touch() {
+fn packages_with_pieces_have_exactly_those_of_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let scene = chamber.scene();
@@ -212,7 +212,7 @@ fn the_pieces_of_the_scene_are_all_that_robots_touch() {
 }
 
 #[test]
-fn pieces_are_not_made_unasked_where_there_is_a_choice() {
+fn pieces_are_only_made_on_request_where_there_is_a_choice() {
     let offers =
         |row: &'static TargetRow, other: &str| row.build(json!({ "collision": other }), ledger().as_ref()).is_ok();
     for row in complete().filter(|row| offers(row, "triangles") || offers(row, "none")) {
@@ -257,7 +257,7 @@ impl io::Write for FullFile<'_> {
 }
 
 #[test]
-fn a_full_disk_is_told_with_the_file() {
+fn a_full_disk_is_reported_with_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     for row in complete() {
@@ -278,7 +278,7 @@ fn second(spoil: fn(Chunk) -> io::Result<Chunk>) -> impl Fn(usize, Chunk) -> io:
 }
 
 #[test]
-fn a_scene_that_breaks_its_promise_is_refused_in_words() {
+fn an_invalid_scene_is_refused_with_a_message() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let spoilers: [fn(Chunk) -> io::Result<Chunk>; 5] = [
@@ -312,14 +312,14 @@ fn a_scene_that_breaks_its_promise_is_refused_in_words() {
     insta::assert_snapshot!(texts.join("\n"), @r"
     cannot load chunk 1 of scene `chamber`: chunks/1.bin: ends early
     scene `chamber`: name of chunk `Chunk 1` is not `[a-z][a-z0-9_]*`
-    scene `chamber`: visual mesh of chunk `chunk_1_0_0` has normals, texture coordinates or tangents for other vertices than its own
+    scene `chamber`: visual mesh of chunk `chunk_1_0_0` has a different number of normals, texture coordinates or tangents than vertices
     scene `chamber`: collision mesh of chunk `chunk_1_0_0` has a triangle whose corner is not a vertex
     scene `chamber`: visual mesh of chunk `chunk_1_0_0` has a vertex that is not finite
     ");
 }
 
 #[test]
-fn webp_images_are_written_or_refused_in_words() {
+fn webp_images_are_written_or_refused_with_a_message() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::in_webp(folder.path()).unwrap();
     let (scene, place) = (chamber.scene(), folder.path().to_str().unwrap());
@@ -347,7 +347,7 @@ fn holds(bytes: &[u8], word: &[u8]) -> bool {
 }
 
 #[test]
-fn a_format_belongs_to_a_target_that_asks_for_one() {
+fn only_targets_that_need_a_format_accept_one() {
     let choice = target("assimp:x3d").unwrap();
     assert_eq!((choice.name(), choice.folder()), ("assimp:x3d".to_owned(), "assimp-x3d".to_owned()));
     assert_eq!(target("glb").unwrap().folder(), "glb");

@@ -1,4 +1,4 @@
-//! OBJ, PLY and STL packages of the sample, read back by crates that are not ours.
+//! OBJ, PLY and STL packages of the sample, read back by third-party crates.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -52,7 +52,7 @@ fn corners_of(models: &[tobj::Model]) -> Vec<[f32; 3]> {
 }
 
 #[test]
-fn the_material_of_an_obj_names_its_heights_and_how_high_they_are() {
+fn the_material_of_an_obj_has_its_displacement_and_amplitude() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let roughness_for_height = |_, mut chunk: Chunk| {
@@ -104,7 +104,7 @@ fn an_obj_holds_every_chunk_with_its_material() {
 }
 
 #[test]
-fn what_robots_touch_is_an_obj_of_its_own() {
+fn collision_shapes_are_in_a_separate_obj() {
     let (memory, chamber, _folder) = export("obj", json!({}));
     let touched: Vec<_> = (0..2).flat_map(|index| corners(&chamber.load(index).unwrap().collision)).collect();
     assert_eq!(corners_of(&read_obj(&memory, "chamber_collision.obj").0), touched);
@@ -121,7 +121,7 @@ fn what_robots_touch_is_an_obj_of_its_own() {
 }
 
 #[test]
-fn coarser_levels_are_files_of_the_same_materials() {
+fn coarser_levels_are_files_with_the_same_materials() {
     let (memory, chamber, _folder) = export("obj", json!({ "lods": true }));
     let (models, materials) = read_obj(&memory, "chamber_lod1.obj");
     let coarse: Vec<_> = (0..2).flat_map(|index| corners(&chamber.load(index).unwrap().lods[0].mesh)).collect();
@@ -139,7 +139,7 @@ fn a_file_per_chunk_holds_the_same() {
             .map(|index| parts.bytes[&format!("chunks/{}.{name}", chamber.load(index).unwrap().name)].len())
             .sum();
         let single = whole.bytes[&format!("chamber.{name}")].len();
-        // A head more, and shorter numbers.
+        // An additional header, and shorter numbers.
         assert!(bytes.abs_diff(single) < single / 20, "{name}: {bytes} and {single}");
         assert!(!parts.bytes.contains_key(&format!("chamber.{name}")));
     }
@@ -184,7 +184,7 @@ fn a_ply_holds_vertices_with_colours_and_labels() {
             assert_eq!(floats(row, ["x", "y", "z"]), chunk.visual.positions[vertex]);
             assert_eq!(floats(row, ["nx", "ny", "nz"]), chunk.visual.normals[vertex]);
             assert_eq!(floats(row, ["s", "t"]), chunk.visual.uvs[vertex]);
-            // Each square of the image has one colour: what is a pixel from its edge has that.
+            // Each square of the image has one colour, which applies a pixel away from its edge.
             let place = [row["s"].clone(), row["t"].clone()].map(|property| match property {
                 Property::Float(number) => number.rem_euclid(1.0) * 64.0,
                 _ => unreachable!(),
@@ -212,9 +212,9 @@ fn a_ply_holds_vertices_with_colours_and_labels() {
     assert!(vertices.next().is_none() && faces.next().is_none());
 }
 
-/// The lowest places of the chamber are floor, the highest are ceiling, and its sides are wall.
+/// The lowest parts of the chamber are floor, the highest are ceiling, and its sides are wall.
 #[test]
-fn labels_are_what_robots_stand_on_bump_into_and_pass_below() {
+fn labels_are_floor_wall_and_ceiling() {
     let (memory, ..) = export("ply", json!({}));
     let mut source = BufReader::new(&memory.bytes["chamber.ply"][..]);
     let ply = Parser::<DefaultElement>::new().read_ply(&mut source).unwrap();
@@ -236,7 +236,7 @@ fn labels_are_what_robots_stand_on_bump_into_and_pass_below() {
 }
 
 #[test]
-fn an_stl_holds_the_mesh_that_is_asked_for() {
+fn an_stl_has_the_requested_mesh() {
     for (settings, pick) in [
         (json!({}), (|chunk| chunk.visual) as fn(plume_exporters::scene::Chunk) -> Mesh),
         (json!({ "mesh": "collision" }), |chunk| chunk.collision),
@@ -257,7 +257,7 @@ fn an_stl_holds_the_mesh_that_is_asked_for() {
 }
 
 #[test]
-fn objects_of_one_file_count_their_vertices_on() {
+fn objects_of_one_file_number_their_vertices_consecutively() {
     let triangle =
         Mesh { positions: vec![[0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]], indices: vec![0, 1, 2], ..Mesh::default() };
     let mut text = Vec::new();

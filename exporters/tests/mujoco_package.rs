@@ -1,4 +1,4 @@
-//! Whatever a MuJoCo package names is in it, and nothing in it can clash with a model of the user's.
+//! All references of a MuJoCo package resolve, and nothing in it can clash with the user's model.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -47,7 +47,7 @@ fn elements<'a>(document: &'a Document) -> impl Iterator<Item = Node<'a, 'a>> {
 }
 
 #[test]
-fn every_file_that_is_named_is_there_and_every_asset_is_named() {
+fn every_reference_resolves_and_every_asset_is_referenced() {
     for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
         let package = with(collision);
         let mut named = BTreeSet::new();
@@ -64,7 +64,7 @@ fn every_file_that_is_named_is_there_and_every_asset_is_named() {
 }
 
 #[test]
-fn every_name_that_is_used_is_given() {
+fn every_referenced_name_is_defined() {
     for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
         let package = with(collision);
         for path in ["chamber_world.xml", "rover.xml"] {
@@ -91,7 +91,7 @@ fn every_name_that_is_used_is_given() {
 }
 
 #[test]
-fn the_world_names_nothing_but_its_own_and_sets_no_option() {
+fn the_world_uses_only_prefixed_names_and_sets_no_option() {
     for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
         let package = with(collision);
         let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
@@ -101,14 +101,14 @@ fn the_world_names_nothing_but_its_own_and_sets_no_option() {
                 assert!(name.starts_with("chamber_"), "{name}");
             }
             if let Some(name) = node.attribute("name") {
-                assert!(seen.insert((node.tag_name().name(), name)), "{name} is given twice");
+                assert!(seen.insert((node.tag_name().name(), name)), "{name} is defined twice");
             }
         }
         let sections: BTreeSet<&str> =
             document.root_element().children().filter(Node::is_element).map(|node| node.tag_name().name()).collect();
         let harmless = BTreeSet::from(["default", "asset", "worldbody", "deformable"]);
         assert!(sections.is_subset(&harmless), "{sections:?}");
-        // What stands in the main default class would hold for the user's geoms.
+        // Settings of the main default class would apply to the user's geoms.
         let main = document.root_element().children().filter(|node| node.has_tag_name("default"));
         assert!(
             main.flat_map(|node| node.children()).filter(Node::is_element).all(|node| node.has_tag_name("default"))
@@ -117,7 +117,7 @@ fn the_world_names_nothing_but_its_own_and_sets_no_option() {
 }
 
 #[test]
-fn each_way_to_collide_carries_the_chamber() {
+fn every_kind_of_collision_covers_the_chamber() {
     let count = |collision, tag: &str| {
         let package = with(collision);
         let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
@@ -138,7 +138,7 @@ fn numbers(node: Node, key: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_height_field_lies_on_the_floor() {
+fn a_height_field_matches_the_floor() {
     let package = with(Collision::FloorField);
     let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
     let spawn = numbers(elements(&document).find(|node| node.has_tag_name("site")).unwrap(), "pos");
@@ -150,7 +150,7 @@ fn a_height_field_lies_on_the_floor() {
     assert_eq!(heights.len(), columns * rows);
     let cell = |x: f64, half: f64, count: usize| ((x + half) / (2.0 * half) * (count - 1) as f64).round() as usize;
     let column = cell(spawn[0] - at[0], size[0], columns);
-    // Rows begin in the north.
+    // The first row is in the north.
     let row = rows - 1 - cell(spawn[1] - at[1], size[1], rows);
     assert!((at[2] + heights[row * columns + column] - spawn[2]).abs() < 0.1);
     let highest = heights.iter().copied().fold(0.0, f64::max);
@@ -189,7 +189,7 @@ fn archive(path: &std::path::Path, existing: Existing) -> Result<(), ExportError
 }
 
 #[test]
-fn an_archive_is_the_same_each_time_and_its_model_stands_alone() {
+fn an_archive_is_reproducible_and_its_model_is_self_contained() {
     let folder = tempfile::tempdir().unwrap();
     let [first, again] = ["first.mjz", "again.mjz"].map(|name| folder.path().join(name));
     archive(&first, Existing::Keep).unwrap();
@@ -208,7 +208,7 @@ fn an_archive_is_the_same_each_time_and_its_model_stands_alone() {
 }
 
 #[test]
-fn only_an_archive_of_ours_is_replaced() {
+fn only_our_own_archives_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().to_str().unwrap().to_owned();
     let path = folder.path().join("cave.mjz");
@@ -223,8 +223,8 @@ fn only_an_archive_of_ours_is_replaced() {
     let texts: Vec<String> =
         refused.into_iter().map(|result| told(&result.unwrap_err()).replace(&place, "DIR")).collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
-    usage: output file exists: DIR/cave.mjz (hint: name a new file, or replace this one with `--force`)
-    usage: output was not written by an export and is left alone: DIR/letter.mjz (hint: name a new place, or empty this one yourself)
+    usage: output file already exists: DIR/cave.mjz (hint: choose a new file, or replace this one with `--force`)
+    usage: output was not written by an export and is not replaced: DIR/letter.mjz (hint: choose another path, or remove this one yourself)
     usage: output is not a file: DIR
     ");
     assert_eq!(fs::read(folder.path().join("letter.mjz")).unwrap(), b"dear");
@@ -243,7 +243,7 @@ fn a_failed_archive_leaves_nothing_behind() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_in_words() {
+fn impossible_exports_are_refused_with_a_message() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let jpeg = |_, mut chunk: Chunk| {
@@ -258,14 +258,14 @@ fn what_cannot_be_is_refused_in_words() {
     let option = |table| target("mujoco").unwrap().build(table, None).err().unwrap();
     let errors = [image, name, option(json!({ "collision": "hulls" })), option(json!({ "lights": -1 }))];
     insta::assert_snapshot!(errors.iter().map(told).collect::<Vec<_>>().join("\n"), @r"
-    usage: target `mujoco` takes PNG images only: 0_base_color.jpg (hint: make the cave with other images: `--set texture.format=png`)
+    usage: target `mujoco` supports only PNG images: 0_base_color.jpg (hint: make the cave with another image format: `--set texture.format=png`)
     system: scene `rover`: its name is the rover's
     usage: settings of target `mujoco`: unknown variant `hulls`, expected one of `pieces`, `flex`, `floor_field`
     usage: settings of target `mujoco`: invalid value: integer `-1`, expected u32
     ");
 }
 
-/// The whole text, so that a change of it is seen in review.
+/// The full text, so that changes show up in review.
 #[test]
 fn texts_are_golden() {
     let package = with(Collision::FloorField);

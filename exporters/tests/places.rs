@@ -1,4 +1,4 @@
-//! Where packages go: what is refused, what is replaced, and which paths a package may hold.
+//! Destinations of packages: what is refused, what is replaced, and which paths a package may contain.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -14,7 +14,7 @@ use plume_exporters::target;
 use told::told;
 
 #[test]
-fn output_folders_are_refused_in_words() {
+fn output_folders_are_refused_with_a_message() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().to_str().unwrap().to_owned();
     fs::create_dir(folder.path().join("home")).unwrap();
@@ -28,8 +28,8 @@ fn output_folders_are_refused_in_words() {
     ];
     let texts: Vec<String> = refused.iter().map(|error| told(error).replace(&place, "DIR")).collect();
     insta::assert_snapshot!(texts.join("\n"), @r"
-    usage: output folder is not empty: DIR/home (hint: name a new folder, or replace the package with `--force`)
-    usage: output was not written by an export and is left alone: DIR/home/ (hint: name a new place, or empty this one yourself)
+    usage: output folder is not empty: DIR/home (hint: choose a new folder, or replace the package with `--force`)
+    usage: output was not written by an export and is not replaced: DIR/home/ (hint: choose another path, or remove this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
     usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unity, unreal, urdf, usd, usdz, glb, gltf, fbx, obj, ply, stl, assimp:<id>
@@ -57,7 +57,7 @@ fn only_a_package_is_replaced() {
 }
 
 #[test]
-fn a_path_with_dots_and_links_is_the_place_it_leads_to() {
+fn paths_with_dots_and_links_are_resolved() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir_all(folder.path().join("real/cave")).unwrap();
     let out = folder.path().join("real/../real/./cave/");

@@ -1,4 +1,4 @@
-//! A package for Unity holds together, and its meshes are where the prefab says.
+//! A package for Unity is consistent, and its meshes are where the prefab says.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -41,7 +41,7 @@ fn text<'a>(package: &'a Memory, path: &str) -> &'a str {
     std::str::from_utf8(&package.bytes[path]).unwrap()
 }
 
-/// What stands between `key` and the next comma, brace or end of line, wherever `key` is.
+/// The values between `key` and the next comma, brace or end of line, for all occurrences of `key`.
 fn values<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
     let parts = text.split(key).skip(1);
     parts.map(|rest| rest.split([',', '}', '\n']).next().unwrap()).collect()
@@ -56,7 +56,7 @@ fn guids(package: &Memory) -> BTreeMap<String, String> {
 }
 
 #[test]
-fn a_folder_and_a_tarball_are_installed_each_in_its_way() {
+fn a_folder_and_a_tarball_have_their_own_instructions() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let how = |bundle: Option<Bundle>| {
@@ -70,7 +70,7 @@ fn a_folder_and_a_tarball_are_installed_each_in_its_way() {
 }
 
 #[test]
-fn every_asset_and_folder_has_an_identity_of_its_own() {
+fn every_asset_and_folder_has_a_unique_guid() {
     let package = sample_package(UnitySettings::default());
     let guids = guids(&package);
     let mut assets: BTreeSet<String> = ["LICENSE.md", "manifest.json"].map(str::to_owned).into();
@@ -84,7 +84,7 @@ fn every_asset_and_folder_has_an_identity_of_its_own() {
 }
 
 #[test]
-fn the_same_cave_has_the_same_identities_and_another_one_others() {
+fn guids_are_reproducible_and_differ_between_caves() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let of = |scene: &Scene| guids(&export(UnitySettings::default(), scene));
@@ -129,7 +129,7 @@ fn every_reference_resolves() {
     }
 }
 
-/// No two objects of a prefab have one number, and every number that is named is there.
+/// The ids of the objects of a prefab are unique, and every referenced id exists.
 fn check_objects(prefab: &str) {
     let objects: Vec<&str> =
         prefab.lines().filter_map(|line| Some(line.strip_prefix("--- !u!")?.split_once('&')?.1)).collect();
@@ -147,7 +147,7 @@ fn read(bytes: &[u8]) -> ufbx::SceneRoot {
 }
 
 #[test]
-fn the_prefab_names_the_meshes_of_the_models_by_the_numbers_that_unity_gives_them() {
+fn the_prefab_refers_to_meshes_by_the_ids_that_unity_assigns() {
     for (pipeline, collision) in ALL {
         let package = sample_package(UnitySettings { pipeline, collision, ..UnitySettings::default() });
         let guids = guids(&package);
@@ -166,7 +166,7 @@ fn the_prefab_names_the_meshes_of_the_models_by_the_numbers_that_unity_gives_the
     }
 }
 
-/// What Unity's importer makes of an FBX that is Y up: x turned round, and the order of corners with it.
+/// The result of Unity's importer for a Y-up FBX: x negated, and the winding reversed.
 fn imported(mesh: &ufbx::Mesh) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mirror = |point: &ufbx::Vec3| [-point.x, point.y, point.z].map(|part| part as f32);
     let corners: Vec<u32> = mesh.vertex_indices.iter().copied().collect();
@@ -174,7 +174,7 @@ fn imported(mesh: &ufbx::Mesh) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
 }
 
 #[test]
-fn imported_meshes_are_where_the_scene_has_them_and_show_their_front_to_the_open() {
+fn imported_meshes_match_the_scene_and_face_the_air() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let package = export(UnitySettings::default(), &chamber.scene());
@@ -195,20 +195,20 @@ fn imported_meshes_are_where_the_scene_has_them_and_show_their_front_to_the_open
 fn check_import((positions, faces): &(Vec<[f32; 3]>, Vec<[u32; 3]>), mesh: &Mesh) {
     assert_eq!(*positions, mesh.positions.iter().copied().map(unity_from_scene).collect::<Vec<_>>());
     assert_eq!(faces.len() as u64, mesh.triangles());
-    // The cross product of a left-handed frame points to where the corners are seen clockwise, which is the front in Unity.
+    // In a left-handed frame the cross product points to where the winding is clockwise, which is the front in Unity.
     let mut facing = 0;
     for face in faces {
         let [a, b, c] = face.map(|corner| Vector3::from(positions[corner as usize]));
         let front = (b - a).cross(&(c - a));
         let middle = (a + b + c) / 3.0;
-        // The chamber lies round the x axis: what is open is towards it.
+        // The chamber surrounds the x axis: the air is towards it.
         facing += usize::from(front.dot(&Vector3::new(0.0, -middle.y, -middle.z)) > 0.0);
     }
     assert!(facing * 100 > faces.len() * 95, "{facing} of {}", faces.len());
 }
 
 #[test]
-fn the_mask_is_metalness_occlusion_nothing_and_smoothness() {
+fn the_mask_is_metalness_occlusion_unused_and_smoothness() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let package = export(UnitySettings::default(), &chamber.scene());
@@ -250,7 +250,7 @@ fn check_mask(package: &Memory, chunk: &str, orm: &RgbImage) {
 }
 
 #[test]
-fn images_are_read_for_what_they_say() {
+fn images_are_imported_as_the_right_kind() {
     let package = sample_package(UnitySettings::default());
     for (role, srgb, kind) in [("base_color", "1", "0"), ("normal", "0", "1"), ("mask", "0", "0")] {
         let meta = text(&package, &format!("Runtime/Textures/chunk_0_0_0_{role}.png.meta"));
@@ -262,7 +262,7 @@ fn images_are_read_for_what_they_say() {
 }
 
 #[test]
-fn an_image_that_is_none_is_told_with_its_file() {
+fn an_invalid_image_is_reported_with_its_file() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     std::fs::write(folder.path().join("0_orm.png"), "no image").unwrap();
@@ -273,7 +273,7 @@ fn an_image_that_is_none_is_told_with_its_file() {
 }
 
 #[test]
-fn levels_change_where_their_error_is_a_line_of_the_image() {
+fn levels_switch_where_their_error_is_a_line_of_the_image() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
     let package = export(UnitySettings::default(), &chamber.scene());

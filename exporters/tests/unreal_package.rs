@@ -1,4 +1,4 @@
-//! ufbx reads the meshes of an Unreal package as Unreal's importer would, and finds the scene in Unreal's frame.
+//! ufbx reads the meshes of an Unreal package like Unreal's importer, and finds the scene in Unreal's frame.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -38,7 +38,7 @@ impl Exported {
         serde_json::from_slice(&self.memory.bytes["scene.json"]).unwrap()
     }
 
-    /// A file in centimetres with the axes that Unreal's importer asks of the FBX SDK: still right-handed.
+    /// A file in centimetres with the axes that Unreal's importer requests from the FBX SDK: still right-handed.
     fn read(&self, path: &str) -> ufbx::SceneRoot {
         let options = ufbx::LoadOpts {
             target_axes: ufbx::CoordinateAxes::right_handed_z_up(),
@@ -59,7 +59,7 @@ fn node<'a>(scene: &'a ufbx::Scene, wanted: &str) -> &'a ufbx::Node {
     scene.nodes.iter().find(|node| name(node) == wanted).unwrap()
 }
 
-/// The vertices of a node as Unreal has them: its importer moves them into the world and turns y round.
+/// The vertices of a node in Unreal: its importer transforms them to world space and negates y.
 fn imported(node: &ufbx::Node) -> Vec<[f64; 3]> {
     let vertices = node.mesh.as_ref().unwrap().vertices.iter();
     let moved = vertices.map(|&vertex| ufbx::transform_position(&node.geometry_to_world, vertex));
@@ -75,7 +75,7 @@ fn assert_same(found: &[[f64; 3]], mesh: &Mesh) {
 }
 
 #[test]
-fn vertices_come_to_their_place_in_centimetres() {
+fn vertices_are_in_place_in_centimetres() {
     let exported = Exported::new(UnrealSettings::default());
     for chunk in &exported.chunks {
         let scene = exported.read(&format!("meshes/{}.fbx", chunk.name));
@@ -87,7 +87,7 @@ fn vertices_come_to_their_place_in_centimetres() {
 }
 
 #[test]
-fn the_boxes_of_the_index_are_those_of_the_meshes() {
+fn the_bounds_of_the_index_match_the_meshes() {
     let exported = Exported::new(UnrealSettings::default());
     for entry in exported.index()["chunks"].as_array().unwrap() {
         let scene = exported.read(entry["mesh"].as_str().unwrap());
@@ -103,7 +103,7 @@ fn the_boxes_of_the_index_are_those_of_the_meshes() {
 }
 
 #[test]
-fn levels_of_detail_are_in_a_group_in_their_order() {
+fn levels_of_detail_are_in_a_group_in_order() {
     let exported = Exported::new(UnrealSettings::default());
     for entry in exported.index()["chunks"].as_array().unwrap() {
         let scene = exported.read(entry["mesh"].as_str().unwrap());
@@ -120,7 +120,7 @@ fn levels_of_detail_are_in_a_group_in_their_order() {
 }
 
 #[test]
-fn levels_of_detail_can_be_left_out() {
+fn levels_of_detail_can_be_omitted() {
     let exported = Exported::new(UnrealSettings { lods: false, ..PIECES });
     let scene = exported.read("meshes/chunk_0_0_0.fbx");
     let meshes: Vec<&str> = scene.nodes.iter().filter(|node| node.mesh.is_some()).map(|node| name(node)).collect();
@@ -128,7 +128,7 @@ fn levels_of_detail_can_be_left_out() {
     assert_eq!(exported.index()["chunks"][0]["lods"].as_array().unwrap().len(), 1);
 }
 
-/// Unreal takes what stands between the first and the last underscore for the name of the mesh, or all behind the first.
+/// Unreal takes the text between the first and the last underscore for the name of the mesh, or all after the first.
 #[test]
 fn unreal_finds_the_mesh_of_each_piece() {
     let exported = Exported::new(PIECES);
@@ -147,7 +147,7 @@ fn unreal_finds_the_mesh_of_each_piece() {
 }
 
 #[test]
-fn only_green_is_turned_round_and_only_in_normals() {
+fn only_the_green_channel_of_normals_is_inverted() {
     let exported = Exported::new(UnrealSettings::default());
     for chunk in &exported.chunks {
         let written = |role: &str| &exported.memory.bytes[&format!("textures/{}_{role}.png", chunk.name)];
@@ -186,7 +186,7 @@ fn every_reference_resolves_and_every_file_is_referenced() {
 }
 
 #[test]
-fn lights_and_nanite_can_be_left_out() {
+fn lights_and_nanite_can_be_omitted() {
     for on in [true, false] {
         let index = Exported::new(UnrealSettings { lights: on, nanite: on, ..UnrealSettings::default() }).index();
         assert_eq!(index["lights"].as_array().unwrap().len(), if on { 2 } else { 0 });
@@ -195,13 +195,13 @@ fn lights_and_nanite_can_be_left_out() {
 }
 
 #[test]
-fn the_script_is_the_one_that_is_tested() {
+fn the_script_is_the_tested_one() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../templates/unreal/import_cave.py");
     let exported = Exported::new(UnrealSettings::default());
     assert!(exported.memory.bytes["import_cave.py"] == std::fs::read(script).unwrap());
 }
 
-/// The whole text, so that a change of it is seen in review.
+/// The full text, so that changes show up in review.
 #[test]
 fn texts_are_golden() {
     let exported = Exported::new(UnrealSettings::default());

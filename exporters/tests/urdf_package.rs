@@ -1,4 +1,4 @@
-//! Whatever a URDF package names is in it, as urdf-rs reads it.
+//! All references of a URDF package, as read by urdf-rs, resolve.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -31,7 +31,7 @@ fn robot(package: &Memory) -> Robot {
     urdf_rs::read_from_string(text(package, "chamber/urdf/chamber.urdf")).unwrap()
 }
 
-/// The file in the package that a geometry names.
+/// The file of a geometry in the package.
 fn mesh_path(geometry: &Geometry) -> String {
     let Geometry::Mesh { filename, scale: None } = geometry else { panic!("{geometry:?} is no plain mesh") };
     filename.strip_prefix("package://").unwrap().to_owned()
@@ -64,7 +64,7 @@ fn material_libraries_lead_to_textures() {
 }
 
 #[test]
-fn one_link_without_mass_carries_all_chunks() {
+fn one_massless_link_has_all_chunks() {
     let robot = robot(&export(Collision::Triangles).0);
     let rock = &robot.links[0];
     assert_eq!((robot.name.as_str(), rock.name.as_str()), ("chamber", "chamber"));
@@ -93,7 +93,7 @@ fn start_poses_are_fixed_frames_without_geometry() {
     }
 }
 
-/// Bullet asks only whether the attribute is there.
+/// Bullet only checks whether the attribute exists.
 #[test]
 fn triangles_are_marked_as_concave_and_pieces_are_not() {
     for (collision, count) in [(Collision::Triangles, 2), (Collision::Pieces, 0)] {
@@ -107,7 +107,7 @@ fn triangles_are_marked_as_concave_and_pieces_are_not() {
 }
 
 #[test]
-fn each_piece_is_an_object_of_its_own_vertices() {
+fn each_piece_is_an_object_with_its_own_vertices() {
     let folder = tempfile::tempdir().unwrap();
     let pieces = sample::Chamber::new(folder.path()).unwrap().pieces(1).unwrap();
     let (package, summary) = export(Collision::Pieces);
@@ -138,7 +138,7 @@ fn faces(obj: &[u8]) -> usize {
 }
 
 #[test]
-fn only_convex_collisions_want_pieces() {
+fn only_convex_collisions_use_pieces() {
     for (collision, wants) in [(Collision::Triangles, false), (Collision::Pieces, true)] {
         assert_eq!(Urdf(UrdfSettings { collision }).wants_pieces(), wants);
     }
@@ -152,7 +152,7 @@ fn texts_are_escaped() {
     assert_eq!(description.text(), Some("A bumpy chamber for tests & <examples>. Made by plume test."));
 }
 
-/// The whole text, so that a change of it is seen in review.
+/// The full text, so that changes show up in review.
 #[test]
 fn texts_are_golden() {
     let package = export(Collision::Triangles).0;

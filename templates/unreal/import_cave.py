@@ -1,9 +1,9 @@
 """Imports a cave into an Unreal Engine project: textures, materials, meshes, collision and a level.
 
-In the editor's command box: `py <this folder>/import_cave.py`, or without a window:
+In the editor's command box: `py <this folder>/import_cave.py`, or without the editor window:
 `UnrealEditor-Cmd Project.uproject -run=pythonscript -script=<this folder>/import_cave.py`. Needs the plugin Python Editor
 Script Plugin. Assets land in `/Game/Plume/<name>`, or in the content folder that is given as an argument. A second run
-replaces what the first has made, and leaves alone what you have put into the level yourself.
+replaces what the first has made, and keeps what you have added to the level yourself.
 """
 
 from __future__ import annotations  # Unreal 5.3 brings Python 3.9
@@ -16,15 +16,15 @@ from typing import Any
 import unreal
 
 PACKAGE = Path(__file__).resolve().parent
-TAG = "plume"  # Of our actors: the next run replaces them.
-#: Half the height of the capsule of a PlayerStart, whose origin is its middle.
+TAG = "plume"  # Marks our actors, which the next run replaces.
+#: Half the height of the capsule of a PlayerStart, whose origin is its centre.
 PLAYER_START_CM = 92.0
-#: How far the box round an imported mesh may lie from that in scene.json. Wrong units or axes are off by metres.
+#: Tolerance between the bounds of an imported mesh and those in scene.json. Wrong units or axes are off by metres.
 BOX_TOLERANCE_CM = 10.0
 
 PACKED = unreal.TextureCompressionSettings
 GROUP = unreal.TextureGroup
-#: sRGB, compression and group of each image. Normal maps have the green channel of DirectX, so nothing flips it.
+#: sRGB, compression and group of each texture. Normal maps have the green channel of DirectX, so it is not flipped.
 TEXTURES = {
     "base_color": (True, PACKED.TC_DEFAULT, GROUP.TEXTUREGROUP_WORLD),
     "normal": (False, PACKED.TC_NORMALMAP, GROUP.TEXTUREGROUP_WORLD_NORMAL_MAP),
@@ -32,7 +32,7 @@ TEXTURES = {
 }
 SAMPLER = unreal.MaterialSamplerType
 INPUT = unreal.MaterialProperty
-#: The texture parameters of the material, and where their channels go.
+#: The texture parameters of the material, and the inputs their channels are connected to.
 PARAMETERS = {
     "base_color": (SAMPLER.SAMPLERTYPE_COLOR, {"RGB": INPUT.MP_BASE_COLOR}),
     "normal": (SAMPLER.SAMPLERTYPE_NORMAL, {"RGB": INPUT.MP_NORMAL}),
@@ -48,7 +48,7 @@ def main(root: str | None) -> None:
     scene = json.loads((PACKAGE / "scene.json").read_text(encoding="utf-8"))
     name = scene["name"]
     root = (root or f"/Game/Plume/{name}").rstrip("/")
-    # Without a window nobody has looked for the assets of an earlier run.
+    # Without the editor window the assets of an earlier run have not been discovered yet.
     unreal.AssetRegistryHelpers.get_asset_registry().scan_paths_synchronous([root], True)
     rock = make_asset(f"{root}/Materials/PM_{name}", unreal.PhysicalMaterial, unreal.PhysicalMaterialFactoryNew())
     change(rock, friction=scene["friction"], restitution=0.0)
@@ -69,14 +69,14 @@ def main(root: str | None) -> None:
 
 
 def check(result: Any, otherwise: str) -> Any:
-    """What Unreal gave, if it gave anything."""
+    """The result of Unreal, or an error if there is none."""
     if not result:
         raise RuntimeError(f"plume: {otherwise}")
     return result
 
 
 def change(thing: Any, **properties: Any) -> Any:
-    """Sets several properties at once, so that Unreal makes the thing anew only once."""
+    """Sets several properties in one call, so that Unreal rebuilds the object only once."""
     thing.set_editor_properties(properties)
     return thing
 
@@ -87,26 +87,26 @@ def import_file(path: str, place: str, **how: Any) -> Any:
     task = change(unreal.AssetImportTask(), destination_path=folder, destination_name=name, automated=True)
     change(task, filename=str(PACKAGE / path), replace_existing=True, replace_existing_settings=True, **how)
     unreal.AssetToolsHelpers.get_asset_tools().import_asset_tasks([task])
-    return check(unreal.load_asset(place), f"{path} was not imported: the log above says why")
+    return check(unreal.load_asset(place), f"{path} was not imported: see the log above")
 
 
 def import_texture(path: str, role: str, root: str) -> unreal.Texture2D:
-    """Imports an image and says what it holds."""
-    # Newer engines call an image after its file, whatever name they are told.
+    """Imports an image and sets what kind of texture it is."""
+    # Newer engines name an image after its file, whatever name is requested.
     texture = import_file(path, f"{root}/Textures/{Path(path).stem}")
     srgb, compression, group = TEXTURES[role]
-    # A project may make large images virtual textures, which the samplers of our material cannot read.
+    # A project may turn large images into virtual textures, which the samplers of our material cannot read.
     change(texture, virtual_texture_streaming=False, srgb=srgb, compression_settings=compression, lod_group=group)
     return texture
 
 
 def exists(place: str) -> bool:
-    """Whether there is an asset or a level."""
+    """Whether there is an asset or a level of this name."""
     return bool(unreal.AssetRegistryHelpers.get_asset_registry().get_assets_by_package_name(place))
 
 
 def make_asset(place: str, kind: type, factory: unreal.Factory) -> Any:
-    """The asset `place`, a new one if there is none."""
+    """The asset `place`, created if missing."""
     if exists(place):
         return check(unreal.load_asset(place), f"{place} cannot be loaded")
     folder, name = place.rsplit("/", 1)
@@ -115,7 +115,7 @@ def make_asset(place: str, kind: type, factory: unreal.Factory) -> Any:
 
 
 def make_material(place: str, textures: dict[str, Any], rock: unreal.PhysicalMaterial) -> unreal.Material:
-    """The material of which every chunk has an instance; `textures` stand for those of the chunks."""
+    """The material of which every chunk has an instance; `textures` are placeholders for those of the chunks."""
     library = unreal.MaterialEditingLibrary
     material = make_asset(place, unreal.Material, unreal.MaterialFactoryNew())
     library.delete_all_material_expressions(material)
@@ -144,7 +144,7 @@ def make_instance(place: str, textures: dict[str, Any], material: unreal.Materia
 
 
 def import_mesh(path: str, place: str, *, nanite: bool, lods: bool, normals: unreal.FBXNormalImportMethod) -> Any:
-    """Imports an FBX as one static mesh whose origin is that of the cave."""
+    """Imports an FBX as a single static mesh whose origin is that of the cave."""
     kind = unreal.FBXImportType.FBXIT_STATIC_MESH
     options = change(unreal.FbxImportUI(), automated_import_should_detect_type=False, import_mesh=True)
     change(options, mesh_type_to_import=kind, import_as_skeletal=False, import_animations=False)
@@ -153,39 +153,39 @@ def import_mesh(path: str, place: str, *, nanite: bool, lods: bool, normals: unr
     change(data, convert_scene=True, convert_scene_unit=True, force_front_x_axis=False)
     change(data, combine_meshes=True, transform_vertex_to_absolute=True, import_mesh_lo_ds=lods, build_nanite=nanite)
     change(data, normal_import_method=normals, normal_generation_method=unreal.FBXNormalGenerationMethod.MIKK_T_SPACE)
-    # Removing degenerate triangles, of which we have none, is also what makes the importer let triangles collide.
+    # There are no degenerate triangles, but without this option the importer does not make triangles collide.
     change(data, generate_lightmap_u_vs=False, remove_degenerates=True)
     change(data, auto_generate_collision=False, one_convex_hull_per_ucx=True)
-    # Newer engines would import FBX by Interchange, which reads other options, if no factory were named.
+    # Without an explicit factory, newer engines would import FBX with Interchange, which reads other options.
     return import_file(path, place, factory=unreal.FbxFactory(), options=options)
 
 
 def import_chunk(chunk: dict[str, Any], place: str, nanite: bool) -> unreal.StaticMesh:
-    """Imports a chunk with its levels of detail, and warns when it has not become what was meant."""
+    """Imports a chunk with its levels of detail, and warns if the result is not as expected."""
     levels = chunk["lods"]
     normals = unreal.FBXNormalImportMethod.FBXNIM_IMPORT_NORMALS_AND_TANGENTS
     mesh = import_mesh(chunk["mesh"], place, nanite=nanite, lods=len(levels) > 1, normals=normals)
     editor = unreal.get_editor_subsystem(unreal.StaticMeshEditorSubsystem)
     editor.set_lod_screen_sizes(mesh, [level["screen_size"] for level in levels])
-    # A mesh that is imported again keeps the Nanite settings it had.
+    # A reimported mesh keeps its Nanite settings.
     editor.set_nanite_settings(mesh, change(editor.get_nanite_settings(mesh), enabled=nanite), True)
     box = mesh.get_bounding_box()
     is_now = [box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z]
-    # Without `strict`, which Python 3.9 has not.
+    # No `strict`: Python 3.9 does not have it.
     off_cm = max(abs(a - b) for a, b in zip(is_now, chunk["min_cm"] + chunk["max_cm"]))  # noqa: B905
     if off_cm > BOX_TOLERANCE_CM:
-        unreal.log_warning(f"plume: {chunk['name']} lies {off_cm:.0f} cm beside its place: other units or axes?")
+        unreal.log_warning(f"plume: {chunk['name']} is {off_cm:.0f} cm away from its place: wrong units or axes?")
     for what, is_now, meant in (
         ("levels of detail", editor.get_lod_count(mesh), len(levels)),
         ("convex pieces", editor.get_convex_collision_count(mesh), chunk["convex_pieces"]),
     ):
         if is_now != meant:
-            unreal.log_warning(f"plume: {chunk['name']} has {is_now} {what} instead of {meant}")
+            unreal.log_warning(f"plume: {chunk['name']} has {is_now} {what}, expected {meant}")
     return mesh
 
 
 def set_collision(chunk: dict[str, Any], mesh: unreal.StaticMesh, rock: unreal.PhysicalMaterial, place: str) -> None:
-    """Bodies touch the triangles of the collision mesh, or the convex pieces that have come with the chunk."""
+    """Makes bodies collide with the collision mesh, or with the convex pieces imported with the chunk."""
     body = check(mesh.get_editor_property("body_setup"), f"{chunk['name']} has no body")
     flags = unreal.CollisionTraceFlag
     touched = None
@@ -216,7 +216,7 @@ def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.Stati
 
 
 def open_level(place: str) -> None:
-    """Opens the level of an earlier run without what we had put into it, or a new one."""
+    """Opens the level of an earlier run and removes our actors from it, or creates a new one."""
     levels = unreal.get_editor_subsystem(unreal.LevelEditorSubsystem)
     check(levels.load_level(place) if exists(place) else levels.new_level(place), f"{place} cannot be opened")
     actors = unreal.get_editor_subsystem(unreal.EditorActorSubsystem)
@@ -226,7 +226,7 @@ def open_level(place: str) -> None:
 
 
 def spawn(kind: type, label: str, location_cm: list[float], turn: unreal.Rotator | None = None) -> unreal.Actor:
-    """A new actor of ours."""
+    """Creates an actor with our tag."""
     actors = unreal.get_editor_subsystem(unreal.EditorActorSubsystem)
     location = unreal.Vector(*location_cm)
     actor = check(actors.spawn_actor_from_class(kind, location, turn or unreal.Rotator()), f"{label} cannot be placed")
@@ -235,7 +235,7 @@ def spawn(kind: type, label: str, location_cm: list[float], turn: unreal.Rotator
 
 
 def add_light(light: dict[str, Any]) -> None:
-    """A point light that need not be baked."""
+    """Adds a point light that needs no baking."""
     lamp = spawn(unreal.PointLight, light["name"], light["location_cm"])
     component = lamp.get_component_by_class(unreal.PointLightComponent)
     component.set_mobility(unreal.ComponentMobility.MOVABLE)

@@ -205,9 +205,9 @@ def change_entry(package, **fields):
 @pytest.mark.parametrize(
     ("fields", "warning"),
     [
-        ({"min_cm": [0.0, -150.0, -192.0]}, "chunk_1_0_0 lies 48 cm beside its place"),
-        ({"convex_pieces": 7}, "chunk_1_0_0 has 0 convex pieces instead of 7"),
-        ({"lods": [{"screen_size": 1.0}] * 3}, "chunk_1_0_0 has 2 levels of detail instead of 3"),
+        ({"min_cm": [0.0, -150.0, -192.0]}, "chunk_1_0_0 is 48 cm away from its place"),
+        ({"convex_pieces": 7}, "chunk_1_0_0 has 0 convex pieces, expected 7"),
+        ({"lods": [{"screen_size": 1.0}] * 3}, "chunk_1_0_0 has 2 levels of detail, expected 3"),
     ],
 )
 def test_a_mesh_that_is_not_what_was_meant_is_told(package, fields, warning):
@@ -251,8 +251,8 @@ def test_a_spoilt_script_is_refused(package, old, new, complaint):
 @pytest.mark.parametrize(
     ("old", "new", "warning"),
     [
-        ("convert_scene_unit=True", "convert_scene_unit=False", "beside its place"),
-        ("import_mesh_lo_ds=lods", "import_mesh_lo_ds=False", "has 1 levels of detail instead of 2"),
+        ("convert_scene_unit=True", "convert_scene_unit=False", "away from its place"),
+        ("import_mesh_lo_ds=lods", "import_mesh_lo_ds=False", "has 1 levels of detail, expected 2"),
     ],
 )
 def test_a_spoilt_import_is_told(package, old, new, warning):

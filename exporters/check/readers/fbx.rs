@@ -1,4 +1,4 @@
-//! FBX, binary: the tree of nodes, and the files that textures name. Own and not `fbxcel`'s because that panics at some broken
+//! Binary FBX: the tree of nodes, and the files that textures refer to. Written here because `fbxcel` panics on some broken
 //! files.
 
 use std::io::Read;
@@ -18,7 +18,7 @@ const MOST_NAME_BYTES: u32 = 4096;
 /// Reads `.fbx`.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     if content.array()? != MAGIC {
-        return Err("is no binary FBX".into());
+        return Err("is not a binary FBX".into());
     }
     let version = content.u32()?;
     let mut tree = Tree { is_wide: version >= WIDE, at: 27, ends: Vec::new() };
@@ -26,11 +26,11 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     Ok(())
 }
 
-/// Where the reader is in the tree.
+/// The reader's position in the tree.
 struct Tree {
     is_wide: bool,
     at: u64,
-    /// Ends of the nodes round it.
+    /// Ends of the enclosing nodes.
     ends: Vec<u64>,
 }
 
@@ -48,7 +48,7 @@ impl Tree {
         self.at += u64::from(length);
         let room = self.ends.last().copied().unwrap_or(content.size());
         if self.at.checked_add(bytes).is_none_or(|after| after > end) || end > room || self.ends.len() >= MOST_DEPTH {
-            return Err("has a node that leads out of the one round it".into());
+            return Err("has a node that extends beyond its parent".into());
         }
         if count > 0 && FILES.contains(&&*name) {
             read_file_name(bytes, content, found)?;
@@ -60,12 +60,12 @@ impl Tree {
         Ok(true)
     }
 
-    /// The node of nothing that ends a list of nodes.
+    /// The null record that ends a list of nodes.
     fn close(&mut self) -> Result<bool, Unfit> {
         match self.ends.pop() {
             None => Ok(false),
             Some(end) if end == self.at => Ok(true),
-            Some(_) => Err("has a node that does not end where it says".into()),
+            Some(_) => Err("has a node with a wrong end offset".into()),
         }
     }
 
@@ -75,17 +75,17 @@ impl Tree {
     }
 }
 
-/// Reads the properties of a node, of which the first is a text: `S`, length, bytes.
+/// Reads the properties of a node, the first of which is a string: `S`, length, bytes.
 fn read_file_name(bytes: u64, content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let [kind] = content.array()?;
     let length = content.u32()?;
     let rest = bytes.checked_sub(5 + u64::from(length));
     let (b'S', Some(rest), 0..=MOST_NAME_BYTES) = (kind, rest, length) else {
-        return Err("has a file name that is no text".into());
+        return Err("has a file name that is not a string".into());
     };
     let mut name = vec![0; length as usize];
     content.read_exact(&mut name)?;
-    let name = String::from_utf8(name).map_err(|_| Unfit::from("has a file name that is no UTF-8"))?;
+    let name = String::from_utf8(name).map_err(|_| Unfit::from("has a file name that is not UTF-8"))?;
     if !name.is_empty() {
         found.reference(content.path(), name);
     }

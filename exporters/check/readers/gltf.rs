@@ -18,10 +18,10 @@ pub fn read_text(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unf
 /// Reads `.glb`.
 pub fn read_binary(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     if content.array()? != MAGIC || content.u32()? != 2 {
-        return Err("is no binary glTF 2.0".into());
+        return Err("is not a binary glTF 2.0".into());
     }
     if u64::from(content.u32()?) != content.size() {
-        return Err("has a length in its head that is not its own".into());
+        return Err("has a wrong length in its header".into());
     }
     let length = content.u32()?;
     if content.u32()? != CHUNK_JSON {
@@ -40,7 +40,7 @@ pub fn read_binary(content: &mut Content<'_>, found: &mut Found) -> Result<(), U
     content.skip(length.into())
 }
 
-/// What a document says; `binary` is the length of the chunk that follows it in a `.glb`.
+/// Reads a document; `binary` is the length of the chunk that follows it in a `.glb`.
 fn read_root(text: &[u8], binary: Option<u64>, content: &Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let value = json::parse(text)?;
     let root = Root::deserialize_checked(&value)?;
@@ -51,7 +51,7 @@ fn read_root(text: &[u8], binary: Option<u64>, content: &Content<'_>, found: &mu
             (Some(uri), _) if uri.starts_with("data:") => {}
             (Some(uri), _) => found.buffer(content.path(), uri, bytes),
             (None, Some(length)) if number == 0 && bytes > length => {
-                return Err(Unfit(format!("has {length} binary bytes where its JSON wants {bytes}")));
+                return Err(Unfit(format!("has {length} binary bytes where its JSON needs {bytes}")));
             }
             (None, _) => {}
         }
@@ -62,13 +62,13 @@ fn read_root(text: &[u8], binary: Option<u64>, content: &Content<'_>, found: &mu
     check_views(&root)
 }
 
-/// That views lie in their buffers, and arrays in their views.
+/// Fails unless buffer views are inside their buffers, and accessors inside their views.
 fn check_views(root: &Root) -> Result<(), Unfit> {
     for (number, view) in root.buffer_views.iter().enumerate() {
         let end = view.byte_offset.map_or(0, |offset| offset.0).checked_add(view.byte_length.0);
         let buffer = root.get(view.buffer).map_or(0, |buffer| buffer.byte_length.0);
         if end.is_none_or(|end| end > buffer) {
-            return Err(Unfit(format!("has view {number}, which leads out of its buffer")));
+            return Err(Unfit(format!("has buffer view {number}, which extends beyond its buffer")));
         }
     }
     for (number, accessor) in root.accessors.iter().enumerate() {
@@ -79,7 +79,7 @@ fn check_views(root: &Root) -> Result<(), Unfit> {
         let before = accessor.count.0.saturating_sub(1).saturating_mul(stride);
         let end = accessor.byte_offset.map_or(0, |offset| offset.0).saturating_add(before).saturating_add(item);
         if accessor.count.0 > 0 && end > view.byte_length.0 {
-            return Err(Unfit(format!("has array {number}, which leads out of its view")));
+            return Err(Unfit(format!("has accessor {number}, which extends beyond its buffer view")));
         }
     }
     Ok(())
@@ -97,15 +97,14 @@ trait Checked: Sized {
 }
 
 impl Checked for Root {
-    /// The document, if all that must be there is, and every index is one. Extensions that this program does not know are
-    /// no fault of it.
+    /// The document, if everything required is there and every index is valid. Unknown extensions are not faults.
     fn deserialize_checked(value: &serde_json::Value) -> Result<Self, Unfit> {
         let root: Self =
-            serde::Deserialize::deserialize(value).map_err(|error| Unfit(format!("is no glTF: {error}")))?;
+            serde::Deserialize::deserialize(value).map_err(|error| Unfit(format!("is not valid glTF: {error}")))?;
         let mut fault = None;
         root.validate(&root, Path::new, &mut |path, error| {
             if error != Error::Unsupported {
-                fault.get_or_insert_with(|| Unfit(format!("is no glTF: {} is {error}", path())));
+                fault.get_or_insert_with(|| Unfit(format!("is not valid glTF: {} is {error}", path())));
             }
         });
         fault.map_or(Ok(root), Err)

@@ -1,10 +1,10 @@
-//! JSON. The keys `file` and `uri` name files beside it, in texts of ours as in those of others.
+//! JSON. The keys `file` and `uri` refer to other files, in our formats as in common ones.
 
 use serde_json::Value;
 
 use super::{Content, Found, Unfit};
 
-/// The longest text that is taken apart, which takes some ten times its size.
+/// The longest text that is parsed, which takes about ten times its size.
 const MOST_BYTES: usize = 1 << 25;
 
 /// Reads any JSON.
@@ -31,7 +31,7 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
 /// Any JSON in memory.
 pub fn parse(text: &[u8]) -> Result<Value, Unfit> {
     if text.len() > MOST_BYTES {
-        return Err("is larger than what is read at once".into());
+        return Err("is too large to be read into memory".into());
     }
-    serde_json::from_slice(text).map_err(|error| Unfit(format!("is no JSON: {error}")))
+    serde_json::from_slice(text).map_err(|error| Unfit(format!("is not valid JSON: {error}")))
 }

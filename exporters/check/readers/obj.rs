@@ -2,10 +2,10 @@
 
 use super::{Content, Found, Unfit};
 
-/// Keys of materials that name an image: the last word is the file.
+/// Material keys that name an image: the last word is the file.
 const IMAGE_KEYS: [&str; 5] = ["bump", "disp", "norm", "decal", "refl"];
 
-/// Reads `.obj`: numbers are finite, faces are of vertices that are there.
+/// Reads `.obj`: numbers are finite, faces refer to existing vertices.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let mut counts = [0; 3];
     let mut number = 0;
@@ -24,7 +24,7 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
             _ => true,
         };
         if !sound {
-            return Err(Unfit(format!("has line {number}, which is no OBJ: `{}`", shortened(&line))));
+            return Err(Unfit(format!("has an invalid OBJ line {number}: `{}`", shortened(&line))));
         }
     }
     if counts[0] == 0 { Err("has no vertex".into()) } else { Ok(()) }
@@ -64,7 +64,7 @@ fn is_face(text: &str, counts: [u64; 3]) -> bool {
     text.split_whitespace().count() >= 3 && text.split_whitespace().all(is_corner)
 }
 
-/// From 1, or back from the last.
+/// Counted from 1, or backwards from the last.
 fn is_index(text: &str, count: u64) -> bool {
     text.parse::<i64>().is_ok_and(|index| index != 0 && index.unsigned_abs() <= count)
 }

@@ -1,10 +1,10 @@
-//! PLY: the head, and that the body is as long as it says.
+//! PLY: the header, and that the body has the length it states.
 
 use std::io::Read;
 
 use super::{Content, Found, Unfit};
 
-/// Properties that an element may have, and elements that a file may have.
+/// Most properties of an element, and most elements of a file.
 const MOST_PARTS: usize = 256;
 
 struct Element {
@@ -13,9 +13,9 @@ struct Element {
 }
 
 enum Property {
-    /// Bytes of the number.
+    /// A number: its bytes.
     Number(u64),
-    /// Bytes of the count, and of each number.
+    /// A list: bytes of the count, and of each number.
     List(u64, u64),
 }
 
@@ -40,9 +40,9 @@ pub fn read(content: &mut Content<'_>, _: &mut Found) -> Result<(), Unfit> {
 }
 
 fn read_head(content: &mut Content<'_>) -> Result<(Order, Vec<Element>), Unfit> {
-    let mut line = || content.line()?.ok_or(Unfit::from("has no end of its head"));
+    let mut line = || content.line()?.ok_or(Unfit::from("has no end of its header"));
     if line()? != "ply" {
-        return Err("is no PLY".into());
+        return Err("is not a PLY".into());
     }
     let (mut order, mut elements) = (None, Vec::<Element>::new());
     loop {
@@ -57,10 +57,10 @@ fn read_head(content: &mut Content<'_>) -> Result<(Order, Vec<Element>), Unfit> 
             }
             ["property", ref kinds @ .., _] => add_property(elements.last_mut(), kinds)?,
             ["end_header"] => break,
-            _ => return Err("has a head that is no PLY".into()),
+            _ => return Err("has an invalid PLY header".into()),
         }
     }
-    Ok((order.ok_or("does not say its format")?, elements))
+    Ok((order.ok_or("does not state its format")?, elements))
 }
 
 fn order_of(name: &str) -> Result<Order, Unfit> {
@@ -68,7 +68,7 @@ fn order_of(name: &str) -> Result<Order, Unfit> {
         "ascii" => Ok(Order::Text),
         "binary_little_endian" => Ok(Order::Little),
         "binary_big_endian" => Ok(Order::Big),
-        _ => Err("has a format that is no PLY".into()),
+        _ => Err("has an unknown PLY format".into()),
     }
 }
 
@@ -80,7 +80,7 @@ fn add_property(element: Option<&mut Element>, kinds: &[&str]) -> Result<(), Unf
     };
     let fits = |element: &&mut Element| element.properties.len() < MOST_PARTS;
     let (Some(element), Some(property)) = (element.filter(fits), property) else {
-        return Err("has a property that is no PLY".into());
+        return Err("has an invalid PLY property".into());
     };
     element.properties.push(property);
     Ok(())
@@ -129,5 +129,5 @@ fn read_row(element: &Element, content: &mut Content<'_>) -> Result<(), Unfit> {
     let numbers = line.split_whitespace().map(|word| word.parse::<f64>().is_ok_and(f64::is_finite));
     let count = numbers.clone().count();
     let is_row = numbers.clone().all(|is_number| is_number) && count >= element.properties.len();
-    if is_row { Ok(()) } else { Err("has a row that is no PLY".into()) }
+    if is_row { Ok(()) } else { Err("has an invalid PLY row".into()) }
 }

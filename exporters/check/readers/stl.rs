@@ -13,7 +13,7 @@ pub fn read(content: &mut Content<'_>, _: &mut Found) -> Result<(), Unfit> {
         return if triangles > 0 { Ok(()) } else { Err("has no triangle".into()) };
     }
     if !head.starts_with(b"solid") {
-        return Err(Unfit(format!("says that it has {triangles} triangles, which is not its size")));
+        return Err(Unfit(format!("states {triangles} triangles, which does not match its size")));
     }
     let mut last = String::new();
     while let Some(line) = content.line()? {

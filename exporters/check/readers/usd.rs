@@ -1,20 +1,20 @@
-//! Layers of USD, as text and as binary ("crate").
+//! USD layers, as text and as binary ("crate").
 //!
-//! A crate keeps its texts, file names among them, in one table of tokens (`pxr/usd/sdf/crateFile.h` of OpenUSD). Those that end
-//! like the name of a file are taken for one.
+//! A crate keeps its strings, including file names, in one table of tokens (`pxr/usd/sdf/crateFile.h` of OpenUSD). Those
+//! with a known extension are taken for file names.
 
 use super::{Content, Found, Unfit, is_file_name};
 
-/// Names of files in a crate stand in this section.
+/// The section of a crate that holds file names.
 const TOKENS: &[u8] = b"TOKENS\0";
-/// The most that the tokens of a layer take. Geometry is not among them.
+/// The largest table of tokens. Geometry is not in it.
 const MOST_TOKEN_BYTES: usize = 1 << 26;
 
-/// Reads `.usda`: asset paths stand between `@`.
+/// Reads `.usda`: asset paths are enclosed in `@`.
 pub fn read_text(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let text = content.text()?;
     if !text.starts_with("#usda 1.0") {
-        return Err("is no USD text".into());
+        return Err("is not a USD text file".into());
     }
     let mut rest = text.as_str();
     while let Some(start) = rest.find(['"', '\'', '#', '@']) {
@@ -23,7 +23,7 @@ pub fn read_text(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unf
         let inner = &rest[closing.len().min(rest.len())..];
         let inner = if closing == "\n" { &rest[1..] } else { inner };
         let Some(end) = end_of(inner, closing) else {
-            return if closing == "\n" { Ok(()) } else { Err("has a text that does not end".into()) };
+            return if closing == "\n" { Ok(()) } else { Err("has an unterminated string".into()) };
         };
         if closing.starts_with('@') && end > 0 {
             found.reference(content.path(), &inner[..end]);
@@ -33,13 +33,13 @@ pub fn read_text(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unf
     Ok(())
 }
 
-/// What ends the text, comment or asset path that begins here.
+/// What ends the string, comment or asset path that begins here.
 fn closing_mark(text: &str) -> &'static str {
     let marks = ["\"\"\"", "'''", "@@@", "\"", "'", "@"];
     marks.into_iter().find(|mark| text.starts_with(mark)).unwrap_or("\n")
 }
 
-/// Where it ends; a backslash takes the meaning from what follows.
+/// Where it ends; a backslash escapes what follows.
 fn end_of(text: &str, mark: &str) -> Option<usize> {
     let mut from = 0;
     loop {
@@ -56,16 +56,16 @@ fn end_of(text: &str, mark: &str) -> Option<usize> {
 pub fn read_crate(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let bytes = content.rest()?;
     if !bytes.starts_with(b"PXR-USDC") {
-        return Err("is no binary USD".into());
+        return Err("is not a binary USD file".into());
     }
-    let tokens = tokens(&bytes).ok_or("is a binary USD whose tables are broken")?;
+    let tokens = tokens(&bytes).ok_or("is a binary USD file with broken tables")?;
     let texts = tokens.split(|&byte| byte == 0).filter_map(|text| std::str::from_utf8(text).ok());
     let is_path = |text: &&str| is_file_name(text) && !text.contains([' ', '\n']);
     texts.filter(is_path).for_each(|text| found.reference(content.path(), text));
     Ok(())
 }
 
-/// The tokens of a crate, each with a zero at its end.
+/// The tokens of a crate, each with a terminating zero.
 fn tokens(bytes: &[u8]) -> Option<Vec<u8>> {
     let contents = usize::try_from(number(bytes, 16)?).ok()?;
     let count = usize::try_from(number(bytes, contents)?).ok()?;
@@ -80,14 +80,14 @@ fn tokens(bytes: &[u8]) -> Option<Vec<u8>> {
     unpacked(&bytes[start..end])
 }
 
-/// Where a section lies.
+/// Start and end of a section.
 fn span(section: &[u8]) -> Option<(usize, usize)> {
     let start = usize::try_from(number(section, 16)?).ok()?;
     let size = usize::try_from(number(section, 24)?).ok()?;
     Some((start, start.checked_add(size)?))
 }
 
-/// The tokens of a section: count, size, packed size, and LZ4 in one block, which a zero before it says.
+/// The tokens of a section: count, size, packed size, and a single LZ4 block, marked as such by a leading zero.
 fn unpacked(section: &[u8]) -> Option<Vec<u8>> {
     let size = usize::try_from(number(section, 8)?).ok().filter(|&size| size <= MOST_TOKEN_BYTES)?;
     let packed = usize::try_from(number(section, 16)?).ok()?;

@@ -1,5 +1,5 @@
-//! USDZ: a zip of files that are not compressed and lie on multiples of 64 bytes
-//! (<https://openusd.org/release/spec_usdz.html>). Read as it comes, so that no file is held as a whole.
+//! USDZ: a zip of uncompressed files aligned to 64 bytes (<https://openusd.org/release/spec_usdz.html>). Read as a stream,
+//! so that no file is held in memory.
 
 use super::{Content, Found, Unfit};
 
@@ -17,37 +17,37 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
             return Ok(());
         }
         if magic != FILE {
-            return Err("is no USDZ".into());
+            return Err("is not a USDZ".into());
         }
         at = read_file(at, content, found)?;
         files += 1;
     }
 }
 
-/// Reads the file whose head began `at` with the magic that is read already; gives where it ends.
+/// Reads the file whose header begins `at`, its magic being read already; returns where it ends.
 fn read_file(at: u64, content: &mut Content<'_>, found: &mut Found) -> Result<u64, Unfit> {
     let head: [u8; 26] = content.array()?;
     let short = |at: usize| u64::from(u16::from_le_bytes([head[at], head[at + 1]]));
     let size = u64::from(u32::from_le_bytes([head[14], head[15], head[16], head[17]]));
     let (flags, method, name, extra) = (short(2), short(4), short(22), short(24));
-    let name = String::from_utf8(content.block(name)?).map_err(|_| Unfit::from("has a name that is no UTF-8"))?;
+    let name = String::from_utf8(content.block(name)?).map_err(|_| Unfit::from("has a name that is not UTF-8"))?;
     if method != 0 || flags & 0b1001 != 0 {
-        return Err(Unfit(format!("has `{name}` compressed, encrypted or without a size")));
+        return Err(Unfit(format!("contains `{name}` compressed, encrypted or without a size")));
     }
     if let Some(fault) = crate::package::path_fault(&name) {
-        return Err(Unfit(format!("has `{name}`, which {fault}")));
+        return Err(Unfit(format!("contains `{name}`, which {fault}")));
     }
     content.skip(extra)?;
     let start = at + HEAD_BYTES + name.len() as u64 + extra;
     if !start.is_multiple_of(ALIGNMENT) {
-        return Err(Unfit(format!("has `{name}` at a place that is no multiple of {ALIGNMENT}")));
+        return Err(Unfit(format!("contains `{name}` at an offset that is not a multiple of {ALIGNMENT}")));
     }
     let path = format!("{}/{name}", content.path());
     if name.ends_with(".usdz") {
-        return Err(Unfit(format!("has an archive in it: `{name}`")));
+        return Err(Unfit(format!("contains another archive: `{name}`")));
     }
     let mut inner = Content::part(&path, size, content);
-    super::read(&mut inner, found).map_err(|unfit| Unfit(format!("has `{name}`, which {}", unfit.0)))?;
+    super::read(&mut inner, found).map_err(|unfit| Unfit(format!("contains `{name}`, which {}", unfit.0)))?;
     let (bytes, _) = inner.finish()?;
     if bytes < size {
         return Err("ends early".into());

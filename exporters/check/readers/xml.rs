@@ -4,15 +4,15 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use super::{Content, Found, Unfit};
 
-/// The longest text that is taken apart, which takes up to ten times its size. A convex piece takes about a kilobyte.
+/// The longest text that is parsed, which takes up to ten times its size. A convex piece takes about a kilobyte.
 const MOST_BYTES: u64 = 1 << 26;
-/// Elements and texts that a file may have: a cave of 100,000 convex pieces has a fifth.
+/// Most elements and texts of a file: a cave of 100,000 convex pieces has a fifth of that.
 const MOST_NODES: u32 = 2_000_000;
-/// Attributes that an element may have. Their names are compared with each other.
+/// Most attributes of an element. Their names are compared with each other.
 const MOST_ATTRIBUTES: usize = 1000;
-/// Attributes that name files, as they begin.
+/// Prefixes of attributes that name files.
 const FILE_ATTRIBUTES: [&str; 1] = ["file"];
-/// Elements whose text is a file.
+/// Elements whose text is a file name.
 const FILE_ELEMENTS: [&str; 10] = [
     "uri",
     "sdf",
@@ -28,13 +28,13 @@ const FILE_ELEMENTS: [&str; 10] = [
 
 /// Reads any XML.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
-    let text = String::from_utf8(content.rest_up_to(MOST_BYTES)?).map_err(|_| Unfit::from("is no UTF-8"))?;
+    let text = String::from_utf8(content.rest_up_to(MOST_BYTES)?).map_err(|_| Unfit::from("is not UTF-8"))?;
     if text.split('<').any(|tag| tag.bytes().filter(|&byte| byte == b'=').count() > MOST_ATTRIBUTES) {
         return Err(Unfit(format!("has an element with more than {MOST_ATTRIBUTES} attributes")));
     }
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document =
-        Document::parse_with_options(&text, options).map_err(|error| Unfit(format!("is no XML: {error}")))?;
+        Document::parse_with_options(&text, options).map_err(|error| Unfit(format!("is not valid XML: {error}")))?;
     for node in document.descendants().filter(Node::is_element) {
         read_element(node, &document, content.path(), found);
     }
@@ -43,7 +43,7 @@ pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
 
 fn read_element(node: Node<'_, '_>, document: &Document<'_>, path: &str, found: &mut Found) {
     let name = node.tag_name().name();
-    // A plugin is a library of the simulator, and the root of an SDF is no file.
+    // A plugin is a library of the simulator, and the root of an SDF does not name a file.
     if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) {
         return;
     }
@@ -58,7 +58,7 @@ fn read_element(node: Node<'_, '_>, document: &Document<'_>, path: &str, found: 
     }
 }
 
-/// In COLLADA an image begins from a file, but a surface from an image, by its identity.
+/// In COLLADA, `init_from` of an image names a file, but that of a surface names an image.
 fn is_file_element(node: Node<'_, '_>) -> bool {
     let is_of_surface = || node.parent_element().is_some_and(|parent| parent.tag_name().name() == "surface");
     let name = node.tag_name().name();
@@ -69,7 +69,7 @@ fn is_file(attribute: &str) -> bool {
     FILE_ATTRIBUTES.iter().any(|start| attribute.starts_with(start))
 }
 
-/// Where MJCF looks for the files of an element, with a slash at its end.
+/// The folder in which MJCF looks for the files of an element, with a trailing slash.
 fn asset_folder(element: &str, document: &Document<'_>) -> String {
     let key = match element {
         "mesh" | "hfield" | "skin" => "meshdir",
@@ -77,7 +77,7 @@ fn asset_folder(element: &str, document: &Document<'_>) -> String {
         _ => return String::new(),
     };
     let compilers = document.root_element().children().filter(|node| node.has_tag_name("compiler"));
-    // The last one rules.
+    // The last one wins.
     let folder = compilers.rev().find_map(|node| node.attribute(key).or(node.attribute("assetdir")));
     folder.map_or_else(String::new, |folder| format!("{}/", folder.trim_end_matches('/')))
 }

@@ -15,9 +15,9 @@ use crate::error::{ExportError, at};
 use crate::frame::{self, Up};
 use crate::scene::{Light, Mesh};
 
-/// The node that all others hang on.
+/// The root node.
 const ROOT: i64 = 0;
-/// What a level may differ in, as an angle: a pixel of 1080 on 60 degrees.
+/// Angular size below which the error of a level is invisible: a pixel of 1080 at 60 degrees.
 const PIXEL_RAD: f64 = 1e-3;
 
 /// A file that is being written.
@@ -31,7 +31,7 @@ pub struct Document {
     last_id: i64,
 }
 
-/// Who belongs to whom, and as what.
+/// Connections between objects.
 struct Link {
     child: i64,
     parent: i64,
@@ -60,7 +60,7 @@ impl Document {
     /// Adds a part.
     ///
     /// # Errors
-    /// When the disk refuses, or the file gets larger than 4 GiB.
+    /// If the disk fails, or the file gets larger than 4 GiB.
     pub fn add(&mut self, part: &Part) -> Result<(), ExportError> {
         self.add_part(part).map_err(|error| told(&self.path, error))
     }
@@ -130,7 +130,7 @@ impl Document {
         Ok(model)
     }
 
-    /// The group shows a level from the distance at which its error is seen under [`PIXEL_RAD`].
+    /// The group shows a level from the distance at which its error subtends [`PIXEL_RAD`].
     fn add_group(&mut self, part: &Part) -> Written<i64> {
         let names: Vec<String> = (1..part.levels.len()).map(|level| format!("Thresholds|Level{}", level - 1)).collect();
         let mut properties = vec![Property::group("Thresholds")];
@@ -162,7 +162,7 @@ impl Document {
         self.add_attribute(&light.name, "Light", model, &properties, Some("Light"))
     }
 
-    /// What a node is, where it is no mesh; `flags` is the old word for it that some readers ask for.
+    /// The type of a node that is not a mesh; `flags` is the legacy name that some readers need.
     fn add_attribute(
         &mut self,
         name: &str,
@@ -260,15 +260,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_past_4_gib_is_told_with_a_way_out() {
+    fn a_file_beyond_4_gib_is_reported_with_a_hint() {
         let error = told("cave.fbx", Error::FileTooLarge(5 << 30));
-        assert_eq!(error.to_string(), "cave.fbx would be 5368709120 bytes, more than FBX 7.4 can hold");
+        assert_eq!(error.to_string(), "cave.fbx would have 5368709120 bytes, more than FBX 7.4 allows");
         assert!(error.is_usage() && error.hint().unwrap().contains("per_chunk"));
     }
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn a_full_disk_is_told_with_the_file() {
+    fn a_full_disk_is_reported_with_the_file() {
         let head = Head { generator: "plume test", up: Up::Z };
         let document = Document::create(Path::new("/dev/full"), "cave.fbx", &head).unwrap();
         let error = document.finish().unwrap_err();

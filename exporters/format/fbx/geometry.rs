@@ -1,4 +1,4 @@
-//! Triangles with what cameras see on them.
+//! Triangles with their attributes.
 
 use std::io::{Seek, Write};
 
@@ -11,7 +11,7 @@ use crate::scene::Mesh;
 /// The name of the texture coordinates, to which textures refer.
 pub const UV_SET: &str = "UVMap";
 
-/// Writes the inside of a geometry; what the mesh has not is left out. Numbers become `f64` one by one.
+/// Writes the body of a geometry; missing attributes are omitted. Numbers are converted to `f64` one by one.
 pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh, up: Up) -> Written {
     nodes.properties(&[])?;
     nodes.leaf("GeometryVersion", &[Value::Int(124)])?;
@@ -60,7 +60,7 @@ fn by_vertex<W: Write + Seek>(
     })
 }
 
-/// By corner, because that is where readers look for them first.
+/// Per corner, because that is where readers look for them first.
 fn write_uvs<W: Write + Seek>(nodes: &mut Nodes<W>, mesh: &Mesh) -> Written {
     layer(nodes, "UV", UV_SET, ["ByPolygonVertex", "IndexToDirect"], |nodes| {
         nodes.reals("UV", 2 * mesh.uvs.len(), mesh.uvs.iter().flatten().map(|&part| part.into()))?;
@@ -84,7 +84,7 @@ fn layer<W: Write + Seek>(
     })
 }
 
-/// Says that all elements belong together.
+/// Lists all elements as one layer.
 fn write_layer<W: Write + Seek>(nodes: &mut Nodes<W>) -> Written {
     nodes.branch("Layer", &[Value::Int(0)], |nodes| {
         nodes.leaf("Version", &[Value::Int(100)])?;

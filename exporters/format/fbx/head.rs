@@ -1,4 +1,4 @@
-//! What comes before the objects: who wrote the file, units, axes, and how many objects there are.
+//! The header: creator, units, axes, and the number of objects.
 
 use std::io::{Seek, Write};
 
@@ -13,7 +13,7 @@ pub enum Kind {
     Geometry,
     /// A node of the scene.
     Model,
-    /// What a node of the scene is, where it is no mesh.
+    /// The type of a node that is not a mesh.
     NodeAttribute,
     /// A material.
     Material,
@@ -43,10 +43,10 @@ impl Kind {
 /// Objects by kind.
 pub type Counts = [i32; Kind::ALL.len()];
 
-/// The number of the document, which no object has; that of its root is 0.
+/// The id of the document, which is distinct from those of objects; that of its root is 0.
 pub const DOCUMENT: i64 = 1;
 
-/// Writes all of it. Its length does not depend on the counts, so that it can be written again when they are known.
+/// Writes the header. Its length does not depend on the counts, so it can be overwritten when they are known.
 pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, head: &Head, counts: &Counts) -> Written {
     nodes.branch("FBXHeaderExtension", &[], |nodes| {
         nodes.leaf("FBXHeaderVersion", &[Value::Int(1003)])?;
@@ -66,8 +66,8 @@ pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>, head: &Head, counts: &Counts
     write_counts(nodes, counts)
 }
 
-/// A unit is 100 cm. FBX counts axes from x = 0; its front is that which looks at the viewer, and the last axis makes the
-/// frame right-handed.
+/// A unit is 100 cm. FBX numbers axes from x = 0; its front axis points at the viewer, and the last axis makes the frame
+/// right-handed.
 fn settings(up: Up) -> Vec<Property<'static>> {
     let (up, front, front_sign) = match up {
         Up::Z => (2, 1, -1),

@@ -1,12 +1,12 @@
-//! Materials of the kind that every reader of FBX knows, Phong, with textures where they are looked for.
+//! Phong materials, which every reader of FBX supports, with textures where readers look for them.
 
 use std::io::{Seek, Write};
 
 use super::geometry::UV_SET;
 use super::node::{Nodes, Property, Value, Written, full_name};
 
-/// Writes the inside of a material: white and as rough as can be, which textures override; as reflective as stone, 4 %
-/// head-on.
+/// Writes the body of a material: white and fully rough, which textures override; reflectance of stone, 4 % at normal
+/// incidence.
 pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>) -> Written {
     nodes.leaf("Version", &[Value::Int(102)])?;
     nodes.leaf("ShadingModel", &[Value::Text("phong")])?;
@@ -22,7 +22,7 @@ pub fn write<W: Write + Seek>(nodes: &mut Nodes<W>) -> Written {
     ])
 }
 
-/// Writes the inside of an image.
+/// Writes the body of an image.
 pub fn write_video<W: Write + Seek>(nodes: &mut Nodes<W>, path: &str) -> Written {
     nodes.leaf("Type", &[Value::Text("Clip")])?;
     nodes.properties(&[Property::file("Path", path)])?;
@@ -31,7 +31,7 @@ pub fn write_video<W: Write + Seek>(nodes: &mut Nodes<W>, path: &str) -> Written
     nodes.leaf("RelativeFilename", &[Value::Text(path)])
 }
 
-/// Writes the inside of the use of an image.
+/// Writes the body of a texture, i.e. the use of an image.
 pub fn write_texture<W: Write + Seek>(nodes: &mut Nodes<W>, name: &str, path: &str) -> Written {
     nodes.leaf("Type", &[Value::Text("TextureVideoClip")])?;
     nodes.leaf("Version", &[Value::Int(202)])?;

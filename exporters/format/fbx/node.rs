@@ -6,16 +6,15 @@ use fbxcel::low::FbxVersion;
 use fbxcel::low::v7400::ArrayAttributeEncoding;
 use fbxcel::writer::v7400::binary::{AttributesWriter, FbxFooter, Writer};
 
-/// What comes of writing something; the errors are those of fbxcel, and know no file.
+/// Result of writing; the errors are those of fbxcel, and do not name the file.
 pub type Written<T = ()> = fbxcel::writer::v7400::binary::Result<T>;
 
-/// What agrees with [`CREATED`] and [`FILE_ID`] at the end of a file: a known set, because readers may check one by the
-/// others.
+/// Footer code that matches [`CREATED`] and [`FILE_ID`]: a known set, because readers may check them against each other.
 const FOOT_ID: [u8; 16] =
     [0xfa, 0xbc, 0xab, 0x09, 0xd0, 0xc8, 0xd4, 0x66, 0xb1, 0x76, 0xfb, 0x83, 0x1c, 0xf7, 0x26, 0x7e];
-/// The time that a file says it was made at: always the same, or the same scene would give other bytes.
+/// The creation time: always the same, so that the same scene gives the same bytes.
 pub const CREATED: &str = "1970-01-01 10:00:00:000";
-/// What agrees with [`CREATED`].
+/// File id that matches [`CREATED`].
 pub const FILE_ID: [u8; 16] =
     [0x28, 0xb3, 0x2a, 0xeb, 0xb6, 0x24, 0xcc, 0xc2, 0xbf, 0xc8, 0xb0, 0x2a, 0xa9, 0x2b, 0xfc, 0xf1];
 
@@ -34,8 +33,7 @@ pub enum Value<'a> {
     Bytes(&'a [u8]),
 }
 
-/// Arrays that are shorter are not compressed: there are thousands in a file of convex pieces, and it would take longer than
-/// all the rest.
+/// Shorter arrays are not compressed: a file of convex pieces has thousands, and it would take longer than everything else.
 const COMPRESSED_BYTES: usize = 4096;
 
 fn encoding(bytes: usize) -> ArrayAttributeEncoding {
@@ -102,7 +100,7 @@ impl<W: Write + Seek> Nodes<W> {
     }
 }
 
-/// The name of an object and what it is, as a binary FBX puts them together.
+/// The name and class of an object, combined as in binary FBX.
 pub fn full_name(name: &str, kind: &str) -> String {
     format!("{name}\0\x01{kind}")
 }
@@ -117,7 +115,7 @@ fn append<W: Write + Seek>(node: &mut AttributesWriter<W>, value: Value) -> Writ
     }
 }
 
-/// A property: its name, its type in FBX's three words for it, and what it is.
+/// A property: its name, its type as the three strings of FBX, and its value.
 pub struct Property<'a> {
     name: &'a str,
     kind: [&'static str; 3],
@@ -139,7 +137,7 @@ impl<'a> Property<'a> {
         Self { name, kind: ["int", "Integer", ""], value: Content::Int(number) }
     }
 
-    /// Yes or no.
+    /// A boolean.
     pub fn flag(name: &'a str, yes: bool) -> Self {
         Self { name, kind: ["bool", "", ""], value: Content::Int(yes.into()) }
     }
@@ -174,12 +172,12 @@ impl<'a> Property<'a> {
         Self { name, kind: ["KString", "XRefUrl", ""], value: Content::Text(path) }
     }
 
-    /// A length in metres; FBX says the unit with it.
+    /// A length in metres, stored with its unit.
     pub fn length(name: &'a str, metres: f64) -> Self {
         Self { name, kind: ["Distance", "", ""], value: Content::Length(metres) }
     }
 
-    /// The head of properties named `<name>|…`.
+    /// The parent of properties named `<name>|…`.
     pub fn group(name: &'a str) -> Self {
         Self { name, kind: ["Compound", "", ""], value: Content::None }
     }

@@ -1,16 +1,16 @@
-//! A file that is written with many small steps back, such as a length put before what it measures.
+//! A file writer optimised for many short backward seeks, such as for a length that precedes its data.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 
-/// Bytes that wait in memory: most steps back lead no further.
+/// Bytes kept in memory: most backward seeks stay within them.
 const WINDOW_BYTES: usize = 1 << 20;
 
-/// A file whose last bytes are in memory. A step back within them costs nothing, where a [`std::io::BufWriter`] would write
-/// them first; any other step is one of the file.
+/// A file whose last bytes are in memory. A seek within them costs nothing, while a [`std::io::BufWriter`] would flush them
+/// first; any other seek is one of the file.
 pub struct Window {
     file: File,
-    /// Where the bytes belong in the file.
+    /// Offset of the buffered bytes in the file.
     start: u64,
     bytes: Vec<u8>,
     at: usize,
@@ -22,7 +22,7 @@ impl Window {
         Self { file, start: 0, bytes: Vec::new(), at: 0 }
     }
 
-    /// Writes what waits, and goes on after it.
+    /// Writes the buffered bytes, and continues after them.
     fn shift(&mut self) -> io::Result<()> {
         self.file.seek(SeekFrom::Start(self.start))?;
         self.file.write_all(&self.bytes)?;
@@ -84,9 +84,9 @@ mod tests {
 
     use super::*;
 
-    /// Steps of all lengths end in the bytes that memory alone would hold.
+    /// Seeks of all lengths give the same bytes as an in-memory file.
     #[test]
-    fn a_window_writes_what_memory_would_hold() {
+    fn a_window_writes_the_same_as_an_in_memory_file() {
         let mut expected = Cursor::new(Vec::new());
         let mut window = Window::new(tempfile::tempfile().unwrap());
         let mut noise = 1_u32;

@@ -1,4 +1,4 @@
-//! Vertices and triangles: accessors, views and buffers.
+//! Vertices and triangles: accessors, buffer views and buffers.
 
 use std::collections::BTreeMap;
 
@@ -15,12 +15,12 @@ use super::{Compression, Place, meshopt};
 use crate::frame;
 use crate::scene::{self, Mesh};
 
-/// The vertex attributes of a visual mesh in the order of the payload; a piece has the first.
+/// The vertex attributes of a visual mesh in the order of the payload; a convex piece has only the first.
 pub(super) const VERTEX: [Semantic; 4] =
     [Semantic::Positions, Semantic::Normals, Semantic::Tangents, Semantic::TexCoords(0)];
 
 impl Layout {
-    /// What follows goes into the buffer `name`, where there are several.
+    /// Starts the buffer `name`, if there are several.
     pub(super) fn open_buffer(&mut self, name: &str) {
         if self.style.buffers == Place::Embedded && !self.root.buffers.is_empty() {
             return;
@@ -38,7 +38,7 @@ impl Layout {
         }
     }
 
-    /// Of the attributes that are wanted, in that order.
+    /// Accessors of the requested attributes, in that order.
     pub(super) fn primitive(&mut self, mesh: &Mesh, wanted: &[Semantic], payload: &mut Payload) -> Primitive {
         let mut attributes = BTreeMap::new();
         for semantic in wanted {
@@ -101,7 +101,7 @@ impl Layout {
         view
     }
 
-    /// A view of `plain` bytes, which the reader unpacks into the buffer behind the open one.
+    /// A view of `plain` bytes, which the reader unpacks into the fallback buffer after the open one.
     fn packed(&mut self, bytes: Vec<u8>, plain: u64, packing: &meshopt::Packing, payload: &mut Payload) -> Index<View> {
         let unpacked = Index::new(self.open.value() as u32 + 1);
         let range = append(&mut self.root.buffers[self.open.value()], bytes.len() as u64);
@@ -120,7 +120,7 @@ impl Layout {
     }
 }
 
-/// The next `bytes` of a buffer, of which the view does not know the index; what follows starts at a multiple of four.
+/// The next `bytes` of a buffer, without the buffer index; padded to a multiple of four.
 fn append(buffer: &mut Buffer, bytes: u64) -> View {
     let byte_offset = buffer.byte_length.0;
     buffer.byte_length.0 += bytes + padding(bytes);
@@ -140,7 +140,7 @@ fn empty_buffer(uri: Option<String>) -> Buffer {
     Buffer { byte_length: 0_u64.into(), extensions: None, extras: None, name: None, uri }
 }
 
-/// The file of a buffer beside the JSON.
+/// The file of a separate buffer.
 pub fn buffer_file(name: &str) -> String {
     format!("buffers/{name}.bin")
 }
@@ -156,7 +156,7 @@ fn floats<const N: usize>(vectors: &[[f32; N]], change: fn([f32; N]) -> [f32; N]
     bytes
 }
 
-/// The type of a vertex index and its bytes. The largest number of a type is not an index: it restarts primitives.
+/// The type of a vertex index and its bytes. The largest value of a type is reserved for primitive restart.
 fn index_type(mesh: &Mesh) -> (ComponentType, usize) {
     match mesh.positions.len() <= usize::from(u16::MAX) {
         true => (ComponentType::U16, 2),

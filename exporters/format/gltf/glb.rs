@@ -13,7 +13,7 @@ const CHUNK_HEADER_BYTES: u64 = 8;
 /// Writes everything before the payload, which is the first buffer of the document: a multiple of four bytes.
 ///
 /// # Errors
-/// [`ExportError::TooLarge`] past 4 GiB, and those of `file`.
+/// [`ExportError::TooLarge`] beyond 4 GiB, and those of `file`.
 pub fn write_head(file: &mut dyn Write, path: &str, root: &Root) -> Result<(), ExportError> {
     let payload_bytes = root.buffers.first().map_or(0, |buffer| buffer.byte_length.0);
     let mut json = root.to_vec().map_err(io::Error::from)?;

@@ -1,4 +1,4 @@
-//! `scene.json`: what glTF has no words for, in its frame.
+//! `scene.json`: what glTF cannot express, in its frame.
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use crate::package::{Package, pretty};
 use crate::scene::{Chunk, Light, Piece, Scene};
 use crate::{frame, names};
 
-/// A chunk as the index tells of it.
+/// A chunk in the index.
 #[derive(Serialize)]
 pub struct Entry {
     name: String,
@@ -23,7 +23,7 @@ pub struct Entry {
     collision_triangles: u64,
 }
 
-/// A coarser level of detail as the index tells of it.
+/// A coarser level of detail in the index.
 #[derive(Serialize)]
 pub struct Level {
     node: String,
@@ -32,7 +32,7 @@ pub struct Level {
 }
 
 impl Entry {
-    /// Of a chunk in `file`, without coarser levels.
+    /// The entry of a chunk in `file`, without coarser levels.
     pub fn new(file: &str, chunk: &Chunk, pieces: &[Piece]) -> Self {
         let [min, max] = bounds(&chunk.visual.positions);
         Self {
@@ -58,7 +58,7 @@ impl Entry {
     }
 }
 
-/// Triangles that cameras see in full detail, and triangles of convex pieces.
+/// Visual triangles in full detail, and triangles of convex pieces.
 pub fn triangles(entries: &[Entry]) -> [u64; 2] {
     let sum = |of: fn(&Entry) -> u64| entries.iter().map(of).sum();
     [sum(|entry| entry.triangles), sum(|entry| entry.collision_triangles)]

@@ -18,7 +18,7 @@ use crate::scene::{self, Chunk, Piece, Scene};
 /// The screen of [`screen_coverage`], pixels.
 const SCREEN_PX: [f32; 2] = [1920.0, 1080.0];
 
-/// A document that grows by chunks; the bytes of each are handed out as it is added.
+/// A document that is built chunk by chunk; the bytes of each are returned when it is added.
 pub struct Layout {
     pub(super) root: Root,
     pub(super) style: Style,
@@ -26,7 +26,7 @@ pub struct Layout {
     pub(super) open: Index<Buffer>,
 }
 
-/// Where a chunk stands in its document.
+/// Indices of a chunk in its document.
 pub struct Placed {
     node: Index<Node>,
     material: Index<Material>,
@@ -55,10 +55,10 @@ impl Layout {
         Self { root, style, open: Index::new(0) }
     }
 
-    /// Adds a node with the visual mesh, its material and its images, and below it a node for each piece.
+    /// Adds a node with the visual mesh, its material and its images, with a child node for each convex piece.
     ///
     /// # Errors
-    /// When the size of an image cannot be read.
+    /// If the size of an image cannot be read.
     pub fn add_chunk<'a>(&mut self, chunk: &'a Chunk, pieces: &[Piece]) -> Result<(Placed, Payload<'a>), ExportError> {
         self.open_buffer(&chunk.name);
         let mut payload = Payload::default();
@@ -79,7 +79,7 @@ impl Layout {
         Ok((Placed { node, material }, payload))
     }
 
-    /// Adds the coarser levels of a chunk by MSFT_lod: nodes outside of the scene, named `<chunk>_LOD1` and on, to which
+    /// Adds the coarser levels of a chunk with MSFT_lod: nodes outside the scene, named `<chunk>_LOD1` and so on, to which
     /// the node of the chunk refers. Levels share its material.
     pub fn add_levels(&mut self, chunk: &Chunk, placed: &Placed) -> Payload<'static> {
         let mut payload = Payload::default();
@@ -146,11 +146,11 @@ pub fn level_buffer(chunk: &str) -> String {
     format!("{chunk}_lods")
 }
 
-/// For each level, the full one first, the share of the screen that the chunk covers where the next level takes over;
-/// the last has no next and is 0.
+/// For each level, the full one first, the share of the screen that the chunk covers when the next level takes over; 0 for
+/// the last.
 ///
-/// A level takes over where its error `e` looks one pixel long. There a metre is `1/e` pixels, so the sphere round the
-/// chunk, of radius `r`, covers `π (r/e)²` pixels of a screen of 1920 × 1080, at any angle of view.
+/// A level takes over when its error `e` appears one pixel long. There a metre is `1/e` pixels, so the bounding sphere of
+/// the chunk, with radius `r`, covers `π (r/e)²` pixels of a screen of 1920 × 1080, at any field of view.
 fn screen_coverage(chunk: &Chunk) -> Vec<f32> {
     let [min, max] = chunk.visual.bounds().map(Point3::from);
     let radius_m = distance(&min, &max) / 2.0;

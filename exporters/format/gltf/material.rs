@@ -15,7 +15,7 @@ use crate::error::{ExportError, at};
 use crate::image_format::ImageFormat;
 use crate::scene::{self, Chunk, Image};
 
-/// What a texture without a fallback has in place of an image: the JSON then leaves it out.
+/// Placeholder for the image of a texture without a fallback, omitted from the JSON.
 const NO_SOURCE: u32 = u32::MAX;
 
 impl Layout {

@@ -1,8 +1,8 @@
-//! EXT_meshopt_compression: vertices and triangles packed by meshoptimizer, in the only bitstream that the extension
-//! knows (<https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Vendor/EXT_meshopt_compression>).
+//! EXT_meshopt_compression: vertices and triangles compressed by meshoptimizer, in the only bitstream version of the
+//! extension (<https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Vendor/EXT_meshopt_compression>).
 //!
-//! Without filters and without quantised numbers: a cave is packed to the last bit, so that chunks still share their
-//! borders, and needs no KHR_mesh_quantization.
+//! Without filters and quantisation: the compression is lossless, so that chunks still share their borders, and
+//! KHR_mesh_quantization is not needed.
 
 use gltf_json::buffer::View;
 use gltf_json::{Buffer, Index};
@@ -28,7 +28,7 @@ impl Packing {
         Self { mode: "TRIANGLES", stride }
     }
 
-    /// Adds to the `view` of what is unpacked where it lies packed: the `range` of a buffer.
+    /// Adds to the `view` of the unpacked data the `range` of the compressed data in its buffer.
     pub(super) fn tell(&self, view: &mut View, buffer: Index<Buffer>, range: &View) {
         let packed = json!({
             "buffer": buffer,
@@ -42,7 +42,7 @@ impl Packing {
     }
 }
 
-/// Says that a buffer without a file is what readers unpack into.
+/// Marks a buffer without a file as the fallback that readers unpack into.
 pub(super) fn mark_fallback(buffer: &mut Buffer) {
     let others = &mut buffer.extensions.get_or_insert_default().others;
     others.insert(EXTENSION.to_owned(), json!({ "fallback": true }));
@@ -52,7 +52,7 @@ pub(super) fn mark_fallback(buffer: &mut Buffer) {
 mod codec {
     use super::{ExportError, Mesh};
 
-    /// The second bitstream of meshoptimizer is smaller, but not part of the extension.
+    /// The newer bitstream of meshoptimizer is smaller, but not part of the extension.
     const BITSTREAM: i32 = 0;
     /// The bitstream has no levels; any number will do.
     const LEVEL: i32 = 0;
@@ -71,11 +71,12 @@ mod codec {
 
     fn packed<const STRIDE: usize>(bytes: &[u8]) -> Vec<u8> {
         let (vertices, _) = bytes.as_chunks::<STRIDE>();
-        meshopt::encode_vertex_buffer_level(vertices, LEVEL, Some(BITSTREAM)).expect("the buffer is as large as asked")
+        meshopt::encode_vertex_buffer_level(vertices, LEVEL, Some(BITSTREAM))
+            .expect("the buffer has the requested size")
     }
 
     pub fn triangles(mesh: &Mesh) -> Vec<u8> {
-        meshopt::encode_index_buffer(&mesh.indices, mesh.positions.len()).expect("the buffer is as large as asked")
+        meshopt::encode_index_buffer(&mesh.indices, mesh.positions.len()).expect("the buffer has the requested size")
     }
 }
 

@@ -1,4 +1,4 @@
-//! The bytes that the JSON speaks of, every part of them padded to four.
+//! The binary data that the JSON refers to, each part padded to four bytes.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -22,7 +22,7 @@ impl<'a> Payload<'a> {
         self.blocks.push(Block::Bytes(bytes));
     }
 
-    /// An image of so many bytes.
+    /// An image of this many bytes.
     pub(super) fn push_image(&mut self, image: &'a Image, bytes: u64) {
         self.blocks.push(Block::Image { image, bytes });
     }
@@ -35,7 +35,7 @@ impl<'a> Payload<'a> {
     /// Writes all of it.
     ///
     /// # Errors
-    /// Those of `file`, and when an image cannot be read or has changed since the plan.
+    /// Those of `file`, and if an image cannot be read or has changed since planning.
     pub fn write(&self, file: &mut dyn Write) -> Result<(), ExportError> {
         for block in &self.blocks {
             let written = match block {

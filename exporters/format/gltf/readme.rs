@@ -1,4 +1,4 @@
-//! What a package of glTF tells who opens it.
+//! The README of glTF packages.
 
 use minijinja::context;
 
@@ -8,7 +8,7 @@ use crate::package::Package;
 use crate::scene::Scene;
 use crate::template;
 
-/// What the text speaks of.
+/// Values for the text.
 pub struct Readme<'a> {
     /// What to open.
     pub open: &'a str,

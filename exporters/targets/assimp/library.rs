@@ -1,10 +1,10 @@
-//! libassimp, loaded at run time. The only unsafe code of this workspace, behind calls that are safe.
+//! libassimp, loaded at run time. The only unsafe code of this workspace, behind a safe interface.
 //!
 //! Signatures and structures are those of the public C headers of assimp 5 and 6 (`cexport.h`, `cimport.h`, `types.h`,
-//! `version.h`), which are the same in both as far as they are used here; any other version is refused before anything else
-//! is called. A library that aborts by itself takes this program along.
+//! `version.h`), whose parts used here are identical; any other version is refused before anything else is called. If the
+//! library aborts, so does this program.
 
-#![allow(unsafe_code, reason = "a C library that is found at run time cannot be called otherwise")]
+#![allow(unsafe_code, reason = "calling a C library loaded at run time requires it")]
 
 use std::ffi::{CStr, CString, OsString, c_char, c_uint, c_void};
 use std::ptr::NonNull;
@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::error::ExportError;
 
-/// The environment variable that names the library, in place of looking for it.
+/// The environment variable that names the library, instead of searching for it.
 pub const PATH: &str = "PLUME_ASSIMP";
 
 /// Names of the library on Linux, macOS and Windows.
@@ -31,29 +31,29 @@ const NAMES: &[&str] = &[
 /// Versions whose structures are the ones below.
 const MAJORS: [u32; 2] = [5, 6];
 
-/// assimp keeps the text of the last error for all threads together.
+/// assimp has one last error text for all threads.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// libassimp, whose version is known.
+/// libassimp, in a supported version.
 pub struct Library {
     functions: Functions,
     version: [u32; 2],
-    /// What the functions are in.
+    /// The loaded library, which contains the functions.
     _code: libloading::Library,
 }
 
 /// A format that assimp writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Format {
-    /// What assimp calls it, e.g. `collada`.
+    /// assimp's id, e.g. `collada`.
     pub id: String,
-    /// Of its files, without a dot.
+    /// File extension, without a dot.
     pub extension: String,
-    /// A few words of assimp's.
+    /// assimp's description.
     pub description: String,
 }
 
-/// What gets each file that assimp has written: the end of its name, and its bytes.
+/// Receives each file that assimp has written: the end of its name, and its bytes.
 pub type Take<'a> = dyn FnMut(&str, &[u8]) -> Result<(), ExportError> + 'a;
 
 type Number = unsafe extern "C" fn() -> c_uint;
@@ -95,10 +95,10 @@ struct RawBlob {
 }
 
 impl Library {
-    /// The library that [`PATH`] names, or else the first that the system finds.
+    /// The library named by [`PATH`], or else the first that the system finds.
     ///
     /// # Errors
-    /// [`ExportError::MissingPart`] when there is none, or none of a version that is known.
+    /// [`ExportError::MissingPart`] if there is none in a supported version.
     pub fn load() -> Result<Self, ExportError> {
         match std::env::var_os(PATH) {
             Some(path) => Self::open(&[path]),
@@ -111,8 +111,8 @@ impl Library {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn open(names: &[OsString]) -> Result<Self, ExportError> {
-        // SAFETY: loading runs the initialisers of the library. The name is assimp's or the user's own choice, and those of
-        // assimp ask nothing of their caller.
+        // SAFETY: loading runs the initialisers of the library. The name is assimp's or the user's choice, and assimp's
+        // initialisers have no requirements.
         let code = names.iter().find_map(|name| unsafe { libloading::Library::new(name) }.ok());
         let code = code.ok_or_else(|| missing(&format!("is not installed (looked for {})", listed(names))))?;
         Self::of(code).map_err(|fault| missing(&fault))
@@ -127,7 +127,7 @@ impl Library {
             [major(), minor()]
         };
         if !MAJORS.contains(&version[0]) {
-            return Err(format!("is of version {}.{}, and not 5 or 6", version[0], version[1]));
+            return Err(format!("has version {}.{}, not 5 or 6", version[0], version[1]));
         }
         // SAFETY: the version is one whose functions have the types of `Functions`.
         let functions = unsafe { Functions::of(&code) }.map_err(foreign)?;
@@ -147,8 +147,8 @@ impl Library {
     }
 
     fn format(&self, index: usize) -> Option<Format> {
-        // SAFETY: the index is below the count. What comes back is null or ours until it is released, and its texts end
-        // with a zero.
+        // SAFETY: the index is below the count. The result is null or ours until it is released, and its strings are
+        // zero-terminated.
         unsafe {
             let raw = NonNull::new((self.functions.format)(index).cast_mut())?;
             let [id, extension, description] =
@@ -158,11 +158,11 @@ impl Library {
         }
     }
 
-    /// Reads a GLB and writes it as `format`. Each file is handed to `take` with its name: empty for the first, else that
-    /// which follows the dot. Nothing of the disk is touched.
+    /// Reads a GLB and writes it as `format`. Each file is passed to `take` with its name: empty for the first, otherwise
+    /// the part after the dot. The disk is not touched.
     ///
     /// # Errors
-    /// [`ExportError::TooLarge`] past 4 GiB, [`ExportError::Library`] when assimp refuses, and those of `take`.
+    /// [`ExportError::TooLarge`] beyond 4 GiB, [`ExportError::Library`] if assimp fails, and those of `take`.
     pub fn convert(&self, glb: &[u8], format: &str, take: &mut Take<'_>) -> Result<(), ExportError> {
         let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let length = c_uint::try_from(glb.len()).map_err(|_| ExportError::TooLarge {
@@ -176,11 +176,11 @@ impl Library {
             message: self.last_error(),
         };
         let id = CString::new(format).map_err(|_| refused())?;
-        // SAFETY: the bytes live through the call and are as many as said; the hint ends with a zero; no flag is set.
+        // SAFETY: the bytes outlive the call and have the given length; the hint is zero-terminated; no flag is set.
         let scene = unsafe { (self.functions.import)(glb.as_ptr().cast(), length, 0, c"glb".as_ptr()) };
         let scene =
             Owned { it: NonNull::new(scene.cast_mut()).ok_or_else(refused)?, release: self.functions.release_import };
-        // SAFETY: the scene is one of assimp's and still owned; the name ends with a zero; no flag is set.
+        // SAFETY: the scene is assimp's and still owned; the name is zero-terminated; no flag is set.
         let blob = unsafe { (self.functions.export)(scene.it.as_ptr(), id.as_ptr(), 0) };
         let blob =
             Owned { it: NonNull::new(blob.cast_mut()).ok_or_else(refused)?, release: self.functions.release_blob };
@@ -197,9 +197,9 @@ impl Library {
     }
 
     fn last_error(&self) -> String {
-        // SAFETY: takes nothing, and returns a text that ends with a zero and lives until the next call; one thread calls.
+        // SAFETY: takes nothing, and returns a zero-terminated string that lives until the next call; only one thread calls.
         let message = unsafe { text((self.functions.last_error)()) };
-        if message.is_empty() { "it does not say why".to_owned() } else { message }
+        if message.is_empty() { "no reason given".to_owned() } else { message }
     }
 }
 
@@ -225,7 +225,7 @@ impl Functions {
 
 impl RawBlob {
     /// # Safety
-    /// The blob must be one of assimp's that is not released while the bytes are in use.
+    /// The blob must be assimp's and must not be released while the bytes are in use.
     unsafe fn content(&self) -> (String, &[u8]) {
         let name: Vec<u8> = self.name.data.iter().take(self.name.length as usize).map(|&part| part as u8).collect();
         let bytes = match self.data.is_null() {
@@ -237,7 +237,7 @@ impl RawBlob {
     }
 }
 
-/// Something of assimp's that goes back to it.
+/// An object owned by assimp that must be released.
 struct Owned<T> {
     it: NonNull<T>,
     release: unsafe extern "C" fn(*const T),
@@ -245,7 +245,7 @@ struct Owned<T> {
 
 impl<T> Drop for Owned<T> {
     fn drop(&mut self) {
-        // SAFETY: it came from assimp, belongs to nobody else and is released once.
+        // SAFETY: it came from assimp, has no other owner and is released once.
         unsafe { (self.release)(self.it.as_ptr()) }
     }
 }
@@ -258,7 +258,7 @@ unsafe fn symbol<T: Copy>(code: &libloading::Library, name: &CStr) -> Result<T, 
 }
 
 /// # Safety
-/// `raw` must be null or point to a text that ends with a zero.
+/// `raw` must be null or point to a zero-terminated string.
 unsafe fn text(raw: *const c_char) -> String {
     match raw.is_null() {
         true => String::new(),
@@ -273,7 +273,7 @@ fn listed(names: &[OsString]) -> String {
 
 fn missing(fault: &str) -> ExportError {
     ExportError::MissingPart {
-        message: format!("target `assimp` is written by libassimp, which {fault}"),
+        message: format!("target `assimp` needs libassimp, which {fault}"),
         hint: format!("`apt-get install libassimp5`, `brew install assimp`, or name the library in {PATH}"),
     }
 }
@@ -285,18 +285,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn structures_are_as_wide_as_those_of_the_headers() {
+    fn structures_have_the_sizes_of_the_headers() {
         assert_eq!(size_of::<RawText>(), 4 + 1024);
         assert_eq!(offset_of!(RawBlob, name), 2 * size_of::<usize>());
         assert_eq!(size_of::<RawFormat>(), 3 * size_of::<usize>());
     }
 
     #[test]
-    fn what_is_not_there_is_told_with_what_to_install() {
+    fn a_missing_library_is_reported_with_what_to_install() {
         let error = Library::open(&["/nowhere/libassimp.so".into()]).err().expect("there is no such file");
         assert_eq!(
             error.to_string(),
-            "target `assimp` is written by libassimp, which is not installed (looked for /nowhere/libassimp.so)"
+            "target `assimp` needs libassimp, which is not installed (looked for /nowhere/libassimp.so)"
         );
         assert!(error.hint().is_some_and(|hint| hint.contains("apt-get install libassimp5")) && !error.is_usage());
     }

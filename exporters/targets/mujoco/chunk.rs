@@ -1,8 +1,8 @@
-//! A chunk in MJCF: its images, its visual mesh, and what wheels touch.
+//! A chunk in MJCF: its images, its visual mesh, and its collision shapes.
 //!
-//! The numbers of collision shapes are inline: 5000 pieces compile in 0.6 s and 217 MB so, in 0.9 s and 302 MB from files.
-//! All geoms are the world's: with a static body per chunk MuJoCo moves 23,644 pieces in each step, which takes 0.9 ms
-//! instead of 0.3 ms.
+//! The vertices of collision shapes are inline: 5000 pieces compile in 0.6 s and 217 MB, from files in 0.9 s and 302 MB. All
+//! geoms belong to the world body: with a static body per chunk MuJoCo would update 23,644 pieces in each step, which takes
+//! 0.9 ms instead of 0.3 ms.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -17,7 +17,7 @@ use crate::slope;
 
 use super::field::Field;
 
-/// What wheels touch in a chunk.
+/// Collision shapes of a chunk.
 pub enum Rock {
     /// Convex pieces.
     Pieces(Vec<Piece>),
@@ -28,7 +28,7 @@ pub enum Rock {
 }
 
 impl Rock {
-    /// Triangles that wheels touch.
+    /// Number of collision triangles.
     pub fn triangles(&self) -> u64 {
         match self {
             Self::Pieces(pieces) => pieces.iter().map(|piece| piece.mesh.triangles()).sum(),
@@ -64,7 +64,7 @@ impl Rock {
         }
     }
 
-    /// A flex per zone, since friction belongs to the whole of one.
+    /// A flex per zone, since a flex has a single friction.
     fn write_flexes(&self, file: &mut dyn Write, friction: ByZone, name: &str) -> io::Result<()> {
         let Self::Flex(mesh) = self else { return Ok(()) };
         writeln!(file, "  <deformable>")?;
@@ -83,11 +83,12 @@ impl Rock {
     }
 }
 
-/// How rock meets whatever touches it. With the higher priority its friction rules. It is soft in the first millimetres, since
-/// MuJoCo lifts what slides across hard ground: a rover that turns on the spot would hop. What rests sinks in by 3 mm. Tuned.
+/// Contact parameters of rock. With the higher priority its friction applies. Contacts are soft in the first millimetres,
+/// since MuJoCo lifts bodies that slide across hard ground: a rover turning on the spot would hop. Resting bodies sink in by
+/// 3 mm. Tuned.
 pub const CONTACT: &str = r#"priority="1" condim="3" solimp="0 0.95 0.005""#;
 
-/// Half the thickness of the triangles of a flex, which must have one, metres.
+/// Half the thickness of the triangles of a flex, which must not be zero, metres.
 const FLEX_RADIUS_M: f64 = 0.002;
 
 /// Some faces of a mesh, with the vertices that they use.
@@ -140,7 +141,7 @@ pub fn write_elements(file: &mut dyn Write, scene: &Scene, chunk: &str, rock: &R
     writeln!(file, "    </material>")?;
     writeln!(file, r#"    <mesh name="{name}" file="assets/{chunk}.msh" inertia="shell"/>"#)?;
     rock.write_assets(file, &name)?;
-    // A frame and not a body: geoms of the world cost no time in a step.
+    // A frame, not a body: geoms of the world body cost no time in a step.
     writeln!(file, "  </asset>\n  <worldbody>\n    <frame name=\"{name}\">")?;
     let scene_name = &scene.name;
     writeln!(file, r#"      <geom name="{name}" class="{scene_name}_visual" mesh="{name}" material="{name}"/>"#)?;

@@ -1,8 +1,8 @@
-//! A height field of the floor of a chunk: of what faces up, the lowest in each column.
+//! A height field of the floor of a chunk: the lowest upward-facing surface in each column.
 //!
-//! It has no overhangs, no ceilings, and walls only as far as they lean back. Of several floors above each other it keeps the
-//! lowest, because a height field is solid down to its base and any other would fill the passage below. Columns without a
-//! floor are as low as the lowest sample of the chunk.
+//! It has no overhangs, no ceilings, and walls only where they lean back. Of several floors above each other it keeps the
+//! lowest, because a height field is solid down to its base and would fill the passage below. Columns without a floor are as
+//! low as the lowest sample of the chunk.
 
 use std::io::{self, Write};
 
@@ -14,9 +14,9 @@ use crate::slope;
 
 /// Depth of the rock below the lowest sample, metres.
 const BASE_M: f64 = 0.5;
-/// MuJoCo takes no field without a height, metres.
+/// Minimum height of a field, which MuJoCo requires, metres.
 const LEAST_HEIGHT_M: f64 = 0.001;
-/// How far beside a triangle a sample still counts, as a share of its size: neighbours leave no slit.
+/// Tolerance for samples outside a triangle, relative to its size, so that neighbours leave no gap.
 const SLACK: f64 = 1e-9;
 
 /// Heights on a grid that spans the floor of a chunk.
@@ -24,13 +24,13 @@ pub struct Field {
     low: Point2<f64>,
     spacing: Vector2<f64>,
     counts: [usize; 2],
-    /// By row from south to north, each from west to east; infinite where there is no floor.
+    /// Heights by row from south to north, each from west to east; infinite where there is no floor.
     heights_m: Vec<f64>,
 }
 
 impl Field {
-    /// Of the triangles of `mesh` that face up, with samples about `spacing_m` apart. Samples lie on its border, so that
-    /// the fields of neighbours meet.
+    /// The field of the upward-facing triangles of `mesh`, with samples about `spacing_m` apart. Samples are on its border,
+    /// so that the fields of neighbours meet.
     pub fn new(mesh: &Mesh, spacing_m: f64) -> Self {
         let [low, high] = mesh.bounds().map(|[x, y, _]| Point2::new(f64::from(x), f64::from(y)));
         let cells = (high - low).map(|length| (length / spacing_m).ceil().max(1.0));
@@ -74,7 +74,7 @@ impl Field {
         writeln!(file, r#""/>"#)
     }
 
-    /// Where the asset belongs.
+    /// Position of the geom.
     pub fn position(&self) -> [f64; 3] {
         let center = self.low + self.half_size();
         [center.x, center.y, self.range_m()[0]]
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_lowest_floor_is_kept_and_ceilings_are_not() {
+    fn only_the_lowest_floor_is_kept() {
         let square = |z: f32| [[0.0, 0.0, z], [2.0, 0.0, z], [2.0, 1.0, z + 1.0], [0.0, 1.0, z + 1.0]];
         let positions = [square(5.0), square(3.0), square(1.0)].concat();
         let up = |first: u32| [0, 1, 2, 0, 2, 3].map(|k| first + k);

@@ -11,10 +11,10 @@ use crate::package::{MANIFEST, Package};
 use crate::place::LICENSE;
 use crate::template;
 
-/// What makes an asset of a file.
+/// The importer of a file.
 #[derive(Clone, Copy)]
 pub enum Importer {
-    /// Unity's own YAML; the number of the object that is the asset.
+    /// Unity's native YAML; the id of the main object.
     Native(u32),
     /// A prefab.
     Prefab,
@@ -22,7 +22,7 @@ pub enum Importer {
     Text,
     /// The `package.json` of a package.
     Manifest,
-    /// Nothing: a folder.
+    /// None: a folder.
     Folder,
 }
 
@@ -45,7 +45,7 @@ impl Importer {
     }
 }
 
-/// A package for Unity's Package Manager that is being written.
+/// A package for Unity's Package Manager being written.
 pub struct Assets<'a> {
     /// The files.
     pub out: &'a mut dyn Package,
@@ -53,12 +53,12 @@ pub struct Assets<'a> {
 }
 
 impl<'a> Assets<'a> {
-    /// An empty package with the name that the Package Manager knows it by.
+    /// An empty package with its name for the Package Manager.
     pub fn new(out: &'a mut dyn Package, name: String) -> Self {
         Self { out, name }
     }
 
-    /// The identity of a file that is written.
+    /// The GUID of a written file.
     pub fn guid(&mut self, path: &str) -> Guid {
         let content = &self.out.files().0[path].sha256;
         Guid::new(&self.name, path, content)
@@ -67,7 +67,7 @@ impl<'a> Assets<'a> {
     /// Writes a text and its `.meta`.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub fn text(&mut self, path: &str, text: &str, importer: Importer) -> Result<Guid, ExportError> {
         self.out.text(path, text)?;
         let guid = self.guid(path);
@@ -75,10 +75,10 @@ impl<'a> Assets<'a> {
         Ok(guid)
     }
 
-    /// Writes the `.meta` of a file that is written, filled from `template`, which also finds its `guid`.
+    /// Writes the `.meta` of a written file, filled in from `template`, which also gets its `guid`.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn fill_meta(&mut self, path: &str, template: &str, values: &Value) -> Result<Guid, ExportError> {
         let (guid, meta) = (self.guid(path), format!("{path}.meta"));
         let values = context! { guid => guid.to_string(), ..values.clone() };
@@ -86,10 +86,10 @@ impl<'a> Assets<'a> {
         Ok(guid)
     }
 
-    /// Writes the `.meta` of every folder and of what the sink adds, which follow from all there is: the last step.
+    /// Writes the `.meta` of every folder and of files added by the sink, which depend on all others: the last step.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub fn finish(mut self) -> Result<(), ExportError> {
         let contents: BTreeMap<String, String> =
             self.out.files().0.iter().map(|(path, entry)| (path.clone(), entry.sha256.clone())).collect();
@@ -116,10 +116,10 @@ impl<'a> Assets<'a> {
     }
 }
 
-/// Files at the top that a package gets when the target is done.
+/// Top-level files that are added to a package after the target.
 const ADDED_LATER: [&str; 2] = [LICENSE, MANIFEST];
 
-/// The folders above a file.
+/// The parent folders of a file.
 fn parents(path: &str) -> impl Iterator<Item = &str> {
     path.match_indices('/').map(|(end, _)| &path[..end])
 }

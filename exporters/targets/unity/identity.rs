@@ -1,4 +1,4 @@
-//! What Unity tells assets and objects apart by.
+//! Identifiers of assets and objects in Unity.
 
 use std::fmt;
 
@@ -6,15 +6,15 @@ use serde::{Serialize, Serializer};
 use sha2::{Digest, Sha256};
 use twox_hash::XxHash64;
 
-/// Name of an asset, 128 bits that stand in its `.meta`.
+/// GUID of an asset, 128 bits stored in its `.meta`.
 ///
-/// The first 128 bits of a SHA-256 over the name of the package, the path of the asset and the SHA-256 of its content. Hence the
-/// same cave has the same GUIDs wherever it is exported, and two caves in one project have none in common.
+/// The first 128 bits of a SHA-256 over the name of the package, the path of the asset and the SHA-256 of its content. Hence
+/// the same cave has the same GUIDs wherever it is exported, and two caves in one project have none in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Guid([u8; 16]);
 
 impl Guid {
-    /// Of the asset at `path` of `package`; `content` is the SHA-256 of what is in it.
+    /// The GUID of the asset at `path` of `package`; `content` is the SHA-256 of its content.
     pub fn new(package: &str, path: &str, content: &str) -> Self {
         let mut hash = Sha256::new();
         for part in ["plume unity", package, path, content] {
@@ -40,14 +40,14 @@ impl Serialize for Guid {
     }
 }
 
-/// The number by which other files name a mesh of a model, for importers with `fileIdsGeneration: 2` (Unity 2019.3 and
-/// later). Unity derives it from the class and the name of the mesh. The last figure counts meshes of the same name, which
-/// we have none of.
+/// The id by which other files refer to a mesh of a model, for importers with `fileIdsGeneration: 2` (Unity 2019.3 and
+/// later). Unity derives it from the class and the name of the mesh. The last digit counts meshes of the same name, of
+/// which there are none here.
 pub fn mesh(name: &str) -> i64 {
     XxHash64::oneshot(0, format!("Type:Mesh->{name}0").as_bytes()).cast_signed()
 }
 
-/// A number for the object of a prefab that is `path`; `class` keeps its components apart. Positive, any other will do.
+/// An id for the object `path` of a prefab; `class` distinguishes its components. Any positive number will do.
 pub fn object(path: &str, class: u32) -> i64 {
     (XxHash64::oneshot(u64::from(class), path.as_bytes()) >> 1).cast_signed()
 }
@@ -56,16 +56,16 @@ pub fn object(path: &str, class: u32) -> i64 {
 mod tests {
     use super::*;
 
-    /// Numbers that Unity itself has written into countless public projects: the mesh `default` is that of an OBJ, `Cube` that
-    /// of Blender's first scene.
+    /// Ids that Unity itself has written into many public projects: the mesh `default` is that of an OBJ, `Cube` that of
+    /// Blender's default scene.
     #[test]
-    fn meshes_have_the_numbers_that_unity_gives_them() {
+    fn meshes_have_the_ids_that_unity_assigns() {
         assert_eq!(mesh("default"), -2_432_090_755_550_338_912);
         assert_eq!(mesh("Cube"), -5_495_902_117_074_765_545);
     }
 
     #[test]
-    fn another_package_path_or_content_is_another_asset() {
+    fn guids_depend_on_package_path_and_content() {
         let guid = |package, path, content| Guid::new(package, path, content).to_string();
         let first = guid("com.plume.a", "Runtime/a.mat", "00");
         assert!(first.len() == 32 && first.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f')));

@@ -1,15 +1,15 @@
-//! When Unity changes between levels of detail.
+//! When Unity switches between levels of detail.
 
 use crate::scene::Chunk;
 
-/// Half the angle of view from top to bottom for which levels are chosen: tan 30°, of a camera of 60°.
+/// Tangent of half the vertical field of view for which levels are chosen: tan 30°, for 60°.
 const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
 /// Lines of the image for which they are chosen.
 const LINES: f64 = 1080.0;
-/// Heights must fall from level to level.
+/// Heights must decrease from level to level.
 const LESS: f64 = 0.99;
 
-/// The box round a chunk, as Unity's `LODGroup` knows it.
+/// The bounds of a chunk, as in Unity's `LODGroup`.
 pub struct Extent {
     /// Its middle, metres, scene frame.
     pub middle: [f64; 3],
@@ -20,7 +20,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Of the full detail.
+    /// The bounds of the full detail.
     pub fn new(chunk: &Chunk) -> Self {
         let [low, high] = chunk.visual.bounds().map(|corner| corner.map(f64::from));
         let edges: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
@@ -32,10 +32,10 @@ impl Extent {
         }
     }
 
-    /// Down to which height on the screen each level is shown, as a fraction of the screen's: `screenRelativeHeight`.
+    /// The minimum height on the screen at which each level is shown, relative to the screen: `screenRelativeHeight`.
     ///
-    /// Unity measures `size / (2 · distance · tan(view / 2))` from the middle of the group. A level is good enough
-    /// where its error is no longer than a line of the image, even at the point of the box that is nearest. The last level stays.
+    /// Unity measures `size / (2 · distance · tan(fov / 2))` from the centre of the group. A level is good enough where its
+    /// error is at most a line of the image, even at the nearest point of the box. The last level is always shown.
     pub fn heights(&self, chunk: &Chunk) -> Vec<f64> {
         let mut heights: Vec<f64> = Vec::new();
         for lod in &chunk.lods {

@@ -1,4 +1,4 @@
-//! Materials of the three render pipelines. All of them read the same images.
+//! Materials of the three render pipelines, which all use the same images.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -27,7 +27,7 @@ pub enum Pipeline {
 }
 
 impl Pipeline {
-    /// What its users call it.
+    /// Common name.
     pub fn title(self) -> &'static str {
         match self {
             Self::BuiltIn => "the built-in pipeline",
@@ -36,7 +36,7 @@ impl Pipeline {
         }
     }
 
-    /// What this pipeline calls a candela. HDRP knows the unit; the others leave out the 1/π of a Lambertian surface.
+    /// Light intensity per candela in this pipeline. HDRP has the unit; the others omit the 1/π of a Lambertian surface.
     pub fn per_candela(self) -> f64 {
         match self {
             Self::BuiltIn | Self::Urp => FRAC_1_PI,
@@ -53,7 +53,7 @@ impl Pipeline {
     }
 }
 
-/// Which image goes into a slot of a shader.
+/// The image for a slot of a shader.
 #[derive(Clone, Copy)]
 enum Role {
     BaseColor,
@@ -71,7 +71,7 @@ impl Role {
     }
 }
 
-/// A shader and how it reads our images. Numbers that are not named keep the shader's own defaults.
+/// A shader and how it reads our images. Other parameters keep the shader's defaults.
 #[derive(Serialize)]
 struct Shader {
     file_id: u32,
@@ -121,7 +121,7 @@ const URP_LIT: Shader = Shader {
         ("_BumpScale", 1),
         ("_Cull", 2),
         ("_OcclusionStrength", 1),
-        // With a map, what its alpha is multiplied by.
+        // With a map, the factor for its alpha.
         ("_Smoothness", 1),
         ("_SmoothnessTextureChannel", 0),
         ("_Surface", 0),
@@ -151,10 +151,10 @@ const HDRP_LIT: Shader = Shader {
     tint: "_BaseColor",
 };
 
-/// The object of a material file that is the material.
+/// The main object of a material file.
 const OBJECT: u32 = 2_100_000;
 
-/// A slot of a shader as the template sees it.
+/// A slot of a shader for the template.
 #[derive(Serialize)]
 struct Slot {
     name: &'static str,
@@ -164,7 +164,7 @@ struct Slot {
 /// Writes the material of a chunk.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn write(chunk: &str, pipeline: Pipeline, textures: &Textures, assets: &mut Assets) -> Result<Guid, ExportError> {
     let path = format!("Runtime/Materials/{chunk}.mat");
     let shader = pipeline.shader();

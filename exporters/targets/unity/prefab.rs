@@ -11,8 +11,8 @@ use crate::frame::{micro, unity_from_scene, unity_pose_from_scene};
 use crate::scene::{Chunk, Light};
 use crate::template;
 
-/// Hides what is behind, carries navigation meshes, can be hidden, and shows in reflections. Not in the flags: batching, which would
-/// copy all meshes into one, and baked light, which would need a second unwrapping.
+/// Static flags: occluder, occludee, navigation and reflection probes. Not batching, which would copy all meshes into one,
+/// and not baked light, which would need a second UV unwrapping.
 const STATIC: u32 = 2 | 8 | 16 | 64;
 
 /// Class numbers (<https://docs.unity3d.com/Manual/ClassIDReference.html>).
@@ -26,7 +26,7 @@ mod class {
     pub(super) const LOD_GROUP: u32 = 205;
 }
 
-/// Where the meshes of a chunk are and what they look like.
+/// Meshes and material of a chunk.
 #[derive(Clone, Copy)]
 pub struct Model {
     /// The FBX.
@@ -45,7 +45,7 @@ pub struct Collider<'a> {
     pub friction: Guid,
 }
 
-/// A game object and its components, as the template sees them.
+/// A game object and its components for the template.
 #[derive(Serialize)]
 struct Node {
     #[serde(skip)]
@@ -62,7 +62,7 @@ struct Node {
     parts: Vec<Part>,
 }
 
-/// A component beside the transform.
+/// A component in addition to the transform.
 #[derive(Serialize)]
 struct Part {
     id: i64,
@@ -86,7 +86,7 @@ struct Level {
     renderer: i64,
 }
 
-/// A prefab that grows. Its game objects are a tree, of which the first is the root.
+/// A prefab being built. Its game objects form a tree; the first is the root.
 pub struct Prefab {
     nodes: Vec<Node>,
 }
@@ -94,14 +94,14 @@ pub struct Prefab {
 const ROOT: usize = 0;
 
 impl Prefab {
-    /// With the root alone.
+    /// A prefab with only the root.
     pub fn new(name: &str) -> Self {
         let mut prefab = Self { nodes: Vec::new() };
         prefab.push(Node::new(name.to_owned(), name, 0));
         prefab
     }
 
-    /// Adds a chunk, whose levels are the meshes `names` of its FBX, full detail first; gives its game object.
+    /// Adds a chunk, whose levels are the meshes `names` of its FBX, full detail first; returns its game object.
     pub fn add_chunk(&mut self, chunk: &Chunk, names: &[String], model: Model) -> usize {
         let group = self.add(ROOT, &chunk.name);
         self.nodes[group].flags = STATIC;
@@ -124,7 +124,7 @@ impl Prefab {
         node.attach(class::MESH_RENDERER, Content::Renderer { material: model.material })
     }
 
-    /// Adds a game object called `name` with colliders to that of a chunk.
+    /// Adds a child called `name` with colliders to the game object of a chunk.
     pub fn add_colliders(&mut self, chunk: usize, name: &str, colliders: &[Collider], model: Model) {
         let index = self.add(chunk, name);
         for collider in colliders {
@@ -149,7 +149,7 @@ impl Prefab {
         }
     }
 
-    /// Adds lights; `per_candela` is what Unity calls a candela.
+    /// Adds lights; `per_candela` is Unity's intensity per candela.
     pub fn add_lights(&mut self, lights: &[Light], per_candela: f64) {
         let group = self.add(ROOT, "lights");
         for light in lights {
@@ -201,7 +201,7 @@ impl Node {
         }
     }
 
-    /// Adds a component; gives its number.
+    /// Adds a component; returns its id.
     fn attach(&mut self, class: u32, content: Content) -> i64 {
         let id = identity::object(&format!("{}#{}", self.path, self.parts.len()), class);
         self.parts.push(Part { id, content });
@@ -209,7 +209,7 @@ impl Node {
     }
 }
 
-/// A part of a colour as Unity keeps it (IEC 61966-2-1).
+/// A colour component as stored by Unity (IEC 61966-2-1).
 fn srgb_from_linear(part: f64) -> f64 {
     match part {
         part if part <= 0.003_130_8 => 12.92 * part,

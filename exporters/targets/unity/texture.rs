@@ -1,4 +1,4 @@
-//! Images as Unity wants them, and how it is to read them.
+//! Images for Unity, and their import settings.
 
 use minijinja::context;
 
@@ -12,10 +12,10 @@ use crate::scene::{Chunk, Image, Mesh};
 pub struct Textures {
     /// Base colour.
     pub base_color: Texture,
-    /// Normals, +Y up as Unity has them.
+    /// Normals, +Y up as in Unity.
     pub normal: Texture,
-    /// Metalness in red, occlusion in green, nothing in blue, smoothness in alpha: the mask map of HDRP, which is the metallic map
-    /// and the occlusion map of the other pipelines at once.
+    /// Metalness in red, occlusion in green, blue unused, smoothness in alpha: the mask map of HDRP, which also serves as
+    /// the metallic map and the occlusion map of the other pipelines.
     pub mask: Texture,
 }
 
@@ -23,16 +23,16 @@ pub struct Textures {
 pub struct Texture {
     /// Its file in `Runtime/Textures`.
     pub file: String,
-    /// Its identity.
+    /// Its GUID.
     pub guid: Guid,
 }
 
-/// The largest image that Unity takes as it is, pixels along a side.
+/// The largest image that Unity imports without resizing, pixels per side.
 const LARGEST_PX: u32 = 16_384;
-/// The smallest limit that its settings know.
+/// The smallest limit in its settings.
 const SMALLEST_PX: u32 = 32;
 
-/// What an image says, in the numbers of `TextureImporter`.
+/// The kind of an image, in the enum values of `TextureImporter`.
 #[derive(Clone, Copy)]
 enum Kind {
     Color,
@@ -53,7 +53,7 @@ impl Kind {
 /// Writes the images of a chunk.
 ///
 /// # Errors
-/// When an image cannot be read, or a file not be written.
+/// If an image cannot be read, or a file cannot be written.
 pub fn write(chunk: &Chunk, assets: &mut Assets) -> Result<Textures, ExportError> {
     let material = &chunk.material;
     material.refuse_unless(super::ROW.name, super::ROW.images)?;
@@ -97,7 +97,7 @@ fn import(
     Ok(Texture { file, guid })
 }
 
-/// Whether no triangle looks beyond the image, so that its opposite edges must not bleed into each other.
+/// Whether no texture coordinate is outside the image, so that it can be clamped and its edges do not bleed.
 fn is_atlas(chunk: &Chunk) -> bool {
     let fits = |mesh: &Mesh| mesh.uvs.iter().flatten().all(|part| (0.0..=1.0).contains(part));
     fits(&chunk.visual) && chunk.lods.iter().all(|lod| fits(&lod.mesh))

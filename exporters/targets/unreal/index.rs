@@ -1,4 +1,4 @@
-//! `scene.json`: what the import script has to know, in Unreal's frame and units.
+//! `scene.json`: the data for the import script, in Unreal's frame and units.
 
 use nalgebra::{Isometry3, Point3};
 use serde::Serialize;
@@ -11,16 +11,16 @@ use crate::frame::{unreal_from_scene, unreal_pose_from_scene};
 use crate::package::{Package, pretty};
 use crate::scene::{Chunk, Light, Mesh, Piece, Scene};
 
-/// Width and height of the screen that levels of detail are chosen for, in pixels; it shows 90° across.
+/// Width and height of the screen for which levels of detail are chosen, in pixels; its horizontal field of view is 90°.
 const SCREEN_PX: [f64; 2] = [1920.0, 1080.0];
 
-/// A chunk as the script sees it.
+/// A chunk for the script.
 #[derive(Serialize)]
 pub(super) struct Entry {
     name: String,
     /// Path of the visual mesh.
     pub mesh: String,
-    /// Path of the mesh that bodies touch, unless they touch pieces.
+    /// Path of the collision mesh, unless there are convex pieces.
     pub collision_mesh: Option<String>,
     /// Paths of the images.
     pub textures: Textures,
@@ -29,7 +29,7 @@ pub(super) struct Entry {
     lods: Vec<Level>,
     min_cm: [f64; 3],
     max_cm: [f64; 3],
-    /// Triangles that bodies touch.
+    /// Number of collision triangles.
     #[serde(skip)]
     pub collision_triangles: u64,
 }
@@ -54,7 +54,7 @@ struct Level {
 }
 
 impl Textures {
-    /// The same, as seen from an FBX in a folder beside theirs.
+    /// The same, relative to an FBX in a sibling folder.
     pub fn maps(&self) -> fbx::Maps {
         let beside = |path: &str| format!("../{path}");
         fbx::Maps {
@@ -67,7 +67,7 @@ impl Textures {
 }
 
 impl Entry {
-    /// A chunk that nobody can touch yet.
+    /// A chunk without collision so far.
     pub fn new(chunk: &Chunk, textures: Textures) -> Self {
         let [min, max] = chunk.visual.bounds().map(|corner| unreal_from_scene(corner.map(f64::from)));
         let corner = |pick: fn(f64, f64) -> f64| [0, 1, 2].map(|axis| micro(pick(min[axis], max[axis])));
@@ -84,7 +84,7 @@ impl Entry {
         }
     }
 
-    /// Says which levels of detail there are, and where each takes over.
+    /// Sets the levels of detail, and where each takes over.
     pub fn set_levels(&mut self, levels: &[fbx::Level]) {
         let radius_m = levels.first().map_or(0.0, |full| radius_m(full.mesh));
         let level = |level: &fbx::Level| Level {
@@ -95,7 +95,7 @@ impl Entry {
         self.lods = levels.iter().map(level).collect();
     }
 
-    /// Counts what bodies touch.
+    /// Sets the collision counts.
     pub fn set_pieces(&mut self, pieces: &[Piece]) {
         self.convex_pieces = pieces.len();
         self.collision_triangles = pieces.iter().map(|piece| piece.mesh.triangles()).sum();
@@ -107,7 +107,7 @@ impl Entry {
     }
 }
 
-/// Radius of the ball round a mesh whose centre is that of its box, as Unreal has it.
+/// Radius of the bounding sphere of a mesh around the centre of its box, as in Unreal.
 fn radius_m(mesh: &Mesh) -> f64 {
     let point = |position: [f32; 3]| Point3::from(position.map(f64::from));
     let [min, max] = mesh.bounds().map(point);
@@ -115,13 +115,13 @@ fn radius_m(mesh: &Mesh) -> f64 {
     mesh.positions.iter().map(|&position| nalgebra::distance(&centre, &point(position))).fold(0.0, f64::max)
 }
 
-/// The part of the screen that the ball round a chunk may cover at most where a level of detail shows.
+/// The largest part of the screen that the bounding sphere of a chunk may cover when a level of detail is shown.
 ///
-/// Unreal measures from the centre of the ball, and whoever stands in a cave sees its near side: at the point of the ball
-/// that is nearest to the camera, the level is a pixel off.
+/// Unreal measures from the centre of the sphere, but in a cave the camera sees its near side: at the point of the sphere
+/// nearest to the camera, the error of the level is a pixel.
 fn screen_size(radius_m: f64, error_m: f64) -> f64 {
     let [width_px, height_px] = SCREEN_PX;
-    // Of something as high as it is far away: what part of half the screen, and how many pixels.
+    // For an object as high as its distance: its share of half the screen, and its size in pixels.
     let (high, high_px) = (width_px / height_px, width_px / 2.0);
     high * radius_m / (radius_m + error_m * high_px)
 }
@@ -181,7 +181,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_level_is_off_by_a_pixel_at_the_near_side_of_the_ball() {
+    fn the_error_of_a_level_is_a_pixel_at_the_near_side_of_the_sphere() {
         let (radius_m, error_m) = (8.0, 0.02);
         let size = screen_size(radius_m, error_m);
         // Unreal's ComputeBoundsScreenSize, with the projection of a camera that sees 90° across.

@@ -1,4 +1,4 @@
-//! The chamber with its chunks changed.
+//! The chamber with changed chunks.
 
 use std::io;
 
@@ -6,11 +6,11 @@ use plume_exporters::scene::{Chunk, Chunks, Piece};
 
 use crate::sample::Chamber;
 
-/// The chunks of the chamber, each as `change` makes it of its number and of what it was.
+/// The chunks of the chamber, each modified by `change`.
 pub struct Changed<'a, F> {
-    /// What they were.
+    /// The original chunks.
     pub inner: &'a Chamber,
-    /// What becomes of them.
+    /// The modification, given the index and the loaded chunk.
     pub change: F,
 }
 

@@ -1,4 +1,4 @@
-//! Packages made by hand: any files, with a manifest that is true of them.
+//! Handmade packages: arbitrary files with a matching manifest.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ pub fn package(name: &str) -> Forged {
     memory.bytes
 }
 
-/// These files and no other, with a manifest that lists them.
+/// Exactly these files, with a manifest that lists them.
 pub fn package_of(files: &[(&str, &[u8])]) -> Forged {
     let mut forged = package("gltf");
     let manifest = forged.remove(MANIFEST).unwrap();
@@ -39,7 +39,7 @@ pub fn package_of(files: &[(&str, &[u8])]) -> Forged {
     forged
 }
 
-/// Makes the manifest true of the files, and then what `change` makes of it.
+/// Updates the manifest for the files, and then applies `change` to it.
 pub fn amend(forged: &mut Forged, change: impl FnOnce(&mut Manifest)) {
     let mut manifest = Manifest::from_text(&forged.remove(MANIFEST).unwrap()).unwrap();
     manifest.files.0 = forged.iter().map(|(path, bytes)| (path.clone(), entry(bytes))).collect();
@@ -50,7 +50,7 @@ pub fn amend(forged: &mut Forged, change: impl FnOnce(&mut Manifest)) {
     forged.insert(MANIFEST.to_owned(), manifest.to_text().unwrap().into_bytes());
 }
 
-/// What a manifest says of a file.
+/// The manifest entry of a file.
 pub fn entry(bytes: &[u8]) -> Entry {
     let sha256 = Sha256::digest(bytes).iter().fold(String::new(), |mut hex, byte| {
         write!(hex, "{byte:02x}").unwrap();
@@ -59,7 +59,7 @@ pub fn entry(bytes: &[u8]) -> Entry {
     Entry { bytes: bytes.len() as u64, sha256, source: None }
 }
 
-/// A zip of some files, and what `more` puts into it.
+/// A zip of some files, and what `more` adds to it.
 pub fn zip(forged: &Forged, more: impl FnOnce(&mut ZipWriter<Cursor<Vec<u8>>>)) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (path, bytes) in forged {
@@ -70,7 +70,7 @@ pub fn zip(forged: &Forged, more: impl FnOnce(&mut ZipWriter<Cursor<Vec<u8>>>)) 
     zip.finish().unwrap().into_inner()
 }
 
-/// A tar of some files, and what `more` puts into it.
+/// A tar of some files, and what `more` adds to it.
 pub fn tar(forged: &Forged, more: impl FnOnce(&mut tar::Builder<Vec<u8>>)) -> Vec<u8> {
     let mut builder = tar::Builder::new(Vec::new());
     for (path, bytes) in forged {
@@ -84,12 +84,12 @@ pub fn tar(forged: &Forged, more: impl FnOnce(&mut tar::Builder<Vec<u8>>)) -> Ve
     builder.into_inner().unwrap()
 }
 
-/// The bytes, compressed by Zstandard.
+/// The bytes, compressed with Zstandard.
 pub fn zstd(bytes: &[u8]) -> Vec<u8> {
     zstd::encode_all(bytes, 1).unwrap()
 }
 
-/// What is said of an archive of these bytes.
+/// The report on an archive of these bytes.
 pub fn verdict(archive: &[u8]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("archive");
@@ -97,7 +97,7 @@ pub fn verdict(archive: &[u8]) -> String {
     told(&path)
 }
 
-/// What is said of a package, a line for each fault.
+/// The report on a package, one line per fault.
 pub fn told(path: &Path) -> String {
     match check(path) {
         Ok(Report { faults, .. }) if faults.is_empty() => "whole".to_owned(),

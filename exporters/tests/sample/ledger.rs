@@ -1,5 +1,5 @@
-//! A USD library that writes down what it is told, so that the laws of targets hold for those that need one. What the
-//! real one makes of it is tested in `tests/python`.
+//! A fake USD library that records its calls, so that the laws of targets can be tested for those that need one. The output
+//! of the real one is tested in `tests/python`.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -12,16 +12,16 @@ use serde_json::Value;
 use zip::CompressionMethod;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
-/// Writes each call into the file that the call names: as text where USD writes text, and else in the frame of a binary layer,
-/// with the files that it refers to where USD has them.
+/// Writes each call to the file that it names: as text if USD writes text, otherwise in the structure of a binary layer,
+/// with its file references where USD has them.
 pub struct Ledger;
 
-/// Every target but those whose formats a library of the machine brings: these have tests of their own.
+/// All targets except those whose formats come from a system library, which have separate tests.
 pub fn complete() -> impl Iterator<Item = &'static TargetRow> {
     TARGETS.iter().filter(|row| !row.needs_format())
 }
 
-/// The library as a host program lends it.
+/// The library as provided by a host program.
 pub fn ledger() -> Option<Arc<dyn Library>> {
     Some(Arc::new(Ledger))
 }
@@ -38,7 +38,7 @@ impl Library for Ledger {
             return Ok(());
         }
         let mut said = spec.clone();
-        // Where the files are gathered is no part of what is written.
+        // The scratch folder is not part of the record.
         said.as_object_mut().unwrap().remove("path");
         let sizes: Vec<String> = arrays.iter().map(|(name, array)| format!("{name} {}", size(array))).collect();
         let text = format!("{function}\n{said:#}\n{}\n", sizes.join("\n"));
@@ -50,7 +50,7 @@ impl Library for Ledger {
     }
 }
 
-/// What a layer refers to: its images, or the layers of chunks.
+/// References of a layer: its images, or the layers of chunks.
 fn references(spec: &Value) -> Vec<&str> {
     let images = spec["textures"].as_object().into_iter().flatten().map(|(_, file)| file);
     let layers = spec["chunks"].as_array().into_iter().flatten().map(|chunk| &chunk["layer"]);
@@ -64,7 +64,7 @@ fn text_layer(text: &str, references: &[&str]) -> Vec<u8> {
     head.chain(comments).chain(assets).collect::<String>().into_bytes()
 }
 
-/// A head, the text, the tokens, and the table that says where those are.
+/// A header, the text, the tokens, and the table of their offsets.
 fn binary_layer(text: &str, references: &[&str]) -> Vec<u8> {
     let tokens: Vec<u8> = references.iter().flat_map(|file| [file.as_bytes(), b"\0"].concat()).collect();
     let packed = [&[0][..], &lz4_flex::block::compress(&tokens)].concat();
@@ -83,7 +83,7 @@ fn binary_layer(text: &str, references: &[&str]) -> Vec<u8> {
     layer
 }
 
-/// The root layer and all that lies with it.
+/// The root layer and the files next to it.
 fn write_archive(path: &Path, root: &Path) {
     let folder = root.parent().unwrap();
     let mut files = files(folder);

@@ -1,4 +1,4 @@
-"""Runs functions of the USD script, which is the first argument: a call per line of JSON, arrays in files beside it."""
+"""Runs functions of the USD script, which is the first argument: one call per line of JSON, arrays in separate files."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-//! The USD library of a Python interpreter that has usd-core, for a program that has none of its own.
+//! The USD library of a Python interpreter with usd-core, for a program without one.
 
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
@@ -67,7 +67,7 @@ impl Library for Lent {
     }
 }
 
-/// Name of the kind of number for NumPy, numbers in a row, and the bytes.
+/// NumPy dtype, numbers per row, and the bytes.
 fn raw(array: &Array) -> (&'static str, usize, Vec<u8>) {
     let floats = |numbers: &[f32]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
     match array {

@@ -1,4 +1,4 @@
-//! Levels of detail of glTF, as a reader of MSFT_lod finds them.
+//! Levels of detail of glTF, as found by a reader of MSFT_lod.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ pub struct Level {
     chunk: String,
     node: String,
     error_m: f64,
-    /// Share of the screen below which it takes over.
+    /// Screen coverage below which it takes over.
     coverage: f64,
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,

@@ -1,5 +1,6 @@
-//! A scene that no mirror and no turn leaves as it was: arms of three lengths and shapes along +x, +y and +z in one chunk, a
-//! wedge in another, each face with its own part of an image of letters F. What it is like can be told without any exporter.
+//! A scene that changes under every mirroring and rotation: arms of three lengths and shapes along +x, +y and +z in one
+//! chunk, a wedge in another, each face with its own part of an image of letters F. The expected result does not depend on
+//! any exporter.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::sample::write_png;
 
-/// Faults that an exporter could have, done to the meshes before it sees them.
+/// Injected faults that an exporter could have, applied to the meshes before export.
 pub const FAULTS: [(&str, Change); 6] = [
     ("mirrored", mirror),
     ("turned", |mesh| move_all(mesh, |[x, y, z]| [-y, x, z])),
@@ -21,7 +22,7 @@ pub const FAULTS: [(&str, Change); 6] = [
     ("other_handedness", |mesh| mesh.tangents.iter_mut().for_each(|[.., w]| *w = -*w)),
 ];
 
-/// What is done to a mesh.
+/// A modification of a mesh.
 pub type Change = fn(&mut Mesh);
 
 /// Its two chunks.
@@ -30,12 +31,12 @@ pub struct Marker {
     change: Change,
 }
 
-/// A solid between two rectangles that stand across `axis`.
+/// A solid between two rectangles perpendicular to `axis`.
 struct Block {
     axis: usize,
-    /// Where along the axis the rectangles are, metres.
+    /// Positions of the rectangles along the axis, metres.
     ends: [f32; 2],
-    /// For each rectangle its range along the axis that follows, and along the one after, metres.
+    /// For each rectangle its ranges along the next axis and the one after that, metres.
     rectangles: [[[f32; 2]; 2]; 2],
 }
 
@@ -52,7 +53,8 @@ const CHUNKS: [&[Block]; 2] = [
     }],
 ];
 
-/// Faces of a block by the ends of its ranges, counter-clockwise from outside; the first edge is the lower one of its letter.
+/// Faces of a block by the ends of its ranges, counter-clockwise from outside; the first edge is at the bottom of its
+/// letter.
 const FACES: [[[usize; 3]; 4]; 6] = [
     [[1, 0, 0], [1, 1, 0], [1, 1, 1], [1, 0, 1]],
     [[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]],
@@ -62,12 +64,12 @@ const FACES: [[[usize; 3]; 4]; 6] = [
     [[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]],
 ];
 
-/// Letters along the image and up, a column for each face and a row for each block; pixels of a letter.
+/// Letters per row and column of the image, with a column per face and a row per block; pixels per letter.
 const CELLS: [u32; 2] = [6, 4];
 const CELL_PX: u32 = 16;
 
 impl Marker {
-    /// Writes the textures into `folder`; `change` is done to every mesh.
+    /// Writes the textures into `folder`; `change` is applied to every mesh.
     pub fn new(folder: &Path, change: Change) -> io::Result<Self> {
         let size = CELLS.map(|cells| cells * CELL_PX);
         for (role, pixel) in [
@@ -110,8 +112,8 @@ impl Marker {
     }
 }
 
-/// Every triangle of the marker as it should arrive: per corner position, normal, texture coordinate from the lower left,
-/// and tangent with handedness.
+/// Every triangle of the marker as expected: per corner position, normal, texture coordinate from the lower left, and
+/// tangent with handedness.
 pub fn truth() -> Value {
     let triangles: Vec<Value> = CHUNKS
         .iter()
@@ -174,7 +176,7 @@ impl Block {
     }
 }
 
-/// Four vertices a face. Letters that are mirrored have the other handedness.
+/// Four vertices per face. Mirrored letters have the opposite handedness.
 fn visual(blocks: &[Block], mirrored: bool) -> Mesh {
     let mut mesh = Mesh::default();
     for (row, block) in blocks.iter().enumerate() {
@@ -233,7 +235,7 @@ fn move_all(mesh: &mut Mesh, to: fn([f32; 3]) -> [f32; 3]) {
     }
 }
 
-/// A letter F in each cell, each cell in a colour of its own.
+/// A letter F in each cell, each cell in a different colour.
 fn letters(x: u32, y: u32) -> [u8; 3] {
     const F: [&[u8]; 8] =
         [b"        ", b" #####  ", b" #      ", b" ####   ", b" #      ", b" #      ", b" #      ", b"        "];

@@ -1,5 +1,5 @@
-//! A closed, bumpy, egg-shaped chamber seen from inside, in two chunks, with tiny textures: the smallest scene that has
-//! everything an export can carry. Analytic, so tests know the right answer.
+//! A closed, bumpy, egg-shaped chamber seen from inside, in two chunks, with tiny textures: the smallest scene with
+//! everything that an export can contain. Analytic, so tests know the expected result.
 
 use std::fs::File;
 use std::io;
@@ -15,7 +15,7 @@ const REACH_M: f64 = 6.0;
 const RADIUS_M: f64 = 2.0;
 /// Cells from pole to pole, and around.
 const CELLS: [usize; 2] = [64, 96];
-/// Cells along the chamber that the coarser level makes into one; between the chunks lies a ring of either level.
+/// Cells along the chamber that the coarser level merges into one; the border between the chunks is a ring of both levels.
 const COARSE: usize = 2;
 /// Pixels along an image.
 const SIZE_PX: u32 = 64;
@@ -44,7 +44,7 @@ impl Chamber {
     }
 
     /// The same with textures in WebP, of the same pixels.
-    #[allow(dead_code, reason = "few tests ask for it")]
+    #[allow(dead_code, reason = "few tests use it")]
     pub fn in_webp(folder: &Path) -> io::Result<Self> {
         let chamber = Self::new(folder)?;
         for entry in std::fs::read_dir(folder)? {
@@ -119,7 +119,7 @@ impl Chunks for Chamber {
     }
 }
 
-/// How far pieces reach behind the wall, metres.
+/// Thickness of pieces behind the wall, metres.
 const THICKNESS_M: f64 = 0.3;
 
 /// A wedge behind a triangle.
@@ -147,8 +147,7 @@ fn lamp(x: f64) -> Light {
     }
 }
 
-/// A point of the wall: `s` from the pole in the west (0) to the pole in the east (1), `t` once around from +y over
-/// +z; 0.75 is down.
+/// A point of the wall: `s` from the west pole (0) to the east pole (1), `t` once around from +y via +z; 0.75 is down.
 fn point([s, t]: [f64; 2]) -> Point3<f64> {
     let (along, around) = (s * std::f64::consts::PI, t * std::f64::consts::TAU);
     let bumps = libm::sin(9.0 * along) * libm::sin(7.0 * around) + libm::cos(4.0 * around);
@@ -156,7 +155,7 @@ fn point([s, t]: [f64; 2]) -> Point3<f64> {
     Point3::new(-REACH_M * libm::cos(along), radius * libm::cos(around), radius * libm::sin(around))
 }
 
-/// Slopes along `s` and `t`, by central differences.
+/// Derivatives along `s` and `t`, by central differences.
 fn slopes([s, t]: [f64; 2]) -> [Vector3<f64>; 2] {
     let step = 1e-5;
     [
@@ -165,7 +164,7 @@ fn slopes([s, t]: [f64; 2]) -> [Vector3<f64>; 2] {
     ]
 }
 
-/// Of every ring of cells, or of every `stride`th with all its spokes.
+/// The mesh of every ring of cells, or of every `stride`th with all its spokes.
 fn mesh(chunk: usize, stride: usize) -> Mesh {
     let rings = chunk * CELLS[0] / 2..=(chunk + 1) * CELLS[0] / 2;
     let mut mesh = Mesh::default();
@@ -186,8 +185,8 @@ fn mesh(chunk: usize, stride: usize) -> Mesh {
     mesh
 }
 
-/// How far the coarser level lies from the full one. Both are flat between the points where their edges cross, which lie
-/// on the rings that the coarser one leaves out: at the spokes, and half-way on a diagonal.
+/// Distance of the coarser level from the full one. Both are flat between the points where their edges cross, which are on
+/// the rings that the coarser one omits: at the spokes, and half-way on a diagonal.
 fn coarse_error_m(chunk: usize) -> f32 {
     let full = mesh(chunk, 1);
     let row = CELLS[1] + 1;
@@ -203,7 +202,7 @@ fn coarse_error_m(chunk: usize) -> f32 {
 
 fn add_vertex(mesh: &mut Mesh, ring: usize, spoke: usize) {
     let at = [ring as f64 / CELLS[0] as f64, spoke as f64 / CELLS[1] as f64];
-    // The first and last spoke, and all of a pole, are one point: bit for bit, or the wall has a slit.
+    // The first and last spoke, and all vertices of a pole, must coincide exactly, or the wall has a crack.
     let pole = ring.is_multiple_of(CELLS[0]);
     let same = [at[0], if pole { 0.0 } else { (spoke % CELLS[1]) as f64 / CELLS[1] as f64 }];
     let snap = |metres: f64| (libm::round(metres * 4096.0) / 4096.0) as f32;
@@ -232,7 +231,7 @@ fn base_color(chunk: usize, x: u32, y: u32) -> [u8; 3] {
     [[150, 110, 80], [100, 110, 130]][chunk].map(|channel: u8| if dark { channel / 2 } else { channel })
 }
 
-/// Rows of domes that stand out of the wall: lit from above, their upper edge in the image is bright.
+/// Rows of domes that protrude from the wall: lit from above, their upper edge in the image is bright.
 fn normal_map(_: usize, x: u32, y: u32) -> [u8; 3] {
     let across = |pixel: u32| f64::from(pixel % 16) / 8.0 - 15.0 / 16.0;
     let (x, y) = (across(x), -across(y));
@@ -249,7 +248,7 @@ fn write_webp(png: &Path, webp: &Path) -> io::Result<()> {
     encoder.encode(&pixels, info.width, info.height, image_webp::ColorType::Rgb8).map_err(io::Error::other)
 }
 
-/// Writes an image of `size` pixels across and down, each being what `pixel` says of its place from the upper left.
+/// Writes an image of `size` pixels, each computed by `pixel` from its position from the upper left.
 pub fn write_png(path: &Path, size: [u32; 2], pixel: impl Fn(u32, u32) -> [u8; 3]) -> io::Result<()> {
     let mut encoder = png::Encoder::new(File::create(path)?, size[0], size[1]);
     encoder.set_color(png::ColorType::Rgb);

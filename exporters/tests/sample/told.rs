@@ -1,8 +1,8 @@
-//! What a user is told.
+//! Error messages as users see them.
 
 use plume_exporters::ExportError;
 
-/// The error and its hint, and whether the user or the machine is to mend it.
+/// The error with its hint, and whether it is a usage or a system error.
 pub fn told(error: &ExportError) -> String {
     let kind = if error.is_usage() { "usage" } else { "system" };
     let hint = error.hint().map(|hint| format!(" (hint: {hint})")).unwrap_or_default();

@@ -1,11 +1,11 @@
-//! What robots touch, as readers of a package that are not ours see it.
+//! Collision shapes of a package, found by third-party readers.
 
 use std::collections::HashMap;
 
 use plume_exporters::package::Memory;
 use roxmltree::{Document, Node};
 
-/// The number of corners of every shape that robots touch.
+/// The number of vertices of every collision shape.
 pub fn touched(package: &Memory) -> Vec<usize> {
     let shapes = |(path, bytes): (&String, &Vec<u8>)| match path.rsplit('.').next() {
         Some("sdf") => objects_of_collisions(package, bytes, "models/"),
@@ -24,7 +24,7 @@ pub fn touched(package: &Memory) -> Vec<usize> {
     package.bytes.iter().flat_map(shapes).collect()
 }
 
-/// The objects of the OBJ files that collision elements of SDF or URDF name; models lie below `folder`.
+/// The objects of the OBJ files of collision elements of SDF or URDF; models are below `folder`.
 fn objects_of_collisions(package: &Memory, bytes: &[u8], folder: &str) -> Vec<usize> {
     let document = Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
     let collisions = document.descendants().filter(|node| node.has_tag_name("collision"));
@@ -45,7 +45,7 @@ fn objects(mut bytes: &[u8]) -> Vec<usize> {
     read.unwrap().0.into_iter().map(|object| object.mesh.positions.len() / 3).collect()
 }
 
-/// The meshes of MJCF that geoms for collision name.
+/// The meshes of collision geoms of MJCF.
 fn collision_meshes(bytes: &[u8]) -> Vec<usize> {
     let document = Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
     let meshes: HashMap<&str, usize> = document
@@ -57,7 +57,7 @@ fn collision_meshes(bytes: &[u8]) -> Vec<usize> {
     geoms.filter_map(|geom| meshes.get(geom.attribute("mesh")?).copied()).collect()
 }
 
-/// The meshes that Unreal takes as collision of the mesh that it finds in the node above.
+/// The meshes that Unreal uses as collision of the mesh of the parent node.
 fn unreal_meshes(document: &gltf::Gltf, package: &Memory) -> Vec<usize> {
     let buffer = |buffer: gltf::Buffer| match buffer.source() {
         gltf::buffer::Source::Bin => document.blob.as_deref(),
@@ -76,7 +76,7 @@ fn unreal_meshes(document: &gltf::Gltf, package: &Memory) -> Vec<usize> {
     found
 }
 
-/// The nodes that Unreal takes as collision of the mesh that they are called after.
+/// The nodes that Unreal uses as collision of the mesh that they are named after.
 fn unreal_nodes(bytes: &[u8]) -> Vec<usize> {
     let scene = ufbx::load_memory(bytes, ufbx::LoadOpts::default()).unwrap();
     let seen: Vec<String> = meshes(&scene).map(|(name, _)| name).filter(|name| !name.starts_with("UCX_")).collect();
@@ -98,14 +98,14 @@ fn meshes(scene: &ufbx::Scene) -> impl Iterator<Item = (String, usize)> {
     scene.nodes.iter().filter_map(|node| Some((node.element.name.to_string(), node.mesh.as_ref()?.num_vertices)))
 }
 
-/// The colliders of the ledger that stands in for USD.
+/// The colliders recorded by the fake USD library.
 fn colliders(bytes: &[u8]) -> Vec<usize> {
     let text = String::from_utf8_lossy(bytes);
     let sizes = text.lines().filter_map(|line| line.strip_prefix("Collision")?.split_once(".points "));
     sizes.map(|(_, size)| size.parse().unwrap()).collect()
 }
 
-/// The meshes of an FBX that have no material, which are not there to be seen.
+/// The meshes of an FBX without a material, which are collision meshes.
 fn bare_meshes(bytes: &[u8]) -> Vec<usize> {
     let scene = ufbx::load_memory(bytes, ufbx::LoadOpts::default()).unwrap();
     let bare = scene.meshes.iter().filter(|mesh| mesh.materials.is_empty());
