@@ -1,4 +1,4 @@
-//! Stations by name, and what text files say of them, until all of it is known.
+//! Collects what survey files say about named stations, until all of it is known.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,14 +12,14 @@ use super::traverse::{Fix, Shot, Traverse};
 use super::{Import, Parts, ReadError, Source};
 use plume_graph::echo::shown;
 
-/// Stations named where pieces of a survey are not joined: one of each.
+/// Number of stations listed if a survey has disconnected pieces: one of each piece.
 const NAMED: usize = 10;
-const PIECES_HINT: &str = "fix a station of each, equate stations of theirs, add the shots that are missing, or take the `longest` of the parts";
+const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, add the missing shots, or keep the `longest` part";
 
 /// A name within a survey: index into [`Names`].
 pub(super) type Name = usize;
 
-/// The surveys and stations that names lead to, as a tree.
+/// The tree of survey and station names.
 #[derive(Debug)]
 pub(super) struct Names {
     below: Vec<BTreeMap<Box<str>, Name>>,
@@ -32,13 +32,13 @@ impl Default for Names {
 }
 
 impl Names {
-    /// What all names are below.
+    /// The root of all names.
     pub(super) const ROOT: Name = 0;
 
-    /// What is called so below another, new or known.
+    /// The child of another name, created if it is new.
     ///
     /// # Errors
-    /// When there are too many.
+    /// If there are too many.
     pub(super) fn below(&mut self, above: Name, name: &str) -> Result<Name, String> {
         if let Some(&known) = self.below[above].get(name) {
             return Ok(known);
@@ -48,17 +48,17 @@ impl Names {
         Ok(new)
     }
 
-    /// Something without a name.
+    /// Adds an anonymous station.
     ///
     /// # Errors
-    /// When there are too many.
+    /// If there are too many.
     pub(super) fn add(&mut self) -> Result<Name, String> {
         check_room(self.below.len(), MAX_NAMES, "stations and surveys")?;
         self.below.push(BTreeMap::new());
         Ok(self.below.len() - 1)
     }
 
-    /// The whole names of some stations, for messages.
+    /// The full names of some stations, for messages.
     fn told(&self, names: impl Iterator<Item = Name>) -> String {
         let mut above: Vec<Option<(Name, &str)>> = vec![None; self.below.len()];
         for (survey, below) in self.below.iter().enumerate() {
@@ -74,16 +74,16 @@ impl Names {
     }
 }
 
-/// Names of stations and of what they are in: a station may have several.
+/// Limit on names of stations and surveys: a station may have several names.
 const MAX_NAMES: usize = 2 * MAX_STATIONS;
-/// One at each end of a leg.
+/// Limit on cross-sections: one at each end of a leg.
 const MAX_SECTIONS: usize = 2 * MAX_LEGS;
 
 fn check_room(count: usize, most: usize, what: &str) -> Result<(), String> {
     if count < most { Ok(()) } else { Err(format!("the survey has more than {most} {what}")) }
 }
 
-/// A station that is said to be somewhere.
+/// A claimed position of a station.
 struct Claim {
     name: Name,
     position: Point3<f64>,
@@ -91,7 +91,7 @@ struct Claim {
     file_position: FilePosition,
 }
 
-/// A cross-section, by names.
+/// A cross-section with named stations.
 pub(super) struct Section {
     pub(super) station: Name,
     pub(super) looking: [Name; 2],
@@ -103,7 +103,7 @@ fn is_noted(walls_m: &[Option<f64>; 4]) -> bool {
     walls_m.iter().any(Option::is_some)
 }
 
-/// What shots are.
+/// Flags of shots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Flags {
     surface: bool,
@@ -112,7 +112,7 @@ pub(super) struct Flags {
 }
 
 impl Flags {
-    /// Sets flags as they are written: those behind `not` are off, others stay.
+    /// Sets flags from words: `not` switches the next one off, flags that are not mentioned stay.
     pub(super) fn read(&mut self, words: &[&str]) -> Result<(), String> {
         let mut on = true;
         for word in words {
@@ -128,7 +128,7 @@ impl Flags {
                     on = true;
                     continue;
                 }
-                _ => return Err(format!("{} is no flag", shown(word))),
+                _ => return Err(format!("{} is not a flag", shown(word))),
             };
             *flag = on;
             on = true;
@@ -136,7 +136,7 @@ impl Flags {
         Ok(())
     }
 
-    /// What a shot is, which may end at a wall.
+    /// The kind of a shot that may end at a wall.
     pub(super) fn leg(self, at_wall: bool) -> Leg {
         if self.splay || at_wall {
             Leg::Splay
@@ -150,20 +150,20 @@ impl Flags {
     }
 }
 
-/// What was read so far.
+/// What has been read so far.
 #[derive(Default)]
 pub(super) struct Centreline {
     pub(super) names: Names,
-    /// What is the same station as another, and what leads on to that.
+    /// Union-find of equated stations.
     same: BTreeMap<Name, Name>,
     legs: Vec<([Name; 2], Leg)>,
     shots: Vec<([Name; 2], Vector3<f64>, Matrix3<f64>)>,
-    /// How often the last shot was measured in a row.
+    /// How many times in a row the last shot was measured.
     repeats: usize,
     sections: Vec<Section>,
     claims: Vec<Claim>,
     entrances: BTreeSet<Name>,
-    /// The cross-sections of the tube that is being read.
+    /// The cross-sections of the passage that is being read.
     tube: Vec<(Name, [Option<f64>; 4])>,
     /// The coordinate system.
     system: Option<String>,
@@ -173,7 +173,7 @@ impl Centreline {
     /// Adds a leg.
     ///
     /// # Errors
-    /// When there are too many.
+    /// If there are too many.
     pub(super) fn leg(&mut self, ends: [Name; 2], leg: Leg, measured: Measured) -> Result<(), String> {
         check_room(self.legs.len(), MAX_LEGS, "legs")?;
         if measured == Measured::Nothing {
@@ -181,7 +181,7 @@ impl Centreline {
             return Ok(());
         }
         if ends[0] == ends[1] {
-            return Err("the shot ends at the station where it begins".to_owned());
+            return Err("the shot ends at the station where it starts".to_owned());
         }
         if self.repeat(ends, &measured) {
             return Ok(());
@@ -194,7 +194,7 @@ impl Centreline {
         Ok(())
     }
 
-    /// A shot that was just measured between the same stations counts as one, which is their mean.
+    /// Consecutive shots between the same stations count as one shot, their mean.
     fn repeat(&mut self, ends: [Name; 2], measured: &Measured) -> bool {
         let (Measured::Shot { vector: again, .. }, Some((last, vector, _))) = (measured, self.shots.last_mut()) else {
             return false;
@@ -207,7 +207,7 @@ impl Centreline {
         true
     }
 
-    /// Says that two stations are one.
+    /// Equates two stations.
     pub(super) fn equate(&mut self, a: Name, b: Name) {
         let (a, b) = (self.found(a), self.found(b));
         if a != b {
@@ -215,13 +215,13 @@ impl Centreline {
         }
     }
 
-    /// The first name of a station.
+    /// The representative of a station.
     fn found(&mut self, name: Name) -> Name {
         let mut at = name;
         while let Some(&next) = self.same.get(&at) {
             at = next;
         }
-        // Shortened, so that chains of equates are walked once.
+        // Path compression, so that chains of equates are walked once.
         let mut walked = name;
         while let Some(next) = self.same.get_mut(&walked).filter(|next| **next != at) {
             walked = std::mem::replace(next, at);
@@ -229,10 +229,10 @@ impl Centreline {
         at
     }
 
-    /// Says where a station is; without covariance, exactly.
+    /// Fixes a station; without covariance, exactly.
     ///
     /// # Errors
-    /// When there are too many such.
+    /// If there are too many.
     pub(super) fn fix(
         &mut self,
         name: Name,
@@ -245,15 +245,15 @@ impl Centreline {
         Ok(())
     }
 
-    /// Says that the cave opens to the surface at a station.
+    /// Marks a station as an entrance.
     pub(super) fn entrance(&mut self, name: Name) {
         self.entrances.insert(name);
     }
 
-    /// Notes distances to walls, where there are any.
+    /// Records distances to walls, if there are any.
     ///
     /// # Errors
-    /// When there are too many.
+    /// If there are too many.
     pub(super) fn section(&mut self, section: Section) -> Result<(), String> {
         check_room(self.sections.len(), MAX_SECTIONS, "cross-sections")?;
         if is_noted(&section.walls_m) {
@@ -262,18 +262,18 @@ impl Centreline {
         Ok(())
     }
 
-    /// Adds a cross-section to a tube.
+    /// Adds a cross-section to the current passage.
     ///
     /// # Errors
-    /// When there are too many.
+    /// If there are too many.
     pub(super) fn add_to_tube(&mut self, station: Name, walls_m: [Option<f64>; 4]) -> Result<(), String> {
         check_room(self.sections.len() + self.tube.len(), MAX_SECTIONS, "cross-sections")?;
         self.tube.push((station, walls_m));
         Ok(())
     }
 
-    /// Notes the cross-sections of the tube: at its ends one looks along its first and last leg, between them from the
-    /// station before to that behind.
+    /// Records the cross-sections of the passage: at its ends the direction is that of the first and last leg, elsewhere from
+    /// the previous to the next station.
     pub(super) fn end_tube(&mut self) {
         let tube = std::mem::take(&mut self.tube);
         for (place, &(station, walls_m)) in tube.iter().enumerate().filter(|(_, (_, walls_m))| is_noted(walls_m)) {
@@ -283,19 +283,19 @@ impl Centreline {
         }
     }
 
-    /// Counts coordinates in this system, which has to be the only one.
+    /// Sets the coordinate system, which has to be the only one.
     ///
     /// # Errors
-    /// When positions would have to be projected or turned.
+    /// If positions would have to be projected or rotated.
     pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
         let system = system.to_ascii_lowercase();
         if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
             return Err(format!("coordinates in {} would have to be projected", shown(&system)));
         }
         match &self.system {
-            // What the other is called may stand in a file of which nothing is shown.
+            // The name of the other may be from a file of which nothing may be shown.
             Some(known) if *known != system => Err(format!(
-                "coordinates in {} besides those in another system would have to be projected",
+                "coordinates in {} would have to be projected, since others are in another system",
                 shown(&system)
             )),
             _ => {
@@ -305,7 +305,7 @@ impl Centreline {
         }
     }
 
-    /// The graph of it all.
+    /// The graph of everything that was read.
     pub(super) fn into_import(mut self, source: &Source, parts: Parts, files: &Files) -> Result<Import, ReadError> {
         self.end_tube();
         let mut numbers = Numbers { of: vec![None; self.names.below.len()], count: 0 };
@@ -316,7 +316,7 @@ impl Centreline {
             return Err(ReadError::whole(
                 source.path,
                 "has no legs",
-                "a cave takes two stations and a shot between them",
+                "a cave needs two stations and a shot between them",
             ));
         }
         let shots = std::mem::take(&mut self.shots).into_iter().map(|(ends, vector, covariance)| Shot {
@@ -329,10 +329,10 @@ impl Centreline {
         let held = usize::from(!fixes.is_empty());
         let traverse = Traverse { stations: numbers.count, shots, fixes };
         let Some(placed) = traverse.place() else {
-            let hint = "its errors or standard deviations are beyond all measure; check the largest";
+            let hint = "errors or standard deviations are out of all proportion; check the largest ones";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
-        // Of pieces that lie anywhere, all but the longest may go; they cannot be kept or joined.
+        // Floating pieces have no position, so they cannot be kept or joined; all but the longest may be dropped.
         if held + placed.adrift.len() > 1 && parts != Parts::Longest {
             let those = match files.has_strays() {
                 true => "some".to_owned(),
@@ -341,7 +341,7 @@ impl Centreline {
                     format!("those of {}", self.names.told(numbers.names(named)))
                 }
             };
-            let message = format!("has {} pieces, and nothing says how {those} lie", held + placed.adrift.len());
+            let message = format!("has {} disconnected pieces, and nothing fixes the position of {those}", held + placed.adrift.len());
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
         let station = |position| SurveyStation { position, entrance: false };
@@ -356,21 +356,21 @@ impl Centreline {
         survey.into_import(source, parts)
     }
 
-    /// One fix for each station, an exact one where there are several.
+    /// One fix for each station; of several, an exact one.
     fn fixes(&mut self, numbers: &mut Numbers, files: &Files) -> Result<Vec<Fix>, ReadError> {
         let mut fixes: BTreeMap<usize, Fix> = BTreeMap::new();
         for claim in std::mem::take(&mut self.claims) {
-            // A benchmark that no leg leads to is no part of the survey.
+            // A benchmark without legs is not part of the survey.
             let Some(station) = numbers.of[self.found(claim.name)] else { continue };
             let fix = Fix { station, position: claim.position, covariance: claim.covariance };
             match fixes.get(&station) {
                 Some(known) if known.covariance.is_none() && fix.covariance.is_none() => {
                     if known.position != fix.position {
-                        let message = "the station is fixed at another place, too";
+                        let message = "the station is also fixed at another position";
                         return Err(files.fault(
                             claim.file_position,
                             message,
-                            "fix it once, or look for an equate too many",
+                            "fix it only once, or look for a wrong equate",
                         ));
                     }
                 }
@@ -396,7 +396,7 @@ impl Centreline {
     }
 }
 
-/// Numbers of the stations that legs lead to.
+/// Numbers of the stations that have legs.
 struct Numbers {
     of: Vec<Option<usize>>,
     count: usize,
@@ -410,14 +410,14 @@ impl Numbers {
         })
     }
 
-    /// The names that these stations have.
+    /// The names of these stations.
     fn names(&self, stations: &[usize]) -> impl Iterator<Item = Name> {
         stations.iter().filter_map(|&station| self.of.iter().position(|&number| number == Some(station)))
     }
 }
 
-/// The covariance of a fix by its standard deviations in metres: one for all axes, one for the plan and one for the
-/// height, or one for each axis. None where it is exact.
+/// The covariance of a fix from its standard deviations in metres: one for all axes, one for the plan and one for the
+/// height, or one for each axis. `None` if it is exact.
 pub(super) fn spread(spreads_m: &[f64]) -> Option<Matrix3<f64>> {
     let spreads = match *spreads_m {
         [] => return None,

@@ -1,14 +1,14 @@
-//! Survey books of Compass (Fish: fountainware.com/compass): `.dat`, and the projects `.mak` that put several together.
+//! Compass survey data (Fish: fountainware.com/compass): `.dat` files, and `.mak` projects that combine several.
 //!
-//! Shots are measured and loops closed as those of other surveys ([`measure`](super::measure),
-//! [`centreline`](super::centreline)). Left, right, up and down come along. Shots flagged `X` do not exist, `S` are splays,
-//! `L` (not counted in the length) are duplicates, `P` (not plotted) are taken to lead over the ground, `C` (not adjusted)
-//! hardly give way when loops close. Calibrations, declinations and redundant backsights are applied; the convergence
-//! of a grid and the project's own settings are not: coordinates are taken as they stand. As by Survex, shots between the same
-//! stations one after the other count as their mean, and a shot without length says that two stations are one.
+//! Shots are computed and loops closed as in other surveys ([`measure`](super::measure),
+//! [`centreline`](super::centreline)). Left, right, up and down are used. Shots flagged `X` are ignored, `S` are splays,
+//! `L` (not counted in the length) are duplicates, `P` (not plotted) are taken for surface legs, `C` (not adjusted) are
+//! hardly adjusted when loops are closed. Calibrations, declinations and redundant backsights are applied; grid convergence
+//! and the project's own settings are not: coordinates are taken as they are. As in Survex, consecutive shots between the
+//! same stations count as their mean, and a zero-length shot equates two stations.
 //!
-//! The crate `compass_data` 0.0.7 reads these files too, but panics at a date that does not exist, which books with
-//! unknown dates have, drops flags and backsights, and takes the first line that it cannot read for the end.
+//! The crate `compass_data` 0.0.7 reads these files too, but panics on invalid dates, which files with unknown dates have,
+//! drops flags and backsights, and takes the first line that it cannot read for the end.
 
 mod dat;
 mod mak;
@@ -17,7 +17,7 @@ use super::centreline::{Centreline, Name, Names};
 use super::files::Files;
 use super::{Import, Parts, ReadError, Source};
 
-/// Reads a file as a row of [`FORMATS`](super::FORMATS) does.
+/// Reader of a row of [`FORMATS`](super::FORMATS).
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let mut reader = Reader { files: Files::new(source), centreline: Centreline::default(), book: Names::ROOT };
     if source.path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mak")) {
@@ -28,11 +28,11 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     reader.centreline.into_import(source, parts, &reader.files)
 }
 
-/// Books while they are read.
+/// A project while it is read.
 struct Reader<'a> {
     files: Files<'a>,
     centreline: Centreline,
-    /// What the names are below that the book knows.
+    /// The scope of the names in the current file.
     book: Name,
 }
 

@@ -1,15 +1,15 @@
-//! A table of passages, one in a row, with the places of both ends: what geographic systems, spreadsheets and pandas hold of
-//! lines. Comma-separated values as in RFC 4180; read as well are semicolons and tabs.
+//! A table of passages, one per row, with the coordinates of both ends: how GIS, spreadsheets and pandas hold lines.
+//! Comma-separated values as in RFC 4180; semicolons and tabs are also read.
 //!
 //! ```csv
 //! x1,y1,z1,radius1,level1,width1,height1,shape1,x2,y2,z2,radius2,level2,width2,height2,shape2
 //! 0,0,0,4,0,,,,6,0,-1,4,0,3,2,cave
 //! ```
-//! The header names the columns, in any order; `x1` and `y1`, `x2` and `y2` have to be there, `from_x` and `to_x` are understood
-//! as well, other columns are read over. Lengths are metres, Z is up, of any grid ([`origin`](super::origin)). Ends in the same
-//! place, to 1 mm, are one station, which is as the first row has it; a row whose ends are is welded away.
+//! The header names the columns, in any order; `x1`, `y1`, `x2` and `y2` are required, `from_x` and `to_x` are understood
+//! too, other columns are ignored. Lengths are in metres, Z is up, in any grid ([`origin`](super::origin)). Ends in the same
+//! place, to 1 mm, are one station, whose properties are those of the first row; a row with both ends in one place is welded.
 //!
-//! Held are places, radii, levels, sections and passages; not ids, parents and which ends may grow on.
+//! Preserved are positions, radii, levels, sections and passages; not ids, parents and `active`.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -24,7 +24,7 @@ use super::{Import, Parts, ReadError, Source, Tally, Written};
 use plume_graph::echo::{sentence, shown};
 use plume_graph::{Graph, Node, StationId, millimetres};
 
-const HEADER_HINT: &str = "begin with the names of the columns: x1,y1,z1,x2,y2,z2";
+const HEADER_HINT: &str = "begin with a header of column names: x1,y1,z1,x2,y2,z2";
 
 /// Reads the table.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
@@ -57,13 +57,13 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     Ok(Import { tally: Tally { welded, ..import.tally }, ..import })
 }
 
-/// What splits the columns of the header.
+/// The separator used in the header.
 fn delimiter(text: &str) -> u8 {
     let header = text.lines().next().unwrap_or_default();
     [b'\t', b';'].into_iter().find(|&split| header.as_bytes().contains(&split)).unwrap_or(b',')
 }
 
-/// The line of a row, which begins after the blank lines before it.
+/// The line of a row, after any blank lines before it.
 fn line(text: &str, position: Option<&csv::Position>) -> usize {
     line_of(text, position.map_or(0, |position| position.byte() as usize))
 }
@@ -72,14 +72,14 @@ fn told(source: &Source, text: &str, error: &csv::Error) -> ReadError {
     let line = line(text, error.position());
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            let message = format!("has {len} columns, the header {expected_len}");
-            ReadError::line(source.path, line, message, "give every row as many columns as the header")
+            let message = format!("has {len} columns, but the header has {expected_len}");
+            ReadError::line(source.path, line, message, "give every row as many columns as the header has")
         }
         _ => ReadError::line(source.path, line, sentence(&error.to_string()), HEADER_HINT),
     }
 }
 
-/// The property that each column has, and the end of the passage that has it.
+/// The property that each column holds, and the end of the passage it belongs to.
 struct Columns(Vec<(usize, usize, Field)>);
 
 impl Columns {
@@ -88,7 +88,7 @@ impl Columns {
         for (column, name) in header.iter().enumerate() {
             let Some((end, field)) = end_and_field(name) else { continue };
             if columns.iter().any(|&(_, other_end, other)| (other_end, other) == (end, field)) {
-                return Err(format!("two columns are the same, one of them {}", shown(name)));
+                return Err(format!("two columns have the same meaning, one of them is {}", shown(name)));
             }
             columns.push((column, end, field));
         }
@@ -130,11 +130,11 @@ fn place(station: &Node) -> [u64; 3] {
     station.position.map(millimetres).coords.map(f64::to_bits).into()
 }
 
-/// The stations found so far, by place.
+/// The stations found so far, by position.
 #[derive(Default)]
 struct Stations {
     draft: Draft,
-    /// With keys hashed at random: no file can make its places collide.
+    /// Randomly hashed, so that no file can provoke collisions.
     of_place: HashMap<[u64; 3], StationId>,
 }
 
@@ -155,7 +155,7 @@ pub(super) fn export(graph: &Graph) -> Vec<Written> {
     let mut text = format!("{},{}\n", header(1), header(2));
     for [a, b] in &graph.edges {
         let [first, second] = [&graph[*a], &graph[*b]].map(columns);
-        writeln!(text, "{first},{second}").expect("memory takes any text");
+        writeln!(text, "{first},{second}").expect("writing to a string cannot fail");
     }
     vec![Written { suffix: "", bytes: text.into_bytes() }]
 }

@@ -1,14 +1,14 @@
 //! The plan of a graph for Graphviz (<https://graphviz.org/doc/info/lang.html>): `neato -n -Tsvg cave.dot`.
 //!
-//! Nodes are pinned where they are, ten points to the metre, seen from above with north up. Their `z` in metres is written
-//! beside, for other programs. Written only: a drawing is no survey.
+//! Nodes are pinned at their positions, ten points per metre, in plan view with north up. Their `z` in metres is added for
+//! other programs. Write-only: a drawing is not a survey.
 
 use std::fmt::Write;
 
 use super::Written;
 use plume_graph::Graph;
 
-/// Points on paper, 72 to the inch, for a metre: a passage of 3 m is as long as the letters of its name are wide. Tuned.
+/// Points (72 per inch) for a metre. Tuned so that a passage of 3 m is as long as the names of its stations are wide.
 const POINTS_PER_M: f64 = 10.0;
 
 /// Writes the drawing.
@@ -17,11 +17,11 @@ pub(super) fn export(graph: &Graph) -> Vec<Written> {
     for node in &graph.nodes {
         let [x, y, z] = node.position.coords.into();
         let [x, y] = [x, y].map(|length_m| (length_m * POINTS_PER_M * 100.0).round() / 100.0);
-        writeln!(text, "  n{} [pos=\"{x},{y}\", z=\"{z}\"];", node.id).expect("memory takes any text");
+        writeln!(text, "  n{} [pos=\"{x},{y}\", z=\"{z}\"];", node.id).expect("writing to a string cannot fail");
     }
     for edge in &graph.edges {
         let [a, b] = edge.map(|node| graph[node].id);
-        writeln!(text, "  n{a} -- n{b};").expect("memory takes any text");
+        writeln!(text, "  n{a} -- n{b};").expect("writing to a string cannot fail");
     }
     text.push_str("}\n");
     vec![Written { suffix: "", bytes: text.into_bytes() }]

@@ -1,8 +1,8 @@
-//! A graph as a file has it, and how it is finished.
+//! A graph as read from a file, and how it is completed.
 //!
-//! Unlike what is [drawn](plume_graph::centreline), nodes keep their order, their ids and their radii, so that a graph
-//! comes back from a file as it went in. What a file leaves out is filled in: parents follow from a walk from the first
-//! node of each part that names none, a radius is the distance to the nearest neighbour.
+//! Unlike in a [centreline](plume_graph::centreline), nodes keep their order, ids and radii, so that a graph survives a round
+//! trip through a file. Missing values are filled in: parents by a walk from the first node of each part that has none,
+//! radii by the distance to the nearest neighbour.
 
 use std::path::Path;
 
@@ -13,46 +13,46 @@ use super::parts::{Disconnected, Fate, first_at_place};
 use super::{Parts, ReadError, Tally};
 use plume_graph::{Graph, Node, StationId, millimetres};
 
-/// Nodes and edges in any order. A radius of 0 is not known; parents are neighbours and lead in no circle.
+/// Nodes and edges in any order. A radius of 0 is unknown; parents are neighbours and form no cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Draft {
     pub(super) nodes: Vec<Node>,
     pub(super) edges: Vec<[StationId; 2]>,
 }
 
-/// A node of which no more than its place is known.
+/// A node of which only the position is known.
 pub(super) fn node_at(id: u64, position: Point3<f64>) -> Node {
     Node { id, parent: None, position, radius: 0.0, active: false, level: 0, section: None }
 }
 
-/// Why no graph came of a draft.
+/// Why a draft is not a valid graph.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum DraftError {
-    /// Nothing to make a passage of: what there is instead, in words.
+    /// Too few nodes for a passage: what there is instead, in words.
     TooFew(&'static str),
-    /// A node on no passage, where parts are refused.
+    /// A node without passages, where disconnected parts are refused.
     Lone(usize),
-    /// Several parts, where they are refused.
+    /// Several disconnected parts, where they are refused.
     Disconnected(Disconnected),
 }
 
 impl DraftError {
-    /// The same as a fault of the whole file, which calls its nodes by these names.
+    /// The same as an error of the whole file, with the file's names of nodes.
     pub(super) fn into_error(self, path: &Path, name: impl Fn(usize) -> String) -> ReadError {
         match self {
-            Self::TooFew(nodes) => ReadError::whole(path, format!("a graph of {nodes} makes no cave"), TOO_FEW_HINT),
-            Self::Lone(node) => ReadError::whole(path, format!("{} is on no passage", name(node)), LONE_HINT),
+            Self::TooFew(nodes) => ReadError::whole(path, format!("a graph with {nodes} is not a cave"), TOO_FEW_HINT),
+            Self::Lone(node) => ReadError::whole(path, format!("{} has no passages", name(node)), LONE_HINT),
             Self::Disconnected(error) => error.into_error(path, name),
         }
     }
 }
 
-pub(super) const TOO_FEW_HINT: &str = "a cave takes two nodes and a passage between them";
-pub(super) const LONE_HINT: &str = "drop it or add its passages; wherever parts are not refused, it is left out";
+pub(super) const TOO_FEW_HINT: &str = "a cave needs two nodes and a passage between them";
+pub(super) const LONE_HINT: &str = "remove it or add its passages; it is dropped unless disconnected parts are refused";
 
 impl Draft {
-    /// The graph, lengths rounded to 1 mm, nodes in one place welded to the first of them, parts as asked; and a tally of
-    /// what that took. Nodes on no passage are left out, or refused where parts are.
+    /// The graph, with lengths rounded to 1 mm, nodes in one place welded to the first of them and parts treated as asked; and
+    /// a tally of these changes. Nodes without passages are dropped, or refused if parts are.
     pub(super) fn finished(self, parts: Parts) -> Result<(Graph, Tally), DraftError> {
         let places: Vec<Point3<f64>> = self.nodes.iter().map(|node| node.position).collect();
         let welds = first_at_place(&places);
@@ -75,7 +75,7 @@ impl Draft {
         Ok((self.graph(&fate, &welds), tally))
     }
 
-    /// The graph of the nodes that stay, each where the `welds` put it.
+    /// The graph of the remaining nodes after the `welds`.
     fn graph(self, fate: &Fate, welds: &[usize]) -> Graph {
         let mut new = vec![StationId::default(); self.nodes.len()];
         let mut graph = Graph::default();
@@ -117,7 +117,7 @@ fn rounded(node: Node) -> Node {
     Node { position: node.position.map(millimetres), radius, section, ..node }
 }
 
-/// Parents by breadth from the first node of each part that had none, or from its first.
+/// Parents by breadth-first search from the first node of each part without a parent, or from its first node.
 fn forest(graph: &Graph, had: &[Option<StationId>]) -> Vec<Option<StationId>> {
     let origins = graph.stations().filter(|node| had[node.index()].is_none());
     let mut parents = vec![None; graph.nodes.len()];
@@ -127,7 +127,7 @@ fn forest(graph: &Graph, had: &[Option<StationId>]) -> Vec<Option<StationId>> {
     parents
 }
 
-/// A node without a radius reaches as far as its nearest neighbour.
+/// The radius of a node without one is the distance to its nearest neighbour.
 fn fill_radii(graph: &mut Graph) {
     let neighbors = graph.neighbors();
     for node in graph.stations() {

@@ -1,4 +1,4 @@
-//! What tables and attributed graphs call the properties of a station.
+//! The names of station properties in tables and attributed graphs.
 
 use nalgebra::Point3;
 
@@ -21,7 +21,7 @@ pub(super) enum Field {
     Active,
 }
 
-/// How each is spelled, ours first; letters and digits in lower case.
+/// The spellings of each, ours first; letters and digits in lower case.
 const SPELLINGS: &[(Field, &[&str])] = &[
     (Field::X, &["x", "xm", "posx", "xpos", "easting", "east"]),
     (Field::Y, &["y", "ym", "posy", "ypos", "northing", "north"]),
@@ -34,14 +34,14 @@ const SPELLINGS: &[(Field, &[&str])] = &[
     (Field::Active, &["active"]),
 ];
 
-/// The property of this name, whatever its case and its punctuation.
+/// The property of this name, ignoring case and punctuation.
 pub(super) fn field(name: &str) -> Option<Field> {
     let letters = name.chars().filter(char::is_ascii_alphanumeric).map(|letter| letter.to_ascii_lowercase());
     let name: String = letters.take(16).collect();
     SPELLINGS.iter().find(|(_, names)| names.contains(&name.as_str())).map(|(field, _)| *field)
 }
 
-/// What a file says of one station.
+/// What a file says about one station.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Fields {
     x: Option<f64>,
@@ -56,11 +56,11 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Takes a value as text; an empty one says nothing. Fails with what is wrong with it and what to do.
+    /// Sets a value from text; an empty one is ignored. Fails with what is wrong and a hint.
     pub(super) fn set(&mut self, field: Field, text: &str) -> Result<(), (String, &'static str)> {
         let hint = match field {
-            Field::Level => "levels are whole numbers from 0 on, at the top",
-            Field::Active => "`active` tells whether a dead end may grow on: true or false",
+            Field::Level => "levels are whole numbers, counted from 0 at the top",
+            Field::Active => "`active` says whether a dead end may grow further: true or false",
             _ => LENGTH_HINT,
         };
         self.read(field, text.trim()).map_err(|fault| (fault, hint))
@@ -77,7 +77,7 @@ impl Fields {
             Field::Radius => self.radius = length(text)?,
             Field::Width => self.width_m = length(text)?,
             Field::Height => self.height_m = length(text)?,
-            // What others call a shape, `circle` or `round`, is none of a mine.
+            // Shapes of other programs, such as `circle` or `round`, are not mine drifts.
             Field::Shape => self.shape = Some(if text == "drift" { Shape::Drift } else { Shape::Cave }),
             Field::Level => self.level = whole(text)?,
             Field::Active => self.active = truth(text)?,
@@ -85,13 +85,13 @@ impl Fields {
         Ok(())
     }
 
-    /// Puts it where it is drawn, if nothing else says where it is.
+    /// Uses the position of its drawing if the file gives no other.
     pub(super) fn draw_at(&mut self, [x, y]: [f64; 2]) {
         self.x = self.x.or(Some(x));
         self.y = self.y.or(Some(y));
     }
 
-    /// The node; without a height it is at 0. Fails with the coordinate that is missing.
+    /// The node; without a height it is at 0. Fails with the missing coordinate.
     pub(super) fn node(self, id: u64) -> Result<Node, &'static str> {
         let place = Point3::new(self.x.ok_or("x")?, self.y.ok_or("y")?, self.z.unwrap_or_default());
         let (width_m, height_m) = (self.width_m, self.height_m);
@@ -109,7 +109,7 @@ fn truth(text: &str) -> Result<bool, String> {
     }
 }
 
-/// The name of a shape in files.
+/// Name of a shape in files.
 pub(super) fn shape_name(shape: Shape) -> &'static str {
     match shape {
         Shape::Drift => "drift",

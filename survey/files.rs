@@ -1,4 +1,4 @@
-//! Texts that name other texts, read within bounds.
+//! Text files that include others, read within limits.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -18,17 +18,17 @@ pub(super) struct FilePosition {
 /// The files of one survey.
 pub(super) struct Files<'a> {
     source: &'a Source<'a>,
-    /// Every file that was read, in order.
+    /// All files read, in order.
     paths: Vec<PathBuf>,
-    /// Whether each lies elsewhere than below the folder of the first.
+    /// Whether each file is outside the folder of the first.
     strays: Vec<bool>,
-    /// Those that are being read, the innermost last.
+    /// The files that are being read, the innermost last.
     open: Vec<usize>,
     bytes: usize,
 }
 
 impl<'a> Files<'a> {
-    /// With the file that leads to all others.
+    /// Starts with the file that includes all others.
     pub(super) fn new(source: &'a Source<'a>) -> Self {
         let paths = vec![source.path.to_path_buf()];
         Self { source, paths, strays: vec![false], open: vec![0], bytes: source.bytes.len() }
@@ -39,7 +39,7 @@ impl<'a> Files<'a> {
         FilePosition { file: self.open.last().copied().unwrap_or_default(), line }
     }
 
-    /// A fault in a line.
+    /// An error in a line.
     pub(super) fn fault(
         &self,
         file_position: FilePosition,
@@ -52,7 +52,7 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// A fault of the whole file that is being read.
+    /// An error of the whole file that is being read.
     pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
         let file = self.file_position(0).file;
         match self.strays[file] {
@@ -61,21 +61,20 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// Whether names may come from files of which nothing is shown.
+    /// Whether names may come from files of which nothing may be shown.
     pub(super) fn has_strays(&self) -> bool {
         self.strays.contains(&true)
     }
 
-    /// Opens the file that a line names, relative to the file it stands in: as it is named, or with an ending, in the
-    /// case it has or in lower case. To be closed again. One that lies elsewhere than below the folder of the first file is
-    /// refused, unless the outside allows it.
+    /// Opens the file that a line includes, relative to the including file: as named or with an extension, in the given or in
+    /// lower case. Must be closed again. A file outside the folder of the first file is refused, unless allowed.
     pub(super) fn open(&mut self, file_position: FilePosition, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
         let refused = |message: String, hint: &str| Err(self.fault(file_position, message, hint));
         if self.open.len() >= MAX_DEPTH {
-            return refused(format!("files name each other more than {MAX_DEPTH} deep"), "");
+            return refused(format!("includes are nested more than {MAX_DEPTH} deep"), "");
         }
         if self.paths.len() >= MAX_FILES {
-            return refused(format!("this leads to more than {MAX_FILES} files"), "");
+            return refused(format!("the survey includes more than {MAX_FILES} files"), "");
         }
         let folder = self.paths[file_position.file].parent().unwrap_or(Path::new(""));
         let name = name.replace('\\', "/");
@@ -84,7 +83,7 @@ impl<'a> Files<'a> {
         let (mut first, mut is_refused) = (None, false);
         for path in names.iter().map(|name| folder.join(name)) {
             if self.open.iter().any(|&open| self.paths[open] == path) {
-                return refused(format!("{} leads back to itself", shown(&name)), "a file cannot be part of itself");
+                return refused(format!("{} includes itself", shown(&name)), "remove the circular include");
             }
             let is_stray = self.source.is_stray(&path);
             if self.source.refuses(is_stray) {
@@ -93,7 +92,7 @@ impl<'a> Files<'a> {
             }
             match self.source.outside.read(&path) {
                 Ok(bytes) if self.bytes + bytes.len() > MAX_BYTES => {
-                    let message = format!("the files hold more than {} MiB together", MAX_BYTES >> 20);
+                    let message = format!("the files are larger than {} MiB in total", MAX_BYTES >> 20);
                     return refused(message, "");
                 }
                 Ok(bytes) => {
@@ -112,11 +111,11 @@ impl<'a> Files<'a> {
         let why = first.map(|error| error.to_string()).unwrap_or_default();
         refused(
             format!("{} cannot be read: {why}", shown(&name)),
-            "files are looked for beside the file that names them",
+            "paths are relative to the file that includes them",
         )
     }
 
-    /// Is done with the innermost file.
+    /// Closes the innermost file.
     pub(super) fn close(&mut self) {
         self.open.pop();
     }
@@ -124,17 +123,17 @@ impl<'a> Files<'a> {
     /// The lines of a text with their numbers.
     ///
     /// # Errors
-    /// Each, when it is longer than any line may be.
+    /// For a line that is too long.
     pub(super) fn line<'t>(&self, number: usize, line: &'t str) -> Result<&'t str, ReadError> {
         if line.len() > MAX_LINE {
-            let message = format!("a line of more than {} KiB", MAX_LINE >> 10);
-            return Err(self.fault(self.file_position(number), message, "is this a text?"));
+            let message = format!("the line is longer than {} KiB", MAX_LINE >> 10);
+            return Err(self.fault(self.file_position(number), message, "is this a text file?"));
         }
         Ok(line.strip_suffix('\r').unwrap_or(line))
     }
 }
 
-/// The text of a file: UTF-8, or else Latin-1, which old surveys are written in.
+/// The text of a file: UTF-8, otherwise Latin-1, as in old surveys.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match str::from_utf8(bytes) {

@@ -1,11 +1,11 @@
-//! GraphML (<http://graphml.graphdrawing.org/>), as networkx, igraph, Gephi and yEd write and read it.
+//! GraphML (<http://graphml.graphdrawing.org/>), as written and read by networkx, igraph, Gephi and yEd.
 //!
-//! A node has its place, radius, section and level under keys of those names; where a drawing of yEd has no such keys, it is
-//! where it is drawn, seen from above. Edges have no direction. Names of nodes that are numbers, as `7` or `n7`, become ids;
-//! otherwise nodes are numbered. Hyperedges, graphs inside nodes and document types are refused: this reader knows no
-//! entities but those of XML itself, so that no file can grow in memory.
+//! Position, radius, section and level of a node are under keys of those names; in a yEd drawing without such keys, the
+//! position is that of the drawing, as a plan. Edges are undirected. Node names that are numbers, such as `7` or `n7`,
+//! become ids; otherwise nodes are numbered. Hyperedges, nested graphs and document types are refused: only the predefined
+//! XML entities are known, so that no file can expand in memory.
 //!
-//! Places may be of any grid ([`origin`](super::origin)). Held is all of a graph but its parents.
+//! Positions may be in any grid ([`origin`](super::origin)). Preserves everything of a graph except parents.
 
 mod read;
 mod write;

@@ -1,11 +1,11 @@
-//! Karst networks as karstnet reads them (Collon et al. 2017, <https://github.com/karstnet/karstnet>): a pair of texts.
+//! Karst networks in the format of karstnet (Collon et al. 2017, <https://github.com/karstnet/karstnet>): two text files.
 //!
-//! `X_nodes.dat` has x, y and z of a node in each line, in metres, Z up, split by blanks; further columns are properties and are
-//! read over. `X_links.dat` has in each line the numbers of two nodes, from 1. `#` begins a comment. The synthesis of
-//! Paris et al. 2021 writes the same pair, though with Y up: its caves lie on their side until they are turned.
+//! `X_nodes.dat` has x, y and z of a node per line, in metres, Z up, separated by blanks; further columns are properties and
+//! are ignored. `X_links.dat` has the numbers of two nodes per line, counted from 1. `#` begins a comment. The program of
+//! Paris et al. 2021 writes the same pair, but with Y up: its caves lie on their side unless rotated.
 //!
-//! Places may be of any grid ([`origin`](super::origin)). Held are places and passages, in their order; not radii, sections
-//! and levels.
+//! Positions may be in any grid ([`origin`](super::origin)). Preserves positions and passages in their order; not radii,
+//! sections and levels.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -22,13 +22,13 @@ use plume_graph::{Graph, Node, StationId};
 const NODES: &str = "_nodes.dat";
 const LINKS: &str = "_links.dat";
 
-/// Reads the pair, whichever of it is named.
+/// Reads the pair, given either file.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let name = source.path.to_string_lossy();
     let (stem, is_nodes) = match (stem(&name, NODES), stem(&name, LINKS)) {
         (Some(stem), _) => (stem, true),
         (_, Some(stem)) => (stem, false),
-        _ => return Err(ReadError::whole(source.path, "is neither nodes nor links", PAIR_HINT)),
+        _ => return Err(ReadError::whole(source.path, "is neither a file of nodes nor of links", PAIR_HINT)),
     };
     let other = PathBuf::from(format!("{stem}{}", if is_nodes { LINKS } else { NODES }));
     let is_stray = source.is_stray(&other);
@@ -48,9 +48,9 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     draft.into_import(nodes.0, parts, |node| format!("node {}", node + 1))
 }
 
-const PAIR_HINT: &str = "a network is a pair of files beside each other: X_nodes.dat and X_links.dat";
+const PAIR_HINT: &str = "a network is a pair of files in the same folder: X_nodes.dat and X_links.dat";
 
-/// The name before an ending of either case.
+/// The name before an extension in either case.
 fn stem<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
     let (stem, end) = name.split_at_checked(name.len().checked_sub(ending.len())?)?;
     end.eq_ignore_ascii_case(ending).then_some(stem)
@@ -64,7 +64,7 @@ fn read_nodes(path: &Path, bytes: &[u8]) -> Result<Vec<Node>, ReadError> {
             let message = format!("there are more than {MAX_STATIONS} nodes");
             return Err(ReadError::line(path, line, message, "split the network into several caves"));
         }
-        let [x, y, z] = first(path, line, columns, "a node is a line of x, y and z in metres")?;
+        let [x, y, z] = first(path, line, columns, "a node is a line with x, y and z in metres")?;
         let read = |text| coordinate(text).map_err(|fault| ReadError::line(path, line, fault, LENGTH_HINT));
         nodes.push(node_at(nodes.len() as u64, Point3::new(read(x)?, read(y)?, read(z)?)));
     }
@@ -91,16 +91,16 @@ fn read_links(path: &Path, bytes: &[u8], nodes: usize) -> Result<Vec<[StationId;
     Ok(links)
 }
 
-const LINK_HINT: &str = "a link is a line of two numbers, those of its nodes' lines, from 1";
+const LINK_HINT: &str = "a link is a line with the numbers of two nodes, counted from 1";
 
 type Row<'a> = Result<(usize, &'a str), ReadError>;
 
-/// Lines that hold something, counted from 1, without comments.
+/// Lines that are not empty, numbered from 1, without comments.
 fn rows<'a>(path: &'a Path, bytes: &'a [u8]) -> Result<impl Iterator<Item = Row<'a>>, ReadError> {
     let lines = utf8(path, bytes)?.lines().enumerate();
     let rows = lines.map(move |(index, line)| {
         if line.len() > MAX_LINE {
-            return Err(ReadError::line(path, index + 1, "is too long a line", "this does not look like a network"));
+            return Err(ReadError::line(path, index + 1, "is too long", "this does not look like a network"));
         }
         Ok((index + 1, line.split('#').next().unwrap_or_default().trim()))
     });
@@ -119,11 +119,11 @@ pub(super) fn export(graph: &Graph) -> Vec<Written> {
     let mut nodes = String::new();
     for node in &graph.nodes {
         let [x, y, z] = node.position.coords.into();
-        writeln!(nodes, "{x} {y} {z}").expect("memory takes any text");
+        writeln!(nodes, "{x} {y} {z}").expect("writing to a string cannot fail");
     }
     let mut links = String::new();
     for [a, b] in &graph.edges {
-        writeln!(links, "{} {}", a.index() + 1, b.index() + 1).expect("memory takes any text");
+        writeln!(links, "{} {}", a.index() + 1, b.index() + 1).expect("writing to a string cannot fail");
     }
     vec![
         Written { suffix: "_nodes", bytes: nodes.into_bytes() },

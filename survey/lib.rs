@@ -1,7 +1,7 @@
 //! Graphs and cave surveys as files: one file and one row for each format.
 //!
-//! A reader takes what it is given for hostile: it holds to the limits in [`limits`], follows no link that the format does
-//! not need, and says where a fault is.
+//! Readers treat their input as hostile: they respect the limits in [`limits`], open only files that the format requires,
+//! and report where an error is.
 
 mod centreline;
 mod compass;
@@ -37,43 +37,43 @@ pub use survey::Tally;
 use self::draft::Draft;
 use plume_graph::{Graph, Node, Outside};
 
-/// What becomes of parts of a graph that no passage joins.
+/// What to do with disconnected parts of a graph.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Parts {
-    /// They are an error.
+    /// Report an error.
     #[default]
     Refuse,
-    /// They are joined where they are nearest to each other.
+    /// Join them where they are nearest to each other.
     Join,
-    /// They stay as they are.
+    /// Keep them as they are.
     Keep,
-    /// The one with the longest passages stays.
+    /// Keep only the part with the greatest length of passages.
     Longest,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
-    /// The graph: at least two nodes, unique ids, all lengths finite.
+    /// The graph: at least two nodes, unique ids, finite lengths.
     pub graph: Graph,
-    /// The recipe it was made from, where the file has one.
+    /// The recipe it was made from, if the file has one.
     pub recipe: Option<Value>,
-    /// What was left out or filled in.
+    /// What was dropped or filled in.
     pub tally: Tally,
 }
 
 impl Import {
-    /// The same with every length times a factor. What comes to lie in one place, to 1 mm, is welded.
+    /// The same with all lengths multiplied by a factor. Nodes that end up in one place, to 1 mm, are welded.
     ///
     /// # Errors
-    /// When nothing is left of it, or it reaches too far from the origin.
+    /// If nothing is left of it, or it reaches too far from the origin.
     pub fn scaled(self, factor: f64, path: &Path) -> Result<Self, ReadError> {
         let Self { graph, recipe, tally } = self;
         let Graph { nodes, edges } = graph.scaled(factor);
         let is_near = |node: &Node| node.position.iter().all(|x| x.abs() <= limits::MAX_LENGTH_M);
         if !nodes.iter().all(is_near) {
-            return Err(ReadError::whole(path, "is too far away, scaled", text::LENGTH_HINT));
+            return Err(ReadError::whole(path, "is too far from the origin after scaling", text::LENGTH_HINT));
         }
         let finished = Draft { nodes, edges }.finished(Parts::Keep);
         let name = |node: usize| format!("node {node}");
@@ -82,63 +82,62 @@ impl Import {
     }
 }
 
-/// A file to be read, and the world it may ask for others.
+/// A file to be read, with access to files that it includes.
 pub struct Source<'a> {
     /// Its path.
     pub path: &'a Path,
     /// Its content.
     pub bytes: &'a [u8],
-    /// Answers when the file names another.
+    /// Provides included files.
     pub outside: &'a dyn Outside,
 }
 
 impl Source<'_> {
-    /// Whether a file that this one leads to lies elsewhere than below its folder.
+    /// Whether a file that this one includes is outside its folder.
     fn is_stray(&self, path: &Path) -> bool {
         !self.outside.is_below(self.path.parent().unwrap_or(Path::new("")), path)
     }
 
-    /// Whether such a file is read.
+    /// Whether such a file may be read.
     fn refuses(&self, is_stray: bool) -> bool {
         is_stray && !self.outside.allows_strays()
     }
 }
 
-/// What is said of a file that lies elsewhere, and of its lines where it is read all the same: nothing of it is shown, since
-/// whoever wrote the file that names it may not be who asks for it.
-const STRAY: &str = "lies outside the folder of the file that was named";
-const STRAY_HINT: &str = "if you trust the file that names it, add --allow-outside";
+/// Messages about an included file outside the folder, and about its lines if it may be read: its text is never shown,
+/// since the author of the including file may not be the user.
+const STRAY: &str = "is outside the folder of the imported file";
+const STRAY_HINT: &str = "if you trust the file that includes it, add --allow-outside";
 const STRAY_LINE: &str = "cannot be read";
-const STRAY_LINE_HINT: &str =
-    "this file lies outside the folder of the one that was named, so none of its text is shown";
+const STRAY_LINE_HINT: &str = "this file is outside the folder of the imported one, so none of its text is shown";
 
-/// A file that a format writes.
+/// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// What stands between the name that was asked for and the extension: nothing, or `_nodes`.
+    /// The part of the name between the requested name and the extension: empty, or `_nodes`.
     pub suffix: &'static str,
     /// Its content.
     pub bytes: Vec<u8>,
 }
 
-/// Reads a file and does with its parts as asked.
+/// Reads a file and treats its parts as asked.
 pub type Reader = fn(&Source, Parts) -> Result<Import, ReadError>;
 
 /// A row of [`FORMATS`].
 pub struct FormatRow {
     /// Name on the command line.
     pub name: &'static str,
-    /// What file names end with, lower case; the first is the one that is written.
+    /// Extensions, lower case; the first is used for writing.
     pub endings: &'static [&'static str],
     /// One line for `plume list`.
     pub summary: &'static str,
-    /// Reads a file, where the format is read.
+    /// The reader, if the format can be read.
     pub read: Option<Reader>,
-    /// Writes a graph, where the format is written.
+    /// The writer, if the format can be written.
     pub write: Option<fn(&Graph) -> Vec<Written>>,
 }
 
-/// Every format, the one that holds all of a graph first. Endings that others end with come before them.
+/// All formats, the lossless one first. An extension that ends with another comes before that one.
 pub static FORMATS: &[FormatRow] = &[
     FormatRow {
         name: "json",
@@ -157,7 +156,7 @@ pub static FORMATS: &[FormatRow] = &[
     FormatRow {
         name: "karstnet",
         endings: &["_nodes.dat", "_links.dat"],
-        summary: "karstnet's pair of X_nodes.dat and X_links.dat",
+        summary: "pair of files of karstnet: X_nodes.dat and X_links.dat",
         read: Some(karst::import),
         write: Some(karst::export),
     },
@@ -171,28 +170,28 @@ pub static FORMATS: &[FormatRow] = &[
     FormatRow {
         name: "survex-3d",
         endings: &[".3d"],
-        summary: "a survey that Survex has processed, with its cross-sections",
+        summary: "a survey processed by Survex, with its cross-sections",
         read: Some(survex3d::import),
         write: None,
     },
     FormatRow {
         name: "svx",
         endings: &[".svx"],
-        summary: "survey data of Survex, as it was measured",
+        summary: "raw survey data of Survex",
         read: Some(svx::import),
         write: None,
     },
     FormatRow {
         name: "therion",
         endings: &[".th"],
-        summary: "the centreline of a Therion survey, as it was measured",
+        summary: "raw centreline data of Therion",
         read: Some(therion::import),
         write: None,
     },
     FormatRow {
         name: "compass",
         endings: &[".dat", ".mak"],
-        summary: "survey books of Compass and their projects",
+        summary: "survey data and projects of Compass",
         read: Some(compass::import),
         write: None,
     },
@@ -210,22 +209,22 @@ pub fn format(name: &str) -> Option<&'static FormatRow> {
     FORMATS.iter().find(|row| row.name == name)
 }
 
-/// The format that this file name's ending tells. Of several, the first that `has` what is wanted.
+/// The format of this file name's extension. Of several, the first for which `has` is true.
 pub fn format_of(path: &Path, has: fn(&FormatRow) -> bool) -> Option<&'static FormatRow> {
     let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
     FORMATS.iter().find(|row| has(row) && row.endings.iter().any(|ending| name.ends_with(ending)))
 }
 
-/// Reads the file at `path` as its name says.
+/// Reads the file at `path` by its extension.
 ///
 /// # Errors
-/// When the name tells no format, the file cannot be read, or no cave can be made of it.
+/// If the extension is unknown, the file cannot be read, or it is not a cave.
 pub fn read(path: &Path, parts: Parts, outside: &dyn Outside) -> Result<Import, ReadError> {
     let Some(row) = format_of(path, |row| row.read.is_some()) else {
         let known = FORMATS.iter().filter(|row| row.read.is_some()).flat_map(|row| row.endings);
         let known: Vec<&str> = known.copied().collect();
-        let hint = format!("known names end with {}", known.join(", "));
-        return Err(ReadError::whole(path, "is of no known graph format", hint));
+        let hint = format!("known extensions: {}", known.join(", "));
+        return Err(ReadError::whole(path, "has no known graph format", hint));
     };
     read_as(row, path, parts, outside)
 }
@@ -233,20 +232,24 @@ pub fn read(path: &Path, parts: Parts, outside: &dyn Outside) -> Result<Import, 
 /// Reads the file at `path` in this format.
 ///
 /// # Errors
-/// When the format is not read, the file cannot be read, or no cave can be made of it.
+/// If the format cannot be read, the file cannot be read, or it is not a cave.
 pub fn read_as(row: &FormatRow, path: &Path, parts: Parts, outside: &dyn Outside) -> Result<Import, ReadError> {
     let Some(reader) = row.read else {
-        return Err(ReadError::whole(path, format!("{} is written, not read", row.name), "see `plume list formats`"));
+        return Err(ReadError::whole(
+            path,
+            format!("{} can be written but not read", row.name),
+            "see `plume list formats`",
+        ));
     };
     let bytes = outside.read(path).map_err(|error| ReadError::whole(path, error.to_string(), ""))?;
     reader(&Source { path, bytes: &bytes, outside }, parts)
 }
 
-/// A file could not be read.
+/// A file that could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {message}")]
 pub struct ReadError {
-    /// Where the fault is.
+    /// Where the error is.
     pub place: Place,
     /// What is wrong, lower case.
     pub message: String,
@@ -255,28 +258,28 @@ pub struct ReadError {
 }
 
 impl ReadError {
-    /// A fault of the whole file.
+    /// An error of the whole file.
     pub fn whole(path: &Path, message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { place: Place::File(path.to_path_buf()), message: message.into(), hint: hint.into() }
     }
 
-    /// A fault in a line, counted from 1.
+    /// An error in a line, counted from 1.
     pub fn line(path: &Path, line: usize, message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { place: Place::Line(path.to_path_buf(), line), message: message.into(), hint: hint.into() }
     }
 
-    /// A fault at a byte, counted from 0.
+    /// An error at a byte, counted from 0.
     pub fn byte(path: &Path, byte: usize, message: impl Into<String>, hint: impl Into<String>) -> Self {
         Self { place: Place::Byte(path.to_path_buf(), byte), message: message.into(), hint: hint.into() }
     }
 }
 
-/// Where a fault is.
+/// Where an error is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Somewhere in a file.
+    /// In a file.
     File(PathBuf),
-    /// In a line of a text, counted from 1.
+    /// In a line of a text file, counted from 1.
     Line(PathBuf, usize),
     /// At a byte, counted from 0.
     Byte(PathBuf, usize),

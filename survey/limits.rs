@@ -1,4 +1,4 @@
-//! What no file may exceed, so that reading it takes bounded time and memory.
+//! Limits of files, so that reading takes bounded time and memory.
 
 /// Stations of a graph or survey.
 pub const MAX_STATIONS: usize = 1_000_000;
@@ -6,13 +6,13 @@ pub const MAX_STATIONS: usize = 1_000_000;
 pub const MAX_LEGS: usize = 4_000_000;
 /// Distance of a node from the origin of its graph, and any other length, in metres.
 pub const MAX_LENGTH_M: f64 = 1e6;
-/// How far from zero national grids count, in metres: no place on earth is farther.
+/// Largest coordinate of national grids, in metres: no place on earth has a larger one.
 pub const MAX_COORDINATE_M: f64 = 1e8;
-/// Files that one file leads to.
+/// Files that one file includes, directly or indirectly.
 pub const MAX_FILES: usize = 1_000;
-/// Depth of anything that nests: elements, blocks, files that name files.
+/// Depth of nesting: elements, blocks, includes.
 pub const MAX_DEPTH: usize = 64;
-/// Bytes of one line of a text.
+/// Bytes of one line of a text file.
 pub const MAX_LINE: usize = 64 * 1024;
-/// Bytes of all files that one file leads to.
+/// Total bytes of all files that one file includes.
 pub const MAX_BYTES: usize = 256 << 20;

@@ -1,8 +1,8 @@
-//! What surveyors measure, with what, and how a shot follows from it.
+//! What surveyors measure, with which instruments, and how a shot is computed from it.
 //!
-//! Survex and Therion mean the same by the same words, and Compass measures the same, so their readers share this: [`Instruments`] are the settings that
-//! hold for the lines that follow, an [`Order`] says what stands in which column, [`Columns`] puts the lines together,
-//! and [`Instruments::shot`] makes a vector of the readings (Survex manual 1.4, chapter 4; Therion book 6.1, `centreline`).
+//! Survex and Therion share their terms, and Compass measures the same, so their readers share this: [`Instruments`] are the
+//! settings for the lines that follow, an [`Order`] says which column holds what, [`Columns`] assembles the lines, and
+//! [`Instruments::shot`] turns readings into a vector (Survex manual 1.4, chapter 4; Therion book 6.1, `centreline`).
 
 mod columns;
 mod order;
@@ -15,7 +15,7 @@ pub(super) use columns::{Cell, Columns, Row};
 pub(super) use order::{Order, Reading, Style};
 pub(super) use shot::Measured;
 
-/// Something that an instrument reads.
+/// A quantity that an instrument measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Quantity {
     Length,
@@ -42,7 +42,7 @@ pub(super) enum Quantity {
 /// Quantities in the order of the enum.
 const QUANTITIES: usize = Quantity::Position as usize + 1;
 
-/// What the quantities are called.
+/// Names of the quantities.
 const NAMES: &[(&str, Quantity)] = &[
     ("length", Quantity::Length),
     ("tape", Quantity::Length),
@@ -96,7 +96,7 @@ impl Quantity {
         )
     }
 
-    /// The same, seen from the other end of the leg.
+    /// The same quantity measured from the other end of the leg.
     fn back(self) -> Option<Self> {
         match self {
             Self::Length => Some(Self::BackLength),
@@ -111,19 +111,19 @@ impl Quantity {
     }
 }
 
-/// Of the international foot.
+/// Metres per international foot.
 pub(super) const METRES_PER_FOOT: f64 = 0.3048;
 
-/// What a number on paper means.
+/// The unit of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Unit {
-    /// So many metres.
+    /// A length: this many metres.
     Length(f64),
-    /// So many radians.
+    /// An angle: this many radians.
     Angle(f64),
-    /// The slope as a percentage.
+    /// A slope in per cent.
     Percent,
-    /// A bearing as surveyors on land write it: `S34E`.
+    /// A quadrant bearing: `S34E`.
     Quadrants,
 }
 
@@ -157,7 +157,7 @@ const UNITS: &[(&str, Unit)] = &[
     ("min", Unit::Angle(PI / 10_800.0)),
     ("grads", Unit::Angle(PI / 200.0)),
     ("grad", Unit::Angle(PI / 200.0)),
-    // Survex calls them so, and Therion after it.
+    // The names of Survex, which Therion adopted.
     ("mils", Unit::Angle(PI / 200.0)),
     ("mil", Unit::Angle(PI / 200.0)),
     ("percentage", Unit::Percent),
@@ -199,42 +199,42 @@ impl Unit {
     }
 }
 
-/// How one quantity is read.
+/// How one quantity is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Gauge {
     unit: Unit,
-    /// What is read where there is nothing, as it is read.
+    /// Zero error, in the unit of the reading.
     read_zero: f64,
-    /// The same in metres or radians.
+    /// Zero error in metres or radians.
     zero: f64,
     scale: f64,
     /// Standard deviation, in metres or radians.
     spread: f64,
 }
 
-/// Whose words the settings are in.
+/// The program whose conventions the settings follow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// A zero error is in the unit that holds where it is set.
+    /// A zero error is in the unit current when it is set.
     #[default]
     Survex,
-    /// A zero error is in the unit that holds where something is read, and what is said of an instrument holds for
-    /// backsights, too.
+    /// A zero error is in the unit current when a reading is taken, and settings of an instrument also apply to
+    /// backsights.
     Therion,
 }
 
-/// The instruments in use, and how readings are taken.
+/// The current settings of all instruments.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Instruments {
     gauges: [Gauge; QUANTITIES],
     pub(super) dialect: Dialect,
-    /// Gradients of 90° are plumbed.
+    /// Whether gradients of 90° are plumbed.
     infer_plumbs: bool,
-    /// Shots without length say that two stations are one.
+    /// Whether zero-length shots equate their stations.
     infer_equates: bool,
 }
 
-/// What is taken where nothing is said: metres, degrees, and BCRA grade 5 for what they are worth, as Survex has it.
+/// The defaults of Survex: metres, degrees, and standard deviations of BCRA grade 5.
 impl Default for Instruments {
     fn default() -> Self {
         let length = Gauge { unit: Unit::Length(1.0), read_zero: 0.0, zero: 0.0, scale: 1.0, spread: 0.05 };
@@ -257,11 +257,11 @@ impl Default for Instruments {
     }
 }
 
-/// Settings beyond these are typing errors, and would make loops insoluble.
+/// Limits of settings: values beyond are typing errors, and would make loops unsolvable.
 const FACTORS: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 impl Instruments {
-    /// Those of Compass, which has lengths in feet and angles in degrees, and plumbs and equates as they look.
+    /// The settings of Compass: lengths in feet, angles in degrees, plumbed shots and equates inferred.
     pub(super) fn of_compass() -> Self {
         let mut instruments = Self { infer_plumbs: true, infer_equates: true, ..Self::default() };
         for gauge in instruments.gauges.iter_mut().filter(|gauge| matches!(gauge.unit, Unit::Length(_))) {
@@ -270,30 +270,30 @@ impl Instruments {
         instruments
     }
 
-    /// From now on this much is added to what is read, in the unit that holds now.
+    /// Sets what is added to readings from now on, in the current unit.
     pub(super) fn correct(&mut self, quantity: Quantity, by: f64) {
         let gauge = &mut self.gauges[quantity as usize];
         gauge.zero = -gauge.unit.of(by);
     }
 
-    /// Reads these quantities in this unit from now on.
+    /// Sets the unit of these quantities from now on.
     fn set_unit(&mut self, of: &[Quantity], factor: f64, unit: Unit) -> Result<(), String> {
         if !FACTORS.contains(&factor.abs()) {
-            return Err(format!("a unit cannot be {factor} of another"));
+            return Err(format!("the factor of a unit cannot be {factor}"));
         }
         self.set(of, unit, |gauge| gauge.unit = unit.times(factor))
     }
 
-    /// From now on these quantities are (reading − zero) · scale, where the zero is read in the unit of the quantity; or
-    /// reading · scale − zero, where it comes in a unit of its own.
+    /// From now on these quantities are (reading − zero) · scale if the zero error is in the unit of the quantity, or
+    /// reading · scale − zero if it has its own unit.
     fn calibrate(&mut self, of: &[Quantity], zero: f64, own: Option<Unit>, scale: f64) -> Result<(), String> {
         if !FACTORS.contains(&scale.abs()) {
-            return Err(format!("a scale of {scale} leaves nothing to measure with"));
+            return Err(format!("a scale cannot be {scale}"));
         }
         for &quantity in of {
             let gauge = &mut self.gauges[quantity as usize];
             if own.is_some_and(|own| !own.measures(quantity)) {
-                return Err("this unit does not go with what is calibrated".to_owned());
+                return Err("this unit does not fit the calibrated quantity".to_owned());
             }
             gauge.scale = scale;
             (gauge.read_zero, gauge.zero) = match (own, self.dialect) {
@@ -305,31 +305,31 @@ impl Instruments {
         Ok(())
     }
 
-    /// Trusts these quantities to within this standard deviation.
+    /// Sets the standard deviation of these quantities.
     fn set_spread(&mut self, of: &[Quantity], spread: f64, unit: Unit) -> Result<(), String> {
         let spread = unit.of(spread);
         if !(0.0..=1e4).contains(&spread) {
-            return Err("this is no standard deviation".to_owned());
+            return Err("this is not a valid standard deviation".to_owned());
         }
         self.set(of, unit, |gauge| gauge.spread = spread)
     }
 
-    /// Adds this to every bearing, in radians.
+    /// Sets the declination, which is added to every bearing, in radians.
     pub(super) fn set_declination_rad(&mut self, declination_rad: f64) {
         self.gauges[Quantity::Declination as usize].zero = -declination_rad;
     }
 
-    /// What is added to every bearing, in radians.
+    /// The declination, which is added to every bearing, in radians.
     pub(super) fn declination_rad(&self) -> f64 {
         -self.gauges[Quantity::Declination as usize].zero
     }
 
-    /// Forgets zeros and scales.
+    /// Resets zero errors and scales.
     pub(super) fn reset_calibration(&mut self) {
         self.gauges.iter_mut().for_each(|gauge| (gauge.read_zero, gauge.zero, gauge.scale) = (0.0, 0.0, 1.0));
     }
 
-    /// Forgets units.
+    /// Resets units.
     pub(super) fn reset_units(&mut self) {
         let usual = Self::default();
         self.gauges.iter_mut().zip(usual.gauges).for_each(|(gauge, usual)| gauge.unit = usual.unit);
@@ -337,13 +337,13 @@ impl Instruments {
 
     fn set(&mut self, of: &[Quantity], unit: Unit, change: impl Fn(&mut Gauge)) -> Result<(), String> {
         if of.iter().any(|&quantity| !unit.measures(quantity)) {
-            return Err("this unit does not go with what is measured".to_owned());
+            return Err("this unit does not fit the measured quantity".to_owned());
         }
         of.iter().for_each(|&quantity| change(&mut self.gauges[quantity as usize]));
         Ok(())
     }
 
-    /// What a reading says, in metres or radians.
+    /// The value of a reading, in metres or radians.
     fn value(&self, quantity: Quantity, number: f64) -> f64 {
         let gauge = &self.gauges[quantity as usize];
         (gauge.unit.of(number - gauge.read_zero) - gauge.zero) * gauge.scale

@@ -1,8 +1,8 @@
-//! What becomes of parts that no passage joins.
+//! Disconnected parts of a graph.
 //!
-//! Points in the same place, to 1 mm, are one; a point on no passage is no part and goes. Joins are the shortest that make
-//! the parts one: a minimum spanning tree between them. Promised is that they are the same on every machine and that the
-//! time grows little faster than the number of points, also for a file made to waste it (see [`joins`]).
+//! Points in the same place, to 1 mm, are one; a point without passages is not a part and is dropped. Joins are the shortest
+//! that connect all parts: a minimum spanning tree between them. They are the same on every machine, and the time grows
+//! little faster than the number of points, even for a malicious file (see [`joins`]).
 
 mod joins;
 mod tree;
@@ -17,16 +17,16 @@ use super::{Parts, ReadError};
 use plume_graph::millimetres;
 use plume_graph::sets::Sets;
 
-/// Members named when a graph falls apart.
+/// Members listed if a graph is disconnected.
 const NAMED: usize = 10;
-/// What to do about a graph in several parts.
-pub(super) const HINT: &str = "add the passages that are missing, or `--set graph.parts=join` (or `keep`, or `longest`); \
+/// Hint for a disconnected graph.
+pub(super) const HINT: &str = "add the missing passages, or `--set graph.parts=join` (or `keep`, or `longest`); \
      at an import `--parts join`";
 
-/// Parts are refused, and there are several.
+/// The graph has several parts, which are refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Disconnected {
-    /// How many there are.
+    /// The number of parts.
     pub(super) parts: usize,
     /// The first point of each, at most ten.
     pub(super) members: Vec<usize>,
@@ -42,7 +42,7 @@ impl Disconnected {
         text
     }
 
-    /// The same as a fault of the whole file.
+    /// The same as an error of the whole file.
     pub(super) fn into_error(self, path: &Path, name: impl Fn(usize) -> String) -> ReadError {
         ReadError::whole(path, self.message(name), HINT)
     }
@@ -52,22 +52,22 @@ impl Disconnected {
     }
 }
 
-/// What is done to points and lines so that their parts are as asked.
+/// The changes to points and lines that make their parts as asked.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Fate {
     /// Lines to add.
     pub(super) joins: Vec<[usize; 2]>,
-    /// Whether each point stays.
+    /// Whether each point is kept.
     pub(super) stays: Vec<bool>,
-    /// Points of parts that go.
+    /// Number of points of dropped parts.
     pub(super) left_out: usize,
-    /// Parts at the end.
+    /// Number of parts afterwards.
     pub(super) parts: usize,
 }
 
 impl Fate {
     /// # Errors
-    /// When parts are refused and there are several.
+    /// If there are several parts and they are refused.
     pub(super) fn of(places: &[Point3<f64>], lines: &[[usize; 2]], parts: Parts) -> Result<Self, Disconnected> {
         let pieces = Pieces::of(places, lines);
         match parts {
@@ -85,11 +85,11 @@ impl Fate {
 /// No part.
 const NONE: usize = usize::MAX;
 
-/// Which part each point is in.
+/// The part of each point.
 struct Pieces {
-    /// Parts by their first point, ascending; [`NONE`] for a point on no passage.
+    /// Numbered by their first point, ascending; [`NONE`] for a point without passages.
     of_point: Vec<usize>,
-    /// Length of all passages of each part.
+    /// Total length of the passages of each part.
     lengths_m: Vec<f64>,
 }
 
@@ -133,7 +133,7 @@ impl Pieces {
         Fate { parts: self.lengths_m.len() - joins.len(), joins, stays, left_out: 0 }
     }
 
-    /// The part with the longest passages alone; of equals the first.
+    /// Keeps only the part with the greatest length of passages; of equals the first.
     fn longest(self) -> Fate {
         let parts = 0..self.lengths_m.len();
         let longest = parts.rev().max_by(|&a, &b| self.lengths_m[a].total_cmp(&self.lengths_m[b]));
@@ -143,7 +143,7 @@ impl Pieces {
     }
 }
 
-/// The first point in the place of each, to 1 mm. Places are hashed at random: no file can make them collide.
+/// The first point in the place of each, to 1 mm. Randomly hashed, so that no file can provoke collisions.
 pub(super) fn first_at_place(places: &[Point3<f64>]) -> Vec<usize> {
     let mut of_place: HashMap<[u64; 3], usize> = HashMap::new();
     let key = |place: &Point3<f64>| place.map(millimetres).coords.map(f64::to_bits).into();
@@ -155,17 +155,17 @@ mod tests {
     use super::*;
     use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
-    /// A centreline whose parts are as they were asked for.
+    /// A centreline whose parts are as asked.
     #[derive(Clone, Debug, PartialEq)]
     struct Settled {
         centreline: CentrelineBuilder,
         /// Lines that were added to join parts.
         joined: usize,
-        /// Vertices of parts that were left out; those that hung on nothing do not count.
+        /// Vertices of dropped parts; isolated ones do not count.
         left_out: usize,
     }
 
-    /// Drops vertices that hang on nothing and does with the parts as asked.
+    /// Drops isolated vertices and treats the parts as asked.
     fn settled(centreline: CentrelineBuilder, parts: Parts) -> Result<Settled, Disconnected> {
         let places: Vec<Point3<f64>> = centreline.vertices.iter().map(|vertex| vertex.position).collect();
         let lines: Vec<[usize; 2]> = centreline.lines.iter().map(|line| line.map(VertexId::index)).collect();
@@ -189,7 +189,7 @@ mod tests {
         }
     }
 
-    /// Three parts along x, a vertex that hangs on nothing and a line without length.
+    /// Three parts along x, an isolated vertex and a zero-length line.
     fn three() -> CentrelineBuilder {
         let places = [[0.0; 3], [2.0, 0.0, 0.0], [90.0, 0.0, 0.0], [4.0, 1.0, 0.0], [4.0, 9.0, 0.0], [7.0, 3.0, 0.0]];
         let more = [[7.0, 4.0, 0.0], [50.0, 0.0, 0.0], [50.0002, 0.0, 0.0]];
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_kept_or_the_longest_stays() {
+    fn parts_are_kept_or_only_the_longest_stays() {
         let kept = settled(three(), Parts::Keep).expect("kept");
         assert_eq!((kept.centreline.vertices.len(), kept.joined, kept.left_out), (6, 0, 0));
         assert_eq!(kept.centreline.into_graph().components().len(), 3);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn knots_in_one_place_are_in_one_part() {
+    fn points_in_one_place_are_in_one_part() {
         let touching = centreline(&[[0.0; 3], [5.0, 0.0, 0.0], [5.0001, 0.0, 0.0], [9.0, 0.0, 0.0]], &[[0, 1], [2, 3]]);
         assert_eq!(settled(touching.clone(), Parts::Refuse).map(|settled| settled.centreline), Ok(touching));
         let nothing = settled(CentrelineBuilder::default(), Parts::Join).expect("no parts");

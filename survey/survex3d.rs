@@ -1,12 +1,12 @@
-//! Survex `.3d` files, version 8: what `cavern` writes when it has processed a survey.
+//! Survex `.3d` files, version 8: the output of `cavern` for a processed survey.
 //!
-//! Read after the published description of the format (survex.com/docs/3dformat.htm, 2016). A header of four lines is
-//! followed by items of one byte code each: moves and lines in centimetres, names of stations, cross-sections. A name
-//! is told by what changes in the one before. Loops are closed already. Stations with the same coordinates are one,
-//! as the format has it; names serve only to say where a cross-section was measured.
+//! Read according to the published description of the format (survex.com/docs/3dformat.htm, 2016). A header of four lines
+//! is followed by items with a one-byte code each: moves and lines in centimetres, names of stations, cross-sections. Names
+//! are stored as differences from the previous one. Loops are closed already. Stations with the same coordinates are one,
+//! as defined by the format; names only tell where a cross-section was measured.
 //!
-//! Not read are other versions (`survexport --3d` makes version 8 of older ones), extended elevations, which are no
-//! caves, and dates and errors of closure, which are skipped.
+//! Not supported are other versions (`survexport --3d` converts older ones to version 8) and extended elevations, which are
+//! not caves; dates and misclosures are skipped.
 
 mod bytes;
 mod label;
@@ -21,17 +21,17 @@ use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::{Import, Parts, ReadError, Source};
 
 const FILE_ID: &[u8] = b"Survex 3D Image File";
-/// Says of the whole file that it is an extended elevation.
+/// Flag of the file: an extended elevation.
 const EXTENDED: u8 = 0x80;
-/// Bits of a line's code.
+/// Flags of a line's code.
 const LINE_SURFACE: u8 = 0x01;
 const LINE_DUPLICATE: u8 = 0x02;
 const LINE_SPLAY: u8 = 0x04;
 const LINE_SAME_LABEL: u8 = 0x20;
-/// Bit of a label's code: the cave opens to the surface here.
+/// Flag of a label's code: an entrance.
 const LABEL_ENTRANCE: u8 = 0x04;
 
-/// Reads a file as a row of [`FORMATS`](super::FORMATS) does.
+/// Reader of a row of [`FORMATS`](super::FORMATS).
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let mut bytes = Bytes::new(source.path, source.bytes);
     header(&mut bytes)?;
@@ -44,13 +44,13 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
 /// Checks the four lines before the items.
 fn header(bytes: &mut Bytes) -> Result<(), ReadError> {
     if bytes.line().ok() != Some(FILE_ID) {
-        return Err(bytes.fault_at(0, "is no Survex 3D file", "process the survey with `cavern`"));
+        return Err(bytes.fault_at(0, "is not a Survex 3D file", "process the survey with `cavern`"));
     }
     let at = bytes.at();
     let version = bytes.line()?;
     if version != b"v8" {
         let version = String::from_utf8_lossy(&version[..version.len().min(8)]).into_owned();
-        let message = format!("is version `{}` of the format, not v8", version.escape_debug());
+        let message = format!("has version `{}` of the format, not v8", version.escape_debug());
         let hint = "process the survey with a current `cavern`, or convert the file: `survexport --3d OLD.3d NEW.3d`";
         return Err(bytes.fault_at(at, message, hint));
     }
@@ -58,29 +58,29 @@ fn header(bytes: &mut Bytes) -> Result<(), ReadError> {
     let _time = bytes.line()?;
     let at = bytes.at();
     if bytes.u8()? & EXTENDED != 0 {
-        let hint = "name the .3d file that it was made of";
+        let hint = "name the .3d file that it was made from";
         return Err(bytes.fault_at(at, "is an extended elevation, which is flat", hint));
     }
     Ok(())
 }
 
-/// Coordinates in centimetres: what tells stations from each other.
+/// Coordinates in centimetres, which identify a station.
 type Place = [i32; 3];
 
-/// What the items so far have said.
+/// The survey as read so far.
 struct Reader<'a> {
     bytes: Bytes<'a>,
     survey: Survey,
-    /// Hashed at random, as the next: no file can make its places collide.
+    /// Randomly hashed, like the next map, so that no file can provoke collisions.
     of_place: HashMap<Place, usize>,
     /// The station of each name, by the name's hash.
     of_label: HashMap<u64, usize>,
     label: Label,
     /// Where the next line starts.
     here: Option<Place>,
-    /// Whether legs are said to be measured by tape, compass and clino: saying so again ends the file.
+    /// Whether the style is normal: setting it again ends the file.
     is_style_normal: bool,
-    /// Where the cross-sections of the passage that is being told start in the survey's.
+    /// Index of the first cross-section of the current passage.
     passage: usize,
 }
 
@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
             code @ 0x80..=0xff => self.station(code)?,
             code => {
                 let message = format!("has an item of the unknown kind {code:#04x}");
-                return Err(self.bytes.fault_at(at, message, "process the survey anew with `cavern`"));
+                return Err(self.bytes.fault_at(at, message, "process the survey again with `cavern`"));
             }
         }
         Ok(true)
@@ -141,7 +141,7 @@ impl<'a> Reader<'a> {
         }
         let to = self.place()?;
         let Some(from) = self.here.replace(to) else {
-            return Err(self.bytes.fault_at(at, "has a leg that starts nowhere", "process the survey with `cavern`"));
+            return Err(self.bytes.fault_at(at, "has a leg without a start", "process the survey with `cavern`"));
         };
         let kind = match code {
             code if code & LINE_SPLAY != 0 => Leg::Splay,
@@ -172,8 +172,8 @@ impl<'a> Reader<'a> {
             *side = (length_cm >= 0).then(|| f64::from(length_cm) / 100.0);
         }
         let Some(&station) = self.of_label.get(&self.label.hash()) else {
-            let message = "has a cross-section at a station that it did not name before";
-            return Err(self.bytes.fault_at(at, message, "process the survey anew with `cavern`"));
+            let message = "has a cross-section at a station that was not named before";
+            return Err(self.bytes.fault_at(at, message, "process the survey again with `cavern`"));
         };
         let [left_m, right_m, up_m, down_m] = sides;
         self.survey.walls.push(Walls { station, looking: [station; 2], left_m, right_m, up_m, down_m });
@@ -183,7 +183,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Tells each cross-section of a passage which way one looks: from the one before to the next.
+    /// Sets the direction of each cross-section of a passage: from the previous to the next.
     fn end_passage(&mut self) {
         let passage = &mut self.survey.walls[self.passage..];
         for index in 1..passage.len() {

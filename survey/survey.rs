@@ -1,13 +1,12 @@
-//! A cave as surveyors have it: stations, legs and distances to walls, and how they become a graph.
+//! A cave survey, i.e. stations, legs and distances to walls, and its conversion to a graph.
 //!
-//! Readers fill in a [`Survey`]; what follows is the same for all of them. Splays, duplicates and legs over the
-//! ground go ([`Leg`]), stations in one place become one ([`weld`]), parts that no passage joins are settled as
-//! asked, and each station gets a section from what was measured there or near it ([`section`]). Loops stay as they
-//! are: readers close them.
+//! Readers fill in a [`Survey`]; what follows is the same for all of them. Splays, duplicates and surface legs are dropped
+//! ([`Leg`]), stations in one place become one ([`weld`]), disconnected parts are treated as asked, and each station gets a
+//! section from measurements there or nearby ([`section`]). Loops are closed by the readers.
 //!
-//! Stations may have any coordinates, such as those of a national grid. The graph has its first entrance, or else its
-//! first station, as its first node and near its origin, because caves are exact only near that; [`Tally::origin_m`]
-//! leads back. Memory and time grow with the number of stations and legs.
+//! Stations may have any coordinates, such as those of a national grid. The first entrance, or else the first station,
+//! becomes the first node of the graph and its origin, because caves are exact only near the origin; [`Tally::origin_m`] is
+//! the offset. Memory and time grow with the number of stations and legs.
 
 mod section;
 mod spread;
@@ -24,28 +23,27 @@ use super::{Import, Parts, ReadError, Source, origin};
 use plume_graph::Graph;
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
-/// The least and the greatest reach of a station near which nothing was measured, in metres. Legs are as long as
-/// the view was, up to 30 m and more, and passages are not as wide as that: with the default width of 0.6 reaches
-/// these are 1.5 to 3.6 m. Tuned.
+/// Minimum and maximum reach of a station without measurements nearby, in metres. Legs are as long as the line of sight, up
+/// to 30 m and more, and passages are not that wide: with the default width of 0.6 reaches these are 1.5 to 3.6 m. Tuned.
 const REACH_M: [f64; 2] = [2.5, 6.0];
 
 /// A surveyed point.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SurveyStation {
-    /// In metres, east, north, up, as the file counts them; national grids are welcome.
+    /// In metres, east, north, up, in the coordinates of the file, which may be a national grid.
     pub(super) position: Point3<f64>,
     /// Whether the cave opens to the surface here.
     pub(super) entrance: bool,
 }
 
-/// Distances from a station to the walls, as surveyors note them (LRUD). What was not noted is `None`.
+/// Distances from a station to the walls (LRUD). Missing ones are `None`.
 ///
-/// A station has one for each passage that was looked along.
+/// A station has one for each passage that was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Walls {
     pub(super) station: usize,
-    /// The stations between which the surveyor looked: left and right are as one looks from the first to the second.
-    /// Often one of them is the station itself.
+    /// The direction of view: left and right are as seen from the first station towards the second. Often one of them is the
+    /// station itself.
     pub(super) looking: [usize; 2],
     pub(super) left_m: Option<f64>,
     pub(super) right_m: Option<f64>,
@@ -58,11 +56,11 @@ pub(super) struct Walls {
 pub(super) enum Leg {
     /// A passage.
     Passage,
-    /// A shot at a wall.
+    /// A splay: a shot at a wall.
     Splay,
-    /// A passage that was measured before.
+    /// A duplicate: a passage measured before.
     Duplicate,
-    /// A way over the ground.
+    /// A surface leg.
     Surface,
 }
 
@@ -74,33 +72,33 @@ pub(super) struct Survey {
     pub(super) walls: Vec<Walls>,
 }
 
-/// What reading a survey left out or filled in.
+/// Counts of what was dropped or filled in when reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// Shots at walls that were dropped.
+    /// Splays dropped.
     pub splays: usize,
-    /// Legs marked as measured before that were dropped.
+    /// Duplicate legs dropped.
     pub duplicates: usize,
-    /// Legs over the ground that were dropped.
+    /// Surface legs dropped.
     pub surface: usize,
-    /// Stations whose section was interpolated.
+    /// Stations with an interpolated section.
     pub interpolated: usize,
-    /// Legs too short to matter whose stations became one.
+    /// Legs so short that their stations were welded.
     pub welded: usize,
-    /// Passages added to join parts.
+    /// Passages added between disconnected parts.
     pub joined: usize,
-    /// Stations of parts that were left out.
+    /// Stations of dropped parts.
     pub left_out: usize,
-    /// Where the origin of the graph lies in the coordinates of the file, in metres. A survey is moved so that its
-    /// first entrance, or else its first station, is the origin; another graph only if it reaches too far away.
+    /// The origin of the graph in the coordinates of the file, in metres. A survey is moved so that its first entrance, or
+    /// else its first station, is the origin; other graphs only if they reach too far away.
     pub origin_m: Point3<f64>,
 }
 
 impl Survey {
-    /// The graph of the passages; what is wrong with it is told of the `source` as a whole.
+    /// The graph of the passages; errors refer to the `source` as a whole.
     ///
     /// # Errors
-    /// When a number is no length of a cave, there are no passages, or parts are refused and there are several.
+    /// If a number is not a plausible length, there are no passages, or there are several parts and they are refused.
     pub(super) fn into_import(self, source: &Source, parts: Parts) -> Result<Import, ReadError> {
         self.check(source.path)?;
         let mut tally = self.tally();
@@ -134,13 +132,13 @@ impl Survey {
             [("stations", self.stations.len(), MAX_STATIONS), ("legs", self.legs.len(), MAX_LEGS)]
         {
             if found > most {
-                let message = format!("has {found} {what}, and {most} is the most");
-                return Err(ReadError::whole(path, message, "import a part of the survey"));
+                let message = format!("has {found} {what}, more than {most}");
+                return Err(ReadError::whole(path, message, "import only a part of the survey"));
             }
         }
         if self.stations.iter().any(|station| !station.position.iter().all(|x| x.is_finite())) {
             let hint = "check the calibrations, and the lengths and angles of the legs";
-            return Err(ReadError::whole(path, "has a station whose coordinates are no numbers", hint));
+            return Err(ReadError::whole(path, "has a station whose coordinates are not finite", hint));
         }
         section::check(&self.walls, path)
     }
@@ -168,14 +166,14 @@ impl Survey {
 }
 
 fn no_passages(path: &Path) -> ReadError {
-    let hint = "a cave takes legs that are no splays, no duplicates and not over the ground";
+    let hint = "a cave needs legs other than splays, duplicates and surface legs";
     ReadError::whole(path, "has no passages", hint)
 }
 
 /// The graph with `first` as its first node and the origin of its frame.
 fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>], first: usize) -> Graph {
     let mut centreline = CentrelineBuilder::default();
-    // Stations are within the limits, but not always the middle of the passage beside them, and what two of them are apart.
+    // Stations are within the limits, but the axes of passages next to them, and distances between two of them, may not be.
     let within = |length_m: f64| length_m.clamp(-MAX_LENGTH_M, MAX_LENGTH_M);
     for (place, room) in places.iter().zip(rooms) {
         let position = origin::counted_from(places[first], *place);
@@ -212,7 +210,7 @@ mod tests {
     use crate::json;
 
     #[test]
-    fn a_graph_that_reaches_the_limits_can_be_written_and_read() {
+    fn a_graph_at_the_limits_can_be_written_and_read() {
         let places = [0.0, -MAX_LENGTH_M, MAX_LENGTH_M].map(|x| Point3::new(x, 0.0, 0.0));
         let section = Section { width_m: 8.0, height_m: 4.0, shape: Shape::Cave };
         let room = Room { section, middle: Vector3::new(2.0, 0.0, 0.0) };

@@ -1,14 +1,14 @@
-//! Survex survey data (`.svx`): shots as they were read, before cavern has made positions of them.
+//! Survex survey data (`.svx`): raw readings, before cavern has computed positions.
 //!
-//! After the Survex manual 1.4, chapter 4. Read are all data styles with any order of columns, units, calibrations,
-//! fixed declinations, standard deviations, names with any depth of surveys, equates, fixes, flags, anonymous stations,
-//! and includes. Loops are closed as Survex closes them, so stations come out where cavern puts them; those of diving shots
-//! within loops may differ by a share of the misclosure, since their covariances do.
+//! Follows the Survex manual 1.4, chapter 4. Supported are all data styles with any order of columns, units, calibrations,
+//! fixed declinations, standard deviations, nested surveys, equates, fixes, flags, anonymous stations, and includes. Loops
+//! are closed as in Survex, so stations are where cavern puts them, except that stations of diving shots in loops may differ
+//! by a fraction of the misclosure, because their covariances do.
 //!
-//! Not read: `*declination auto`, which takes a model of the earth's field, positions in a `*cs` in degrees or in two of them,
-//! and the files of Compass that `*include` may name; the error sends the user to cavern. Covariances of fixes between axes are
-//! left out. What only describes (`*title`, `*team`) is passed over, as are `*export` and `*solve`:
-//! whoever reads a survey to walk in it wants the whole of it at its best.
+//! Not supported: `*declination auto`, which needs a model of the earth's field, positions in a `*cs` in degrees or in
+//! several systems, and Compass files named by `*include`; the error refers the user to cavern. Covariances of fixes between
+//! axes are ignored, as are descriptions (`*title`, `*team`), `*export` and `*solve`: for simulation the whole survey is
+//! wanted, adjusted once.
 
 mod command;
 mod lex;
@@ -24,10 +24,10 @@ use super::measure::{Columns, Instruments, Order, Row, Style};
 use super::{Import, Parts, ReadError, Source};
 use plume_graph::echo::shown;
 
-/// What to do about a survey that says more than we read.
-const HINT: &str = "run `cavern` on the survey, and import the `.3d` it writes";
+/// Hint for a survey with unsupported features.
+const HINT: &str = "run `cavern` on the survey, and import the `.3d` file it writes";
 
-/// Reads a survey with all that it includes.
+/// Reads a survey with all included files.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let mut reader = Reader {
         files: Files::new(source),
@@ -49,7 +49,7 @@ enum Case {
     Kept,
 }
 
-/// What `*begin` keeps and `*end` brings back.
+/// Settings saved by `*begin` and restored by `*end`.
 #[derive(Clone, Debug, Default)]
 struct Settings {
     marks: Rc<Marks>,
@@ -57,16 +57,16 @@ struct Settings {
     instruments: Instruments,
     flags: Flags,
     case: Case,
-    /// Characters of a name that count.
+    /// Significant characters of a name.
     significant: Option<usize>,
-    /// Whether `-` is a station on a wall.
+    /// Whether `-` is an alias of a station on a wall.
     dash_is_wall: bool,
     survey: Name,
 }
 
 /// An open block.
 struct Block {
-    /// The survey it named.
+    /// The survey it opened.
     name: Option<String>,
     settings: Settings,
     file_position: FilePosition,
@@ -131,7 +131,7 @@ impl Reader<'_> {
         self.centreline.add_to_tube(station, self.settings.instruments.walls(row, false))
     }
 
-    /// The end of a leg, and whether it is no station but a point on a wall or in the open.
+    /// The end of a leg, and whether it is a point on a wall or in the open instead of a station.
     fn end(&mut self, word: &str) -> Result<(Name, bool), String> {
         if self.settings.dash_is_wall && word == "-" {
             return Ok((self.centreline.names.add()?, true));
@@ -142,12 +142,12 @@ impl Reader<'_> {
         }
     }
 
-    /// The station of this name in the survey that is open.
+    /// The station of this name in the open survey.
     fn station(&mut self, name: &str) -> Result<Name, String> {
         self.named(self.settings.survey, name)
     }
 
-    /// What is called so in a survey, or in none of them if the name starts at the root.
+    /// The named thing in a survey, or from the root if the name starts there.
     fn named(&mut self, survey: Name, name: &str) -> Result<Name, String> {
         let marks = Rc::clone(&self.settings.marks);
         let (mut at, name) = marks.behind_root(name).map_or((survey, name), |name| (Names::ROOT, name));
@@ -159,7 +159,7 @@ impl Reader<'_> {
 
     fn begin(&mut self, file_position: FilePosition, name: Option<&str>) -> Result<(), String> {
         if self.blocks.len() >= MAX_DEPTH {
-            return Err(format!("blocks are more than {MAX_DEPTH} deep"));
+            return Err(format!("blocks are nested more than {MAX_DEPTH} deep"));
         }
         let survey = match name {
             Some(name) => self.named(self.settings.survey, name)?,
@@ -171,7 +171,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Closes a block that was opened in this file, in which `outer` were open before.
+    /// Closes a block opened in this file; `outer` blocks were open before it.
     fn end_block(&mut self, name: Option<&str>, outer: usize) -> Result<(), String> {
         let Some(block) = self.blocks.pop().filter(|_| self.blocks.len() >= outer) else {
             return Err("no block is open in this file".to_owned());
@@ -196,7 +196,7 @@ impl Reader<'_> {
 }
 
 impl Settings {
-    /// A name as far as its letters count.
+    /// A name reduced to its significant characters.
     fn spelled(&self, name: &str) -> String {
         let kept = name.chars().take(self.significant.unwrap_or(usize::MAX));
         match self.case {

@@ -1,12 +1,12 @@
-//! Centrelines of Therion (`.th`): shots as they were read, before Therion has made positions of them.
+//! Therion centrelines (`.th`): raw readings, before Therion has computed positions.
 //!
-//! After the Therion book 6.1, chapter "Creating data files". Read are surveys in surveys, centrelines with all data
-//! styles, units, calibrations, declinations, flags, fixes, equates across surveys, groups, splays, dimensions and the
-//! files that others input. Drawings (`scrap`, `map`, `.th2`) and what only describes are passed over.
+//! Follows the Therion book 6.1, chapter "Creating data files". Supported are nested surveys, centrelines with all data
+//! styles, units, calibrations, declinations, flags, fixes, equates across surveys, groups, splays, dimensions and
+//! `input`. Drawings (`scrap`, `map`, `.th2`) and descriptions are skipped.
 //!
-//! Not read: what only other programs can tell (`import`, declinations by date or from a model of the earth's field), and
-//! changes behind the fact (`revise`); the error sends the user to Therion. With a `cs` Therion turns the survey to grid
-//! north by that model; here it stays as the declination says.
+//! Not supported: what needs other programs (`import`, declinations by date or from a model of the earth's field), and
+//! later changes (`revise`); the error refers the user to Therion. With a `cs`, Therion rotates the survey to grid north
+//! with that model; here only the given declination is applied.
 
 mod lex;
 
@@ -21,11 +21,11 @@ use super::measure::{Columns, Dialect, Instruments, Order, Row, Style};
 use super::{Import, Parts, ReadError, Source};
 use plume_graph::echo::shown;
 
-/// What to do about a survey that says more than we read.
-const HINT: &str = "run `therion` with `export model -fmt survex`, and import the `.3d` it writes";
-/// Blocks that are passed over.
+/// Hint for a survey with unsupported features.
+const HINT: &str = "run `therion` with `export model -fmt survex`, and import the `.3d` file it writes";
+/// Blocks that are skipped.
 const PASSED_BLOCKS: &[&str] = &["scrap", "map", "layout", "surface", "grade", "lookup", "comment"];
-/// Commands that are passed over, outside centrelines and in them.
+/// Commands that are skipped, outside and inside centrelines.
 const PASSED_OVER: &[&str] = &["encoding", "join", "text"];
 const PASSED_IN_CENTRELINE: &[&str] = &[
     "date",
@@ -44,10 +44,10 @@ const PASSED_IN_CENTRELINE: &[&str] = &[
     "id",
 ];
 
-/// Letters that every name of a station may get: a line could give a million names its own length.
+/// Longest prefix or suffix of station names: otherwise one long line could lengthen a million names.
 const MAX_AFFIXES: usize = 200;
 
-/// Reads a survey with all that it inputs.
+/// Reads a survey with all its inputs.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let mut reader = Reader {
         files: Files::new(source),
@@ -61,17 +61,17 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     reader.centreline.into_import(source, parts, &reader.files)
 }
 
-/// What holds for the lines that follow in a centreline.
+/// Settings for the following lines of a centreline.
 #[derive(Clone, Debug, Default)]
 struct Settings {
     order: Rc<Order>,
     instruments: Instruments,
     flags: Flags,
-    /// Before and behind every name of a station.
+    /// Prefix and suffix of station names.
     affixes: [String; 2],
 }
 
-/// What a block is, and what it brings back.
+/// The kind of a block, and what is restored at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BlockKind {
     Survey,
@@ -173,7 +173,7 @@ impl Reader<'_> {
             (passed, _) if PASSED_OVER.contains(&passed) => Ok(()),
             (block, _) => match PASSED_BLOCKS.iter().position(|passed| *passed == block) {
                 Some(index) => self.open(file_position, BlockKind::Passed(index)),
-                None => Err(format!("{} is no command that is read here", shown(block))),
+                None => Err(format!("{} is not a supported command", shown(block))),
             },
         }
     }
@@ -206,7 +206,7 @@ impl Reader<'_> {
             ("flags", rest) => self.settings.flags.read(rest),
             ("station-names", [before, behind]) => {
                 if before.len() + behind.len() > MAX_AFFIXES {
-                    return Err(format!("`station-names` of more than {MAX_AFFIXES} letters"));
+                    return Err(format!("`station-names` has more than {MAX_AFFIXES} letters"));
                 }
                 self.settings.affixes = [(*before).to_owned(), (*behind).to_owned()];
                 Ok(())
@@ -227,13 +227,13 @@ impl Reader<'_> {
 
     fn open(&mut self, file_position: FilePosition, kind: BlockKind) -> Result<(), String> {
         if self.blocks.len() >= MAX_DEPTH {
-            return Err(format!("blocks are more than {MAX_DEPTH} deep"));
+            return Err(format!("blocks are nested more than {MAX_DEPTH} deep"));
         }
         self.blocks.push(Block { kind, file_position, survey: self.survey, settings: self.settings.clone() });
         Ok(())
     }
 
-    /// Closes a block that was opened in this file, in which `outer` were open before.
+    /// Closes a block opened in this file; `outer` blocks were open before it.
     fn close(&mut self, kind: BlockKind, outer: usize) -> Result<(), String> {
         match self.blocks.pop() {
             Some(block) if block.kind == kind && self.blocks.len() >= outer => {
@@ -269,7 +269,7 @@ impl Reader<'_> {
     fn data(&mut self, words: &[&str]) -> Result<(), String> {
         let order = Rc::clone(&self.settings.order);
         let row = match words {
-            // An empty line ends nothing here; `break` does.
+            // An empty line does not end a traverse here; `break` does.
             [] => None,
             words => self.columns.take(&order, words, &lex::cell)?,
         };
@@ -301,7 +301,7 @@ impl Reader<'_> {
         if matches!(name, "." | "-") { self.centreline.names.add() } else { self.elsewhere(name) }
     }
 
-    /// A station of the survey that is open.
+    /// A station of the open survey.
     fn station(&mut self, name: &str) -> Result<Name, String> {
         let [before, behind] = &self.settings.affixes;
         self.centreline.names.below(self.survey, &format!("{before}{name}{behind}"))
@@ -316,9 +316,9 @@ impl Reader<'_> {
     }
 
     fn equate(&mut self, names: &[&str]) -> Result<(), String> {
-        let [first, others @ ..] = names else { return Err("`equate` takes two stations".to_owned()) };
+        let [first, others @ ..] = names else { return Err("`equate` takes at least two stations".to_owned()) };
         if others.is_empty() {
-            return Err("`equate` takes two stations".to_owned());
+            return Err("`equate` takes at least two stations".to_owned());
         }
         let first = self.elsewhere(first)?;
         for other in others {
@@ -342,7 +342,7 @@ impl Reader<'_> {
         let position = match numbers.as_deref() {
             Some([]) => Point3::origin(),
             Some(&[x, y, z, ..]) if [x, y, z].iter().all(|x| x.abs() <= MAX_COORDINATE_M) => Point3::new(x, y, z),
-            _ => return Err("a fix is three coordinates in metres, and their standard deviations".to_owned()),
+            _ => return Err("a fix has three coordinates in metres, and optional standard deviations".to_owned()),
         };
         let covariance = numbers.as_deref().and_then(|numbers| super::centreline::spread(numbers.get(3..)?));
         let station = self.elsewhere(station)?;

@@ -1,11 +1,11 @@
-//! From measured shots to the positions of stations.
+//! Computes the positions of stations from shots.
 //!
-//! Every piece of a survey is laid out along a tree from what is fixed, or from its first station where nothing is. What
-//! the other shots miss their ends by is then shared out by least squares, each shot giving way as far as its covariance
-//! allows, which is how Survex closes loops (Betts: "Loop closure", Compass Points 1995–2000). [`loops`] solves that.
+//! Every piece of a survey is laid out along a spanning tree from its fixed stations, or from its first station if nothing is
+//! fixed. The misclosures of the other shots are then distributed by least squares, weighted by the covariances of shots,
+//! which is how Survex closes loops (Betts: "Loop closure", Compass Points 1995–2000). [`loops`] solves that.
 //!
-//! Promised: a shot that is part of no loop and of no way between two fixed stations keeps its vector; a survey whose
-//! shots agree is left as it is; the same bits for the same shots. Blunders are not looked for.
+//! Promised: a shot that is neither in a loop nor on a path between two fixed stations keeps its vector; a consistent survey
+//! is not changed; the same shots give the same bits. Blunders are not detected.
 
 mod coarse;
 mod loops;
@@ -17,26 +17,26 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use plume_graph::Rows;
 
-/// A measured way from one station to another.
+/// A measured vector from one station to another.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Shot {
     pub(super) ends: [usize; 2],
     /// East, north, up, in metres.
     pub(super) vector: Vector3<f64>,
-    /// Of the vector, in square metres.
+    /// Covariance of the vector, in square metres.
     pub(super) covariance: Matrix3<f64>,
 }
 
-/// A station of which it is known where it is.
+/// A fixed station.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fix {
     pub(super) station: usize,
     pub(super) position: Point3<f64>,
-    /// Of the position, in square metres; `None` where it is exact.
+    /// Covariance of the position, in square metres; `None` if it is exact.
     pub(super) covariance: Option<Matrix3<f64>>,
 }
 
-/// Standard deviations of what a shot is made of.
+/// Standard deviations of the components of a shot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Accuracy {
     pub(super) length_m: f64,
@@ -44,11 +44,11 @@ pub(super) struct Accuracy {
     pub(super) gradient_rad: f64,
     /// Of plumbed shots, from the vertical.
     pub(super) plumb_rad: f64,
-    /// How far the instrument is from the station.
+    /// Distance of the instrument from the station.
     pub(super) position_m: f64,
 }
 
-/// BCRA grade 5, which Survex assumes where nothing is said: its limits are taken as two standard deviations.
+/// BCRA grade 5, the default of Survex: its limits are taken as two standard deviations.
 impl Default for Accuracy {
     fn default() -> Self {
         Self {
@@ -61,11 +61,11 @@ impl Default for Accuracy {
     }
 }
 
-/// Smallest standard deviation that a shot is trusted with, in metres: with less, loops could not be solved.
+/// Smallest standard deviation of a shot, in metres: with less, loops could not be solved.
 const LEAST_SPREAD_M: f64 = 1e-3;
 
 impl Accuracy {
-    /// The covariance of a shot by tape, compass and clino that came out as this vector.
+    /// The covariance of a shot with this vector, measured by tape, compass and clino.
     pub(super) fn covariance(&self, vector: &Vector3<f64>) -> Matrix3<f64> {
         let (length, plan) = (vector.norm(), vector.xy().norm());
         let station = self.station();
@@ -80,7 +80,7 @@ impl Accuracy {
         station + along * along.transpose() + across * across.transpose() + over * over.transpose()
     }
 
-    /// What is due to the stations themselves, equally in all directions.
+    /// The variance of the stations themselves, isotropic.
     pub(super) fn station(&self) -> Matrix3<f64> {
         Matrix3::identity() * (square(self.position_m) / 3.0).max(square(LEAST_SPREAD_M))
     }
@@ -90,7 +90,7 @@ fn square(x: f64) -> f64 {
     x * x
 }
 
-/// Stations, and what is known of where they are.
+/// Stations, shots and fixes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Traverse {
     pub(super) stations: usize,
@@ -99,29 +99,29 @@ pub(super) struct Traverse {
     pub(super) fixes: Vec<Fix>,
 }
 
-/// How far below each other pieces are laid out that nothing joins, in metres.
+/// Vertical distance between disconnected pieces, in metres.
 const APART_M: f64 = 10_000.0;
 
-/// Where the stations are.
+/// The positions of stations.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Placed {
     pub(super) positions: Vec<Point3<f64>>,
-    /// The first station of each piece that no fix holds. The first piece lies at the origin where nothing is fixed, each
-    /// further one [`APART_M`] lower, so that no two stations meet.
+    /// The first station of each piece without a fix. The first piece is at the origin if nothing is fixed, each further one
+    /// [`APART_M`] lower, so that no two stations coincide.
     pub(super) adrift: Vec<usize>,
 }
 
-/// The stations as a tree: each after the one it is reached from.
+/// The stations as a spanning tree: each after the one it is reached from.
 struct Tree {
     order: Vec<usize>,
-    /// The shot by which a station is reached; none for those that stay where they are.
+    /// The shot by which a station is reached; none for roots.
     reached_by: Vec<Option<usize>>,
     positions: Vec<Vector3<f64>>,
     adrift: Vec<usize>,
 }
 
 impl Traverse {
-    /// Where the stations are, or `None` if the loops cannot be closed, which takes weights that differ beyond all measure.
+    /// The positions, or `None` if the loops cannot be closed because the weights differ too much.
     pub(super) fn place(mut self) -> Option<Placed> {
         self.tie_soft_fixes();
         let mut tree = self.tree();
@@ -134,7 +134,7 @@ impl Traverse {
         Some(Placed { positions, adrift: tree.adrift })
     }
 
-    /// Adds a shot from a ground station, which comes after all others, to each station that is fixed inexactly.
+    /// Adds a shot from a virtual station, which comes after all others, to each station that is fixed inexactly.
     fn tie_soft_fixes(&mut self) {
         let soft = self.fixes.iter().filter_map(|fix| {
             let covariance = fix.covariance?;
@@ -175,7 +175,7 @@ impl Traverse {
 }
 
 impl Tree {
-    /// Reaches all that can be reached from these stations.
+    /// Extends the tree to all stations reachable from these.
     fn grow(&mut self, mut tips: VecDeque<usize>, shots: &[Shot], at: &Rows<usize>, seen: &mut [bool]) {
         while let Some(tip) = tips.pop_front() {
             self.order.push(tip);
@@ -216,7 +216,7 @@ mod tests {
         Fix { station, position: position.into(), covariance: None }
     }
 
-    /// What least squares makes zero: the pull on each station, by the greatest of its parts.
+    /// The residual of the least squares: the force on each station, relative to its greatest component.
     fn residual(traverse: &Traverse, placed: &Placed) -> f64 {
         let mut pulls = vec![Vector3::zeros(); traverse.stations];
         let mut greatest: f64 = 0.0;
@@ -233,7 +233,7 @@ mod tests {
         pulls.iter().fold(0.0_f64, |most, pull| most.max(pull.norm())) / greatest.max(1e-300)
     }
 
-    /// A maze of `side` by `side` junctions, measured with errors that repeat themselves.
+    /// A maze of `side` by `side` junctions, measured with periodic errors.
     fn maze(side: usize) -> Traverse {
         let mut traverse = Traverse { stations: side * side, ..Traverse::default() };
         let error = |n: usize| (n * 7919 % 101) as f64 / 500.0 - 0.1;
@@ -265,7 +265,7 @@ mod tests {
 
     /// The figures are those of cavern 1.4.4 for the same shots between two fixed stations.
     #[test]
-    fn a_misclosure_is_shared_out_as_by_survex() {
+    fn a_misclosure_is_distributed_as_in_survex() {
         let polar = |length: f64, bearing: f64, gradient: f64| {
             let (bearing, gradient) = (bearing.to_radians(), gradient.to_radians());
             let plan = length * libm::cos(gradient);
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn every_station_of_a_maze_comes_to_rest() {
+    fn every_station_of_a_maze_is_in_equilibrium() {
         for side in [3, 12, 60] {
             let traverse = maze(side);
             let placed = traverse.clone().place().unwrap();
@@ -288,9 +288,9 @@ mod tests {
         }
     }
 
-    /// Rounds of gradients alone do not bring this one to rest.
+    /// Conjugate gradients alone do not converge here.
     #[test]
-    fn a_large_maze_comes_to_rest_with_a_coarse_picture() {
+    fn a_large_maze_converges_with_a_coarse_grid() {
         let traverse = maze(300);
         let placed = traverse.clone().place().unwrap();
         let residual = residual(&traverse, &placed);
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn a_soft_fix_gives_way_and_a_hard_one_does_not() {
+    fn an_inexact_fix_moves_and_an_exact_one_does_not() {
         let way = shot(0, 1, [10.0, 0.0, 0.0]);
         let soft = Fix { station: 1, position: [10.4, 0.0, 0.0].into(), covariance: Some(way.covariance) };
         let fixes = vec![exactly(0, [0.0; 3]), soft];
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_that_nothing_fixes_lie_apart() {
+    fn floating_pieces_are_kept_apart() {
         let shots = vec![shot(1, 0, [1.0, 2.0, 3.0]), shot(3, 2, [4.0, 5.0, 6.0]), shot(2, 2, [1.0, 0.0, 0.0])];
         let placed = Traverse { stations: 4, shots, fixes: vec![exactly(0, [9.0; 3])] }.place().unwrap();
         assert_eq!(placed.positions[1], Point3::new(8.0, 7.0, 6.0));
@@ -317,7 +317,7 @@ mod tests {
         assert_eq!(placed.adrift, [2]);
     }
 
-    /// Hubs with many ways between them, which naive elimination takes quadratic time for.
+    /// Hubs with many connections between them, for which naive elimination takes quadratic time.
     #[test]
     fn hubs_are_solved() {
         let many = 20_000;

@@ -1,7 +1,7 @@
-//! The survey books themselves: a header and a line per shot, surveys parted by form feeds.
+//! `.dat` files: surveys separated by form feeds, each with a header and a line per shot.
 //!
-//! Lengths are in feet and angles in degrees whatever the survey's `FORMAT` says; that tells how the notebook had
-//! them, and whether there are backsights and at which end of a shot the walls were measured.
+//! Lengths are in feet and angles in degrees, whatever `FORMAT` says; that describes the original notes, whether there are
+//! backsights, and at which end of a shot the walls were measured.
 
 use super::Reader;
 use crate::ReadError;
@@ -11,14 +11,14 @@ use crate::measure::{Cell, Columns, Instruments, Measured, Order, Quantity, Read
 use crate::survey::Leg;
 use plume_graph::echo::shown;
 
-/// Angles up to here are the mark of a missing one, -999.
+/// Angles up to this value stand for a missing one (-999).
 const MISSING_DEG: f64 = -900.0;
-/// How much less a shot that is not to be adjusted gives way, as a share of its variance. Tuned.
+/// Factor on the variance of shots that are not to be adjusted. Tuned.
 const RIGID: f64 = 1e-4;
-const TABLE_HINT: &str = "each survey has a line of headings that starts with FROM and TO";
-const HEADER_HINT: &str = "DECLINATION:, CORRECTIONS: and CORRECTIONS2: are numbers";
+const TABLE_HINT: &str = "each survey has a line of column headings that starts with FROM and TO";
+const HEADER_HINT: &str = "DECLINATION:, CORRECTIONS: and CORRECTIONS2: are followed by numbers";
 const SHOT_HINT: &str =
-    "a shot is FROM TO LENGTH BEARING INC LEFT UP DOWN RIGHT, with AZM2 INC2 where FORMAT has backsights";
+    "a shot is FROM TO LENGTH BEARING INC LEFT UP DOWN RIGHT, followed by AZM2 INC2 if FORMAT has backsights";
 
 /// The columns of every shot.
 const COLUMNS: [Reading; 9] = [
@@ -33,11 +33,11 @@ const COLUMNS: [Reading; 9] = [
     Reading::Of(Quantity::Right),
 ];
 const INCLINATIONS: [Reading; 2] = [Reading::Of(Quantity::Gradient), Reading::Of(Quantity::BackGradient)];
-/// Those behind them where there are backsights.
+/// The columns after them if there are backsights.
 const BACKSIGHTS: [Reading; 2] = [Reading::Of(Quantity::BackBearing), Reading::Of(Quantity::BackGradient)];
 
 impl Reader<'_> {
-    /// Reads the shots of a book.
+    /// Reads the shots of a file.
     pub(super) fn read_book(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
         let text = files::text(bytes);
         let mut table = Table::default();
@@ -66,7 +66,7 @@ impl Reader<'_> {
         if has_table { Ok(()) } else { Err(self.files.fault_of_file("has no table of shots", TABLE_HINT)) }
     }
 
-    /// Adds a shot, unless its flags say that there is none.
+    /// Adds a shot, unless its flags exclude it.
     fn shot(&mut self, table: &Table, words: &[&str]) -> Result<(), String> {
         let flags = table.flags(words);
         if flags.contains('X') {
@@ -99,11 +99,11 @@ fn leg(flags: &str) -> Leg {
     }
 }
 
-/// What a survey says of all its shots.
+/// Settings of a survey for all its shots.
 struct Table {
     instruments: Instruments,
     order: Order,
-    /// Columns before the flags.
+    /// Number of columns before the flags.
     columns: usize,
     walls_at_end: bool,
 }
@@ -115,7 +115,7 @@ impl Default for Table {
 }
 
 impl Table {
-    /// Formats of 11 letters say nothing of backsights, those of 12 nothing of the end; 15 have two more before both.
+    /// `FORMAT` with 11 letters has no backsight flag, with 12 none for the end; with 15, two more letters precede both.
     fn new(instruments: Instruments, format: &str) -> Self {
         let format = format.as_bytes();
         let at = if format.len() >= 15 { 13 } else { 11 };
@@ -129,7 +129,7 @@ impl Table {
         Self { instruments, order, columns: count, walls_at_end: format.get(at + 1) == Some(&b'T') }
     }
 
-    /// Reads on behind `DECLINATION:`.
+    /// Reads what follows `DECLINATION:`.
     fn read(words: &[&str]) -> Result<Self, String> {
         let mut words = words.iter().copied();
         let mut instruments = Instruments::of_compass();
@@ -152,18 +152,18 @@ impl Table {
         Ok(Self::new(instruments, format))
     }
 
-    /// What stands between `#|` and `#` behind the columns.
+    /// The flags between `#|` and `#` after the columns.
     fn flags<'a>(&self, words: &[&'a str]) -> &'a str {
         let flags = words.get(self.columns).and_then(|word| word.strip_prefix("#|")).unwrap_or_default();
         flags.split('#').next().unwrap_or_default()
     }
 }
 
-/// What stands in a column.
+/// The value of a column.
 fn cell(reading: Reading, word: &str) -> Result<Cell, String> {
     let number = number(word)?;
     match reading {
-        Reading::Of(Quantity::Length) if number < 0.0 => Err(format!("a shot of {} feet", shown(word))),
+        Reading::Of(Quantity::Length) if number < 0.0 => Err(format!("a shot has the length {} feet", shown(word))),
         Reading::Of(quantity) if quantity.is_angle() && number <= MISSING_DEG => Ok(Cell::Omitted),
         _ => Ok(Cell::Number(number)),
     }
@@ -171,5 +171,5 @@ fn cell(reading: Reading, word: &str) -> Result<Cell, String> {
 
 fn number(word: &str) -> Result<f64, String> {
     let number = word.parse().ok().filter(|number: &f64| number.abs() < 1e9);
-    number.ok_or_else(|| format!("{} is no number", shown(word)))
+    number.ok_or_else(|| format!("{} is not a number", shown(word)))
 }

@@ -1,11 +1,11 @@
-//! Projects: which books belong together, which stations they share, and where some of them are.
+//! `.mak` projects: the files of a project, the stations they share, and fixed stations.
 //!
 //! ```text
-//! #DEEP1.DAT,A1[F,10.1,20.2,30.3];    / a book, with a station at known coordinates in feet
-//! #DEEP2.DAT,A7,A9;                   / a book that shares two stations with those before it
+//! #DEEP1.DAT,A1[F,10.1,20.2,30.3];    / a file with a station at known coordinates in feet
+//! #DEEP2.DAT,A7,A9;                   / a file that shares two stations with those before it
 //! ```
-//! A book that names such links may use the other names of those before it anew, which Compass keeps apart and Survex does
-//! not. Folders, datums, zones and settings are passed over.
+//! A file with such links may reuse other names of earlier files for different stations, which Compass keeps apart and
+//! Survex does not. Folders, datums, zones and settings are skipped.
 
 use nalgebra::Point3;
 
@@ -16,28 +16,28 @@ use crate::limits::MAX_COORDINATE_M;
 use crate::measure::METRES_PER_FOOT;
 use plume_graph::echo::shown;
 
-const HINT: &str = "a book is #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at its end";
+const HINT: &str = "a survey file is written as #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at the end";
 
-/// One of the books of a project.
+/// A survey file of a project.
 struct Book {
     file: String,
-    /// Stations that it shares with the books before it, if only some.
+    /// Stations that it shares with earlier files, if not all.
     links: Vec<String>,
-    /// Stations whose coordinates are known, in metres.
+    /// Stations with known coordinates, in metres.
     fixes: Vec<(String, Point3<f64>)>,
 }
 
 impl Reader<'_> {
-    /// Reads all books of a project.
+    /// Reads all files of a project.
     pub(super) fn read_project(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
         let text = files::text(bytes);
         let entries = entries(&text);
         if entries.is_empty() {
-            return Err(self.files.fault_of_file("names no book", HINT));
+            return Err(self.files.fault_of_file("names no survey file", HINT));
         }
         for (line, entry) in entries {
             let file_position = self.files.file_position(line);
-            let book = entry.ok_or_else(|| "names a book that does not end".to_owned()).and_then(|entry| book(&entry));
+            let book = entry.ok_or_else(|| "has a file entry without a semicolon at the end".to_owned()).and_then(|entry| book(&entry));
             let begun = book.and_then(|book| self.begin(file_position, &book).map(|()| book));
             let book = begun.map_err(|message| self.files.fault(file_position, message, HINT))?;
             let bytes = self.files.open(file_position, &book.file, ".dat")?;
@@ -47,7 +47,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Says which stations a book knows, and where some of them are.
+    /// Sets up the station names of a file, and fixes stations.
     fn begin(&mut self, file_position: FilePosition, book: &Book) -> Result<(), String> {
         if !book.links.is_empty() {
             let before = std::mem::replace(&mut self.book, self.centreline.names.add()?);
@@ -65,8 +65,8 @@ impl Reader<'_> {
     }
 }
 
-/// What stands between each `#` and its semicolon, without blanks and comments, and the line where it starts; `None`
-/// where the semicolon is missing. Comments reach from a slash to the next or to the end of the line.
+/// The text between each `#` and its semicolon, without blanks and comments, and the line where it starts; `None` if the
+/// semicolon is missing. Comments extend from a slash to the next one or to the end of the line.
 fn entries(text: &str) -> Vec<(usize, Option<String>)> {
     let mut entries = Vec::new();
     let (mut line, mut in_comment) = (1, false);
@@ -95,7 +95,7 @@ fn entries(text: &str) -> Vec<(usize, Option<String>)> {
 fn book(entry: &str) -> Result<Book, String> {
     let (file, mut rest) = entry.split_once(',').unwrap_or((entry, ""));
     if file.is_empty() {
-        return Err("names a book without a name".to_owned());
+        return Err("has an entry without a file name".to_owned());
     }
     let mut book = Book { file: file.to_owned(), links: Vec::new(), fixes: Vec::new() };
     while !rest.is_empty() {
@@ -103,8 +103,8 @@ fn book(entry: &str) -> Result<Book, String> {
         let (name, after) = rest.split_at(end);
         rest = after.strip_prefix(',').unwrap_or(after);
         if let Some(fix) = after.strip_prefix('[') {
-            let (place, after) = fix.split_once(']').ok_or_else(|| format!("fixes {} without an end", shown(name)))?;
-            let position = position(place).ok_or_else(|| format!("fixes {} at {}", shown(name), shown(place)))?;
+            let (place, after) = fix.split_once(']').ok_or_else(|| format!("has no closing bracket after the coordinates of {}", shown(name)))?;
+            let position = position(place).ok_or_else(|| format!("fixes {} at invalid coordinates {}", shown(name), shown(place)))?;
             book.fixes.push((name.to_owned(), position));
             rest = after.strip_prefix(',').unwrap_or(after);
         } else if !name.is_empty() {

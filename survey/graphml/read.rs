@@ -1,4 +1,4 @@
-//! From GraphML to a graph, one element at a time: memory grows with the graph, not with the file.
+//! Reads GraphML one element at a time: memory grows with the graph, not with the file.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::{Import, Parts, ReadError, Source};
 use plume_graph::StationId;
 use plume_graph::echo::{sentence, shown};
 
-/// Reads the one graph of the file.
+/// Reads the graph of the file.
 pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let text = utf8(source.path, source.bytes)?;
     let mut reader = Reader::from_str(text);
@@ -24,7 +24,7 @@ pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     loop {
         let at = reader.buffer_position();
         let event =
-            reader.read_event().map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"));
+            reader.read_event().map_err(|error| Fault::new(sentence(&error.to_string()), "this is not well-formed XML"));
         let event = event.map_err(|fault| fault.at(source.path, text, reader.error_position()))?;
         if event == Event::Eof {
             break;
@@ -40,7 +40,7 @@ pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     draft.into_import(source.path, parts, name)
 }
 
-/// What is wrong, without the place.
+/// An error without its location.
 struct Fault {
     message: String,
     hint: &'static str,
@@ -51,22 +51,22 @@ impl Fault {
         Self { message: message.into(), hint }
     }
 
-    /// At a byte of the text, told as its line.
+    /// The error at a byte of the text, reported as a line.
     fn at(self, path: &Path, text: &str, byte: u64) -> ReadError {
         ReadError::line(path, line_of(text, byte as usize), self.message, self.hint)
     }
 }
 
-/// Keys that a file may declare; others than ours are read over.
+/// Most keys that a file may declare; unknown ones are ignored.
 const MAX_KEYS: usize = 1000;
-const SHAPE_HINT: &str = "a GraphML file holds one <graph> of <node> and <edge> elements inside <graphml>";
+const SHAPE_HINT: &str = "a GraphML file contains one <graph> of <node> and <edge> elements inside <graphml>";
 
-/// An element that is open, as far as it matters.
+/// An open element, as far as it matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Element {
     GraphMl,
     Key,
-    /// The value of a key where a node has none.
+    /// The default of a key.
     Default,
     Graph,
     Node,
@@ -79,18 +79,18 @@ enum Element {
 struct Walk {
     open: Vec<Element>,
     graphs: usize,
-    /// What the keys mean, by their ids.
+    /// The meaning of keys, by id.
     fields: HashMap<String, Option<Field>>,
     /// The key that is open.
     key: Option<Field>,
     defaults: Fields,
     node: Fields,
-    /// Text of the value that is open.
+    /// Text of the open value.
     value: String,
     draft: Draft,
-    /// Nodes by name, hashed at random: no file can make its names collide.
+    /// Nodes by name, randomly hashed, so that no file can provoke collisions.
     names: HashMap<String, StationId>,
-    /// Edges whose nodes come later, and where they are.
+    /// Edges by the names of their nodes, which may follow later, and where they are.
     pending: Vec<([String; 2], u64)>,
 }
 
@@ -103,7 +103,7 @@ impl Walk {
             Event::CData(text) => self.text(&text),
             Event::GeneralRef(reference) => self.reference(&reference),
             Event::DocType(_) => {
-                Err(Fault::new("has a document type", "take the <!DOCTYPE …> out: GraphML needs none"))
+                Err(Fault::new("has a document type", "remove the <!DOCTYPE …>: GraphML does not need it"))
             }
             Event::Decl(_) | Event::PI(_) | Event::Comment(_) | Event::Empty(_) | Event::Eof => Ok(()),
         }
@@ -111,22 +111,22 @@ impl Walk {
 
     fn start(&mut self, element: &BytesStart, at: u64) -> Result<(), Fault> {
         if self.open.len() == MAX_DEPTH {
-            return Err(Fault::new(format!("nests deeper than {MAX_DEPTH} elements"), SHAPE_HINT));
+            return Err(Fault::new(format!("is nested more than {MAX_DEPTH} elements deep"), SHAPE_HINT));
         }
         let name = element.local_name();
         let open = match (self.open.last(), name.as_ref()) {
             (None, "graphml") => Element::GraphMl,
-            (None, other) => return Err(Fault::new(format!("is no GraphML, but <{other}>"), SHAPE_HINT)),
+            (None, other) => return Err(Fault::new(format!("is not GraphML but <{other}>"), SHAPE_HINT)),
             (Some(Element::GraphMl), "key") => self.key(element)?,
             (Some(Element::Key), "default") => Element::Default,
             (Some(Element::GraphMl), "graph") => self.graph()?,
             (Some(Element::Graph), "node") => self.node(element)?,
             (Some(Element::Graph), "edge") => self.edge(element, at)?,
             (Some(Element::Graph), "hyperedge") => {
-                return Err(Fault::new("is a hyperedge", "write it as edges between two nodes each"));
+                return Err(Fault::new("is a hyperedge", "replace it with edges between two nodes"));
             }
             (Some(Element::Node), "graph") => {
-                return Err(Fault::new("is a graph inside a node", "take the nodes out of their groups"));
+                return Err(Fault::new("is a graph inside a node", "ungroup the nodes"));
             }
             (Some(Element::Node), "data") => self.data(element)?,
             (Some(_), "Geometry") if self.open.contains(&Element::Node) => self.drawn(element)?,
@@ -155,7 +155,7 @@ impl Walk {
         self.graphs += 1;
         match self.graphs {
             1 => Ok(Element::Graph),
-            _ => Err(Fault::new("is a second graph", "keep one graph in a file")),
+            _ => Err(Fault::new("is a second graph", "keep only one graph per file")),
         }
     }
 
@@ -170,7 +170,7 @@ impl Walk {
         if self.names.contains_key(&id) {
             return Err(Fault::new(
                 format!("two nodes have the id {}", shown(&id)),
-                "give every node an id of its own",
+                "give every node a unique id",
             ));
         }
         self.names.insert(id, StationId::new(next));
@@ -194,14 +194,14 @@ impl Walk {
         Ok(Element::Other)
     }
 
-    /// Keys that are nowhere declared mean what their ids say.
+    /// The meaning of undeclared keys follows from their ids.
     fn data(&self, element: &BytesStart) -> Result<Element, Fault> {
         let [key] = attributes(element, ["key"])?;
         let key = key.unwrap_or_default();
         Ok(Element::Data(self.fields.get(&key).copied().unwrap_or_else(|| field(&key))))
     }
 
-    /// The box that yEd draws round a node, its y downwards.
+    /// The box that yEd draws for a node, y pointing down.
     fn drawn(&mut self, element: &BytesStart) -> Result<Element, Fault> {
         let [x, y, width, height] = attributes(element, ["x", "y", "width", "height"])?;
         let read = |text: Option<String>| {
@@ -218,14 +218,14 @@ impl Walk {
             return Ok(());
         }
         if self.value.len() + text.len() > MAX_LINE {
-            return Err(Fault::new("is too long a value", LENGTH_HINT));
+            return Err(Fault::new("has too long a value", LENGTH_HINT));
         }
         self.value.push_str(text);
         Ok(())
     }
 
     fn reference(&mut self, reference: &BytesRef) -> Result<(), Fault> {
-        let unknown = || Fault::new(format!("&{}; stands for nothing", &**reference), "write the text itself");
+        let unknown = || Fault::new(format!("&{}; is not defined", &**reference), "write the character itself");
         let letter = match &**reference {
             "lt" => '<',
             "gt" => '>',
@@ -257,8 +257,8 @@ impl Walk {
 
     fn end(&self) -> Result<(), Fault> {
         match self.graphs {
-            _ if !self.open.is_empty() => Err(Fault::new("ends before its elements do", "the file is cut off")),
-            0 => Err(Fault::new("holds no graph", SHAPE_HINT)),
+            _ if !self.open.is_empty() => Err(Fault::new("ends before its elements are closed", "the file is truncated")),
+            0 => Err(Fault::new("contains no graph", SHAPE_HINT)),
             _ => Ok(()),
         }
     }
@@ -267,7 +267,7 @@ impl Walk {
         for (ends, at) in std::mem::take(&mut self.pending) {
             let find = |name: &String| {
                 let unknown =
-                    || Fault::new(format!("there is no node {}", shown(name)), "edges name nodes by their ids");
+                    || Fault::new(format!("there is no node {}", shown(name)), "edges refer to nodes by id");
                 self.names.get(name).copied().ok_or_else(|| (unknown(), at))
             };
             let edge = [find(&ends[0])?, find(&ends[1])?];
@@ -277,16 +277,16 @@ impl Walk {
     }
 }
 
-/// The values of these attributes; of one that comes twice, the first.
+/// The values of these attributes; of duplicates, the first.
 fn attributes<const N: usize>(element: &BytesStart, names: [&str; N]) -> Result<[Option<String>; N], Fault> {
     let mut values = [const { None }; N];
     let mut all = element.attributes();
     for attribute in all.with_checks(false) {
         let attribute =
-            attribute.map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"))?;
+            attribute.map_err(|error| Fault::new(sentence(&error.to_string()), "this is not well-formed XML"))?;
         let Some(place) = names.iter().position(|&name| name == attribute.key.as_ref()) else { continue };
         let value = attribute.normalized_value(XmlVersion::Implicit1_0);
-        let value = value.map_err(|error| Fault::new(sentence(&error.to_string()), "this is no well-formed XML"))?;
+        let value = value.map_err(|error| Fault::new(sentence(&error.to_string()), "this is not well-formed XML"))?;
         values[place].get_or_insert_with(|| value.into_owned());
     }
     Ok(values)
@@ -298,7 +298,7 @@ fn by_node(names: HashMap<String, StationId>) -> Vec<String> {
     names.into_iter().map(|(name, _)| name).collect()
 }
 
-/// Gives nodes the numbers that are their names, if all are numbers and no two the same.
+/// Uses the names of nodes as ids, if all are numbers and unique.
 fn number(draft: &mut Draft, names: &[String]) {
     let ids = names.iter().map(|name| name.strip_prefix('n').unwrap_or(name).parse().ok());
     let Some(ids) = ids.collect::<Option<Vec<u64>>>() else { return };

@@ -1,4 +1,4 @@
-//! From a graph to GraphML: one node a line.
+//! Writes a graph as GraphML, one node per line.
 
 use std::fmt::Write;
 
@@ -24,11 +24,11 @@ const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 pub(crate) fn export(graph: &Graph) -> Vec<Written> {
     let mut text = HEAD.to_owned();
     for node in &graph.nodes {
-        write_node(&mut text, node).expect("memory takes any text");
+        write_node(&mut text, node).expect("writing to a string cannot fail");
     }
     for edge in &graph.edges {
         let [a, b] = edge.map(|node| graph[node].id);
-        writeln!(text, r#"<edge source="n{a}" target="n{b}"/>"#).expect("memory takes any text");
+        writeln!(text, r#"<edge source="n{a}" target="n{b}"/>"#).expect("writing to a string cannot fail");
     }
     text.push_str("</graph>\n</graphml>\n");
     vec![Written { suffix: "", bytes: text.into_bytes() }]

@@ -1,4 +1,4 @@
-//! What can be wrong with a graph file.
+//! Errors in graph files.
 
 use crate::draft::{self, DraftError};
 use crate::parts;
@@ -7,17 +7,17 @@ use crate::parts;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The text is no JSON.
+    /// The text is not JSON.
     #[error("line {line} column {column}: {message}")]
     Syntax {
         /// Line, from 1.
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What the parser says.
+        /// The message of the parser.
         message: String,
     },
-    /// A number that is none, as Python writes it.
+    /// A literal that Python writes for numbers that are not finite.
     #[error("line {line} column {column}: `{literal}` is not a JSON number")]
     NotANumber {
         /// Line, from 1.
@@ -27,55 +27,55 @@ pub enum ReadError {
         /// `NaN` or `Infinity`.
         literal: &'static str,
     },
-    /// The file is JSON but no graph.
+    /// The file is JSON but not a graph.
     #[error("{what}")]
     Shape {
         /// What was expected and what was found.
         what: String,
     },
-    /// Something about one node.
+    /// A faulty node.
     #[error("{node}: `{key}` {fault}")]
     Node {
-        /// `node` and its id, or its place in the file.
+        /// `node` and its id, or its index in the file.
         node: String,
         /// Path of the key inside the node.
         key: &'static str,
-        /// What is wrong there.
+        /// What is wrong with it.
         fault: String,
     },
-    /// An id that is not unique.
+    /// A duplicate id.
     #[error("two nodes have the id {id}")]
     DuplicateId {
         /// The id.
         id: u64,
     },
-    /// No passage anywhere.
-    #[error("a graph of {nodes} makes no cave")]
+    /// No passages.
+    #[error("a graph with {nodes} is not a cave")]
     TooFew {
-        /// How many nodes there are, in words.
+        /// The number of nodes, in words.
         nodes: &'static str,
     },
-    /// More than can be handled.
+    /// Too many nodes or edges.
     #[error("the graph has more than {most} {what}")]
     TooMany {
         /// Nodes or edges.
         what: &'static str,
-        /// How many there may be.
+        /// The limit.
         most: usize,
     },
-    /// Nodes that descend from themselves.
-    #[error("the parents of node {id} lead back to it")]
+    /// A cycle of parents.
+    #[error("node {id} is its own ancestor")]
     ParentCircle {
         /// One of them.
         id: u64,
     },
-    /// A node that no passage leads to.
-    #[error("{node} is on no passage")]
+    /// A node without passages.
+    #[error("{node} has no passages")]
     Lone {
         /// `node` and its id.
         node: String,
     },
-    /// Parts that no passage joins.
+    /// Disconnected parts.
     #[error("{what}")]
     Disconnected {
         /// Number of parts and a node of each, at most ten.
@@ -95,13 +95,13 @@ impl ReadError {
     /// What to do about it.
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::Syntax { .. } => "a graph file is JSON, as `plume graph` writes it",
+            Self::Syntax { .. } => "a graph file is JSON as written by `plume graph`",
             Self::NotANumber { .. } => {
-                "Python writes this for a coordinate that is not finite; mend the program that made the file"
+                "Python writes this for a coordinate that is not finite; fix the program that made the file"
             }
             Self::Shape { .. } => "a graph file is an object with a list of nodes under `nodes`",
             Self::Node { key, .. } => node_hint(key),
-            Self::DuplicateId { .. } => "give every node an id of its own",
+            Self::DuplicateId { .. } => "give every node a unique id",
             Self::TooFew { .. } => draft::TOO_FEW_HINT,
             Self::TooMany { .. } => "split the graph into several caves",
             Self::ParentCircle { .. } => "`parent` is the node it grew from, and null at the origin",
@@ -113,13 +113,13 @@ impl ReadError {
 
 fn node_hint(key: &str) -> &'static str {
     match key {
-        "id" => "ids are whole numbers from 0 on",
-        "radius" => "the radius is the distance to the next node, in metres",
-        "edges" | "parent" => "edges and parents name other nodes by their ids",
+        "id" => "ids are non-negative whole numbers",
+        "radius" => "the radius is the distance to the nearest node, in metres",
+        "edges" | "parent" => "edges and parents refer to other nodes by id",
         key if key.starts_with("coordinates") => {
             "coordinates are `x`, `y` and `z` in metres, at most 1000 km from the origin"
         }
         key if key.starts_with("section") => "a section has a `width_m` and a `height_m`, in metres",
-        _ => "leave the key out to have its default",
+        _ => "omit the key to use its default",
     }
 }

@@ -1,4 +1,4 @@
-//! From stations to a draft: ids become indices.
+//! Turns stations into a draft, ids into indices.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,14 @@ use super::parse::ParsedStation;
 use crate::draft::Draft;
 use plume_graph::{Node, StationId};
 
-/// Puts a graph together.
+/// Assembles a graph.
 pub(super) fn join(stations: &[ParsedStation]) -> Result<Draft, ReadError> {
     let indices = indices(stations)?;
     let find = |from: &ParsedStation, key: &'static str, id: u64| {
         indices.get(&id).copied().ok_or_else(|| ReadError::Node {
             node: format!("node {}", from.id),
             key,
-            fault: format!("has {id}, which is no node"),
+            fault: format!("refers to {id}, which is not a node"),
         })
     };
     let mut draft = Draft::default();
@@ -30,7 +30,7 @@ pub(super) fn join(stations: &[ParsedStation]) -> Result<Draft, ReadError> {
     Ok(draft)
 }
 
-/// Where the station of each id stands, hashed at random: no file can make its ids collide.
+/// The index of the station of each id, randomly hashed, so that no file can provoke collisions.
 fn indices(stations: &[ParsedStation]) -> Result<HashMap<u64, StationId>, ReadError> {
     let mut indices = HashMap::new();
     for (index, station) in stations.iter().enumerate() {
@@ -53,7 +53,7 @@ fn node(station: &ParsedStation, parent: Option<StationId>) -> Node {
     }
 }
 
-/// Refuses parents that lead round in a circle.
+/// Refuses cycles of parents.
 fn check_parents(nodes: &[Node]) -> Result<(), ReadError> {
     let mut walk_of = vec![usize::MAX; nodes.len()];
     for start in 0..nodes.len() {

@@ -1,4 +1,4 @@
-//! From text to stations, one at a time, each checked as it comes.
+//! Parses stations one at a time, checking each as it is read.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use crate::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use plume_graph::echo::{plain, sentence, shown};
 use plume_graph::{Section, Shape, millimetres};
 
-/// A node as the file has it.
+/// A node as in the file.
 pub(super) struct ParsedStation {
     pub(super) id: u64,
     pub(super) parent: Option<u64>,
@@ -24,7 +24,7 @@ pub(super) struct ParsedStation {
     pub(super) section: Option<Section>,
 }
 
-/// A file as it stands.
+/// A file as parsed.
 pub(super) struct File {
     pub(super) version: Option<Value>,
     pub(super) recipe: Option<Value>,
@@ -35,12 +35,12 @@ pub(super) struct File {
 pub(super) fn parse(text: &str) -> Result<File, ReadError> {
     let keys: Keys = serde_json::from_str(text).map_err(|error| explained(&error, text))?;
     let stations = keys.nodes.ok_or_else(|| ReadError::Shape { what: "there is no key `nodes`".to_owned() })?;
-    // An imported graph has none, which is written as null.
+    // An imported graph has no recipe, which is written as null.
     let recipe = keys.recipe.filter(|recipe| !recipe.is_null());
     Ok(File { version: keys.version, recipe, stations: stations? })
 }
 
-/// The parser's error, told better where a foreign program is known to be its cause.
+/// The parser's error, or a better one if another program is known to be the cause.
 fn explained(error: &serde_json::Error, text: &str) -> ReadError {
     let (line, column) = (error.line(), error.column());
     let message = error.to_string();
@@ -92,7 +92,7 @@ impl<'de> Visitor<'de> for KeysVisitor {
                 "plume" => keys.version = Some(map.next_value()?),
                 "recipe" => keys.recipe = Some(map.next_value()?),
                 "nodes" if keys.nodes.is_some() => {
-                    return Err(A::Error::custom("the key `nodes` comes twice"));
+                    return Err(A::Error::custom("the key `nodes` appears twice"));
                 }
                 "nodes" => keys.nodes = Some(map.next_value_seed(Nodes::default())?),
                 _ => drop(map.next_value::<IgnoredAny>()?),
@@ -102,14 +102,14 @@ impl<'de> Visitor<'de> for KeysVisitor {
     }
 }
 
-/// Both ends name an edge.
+/// Each edge is listed at both ends.
 const MAX_ENDS: usize = 2 * MAX_LEGS;
 
-/// Gathers stations until one of them is at fault.
+/// Collects stations until one is faulty.
 #[derive(Default)]
 struct Nodes {
     stations: Vec<ParsedStation>,
-    /// Edges of all of them, each as often as it is named.
+    /// Number of edges of all stations, as often as they are listed.
     edges: usize,
     fault: Option<ReadError>,
 }
@@ -172,7 +172,7 @@ impl<'de> Visitor<'de> for Nodes {
     }
 }
 
-/// Reads one node; `place` is its key where nodes are `keyed` by id.
+/// Reads one node; `place` is its key if nodes are `keyed` by id.
 fn station(place: &str, keyed: bool, node: Value) -> Result<ParsedStation, ReadError> {
     let label = if keyed { format!("node {}", plain(place)) } else { place.to_owned() };
     let Value::Object(fields) = node else {
@@ -258,7 +258,7 @@ impl Fields {
         };
         let x = self.coordinate("coordinates.x", axes.get("x"))?;
         let y = self.coordinate("coordinates.y", axes.get("y"))?;
-        // Graphs drawn in the plan alone have no height.
+        // Graphs drawn only in plan have no height.
         let z = match axes.get("z") {
             None => 0.0,
             z => self.coordinate("coordinates.z", z)?,
@@ -334,13 +334,13 @@ impl Fields {
     }
 }
 
-/// A value in words, short enough for a message.
+/// A value in words, shortened for a message.
 fn kind(value: &Value) -> String {
     match value {
         Value::Null => "null".to_owned(),
         Value::Bool(value) => format!("`{value}`"),
         Value::Number(number) => format!("the number {number}"),
-        Value::String(text) => format!("the text {}", shown(text)),
+        Value::String(text) => format!("the string {}", shown(text)),
         Value::Array(_) => "a list".to_owned(),
         Value::Object(_) => "an object".to_owned(),
     }

@@ -1,4 +1,4 @@
-//! From a graph to text: one node per line, keys in a fixed order, so that files can be compared.
+//! Writes a graph as text: one node per line, keys in a fixed order, so that files can be compared.
 
 use std::fmt::Write;
 
@@ -32,7 +32,7 @@ fn is_top(level: &u32) -> bool {
     *level == 0
 }
 
-/// The text of a graph file that holds this graph, made by this version of plume from this recipe.
+/// The text of a graph file with this graph, made by this version of plume from this recipe.
 pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
     let version = Value::from(version);
     let mut text = format!("{{\n\"plume\": {version},\n\"recipe\": {recipe},\n\"nodes\": [");
@@ -51,7 +51,7 @@ pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
         };
         let separator = if index == 0 { "" } else { "," };
         let line = serde_json::to_string(&station).expect("numbers, lists and texts");
-        write!(text, "{separator}\n{line}").expect("memory takes any text");
+        write!(text, "{separator}\n{line}").expect("writing to a string cannot fail");
     }
     text.push_str("\n]\n}\n");
     text

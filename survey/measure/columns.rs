@@ -1,35 +1,35 @@
-//! From lines to legs: what each column holds, and stations that two legs share.
+//! From lines to legs: the content of each column, and stations shared by two legs.
 
 use super::{Order, Quantity, Reading, Style};
 use plume_graph::echo::shown;
 
-/// What stands in a column.
+/// The content of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) enum Cell {
-    /// Nothing was read, and a sign says so.
+    /// Explicitly no reading.
     Omitted,
     Number(f64),
     /// Plumbed upwards.
     Up,
     /// Plumbed downwards.
     Down,
-    /// Over water.
+    /// Level, over water.
     Level,
-    /// Two numbers: at the beginning and at the end of the leg.
+    /// Two numbers: at the start and at the end of the leg.
     Pair(f64, f64),
 }
 
 /// The readings of a leg or a station.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in super::super) struct Row {
-    /// Stations, as they stand there: of a leg both, of a cross-section one.
+    /// Station names as written: two of a leg, one of a cross-section.
     pub(in super::super) from: String,
     pub(in super::super) to: Option<String>,
     cells: Vec<(Reading, Cell)>,
 }
 
 impl Row {
-    /// A number, where one was read.
+    /// A number, if there is a reading.
     pub(in super::super) fn number(&self, reading: Reading) -> Option<f64> {
         match self.cell(reading) {
             Some(Cell::Number(number)) => Some(number),
@@ -41,7 +41,7 @@ impl Row {
         self.cells.iter().find(|(known, _)| *known == reading).map(|&(_, cell)| cell)
     }
 
-    /// The same with its ends exchanged, and their depths. What was counted between them stays.
+    /// The same with its ends and their depths exchanged. Counter readings stay.
     fn reversed(mut self) -> Self {
         if let Some(to) = &mut self.to {
             std::mem::swap(&mut self.from, to);
@@ -57,20 +57,20 @@ impl Row {
     }
 }
 
-/// Puts lines together as an order says.
+/// Assembles lines according to an order of columns.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Columns {
-    /// The station before, where legs share them.
+    /// The previous station, if legs share stations.
     before: Option<Row>,
-    /// The leg from it, once its line was read.
+    /// The leg from it, once its line has been read.
     leg: Option<(Row, bool)>,
 }
 
 impl Columns {
-    /// Takes the words of a line, and gives what they complete. `cell` reads a word.
+    /// Takes the words of a line, and returns the rows that they complete. `cell` parses a word.
     ///
     /// # Errors
-    /// When the words are not what the columns ask for.
+    /// If the words do not match the columns.
     pub(in super::super) fn take(
         &mut self,
         order: &Order,
@@ -128,7 +128,7 @@ fn read(
             return Ok((row, backwards));
         }
         let Some(&word) = words.next() else {
-            return Err(format!("the line ends where {} should stand", told(column)));
+            return Err(format!("the line ends before {}", told(column)));
         };
         match column {
             Reading::Ignore => {}
@@ -139,7 +139,7 @@ fn read(
         }
     }
     match words.next() {
-        Some(word) => Err(format!("{} stands behind the last column", shown(word))),
+        Some(word) => Err(format!("{} follows the last column", shown(word))),
         None => Ok((row, backwards)),
     }
 }
@@ -148,7 +148,7 @@ fn is_backwards(word: &str) -> Result<bool, String> {
     match word {
         "F" | "f" => Ok(false),
         "B" | "b" => Ok(true),
-        _ => Err(format!("{} is no direction; it is F or B", shown(word))),
+        _ => Err(format!("{} is not a direction, which is F or B", shown(word))),
     }
 }
 

@@ -1,4 +1,4 @@
-//! What stands in which column.
+//! The order of columns.
 
 use super::Quantity;
 
@@ -9,15 +9,15 @@ pub(in super::super) enum Style {
     Normal,
     /// Tape, compass and depth gauge.
     Diving,
-    /// Tape along the plan, compass and depth gauge.
+    /// Horizontal tape, compass and depth gauge.
     Cylpolar,
     /// Differences of coordinates.
     Cartesian,
-    /// Nothing but that there is a way.
+    /// Only that there is a connection.
     NoSurvey,
     /// Distances to the walls, station by station.
     Passage,
-    /// Nothing that matters.
+    /// Ignored data.
     Ignore,
 }
 
@@ -74,7 +74,7 @@ impl Reading {
         })
     }
 
-    /// Whether it belongs to a station, and so stands once between two legs.
+    /// Whether it belongs to a station, and so appears once between two legs.
     pub(super) fn is_shared(self) -> bool {
         matches!(self, Self::Station | Self::Of(Quantity::Depth | Quantity::Count))
     }
@@ -84,7 +84,7 @@ impl Reading {
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Order {
     pub(in super::super) style: Style,
-    /// Columns of a line, or of the line of a station where the next are those of a leg.
+    /// The columns of a line or, for interleaved data, of a station's line and of a leg's line.
     pub(super) lines: Vec<Vec<Reading>>,
     pub(super) by_station: bool,
 }
@@ -104,7 +104,7 @@ impl Default for Order {
 
 impl Order {
     /// # Errors
-    /// When a leg would not be told by these columns.
+    /// If these columns do not determine a leg.
     pub(in super::super) fn new(style: Style, columns: &[Reading]) -> Result<Self, String> {
         let has = |reading: Reading| columns.contains(&reading);
         let by_station = has(Reading::Station);
@@ -112,18 +112,18 @@ impl Order {
             columns.split(|&reading| reading == Reading::Newline).map(<[_]>::to_vec).collect();
         for (at, &reading) in columns.iter().enumerate() {
             if reading != Reading::Ignore && columns[..at].contains(&reading) {
-                return Err("a column comes twice".to_owned());
+                return Err("a column appears twice".to_owned());
             }
             let last = columns.get(at + 1).is_none_or(|&next| next == Reading::Newline);
             if reading == Reading::IgnoreAll && !last {
-                return Err("nothing can come after `ignoreall`".to_owned());
+                return Err("no column can follow `ignoreall`".to_owned());
             }
         }
         if style == Style::Ignore {
             return Ok(Self { style, lines, by_station: false });
         }
         if by_station == (has(Reading::From) || has(Reading::To)) || has(Reading::From) != has(Reading::To) {
-            return Err("the columns name neither `from` and `to` nor `station`".to_owned());
+            return Err("the columns contain neither `from` and `to` nor `station`".to_owned());
         }
         let shape = match (style, by_station, lines.len()) {
             (Style::Passage, true, 1) | (_, false, 1) | (Style::NoSurvey, true, 1) => {
@@ -134,7 +134,7 @@ impl Order {
             _ => false,
         };
         if !shape || (style == Style::Passage && !by_station) {
-            return Err("the columns do not go with the style".to_owned());
+            return Err("the columns do not fit the style".to_owned());
         }
         let order = Self { style, lines, by_station };
         order.check_measures(&has)?;
@@ -156,6 +156,6 @@ impl Order {
             Style::Cartesian => of(Quantity::East) && of(Quantity::North) && of(Quantity::Altitude),
             Style::NoSurvey | Style::Passage | Style::Ignore => true,
         };
-        if enough { Ok(()) } else { Err("the columns leave out what the style needs".to_owned()) }
+        if enough { Ok(()) } else { Err("columns that the style needs are missing".to_owned()) }
     }
 }

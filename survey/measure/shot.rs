@@ -1,7 +1,7 @@
-//! From readings to a vector and what it is worth.
+//! From readings to a vector and its covariance.
 //!
-//! Covariances follow from the readings by propagation of errors, with what Survex assumes where readings lack: a shot
-//! without gradient is level, with a standard deviation of √0.1 of its length.
+//! Covariances follow from the readings by error propagation, with the assumptions of Survex for missing readings: a shot
+//! without a gradient is level, with a standard deviation of √0.1 of its length.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,9 +11,9 @@ use super::{Cell, Dialect, Instruments, Quantity, Reading, Row, Style};
 use crate::limits::MAX_LENGTH_M;
 use crate::traverse::Accuracy;
 
-/// Variance of the height of a shot without gradient, by the square of its length.
+/// Variance of the rise of a shot without a gradient, relative to the square of its length.
 const UNKNOWN_SLOPE: f64 = 0.1;
-/// How far a gradient may be from the vertical to be taken for a plumb, in radians: a rounding error.
+/// Tolerance for a gradient to count as vertical, in radians: a rounding error.
 const PLUMB: f64 = 1e-6;
 
 /// What was measured.
@@ -23,9 +23,9 @@ pub(in super::super) enum Measured {
         vector: Vector3<f64>,
         covariance: Matrix3<f64>,
     },
-    /// Both stations are one.
+    /// Both stations are the same.
     Nothing,
-    /// There is a way, and no more is known.
+    /// There is a connection, nothing else is known.
     Way,
 }
 
@@ -39,10 +39,10 @@ enum Slope {
 }
 
 impl Instruments {
-    /// What these readings say.
+    /// The result of these readings.
     ///
     /// # Errors
-    /// When there are too few, or they make no sense.
+    /// If there are too few, or they are implausible.
     pub(in super::super) fn shot(&self, style: Style, row: &Row) -> Result<Measured, String> {
         let measured = match style {
             Style::Normal => self.normal(row)?,
@@ -53,14 +53,14 @@ impl Instruments {
         };
         match &measured {
             Measured::Shot { vector, .. } if !(0.0..=MAX_LENGTH_M).contains(&vector.norm()) => {
-                Err(format!("a shot of more than {} km", MAX_LENGTH_M / 1000.0))
+                Err(format!("the shot is longer than {} km", MAX_LENGTH_M / 1000.0))
             }
             _ => Ok(measured),
         }
     }
 
-    /// Distances to the walls left, right, above and below in metres, where they were measured: where the leg begins, or,
-    /// if they were noted there too, where it ends.
+    /// Distances to the walls left, right, above and below in metres, where measured: at the start of the leg or, if given,
+    /// at its end.
     pub(in super::super) fn walls(&self, row: &Row, at_end: bool) -> [Option<f64>; 4] {
         [Quantity::Left, Quantity::Right, Quantity::Up, Quantity::Down].map(|side| {
             let number = match row.cell(Reading::Of(side))? {
@@ -86,7 +86,7 @@ impl Instruments {
         }
         let bearing = self.bearing(row);
         let (slope, gradient_rad) = match self.slope(row) {
-            // Whoever takes no bearing has plumbed the shot.
+            // A shot without a bearing has been plumbed.
             (Slope::Gradient(gradient), spread) if bearing.is_none() && is_plumb(gradient) => {
                 (Slope::Plumb(gradient.signum()), spread)
             }
@@ -104,7 +104,7 @@ impl Instruments {
             return Ok(Measured::Shot { covariance: accuracy.covariance(&vector), vector });
         }
         let Some((bearing, bearing_rad)) = bearing else {
-            return Err("there is no bearing, and the shot is not plumbed".to_owned());
+            return Err("the bearing is missing, and the shot is not plumbed".to_owned());
         };
         accuracy.bearing_rad = bearing_rad;
         let gradient = if let Slope::Gradient(gradient) = slope { gradient } else { 0.0 };
@@ -120,13 +120,13 @@ impl Instruments {
         Ok(Measured::Shot { vector, covariance })
     }
 
-    /// Shots along which the tape was held, and whose rise comes from a depth gauge.
+    /// Shots with the tape along the shot and the rise from a depth gauge.
     fn diving(&self, row: &Row) -> Result<Measured, String> {
         let (length, length_m) = self.length(row)?;
         let (rise, rise_m) = self.rise(row)?;
         let plan2 = length * length - rise * rise;
         let Some((bearing, bearing_rad)) = self.bearing(row).filter(|_| plan2 > 0.0) else {
-            // Tape and gauge measure the same, so each counts as far as it can be trusted.
+            // Tape and gauge overlap, so each is weighted by its variance.
             let (of_length, of_rise) = (length_m * length_m, rise_m * rise_m);
             let both = (of_length + of_rise).max(f64::MIN_POSITIVE);
             let height = (length * of_rise + rise.abs() * of_length) / both;
@@ -140,7 +140,7 @@ impl Instruments {
         Ok(self.by_depth(vector, bearing_rad, along, up))
     }
 
-    /// Shots along whose plan the tape was held, and whose rise comes from a depth gauge.
+    /// Shots with a horizontal tape and the rise from a depth gauge.
     fn cylpolar(&self, row: &Row) -> Result<Measured, String> {
         let (length, length_m) = self.length(row)?;
         let (rise, rise_m) = self.rise(row)?;
@@ -152,7 +152,7 @@ impl Instruments {
         Ok(self.by_depth(vector, bearing_rad, ahead * length_m, Vector3::z() * rise_m))
     }
 
-    /// A shot straight up or down, `length` of which may lead aside.
+    /// A vertical shot, with an uncertainty of `length` sideways.
     fn plumbed(&self, rise: f64, length: f64, variance: f64) -> Measured {
         let aside = length * self.spread(Quantity::Plumb);
         let variances = Vector3::new(aside * aside, aside * aside, variance);
@@ -160,14 +160,14 @@ impl Instruments {
         Measured::Shot { vector: Vector3::z() * rise, covariance }
     }
 
-    /// A shot that the tape makes uncertain by `along`, and the depth gauge by `up`.
+    /// A shot with the standard deviations `along` the tape and `up` of the depth gauge.
     fn by_depth(&self, vector: Vector3<f64>, bearing_rad: f64, along: Vector3<f64>, up: Vector3<f64>) -> Measured {
         let across = Vector3::new(vector.y, -vector.x, 0.0) * bearing_rad;
         let instruments = along * along.transpose() + up * up.transpose() + across * across.transpose();
         Measured::Shot { vector, covariance: self.station() + instruments }
     }
 
-    /// What is due to the stations themselves.
+    /// The variance of the stations themselves.
     fn station(&self) -> Matrix3<f64> {
         Accuracy { position_m: self.spread(Quantity::Position), ..Accuracy::default() }.station()
     }
@@ -182,7 +182,7 @@ impl Instruments {
             variances[axis] = self.spread(quantity) * self.spread(quantity);
         }
         if self.dialect == Dialect::Therion {
-            // By the compass there, by the map in Survex.
+            // Relative to magnetic north in Therion, to grid north in Survex.
             let (sine, cosine) = libm::sincos(self.declination_rad());
             vector = Vector3::new(vector.x * cosine + vector.y * sine, vector.y * cosine - vector.x * sine, vector.z);
         }
@@ -201,7 +201,7 @@ impl Instruments {
             let length = self.value(Quantity::Count, to?) - self.value(Quantity::Count, from?);
             Some((length, self.spread(Quantity::Count)))
         };
-        both(taken[0], taken[1]).or_else(counted).ok_or_else(|| "there is no length".to_owned())
+        both(taken[0], taken[1]).or_else(counted).ok_or_else(|| "the length is missing".to_owned())
     }
 
     /// The rise in metres, and its standard deviation.
@@ -211,7 +211,7 @@ impl Instruments {
             return Ok((self.value(Quantity::Depth, change), spread * 2.0_f64.sqrt()));
         }
         let [from, to] = [Reading::FromDepth, Reading::ToDepth].map(|reading| row.number(reading));
-        let (Some(from), Some(to)) = (from, to) else { return Err("there is no depth".to_owned()) };
+        let (Some(from), Some(to)) = (from, to) else { return Err("the depth is missing".to_owned()) };
         Ok((self.value(Quantity::Depth, to) - self.value(Quantity::Depth, from), spread * 2.0_f64.sqrt()))
     }
 
@@ -224,7 +224,7 @@ impl Instruments {
         let fore = read(Quantity::Bearing);
         let back = read(Quantity::BackBearing).map(|(bearing, spread)| {
             let there = bearing + PI;
-            // The same way round as the foresight, so that both can be averaged.
+            // Reversed to match the foresight, so that both can be averaged.
             let near = fore.map_or(0.0, |(fore, _)| fore);
             (there - TAU * ((there - near) / TAU).round(), spread)
         });
@@ -267,7 +267,7 @@ impl Instruments {
     }
 }
 
-/// One metre this way in plan.
+/// The unit vector of a bearing in plan.
 fn ahead(bearing_rad: f64) -> Vector3<f64> {
     Vector3::new(libm::sin(bearing_rad), libm::cos(bearing_rad), 0.0)
 }
@@ -276,7 +276,7 @@ fn is_plumb(gradient_rad: f64) -> bool {
     (gradient_rad.abs() - FRAC_PI_2).abs() < PLUMB
 }
 
-/// The mean of two measurements, or the one there is.
+/// The mean of two measurements, or the only one.
 fn both(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> {
     match (a, b) {
         (Some(a), Some(b)) => Some(mean(a, b)),
@@ -284,7 +284,7 @@ fn both(a: Option<(f64, f64)>, b: Option<(f64, f64)>) -> Option<(f64, f64)> {
     }
 }
 
-/// The mean of two measurements, each weighted by what it is worth, and the standard deviation of the mean.
+/// The mean of two measurements weighted by their variances, and its standard deviation.
 fn mean((a, of_a): (f64, f64), (b, of_b): (f64, f64)) -> (f64, f64) {
     let [va, vb] = [of_a, of_b].map(|spread| (spread * spread).max(1e-12));
     ((a * vb + b * va) / (va + vb), (va * vb / (va + vb)).sqrt())

@@ -1,9 +1,9 @@
 //! The shortest joins between parts: Borůvka's minimum spanning tree (1926) over a k-d tree (Bentley & Friedman 1978:
 //! "Fast algorithms for constructing minimal spanning trees in coordinate spaces").
 //!
-//! In each round every part but the largest takes the shortest way to another, which at least halves their number. What
-//! a point found in one round stays its nearest until that is of its own part, and bounds what it finds later: most points
-//! are searched for once.
+//! In each round every part but the largest takes the shortest join to another, which at least halves their number. The
+//! nearest point found in one round stays the nearest until it is in the same part, and bounds later searches: for most
+//! points there is only one search.
 
 use nalgebra::Point3;
 
@@ -11,7 +11,7 @@ use super::NONE;
 use super::tree::{Near, Tree};
 use plume_graph::sets::Sets;
 
-/// Joins that make points of `parts` parts one part, `part_of` each point; lower index first.
+/// Joins that connect all `parts`, given the part of each point; lower index first.
 pub(super) fn shortest(places: &[Point3<f64>], part_of: &[usize], parts: usize) -> Vec<[usize; 2]> {
     if parts < 2 {
         return Vec::new();
@@ -39,14 +39,14 @@ pub(super) fn shortest(places: &[Point3<f64>], part_of: &[usize], parts: usize) 
 struct Rounds<'a> {
     tree: Tree<'a>,
     points: Vec<usize>,
-    /// Part of each point as joined so far.
+    /// Part of each point, as joined so far.
     part_of: Vec<usize>,
-    /// What each point found last; no point of another part is nearer.
+    /// The last nearest point of each point; no point of another part is nearer.
     nearest: Vec<Near>,
 }
 
 impl Rounds<'_> {
-    /// The shortest way out of every part but the largest, by part.
+    /// The shortest join out of every part but the largest, by part.
     fn ways_out(&mut self, parts: usize) -> Vec<[usize; 2]> {
         self.tree.set_parts(&self.part_of);
         let mut best: Vec<Option<(f64, [usize; 2])>> = vec![None; parts];
@@ -83,7 +83,7 @@ impl Rounds<'_> {
     }
 }
 
-/// Keeps the shorter way; of equals, that of the lowest points.
+/// Keeps the shorter join; of equals, that of the lowest points.
 fn take(best: &mut Option<(f64, [usize; 2])>, point: usize, near: Near) {
     let way = (near.squared, [point, near.point]);
     if best.is_none_or(|best| way < best) {
@@ -97,7 +97,7 @@ mod tests {
     use plume_graph::rng::Rng;
     use plume_graph::seed;
 
-    /// Kruskal's tree over all pairs: slow, and unlike the rounds.
+    /// Kruskal's algorithm over all pairs: slow, and independent of the one above.
     fn slow_length(places: &[Point3<f64>], part_of: &[usize], parts: usize) -> f64 {
         let pairs = (0..places.len()).flat_map(|a| (0..a).map(move |b| [a, b]));
         let mut pairs: Vec<(f64, [usize; 2])> = pairs.map(|[a, b]| ((places[a] - places[b]).norm(), [a, b])).collect();
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn joins_are_as_short_as_a_slow_search_has_them() {
+    fn joins_are_as_short_as_those_of_a_slow_search() {
         let mut rng = Rng::new(seed::stream(7, "joins", 0));
         for (count, parts) in [(40, 2), (60, 30), (300, 7), (300, 150)] {
             let mut coordinate = || (rng.unit() * 40.0).round();

@@ -1,11 +1,11 @@
 //! A k-d tree (Bentley 1975) that finds the nearest point of another part.
 //!
-//! Each branch knows the box round its points and the part they are all of, if they are of one: a search goes past what is
-//! its own part in one step, however many points that has.
+//! Each branch knows the bounding box of its points and their common part, if there is one: a search skips a branch of its
+//! own part in one step, however many points it has.
 //!
-//! `rstar`, which finds the passages round a passage, does not serve here: its trees know no parts, and a search walks through
-//! all of its own part that is nearer than the next one. For 100,000 stations in five parts the first round had not ended
-//! after a minute; here all joins take a fifth of a second.
+//! `rstar`, which is used elsewhere, is unsuitable here: its trees know no parts, so a search visits all of its own part that
+//! is nearer than the next one. For 100,000 stations in five parts the first round had not ended after a minute; here all
+//! joins take a fifth of a second.
 
 use nalgebra::Point3;
 
@@ -13,24 +13,24 @@ use plume_graph::Aabb;
 
 /// Points in a leaf. Tuned.
 const LEAF: usize = 8;
-/// Branches that one search looks into. Real caves need some dozens; points on a sphere round the one that asks would need
+/// Most branches that one search visits. Real caves need some dozens; points on a sphere around the query point would need
 /// all, and then the nearest found so far is taken. Tuned.
 const MOST_VISITS: usize = 1024;
-/// The points of a branch are of several parts.
+/// The points of a branch belong to several parts.
 const MIXED: usize = usize::MAX;
 
-/// The points of a graph, by place.
+/// A spatial index of the points of a graph.
 pub(super) struct Tree<'a> {
     places: &'a [Point3<f64>],
     /// Points in the order of the leaves.
     points: Vec<usize>,
-    /// Each before its children; a first child follows its parent at once.
+    /// Each before its children; a first child directly follows its parent.
     branches: Vec<Branch>,
 }
 
 struct Branch {
     bounds: Aabb<f64>,
-    /// Its points, as a range of the tree's.
+    /// The range of its points in the tree.
     start: usize,
     end: usize,
     /// Its second child; `None` in a leaf.
@@ -38,7 +38,7 @@ struct Branch {
     part: usize,
 }
 
-/// The nearest that was found.
+/// The nearest point found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Near {
     pub(super) point: usize,
@@ -46,14 +46,14 @@ pub(super) struct Near {
 }
 
 impl<'a> Tree<'a> {
-    /// The tree of these of the points; there is at least one.
+    /// The tree of a subset of the points, which is not empty.
     pub(super) fn new(places: &'a [Point3<f64>], points: Vec<usize>) -> Self {
         let mut tree = Self { places, branches: Vec::with_capacity(points.len() / 2), points };
         tree.grow(0, tree.points.len());
         tree
     }
 
-    /// Halves of equal count, across the longest side of the box: the depth is the logarithm of the count.
+    /// Splits into halves of equal count across the longest side of the box: the depth is logarithmic.
     fn grow(&mut self, start: usize, end: usize) {
         let places = self.places;
         let points = &mut self.points[start..end];
@@ -71,7 +71,7 @@ impl<'a> Tree<'a> {
         self.grow(start + middle, end);
     }
 
-    /// Tells the branches the part of each point.
+    /// Updates the part of each point.
     pub(super) fn set_parts(&mut self, part_of: &[usize]) {
         for at in (0..self.branches.len()).rev() {
             let branch = &self.branches[at];
@@ -87,13 +87,13 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The point of another part that is nearest to this one, and nearer than a squared distance. Of equals, the lowest.
+    /// The point of another part nearest to this one, within a squared distance. Of equals, the lowest.
     pub(super) fn nearest(&self, from: usize, part_of: &[usize], within: f64) -> Option<Near> {
         let mut search = Search { from, part_of, within, best: None };
         let mut ahead = vec![(0, 0.0)];
         let mut visits = 0;
         while let Some((at, squared)) = ahead.pop() {
-            // What is as near may hold a lower point; the first way down is always gone to its end.
+            // A branch at the same distance may hold a lower point; the first descent always reaches a leaf.
             if squared > search.within || (visits > MOST_VISITS && search.within.is_finite()) {
                 continue;
             }
@@ -112,13 +112,13 @@ impl<'a> Tree<'a> {
         search.best
     }
 
-    /// From a point to the box of a branch.
+    /// Squared distance from a point to the box of a branch.
     fn squared(&self, branch: usize, from: usize) -> f64 {
         self.branches[branch].bounds.squared_distance(self.places[from].into())
     }
 }
 
-/// A search while it goes on.
+/// A search in progress.
 struct Search<'a> {
     from: usize,
     part_of: &'a [usize],

@@ -1,10 +1,10 @@
-//! A file as it is read, byte by byte; whoever reads past its end is told where that is.
+//! Reads a file byte by byte; reading past the end is an error with its position.
 
 use std::path::Path;
 
 use super::super::ReadError;
 
-/// What is left of a file.
+/// The rest of a file.
 pub(super) struct Bytes<'a> {
     path: &'a Path,
     all: &'a [u8],
@@ -35,7 +35,7 @@ impl<'a> Bytes<'a> {
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
-        Ok(self.take(N)?.try_into().expect("as many were taken"))
+        Ok(self.take(N)?.try_into().expect("N bytes were taken"))
     }
 
     pub(super) fn u8(&mut self) -> Result<u8, ReadError> {
@@ -62,12 +62,16 @@ impl<'a> Bytes<'a> {
         Ok(line)
     }
 
-    /// A fault at a byte.
+    /// An error at a byte.
     pub(super) fn fault_at(&self, at: usize, message: impl Into<String>, hint: &str) -> ReadError {
         ReadError::byte(self.path, at, message, hint)
     }
 
     fn cut_short(&self) -> ReadError {
-        self.fault_at(self.all.len(), "ends too early", "copy the file again, or process the survey anew with `cavern`")
+        self.fault_at(
+            self.all.len(),
+            "ends too early",
+            "copy the file again, or process the survey again with `cavern`",
+        )
     }
 }

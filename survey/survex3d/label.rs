@@ -1,4 +1,4 @@
-//! The name that items of a `.3d` file change by a few bytes each.
+//! The current name, which items of a `.3d` file change by a few bytes each.
 
 use super::super::ReadError;
 use super::bytes::Bytes;
@@ -7,16 +7,16 @@ use super::bytes::Bytes;
 const FACTOR: u64 = 0x0000_0100_0000_01b3;
 const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// A name as the hashes (FNV-1a) of its beginnings: changing it takes as long as the change, however long the name
-/// is, and a file cannot claim more memory than it has bytes. Two names of one cave hash alike once in 10⁷ caves of a
-/// million stations; then a cross-section is mistaken for another, and no more.
+/// A name as the hashes (FNV-1a) of its prefixes: changing it takes time proportional to the change, however long the name
+/// is, and a file cannot claim more memory than its size. Hashes collide in one of 10⁷ caves of a million stations; the
+/// only consequence is that a cross-section is mistaken for another.
 #[derive(Default)]
 pub(super) struct Label {
     hashes: Vec<u64>,
 }
 
 impl Label {
-    /// Drops bytes from the end and adds others, as the file says next.
+    /// Drops bytes from the end and appends others, as the next item of the file says.
     pub(super) fn read(&mut self, bytes: &mut Bytes) -> Result<(), ReadError> {
         let at = bytes.at();
         let (dropped, added) = match bytes.u8()? {
@@ -26,7 +26,7 @@ impl Label {
         let added = bytes.take(added)?;
         let Some(kept) = self.hashes.len().checked_sub(dropped) else {
             let message = format!("drops {dropped} bytes of a name of {}", self.hashes.len());
-            return Err(bytes.fault_at(at, message, "process the survey anew with `cavern`"));
+            return Err(bytes.fault_at(at, message, "process the survey again with `cavern`"));
         };
         self.hashes.truncate(kept);
         for &byte in added {
@@ -41,7 +41,7 @@ impl Label {
     }
 }
 
-/// A count in one byte, or in four after a byte of ones.
+/// A count in one byte, or in four after the byte 255.
 fn count(bytes: &mut Bytes) -> Result<usize, ReadError> {
     match bytes.u8()? {
         0xff => Ok(bytes.u32()? as usize),

@@ -1,17 +1,15 @@
-//! Sections of passages from the distances to walls that surveyors note.
+//! Sections of passages from measured distances to walls (LRUD).
 //!
-//! The passage is as wide as left and right together and as high as up and down; its axis moves to the middle,
-//! sideways as seen along the passage and up or down so that the floor lies where the surveyor found it. A station
-//! with several cross-sections takes the widest, the highest ceiling and the lowest floor, so that all of them fit
-//! in.
+//! The width of the passage is left plus right, the height up plus down; its axis moves to the middle, sideways relative to
+//! the passage, and up or down so that the floor is where it was measured. A station with several cross-sections takes the
+//! greatest width, the highest ceiling and the lowest floor, so that all of them fit.
 //!
-//! A side that was not noted is taken to be like the other side; a width, a ceiling or a floor that was not is
-//! interpolated along the passages ([`spread`](super::spread)). A width or height of zero was not noted, for somebody
-//! passed. Where a part knows only its width or only its height, its passages are as high as they are wide. Where it
-//! knows nothing, stations have no section.
+//! A missing side is taken to be like the other one; a missing width, ceiling or floor is interpolated along the passages
+//! ([`spread`](super::spread)). A width or height of zero counts as missing, since somebody got through. In a part with only
+//! widths or only heights, passages are as high as wide. In a part with neither, stations have no section.
 //!
-//! Where a ceiling or a floor was measured up or down a shaft that a leg follows, the leg makes the shaft, and the
-//! passage that leads there does not get as high: that distance counts as not noted.
+//! If a ceiling or floor was measured up or down a shaft that a leg follows, the leg makes the shaft, and the passage that
+//! leads there must not get that high: such a distance counts as missing.
 
 use std::path::Path;
 
@@ -22,19 +20,18 @@ use super::{Survey, Walls};
 use crate::ReadError;
 use plume_graph::{Section, Shape};
 
-/// The farthest wall of a station that is believed, in metres. The largest known chamber, Sarawak, is 600 m long.
+/// Largest plausible distance to a wall, in metres. The largest known chamber, Sarawak, is 600 m long.
 const MAX_WALL_M: f64 = 1000.0;
-/// How much of a measured passage's height lies below its axis, where the floor is cut at the default `floor_drop` of
-/// 0.5.
+/// Share of a passage's height below its axis, with the floor at the default `floor_drop` of 0.5.
 const BELOW_AXIS: f64 = 1.0 / 3.0;
-/// Lower passages are made as high as this, the default `width_min_m`, and the axis must allow for it.
+/// Minimum height of passages, the default `width_min_m`, which the axis must allow for.
 const LEAST_HEIGHT_M: f64 = 1.4;
-/// Nobody can say what is left between two stations nearer to each other in plan than this, in metres.
+/// Minimum distance of two stations in plan, in metres, for left and right to be defined.
 const LEAST_VIEW_M: f64 = 0.1;
 
-/// A leg that is steeper than this, as rise by plan, is a shaft: 63°. Tuned.
+/// A leg steeper than this (rise over run) is a shaft: 63°. Tuned.
 const SHAFT_SLOPE: f64 = 2.0;
-/// A ceiling as far away as this share of a shaft's height was measured in the shaft. Tuned.
+/// A ceiling farther away than this share of a shaft's height was measured in the shaft. Tuned.
 const SHAFT_SHARE: f64 = 0.5;
 
 /// A passage at a station.
@@ -45,19 +42,19 @@ pub(super) struct Room {
     pub(super) middle: Vector3<f64>,
 }
 
-/// Refuses distances that are none.
+/// Refuses implausible distances.
 pub(super) fn check(walls: &[Walls], path: &Path) -> Result<(), ReadError> {
     let distances = walls.iter().flat_map(|walls| [walls.left_m, walls.right_m, walls.up_m, walls.down_m]);
     match distances.flatten().find(|distance| !(0.0..=MAX_WALL_M).contains(distance)) {
         None => Ok(()),
         Some(wall_m) => {
-            let message = format!("has a station {wall_m} m from a wall, and 0 to {MAX_WALL_M} m can be");
+            let message = format!("has a station {wall_m} m from a wall, which must be 0 to {MAX_WALL_M} m");
             Err(ReadError::whole(path, message, "check the unit of left, right, up and down"))
         }
     }
 }
 
-/// The passage at each station as far as it is known, and how many of those that stand on lines had to be interpolated.
+/// The passage at each station as far as it is known, and how many of the stations with legs were interpolated.
 pub(super) fn rooms(survey: &Survey, welds: &[usize], lines: &[[usize; 2]]) -> (Vec<Option<Room>>, usize) {
     let places: Vec<Point3<f64>> = survey.stations.iter().map(|station| station.position).collect();
     let measured = measured(survey, welds, &shafts(&places, lines));
@@ -80,7 +77,7 @@ pub(super) fn rooms(survey: &Survey, welds: &[usize], lines: &[[usize; 2]]) -> (
     (rooms, interpolated)
 }
 
-/// What was measured at a station.
+/// The measurements at a station.
 #[derive(Clone, Copy, Debug, Default)]
 struct Measured {
     width_m: Option<f64>,
@@ -95,7 +92,7 @@ impl Measured {
         self.width_m.is_some() && self.up_m.is_some() && self.down_m.is_some()
     }
 
-    /// Makes room for another cross-section.
+    /// Extends to another cross-section.
     fn add(&mut self, walls: &Walls, survey: &Survey) {
         let sides = walls.left_m.or(walls.right_m).zip(walls.right_m.or(walls.left_m));
         if let Some((left, right)) = sides.filter(|(left, right)| left + right > self.width_m.unwrap_or(0.0)) {
@@ -106,7 +103,7 @@ impl Measured {
         self.down_m = farther(self.down_m, walls.down_m);
     }
 
-    /// Without what was measured in a shaft, and without a height of zero.
+    /// Without measurements in a shaft, and without a height of zero.
     fn of_passage(self, shaft: Shaft) -> Self {
         let outside = |shaft_m: f64| move |far_m: &f64| shaft_m == 0.0 || *far_m < SHAFT_SHARE * shaft_m;
         let (up_m, down_m) = (self.up_m.filter(outside(shaft.up_m)), self.down_m.filter(outside(shaft.down_m)));
@@ -117,7 +114,7 @@ impl Measured {
     }
 }
 
-/// How far steep legs lead from a station.
+/// How far steep legs lead up and down from a station.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shaft {
     up_m: f64,
@@ -149,7 +146,7 @@ fn measured(survey: &Survey, welds: &[usize], shafts: &[Shaft]) -> Vec<Measured>
     measured.into_iter().zip(shafts).map(|(station, &shaft)| station.of_passage(shaft)).collect()
 }
 
-/// One metre to the left in plan; nothing where one looks up or down a shaft.
+/// The unit vector to the left in plan; `None` when looking up or down a shaft.
 fn to_the_left(walls: &Walls, survey: &Survey) -> Vector2<f64> {
     let [from, to] = walls.looking.map(|station| survey.stations[station].position);
     let ahead = (to - from).xy();
@@ -197,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_shaft_that_a_leg_follows_is_no_ceiling() {
+    fn a_shaft_followed_by_a_leg_is_not_a_ceiling() {
         let places = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 1.0, 12.0]];
         let stations = places.map(|place| SurveyStation { position: place.into(), entrance: false }).to_vec();
         let walls = |station: usize, up_m: f64| Walls {
@@ -215,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_like_the_other_side_or_as_high_as_wide() {
+    fn missing_sides_mirror_the_other_or_height_equals_width() {
         let room = middle_room([None, Some(1.5), None, None]).expect("the width is known");
         assert_eq!((room.section.width_m, room.section.height_m, room.middle.x), (3.0, 3.0, 0.0));
         let room = middle_room([None, None, Some(2.0), Some(0.0)]).expect("the height is known");

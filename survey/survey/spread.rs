@@ -1,10 +1,9 @@
-//! What was measured at some stations, spread along the passages to the others.
+//! Interpolates measurements along the passages to stations without them.
 //!
-//! Ordinary kriging (Matheron 1963) from the two nearest stations that have a value, nearest along the passages and not
-//! through rock, with an exponential variogram that reaches 95 % of its sill at [`RANGE_M`]: the model that Gouy et
-//! al. 2024 ("KarstNSim") use for the sizes of conduits, after Frantz et al. 2021. Between two stations near each
-//! other that is nearly linear; far from both it tends to their mean. Their nugget is left out: a measured station
-//! keeps what was measured.
+//! Ordinary kriging (Matheron 1963) from the two nearest stations with a value, by distance along the passages and not
+//! through rock, with an exponential variogram that reaches 95 % of its sill at [`RANGE_M`]: the model of Gouy et al. 2024
+//! ("KarstNSim") for the sizes of conduits, after Frantz et al. 2021. Between two stations near each other it is nearly
+//! linear; far from both it tends to their mean. The nugget is omitted: a measured station keeps its values.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -29,7 +28,7 @@ impl Ways {
     }
 }
 
-/// Fills in the values that are missing. What no passage joins to a value stays without.
+/// Fills in missing values. Stations not connected to a value stay without one.
 pub(super) fn spread(ways: &Ways, values: &[Option<f64>]) -> Vec<Option<f64>> {
     let nearest = nearest(ways, values);
     let value = |found: &Found| values[found.station].unwrap_or_default();
@@ -45,7 +44,7 @@ pub(super) fn spread(ways: &Ways, values: &[Option<f64>]) -> Vec<Option<f64>> {
     (0..values.len()).map(at).collect()
 }
 
-/// The weight of the nearer of two values this far away, in opposite directions; the other has the rest.
+/// The weight of the nearer of two values at these distances, in opposite directions; the other has the rest.
 fn share(near_m: f64, far_m: f64) -> f64 {
     let like = |distance_m: f64| libm::exp(-3.0 * distance_m / RANGE_M);
     let apart = 2.0 * (1.0 - like(near_m + far_m));
@@ -59,8 +58,8 @@ struct Found {
     away_um: u64,
 }
 
-/// The two nearest stations with a value (Dijkstra 1959, two labels a station). No search goes on past a station that
-/// has one, because that screens what lies behind it.
+/// The two nearest stations with a value (Dijkstra 1959, two labels per station). No search continues beyond a station with
+/// a value, because that screens what is behind it.
 fn nearest(ways: &Ways, values: &[Option<f64>]) -> Vec<[Option<Found>; 2]> {
     let mut nearest = vec![[None; 2]; values.len()];
     let seeds = (0..values.len()).filter(|&station| values[station].is_some());
@@ -91,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn values_near_each_other_blend_and_far_ones_keep_to_themselves() {
+    fn near_values_blend_linearly_and_far_ones_tend_to_the_mean() {
         let near = along(&[0.0, 1.0, 2.0, 3.0, 4.0], &[Some(1.0), None, None, None, Some(3.0)]);
         for (value, expected) in near.iter().zip([1.0, 1.5, 2.0, 2.5, 3.0]) {
             assert!((value.expect("filled") - expected).abs() < 0.01, "{near:?}");

@@ -1,15 +1,15 @@
-//! Stations that are one place of a cave.
+//! Welds stations that are one place of a cave.
 
 use nalgebra::Point3;
 
 use crate::parts::first_at_place;
 
-/// Stations that a shorter leg joins are one place, in metres: no passage is made narrower than five times that, and
-/// what lies that close together cannot be told apart in the rock. Tuned.
+/// Stations connected by a shorter leg are one place, in metres: no passage is narrower than five times that, and
+/// stations this close cannot be told apart in the rock. Tuned.
 const SHORT_M: f64 = 0.3;
 
-/// The station that stands for each: the first in its place, to 1 mm, or one that a passage of less than [`SHORT_M`]
-/// leads to. None moves further than that, so a chain of short legs is thinned out and keeps its shape.
+/// The representative of each station: the first in its place, to 1 mm, or one connected by a passage of less than
+/// [`SHORT_M`]. None moves further than that, so a chain of short legs is thinned out and keeps its shape.
 pub(super) fn welds(places: &[Point3<f64>], passages: &[[usize; 2]]) -> Vec<usize> {
     let mut welds = first_at_place(places);
     let mut stands_for_others = vec![false; places.len()];

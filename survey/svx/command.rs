@@ -12,22 +12,22 @@ use crate::limits::MAX_COORDINATE_M;
 use crate::measure::{Columns, Order};
 use plume_graph::echo::shown;
 
-/// Commands that describe the survey, or check what is no business of ours.
+/// Commands that only describe the survey, or check what is irrelevant here.
 const PASSED_OVER: &[&str] = &["title", "date", "team", "instrument", "export", "ref", "copyright", "require", "solve"];
 
 impl Reader<'_> {
-    /// Obeys the command of a line, in a file in which `outer` blocks were open before.
+    /// Executes the command of a line, in a file before which `outer` blocks were open.
     pub(super) fn command(&mut self, file_position: FilePosition, line: &str, outer: usize) -> Result<(), ReadError> {
         let fault = |reader: &Self, message: String| reader.files.fault(file_position, message, HINT);
         let words = self.settings.marks.quoted(line).map_err(|message| fault(self, message))?;
         let Some((command, words)) = words.split_first() else {
-            return Err(fault(self, "there is no command behind the asterisk".to_owned()));
+            return Err(fault(self, "the command after the asterisk is missing".to_owned()));
         };
         let command = command.to_ascii_lowercase();
         if command == "include" {
             return match words {
                 [name] => self.include(file_position, name),
-                _ => Err(fault(self, "`*include` takes the name of one file, in quotes if it has blanks".to_owned())),
+                _ => Err(fault(self, "`*include` takes one file name, in quotes if it contains blanks".to_owned())),
             };
         }
         self.obey(file_position, &command, words, outer).map_err(|message| fault(self, message))
@@ -71,14 +71,14 @@ impl Reader<'_> {
             ("default", words) => words.iter().try_for_each(|what| self.reset(what)),
             (passed, _) if PASSED_OVER.contains(&passed) => Ok(()),
             ("fix" | "equate" | "entrance" | "alias" | "case" | "truncate" | "set" | "begin" | "end" | "prefix", _) => {
-                Err(format!("`*{command}` takes other arguments than these"))
+                Err(format!("`*{command}` does not take these arguments"))
             }
-            _ => Err(format!("{} is no command that is read here", shown(command))),
+            _ => Err(format!("{} is not a supported command", shown(command))),
         }
     }
 
     fn number(&self, word: &str) -> Result<f64, String> {
-        self.settings.marks.number(word).ok_or_else(|| format!("{} is no number", shown(word)))
+        self.settings.marks.number(word).ok_or_else(|| format!("{} is not a number", shown(word)))
     }
 
     /// `*fix <station> [reference] [<x> <y> <z> [<standard deviations> [<covariances>]]]`
@@ -91,12 +91,12 @@ impl Reader<'_> {
         let numbers: Result<Vec<f64>, String> = words.iter().map(|word| self.number(word)).collect();
         let numbers = numbers?;
         if numbers.iter().any(|number| number.abs() > MAX_COORDINATE_M) {
-            return Err(format!("no place is more than {} km away", MAX_COORDINATE_M / 1000.0));
+            return Err(format!("coordinates must be within {} km", MAX_COORDINATE_M / 1000.0));
         }
         let position = match numbers[..] {
             [] => Point3::origin(),
             [x, y, z, ..] if numbers.len() <= 6 || numbers.len() == 9 => Point3::new(x, y, z),
-            _ => return Err("a fix is three coordinates and up to three standard deviations".to_owned()),
+            _ => return Err("a fix has three coordinates and up to three standard deviations".to_owned()),
         };
         let covariance = numbers.get(3..).and_then(spread);
         self.centreline.fix(name, position, covariance, file_position)
@@ -115,7 +115,7 @@ impl Reader<'_> {
         self.settings.dash_is_wall = match target {
             [] => false,
             [".."] => true,
-            _ => return Err("`-` can be no alias but of `..`".to_owned()),
+            _ => return Err("`-` can only be an alias of `..`".to_owned()),
         };
         Ok(())
     }
@@ -125,7 +125,7 @@ impl Reader<'_> {
             "preserve" => Case::Kept,
             "toupper" => Case::Upper,
             "tolower" => Case::Lower,
-            _ => return Err(format!("{} is neither preserve, toupper nor tolower", shown(case))),
+            _ => return Err(format!("{} is not preserve, toupper or tolower", shown(case))),
         };
         Ok(())
     }
@@ -139,7 +139,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Brings back what holds where nothing is said.
+    /// Restores defaults.
     fn reset(&mut self, what: &str) -> Result<(), String> {
         let what = what.to_ascii_lowercase();
         let all = what == "all";

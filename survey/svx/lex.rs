@@ -14,7 +14,7 @@ const PLUS: u16 = 128;
 const ROOT: u16 = 256;
 const SEPARATOR: u16 = 512;
 
-/// What `*set` calls them.
+/// Their names in `*set`.
 const ITEMS: &[(&str, u16)] = &[
     ("blank", BLANK),
     ("comment", COMMENT),
@@ -28,7 +28,7 @@ const ITEMS: &[(&str, u16)] = &[
     ("separator", SEPARATOR),
 ];
 
-/// What each ASCII character is for.
+/// The role of each ASCII character.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Marks([u16; 128]);
 
@@ -57,10 +57,10 @@ impl Marks {
         self.0.get(character as usize).is_some_and(|marks| marks & what != 0)
     }
 
-    /// Changes the characters of an item, as `*set` says it: as they are, or `x2C` by their code.
+    /// Sets the characters of an item, as in `*set`: literally, or by code as in `x2C`.
     pub(super) fn set(&mut self, item: &str, characters: &str) -> Result<(), String> {
         let Some(&(_, what)) = ITEMS.iter().find(|(known, _)| known.eq_ignore_ascii_case(item)) else {
-            return Err(format!("{} is nothing that can be set", shown(item)));
+            return Err(format!("{} cannot be set", shown(item)));
         };
         let mut codes = Vec::new();
         let mut rest = characters.chars();
@@ -81,24 +81,24 @@ impl Marks {
         Ok(())
     }
 
-    /// What a line says: a command without its keyword character, or data.
+    /// The content of a line: a command without its keyword character, or data.
     pub(super) fn command<'a>(&self, line: &'a str) -> Option<&'a str> {
         let line = line.trim_start_matches(|c| self.is(c, BLANK));
         line.strip_prefix(|c| self.is(c, KEYWORD))
     }
 
-    /// Whether a line says nothing but a comment. It does not end a traverse, as an empty line does.
+    /// Whether a line is only a comment, which, unlike an empty line, does not end a traverse.
     pub(super) fn is_comment(&self, line: &str) -> bool {
         line.trim_start_matches(|c| self.is(c, BLANK)).starts_with(|c| self.is(c, COMMENT))
     }
 
-    /// The words of a line of readings, without its comment.
+    /// The words of a data line, without its comment.
     pub(super) fn words<'a>(&self, line: &'a str) -> Vec<&'a str> {
         let line = line.find(|c| self.is(c, COMMENT)).map_or(line, |end| &line[..end]);
         line.split(|c| self.is(c, BLANK)).filter(|word| !word.is_empty()).collect()
     }
 
-    /// The words of a command, where quotes keep blanks and comments together.
+    /// The words of a command, where quotes protect blanks and comment characters.
     pub(super) fn quoted<'a>(&self, line: &'a str) -> Result<Vec<&'a str>, String> {
         let mut words = Vec::new();
         let mut rest = line.trim_start_matches(|c| self.is(c, BLANK));
@@ -126,17 +126,17 @@ impl Marks {
         }
         let parts: Vec<&str> = name.split(|c| self.is(c, SEPARATOR)).collect();
         if parts.iter().any(|part| part.is_empty()) {
-            return Err(format!("{} is no name", shown(name)));
+            return Err(format!("{} is not a name", shown(name)));
         }
         Ok(parts)
     }
 
-    /// What follows the root in a name that starts there.
+    /// The rest of a name that starts at the root.
     pub(super) fn behind_root<'a>(&self, name: &'a str) -> Option<&'a str> {
         name.strip_prefix(|c| self.is(c, ROOT))
     }
 
-    /// How many separators a word is, where it is nothing else: an anonymous station.
+    /// The number of separators, if a word consists of nothing else: an anonymous station.
     pub(super) fn dots(&self, word: &str) -> Option<usize> {
         word.chars().all(|c| self.is(c, SEPARATOR)).then(|| word.chars().count())
     }
@@ -156,7 +156,7 @@ impl Marks {
         Some(if minus { -number } else { number })
     }
 
-    /// What stands in a column.
+    /// The content of a column.
     pub(super) fn cell(&self, reading: Reading, word: &str) -> Result<Cell, String> {
         if word.chars().count() == 1 && word.starts_with(|c| self.is(c, OMIT)) {
             return Ok(Cell::Omitted);
@@ -173,9 +173,9 @@ impl Marks {
         match (reading, plumb) {
             (Reading::Of(Quantity::Gradient | Quantity::BackGradient), Some(plumb)) => Ok(plumb),
             (Reading::Of(Quantity::Bearing | Quantity::BackBearing), _) => {
-                self.quadrant(word).map(Cell::Number).ok_or_else(|| format!("{} is no bearing", shown(word)))
+                self.quadrant(word).map(Cell::Number).ok_or_else(|| format!("{} is not a bearing", shown(word)))
             }
-            _ => Err(format!("{} is no number", shown(word))),
+            _ => Err(format!("{} is not a number", shown(word))),
         }
     }
 

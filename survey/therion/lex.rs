@@ -3,7 +3,7 @@
 use crate::measure::{Cell, Quantity, Reading};
 use plume_graph::echo::shown;
 
-/// The words of a line without its comment; what stands in quotes or brackets is one.
+/// The words of a line without its comment; text in quotes or brackets is one word.
 pub(super) fn words(line: &str) -> Result<Vec<String>, String> {
     let mut words = Vec::new();
     let mut rest = line.trim_start();
@@ -15,7 +15,7 @@ pub(super) fn words(line: &str) -> Result<Vec<String>, String> {
                 let end = rest.find('"').ok_or("a quotation mark is not closed")?;
                 word += &rest[..end];
                 rest = &rest[end + 1..];
-                // Twice, it means itself.
+                // A doubled quotation mark stands for itself.
                 let Some(more) = rest.strip_prefix('"') else { break };
                 word.push('"');
                 rest = more;
@@ -52,7 +52,7 @@ pub(super) fn number(word: &str) -> Option<f64> {
     Some(sign * sum)
 }
 
-/// What stands in a column.
+/// The content of a column.
 pub(super) fn cell(reading: Reading, word: &str) -> Result<Cell, String> {
     if matches!(word, "-" | ".") {
         return Ok(Cell::Omitted);
@@ -72,6 +72,6 @@ pub(super) fn cell(reading: Reading, word: &str) -> Result<Cell, String> {
         "up" | "u" | "+v" if gradient => Ok(Cell::Up),
         "down" | "d" | "-v" if gradient => Ok(Cell::Down),
         "level" | "h" if gradient => Ok(Cell::Level),
-        _ => Err(format!("{} is no number", shown(word))),
+        _ => Err(format!("{} is not a number", shown(word))),
     }
 }

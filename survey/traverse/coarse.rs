@@ -1,8 +1,8 @@
-//! A coarse picture of a large rest, in which what is far away is felt at once.
+//! A coarse correction for large systems, which propagates over long distances in one step.
 //!
-//! Conjugate gradients carry a misclosure by one station a round. Stations are taken together into patches that move as one
-//! (Nicolaides 1987: "Deflation of conjugate gradients"), and what pulls on the patches is solved exactly, by eliminating
-//! all of them. Added to what each station makes of its own residual, that takes a tenth of the rounds, and less.
+//! Conjugate gradients propagate a misclosure by one station per iteration. Stations are grouped into patches that move as
+//! one (Nicolaides 1987: "Deflation of conjugate gradients"), and the system of the patches is solved exactly by
+//! elimination. Added to the diagonal preconditioner, this takes a tenth of the iterations or less.
 
 use std::collections::VecDeque;
 
@@ -10,12 +10,12 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::loops::{Block, Network};
 
-/// Stations of a patch, where the patches can be eliminated. Tuned.
+/// Stations per patch, if the patches can be eliminated. Tuned.
 const LEAST_SIZE: usize = 24;
-/// Neighbours of a patch when it is eliminated, at most: memory grows with their square. Tuned.
+/// Most neighbours of a patch during elimination: memory grows with their square. Tuned.
 const MOST_NEIGHBORS: usize = 160;
 
-/// The patches, all of them eliminated.
+/// The eliminated patches.
 pub(super) struct Coarse {
     /// The patch of each station.
     patch_of: Vec<usize>,
@@ -23,7 +23,7 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
-    /// Of stations, each held by others, and by what stays where it is. `None` if no patches can be made that can be
+    /// The correction for stations coupled to others and to fixed ones. `None` if no patches are found that can be
     /// eliminated.
     pub(super) fn of(blocks: &[Vec<Block>], firm: &[Matrix3<f64>]) -> Option<Self> {
         let sizes = std::iter::successors(Some(LEAST_SIZE), |size| Some(2 * size));
@@ -42,7 +42,7 @@ impl Coarse {
         })
     }
 
-    /// Adds to each station the correction of its patch for this right-hand side.
+    /// Adds the correction of its patch to each station for this right-hand side.
     pub(super) fn add_corrections(&self, rhs: &[Vector3<f64>], corrections: &mut [Vector3<f64>]) {
         let mut of_patch = vec![Vector3::zeros(); self.patch_of.iter().max().map_or(0, |last| last + 1)];
         rhs.iter().zip(&self.patch_of).for_each(|(weighted, &patch)| of_patch[patch] += weighted);
@@ -51,7 +51,7 @@ impl Coarse {
     }
 }
 
-/// The patch of each station: stations with those around them, at most `size` to a patch.
+/// The patch of each station: stations with their neighbours, at most `size` per patch.
 fn patches(blocks: &[Vec<Block>], size: usize) -> Vec<usize> {
     const NONE: usize = usize::MAX;
     let mut patch_of = vec![NONE; blocks.len()];

@@ -1,9 +1,9 @@
 //! Closing loops: sparse weighted least squares.
 //!
-//! Stations on dead ends move with what they hang on. What is left is reduced as one reduces a network of resistors: a
-//! station with few neighbours is replaced by direct ways between these (series, parallel and star to mesh, with
-//! matrices for resistances), which is Gaussian elimination and exact. Of most caves that leaves nothing; a dense rest
-//! is solved by conjugate gradients, whose residual is checked; a large one with the help of a coarse picture of it.
+//! Stations on dead ends move with the station they hang on. The rest is reduced like a network of resistors: a station with
+//! few neighbours is replaced by direct connections between them (series, parallel and star-mesh transforms, with matrices
+//! for resistances), which is Gaussian elimination and exact. For most caves that leaves nothing; a dense remainder is
+//! solved by conjugate gradients, whose residual is checked, a large one with a coarse correction.
 
 use std::collections::VecDeque;
 
@@ -12,18 +12,18 @@ use nalgebra::{Matrix3, Vector3};
 use super::coarse::Coarse;
 use super::{Shot, Tree, stars};
 
-/// Stations with at most so many neighbours are eliminated. Tuned: with fewer, mazes take many rounds of gradients, with
-/// more, memory grows.
+/// Stations with at most this many neighbours are eliminated. Tuned: with fewer, mazes take many iterations, with more,
+/// memory grows.
 const MOST_NEIGHBORS: usize = 8;
-/// How often all stations are looked over for such that have become eliminable.
+/// Number of passes over all stations in search of ones that have become eliminable.
 const SWEEPS: usize = 32;
-/// Holds that the conjugate gradients may look at. Tuned: a maze of 100,000 shots, each crossing joined to four, takes half.
+/// Limit on the work of conjugate gradients, in couplings. Tuned: a grid maze of 100,000 shots takes half.
 const WORK: usize = 500_000_000;
-/// From how many stations on a coarse picture of them pays. Tuned.
+/// Number of stations from which a coarse correction pays off. Tuned.
 const COARSE_FROM: usize = 4_000;
-/// The norm of what is left over, by that of what there was, at which the gradients may stop.
+/// Relative norm of the residual at which the iteration stops.
 const GOAL: f64 = 1e-8;
-/// The same, with which they may be stopped: a millimetre in a kilometre.
+/// Relative norm of the residual that is accepted: a millimetre in a kilometre.
 const BEARABLE: f64 = 1e-6;
 
 impl Shot {
@@ -32,9 +32,9 @@ impl Shot {
     }
 }
 
-/// The stations that loops can move, and the shots between them and to those that stay where they are.
+/// The stations that loops can move, and the shots between them and to fixed ones.
 pub(super) struct Core {
-    /// Where a station stands among those that can be moved.
+    /// The index of a station among the movable ones.
     place: Vec<Option<usize>>,
     count: usize,
     shots: Vec<usize>,
@@ -73,7 +73,7 @@ impl Core {
         Some(core)
     }
 
-    /// How far each station has to be moved so that the loops close, `None` if they cannot be closed.
+    /// The displacement of each station that closes the loops, `None` if they cannot be closed.
     pub(super) fn corrections(&self, shots: &[Shot], tree: &Tree) -> Option<Vec<Vector3<f64>>> {
         let mut network = Network::of(self, shots, tree)?;
         network.eliminate(MOST_NEIGHBORS);
@@ -90,7 +90,7 @@ impl Core {
     }
 }
 
-/// Another station, and the off-diagonal block of the normal equations that couples it.
+/// A coupled station, and the off-diagonal block of the normal equations.
 pub(super) type Block = (usize, Matrix3<f64>);
 
 /// The normal equations: coupled stations, and a right-hand side.
@@ -100,15 +100,15 @@ pub(super) type Block = (usize, Matrix3<f64>);
 pub(super) struct Network {
     blocks: Vec<Vec<Block>>,
     rhs: Vec<Vector3<f64>>,
-    /// Neighbours at most; parallel ways count apart.
+    /// Most neighbours; parallel connections count separately.
     degree: Vec<usize>,
-    /// Inverse of the diagonal block of those that are eliminated, and their order.
+    /// Inverse diagonal blocks of eliminated stations, and their order.
     inverse: Vec<Option<Matrix3<f64>>>,
     order: Vec<usize>,
 }
 
 impl Network {
-    /// Stations that nothing couples yet.
+    /// Uncoupled stations.
     pub(super) fn new(count: usize) -> Self {
         Self {
             blocks: vec![Vec::new(); count],
@@ -119,7 +119,7 @@ impl Network {
         }
     }
 
-    /// Has a station held by another, or by what stays where it is, which stands behind all others.
+    /// Couples a station to another, or to the fixed ones, whose index comes after all others.
     pub(super) fn block(&mut self, here: usize, there: usize, block: Matrix3<f64>) {
         self.blocks[here].push((there, block));
         self.degree[here] += 1;
@@ -145,7 +145,7 @@ impl Network {
         Some(network)
     }
 
-    /// Drops what is eliminated from the blocks on a station and adds up those by the same one.
+    /// Drops eliminated stations from the blocks of a station and adds up blocks of the same neighbour.
     fn tidy(&mut self, station: usize) {
         let mut blocks = std::mem::take(&mut self.blocks[station]);
         blocks.retain(|&(other, _)| other == self.inverse.len() || self.inverse[other].is_none());
@@ -161,7 +161,7 @@ impl Network {
         self.blocks[station] = blocks;
     }
 
-    /// Those that are not eliminated.
+    /// The stations that are not eliminated.
     fn left(&self) -> Vec<usize> {
         (0..self.blocks.len()).filter(|&station| self.inverse[station].is_none()).collect()
     }
@@ -170,7 +170,7 @@ impl Network {
         self.blocks[station].iter().map(|(_, block)| block).sum()
     }
 
-    /// Eliminates stations with at most so many neighbours, those with fewest first, as long as there are any.
+    /// Eliminates stations with at most this many neighbours, fewest first, as long as there are any.
     pub(super) fn eliminate(&mut self, most_neighbors: usize) {
         for _ in 0..SWEEPS {
             let mut queues = vec![VecDeque::new(); most_neighbors + 1];
@@ -204,7 +204,7 @@ impl Network {
         }
     }
 
-    /// Replaces a station by ways between its neighbours.
+    /// Replaces a station by connections between its neighbours.
     fn drop(&mut self, station: usize, queues: &mut [VecDeque<usize>]) {
         let Some(inverse) = self.diagonal(station).try_inverse() else { return };
         let blocks = std::mem::take(&mut self.blocks[station]);
@@ -224,7 +224,7 @@ impl Network {
         self.order.push(station);
     }
 
-    /// Makes room for more blocks, by tidying where that is enough, so that memory follows from what is still there.
+    /// Makes room for more blocks, by tidying if that is enough, so that memory is proportional to what is left.
     fn make_room(&mut self, station: usize, more: usize) {
         if self.blocks[station].len() + more > self.blocks[station].capacity() {
             self.tidy(station);
@@ -233,12 +233,12 @@ impl Network {
         }
     }
 
-    /// Whether all stations are.
+    /// Whether all stations are eliminated.
     pub(super) fn is_eliminated(&self) -> bool {
         self.order.len() == self.blocks.len()
     }
 
-    /// The corrections of all stations that are eliminated, for this right-hand side alone.
+    /// The corrections of all eliminated stations for this right-hand side.
     pub(super) fn solved(&self, mut rhs: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
         let passed_on = |station: usize, weighted: Vector3<f64>| {
             self.inverse[station].map_or(weighted, |inverse| inverse * weighted)
@@ -257,7 +257,7 @@ impl Network {
         rhs
     }
 
-    /// Where everything comes to rest.
+    /// The solution of the system.
     fn solve(mut self) -> Option<Vec<Vector3<f64>>> {
         let count = self.blocks.len();
         let mut rest = vec![Vector3::zeros(); count + 1];
@@ -273,8 +273,8 @@ impl Network {
         rest.iter().all(|by| by.iter().all(|x| x.is_finite())).then_some(rest)
     }
 
-    /// Conjugate gradients (Hestenes & Stiefel 1952) for the stations that are left, preconditioned by their diagonal
-    /// blocks, and where there are many by a [coarse picture](Coarse) of them.
+    /// Conjugate gradients (Hestenes & Stiefel 1952) for the remaining stations, preconditioned by their diagonal blocks,
+    /// and for many stations by a [coarse correction](Coarse).
     fn descend(&mut self, left: &[usize], rest: &mut [Vector3<f64>]) -> Option<()> {
         let diagonals: Vec<Matrix3<f64>> = left.iter().map(|&station| self.diagonal(station)).collect();
         let inverses: Option<Vec<Matrix3<f64>>> = diagonals.iter().map(|block| block.try_inverse()).collect();
@@ -317,12 +317,12 @@ impl Network {
         (error <= BEARABLE * BEARABLE * start).then_some(())
     }
 
-    /// How firmly a station is held by what stays where it is.
+    /// The coupling of a station to the fixed ones.
     fn firm_hold(&self, station: usize) -> Matrix3<f64> {
         self.blocks[station].iter().filter(|&&(other, _)| other == self.blocks.len()).map(|(_, block)| block).sum()
     }
 
-    /// The blocks between some stations, by their places among them; they are taken out.
+    /// Takes out the blocks between some stations, by their indices among them.
     fn take_blocks_between(&mut self, stations: &[usize]) -> Vec<Vec<Block>> {
         let mut place = vec![None; self.blocks.len() + 1];
         stations.iter().enumerate().for_each(|(index, &station)| place[station] = Some(index));
