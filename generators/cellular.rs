@@ -1,12 +1,12 @@
-//! Caves by cellular automata: cells filled at random, and rock that keeps to itself.
+//! Caves from cellular automata: cells filled at random, then smoothed into chambers and passages.
 //!
 //! Johnson, Yannakakis, Togelius: "Cellular automata for real-time generation of infinite cave levels", 2010. Each layer
-//! is a plan of cells of its own. A cell becomes rock when enough of its neighbourhood is, a few times over; small pockets
-//! and pillars go, regions that are left are joined by corridors, and the middle lines of what is open are the passages,
-//! as wide as the open part is there. Layers lie one below the other; a ramp outside of both leads down.
+//! is a separate plan of cells. A cell becomes rock if enough of its neighbourhood is, for a few iterations; small pockets
+//! and pillars are removed, the remaining regions are joined by corridors, and the medial axes of the open space are the
+//! passages, as wide as the space is there. Layers are below each other; a ramp outside of both leads down.
 //!
 //! Promised: exactly the asked number of nodes in one component, at most five passages at a node, floors of a layer and
-//! ramps under their greatest inclination. Not promised: the statistics of real caves; passages are short and meet often.
+//! ramps within their maximum inclination. Not promised: the statistics of real caves; passages are short and meet often.
 
 mod automaton;
 mod layers;
@@ -24,11 +24,11 @@ use plume_graph::rng::Rng;
 use plume_graph::seed;
 use plume_graph::{Graph, Section, Shape};
 
-/// Cells of plan for each cell of length of its middle lines (tuned at the default fill), and more to be cut from.
+/// Cells of the plan per cell of length of its medial axes (tuned at the default fill), with some to spare.
 const PLAN_PER_LENGTH: f64 = 14.0;
 /// Fewest cells along a side.
 const LEAST_SIDE: usize = 32;
-/// Relief is so much longer than high that no floor is steeper than about 9 degrees.
+/// Ratio of length to height of the relief: no floor is steeper than about 9 degrees.
 const RELIEF_LENGTH: f64 = 12.0;
 /// Shortest hills, in metres.
 const RELIEF_LEAST_M: f64 = 40.0;
@@ -40,49 +40,49 @@ pub struct Cellular {
     /// Number of nodes (stations on the centreline).
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
-    /// Distance between stations in metres; the plan is as large as that takes.
+    /// Distance between stations in metres; the size of the plan follows from it.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub station_spacing_m: f64,
-    /// Number of layers, one below the other.
+    /// Number of layers, one below another.
     #[schemars(range(min = 1, max = 20))]
     pub layers: u32,
     /// Vertical distance between layers, in metres.
     #[schemars(range(min = 4.0, max = 100.0))]
     pub layer_spacing_m: f64,
-    /// Greatest inclination of floors and of the ramps between layers, in degrees.
+    /// Maximum inclination of floors and of the ramps between layers, in degrees.
     #[schemars(range(min = 3.0, max = 30.0))]
     pub ramp_max_deg: f64,
-    /// Side of a cell in metres.
+    /// Size of a cell in metres.
     #[schemars(range(min = 0.5, max = 5.0))]
     pub cell_m: f64,
-    /// Part of the cells that are rock at first; the paper has 0.5.
+    /// Initial share of rock cells; 0.5 in the paper.
     #[schemars(range(min = 0.3, max = 0.6))]
     pub fill: f64,
-    /// How often every cell looks round; the paper has 4.
+    /// Number of iterations of the automaton; 4 in the paper.
     #[schemars(range(min = 1, max = 20))]
     pub iterations: u32,
-    /// A cell is rock when this many of the nine cells in its Moore neighbourhood, itself included, are; the paper has 5.
+    /// A cell becomes rock if at least this many of the nine cells of its Moore neighbourhood are; 5 in the paper.
     #[schemars(range(min = 4, max = 6))]
     pub rock_neighbours: u8,
     /// Open regions smaller than this are filled, in square metres.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub pocket_min_m2: f64,
-    /// Pillars smaller than this are taken out, in square metres; smaller ones have no room between stations.
+    /// Pillars smaller than this are removed, in square metres; there is no room for them between stations.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub pillar_min_m2: f64,
-    /// Width of the corridors that join regions, and of ramps; no passage is narrower. In metres.
+    /// Width of the corridors that join regions, and of ramps, in metres; no passage is narrower.
     #[schemars(range(min = 1.0, max = 6.0))]
     pub width_min_m: f64,
-    /// Greatest width of a passage, in metres.
+    /// Maximum width of a passage, in metres.
     #[schemars(range(min = 2.0, max = 20.0))]
     pub width_max_m: f64,
-    /// Height of a passage in units of its width.
+    /// Height of a passage relative to its width.
     #[schemars(range(min = 0.3, max = 2.0))]
     pub height_ratio: f64,
-    /// Greatest height of a passage, in metres.
+    /// Maximum height of a passage, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub height_max_m: f64,
-    /// Height of the hills and hollows that every layer follows, in metres.
+    /// Height of the relief that all layers follow, in metres.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub relief_m: f64,
 }
@@ -132,14 +132,14 @@ impl Cellular {
         if self.width_max_m < self.width_min_m {
             return Err(GenerateError::new(
                 format!("`width_max_m` is {} m, under `width_min_m`", self.width_max_m),
-                format!("it takes at least {} m", self.width_min_m),
+                format!("it must be at least {} m", self.width_min_m),
             ));
         }
         let least = 1.5 * self.height_max_m;
         if self.layers > 1 && self.layer_spacing_m < least {
             return Err(GenerateError::new(
                 format!("`layer_spacing_m` is {} m, which leaves no rock between layers", self.layer_spacing_m),
-                format!("it takes at least {least} m for passages of this `height_max_m`"),
+                format!("it must be at least {least} m for passages of this `height_max_m`"),
             ));
         }
         if self.layers > 1 && self.nodes < layers::LEAST_NODES * self.layers {
@@ -151,11 +151,11 @@ impl Cellular {
     fn no_room(&self) -> GenerateError {
         GenerateError::new(
             format!("no room for {} layers in {} nodes", self.layers, self.nodes),
-            format!("ask for {} nodes a layer or more, or for fewer layers", layers::LEAST_NODES),
+            format!("ask for at least {} nodes per layer, or for fewer layers", layers::LEAST_NODES),
         )
     }
 
-    /// The open cells of a layer whose passages are about so long: one region.
+    /// The open cells of a layer with about this length of passages, as one region.
     fn plan(&self, length_m: f64, mut rng: Rng) -> Mask {
         let cells = length_m / self.cell_m * PLAN_PER_LENGTH;
         let side = LEAST_SIDE.max(cells.sqrt().ceil() as usize);
@@ -166,12 +166,12 @@ impl Cellular {
         let cells = |area_m2: f64| (area_m2 / (self.cell_m * self.cell_m)).ceil() as usize;
         let half_width = (0.5 * self.width_min_m / self.cell_m).round() as usize;
         let mut mask = raster::without_pockets(mask, cells(self.pocket_min_m2));
-        // A line needs two cells, and a layer that is all rock gets them.
+        // A line needs two cells, so a layer of solid rock gets them.
         mask.dig([side / 2, side / 2], half_width.max(2));
         raster::without_pillars(raster::joined(mask, half_width), cells(self.pillar_min_m2))
     }
 
-    /// The passages of a layer at their height, no wider and no higher than the settings allow.
+    /// The passages of a layer at their elevation, with widths and heights limited by the settings.
     fn shaped(&self, mut centreline: CentrelineBuilder, level: u32, relief: &Relief) -> CentrelineBuilder {
         for vertex in &mut centreline.vertices {
             let width_m = vertex.section.map_or(0.0, |section| section.width_m);
@@ -187,7 +187,7 @@ impl Cellular {
     }
 }
 
-/// The hills and hollows that all layers follow, so that the rock between two of them is as thick everywhere.
+/// The relief that all layers follow, so that the rock between two of them has the same thickness everywhere.
 struct Relief {
     noise: Perlin,
     height_m: f64,

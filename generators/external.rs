@@ -2,11 +2,10 @@
 //!
 //! The program gets one JSON object on standard input, `{"plume": version, "seed": …, "settings": {…}}`, and writes graph
 //! JSON ([`format::json`](mod@plume_survey::json)) to standard output; `id`, `coordinates` and `edges` are enough. What
-//! it writes to standard error is shown when it fails. It runs only where its user allows programs, in the folder of
-//! the recipe, and is stopped when it takes too long or writes too much.
+//! it writes to standard error is shown if it fails. It runs only if the user allows programs, in the folder of the
+//! recipe, and is stopped if it takes too long or writes too much.
 //!
-//! Promised: what comes back holds the laws of a graph. Not promised: that it is the same for the same seed; that is up to the
-//! program.
+//! Promised: the result is a valid graph. Not promised: that the same seed gives the same graph; that is up to the program.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -30,19 +29,19 @@ pub struct External {
     /// The folder in which it runs, relative to the recipe.
     #[schemars(extend("format" = "path", "minLength" = 1))]
     pub folder: PathBuf,
-    /// Names of the environment variables that it sees beside `PATH`, `HOME`, `USER`, `LANG`, `LC_*`, `TZ` and `TMPDIR`:
+    /// Names of environment variables that it sees in addition to `PATH`, `HOME`, `USER`, `LANG`, `LC_*`, `TZ` and `TMPDIR`:
     /// `environment = ["LICENSE_SERVER"]`.
     pub environment: Vec<String>,
-    /// What it is told beside the seed, as it likes it: `settings = { branches = 4, style = "maze" }`.
+    /// Settings for the program, passed on with the seed: `settings = { branches = 4, style = "maze" }`.
     pub settings: Map<String, Value>,
-    /// How long it may take, in seconds.
+    /// Time limit, in seconds.
     #[schemars(range(min = 0.1, max = 86_400.0))]
     pub time_limit_s: f64,
-    /// How much it may write, in megabytes.
+    /// Limit on its output, in megabytes.
     #[schemars(range(min = 0.001, max = 1_000.0))]
     pub size_limit_mb: f64,
-    /// What becomes of parts that no passage joins: `refuse`, `join` them by the shortest ways, `keep` them, or take the
-    /// `longest` alone.
+    /// What to do with disconnected parts: `refuse` them, `join` them by the shortest passages, `keep` all, or keep only
+    /// the `longest`.
     pub parts: Parts,
 }
 
@@ -67,9 +66,10 @@ impl Generator for External {
         let told =
             told.map_err(|error| GenerateError::new(format!("{}: {error}", plain(&self.command[0])), error.hint))?;
         let misled = |what: String, hint: &str| {
-            GenerateError::new(format!("{} wrote no graph: {what}", plain(&self.command[0])), hint.to_owned())
+            GenerateError::new(format!("{} did not write a graph: {what}", plain(&self.command[0])), hint.to_owned())
         };
-        let text = String::from_utf8(told).map_err(|_| misled("it is not UTF-8 text".to_owned(), "write JSON"))?;
+        let text =
+            String::from_utf8(told).map_err(|_| misled("the output is not UTF-8 text".to_owned(), "write JSON"))?;
         let read = json::read_parts(&text, self.parts);
         let (document, _) = read.map_err(|error| misled(error.to_string(), error.hint()))?;
         Ok(document.graph)

@@ -1,4 +1,4 @@
-//! A graph that somebody else made, or a cave that somebody surveyed.
+//! Graphs and cave surveys from files.
 
 use std::path::PathBuf;
 
@@ -14,14 +14,14 @@ use plume_survey::Parts;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct File {
-    /// The file, relative to the recipe; its name tells the format (`plume list formats`).
+    /// The file, relative to the recipe; its extension determines the format (see `plume list formats`).
     #[schemars(extend("format" = "path", "minLength" = 1))]
     pub path: PathBuf,
-    /// Factor on every length of the file. Passages of the original PLUME are about 1 m: 2 to 3 suits robots.
+    /// Factor on all lengths of the file. Passages of the original PLUME are about 1 m wide: 2 to 3 suits robots.
     #[schemars(range(min = 0.001, max = 1000.0))]
     pub scale: f64,
-    /// What becomes of parts that no passage joins: `refuse`, `join` them by the shortest ways, `keep` them, or take the
-    /// `longest` alone.
+    /// What to do with disconnected parts: `refuse` them, `join` them by the shortest passages, `keep` all, or keep only
+    /// the `longest`.
     pub parts: Parts,
 }
 

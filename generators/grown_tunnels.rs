@@ -1,14 +1,14 @@
-//! Tunnels grown one off another, and connectors between them.
+//! Tunnels that branch off each other, and connectors between them.
 //!
 //! Cano, Tardioli, Mosteo: "Procedural generation of tunnel networks for unsupervised training and testing in
 //! underground applications", 2023. From the paper and its program: a tunnel starts at a station away from other
-//! junctions; from segment to segment its yaw turns by a tendency and a noise, its inclination keeps to another; a spline
-//! runs through the segments; a tunnel that is too steep, opens too sharply, or comes near itself or another one is
-//! refused and drawn anew. Connectors run straight between two stations, their inner segments shifted by a lateral and a
-//! vertical noise. Added here: a connector goes to a place that is near in space and far along the network, and an
-//! exact number of stations.
+//! junctions; from segment to segment its yaw changes by a tendency and noise, and so does its inclination; a spline runs
+//! through the segments; a tunnel that is too steep, branches off too sharply, or comes near itself or another one is
+//! rejected and drawn again. Connectors run straight between two stations, their inner segments shifted by lateral and
+//! vertical noise. Added here: connectors go to places that are near in space and far along the network, and the number of
+//! stations is exact.
 //!
-//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the law of
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the rules of
 //! `network`. Not promised: the statistics of natural caves, which have more short branches.
 
 use std::f64::consts::TAU;
@@ -23,20 +23,20 @@ use plume_graph::Graph;
 use plume_graph::Outside;
 use plume_graph::rng::Rng;
 
-/// Times that a tunnel is drawn at one station; every station is tried once, where the paper tries ten times at random.
+/// Attempts to draw a tunnel at one station; every station is tried once, while the paper tries ten random ones.
 const TRIES: usize = 3;
-/// Times that a start for a connector is drawn.
+/// Attempts to draw a start of a connector.
 const CONNECTOR_TRIES: usize = 8;
 /// Samples of the spline in each segment; stations are spread along the polyline through them.
 const SAMPLES: usize = 8;
-/// Shortest segment of a tunnel by the mean one: the program draws from 0.05–0.15 to 0.15–0.3 of its length.
+/// Shortest segment of a tunnel relative to the mean: the program draws from 0.05–0.15 to 0.15–0.3 of its length.
 const SHORTEST: f64 = 0.6;
 
 /// Settings of the generator of grown tunnels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct GrownTunnels {
-    /// Number of nodes (stations on the centreline); tunnels are grown until they are used up.
+    /// Number of nodes (stations on the centreline); tunnels grow until they are used up.
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
     /// Distance between stations along a tunnel, in metres.
@@ -45,47 +45,47 @@ pub struct GrownTunnels {
     /// Length of the shortest tunnel, in metres. The paper's program: 50.
     #[schemars(range(min = 10.0, max = 1000.0))]
     pub length_min_m: f64,
-    /// Length of the longest tunnel, in metres; lengths between are as likely by ratio, so that short ones prevail as in
-    /// caves. The paper's program: 300, evenly.
+    /// Length of the longest tunnel, in metres; lengths are distributed log-uniformly, so that short ones prevail as in
+    /// caves. The paper's program: 300, uniformly.
     #[schemars(range(min = 10.0, max = 1000.0))]
     pub length_max_m: f64,
-    /// Straight segments that a tunnel is planned with; its spline runs through their ends.
+    /// Number of straight segments of a tunnel's plan; its spline runs through their ends.
     #[schemars(range(min = 2, max = 30))]
     pub segments: u32,
-    /// Greatest turn that all segments of a tunnel share, to either side, in degrees. From the paper's program.
+    /// Maximum turn per segment common to all segments of a tunnel, to either side, in degrees. From the paper's program.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub yaw_tendency_deg: f64,
-    /// Greatest turn that each segment adds to it, to either side, in degrees. The paper's program: 20.
+    /// Maximum random turn that each segment adds, to either side, in degrees. The paper's program: 20.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub yaw_noise_deg: f64,
-    /// Greatest inclination that all segments of a tunnel share, up or down, in degrees. The paper's program: 20.
+    /// Maximum inclination common to all segments of a tunnel, up or down, in degrees. The paper's program: 20.
     #[schemars(range(min = 0.0, max = 45.0))]
     pub inclination_tendency_deg: f64,
-    /// Greatest inclination that each segment adds to it, in degrees. The paper's program: 10.
+    /// Maximum random inclination that each segment adds, in degrees. The paper's program: 10.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub inclination_noise_deg: f64,
-    /// Greatest inclination anywhere, in degrees. The paper's program: 30.
+    /// Maximum inclination anywhere, in degrees. The paper's program: 30.
     #[schemars(range(min = 2.0, max = 60.0))]
     pub max_inclination_deg: f64,
-    /// Least angle between tunnels at a junction, in degrees. The paper's program: 30.
+    /// Minimum angle between tunnels at a junction, in degrees. The paper's program: 30.
     #[schemars(range(min = 30.0, max = 85.0))]
     pub junction_angle_deg: f64,
-    /// Least distance between junctions along the network, in metres. The paper's program: 30.
+    /// Minimum distance between junctions along the network, in metres. The paper's program: 30.
     #[schemars(range(min = 0.0, max = 200.0))]
     pub junction_spacing_m: f64,
     /// Connectors per grown tunnel. The paper's example: 5 to 10 tunnels.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub connectors: f64,
-    /// Longest connector, in metres, measured straight.
+    /// Maximum straight-line length of a connector, in metres.
     #[schemars(range(min = 10.0, max = 300.0))]
     pub connector_max_m: f64,
     /// Length of the segments of a connector, in metres. From the paper's program.
     #[schemars(range(min = 5.0, max = 100.0))]
     pub connector_segment_m: f64,
-    /// Greatest shift of a connector's inner segments along each axis of the plan, in metres. From the paper's program.
+    /// Maximum shift of a connector's inner segments along each axis of the plan, in metres. From the paper's program.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub connector_lateral_noise_m: f64,
-    /// Greatest shift of a connector's inner segments up or down, in metres. The paper's program: 5.
+    /// Maximum shift of a connector's inner segments up or down, in metres. The paper's program: 5.
     #[schemars(range(min = 0.0, max = 15.0))]
     pub connector_vertical_noise_m: f64,
     /// Width of the narrowest tunnel, in metres; a tunnel keeps its width.
@@ -94,10 +94,10 @@ pub struct GrownTunnels {
     /// Width of the widest tunnel, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub width_max_m: f64,
-    /// Height of a tunnel above its floor in units of its width.
+    /// Height of a tunnel above its floor relative to its width.
     #[schemars(range(min = 0.4, max = 2.0))]
     pub height_ratio: f64,
-    /// Least rock between tunnels that do not meet, in metres. The paper's program keeps axes 10 m apart.
+    /// Minimum rock between tunnels that do not meet, in metres. The paper's program keeps axes 10 m apart.
     #[schemars(range(min = 0.5, max = 50.0))]
     pub rock_m: f64,
 }
@@ -149,7 +149,7 @@ impl GrownTunnels {
             widest: Size::new(self.width_max_m, self.height_ratio),
             steepest_rad: self.max_inclination_deg.to_radians(),
             junction: self.junction_angle_deg.to_radians(),
-            // Connectors are this generator's own loops.
+            // This generator makes its own loops: the connectors.
             loop_closure: 0.0,
             spacing_m: self.station_spacing_m,
         }
@@ -186,7 +186,7 @@ impl Growth for Tunnels<'_> {
 }
 
 impl Tunnels<'_> {
-    /// Draws a tunnel from a station and lays it, as far as the stations go.
+    /// Draws a tunnel from a station and adds it, as far as there are stations left.
     fn grow(&self, network: &mut Network, from: usize, rng: &mut Rng) -> bool {
         let corners = self.draw_corners(*network.position(from), rng);
         let mut way = spaced(&spline(&corners), self.settings.station_spacing_m);
@@ -201,7 +201,7 @@ impl Tunnels<'_> {
     fn draw_corners(&self, from: Point3<f64>, rng: &mut Rng) -> Vec<Point3<f64>> {
         let settings = self.settings;
         let length = settings.length_min_m * libm::pow(settings.length_max_m / settings.length_min_m, rng.unit());
-        // Segments shorter than stations are apart would curl up a short tunnel.
+        // Segments shorter than the station spacing would curl up a short tunnel.
         let segments = f64::from(settings.segments).min(length / settings.station_spacing_m).max(1.0);
         let mean = length / segments;
         let mut part = |most_deg: f64| most_deg.to_radians() * rng.between(-1.0, 1.0);
@@ -222,7 +222,7 @@ impl Tunnels<'_> {
         corners
     }
 
-    /// Lays the connectors that are due, as far as places for them are found.
+    /// Adds the connectors that are due, as far as places for them are found.
     fn connect_some(&mut self, network: &mut Network, rng: &mut Rng) {
         while self.connectors_due >= 1.0 {
             self.connectors_due -= 1.0;
@@ -251,7 +251,7 @@ impl Tunnels<'_> {
         network.lay(from, &passage_points, Some(to)).is_some()
     }
 
-    /// The ends of a connector's segments; the first and the last inner ones stay in line, as in the paper's program.
+    /// The ends of a connector's segments; the first and the last inner ones are not shifted, as in the paper's program.
     fn draw_connector(&self, from: Point3<f64>, to: Point3<f64>, rng: &mut Rng) -> Vec<Point3<f64>> {
         let way = to - from;
         let segments = (way.norm() / self.settings.connector_segment_m).ceil().max(1.0) as usize;
@@ -270,7 +270,7 @@ impl Tunnels<'_> {
     }
 }
 
-/// Points on the Catmull-Rom spline through these, the first and the last included (Catmull & Rom 1974).
+/// Points on the Catmull-Rom spline through these, including the first and the last (Catmull & Rom 1974).
 fn spline(corners: &[Point3<f64>]) -> Vec<Point3<f64>> {
     let last = corners.len() - 1;
     let before = corners[0] - (corners[1] - corners[0]);
@@ -287,7 +287,7 @@ fn spline(corners: &[Point3<f64>]) -> Vec<Point3<f64>> {
     points
 }
 
-/// The point this part of the way from the second of four corners to the third.
+/// The point at this fraction between the second and the third of four control points.
 fn curve([a, b, c, d]: [Point3<f64>; 4], t: f64) -> Point3<f64> {
     let [leave, arrive] = [(c - a) * 0.5, (d - b) * 0.5];
     let along = t * t * (3.0 - 2.0 * t);
@@ -295,7 +295,7 @@ fn curve([a, b, c, d]: [Point3<f64>; 4], t: f64) -> Point3<f64> {
     b + (c - b) * along + bend
 }
 
-/// Points evenly along a polyline, as near to the spacing as fits: without the first point, with the last.
+/// Evenly spaced points along a polyline, as near to the spacing as possible: without the first point, with the last.
 fn spaced(points: &[Point3<f64>], spacing: f64) -> Vec<Point3<f64>> {
     let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
     let length: f64 = lengths.iter().sum();

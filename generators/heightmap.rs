@@ -1,13 +1,13 @@
-//! Caves out of a height map: the void between a relief and its mirror image.
+//! Caves from height maps: the void between a relief and its mirror image.
 //!
-//! What lies above a threshold is open, and its middle lines are passages: as wide as the open part is there, and twice as
-//! high as the relief stands above the threshold, floor and ceiling being mirror images about a level plane. So a picture,
-//! a digital elevation model of a valley or a noise texture becomes a cave. Without a file there is a relief of ridges made
-//! of noise, as large as the nodes ask.
+//! Everything above a threshold is open, and its medial axes are the passages: as wide as the open area is there, and twice
+//! as high as the relief above the threshold, since floor and ceiling are mirror images about a level plane. So a picture,
+//! a digital elevation model of a valley or a noise texture becomes a cave. Without a file, the relief consists of ridges of
+//! noise, as large as the number of nodes requires.
 //!
-//! Promised: exactly the asked number of nodes in one component, at most five passages at a node; regions that hang not
-//! together are joined by corridors, and specks of a few cells are left out. Files are taken for hostile: they are read
-//! within fixed limits.
+//! Promised: exactly the asked number of nodes in one component, at most five passages at a node; disconnected regions are
+//! joined by corridors, and specks of a few cells are dropped. Files are treated as hostile: they are read within fixed
+//! limits.
 
 mod image;
 mod relief;
@@ -24,7 +24,7 @@ use plume_graph::Graph;
 use plume_graph::Outside;
 use plume_graph::centreline::CentrelineBuilder;
 
-/// Specks of rock or of void smaller than this many cells are left out (tuned: smaller ones have no room between stations).
+/// Specks of rock or void smaller than this many cells are dropped (tuned: there is no room for them between stations).
 const LEAST_CELLS: usize = 24;
 
 /// Settings of the height map generator.
@@ -34,37 +34,37 @@ pub struct Heightmap {
     /// Number of nodes (stations on the centreline), spread over all passages of a file.
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
-    /// The height map, relative to the recipe: a greyscale PNG of 8 or 16 bits, or an ESRI ASCII grid. None: ridges made of
+    /// The height map, relative to the recipe: a greyscale PNG of 8 or 16 bits, or an ESRI ASCII grid. None: ridges of
     /// noise.
     #[schemars(extend("format" = "path"))]
     pub path: Option<PathBuf>,
-    /// Side of a cell in metres; an ASCII grid says its own.
+    /// Size of a cell in metres; an ASCII grid has its own.
     #[schemars(range(min = 0.1, max = 100.0))]
     pub metres_per_pixel: f64,
-    /// Height of white above black, in metres; an ASCII grid says its own.
+    /// Height of white above black, in metres; an ASCII grid has its own.
     #[schemars(range(min = 0.1, max = 1000.0))]
     pub height_range_m: f64,
-    /// What is higher than this part of the way from the lowest to the highest point is open.
+    /// Everything above this fraction of the height between the lowest and the highest point is open.
     #[schemars(range(min = 0.02, max = 0.98))]
     pub threshold: f64,
     /// Whether valleys are open instead of ridges.
     pub invert: bool,
-    /// Distance between stations in metres, without a file.
+    /// Distance between stations in metres, if there is no file.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub station_spacing_m: f64,
-    /// Distance between ridges in metres, without a file.
+    /// Distance between ridges in metres, if there is no file.
     #[schemars(range(min = 8.0, max = 200.0))]
     pub ridge_spacing_m: f64,
-    /// No passage is narrower, in metres.
+    /// Minimum width of a passage, in metres.
     #[schemars(range(min = 1.0, max = 6.0))]
     pub width_min_m: f64,
-    /// No passage is wider, in metres.
+    /// Maximum width of a passage, in metres.
     #[schemars(range(min = 6.0, max = 40.0))]
     pub width_max_m: f64,
-    /// No passage is lower, in metres.
+    /// Minimum height of a passage, in metres.
     #[schemars(range(min = 1.0, max = 4.0))]
     pub height_min_m: f64,
-    /// No passage is higher, in metres.
+    /// Maximum height of a passage, in metres.
     #[schemars(range(min = 4.0, max = 40.0))]
     pub height_max_m: f64,
 }
@@ -114,23 +114,20 @@ impl Generator for Heightmap {
 impl Heightmap {
     fn nothing_open(&self) -> GenerateError {
         GenerateError::new(
-            format!(
-                "nothing of the relief above {} of its height is large enough for {} nodes",
-                self.threshold, self.nodes
-            ),
+            format!("the relief above {} of its height is too small for {} nodes", self.threshold, self.nodes),
             "lower `threshold`, or ask for fewer nodes",
         )
     }
 
-    /// How high the relief is here, from 0 to 1, after turning it over where that is asked.
+    /// Height of the relief here, from 0 to 1, inverted if asked.
     fn value(&self, value: f32) -> f64 {
         if self.invert { 1.0 - f64::from(value) } else { f64::from(value) }
     }
 
-    /// The cells above the threshold, in one region.
+    /// The cells above the threshold, as one region.
     fn open(&self, heights: &Heights) -> Mask {
         let rows = heights.values.len() / heights.columns;
-        // A frame of rock, lest passages end where the picture does.
+        // A frame of rock closes passages at the edge of the picture.
         let mut mask = Mask::rock(heights.columns + 2, rows + 2);
         for (row, values) in heights.values.chunks_exact(heights.columns).enumerate() {
             let cells = &mut mask.open[(row + 1) * (heights.columns + 2) + 1..];
@@ -156,7 +153,7 @@ impl Heightmap {
 }
 
 impl Heights {
-    /// The value of the cell that holds a point, the middle of the relief being the origin.
+    /// The value of the cell that contains a point; the origin is the middle of the relief.
     fn at(&self, point: Point3<f64>) -> f32 {
         let rows = self.values.len() / self.columns;
         let cell = |from_middle_m: f64, count: usize| {
@@ -175,7 +172,7 @@ mod tests {
 
     use super::*;
 
-    /// A grid with a ring that stands 5 m high.
+    /// A grid with a ring 5 m high.
     struct Ring;
 
     impl Outside for Ring {
@@ -191,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_is_a_loop_as_wide_and_as_high() {
+    fn a_ring_is_a_loop_of_its_width_and_height() {
         let settings = Heightmap { path: Some("ring.asc".into()), nodes: 20, threshold: 0.6, ..Heightmap::default() };
         let graph = settings.generate(1, &Ring).expect("a ring is open");
         assert_eq!((graph.nodes.len(), graph.loops()), (20, 1));

@@ -1,20 +1,21 @@
-//! Karst caves: the ways that water finds through a rock, as shortest paths over a field of costs.
+//! Karst caves: the paths of water through rock, as shortest paths over a cost field.
 //!
 //! Paris, Guérin, Peytavie, Collon, Galin: "Synthesizing Geologically Coherent Cave Networks", Computer Graphics Forum
-//! 40(7), 2021; dead ends and the keeping of cycles after KarstNSim (Gouy, Collon, Bailly-Comte, Galin, Antoine, Thebault,
-//! Landrein: "KarstNSim", Computers & Geosciences 2024). Points are scattered through the rock, more of them on the
-//! inception horizons; a way between neighbouring points costs less along horizons, along fractures and through permeable
-//! rock. Key points (sinks on the highest horizon, springs on the lowest, waypoints) are joined by the cheapest ways, a way
-//! is dropped where a detour over a third key point is not much dearer, and midpoints are moved aside so that passages wind.
+//! 40(7), 2021; dead ends and retained cycles after KarstNSim (Gouy, Collon, Bailly-Comte, Galin, Antoine, Thebault,
+//! Landrein: "KarstNSim", Computers & Geosciences 2024). Points are scattered through the rock, more densely on the
+//! inception horizons; an edge between neighbouring points costs less along horizons, along fractures and through permeable
+//! rock. Key points (sinks on the highest horizon, springs on the lowest, waypoints) are connected by the cheapest paths, a
+//! path is dropped if a detour via a third key point is not much more expensive, and midpoints are displaced so that
+//! passages wind.
 //!
-//! Unlike the published code, all key points grow at once, so that each meets its neighbours only (Mehlhorn 1988) and the
-//! time is nearly linear; water goes between Gabriel neighbours, so that hardly two ways cross; the horizons are met by
-//! height, for points and not for directions; passages that cross meet, those that are crowded go, and the others give way
-//! to each other.
+//! Unlike in the published code, all key points grow simultaneously, so that each meets only its neighbours (Mehlhorn 1988)
+//! and the time is nearly linear; edges connect Gabriel neighbours, so that paths hardly cross; the distance to horizons
+//! is evaluated for points, not for directions; passages that cross are joined, those without room are dropped, and the
+//! others are moved apart.
 //!
-//! Promised: exactly the asked number of nodes in one component, at most five passages at a node, passages
-//! no steeper than asked wherever their ends leave the room. Not promised: that no two passages run through each other; of
-//! 250 nodes every other cave has a pair or more that do, one above the other within ten metres of a fork.
+//! Promised: exactly the asked number of nodes in one component, at most five passages at a node, passages no steeper than
+//! asked wherever their ends allow it. Not promised: that no two passages run through each other; half of the caves with
+//! 250 nodes have at least one such pair, one above the other within ten metres of a fork.
 
 mod cloud;
 mod crossings;
@@ -37,16 +38,16 @@ use plume_graph::rng::Rng;
 use plume_graph::seed;
 use plume_graph::{Graph, centreline::CentrelineBuilder};
 
-/// Square metres of plan for each metre of passages, per metre between key points (tuned at the defaults; a sixth more
-/// than needed, to be cut from).
+/// Square metres of the plan per metre of passages, per metre between key points (tuned at the defaults, with a sixth to
+/// spare).
 const PLAN_PER_LENGTH: f64 = 0.55;
 /// Shortest side of the plan, in distances between key points.
 const LEAST_SIDE: f64 = 1.6;
-/// Part of the key points that are sinks.
+/// Share of sinks among the key points.
 const SINKS: f64 = 0.4;
-/// A spring for this many other key points.
+/// Number of other key points per spring.
 const KEYS_PER_SPRING: usize = 80;
-/// Most values in a list of the settings.
+/// Most values in a list setting.
 const MOST_VALUES: usize = 64;
 
 /// Settings of the karst generator.
@@ -56,15 +57,16 @@ pub struct Karst {
     /// Number of nodes (stations on the centreline).
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
-    /// Distance between stations in metres; the rock is as large as that takes. Where `sinks` or `springs` are given,
-    /// stations are as far apart as it takes to reach them.
+    /// Distance between stations in metres; the size of the rock follows from it. If `sinks` or `springs` are given, the
+    /// distance is instead chosen so that they are reached.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub station_spacing_m: f64,
-    /// Where water comes in: easting and northing in metres, on the highest horizon. None: drawn.
+    /// Sinks, where water enters: easting and northing in metres, on the highest horizon. None: random.
     pub sinks: Vec<[f64; 2]>,
-    /// Where water comes out: easting and northing in metres, on the lowest horizon; the first is the root. None: drawn.
+    /// Springs, where water leaves: easting and northing in metres, on the lowest horizon; the first is the root. None:
+    /// random.
     pub springs: Vec<[f64; 2]>,
-    /// Mean distance between key points that are drawn, in metres.
+    /// Mean distance between random key points, in metres.
     #[schemars(range(min = 20.0, max = 200.0))]
     pub key_spacing_m: f64,
     /// Inception horizons: heights of bedding planes that water follows, at the middle of the plan, in metres.
@@ -73,50 +75,50 @@ pub struct Karst {
     /// Dip of all horizons, in degrees.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub dip_deg: f64,
-    /// Compass direction towards which horizons sink, in degrees.
+    /// Dip direction of the horizons (azimuth), in degrees.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub dip_azimuth_deg: f64,
-    /// How much dearer a way off the horizons is, in costs of a way along them.
+    /// Extra cost of a path off the horizons, relative to the cost along them.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub horizon_weight: f64,
-    /// Compass directions of sets of fractures, in degrees.
+    /// Azimuths of the fracture sets, in degrees.
     #[schemars(inner(range(min = 0.0, max = 360.0)))]
     pub fracture_azimuths_deg: Vec<f64>,
-    /// How much dearer a way across the fractures is, in costs of a way along them.
+    /// Extra cost of a path across the fractures, relative to the cost along them.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub fracture_weight: f64,
-    /// How much dearer a way through tight rock is, in costs of a way through permeable rock.
+    /// Extra cost of a path through tight rock, relative to the cost through permeable rock.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub permeability_weight: f64,
     /// Size of permeable bodies, in metres.
     #[schemars(range(min = 10.0, max = 1000.0))]
     pub permeability_scale_m: f64,
-    /// Distance between points of the rock, in metres.
+    /// Distance between sample points in the rock, in metres.
     #[schemars(range(min = 8.0, max = 30.0))]
     pub sample_spacing_m: f64,
-    /// Exponent of the pruning: the way between two key points goes if those over a third cost less, each to this power.
-    /// 2 is sparse, 1.05 spongework (paper); above that loops are few.
+    /// Exponent of the pruning: the path between two key points is dropped if those via a third one cost less in total, with
+    /// all costs raised to this power. 2 is sparse, 1.05 spongework (paper); above that there are few loops.
     #[schemars(range(min = 1.0, max = 10.0))]
     pub gamma: f64,
-    /// Probability that a way which the pruning would drop stays, so that there are more cycles.
+    /// Probability that a path is kept although the pruning would drop it, for more cycles.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub cycles: f64,
-    /// Dead ends for each key point.
+    /// Dead ends per key point.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub dead_ends: f64,
-    /// Greatest inclination of a passage, in degrees.
+    /// Maximum inclination of a passage, in degrees.
     #[schemars(range(min = 10.0, max = 45.0))]
     pub slope_max_deg: f64,
-    /// How far midpoints are moved aside, in lengths of what they halve: 0 straight, 0.3 winding.
+    /// Displacement of midpoints relative to the length of their segments: 0 straight, 0.3 winding.
     #[schemars(range(min = 0.0, max = 0.4))]
     pub roughness: f64,
     /// Mean width of a passage, in metres.
     #[schemars(range(min = 1.5, max = 6.0))]
     pub width_m: f64,
-    /// By which part of the mean the width goes up and down along a passage.
+    /// Variation of the width along a passage, relative to the mean.
     #[schemars(range(min = 0.0, max = 0.8))]
     pub width_variation: f64,
-    /// Height of a passage in units of its width.
+    /// Height of a passage relative to its width.
     #[schemars(range(min = 0.3, max = 1.5))]
     pub height_ratio: f64,
 }
@@ -163,12 +165,16 @@ impl Karst {
         if self.horizons_m.is_empty() || self.horizons_m.iter().any(|height| !(-200.0..=200.0).contains(height)) {
             return Err(wrong(
                 "horizons_m",
-                "names no heights that water could follow",
+                "has no heights for water to follow",
                 "give at least one, from -200 to 200",
             ));
         }
         if self.fracture_azimuths_deg.iter().any(|azimuth| !(0.0..=360.0).contains(azimuth)) {
-            return Err(wrong("fracture_azimuths_deg", "holds what is no compass direction", "they go from 0 to 360"));
+            return Err(wrong(
+                "fracture_azimuths_deg",
+                "contains a value that is not an azimuth",
+                "azimuths are 0 to 360 degrees",
+            ));
         }
         if self.horizons_m.len().max(self.fracture_azimuths_deg.len()) > MOST_VALUES {
             return Err(wrong("horizons_m", "and `fracture_azimuths_deg` are too long", "give at most 64 of each"));
@@ -176,17 +182,18 @@ impl Karst {
         let reach_m = 0.5 * self.side_m();
         for (key, points) in [("sinks", &self.sinks), ("springs", &self.springs)] {
             if !points.iter().flatten().all(|at| at.abs() <= reach_m) {
-                let hint = format!("with {} nodes it reaches {reach_m:.0} m each way from the middle", self.nodes);
-                return Err(wrong(key, "holds a point outside of the rock", &hint));
+                let hint =
+                    format!("with {} nodes the rock extends {reach_m:.0} m each way from the middle", self.nodes);
+                return Err(wrong(key, "contains a point outside the rock", &hint));
             }
             if points.len() > self.nodes as usize {
-                return Err(wrong(key, "holds more points than there are nodes", "ask for more nodes"));
+                return Err(wrong(key, "contains more points than there are nodes", "ask for more nodes"));
             }
         }
         Ok(())
     }
 
-    /// All passages of the rock, and some more than are needed.
+    /// All passages of the rock, slightly more than are needed.
     fn drawn(&self, seed: u64) -> CentrelineBuilder {
         let mut rng = Rng::new(seed::stream(seed, "karst", 0));
         let rock = HostRock::new(self, &mut rng);
@@ -220,7 +227,7 @@ impl Karst {
         keys
     }
 
-    /// A graph of the asked number of nodes: what is near the root, or all of it where key points are given.
+    /// A graph of the asked number of nodes: what is near the root, or everything if key points are given.
     fn fitted(&self, centreline: CentrelineBuilder) -> Result<Graph, GenerateError> {
         let is_drawn = self.sinks.is_empty() && self.springs.is_empty();
         let most_m = if is_drawn { f64::from(self.nodes) * self.station_spacing_m } else { f64::INFINITY };
@@ -228,14 +235,14 @@ impl Karst {
         let cut = centreline.cut_to(most_m).without_spurs();
         cut.with_nodes(self.nodes as usize, slope_max).ok_or_else(|| {
             GenerateError::new(
-                format!("found no ways for {} nodes through this rock", self.nodes),
-                "raise `slope_max_deg`, or lower `sample_spacing_m` or the distances between `horizons_m`",
+                format!("found no passages with {} nodes in this rock", self.nodes),
+                "increase `slope_max_deg`, or reduce `sample_spacing_m` or the distances between `horizons_m`",
             )
         })
     }
 }
 
-/// Points that were given, or so many that are drawn.
+/// The given points, or this many random ones.
 fn or_drawn(given: &[[f64; 2]], count: usize, mut draw: impl FnMut() -> [f64; 2]) -> Vec<[f64; 2]> {
     if given.is_empty() { (0..count).map(|_| draw()).collect() } else { given.to_vec() }
 }
@@ -251,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn passages_keep_to_the_horizons_and_to_the_fractures() {
+    fn passages_follow_the_horizons_and_the_fractures() {
         let off = |horizon_weight: f64| {
             let settings = Karst { horizon_weight, dip_deg: 0.0, ..Karst::default() };
             let away = |z: f64| {
@@ -303,7 +310,7 @@ mod tests {
     fn hardly_two_passages_run_through_each_other() {
         let through = |graph: Graph| thin_rock(&graph, PassageSize::default(), 0.0).len();
         let counts: Vec<usize> = graphs(Karst { nodes: 250, ..Karst::default() }).map(through).collect();
-        // Were passages only drawn as they wind, there would be eighty.
+        // Without the measures against it there would be eighty.
         assert!(counts.iter().sum::<usize>() <= 6, "{counts:?}");
     }
 }

@@ -1,14 +1,14 @@
-//! L-systems: passages that a grammar describes.
+//! L-systems: passages described by a grammar.
 //!
 //! Prusinkiewicz, Lindenmayer: "The Algorithmic Beauty of Plants", 1990 (chapters 1.6 and 1.7: bracketed and
 //! stochastic grammars); Mark, Berechet, Mahlmann, Togelius: "Procedural generation of 3D caves for games on the GPU",
-//! 2015, for caves. Letters are rewritten by rules, anew in each iteration; a turtle digs along what comes out. The text is never
-//! written out: a turtle keeps its place in the rules, and each branch has a turtle of its own, which digs one step when it is its
-//! turn, so that all branches grow alike until the nodes are used up. Where the whole grammar is dug before that, it starts
-//! anew from an earlier station. Added here: wander, a slope limit, rock between passages, and loops.
+//! 2015, for caves. Letters are rewritten by rules in each iteration; a turtle digs along the result. The text is never
+//! expanded: a turtle keeps its position in the rules, and each branch has its own turtle, which digs one step at a time, so
+//! that all branches grow at the same pace until the nodes are used up. If the whole grammar is dug before that, it starts
+//! again from an earlier station. Added here: wander, a slope limit, rock between passages, and loops.
 //!
-//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, the law of `network`,
-//! and that no grammar takes more memory or time than its nodes allow. Not promised: that every branch of a grammar finds room.
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, the rules of `network`,
+//! and memory and time limited by the number of nodes. Not promised: that every branch of a grammar finds room.
 
 mod grammar;
 
@@ -26,9 +26,9 @@ use plume_graph::Graph;
 use plume_graph::Outside;
 use plume_graph::rng::Rng;
 
-/// Symbols that are read per node, and besides, before a grammar is found to dig too little.
+/// Symbols read per node, and in addition to that, before a grammar is considered to dig too little.
 const SYMBOLS: [u64; 2] = [256, 100_000];
-/// Turns that a turtle tries where its way is blocked, in degrees.
+/// Turns that a turtle tries if it is blocked, in degrees.
 const DODGES_DEG: [f64; 5] = [0.0, 25.0, -25.0, 50.0, -50.0];
 
 /// Settings of the L-system generator.
@@ -38,12 +38,12 @@ pub struct LSystem {
     /// Number of nodes (stations on the centreline); the grammar is dug until they are used up.
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
-    /// What the grammar begins with.
+    /// The axiom: what the grammar begins with.
     pub axiom: String,
-    /// Rules like `A = F[+A]-A`, or `A 0.5 = FA` with a weight among the rules of one letter. F digs a step and need not
-    /// have a rule; `+` and `-` turn left and right, `^` and `&` rise and fall, `!` narrows, `[` and `]` are round a branch.
+    /// Rules like `A = F[+A]-A`, or `A 0.5 = FA` with a weight among the rules of one letter. F digs a step and needs no
+    /// rule; `+` and `-` turn left and right, `^` and `&` pitch up and down, `!` narrows, `[` and `]` enclose a branch.
     pub rules: Vec<String>,
-    /// How often letters are rewritten.
+    /// Number of times that letters are rewritten.
     #[schemars(range(min = 1, max = 100))]
     pub iterations: u32,
     /// Length of a step, which is the distance between stations, in metres.
@@ -55,28 +55,28 @@ pub struct LSystem {
     /// Angle of `^` and `&`, in degrees.
     #[schemars(range(min = 0.0, max = 45.0))]
     pub pitch_deg: f64,
-    /// How far a passage wanders: standard deviation of the turn of each step, in degrees.
+    /// Random wander of a passage: standard deviation of the turn at each step, in degrees.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub wander_deg: f64,
-    /// Greatest inclination of a passage, in degrees.
+    /// Maximum inclination of a passage, in degrees.
     #[schemars(range(min = 1.0, max = 45.0))]
     pub max_slope_deg: f64,
-    /// Width of a passage that was narrowed often, in metres.
+    /// Minimum width of a passage, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub width_min_m: f64,
-    /// Width with which the axiom begins, in metres.
+    /// Width of a passage at the start of the axiom, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub width_max_m: f64,
-    /// Factor on the width at a `!`.
+    /// Factor on the width at each `!`.
     #[schemars(range(min = 0.1, max = 1.0))]
     pub narrowing: f64,
-    /// Height of a passage above its floor in units of its width.
+    /// Height of a passage above its floor relative to its width.
     #[schemars(range(min = 0.4, max = 2.0))]
     pub height_ratio: f64,
-    /// How many loops are closed: 0 for none, 1 for as many as in real caves.
+    /// Number of loops: 0 for none, 1 for as many as in real caves.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub loop_closure: f64,
-    /// Least rock between passages that do not meet, in metres.
+    /// Minimum rock between passages that do not meet, in metres.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub rock_m: f64,
 }
@@ -138,13 +138,13 @@ impl LSystem {
     }
 }
 
-/// A place in the rules: symbols of a production that are not read yet.
+/// A position in the rules: the symbols of a production that have not been read yet.
 #[derive(Clone, Copy)]
 struct RuleCursor {
     production: usize,
     next: usize,
     end: usize,
-    /// Iterations that its letters may still be rewritten in.
+    /// Number of iterations left for its letters.
     depth: u32,
 }
 
@@ -154,17 +154,17 @@ struct Turtle {
     yaw_rad: f64,
     pitch_deg: f64,
     width_m: f64,
-    /// What is to be read, the innermost last.
+    /// The open positions, the innermost last.
     parts: Vec<RuleCursor>,
 }
 
-/// A grammar while it is dug.
+/// A grammar that is being dug.
 struct Dig<'a> {
     settings: &'a LSystem,
     grammar: &'a Grammar,
-    /// In the order of their turns.
+    /// The turtles, in the order of their turns.
     turtles: VecDeque<Turtle>,
-    /// Symbols that may still be read.
+    /// Number of symbols that may still be read.
     left: u64,
 }
 
@@ -192,7 +192,7 @@ impl Dig<'_> {
         Turtle { station, yaw_rad: rng.between(0.0, TAU), pitch_deg: 0.0, width_m, parts: vec![axiom] }
     }
 
-    /// Reads on until a step is dug; none when the branch is at its end or finds no room.
+    /// Reads on until a step is dug; `None` if the branch has ended or has no room.
     fn advance(&mut self, mut turtle: Turtle, network: &mut Network, rng: &mut Rng) -> Option<Turtle> {
         let settings = self.settings;
         let steepest = settings.max_slope_deg;
@@ -222,7 +222,7 @@ impl Dig<'_> {
         RuleCursor { production, next: 0, end: self.grammar.productions[production].symbols.len(), depth }
     }
 
-    /// The next symbol of a turtle, and the iterations left for it. A branch is left to a turtle of its own.
+    /// The next symbol of a turtle, and the iterations left for it. A branch is passed to a new turtle.
     fn read(&mut self, turtle: &mut Turtle) -> Option<(char, u32)> {
         loop {
             let part = turtle.parts.last_mut()?;
@@ -246,7 +246,7 @@ impl Dig<'_> {
         }
     }
 
-    /// Lays a step as the turtle heads, or beside that, which turns it.
+    /// Adds a step in the turtle's direction, or in a nearby direction, which turns the turtle.
     fn step(&self, turtle: &mut Turtle, network: &mut Network, rng: &mut Rng) -> Option<usize> {
         let settings = self.settings;
         let from = *network.position(turtle.station);

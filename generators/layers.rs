@@ -1,14 +1,14 @@
-//! Layers one below the other, each laid out by a generator of its own, joined by links within a range of slopes.
+//! Layers one below another, each made by its own generator, joined by links within a range of slopes.
 //!
 //! Multi-layer caves are the subject of the PLUME paper (Garcia, Richard, Olivares-Mendez: "PLUME: Procedural Layer
 //! Underground Modeling Engine", 2025), which joins layers by passages at an interconnection angle. Here a layer is
-//! whatever another generator makes, put at a depth. Links run between stations of neighbouring layers, straight where the
-//! slope allows and else along a helix; shafts drop where passages cross above each other.
+//! the result of another generator, placed at a depth. Links run between stations of neighbouring layers, straight if the
+//! slope allows it, otherwise along a helix; shafts drop where passages cross above each other.
 //!
-//! Promised: the asked number of links between each pair of neighbouring layers, each of its steps within the slopes;
-//! least distances between their heads and between their feet; the asked rock between passages of different layers and
-//! round links but where a short way joins them, which makes layers lie deeper than asked where they must. What finds no
-//! room is an error. Not promised: the slopes inside a layer, which are its generator's.
+//! Promised: the asked number of links between each pair of neighbouring layers, all steps within the range of slopes;
+//! minimum distances between their heads and between their feet; the asked rock between passages of different layers and
+//! around links, except where a short path connects them, for which layers are moved deeper if necessary. A lack of room is
+//! an error. Not promised: slopes inside a layer, which are up to its generator.
 
 mod layer;
 mod link;
@@ -31,20 +31,20 @@ use stack::Stack;
 
 /// Name of this generator in recipes.
 pub(super) const NAME: &str = "layers";
-/// Times that all layers and links are drawn. Tuned: a fifth of the pairs of default caves has no room for two shafts.
+/// Attempts to draw all layers and links. Tuned: a fifth of the pairs of default caves have no room for two shafts.
 const ATTEMPTS: u64 = 8;
-/// How much deeper than the time before layers without a depth of their own lie, in metres: ramps between level layers need
-/// room to pass under passages. Tuned.
+/// How much deeper layers without an explicit depth are placed at each attempt, in metres: ramps between level layers
+/// need room to pass under passages. Tuned.
 const DEEPER_M: f64 = 2.5;
 
-/// What becomes of rock between layers that is too thin.
+/// What to do if the rock between layers is too thin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ThinRock {
-    /// Layers are moved down until there is none.
+    /// Move layers down until there is enough rock.
     #[default]
     Avoid,
-    /// Layers stay at the depth that was asked for, and `plume measure` tells where rock is thin.
+    /// Keep layers at their depth; `plume measure` shows where rock is thin.
     Allow,
 }
 
@@ -55,23 +55,23 @@ pub struct Layers {
     /// Number of links between each pair of neighbouring layers.
     #[schemars(range(min = 1, max = 50))]
     pub link_count: u32,
-    /// Least inclination of a link, in degrees.
+    /// Minimum inclination of a link, in degrees.
     #[schemars(range(min = 1.0, max = 90.0))]
     pub link_min_deg: f64,
-    /// Greatest inclination of a link, in degrees: about 15 for wheels, 90 for shafts.
+    /// Maximum inclination of a link, in degrees: about 15 for wheels, 90 for shafts.
     #[schemars(range(min = 1.0, max = 90.0))]
     pub link_max_deg: f64,
-    /// Least distance in the plan between the heads of two links of a pair of layers, and between their feet, in metres.
+    /// Minimum horizontal distance between the heads of two links of a pair of layers, and between their feet, in metres.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub link_spacing_m: f64,
-    /// Least rock between passages of different layers, and between links and passages they do not meet, in metres; the
-    /// roughness of the rock takes a part of it.
+    /// Minimum rock between passages of different layers, and between links and passages they do not meet, in metres; the
+    /// roughness of the rock uses up part of it.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub rock_min_m: f64,
-    /// What becomes of rock between layers that is thinner: `avoid` moves layers down until there is none, `allow` leaves
-    /// them at their depth. Links avoid it always.
+    /// What to do if the rock between layers is thinner: `avoid` moves layers down until it is not, `allow` keeps them at
+    /// their depth. Links always avoid it.
     pub thin_rock: ThinRock,
-    /// The layers, the highest first: each a generator, its settings, and where it lies.
+    /// The layers from the top down: each a generator, its settings, and its position.
     #[schemars(length(min = 2, max = 20))]
     pub layer: Vec<Layer>,
 }
@@ -115,7 +115,7 @@ impl Layers {
     /// Relations between settings.
     fn check(&self) -> Result<(), GenerateError> {
         if self.layer.len() < 2 {
-            let message = format!("`layer` names {} layers", self.layer.len());
+            let message = format!("`layer` has {} layers", self.layer.len());
             return Err(GenerateError::new(message, "write at least two [[graph.layer]] sections"));
         }
         let mut above = None;
@@ -123,15 +123,15 @@ impl Layers {
             if let (Some(above_m), Some(depth_m)) = (above, layer.depth_m)
                 && depth_m <= above_m
             {
-                let message = format!("layer {place} has a `depth_m` of {depth_m}, but one above it {above_m}");
-                return Err(GenerateError::new(message, "write the layers in the order of their depth"));
+                let message = format!("layer {place} has a `depth_m` of {depth_m}, but one above it has {above_m}");
+                return Err(GenerateError::new(message, "list the layers in order of depth"));
             }
             above = layer.depth_m.or(above);
         }
         if self.link_min_deg > self.link_max_deg {
             let message =
                 format!("`link_min_deg` is {} but `link_max_deg` is {}", self.link_min_deg, self.link_max_deg);
-            return Err(GenerateError::new(message, "the least inclination may not exceed the greatest"));
+            return Err(GenerateError::new(message, "the minimum must not exceed the maximum"));
         }
         Ok(())
     }
@@ -166,9 +166,9 @@ impl Layers {
     fn too_few(&self, upper: usize, found: usize) -> GenerateError {
         let (lower, asked) = (upper + 1, self.link_count);
         GenerateError::new(
-            format!("{found} of {asked} links between layers {upper} and {lower} found room"),
+            format!("there is room for only {found} of {asked} links between layers {upper} and {lower}"),
             format!(
-                "ask for fewer by `link_count`, lower `link_spacing_m` or `rock_min_m`, widen the range from \
+                "reduce `link_count`, `link_spacing_m` or `rock_min_m`, widen the range from \
                  `link_min_deg` to `link_max_deg`, or give layer {lower} another `depth_m`"
             ),
         )

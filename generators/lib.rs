@@ -1,4 +1,4 @@
-//! Every way to lay out a cave: one file and one row each.
+//! The generators of cave graphs: one file and one row each.
 
 mod cellular;
 mod external;
@@ -53,14 +53,14 @@ pub struct GeneratorRow {
     pub name: &'static str,
     /// One line for `plume list`.
     pub summary: &'static str,
-    /// What it is based on: Markdown for the README.
+    /// What it is based on, as Markdown for the README.
     pub source: &'static str,
-    /// A recipe that shows it, `SAMPLE.toml`, with its picture, `SAMPLE.png`; relative to the repository.
+    /// A sample recipe, `SAMPLE.toml`, with its picture, `SAMPLE.png`; relative to the repository.
     pub sample: &'static str,
-    /// JSON Schema of the settings: descriptions, ranges, defaults. A text with `"format": "path"` names a file, which a
-    /// recipe means relative to itself.
+    /// JSON Schema of the settings: descriptions, ranges, defaults. A string with `"format": "path"` is a file name relative
+    /// to the recipe.
     pub schema: &'static (dyn Fn() -> Schema + Sync),
-    /// Reads settings (an object holding a subset of the keys).
+    /// Reads settings (an object with a subset of the keys).
     pub read: &'static (dyn Fn(Value) -> Result<Box<dyn Generator>, serde_json::Error> + Sync),
 }
 
@@ -68,7 +68,7 @@ pub struct GeneratorRow {
 pub static GENERATORS: Registry<GeneratorRow> = Registry::new(&[
     GeneratorRow::new::<GaussianPerlin>(
         "gaussian-perlin",
-        "caves: the PLUME paper's walk, kept within the statistics of real caves",
+        "caves: the random walk of the PLUME paper, within the statistics of real caves",
     )
     .based_on(
         "the PLUME paper (Garcia, Richard, Olivares-Mendez 2025), with branch lengths, loops and clearances that \
@@ -81,24 +81,24 @@ pub static GENERATORS: Registry<GeneratorRow> = Registry::new(&[
         .based_on("any program", "examples/external/decline"),
     GeneratorRow::new::<Layers>(
         "layers",
-        "layers of other generators, one below the other, joined by links within a range of slopes",
+        "layers made by other generators, one below another, joined by links within a range of slopes",
     )
-    .based_on("layers of any of these, one below the other", "samples/layers"),
+    .based_on("layers of any of these, one below another", "samples/layers"),
     GeneratorRow::new::<GrownTunnels>(
         "grown-tunnels",
-        "winding tunnels grown one off another, and connectors between them",
+        "winding tunnels that branch off each other, and connectors between them",
     )
     .based_on("Cano, Tardioli, Mosteo 2023: grown and connector tunnels", "samples/grown-tunnels"),
     GeneratorRow::new::<Cellular>(
         "cellular",
-        "chambers and passages grown from random cells, in layers joined by ramps",
+        "chambers and passages of a cellular automaton, in layers joined by ramps",
     )
     .based_on("Johnson, Yannakakis, Togelius 2010: cellular automata", "samples/cellular"),
-    GeneratorRow::new::<Worms>("worms", "winding passages that crawl where noise leads them, and branch")
+    GeneratorRow::new::<Worms>("worms", "winding, branching passages that follow noise")
         .based_on("Perlin worms, the random walk of voxel games", "samples/worms"),
     GeneratorRow::new::<Karst>(
         "karst",
-        "what water dissolves along bedding planes and fractures, from sinks to springs",
+        "conduits dissolved by water along bedding planes and fractures, from sinks to springs",
     )
     .based_on(
         "Paris, Guérin, Peytavie, Collon, Galin 2021: cheapest paths for water along horizons and fractures",
@@ -106,17 +106,17 @@ pub static GENERATORS: Registry<GeneratorRow> = Registry::new(&[
     ),
     GeneratorRow::new::<Heightmap>(
         "heightmap",
-        "the void between a relief and its mirror image, from a picture or of noise",
+        "the void between a relief, from a picture or noise, and its mirror image",
     )
     .based_on("an image or elevation model and its mirror image", "samples/heightmap"),
-    GeneratorRow::new::<Tiles>("tiles", "tunnels, junctions and rooms put together from parametric tiles")
+    GeneratorRow::new::<Tiles>("tiles", "tunnels, junctions and rooms assembled from parametric tiles")
         .based_on("parametric tiles, as in the DARPA Subterranean Challenge", "samples/tiles"),
     GeneratorRow::new::<SpaceColonization>(
         "space-colonization",
-        "passages that branch towards open ground until it is taken",
+        "passages that branch towards free space until it is filled",
     )
     .based_on("Runions, Lane, Prusinkiewicz 2007", "samples/space-colonization"),
-    GeneratorRow::new::<LSystem>("l-system", "passages that a grammar of branches describes").based_on(
+    GeneratorRow::new::<LSystem>("l-system", "branching passages described by a grammar").based_on(
         "Prusinkiewicz & Lindenmayer 1990, Mark et al. 2015; the grammar is part of the recipe",
         "samples/l-system",
     ),
@@ -125,7 +125,7 @@ pub static GENERATORS: Registry<GeneratorRow> = Registry::new(&[
 ]);
 
 impl GeneratorRow {
-    /// The row of a generator whose settings are its fields, each with a doc comment, a range and a default.
+    /// The row of a generator, whose fields are its settings, each with a doc comment, a range and a default.
     pub const fn new<G>(name: &'static str, summary: &'static str) -> Self
     where
         G: Generator + DeserializeOwned + JsonSchema + 'static,
@@ -140,7 +140,7 @@ impl GeneratorRow {
         }
     }
 
-    /// The row with what the generator is based on and the recipe that shows it, as the README lists them.
+    /// The row with the generator's source and sample recipe, as listed in the README.
     pub const fn based_on(self, source: &'static str, sample: &'static str) -> Self {
         Self { source, sample, ..self }
     }

@@ -3,10 +3,9 @@
 //! Every level starts at the same point of the plan: a cross-cut to the north opens the drifts, which are driven
 //! eastwards bay by bay, and at the end of each bay cross-cuts join them. Ramps wind down in a square to the
 //! south-west, where no level has passages. The layout is the textbook one (Hustrulid & Bullock: "Underground Mining
-//! Methods", 2001), without ventilation, ore passes or a surface.
+//! Methods", 2001), without ventilation, ore passes or surface access.
 //!
-//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, axes kept to the
-//! jitter.
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, axes within the jitter.
 
 use nalgebra::{Point3, Vector3};
 use schemars::JsonSchema;
@@ -18,7 +17,7 @@ use plume_graph::rng::Rng;
 use plume_graph::seed;
 use plume_graph::{Graph, Node, Section, Shape, StationId, millimetres};
 
-/// Probability that a drift stops at the end of a bay, per probability that a cross-cut is left out.
+/// Probability that a drift stops at the end of a bay, relative to the probability that a cross-cut is omitted.
 const STOPS_PER_SKIP: f64 = 0.1;
 /// Shortest side of a ramp's square, in widths of a drift.
 const RAMP_SIDE: f64 = 4.0;
@@ -31,7 +30,7 @@ const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Access {
-    /// An inclined drift that winds down in a square; wheels can take it.
+    /// An inclined drift that winds down in a square, passable for vehicles.
     #[default]
     Ramp,
     /// A vertical shaft.
@@ -45,7 +44,7 @@ pub struct Mine {
     /// Number of nodes (stations on the centreline); drifts are driven until they are used up.
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
-    /// Number of levels, one below the other.
+    /// Number of levels, one below another.
     #[schemars(range(min = 1, max = 50))]
     pub levels: u32,
     /// Vertical distance between levels, in metres.
@@ -53,7 +52,7 @@ pub struct Mine {
     pub level_spacing_m: f64,
     /// What joins the levels: `ramp` or `shaft`.
     pub access: Access,
-    /// Greatest inclination of a ramp, in degrees; haulage declines are driven at 1 in 7, which is 8.
+    /// Maximum inclination of a ramp, in degrees; haulage declines are driven at 1 in 7, about 8 degrees.
     #[schemars(range(min = 3.0, max = 30.0))]
     pub ramp_max_deg: f64,
     /// Number of parallel drifts on a level.
@@ -65,7 +64,7 @@ pub struct Mine {
     /// Distance between cross-cuts, centre to centre, in metres.
     #[schemars(range(min = 3.0, max = 200.0))]
     pub crosscut_interval_m: f64,
-    /// Distance between stations in metres; shortened so that whole numbers fit between cross-cuts.
+    /// Maximum distance between stations in metres; shortened so that a whole number fits between cross-cuts.
     #[schemars(range(min = 1.0, max = 50.0))]
     pub station_spacing_m: f64,
     /// Width of drifts, cross-cuts and ramps, in metres.
@@ -74,10 +73,10 @@ pub struct Mine {
     /// Height of drifts, cross-cuts and ramps, in metres.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub drift_height_m: f64,
-    /// Probability that a cross-cut is left out; drifts stop early with a tenth of it.
+    /// Probability that a cross-cut is omitted; drifts stop early with a tenth of it.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub irregularity: f64,
-    /// Greatest distance of a station from its place in the layout, along each axis of the plan, in metres.
+    /// Jitter: maximum distance of a station from its place in the layout, along each horizontal axis, in metres.
     #[schemars(range(min = 0.0, max = 0.4))]
     pub jitter_m: f64,
 }
@@ -119,13 +118,13 @@ impl Generator for Mine {
 }
 
 impl Mine {
-    /// Passages side by side need rock between them.
+    /// Parallel passages need rock between them.
     fn check_rock(&self) -> Result<(), GenerateError> {
         let narrow = |name: &str, found: f64, least: f64| {
             (found < least).then(|| {
                 GenerateError::new(
                     format!("`{name}` is {found} m, which leaves no pillar"),
-                    format!("it takes at least {least} m with these drifts"),
+                    format!("it must be at least {least} m with these drifts"),
                 )
             })
         };
@@ -139,7 +138,7 @@ impl Mine {
         fault.map_or(Ok(()), Err)
     }
 
-    /// Nodes of each level beside its first one and what joins it to the level above.
+    /// Nodes of each level in addition to its first one and the way down to it.
     fn shares(&self) -> Result<Vec<u32>, GenerateError> {
         let descent = self.descent().len() as u32;
         let per_level = 1 + descent;
@@ -147,7 +146,7 @@ impl Mine {
         let Some(left) = (self.nodes + descent - 1).checked_sub(per_level * self.levels) else {
             return Err(GenerateError::new(
                 format!("no room for {} levels in {} nodes", self.levels, self.nodes),
-                format!("a level and its way down take {per_level} nodes; ask for more nodes or fewer levels"),
+                format!("a level and its way down need {per_level} nodes; ask for more nodes or fewer levels"),
             ));
         };
         let share = |level| 1 + left / self.levels + u32::from(level < left % self.levels);
@@ -175,13 +174,13 @@ impl Mine {
         }
     }
 
-    /// Stations' worth of steps in a distance.
+    /// Number of steps between stations in a distance.
     fn steps(&self, distance_m: f64) -> usize {
         (distance_m / self.station_spacing_m).ceil().max(1.0) as usize
     }
 }
 
-/// A mine while it is laid out.
+/// A mine under construction.
 struct Survey<'a> {
     mine: &'a Mine,
     rng: Rng,
@@ -198,7 +197,7 @@ impl<'a> Survey<'a> {
         Self { mine, rng, nodes: Vec::new(), edges: Vec::new(), layout: Vec::new(), left: 0 }
     }
 
-    /// Adds a station where the layout has it.
+    /// Adds a station exactly at its place in the layout.
     fn place(&mut self, parent: Option<StationId>, at: Point3<f64>, level: u32) -> StationId {
         let station = StationId::new(self.nodes.len());
         self.layout.push(at);
@@ -219,7 +218,7 @@ impl<'a> Survey<'a> {
         station
     }
 
-    /// Adds a station beside its place in the layout, if the level has one left.
+    /// Adds a station near its place in the layout, if the level has nodes left.
     fn drive(&mut self, from: StationId, step: Vector3<f64>) -> Option<StationId> {
         self.left = self.left.checked_sub(1)?;
         let level = self.nodes[from.index()].level;
@@ -232,7 +231,7 @@ impl<'a> Survey<'a> {
         Some(station)
     }
 
-    /// Drives a way of this length in even steps; the last station, or `None` when the level ran out.
+    /// Drives a passage of this length in even steps; the last station, or `None` if the level ran out of nodes.
     fn drive_on(&mut self, from: StationId, way: Vector3<f64>, steps: usize) -> Option<StationId> {
         (0..steps).try_fold(from, |tip, _| self.drive(tip, way / steps as f64))
     }
@@ -259,13 +258,13 @@ impl<'a> Survey<'a> {
         while self.advance(&mut faces).is_some() {}
     }
 
-    /// Drives the way from one drift to where the next one north begins.
+    /// Drives the passage from one drift to the start of the next one north.
     fn cross(&mut self, from: StationId) -> Option<StationId> {
         let spacing = self.mine.drift_spacing_m;
         self.drive_on(from, NORTH * spacing, self.mine.steps(spacing))
     }
 
-    /// Drives every open drift by one bay and joins neighbours; `None` when the level ran out.
+    /// Drives every open drift by one bay and joins neighbours; `None` if the level ran out of nodes.
     fn advance(&mut self, faces: &mut [Option<StationId>]) -> Option<()> {
         let interval = self.mine.crosscut_interval_m;
         let steps = self.mine.steps(interval);
@@ -284,7 +283,7 @@ impl<'a> Survey<'a> {
         Some(())
     }
 
-    /// Leaves some faces standing, never the last one.
+    /// Stops some drifts, never the last one.
     fn stop_some(&mut self, faces: &mut [Option<StationId>]) {
         let mut open = faces.iter().flatten().count();
         for face in faces.iter_mut() {
@@ -348,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn too_many_levels_are_refused_with_the_number_they_take() {
+    fn too_many_levels_are_refused_with_the_number_of_nodes_they_need() {
         let mine = Mine { nodes: 20, levels: 2, ..Default::default() };
         let error = mine.generate(1, &NoOutside).expect_err("the ramp alone takes more");
         assert_eq!(error.message, "no room for 2 levels in 20 nodes");

@@ -1,8 +1,8 @@
-//! A cave while it grows, for the generators that dig passage by passage.
+//! A growing cave, for the generators that dig passage by passage.
 //!
-//! A [`Network`] takes ways of stations and refuses those that break its law (see `law`): too steep, too sharp at a
-//! junction, or too near a passage that is far along the cave. What it holds is one component at any time, with at most
-//! [`DEGREE`] passages at a station. `loops` joins dead ends afterwards.
+//! A [`Network`] accepts chains of stations and refuses those that break its rules (see `law`): too steep, too sharp at a
+//! junction, or too near a passage that is far along the cave. It is always one component with at most [`DEGREE`] passages
+//! at a station. `loops` joins dead ends afterwards.
 
 mod cells;
 mod law;
@@ -20,35 +20,35 @@ use plume_graph::section::clearance_radius_m;
 use plume_graph::seed;
 use plume_graph::{Graph, Section, Shape, millimetres};
 
-/// Least angle between passages at a station where no setting says it: 50 degrees.
+/// Default minimum angle between passages at a station: 50 degrees.
 pub(super) const JUNCTION: f64 = 50.0 * std::f64::consts::PI / 180.0;
 /// Most passages at a station.
 pub(super) const DEGREE: usize = 4;
-/// Times that a network is begun before its settings are found too tight.
+/// Attempts before the settings are considered too tight.
 const ATTEMPTS: u64 = 6;
-/// Nodes held back for connectors, as a part of all with as many loops as real caves have. Tuned.
+/// Share of nodes reserved for connectors, for as many loops as in real caves. Tuned.
 const HELD_FOR_LOOPS: f64 = 0.06;
 
-/// What every way has to keep.
+/// The rules for all passages.
 #[derive(Clone, Debug)]
 pub(super) struct Rules {
-    /// Stations of the finished graph.
+    /// Number of stations of the finished graph.
     pub(super) nodes: usize,
-    /// Least rock between passages that do not meet, in metres.
+    /// Minimum rock between passages that do not meet, in metres.
     pub(super) rock_m: f64,
     /// The largest section of a passage.
     pub(super) widest: Size,
-    /// Greatest inclination of a passage.
+    /// Maximum inclination of a passage.
     pub(super) steepest_rad: f64,
-    /// Least angle between two passages at a station.
+    /// Minimum angle between two passages at a station.
     pub(super) junction: f64,
-    /// How many loops are closed; 1 for as many as in real caves.
+    /// Number of loops; 1 for as many as in real caves.
     pub(super) loop_closure: f64,
     /// Distance between the stations of a connector, in metres.
     pub(super) spacing_m: f64,
 }
 
-/// How large a passage is.
+/// Size of a passage.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Size {
     pub(super) width_m: f64,
@@ -57,7 +57,7 @@ pub(super) struct Size {
 }
 
 impl Size {
-    /// A section of this width, its height in units of it.
+    /// A section of this width, with its height relative to it.
     pub(super) fn new(width_m: f64, height_ratio: f64) -> Self {
         Self { width_m, height_m: width_m * height_ratio }
     }
@@ -67,7 +67,7 @@ impl Size {
     }
 }
 
-/// Where a station is, and how large the passage is there.
+/// Position of a station, and size of the passage there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassagePoint {
     pub(super) position: Point3<f64>,
@@ -81,19 +81,19 @@ struct NetworkStation {
     degree: u8,
 }
 
-/// Stations and lawful passages between them.
+/// Stations, and passages between them that keep the rules.
 pub(super) struct Network {
     rules: Rules,
-    /// Most that a passage rises per metre of plan.
+    /// Maximum rise of a passage per horizontal metre.
     steepest_slope: f64,
-    /// Cosine of the least angle between passages at a station.
+    /// Cosine of the minimum angle between passages at a station.
     sharpest: f64,
     stations: Vec<NetworkStation>,
     passages: Cells<[u32; 2]>,
     places: Cells<u32>,
-    /// Stations from which nothing was begun yet.
+    /// Stations from which nothing was started yet.
     openings: Vec<usize>,
-    /// Stations that are held back for connectors.
+    /// Number of stations reserved for connectors.
     held: usize,
 }
 
@@ -126,7 +126,7 @@ impl Network {
         &self.stations[station].passage_point.position
     }
 
-    /// The stations that passages join to this one.
+    /// The neighbours of a station.
     pub(super) fn neighbors(&self, station: usize) -> impl Iterator<Item = usize> + use<'_> {
         let station = &self.stations[station];
         station.neighbors[..usize::from(station.degree)].iter().map(|&other| other as usize)
@@ -140,26 +140,26 @@ impl Network {
         self.stations.len()
     }
 
-    /// Stations that may still be placed.
+    /// Number of stations that may still be placed.
     pub(super) fn room(&self) -> usize {
         (self.rules.nodes - self.held).saturating_sub(self.stations.len())
     }
 
-    /// Takes a station from which nothing was begun yet, any of them alike.
+    /// Takes a random station from which nothing was started yet.
     pub(super) fn draw_opening(&mut self, rng: &mut Rng) -> Option<usize> {
         let last = self.openings.len();
         (last > 0).then(|| self.openings.swap_remove(rng.index(last)))
     }
 
-    /// The direction in which the cave came to a dead end, of length 1; none at a junction or at the first station.
+    /// The unit direction in which the cave reached a dead end; `None` at a junction or at the first station.
     pub(super) fn heading(&self, tip: usize) -> Option<Vector3<f64>> {
         let mut others = self.neighbors(tip);
         let before = others.next().filter(|_| self.degree(tip) == 1)?;
         (self.position(tip) - self.position(before)).try_normalize(0.0)
     }
 
-    /// Lays a way of new stations from one station, and on to another where it is to end there. All of it or nothing:
-    /// the last station, or `None` if the way breaks the law or there is no room.
+    /// Adds a chain of new stations to one station, and connects it to another if it is to end there. All or nothing: the
+    /// last station, or `None` if the chain breaks the rules or there is no room.
     pub(super) fn lay(&mut self, from: usize, way: &[PassagePoint], to: Option<usize>) -> Option<usize> {
         if way.len() > self.room() || !self.is_open(from, to, way.is_empty()) {
             return None;
@@ -184,7 +184,7 @@ impl Network {
         chain.last().copied()
     }
 
-    /// Whether the ends of a way can take one passage more.
+    /// Whether the ends of a chain can take one more passage.
     fn is_open(&self, from: usize, to: Option<usize>, is_direct: bool) -> bool {
         let takes = |station: usize| self.degree(station) < DEGREE;
         let joins =
@@ -206,14 +206,14 @@ impl Network {
         }
     }
 
-    /// Undoes a way of which this many legs are in the grid, and whose own stations begin at `first`.
+    /// Undoes a chain of which this many legs are in the grid, and whose own stations begin at `first`.
     fn rollback(&mut self, chain: &[usize], laid: usize, first: usize) {
         for leg in chain.windows(2).take(laid) {
             let ends = [0, 1].map(|end| &self.stations[leg[end]].passage_point.position);
             self.passages.remove([leg[0] as u32, leg[1] as u32], ends);
         }
         for end in [chain[0], chain[chain.len() - 1]] {
-            // The newest neighbour is that of this way.
+            // The newest neighbour is that of this chain.
             if end < first {
                 self.stations[end].degree -= 1;
             }
@@ -221,12 +221,12 @@ impl Network {
         self.stations.truncate(first);
     }
 
-    /// The station that this one was laid from; none for the first.
+    /// The station from which this one was added; `None` for the first.
     pub(super) fn parent(&self, station: usize) -> Option<usize> {
         self.neighbors(station).next().filter(|&other| other < station)
     }
 
-    /// Gives every passage the size that is told for its station.
+    /// Sets the sizes of passages, given by station.
     pub(super) fn resize(&mut self, size: impl Fn(usize) -> Size) {
         self.stations.iter_mut().enumerate().for_each(|(index, station)| station.passage_point.size = size(index));
     }
@@ -246,19 +246,19 @@ impl Network {
     }
 }
 
-/// How one generator makes its network grow.
+/// How a generator grows its network.
 pub(super) trait Growth {
-    /// Digs until there is no room or nowhere to go on.
+    /// Digs until there is no room left or nowhere to continue.
     fn dig(&mut self, network: &mut Network, rng: &mut Rng);
 
-    /// What is left to do when the network has all its stations.
+    /// Final steps when the network has all its stations.
     fn finish(&self, _network: &mut Network) {}
 }
 
-/// The first network that grows to all its nodes: dug, its loops closed, and dug on with what the loops left.
+/// The first network that reaches its number of nodes: dug, its loops closed, and dug on with the nodes left over.
 ///
 /// # Errors
-/// When no attempt has room for the nodes.
+/// If no attempt has room for all nodes.
 pub(super) fn grown<G: Growth>(
     rules: &Rules,
     seed: u64,
@@ -279,7 +279,7 @@ pub(super) fn grown<G: Growth>(
     }
     Err(GenerateError::new(
         format!("no room for {} nodes", rules.nodes),
-        format!("{most} were placed; ask for fewer, for narrower passages, for less rock or for steeper ones"),
+        format!("{most} were placed; ask for fewer nodes, narrower or steeper passages, or less rock"),
     ))
 }
 
@@ -293,19 +293,19 @@ impl Network {
     }
 }
 
-/// The direction of this yaw and inclination, of length 1.
+/// The unit direction of this yaw and inclination.
 pub(super) fn ahead(yaw_rad: f64, pitch_rad: f64) -> Vector3<f64> {
     let level = libm::cos(pitch_rad);
     Vector3::new(level * libm::cos(yaw_rad), level * libm::sin(yaw_rad), libm::sin(pitch_rad))
 }
 
-/// Refuses two settings of which the least exceeds the greatest.
+/// Refuses a minimum setting above its maximum.
 pub(super) fn in_order([least, most]: [&str; 2], [low, high]: [f64; 2]) -> Result<(), GenerateError> {
     if low <= high {
         return Ok(());
     }
     Err(GenerateError::new(
         format!("`{least}` is {low} but `{most}` is {high}"),
-        "the least may not exceed the greatest",
+        "the minimum must not exceed the maximum",
     ))
 }

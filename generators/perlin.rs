@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_0_on_the_lattice_and_repeats_but_nowhere_jumps_or_exceeds_its_range() {
+    fn noise_is_0_on_the_lattice_periodic_continuous_and_within_its_range() {
         let perlin = Perlin::new(&mut Rng::new(plume_graph::seed::stream(1, "test", 0)));
         let mut greatest: f64 = 0.0;
         for step in 0..20_000 {

@@ -1,7 +1,7 @@
-//! Ways down at a slope: straight ones, and arcs of a helix where a straight one would be too steep.
+//! Ramps of a given slope: straight ones, and arcs of a helix where a straight one would be too steep.
 //!
-//! A helix through two points keeps one slope all the way, and its curve is as wide as the ground allows. Promised: every
-//! step of a way keeps the asked slopes, after rounding to 1 mm, or there is no way; nor is there one of over 200 steps.
+//! A helix through two points has a constant slope, and the largest radius possible. Promised: every step of a ramp is
+//! within the range of slopes, after rounding to 1 mm, otherwise there is no ramp; nor is there one of more than 200 steps.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -9,17 +9,17 @@ use nalgebra::{Point3, Vector2};
 
 use plume_graph::millimetres;
 
-/// What rounding to 1 mm may add to a slope, in radians.
+/// Change of a slope by rounding to 1 mm, in radians.
 const ROUNDING: f64 = 2e-4;
 /// The longest arc without a whole turn, so that its ends do not meet.
 const LONGEST_ARC: f64 = 0.95 * TAU;
-/// Greatest turn from one station to the next.
+/// Maximum turn from one station to the next.
 const SHARPEST: f64 = FRAC_PI_4;
-/// Halvings in search of a radius or an angle: to the last bits of a metre.
+/// Bisection steps for a radius or an angle: down to the last bits.
 const HALVINGS: usize = 60;
-/// Most steps of a way: at 4 m each, what climbs 50 m at 4 degrees.
+/// Most steps of a ramp: at 4 m each, enough to climb 50 m at 4 degrees.
 const MOST_STEPS: f64 = 200.0;
-/// Rounds in which an arc is lengthened by what its chords cut short.
+/// Iterations in which an arc is lengthened because its chords are shorter.
 const CHORD_ROUNDS: usize = 4;
 
 /// From the least to the greatest slope.
@@ -34,7 +34,7 @@ impl Slopes {
         Self { least_rad: least_deg.to_radians(), greatest_rad: greatest_deg.to_radians() }
     }
 
-    /// Whether a passage has such a slope.
+    /// Whether the slope of a passage is within the range.
     pub(super) fn hold(&self, a: &Point3<f64>, b: &Point3<f64>) -> bool {
         let slope_rad = slope_rad(a, b);
         slope_rad >= self.least_rad - ROUNDING && slope_rad <= self.greatest_rad + ROUNDING
@@ -46,7 +46,7 @@ pub(super) fn slope_rad(a: &Point3<f64>, b: &Point3<f64>) -> f64 {
     libm::atan2((a.z - b.z).abs(), (a.xy() - b.xy()).norm())
 }
 
-/// How a way runs in the plan.
+/// The horizontal course of a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Course {
     /// Along a straight line.
@@ -55,21 +55,21 @@ pub(super) enum Course {
     Round(Helix),
 }
 
-/// A way of one slope round an upright axis.
+/// A helix around a vertical axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Helix {
     /// Of every step.
     pub(super) slope_rad: f64,
-    /// Whole turns; what is left of one comes on top.
+    /// Whole turns, in addition to a partial one.
     pub(super) turns: u32,
-    /// To the left (1) or to the right (-1).
+    /// Left (1) or right (-1).
     pub(super) side: f64,
-    /// Where it sets out between points above each other, in radians from east.
+    /// Initial direction if the points are above each other, in radians from east.
     pub(super) bearing_rad: f64,
 }
 
-/// The stations of a way down from `top` to `foot`, both included, at most `step_m` apart. `None` where the course does not
-/// lead there, or not within the slopes.
+/// The stations of a ramp from `top` down to `foot`, inclusive, at most `step_m` apart. `None` if the course does not lead
+/// there within the range of slopes.
 pub(super) fn way_down(
     [top, foot]: [Point3<f64>; 2],
     course: Course,
@@ -89,13 +89,13 @@ fn straight(top: &Point3<f64>, foot: &Point3<f64>, step_m: f64) -> Option<Vec<Po
     (steps <= MOST_STEPS).then(|| (0..=steps as usize).map(at).collect())
 }
 
-/// A helix between two points, as it is in the plan.
+/// The horizontal projection of a helix between two points.
 struct Arc {
     center: Vector2<f64>,
     radius: f64,
-    /// Where on the circle it starts.
+    /// Start angle on the circle.
     start_rad: f64,
-    /// How far round it leads, with its sign.
+    /// Signed total turn.
     turn_rad: f64,
     steps: usize,
 }
@@ -124,7 +124,7 @@ impl Arc {
             Vector2::new(libm::cos(bearing_rad), libm::sin(bearing_rad))
         };
         let left = Vector2::new(-along.y, along.x) * side;
-        // Half a chord on, and as far aside as the circle asks: to the other side beyond half a turn.
+        // Half the chord ahead, and aside by the apothem: on the other side beyond half a turn.
         let bend = 0.5 * turn_rad.rem_euclid(TAU);
         let center = top.coords.xy() + along * (0.5 * chord) + left * (radius * libm::cos(bend));
         let out = top.coords.xy() - center;
@@ -143,7 +143,7 @@ impl Arc {
     }
 }
 
-/// Radius and turn of an arc of this length over a chord, less than once round.
+/// Radius and turn of an arc of this length over a chord, less than a full turn.
 fn bow(chord: f64, length: f64) -> Option<(f64, f64)> {
     let ratio = |turn_rad: f64| libm::sin(0.5 * turn_rad) / (0.5 * turn_rad);
     if length <= chord || chord / length < ratio(LONGEST_ARC) {
@@ -153,7 +153,7 @@ fn bow(chord: f64, length: f64) -> Option<(f64, f64)> {
     Some((length / turn_rad, turn_rad))
 }
 
-/// Radius and turn of an arc of this length over a chord that leads round so many times, and on by the short way.
+/// Radius and turn of an arc of this length over a chord with this many full turns and the shorter partial one.
 fn coil(chord: f64, length: f64, turns: u32) -> Option<(f64, f64)> {
     let round = TAU * f64::from(turns);
     let turn_rad = |radius: f64| round + 2.0 * libm::asin((0.5 * chord / radius).min(1.0));
@@ -165,7 +165,7 @@ fn coil(chord: f64, length: f64, turns: u32) -> Option<(f64, f64)> {
     Some((radius, turn_rad(radius)))
 }
 
-/// Where, between two values, a condition ends that holds at the first.
+/// Bisection: where between two values a condition ends that holds at the first.
 fn halved([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn every_step_has_the_slope_that_was_asked_for() {
+    fn every_step_has_the_requested_slope() {
         let slopes = Slopes::of_degrees(14.95, 15.05);
         for (chord, turns) in [(30.0, 0), (10.0, 0), (6.0, 1), (0.0, 1), (3.0, 2), (0.0, 3)] {
             for side in [-1.0, 1.0] {
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn shafts_are_plumb_and_what_cannot_be_is_not() {
+    fn shafts_are_vertical_and_impossible_ramps_are_refused() {
         let slopes = Slopes::of_degrees(90.0, 90.0);
         let ends = [Point3::new(3.0, 4.0, 5.0), Point3::new(3.0, 4.0, -5.0)];
         let shaft = way_down(ends, Course::Straight, &slopes, 3.0).expect("it is plumb");

@@ -1,9 +1,9 @@
-//! Plans made of square cells, and the centrelines in them.
+//! Plans of square cells, and the centrelines in them.
 //!
-//! A [`Mask`] says which cells are open. Its open regions can be sifted and joined ([`regions`]), the distance of every
+//! A [`Mask`] says which cells are open. Its open regions can be filtered and joined ([`regions`]), the distance of every
 //! cell to rock measured ([`distance`]), and the open cells thinned to lines one cell wide ([`thin`]) that become a
-//! [`CentrelineBuilder`](super::centreline::CentrelineBuilder) ([`trace`]). All of it is integer arithmetic up to the tracing, in time linear in
-//! the number of cells.
+//! [`CentrelineBuilder`](super::centreline::CentrelineBuilder) ([`trace`]). Everything up to the tracing is integer
+//! arithmetic, in time linear in the number of cells.
 
 mod distance;
 mod regions;
@@ -36,7 +36,7 @@ impl Mask {
         [cell % self.columns, cell / self.columns]
     }
 
-    /// Cells that are not on the border.
+    /// The inner cells.
     pub(super) fn inner(&self) -> impl Iterator<Item = usize> + use<> {
         let (columns, rows) = (self.columns, self.rows());
         (1..rows - 1).flat_map(move |row| row * columns + 1..row * columns + columns - 1)
@@ -47,7 +47,7 @@ impl Mask {
         (1..self.columns - 1).contains(&column) && (1..self.rows() - 1).contains(&row)
     }
 
-    /// Makes the border rock again.
+    /// Turns the border into rock again.
     pub(super) fn close_border(&mut self) {
         let (columns, len) = (self.columns, self.open.len());
         self.open[..columns].fill(false);
@@ -58,7 +58,7 @@ impl Mask {
         });
     }
 
-    /// Opens the cells within `radius` cells of one, the border excepted.
+    /// Opens the cells within `radius` cells of one, except the border.
     pub(super) fn dig(&mut self, [column, row]: [usize; 2], radius: usize) {
         let last = [self.columns - 2, self.rows() - 2];
         for y in row.saturating_sub(radius).max(1)..=(row + radius).min(last[1]) {
@@ -71,7 +71,7 @@ impl Mask {
         }
     }
 
-    /// How far on the eight neighbours of a cell lie, once round, east first; wraps, to be added with `wrapping_add`.
+    /// Index offsets of the eight neighbours of a cell, in circular order from the east; to be added with `wrapping_add`.
     fn round(&self) -> [usize; 8] {
         let c = self.columns;
         let back = usize::wrapping_neg;
@@ -81,7 +81,7 @@ impl Mask {
 
 #[cfg(test)]
 impl Mask {
-    /// A plan drawn with `#` for rock.
+    /// Parses a plan drawn with `#` for rock.
     fn drawn(rows: &[&str]) -> Self {
         let open = rows.iter().flat_map(|row| row.bytes().map(|cell| cell != b'#')).collect();
         Self { columns: rows[0].len(), open }

@@ -1,13 +1,13 @@
-//! Space colonization: passages that branch towards open ground until it is taken.
+//! Space colonization: passages that branch towards free space until it is filled.
 //!
-//! Runions, Lane, Prusinkiewicz: "Modeling trees with a space colonization algorithm", 2007. Attractors lie scattered in
-//! a region. Each of them pulls the station that is nearest to it, if it is near enough; every station that is pulled
-//! grows one step in the mean direction; what a station comes near to is taken. Widths follow the pipe model (Murray
-//! 1926 has exponent 3): a passage is as wide as those that it feeds together. Added here: a region that is flat, since
-//! caves are, a slope limit, wander, loops, and rock between passages.
+//! Runions, Lane, Prusinkiewicz: "Modeling trees with a space colonization algorithm", 2007. Attractors are scattered in a
+//! region. Each of them pulls the station nearest to it, if it is near enough; every station that is pulled grows one step
+//! in the mean direction; attractors near a station are removed. Widths follow the pipe model (Murray 1926 has exponent
+//! 3): the width of a passage is determined by those that it feeds. Added here: a flat region, since caves are flat, a slope
+//! limit, wander, loops, and rock between passages.
 //!
-//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the law of
-//! `network`. Not promised: that the whole region is taken, since growth ends with the last node.
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the rules of
+//! `network`. Not promised: that the whole region is filled, since growth ends with the last node.
 
 mod attractors;
 
@@ -22,14 +22,14 @@ use plume_graph::Graph;
 use plume_graph::Outside;
 use plume_graph::rng::Rng;
 
-/// Ground that a station takes, in squares of a step by the distance at which attractors are taken. Tuned so that the
-/// region is about filled.
+/// Area per station, relative to the step times the distance at which attractors are removed. Tuned so that the region is
+/// about filled.
 const GROUND: f64 = 2.6;
-/// How much larger the region becomes when it was too small.
+/// Growth factor of the region if it was too small.
 const LARGER: f64 = 1.3;
-/// Least half axis of the region by the distance at which attractors are taken, so that some are out of it.
+/// Minimum half axis of the region relative to the distance at which attractors are removed, so that some are beyond it.
 const LEAST_REGION: f64 = 3.0;
-/// Turns that a station tries where its way is blocked, in degrees.
+/// Turns that a station tries if it is blocked, in degrees.
 const DODGES_DEG: [f64; 5] = [0.0, 25.0, -25.0, 50.0, -50.0];
 
 /// The outline of the region that is colonized.
@@ -47,15 +47,15 @@ pub enum Region {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct SpaceColonization {
-    /// Number of nodes (stations on the centreline); the region is made as large as they need.
+    /// Number of nodes (stations on the centreline); the size of the region follows from it.
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
     /// Outline of the region: `ellipsoid` or `box`.
     pub region: Region,
-    /// Length of the region, west to east, by its breadth.
+    /// Length of the region, west to east, relative to its width.
     #[schemars(range(min = 0.1, max = 10.0))]
     pub elongation: f64,
-    /// Height of the region, in metres; 0 is level. Tens of metres make passages lie above one another.
+    /// Height of the region, in metres; 0 is level. With tens of metres, passages run above one another.
     #[schemars(range(min = 0.0, max = 200.0))]
     pub height_m: f64,
     /// Mean distance between attractors, in metres: sparse ones make long bare passages.
@@ -64,40 +64,40 @@ pub struct SpaceColonization {
     /// Distance from which an attractor pulls, in metres. From the paper.
     #[schemars(range(min = 4.0, max = 150.0))]
     pub influence_m: f64,
-    /// Distance at which an attractor is taken, in metres. From the paper: two steps and more.
+    /// Distance at which an attractor is removed, in metres. From the paper: two steps and more.
     #[schemars(range(min = 2.0, max = 50.0))]
     pub kill_m: f64,
     /// Length of a step, which is the distance between stations, in metres. From the paper.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub step_m: f64,
-    /// Pull in one direction for all, in units of that of the attractors; the paper's tropism.
+    /// Strength of a common pull in one direction, relative to that of the attractors; the paper's tropism.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub tropism: f64,
     /// Azimuth of that direction, clockwise from north (+Y), in degrees.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub tropism_azimuth_deg: f64,
-    /// How far a passage wanders from where it is pulled: standard deviation of the angle of each step, in degrees.
+    /// Random wander of a passage: standard deviation of the angle of each step from its pull, in degrees.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub wander_deg: f64,
-    /// Greatest inclination of a passage, in degrees.
+    /// Maximum inclination of a passage, in degrees.
     #[schemars(range(min = 1.0, max = 45.0))]
     pub max_slope_deg: f64,
-    /// Width of a passage where it ends, in metres.
+    /// Width of a passage at its end, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub width_min_m: f64,
-    /// Width that no passage exceeds, in metres.
+    /// Maximum width of a passage, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub width_max_m: f64,
     /// Exponent of the pipe model: widths to this power add up where passages join.
     #[schemars(range(min = 1.5, max = 4.0))]
     pub pipe_exponent: f64,
-    /// Height of a passage above its floor in units of its width.
+    /// Height of a passage above its floor relative to its width.
     #[schemars(range(min = 0.4, max = 2.0))]
     pub height_ratio: f64,
-    /// How many loops are closed: 0 for none, 1 for as many as in real caves.
+    /// Number of loops: 0 for none, 1 for as many as in real caves.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub loop_closure: f64,
-    /// Least rock between passages that do not meet, in metres.
+    /// Minimum rock between passages that do not meet, in metres.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub rock_m: f64,
 }
@@ -159,7 +159,7 @@ impl SpaceColonization {
         Size::new(self.width_max_m, self.height_ratio)
     }
 
-    /// Attractors evenly at random in a region for all nodes, larger with each attempt.
+    /// Uniformly random attractors in a region for all nodes, larger with each attempt.
     fn scatter(&self, attempt: u64, rng: &mut Rng) -> Vec<Point3<f64>> {
         let growth = (0..attempt).fold(1.0, |growth, _| growth * LARGER);
         let ground = GROUND * growth * f64::from(self.nodes) * self.step_m * self.kill_m;
@@ -174,18 +174,18 @@ impl SpaceColonization {
         inside.map(|place| Point3::from(place.component_mul(&half))).collect()
     }
 
-    /// The direction that all passages are drawn to, as long as it is strong.
+    /// The common pull on all passages; its length is its strength.
     fn tropism(&self) -> Vector3<f64> {
         let azimuth = self.tropism_azimuth_deg.to_radians();
         self.tropism * Vector3::new(libm::sin(azimuth), libm::cos(azimuth), 0.0)
     }
 }
 
-/// A network that takes its ground.
+/// A network that grows towards attractors.
 struct Colony<'a> {
     settings: &'a SpaceColonization,
     attractors: Attractors,
-    /// Stations that the attractors know.
+    /// Number of stations that the attractors have seen.
     met: usize,
 }
 
@@ -214,7 +214,7 @@ impl Growth for Colony<'_> {
         let tip = libm::pow(self.settings.width_min_m, power);
         let mut fed = vec![0.0; network.len()];
         for station in (1..network.len()).rev() {
-            // What feeds nothing ends here.
+            // A station that feeds nothing is an end.
             fed[station] = f64::max(fed[station], tip);
             if let Some(parent) = network.parent(station) {
                 fed[parent] += fed[station];
@@ -226,7 +226,7 @@ impl Growth for Colony<'_> {
 }
 
 impl Colony<'_> {
-    /// Shows the attractors what was laid since they were last asked.
+    /// Shows the new stations to the attractors.
     fn meet(&mut self, network: &Network) {
         for station in self.met..network.len() {
             self.attractors.meet(station, network.position(station));
@@ -234,7 +234,7 @@ impl Colony<'_> {
         self.met = network.len();
     }
 
-    /// Lays a step from a station towards what pulls it, or beside that.
+    /// Adds a step from a station in the direction of its pull, or in a nearby direction.
     fn grow(&self, network: &mut Network, station: usize, pull: Vector3<f64>, rng: &mut Rng) -> bool {
         let way = pull + self.settings.tropism();
         let steepest = self.settings.max_slope_deg.to_radians();

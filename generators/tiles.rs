@@ -1,12 +1,12 @@
-//! Tunnels put together from tiles, as the worlds of the DARPA Subterranean Challenge were.
+//! Tunnels assembled from tiles, like the worlds of the DARPA Subterranean Challenge.
 //!
 //! The tile set is that of its circuits (straight, bend, junctions, room, dead end, ramp, shaft) on a square grid, but each
-//! tile is parametric: it has connectors, with a position, a direction and a width, and its passages wind from one to the
-//! other, so that no two are alike. Tiles grow from open connectors; one that would overlap another or shut a connector in
-//! is not taken. Connectors that meet close a loop, those that cannot go on are capped.
+//! tile is parametric: it has connectors, with a position, a direction and a width, and its passages wind between them, so
+//! that no two are alike. Tiles are added at open connectors, unless they would overlap another tile or block a connector.
+//! Connectors that meet close a loop, those that lead nowhere are capped.
 //!
-//! Promised: exactly the asked number of nodes in one component, at most four passages at a node, ramps and floors under
-//! their greatest inclination, a connector on every way into the next tile.
+//! Promised: exactly the asked number of nodes in one component, at most four passages at a node, ramps and floors within
+//! their maximum inclination, a connector wherever a passage enters the next tile.
 
 mod board;
 mod drawing;
@@ -22,9 +22,9 @@ use plume_graph::Outside;
 use plume_graph::rng::Rng;
 use plume_graph::seed;
 
-/// Nodes that a level takes beside the way down to the next one.
+/// Nodes of a level in addition to the way down to the next one.
 const LEAST_NODES: u32 = 8;
-/// Part of the greatest inclination that ramps have; stations that cut their corners are steeper.
+/// Inclination of ramps relative to the maximum; stations that cut their corners make them steeper.
 const GENTLER: f64 = 0.9;
 
 /// Settings of the tile generator.
@@ -34,13 +34,13 @@ pub struct Tiles {
     /// Number of nodes (stations on the centreline).
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
-    /// Distance between stations in metres; tiles are added as long as that takes.
+    /// Distance between stations in metres; the number of tiles follows from it.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub station_spacing_m: f64,
-    /// Side of a tile, in metres; those of the challenge have 20.
+    /// Size of a tile, in metres; 20 in the challenge.
     #[schemars(range(min = 6.0, max = 60.0))]
     pub pitch_m: f64,
-    /// Number of levels, one below the other.
+    /// Number of levels, one below another.
     #[schemars(range(min = 1, max = 20))]
     pub levels: u32,
     /// Vertical distance between levels, in metres.
@@ -48,13 +48,13 @@ pub struct Tiles {
     pub level_spacing_m: f64,
     /// What joins the levels: `ramp` or `shaft`.
     pub access: Access,
-    /// Ways down from each level, as far as there is room for them.
+    /// Number of ways down from each level, as far as there is room.
     #[schemars(range(min = 1, max = 20))]
     pub links: u32,
-    /// Greatest inclination of a ramp, in degrees.
+    /// Maximum inclination of a ramp, in degrees.
     #[schemars(range(min = 5.0, max = 30.0))]
     pub ramp_max_deg: f64,
-    /// Weight of straight tiles; tiles are drawn by weight.
+    /// Weight of straight tiles; tiles are drawn at random by weight.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub straights: f64,
     /// Weight of bends.
@@ -72,13 +72,13 @@ pub struct Tiles {
     /// Weight of dead ends.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub dead_ends: f64,
-    /// Probability that open connectors which face a new tile are joined to it, which closes a loop.
+    /// Probability that an open connector facing a new tile is joined to it, which closes a loop.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub loop_closure: f64,
-    /// Least width of a connector, in metres.
+    /// Minimum width of a connector, in metres.
     #[schemars(range(min = 1.5, max = 10.0))]
     pub width_min_m: f64,
-    /// Greatest width of a connector, in metres; at most half a tile.
+    /// Maximum width of a connector, in metres; at most half a tile.
     #[schemars(range(min = 1.5, max = 10.0))]
     pub width_max_m: f64,
     /// Width of a room, in metres; at most nine tenths of a tile.
@@ -87,7 +87,7 @@ pub struct Tiles {
     /// Height of passages and rooms, in metres.
     #[schemars(range(min = 1.5, max = 15.0))]
     pub height_m: f64,
-    /// How far the middle of a tile may lie off, in sides of a tile.
+    /// Maximum offset of the middle of a tile, relative to its size.
     #[schemars(range(min = 0.0, max = 0.15))]
     pub wobble: f64,
 }
@@ -139,12 +139,12 @@ impl Tiles {
             (found > most).then(|| {
                 GenerateError::new(
                     format!("`{name}` is {found} m, {why}"),
-                    format!("it takes at most {most} m with these tiles"),
+                    format!("it must be at most {most} m with these tiles"),
                 )
             })
         };
         let fault = over("width_max_m", self.width_max_m, 0.5 * self.pitch_m, "which leaves no rock between tiles")
-            .or_else(|| over("width_min_m", self.width_min_m, self.width_max_m, "over `width_max_m`"))
+            .or_else(|| over("width_min_m", self.width_min_m, self.width_max_m, "which is more than `width_max_m`"))
             .or_else(|| over("room_width_m", self.room_width_m, 0.9 * self.pitch_m, "which is more than a tile"))
             .or_else(|| match self.levels {
                 1 => None,
@@ -154,7 +154,7 @@ impl Tiles {
             return Err(fault);
         }
         if [self.straights, self.bends, self.tees, self.crosses, self.rooms].iter().all(|&weight| weight <= 0.0) {
-            let message = "all tiles that lead on have no weight";
+            let message = "all tiles with several connectors have the weight 0";
             return Err(GenerateError::new(message, "raise `straights`, `bends`, `tees`, `crosses` or `rooms`"));
         }
         let stations = (self.link_length_m() / self.station_spacing_m).ceil() as u32;
@@ -171,7 +171,7 @@ impl Tiles {
         )
     }
 
-    /// Tiles in a row that a way down covers.
+    /// Number of tiles in a row covered by a way down.
     fn link_tiles(&self) -> usize {
         match self.access {
             Access::Ramp => {
@@ -186,7 +186,7 @@ impl Tiles {
         self.link_tiles() as f64 * self.pitch_m
     }
 
-    /// Levels from the top down, each with its share of the length, then the ways to the next one.
+    /// Levels from the top down, each with its share of the length, followed by the ways to the next one.
     fn grown(&self, mut rng: Rng) -> Result<Board, GenerateError> {
         let tiles = f64::from(self.nodes) * self.station_spacing_m / self.pitch_m;
         let mut board = Board::new(self, &mut rng);
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_choose_the_tiles() {
+    fn weights_determine_the_tiles() {
         let straight =
             Tiles { bends: 0.0, tees: 0.0, crosses: 0.0, rooms: 0.0, dead_ends: 0.0, wobble: 0.0, ..Tiles::default() };
         let graph = straight.generate(1, &NoOutside).expect("there is room");
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn shafts_are_upright_and_ramps_are_not_too_steep() {
+    fn shafts_are_vertical_and_ramps_are_not_too_steep() {
         let slope = |access: Access| {
             let settings = Tiles { nodes: 300, levels: 3, access, ..Tiles::default() };
             let graph = settings.generate(1, &NoOutside).expect("there is room");

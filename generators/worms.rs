@@ -1,12 +1,12 @@
-//! Perlin worms: passages that crawl where noise leads them.
+//! Perlin worms: passages that follow noise.
 //!
-//! The method of voxel games and of hobby generators, without one paper to cite; the noise is that of Perlin: "Improving
-//! noise", 2002. A worm takes steps of one length. Noise along the way turns its yaw from its bearing, raises and lowers it within
-//! a slope and a range of depths, and makes it wide and narrow. Where rock is too thin it dodges, or ends. Other worms
-//! start along the way of earlier ones, at an angle. Dead ends join passages near by until there are loops enough.
+//! The method of voxel games and hobby generators, without a single paper to cite; the noise is that of Perlin: "Improving
+//! noise", 2002. A worm takes steps of constant length. Noise along its path turns its yaw from its bearing, raises and
+//! lowers it within a slope and a range of depths, and varies its width. Where rock is too thin it dodges, or ends. Other
+//! worms branch off earlier ones at an angle. Dead ends join nearby passages until there are enough loops.
 //!
-//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the law of
-//! `network`. Not promised: the statistics of real caves, although lengths are drawn as theirs are (log-normal).
+//! Promised: exactly the asked number of nodes, one component, at most four passages at a node, and the rules of
+//! `network`. Not promised: the statistics of real caves, although lengths have the same distribution (log-normal).
 
 use std::f64::consts::TAU;
 
@@ -21,13 +21,13 @@ use plume_graph::Graph;
 use plume_graph::Outside;
 use plume_graph::rng::Rng;
 
-/// Bearings that a worm tries where it starts.
+/// Bearings that a worm tries at its start.
 const STARTS: usize = 4;
-/// Turns that a worm tries where its way is blocked, in degrees, to either side.
+/// Turns that a worm tries if it is blocked, in degrees, to either side.
 const DODGES_DEG: [f64; 3] = [0.0, 30.0, 60.0];
-/// Wavelength of the drift of a worm by that of its swing, and that of its rise and fall.
+/// Wavelength of the drift of a worm relative to that of its swing, and that of its rise and fall.
 const DRIFT_LENGTH: f64 = 4.0;
-/// The noise is seldom farther than this from 0; it is scaled so that settings mean what they say.
+/// Typical maximum of the noise, by which it is scaled so that amplitudes match the settings.
 const NOISE_REACH: f64 = 0.5;
 /// Shortest worm in steps.
 const SHORTEST: f64 = 2.0;
@@ -36,32 +36,32 @@ const SHORTEST: f64 = 2.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct Worms {
-    /// Number of nodes (stations on the centreline); worms crawl until they are used up.
+    /// Number of nodes (stations on the centreline); worms are added until they are used up.
     #[schemars(range(min = 2, max = 1_000_000))]
     pub nodes: u32,
     /// Length of a step, which is the distance between stations, in metres.
     #[schemars(range(min = 1.0, max = 20.0))]
     pub step_m: f64,
-    /// Length that half of the worms exceed, in metres, if nothing stops them.
+    /// Median length of worms, in metres, if nothing stops them.
     #[schemars(range(min = 4.0, max = 1000.0))]
     pub length_m: f64,
-    /// Spread of lengths: standard deviation of their logarithm. Tuned; near 1 is what branches of real caves have (Collon et
-    /// al. 2017), and worms are cut to pieces by those that branch off.
+    /// Spread of lengths: standard deviation of their logarithm. Tuned; branches of real caves have about 1 (Collon et al.
+    /// 2017), but worms are divided into branches by those that branch off.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub length_spread: f64,
-    /// How far a worm swings from its bearing, to either side, in degrees.
+    /// Amplitude of a worm's swing from its bearing, to either side, in degrees.
     #[schemars(range(min = 0.0, max = 120.0))]
     pub swing_deg: f64,
-    /// Length over which it swings there and back, in metres.
+    /// Wavelength of the swing, in metres.
     #[schemars(range(min = 5.0, max = 200.0))]
     pub swing_length_m: f64,
-    /// How far its bearing drifts over four times that length, to either side, in degrees.
+    /// Amplitude of the drift of its bearing over four such wavelengths, to either side, in degrees.
     #[schemars(range(min = 0.0, max = 180.0))]
     pub drift_deg: f64,
-    /// Greatest inclination of a passage, in degrees.
+    /// Maximum inclination of a passage, in degrees.
     #[schemars(range(min = 1.0, max = 45.0))]
     pub max_slope_deg: f64,
-    /// Height between the lowest and the highest passages, in metres; more of it lets worms pass over each other.
+    /// Height between the lowest and the highest passages, in metres; a larger one lets worms pass over each other.
     #[schemars(range(min = 0.0, max = 200.0))]
     pub depth_m: f64,
     /// Width of the narrowest passage, in metres.
@@ -70,19 +70,19 @@ pub struct Worms {
     /// Width of the widest passage, in metres.
     #[schemars(range(min = 1.5, max = 20.0))]
     pub width_max_m: f64,
-    /// Length over which a worm grows wide and narrow again, in metres. Widths in caves are alike over about 30 m.
+    /// Wavelength of the width of a worm, in metres. Widths in caves are similar over about 30 m.
     #[schemars(range(min = 5.0, max = 200.0))]
     pub girth_length_m: f64,
-    /// Height of a passage above its floor in units of its width.
+    /// Height of a passage above its floor relative to its width.
     #[schemars(range(min = 0.4, max = 2.0))]
     pub height_ratio: f64,
-    /// Least distance between the places where worms branch off, along the cave, in metres.
+    /// Minimum distance between branching points along the cave, in metres.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub branch_spacing_m: f64,
-    /// How many loops are closed: 0 for none, 1 for as many as in real caves.
+    /// Number of loops: 0 for none, 1 for as many as in real caves.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub loop_closure: f64,
-    /// Least rock between passages that do not meet, in metres.
+    /// Minimum rock between passages that do not meet, in metres.
     #[schemars(range(min = 0.5, max = 20.0))]
     pub rock_m: f64,
 }
@@ -140,13 +140,13 @@ impl Worms {
     }
 }
 
-/// The worms of one cave, and the noise that leads all of them.
+/// The worms of a cave, and the noise that guides all of them.
 struct Crawl<'a> {
     settings: &'a Worms,
     noise: Perlin,
 }
 
-/// A worm on its way: where in the noise each of its motions is read.
+/// A growing worm: where in the noise each of its motions is read.
 struct Worm {
     bearing_rad: f64,
     swing: f64,
@@ -176,7 +176,7 @@ impl Growth for Crawl<'_> {
 }
 
 impl Crawl<'_> {
-    /// Moves a worm on until its length is used up or its way is blocked; whether it took a step at all.
+    /// Moves a worm until its length is used up or it is blocked; whether it took any step.
     fn crawl(&self, network: &mut Network, worm: &mut Worm, from: usize, length_m: f64) -> bool {
         let mut tip = from;
         let mut crawled = 0.0;
@@ -212,13 +212,13 @@ impl Crawl<'_> {
         worm.bearing_rad + (swing + drift).to_radians()
     }
 
-    /// Up or down by noise, and back where the range of depths ends.
+    /// Vertical motion by noise, reversed at the limits of the range of depths.
     fn pitch_rad(&self, worm: &Worm, crawled_m: f64, z: f64) -> f64 {
         let steepest = self.settings.max_slope_deg.to_radians();
         let half = 0.5 * self.settings.depth_m;
         let rise = self.noise(crawled_m / self.settings.swing_length_m, worm.rise);
         let wanted = steepest * (rise - if half > 0.0 { z / half } else { 0.0 });
-        // A step ends inside the range, wherever the noise would lead.
+        // A step always ends inside the range.
         let most = |room: f64| libm::asin((room / self.settings.step_m).clamp(0.0, 1.0));
         wanted.clamp(-most(z + half).min(steepest), most(half - z).min(steepest))
     }
@@ -229,9 +229,9 @@ impl Crawl<'_> {
         Size::new(least + (most - least) * part, self.settings.height_ratio)
     }
 
-    /// Noise along a lane of the plane, about -1 to 1.
+    /// Noise along a line of the plane, about -1 to 1.
     fn noise(&self, along: f64, lane: f64) -> f64 {
-        // Between the lattice points of the noise, where it is 0, starts are as different as lanes.
+        // Off the lattice, where the noise is 0, and shifted so that the starts of lines differ.
         self.noise.at(along + 0.37 * lane, lane) / NOISE_REACH
     }
 }

@@ -12,7 +12,7 @@ pub(super) fn filled(side: usize, rock: f64, rng: &mut Rng) -> Mask {
     mask
 }
 
-/// Every cell with at least `least` of rock in the nine cells round it becomes rock, the others open.
+/// Every cell with at least `least` rock cells among the nine around it becomes rock, the others open.
 pub(super) fn step(mask: &mut Mask, least: u8) {
     let (columns, rows) = (mask.columns, mask.rows());
     let most_open = 9 - least;
@@ -33,7 +33,7 @@ pub(super) fn step(mask: &mut Mask, least: u8) {
     mask.close_border();
 }
 
-/// Open cells among each one and those beside it.
+/// Number of open cells among each one and its neighbours in the row.
 fn sum_threes(row: &[bool], sums: &mut [u8]) {
     let last = row.len() - 1;
     for column in 1..last {

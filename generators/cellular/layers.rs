@@ -1,7 +1,7 @@
 //! Layers joined by ramps.
 //!
-//! A ramp leaves the outermost passage of a layer outwards, runs along beside both layers and comes back to the outermost
-//! passage of the next one. Each ramp is on another side than the one before it.
+//! A ramp leaves the outermost passage of a layer outwards, runs alongside both layers and returns to the outermost
+//! passage of the next one. Each ramp is on a different side than the previous one.
 
 use std::ops::Range;
 
@@ -10,13 +10,13 @@ use nalgebra::Vector2;
 use super::Cellular;
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
-/// Nodes of a layer that tell its passages and the ramp to it.
+/// Fewest nodes of a layer with its passages and ramp.
 pub(super) const LEAST_NODES: u32 = 12;
-/// How far apart the two legs of a ramp are, in widths.
+/// Distance between the two legs of a ramp, in widths.
 const LEGS_APART: f64 = 3.0;
-/// Part of its greatest inclination at which a ramp is dug: stations that cut its corners make it steeper.
+/// Inclination of a ramp relative to the maximum: stations that cut its corners make it steeper.
 const GENTLER: f64 = 0.7;
-/// Outwards, to each side of the plan.
+/// Outward directions of the sides of the plan.
 const SIDES: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
 
 /// The centrelines of all layers, from the top down.
@@ -42,7 +42,7 @@ pub(super) fn joined(settings: &Cellular, layers: Vec<CentrelineBuilder>) -> Cen
     whole
 }
 
-/// Where a ramp begins and ends.
+/// Start and end of a ramp.
 struct Ramp {
     side: usize,
     ends: [VertexId; 2],
@@ -75,7 +75,7 @@ impl Ramp {
         best.expect("every layer has a passage, which is outermost").1
     }
 
-    /// Digs it, as long as its inclination asks.
+    /// Adds the ramp, as long as its inclination requires.
     fn build(&self, settings: &Cellular, centreline: &mut CentrelineBuilder) {
         let [head, foot] = self.ends.map(|vertex| centreline[vertex]);
         let out = Vector2::from(SIDES[self.side]);

@@ -1,4 +1,4 @@
-//! A branch: steps until its planned length is used up or nothing is left to draw.
+//! A branch: steps until its planned length is used up or no direction is left.
 
 use super::cave::{Cave, PassageKind};
 use super::circle::{Spread, wrapped_rad};
@@ -15,7 +15,7 @@ pub(super) struct Bud {
 }
 
 impl Cave<'_> {
-    /// Grows a branch and returns its last node, or `None` when not one node found room.
+    /// Grows a branch and returns its last node, or `None` if there was no room for any node.
     ///
     /// The direction of travel persists, drifts, and returns to the bearing of the branch.
     pub(super) fn grow(&mut self, bud: Bud) -> Option<usize> {
@@ -48,7 +48,7 @@ impl Cave<'_> {
         (tip != bud.station).then_some(tip)
     }
 
-    /// The heading on from a node, drawn back to the bearing of its branch.
+    /// The heading onwards from a node, pulled back to the bearing of its branch.
     pub(super) fn pulled_heading_rad(&self, station: usize, bearing_rad: f64) -> f64 {
         let heading_rad = self.stations[station].heading_rad;
         heading_rad + BEARING_PULL * wrapped_rad(bearing_rad - heading_rad)
@@ -58,13 +58,13 @@ impl Cave<'_> {
         if trunk { self.lengths.trunk(&mut self.rng) } else { (self.lengths.spur(&mut self.rng), false) }
     }
 
-    /// The mean radius in a branch of this length: long spurs walk like trunks.
+    /// The mean radius in a branch of this length: long spurs are like trunks.
     fn reach_in(&self, length: f64, trunk: bool) -> f64 {
         let usual = if trunk { self.derived.trunk_reach } else { self.derived.spur_reach };
         usual.max(length / NODES_IN_BRANCH).min(self.derived.trunk_reach)
     }
 
-    /// The bearing, turned to slide along the bounds where it would run into them.
+    /// The bearing, turned along the bounds if it would run into them.
     fn bearing_along_wall_rad(&self, station: usize, bearing_rad: f64) -> f64 {
         const INWARD: f64 = 0.35;
         let at = self.position(station);

@@ -1,4 +1,4 @@
-//! A cave while it grows: stations, passages, and the counts that choices hang on, kept up to date as they change.
+//! A growing cave: stations, passages, and the counts that decisions depend on, updated incrementally.
 
 use nalgebra::Point3;
 
@@ -15,7 +15,7 @@ use crate::perlin::Perlin;
 use plume_graph::rng::Rng;
 use plume_graph::{Graph, Node, StationId, millimetres};
 
-/// What a station belongs to.
+/// The kind of branch a station belongs to.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum PassageKind {
     /// The longest branch of a block of planned lengths; spared by connectors.
@@ -26,7 +26,7 @@ pub(super) enum PassageKind {
     Ramp,
 }
 
-/// A node, and what growth needs to know of it.
+/// A node with the state that growth needs.
 pub(super) struct GrowingStation {
     pub(super) position: Point3<f64>,
     pub(super) radius: f64,
@@ -37,7 +37,7 @@ pub(super) struct GrowingStation {
     /// Azimuth in which it was reached.
     pub(super) heading_rad: f64,
     pub(super) alive: bool,
-    /// Where it stands in the list of tips.
+    /// Its index in the list of tips.
     pub(super) tip: Option<usize>,
 }
 
@@ -78,9 +78,9 @@ pub(super) struct DerivedLengths {
     pub(super) spur_reach: f64,
     /// Mean length of a branch.
     pub(super) mean_length: f64,
-    /// Greatest distance a connector spans.
+    /// Longest span of a connector.
     pub(super) join_distance: f64,
-    /// Half the sides of the plan.
+    /// Half extents of the plan.
     pub(super) half: [f64; 2],
 }
 
@@ -119,9 +119,9 @@ pub(super) struct Cave<'a> {
     /// Links below each layer.
     pub(super) links: Vec<Vec<Link>>,
     mean_degree: f64,
-    /// Stations of the reduced graph: those without exactly two passages.
+    /// Number of stations of the reduced graph: those that do not have exactly two passages.
     vertices: usize,
-    /// Ends of branches at them.
+    /// Number of branch ends at them.
     knot_ends: usize,
 }
 
@@ -146,12 +146,12 @@ impl<'a> Cave<'a> {
         }
     }
 
-    /// Nodes that are still to be placed.
+    /// Number of nodes still to be placed.
     pub(super) fn room(&self) -> usize {
         (self.settings.nodes as usize).saturating_sub(self.stations.len())
     }
 
-    /// Loops that the mean degree of the reduced graph still asks for.
+    /// Number of loops still missing for the mean degree of the reduced graph.
     pub(super) fn missing_loops(&self) -> f64 {
         if self.settings.loop_closure == 0.0 || self.vertices <= FEW_KNOTS {
             return 0.0;
@@ -169,12 +169,12 @@ impl<'a> Cave<'a> {
         libm::atan2(way.y, way.x)
     }
 
-    /// Distance in the plan.
+    /// Horizontal distance.
     pub(super) fn distance(&self, a: usize, b: usize) -> f64 {
         (self.position(a).xy() - self.position(b).xy()).norm()
     }
 
-    /// A radius about `mean`, not far from the one before.
+    /// A random radius around `mean`, not far from the previous one.
     pub(super) fn draw_reach(&mut self, mean: f64, before: Option<f64>) -> f64 {
         let drawn = mean * libm::exp(REACH_JITTER * self.rng.normal());
         let smooth = before.map_or(drawn, |radius| drawn.max(radius / REACH_SHRINK).min(radius * REACH_GROWTH));
@@ -194,7 +194,7 @@ impl<'a> Cave<'a> {
         index
     }
 
-    /// Takes back the stations from `len` on, and their passages.
+    /// Removes the stations from index `len` on, and their passages.
     pub(super) fn truncate(&mut self, len: usize) {
         for last in (len..self.stations.len()).rev() {
             for other in self.stations[last].neighbors.clone() {

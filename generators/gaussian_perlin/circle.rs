@@ -1,8 +1,8 @@
 //! The circle of a node: 360 sections, each with the weight with which the next node is drawn there.
 //!
-//! The paper's distribution: a wrapped Gaussian round the direction of travel, a Perlin term over the points of the
-//! circle, and arcs without children. Two preferred azimuths (fractures) are an addition. Weights become integers
-//! before they are summed, so a draw never hangs on the order of a float sum.
+//! The paper's distribution: a wrapped Gaussian around the direction of travel, a Perlin term over the points of the
+//! circle, and arcs without children. Two preferred azimuths (fractures) are an addition. Weights are converted to integers
+//! before they are summed, so a draw never depends on the order of a float sum.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,21 +16,21 @@ use plume_graph::rng::Rng;
 
 /// Sections of a circle.
 const SECTIONS: usize = 360;
-/// Integer weight of a section that is sure to be drawn.
+/// Integer weight that stands for 1.
 const UNIT_WEIGHT: f64 = (1_u64 << 40) as f64;
 
 type Table = [f64; SECTIONS];
 
-/// How closely a step keeps its heading.
+/// How closely a step follows its heading.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Spread {
     Trunk,
     Spur,
-    /// A connector, which also minds the fractures less.
+    /// A connector, which also follows the fractures less.
     Link,
 }
 
-/// What all circles of a cave have in common.
+/// Data shared by all circles of a cave.
 pub(super) struct Compass {
     noise: Perlin,
     perlin_weight: f64,
@@ -97,9 +97,9 @@ pub(super) struct Circle {
 }
 
 impl Circle {
-    /// Allows nothing nearer than `arc` to the azimuth.
+    /// Excludes everything within `arc` of the azimuth.
     pub(super) fn forbid(&mut self, azimuth_rad: f64, arc_rad: f64) {
-        // Sections farther off than this have their middle outside the arc.
+        // Sections farther away than this have their middle outside the arc.
         let aside = ((arc_rad / DEGREE) as usize + 2).min(SECTIONS / 2);
         let first = section(azimuth_rad) + SECTIONS - aside;
         for s in (first..=first + 2 * aside).map(|s| s % SECTIONS) {
@@ -109,7 +109,7 @@ impl Circle {
         }
     }
 
-    /// An azimuth drawn by weight, uniform in its section; `None` when no section is left.
+    /// An azimuth drawn by weight, uniform within its section; `None` if no section is left.
     pub(super) fn draw_azimuth_rad(&self, rng: &mut Rng) -> Option<f64> {
         let total: u64 = self.weights.iter().sum();
         if total == 0 {
@@ -124,7 +124,7 @@ impl Circle {
         Some((drawn as f64 + rng.unit()) * DEGREE)
     }
 
-    /// Allows nothing near an azimuth that was drawn and failed.
+    /// Excludes sections near an azimuth that was drawn and failed.
     pub(super) fn rule_out(&mut self, azimuth_rad: f64) {
         let first = section(azimuth_rad) + SECTIONS - RULED_OUT;
         for s in first..=first + 2 * RULED_OUT {
@@ -146,7 +146,7 @@ fn middle_rad(section: usize) -> f64 {
     (section as f64 + 0.5) * DEGREE
 }
 
-/// A Gaussian wrapped round the circle, by number of sections from its mean.
+/// A Gaussian wrapped around the circle, by number of sections from its mean.
 fn gaussian(sigma_rad: f64) -> Table {
     let density = |angle_rad: f64| libm::exp(-0.5 * (angle_rad / sigma_rad) * (angle_rad / sigma_rad));
     normalized(std::array::from_fn(|s| {
@@ -155,7 +155,7 @@ fn gaussian(sigma_rad: f64) -> Table {
     }))
 }
 
-/// How much each azimuth is preferred: two sets of parallel fractures, mean 1.
+/// Preference for each azimuth: two sets of parallel fractures, mean 1.
 fn fracture(rng: &mut Rng) -> Table {
     let first = rng.between(0.0, PI);
     let second = first + rng.between(55.0 * DEGREE, 90.0 * DEGREE);
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_perlin_circle_knows_no_heading() {
+    fn a_perlin_circle_ignores_the_heading() {
         let (compass, _) = compass(Distribution::Perlin);
         let north = compass.circle([3.0, 4.0], 4.0, 1.0, Spread::Trunk);
         let south = compass.circle([3.0, 4.0], 4.0, 4.0, Spread::Trunk);

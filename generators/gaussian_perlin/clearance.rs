@@ -1,8 +1,7 @@
-//! The clearance law: no passage runs through another by accident.
+//! The clearance rule: no passage runs through another by accident.
 //!
-//! Two passages keep as much rock between them as half their widths and a margin, measured between their centrelines in
-//! space. Passages that share a node are exempt (angles keep them apart), and so are those one passage apart, which
-//! may meet like a small room but never cross.
+//! Two centrelines keep at least half of both widths and a margin apart, in 3D. Passages that share a node are exempt
+//! (angles keep them apart), and so are those one passage apart, which may merge like a small room but never cross.
 
 use nalgebra::Point3;
 
@@ -10,19 +9,19 @@ use super::cave::{Cave, half_width};
 use super::tuning::{CROSSING, MARGIN_M, ROUNDING_M};
 use plume_graph::segment::segment_distance;
 
-/// What a passage under test is on its way to.
+/// The goal of a passage under test.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Goal {
-    /// Nowhere in particular.
+    /// No goal.
     Open,
-    /// A connector to this station, not there yet.
+    /// A connector on its way to this station.
     Towards(usize),
     /// The last leg of a connector to this station.
     Joining(usize),
 }
 
 impl Cave<'_> {
-    /// Whether a passage from a station to `tip`, half as wide as `half_width`, is free of all others.
+    /// Whether a passage from a station to `tip` with this half width is clear of all others.
     pub(super) fn is_clear(&self, from: usize, tip: &Point3<f64>, half_width: f64, goal: Goal) -> bool {
         let base = self.position(from);
         let width = self.stations[from].half_width().max(half_width);
@@ -51,7 +50,7 @@ impl Cave<'_> {
             })
     }
 
-    /// Whether an existing passage keeps the law in full.
+    /// Whether an existing passage fully keeps the rule.
     pub(super) fn is_lawful(&self, a: usize, b: usize) -> bool {
         let ends = [self.position(a), self.position(b)];
         let width = self.half_width([a, b]);
@@ -64,7 +63,7 @@ impl Cave<'_> {
             })
     }
 
-    /// Whether the passage is one passage away from where the connector ends; `None` if it ends there too.
+    /// Whether the passage is one passage away from the connector's end; `None` if it ends there too.
     fn is_at(&self, goal: Goal, passage: [usize; 2]) -> Option<bool> {
         match goal {
             Goal::Open => Some(false),
@@ -84,7 +83,7 @@ impl Cave<'_> {
         self.stations[u].half_width().max(self.stations[v].half_width())
     }
 
-    /// How far off passages can matter to one of this half width.
+    /// Range within which other passages matter to one of this half width.
     fn reach_of(&self, width: f64, margin: f64) -> f64 {
         width + half_width(self.settings.reach_max_m) + margin
     }

@@ -1,4 +1,4 @@
-//! Stations and passages by square cell of the plan, for questions about neighbours.
+//! A spatial hash of stations and passages in square cells of the plan.
 
 use nalgebra::Point3;
 use rustc_hash::FxHashMap;
@@ -6,10 +6,10 @@ use rustc_hash::FxHashMap;
 /// Side of a cell in metres.
 const CELL_M: f64 = 8.0;
 
-/// Which cell, west to east and south to north; a tuple, because arrays hash as slices do, which takes longer.
+/// Cell index, west to east and south to north; a tuple, because arrays are hashed like slices, which takes longer.
 type Key = (i32, i32);
 
-/// What lies in each cell.
+/// The content of each cell.
 #[derive(Default)]
 pub(super) struct Grid {
     cells: FxHashMap<Key, Cell>,
@@ -47,13 +47,13 @@ impl Grid {
         }
     }
 
-    /// Stations that may lie within `reach` of `at` in the plan.
+    /// Stations that may be within `reach` of `at` in the plan.
     pub(super) fn stations_near(&self, at: &Point3<f64>, reach: f64) -> impl Iterator<Item = usize> {
         let cells = keys([at, at], reach).filter_map(|key| self.cells.get(&key));
         cells.flat_map(|cell| cell.stations.iter().copied())
     }
 
-    /// Passages that may lie within `reach` of the passage between `ends` in the plan; some come twice.
+    /// Passages that may be within `reach` of the passage between `ends` in the plan; some appear twice.
     pub(super) fn passages_near(&self, ends: [&Point3<f64>; 2], reach: f64) -> impl Iterator<Item = [usize; 2]> {
         let cells = keys(ends, reach).filter_map(|key| self.cells.get(&key));
         cells.flat_map(|cell| cell.passages.iter().copied())

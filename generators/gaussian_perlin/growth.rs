@@ -15,15 +15,15 @@ use super::tuning::{
 use plume_graph::Graph;
 use plume_graph::rng::Rng;
 
-/// Nodes drawn in search of one to wake.
+/// Nodes tried in search of one to wake.
 const WAKE_DRAWS: usize = 64;
-/// Loops closed at the end, when no node is left.
+/// Loops closed at the end, when no nodes are left.
 const LAST_LOOPS: usize = 6;
 
-/// What found room, if not all did.
+/// How much was placed, if not everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Shortfall {
-    /// Nodes, in all layers that could be opened.
+    /// Nodes in all layers that could be opened.
     pub(super) placed: usize,
     /// Links between layers.
     pub(super) links: usize,
@@ -51,7 +51,7 @@ struct Growth<'a> {
     hops: Hops,
     /// First station of the deepest layer.
     layer_start: usize,
-    /// Rounds until another loop is tried.
+    /// Rounds until the next attempt at a loop.
     pause: u32,
     /// Number of stations when a link was last tried.
     linked_at: usize,
@@ -111,7 +111,7 @@ impl<'a> Growth<'a> {
         buds.push(Bud { station, bearing_rad, trunk });
     }
 
-    /// Goes down to the next layer when it is due.
+    /// Opens the next layer when it is due.
     fn open_layer(&mut self) -> bool {
         if !self.cave.is_layer_due() {
             return false;
@@ -129,7 +129,7 @@ impl<'a> Growth<'a> {
         true
     }
 
-    /// Makes a link between layers where one is asked for and lacking.
+    /// Makes a link between layers if one is missing.
     fn link_layers(&mut self) -> bool {
         if !self.cave.settings.has_links() || self.linked_at == self.cave.stations.len() {
             return false;
@@ -139,7 +139,7 @@ impl<'a> Growth<'a> {
         upper.is_some_and(|upper| self.cave.link(upper, &mut self.hops))
     }
 
-    /// Closes a loop where one is due, or grows a branch.
+    /// Closes a loop if one is due, or grows a branch.
     fn advance(&mut self) -> bool {
         if self.pause == 0 && self.cave.is_loop_due() {
             let closed = self.cave.close_loop(&mut self.hops);
@@ -214,7 +214,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// How many branches go on where one ends.
+    /// How many branches continue where one ends.
     fn children(&mut self, trunk: bool) -> usize {
         let rng = &mut self.cave.rng;
         let least = self.cave.settings.children_min as usize;
@@ -230,7 +230,7 @@ impl<'a> Growth<'a> {
         least + extra
     }
 
-    /// A station inside a passage of the deepest layer, or any at all if there is none.
+    /// A station inside a passage of the deepest layer, or any station if there is none.
     fn wakeable(&mut self) -> usize {
         let cave = &mut self.cave;
         let deep = cave.stations.len() - self.layer_start;

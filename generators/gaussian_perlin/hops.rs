@@ -1,9 +1,9 @@
-//! How many passages away stations are.
+//! Distances between stations in numbers of passages.
 
 use super::cave::GrowingStation;
 use super::tuning::HOPS_COUNTED;
 
-/// Distances along the cave from one station, counted anew without clearing memory.
+/// Distances along the cave from one station, recomputed without clearing memory.
 #[derive(Default)]
 pub(super) struct Hops {
     round: u32,
@@ -13,7 +13,7 @@ pub(super) struct Hops {
 }
 
 impl Hops {
-    /// Counts from a station outwards.
+    /// Counts outwards from a station.
     pub(super) fn count(&mut self, from: usize, stations: &[GrowingStation]) {
         self.round += 1;
         self.reached.resize(stations.len().max(self.reached.len()), (0, 0));
@@ -36,7 +36,7 @@ impl Hops {
         }
     }
 
-    /// Hops to a station; what is too far to be counted is as far as the count went.
+    /// Hops to a station, at most the counted maximum.
     pub(super) fn to(&self, station: usize) -> u32 {
         match self.reached.get(station) {
             Some(&(round, hops)) if round == self.round => hops,

@@ -6,11 +6,11 @@ use super::clearance::Goal;
 use super::step::{Floor, Step};
 use super::tuning::{DEGREE, GENTLEST_RAMP, LAYER_SHARE, RAMP_HEADS, RELIEF_GAIN, RELIEF_SCALE_M};
 
-/// Height above the surface at which a ramp has arrived, in metres.
+/// Height above the surface at which a ramp counts as arrived, in metres.
 const ARRIVED_M: f64 = 0.01;
 
 impl Cave<'_> {
-    /// Height of a layer at a point of the plan. It is a function of the plan alone, so loops close without a step.
+    /// Height of a layer at a point of the plan. It depends on the plan position alone, so loops close without a step.
     pub(super) fn surface(&self, x: f64, y: f64, level: u32) -> f64 {
         let (u, v) = (x / RELIEF_SCALE_M, y / RELIEF_SCALE_M);
         let broad = self.relief.at(u + 7.3 * f64::from(level), v);
@@ -18,15 +18,15 @@ impl Cave<'_> {
         RELIEF_GAIN * self.settings.relief_m * (broad + fine) - self.settings.layer_spacing_m * f64::from(level)
     }
 
-    /// Whether the deepest layer has its share of nodes and another one is asked for.
+    /// Whether the deepest layer has its share of nodes and another one is to follow.
     pub(super) fn is_layer_due(&self) -> bool {
         let open = f64::from(self.deepest + 1);
         let share = f64::from(self.settings.nodes) * open / f64::from(self.settings.layers);
         self.deepest + 1 < self.settings.layers && self.stations.len() as f64 >= LAYER_SHARE * share
     }
 
-    /// Opens the next layer by a ramp from the deepest one, whose stations begin at `start`; its foot, if one found
-    /// room.
+    /// Opens the next layer by a ramp from the deepest one, whose stations begin at `start`; its foot, if there was room
+    /// for one.
     pub(super) fn descend(&mut self, start: usize) -> Option<usize> {
         (0..RAMP_HEADS).find_map(|_| {
             let head = start + self.rng.index(self.stations.len() - start);

@@ -1,4 +1,4 @@
-//! Branch lengths: log-normal, as in real caves, and stratified so that few branches already show the distribution.
+//! Branch lengths: log-normal, as in real caves, and stratified so that even a few branches follow the distribution.
 
 use super::tuning::{LENGTH_SIGMA, NODES_PER_BRANCH, SPUR_PART, TRUNK_SPREAD};
 use plume_graph::rng::{Rng, probit};
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_block_has_the_asked_mean_and_starts_with_its_longest_trunk() {
+    fn a_block_has_the_requested_mean_and_starts_with_its_longest_trunk() {
         let mut rng = Rng::new(plume_graph::seed::stream(3, "test", 0));
         let mut lengths = Lengths::new(50, 10.0);
         let (longest, main) = lengths.trunk(&mut rng);

@@ -1,7 +1,7 @@
 //! Deliberate links between neighbouring layers: counted, spaced, and within a range of slopes.
 //!
-//! A link goes straight down from a station until it meets the surface of the layer below, as steeply as was drawn, and on
-//! along that surface to a passage. Near 90 degrees that is a shaft. Where links are asked for, no others join layers.
+//! A link goes straight down from a station at a random slope until it meets the surface of the layer below, and along
+//! that surface to a passage. Near 90 degrees that is a shaft. If links are counted, nothing else joins layers.
 
 use nalgebra::{Point3, Vector2};
 
@@ -17,23 +17,23 @@ use plume_graph::millimetres;
 pub(super) type Link = [Point3<f64>; 2];
 
 impl GaussianPerlin {
-    /// Whether passages between layers are counted and held to a range of slopes, beyond what ramps have by themselves.
+    /// Whether passages between layers are counted and kept within a range of slopes, beyond the limits of ramps.
     pub(super) fn has_links(&self) -> bool {
-        /// Ramps that are walked like other passages are no steeper.
+        /// Maximum slope of ramps that are grown like other passages.
         const STEEPEST_WALK_DEG: f64 = 60.0;
         let asked = self.links > 1 || self.ramp_min_deg > 0.0 || self.ramp_max_deg > STEEPEST_WALK_DEG;
         self.layers > 1 && asked
     }
 
-    /// Slopes of links, from the least to the greatest, in radians.
+    /// Range of slopes of links, in radians.
     fn link_slopes(&self) -> Slopes {
         Slopes::of_degrees(self.ramp_min_deg.max(GENTLEST_RAMP * self.ramp_max_deg), self.ramp_max_deg)
     }
 }
 
 impl Cave<'_> {
-    /// The upper layer of a pair that lacks links and is ready for one; the deepest layer, which starts at `start`, is when
-    /// part of it is there.
+    /// The upper layer of a pair that lacks links and is ready for one; the deepest layer, which starts at `start`, is ready
+    /// once part of it exists.
     pub(super) fn unlinked(&self, start: usize) -> Option<u32> {
         let share = f64::from(self.settings.nodes) / f64::from(self.settings.layers);
         let is_ready = (self.stations.len() - start) as f64 >= LINK_SHARE * share;
@@ -78,7 +78,7 @@ impl Cave<'_> {
         joined
     }
 
-    /// Goes down from a station to the surface of the next layer; the station there, if all found room.
+    /// Goes down from a station to the surface of the next layer; the station there, if there was room.
     pub(super) fn sink(&mut self, head: usize) -> Option<usize> {
         let slopes = self.settings.link_slopes();
         let slope_rad = self.rng.between(slopes.least_rad, slopes.greatest_rad);
@@ -104,7 +104,7 @@ impl Cave<'_> {
         Some(landed)
     }
 
-    /// Where a straight way of this slope meets the layer below, or nearly.
+    /// Where a straight line of this slope approximately meets the layer below.
     fn landing(&self, head: usize, bearing_rad: f64, slope_rad: f64) -> Point3<f64> {
         let (from, level) = (self.position(head), self.stations[head].level + 1);
         let along = Vector2::new(libm::cos(bearing_rad), libm::sin(bearing_rad));
@@ -124,7 +124,7 @@ impl Cave<'_> {
         })
     }
 
-    /// Adds the stations of a way; the last one, if all are within bounds and clear.
+    /// Adds stations along a line; the last one, if all are within bounds and clear.
     fn dig(&mut self, head: usize, way: &[Point3<f64>], bearing_rad: f64) -> Option<usize> {
         let level = self.stations[head].level + 1;
         let leg = (way[1] - way[0]).norm();

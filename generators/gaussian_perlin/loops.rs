@@ -1,7 +1,7 @@
 //! Loop closure: connectors between places that are near in space and far along the cave.
 //!
-//! A connector is walked like any branch, its Gaussian turned to the goal, and must keep the clearance law when it is
-//! done. What cannot arrive is undone.
+//! A connector grows like any branch, with its Gaussian turned towards the goal, and must keep the clearance rule. One that
+//! cannot arrive is undone.
 
 use super::cave::{Cave, PassageKind};
 use super::circle::Spread;
@@ -14,8 +14,7 @@ use super::tuning::{
 };
 use plume_graph::millimetres;
 
-/// A pair worth joining. The field order is the order of preference; costs are whole micrometres, so never a tie of
-/// floats.
+/// A pair worth joining. The field order is the order of preference; costs are whole micrometres, to avoid comparing floats.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
     cost_um: u64,
@@ -29,7 +28,7 @@ impl Cave<'_> {
         self.missing_loops() >= LOOP_SLACK
     }
 
-    /// Joins a tip, or failing that a node inside a passage, to another part of the cave.
+    /// Joins a tip, or otherwise a node inside a passage, to another part of the cave.
     pub(super) fn close_loop(&mut self, hops: &mut Hops) -> bool {
         let mut candidates = Vec::new();
         for from in self.sources() {
@@ -77,7 +76,7 @@ impl Cave<'_> {
         }
     }
 
-    /// What a connector costs in metres of passage: drawn within limits, less between layers, more at a tip.
+    /// The cost of a connector in metres of passage: random within limits, lower between layers, higher at a tip.
     fn cost_m(&mut self, from: usize, to: usize) -> f64 {
         let drawn = self.distance(from, to) * self.rng.between(1.0, DEAREST);
         let (a, b) = (&self.stations[from], &self.stations[to]);
@@ -86,7 +85,7 @@ impl Cave<'_> {
         layers * drawn + tip
     }
 
-    /// Whether a connector between the two could be lawful and has nodes enough left.
+    /// Whether a connector between the two could keep the rules and enough nodes are left.
     pub(super) fn is_joinable(&self, from: usize, to: usize) -> bool {
         let (a, b) = (&self.stations[from], &self.stations[to]);
         let apart = self.distance(from, to);
@@ -166,7 +165,7 @@ impl Cave<'_> {
             && self.is_clear(tip, &end.position, end.half_width(), Goal::Joining(to))
     }
 
-    /// Adds the last leg of a connector, unless the clearance law then fails somewhere along it.
+    /// Adds the last leg of a connector, unless this breaks the clearance rule somewhere along it.
     fn join(&mut self, from: usize, first: usize, tip: usize, to: usize) -> bool {
         self.add_passage(tip, to);
         let mut way = vec![from];

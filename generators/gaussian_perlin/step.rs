@@ -1,4 +1,4 @@
-//! One step of the paper's walk: a new node on the circle of the last one.
+//! One step of the paper's walk: a new node on the circle of the previous one.
 
 use nalgebra::Point3;
 
@@ -19,19 +19,19 @@ pub(super) struct Step {
     pub(super) goal: Goal,
 }
 
-/// How high the new node lies.
+/// Elevation of the new node.
 #[derive(Clone, Copy)]
 pub(super) enum Floor {
     /// On the surface of its level.
     Surface,
-    /// As far down as this slope allows, not under the surface of its level.
+    /// As far down as this slope allows, but not below the surface of its level.
     Ramp(f64),
-    /// On the straight line to a station, in height.
+    /// At the elevation of the straight line to a station.
     Straight(usize),
 }
 
 impl Cave<'_> {
-    /// Grows a node on the circle of `from`; when no section is left, that node dies.
+    /// Grows a node on the circle of `from`; if no section is left, that node dies.
     pub(super) fn step(&mut self, from: usize, step: &Step) -> Option<usize> {
         let mut circle = self.circle(from, step);
         for _ in 0..DRAWS {
@@ -97,7 +97,7 @@ impl Cave<'_> {
         libm::tan(degrees * DEGREE)
     }
 
-    /// Whether a connector does not walk away from its goal.
+    /// Whether a connector does not move away from its goal.
     fn approaches(&self, from: usize, position: &Point3<f64>, goal: Goal) -> bool {
         let Goal::Towards(station) = goal else {
             return true;
@@ -106,7 +106,7 @@ impl Cave<'_> {
         left < self.distance(from, station) + 1.0
     }
 
-    /// Whether a passage at a station in this azimuth keeps the least angle to the others there.
+    /// Whether a passage at a station in this azimuth keeps the minimum angle to the others there.
     pub(super) fn opens(&self, station: usize, azimuth_rad: f64) -> bool {
         let mut neighbors = self.stations[station].neighbors.iter();
         neighbors.all(|&other| wrapped_rad(self.azimuth_rad(station, other) - azimuth_rad).abs() >= MIN_JUNCTION)

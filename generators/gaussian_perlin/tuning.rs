@@ -6,43 +6,43 @@
 /// One degree.
 pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Width of a passage per metre of radius that the clearance law reckons with.
+/// Width of a passage per metre of radius assumed by the clearance rule.
 pub(super) const WIDTH_PER_RADIUS: f64 = 0.6;
 /// Rock left between two passages.
 pub(super) const MARGIN_M: f64 = 0.8;
-/// Held back in tests before coordinates are rounded to 1 mm.
+/// Margin in tests before coordinates are rounded to 1 mm.
 pub(super) const ROUNDING_M: f64 = 0.003;
-/// Passages one passage apart may come this near, as a part of the lawful distance.
+/// How near passages one passage apart may come, relative to the required distance.
 pub(super) const CROSSING: f64 = 0.35;
-/// Least angle between two passages at a node.
+/// Minimum angle between two passages at a node.
 pub(super) const MIN_JUNCTION: f64 = 55.0 * DEGREE;
 /// Most passages at a node.
 pub(super) const MAX_DEGREE: usize = 4;
 
-/// Mean radius on trunks, as a part of the way from the least to the greatest radius.
+/// Mean radius on trunks, as a fraction between minimum and maximum radius.
 pub(super) const TRUNK_REACH: f64 = 0.6;
 /// Mean radius on spurs and links, likewise.
 pub(super) const SPUR_REACH: f64 = 1.0 / 4.5;
 /// Spread of the logarithm of the radius.
 pub(super) const REACH_JITTER: f64 = 0.22;
-/// Greatest growth of the radius from one node to the next.
+/// Largest growth of the radius from one node to the next.
 pub(super) const REACH_GROWTH: f64 = 1.5;
-/// Greatest shrinking of the radius from one node to the next.
+/// Largest shrinkage of the radius from one node to the next.
 pub(super) const REACH_SHRINK: f64 = 1.7;
 
-/// Spread of direction on spurs per spread on trunks.
+/// Spread of direction on spurs relative to that on trunks.
 pub(super) const SPUR_SIGMA: f64 = 50.0 / 34.0;
 /// Spread of direction on connectors.
 pub(super) const LINK_SIGMA: f64 = 22.0 * DEGREE;
 /// Branches longer than this many mean radii bend like trunks.
 pub(super) const STRAIGHT_FROM: f64 = 6.0;
-/// Part of the way the heading returns to the bearing of its branch at each step.
+/// Fraction by which the heading returns to the bearing of its branch at each step.
 pub(super) const BEARING_PULL: f64 = 0.32;
-/// Wander of the bearing at each step.
+/// Random drift of the bearing at each step.
 pub(super) const DRIFT: f64 = 16.0 * DEGREE;
 /// Wavelength of the Perlin term on the circle.
 pub(super) const PERLIN_SCALE_M: f64 = 14.0;
-/// Least Perlin weight, so that no direction is impossible.
+/// Minimum Perlin weight, so that no direction is impossible.
 pub(super) const PERLIN_FLOOR: f64 = 0.01;
 /// Strength of the two preferred azimuths.
 pub(super) const FRACTURE: f64 = 1.4;
@@ -50,25 +50,25 @@ pub(super) const FRACTURE: f64 = 1.4;
 pub(super) const FRACTURE_KAPPA: f64 = 5.0;
 /// Draws on one circle before the branch dies.
 pub(super) const DRAWS: usize = 14;
-/// Sections ruled out on either side of one that failed.
+/// Sections excluded on either side of one that failed.
 pub(super) const RULED_OUT: usize = 7;
 
 /// Mean length of a branch per mean radius on trunks.
 pub(super) const MEAN_LENGTH: f64 = 2.5;
 /// Spread of the logarithm of branch lengths.
 pub(super) const LENGTH_SIGMA: f64 = 1.5;
-/// Nodes per branch, which sizes a block of planned lengths.
+/// Nodes per branch, which determines the size of a block of planned lengths.
 pub(super) const NODES_PER_BRANCH: f64 = 3.5;
 /// How far from the long end of a block trunks draw.
 pub(super) const TRUNK_SPREAD: f64 = 0.18;
-/// The lower part of a block that spurs draw from.
+/// Fraction of a block, from its short end, that spurs draw from.
 pub(super) const SPUR_PART: f64 = 0.6;
-/// Nodes that a branch is given at least, as a divisor of its length.
+/// Divisor of the length of a branch for its minimum number of nodes.
 pub(super) const NODES_IN_BRANCH: f64 = 9.0;
 
 /// Probability of a third passage at the origin.
 pub(super) const THIRD_AT_ORIGIN: f64 = 0.8;
-/// Probability of each child beyond the least number.
+/// Probability of each child beyond the minimum number.
 pub(super) const EXTRA_CHILD: f64 = 0.2;
 /// Probability that a spur splits in two.
 pub(super) const SPUR_SPLITS: f64 = 0.35;
@@ -85,57 +85,57 @@ pub(super) const PATIENCE: usize = 200;
 
 /// Mean degree of the reduced graph aimed at, above 2, at loop closure 1.
 pub(super) const EXCESS_DEGREE: [f64; 2] = [0.04, 0.18];
-/// Branch ends up to which a cave is too small for loops.
+/// Number of branch ends up to which a cave is too small for loops.
 pub(super) const FEW_KNOTS: usize = 3;
-/// Missing loops before one is closed.
+/// Number of missing loops at which one is closed.
 pub(super) const LOOP_SLACK: f64 = 0.6;
-/// Greatest distance a connector spans, in mean radii on trunks.
+/// Longest span of a connector, in mean radii on trunks.
 pub(super) const JOIN_DISTANCE: f64 = 5.0;
-/// Least number of passages between the two ends of a connector.
+/// Minimum number of passages between the two ends of a connector.
 pub(super) const LOOP_HOPS: u32 = 5;
-/// Hops counted; what is farther counts as this far.
+/// Maximum number of hops counted; anything farther counts as this far.
 pub(super) const HOPS_COUNTED: u32 = 40;
-/// Tips looked at, and candidates tried, per loop.
+/// Tips considered, and candidates tried, per loop.
 pub(super) const JOIN_TRIES: usize = 14;
-/// Nodes inside passages looked at per loop.
+/// Nodes inside passages considered per loop.
 pub(super) const MID_TRIES: usize = 4;
-/// Weight of the way round in the choice of a loop.
+/// Weight of the detour in the choice of a loop.
 pub(super) const LOOP_BIAS: f64 = 0.25;
-/// Greatest factor by which chance makes a connector dearer.
+/// Maximum random factor on the cost of a connector.
 pub(super) const DEAREST: f64 = 1.6;
-/// Cost of a connector between layers per cost of one within: the paper wants several.
+/// Cost of a connector between layers relative to one within a layer: the paper has several.
 pub(super) const LAYER_DISCOUNT: f64 = 0.4;
-/// What a join at a tip costs beside one in a passage.
+/// Cost of a connection at a tip relative to one in a passage.
 pub(super) const TIP_COST_M: f64 = 6.0;
 /// Probability that a main branch is spared by a connector.
 pub(super) const KEEP_MAIN: f64 = 0.85;
-/// Steps of a connector.
+/// Maximum number of steps of a connector.
 pub(super) const LINK_STEPS: usize = 12;
-/// What is left of a connector's bend after each step.
+/// Fraction of a connector's bend that remains after each step.
 pub(super) const BEND_DECAY: f64 = 0.35;
-/// Shortest last leg of a connector, in least radii.
+/// Shortest last leg of a connector, in minimum radii.
 pub(super) const LAST_LEG: f64 = 0.8;
 
-/// Least inclination of a ramp, as a part of the greatest.
+/// Minimum inclination of a ramp, relative to the maximum.
 pub(super) const GENTLEST_RAMP: f64 = 12.0 / 28.0;
-/// Part of a layer's share of nodes after which the next one is opened.
+/// Fraction of a layer's share of nodes after which the next layer is opened.
 pub(super) const LAYER_SHARE: f64 = 0.92;
-/// Part of a layer's share of nodes after which links lead to it.
+/// Fraction of a layer's share of nodes after which links may lead to it.
 pub(super) const LINK_SHARE: f64 = 0.5;
 /// Passages tried as the end of a link.
 pub(super) const LINK_GOALS: usize = 6;
-/// Slope from which a link is a shaft, which may start beside a passage.
+/// Slope from which a link is a shaft, which may start next to a passage.
 pub(super) const SHAFT: f64 = 60.0 * DEGREE;
 /// Rounds in search of where a link meets the layer below.
 pub(super) const SINK_ROUNDS: usize = 24;
 /// Nodes tried as the head of a ramp.
 pub(super) const RAMP_HEADS: usize = 24;
-/// Height of the relief noise that makes its range about the setting.
+/// Scale of the relief noise that makes its range match the setting approximately.
 pub(super) const RELIEF_GAIN: f64 = 1.6;
 /// Wavelength of the relief.
 pub(super) const RELIEF_SCALE_M: f64 = 45.0;
 
-/// Side of the plan per root of nodes in a layer, in mean radii on trunks, when no bounds are set.
+/// Side of the plan per square root of the nodes in a layer, in mean radii on trunks, if no bounds are set.
 pub(super) const SPREAD: f64 = 2.4;
 /// Added to half that side.
 pub(super) const SPREAD_RIM_M: f64 = 8.0;

@@ -10,16 +10,16 @@ use super::{Heightmap, Heights};
 use crate::GenerateError;
 use plume_graph::Outside;
 
-/// Cells of the largest height map that is read.
+/// Largest number of cells of a height map.
 const MOST_CELLS: usize = 1 << 25;
-/// Bytes that a decoder may hold for a picture whose rows are not larger.
+/// Memory limit of the decoder in bytes, if the rows of the picture are not larger.
 const MOST_BYTES: usize = 1 << 26;
-/// What a PNG begins with.
+/// The signature of PNG.
 const SIGNATURE: &[u8] = b"\x89PNG";
 
-/// Reads the height map at `path`; its content tells the format.
+/// Reads the height map at `path`; the content determines the format.
 pub(super) fn read(path: &Path, settings: &Heightmap, outside: &dyn Outside) -> Result<Heights, GenerateError> {
-    let bytes = outside.read(path).map_err(|error| fault(path, error, "`path` is meant relative to the recipe"))?;
+    let bytes = outside.read(path).map_err(|error| fault(path, error, "`path` is relative to the recipe"))?;
     let read = if bytes.starts_with(SIGNATURE) { read_png(&bytes, settings) } else { read_grid(&bytes, settings) };
     read.map_err(|Bad { message, hint }| fault(path, message, hint))
 }
@@ -42,13 +42,14 @@ fn bad(message: impl Into<String>, hint: &'static str) -> Bad {
 fn check_size(columns: usize, rows: usize) -> Result<(), Bad> {
     if columns < 1 || rows < 1 || columns.checked_mul(rows).is_none_or(|cells| cells > MOST_CELLS) {
         let message = format!("has {columns} by {rows} cells");
-        return Err(bad(message, "between 1 and 33554432 cells are read; scale it down"));
+        return Err(bad(message, "1 to 33554432 cells are supported; scale it down"));
     }
     Ok(())
 }
 
 fn read_png(bytes: &[u8], settings: &Heightmap) -> Result<Heights, Bad> {
-    let broken = |error: png::DecodingError| bad(format!("is no whole PNG: {error}"), "save it again as greyscale PNG");
+    let broken =
+        |error: png::DecodingError| bad(format!("is not an intact PNG: {error}"), "save it again as a greyscale PNG");
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_BYTES });
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(broken)?;
@@ -57,7 +58,7 @@ fn read_png(bytes: &[u8], settings: &Heightmap) -> Result<Heights, Bad> {
     let step = match reader.output_color_type() {
         (ColorType::Grayscale, BitDepth::Eight) => 1,
         (ColorType::Grayscale | ColorType::GrayscaleAlpha, BitDepth::Sixteen) | (ColorType::GrayscaleAlpha, _) => 2,
-        _ => return Err(bad("is a picture in colour", "save it as greyscale PNG of 8 or 16 bits")),
+        _ => return Err(bad("is a colour picture", "save it as a greyscale PNG of 8 or 16 bits")),
     };
     let (color, depth) = reader.output_color_type();
     let sample = if depth == BitDepth::Sixteen { 2 } else { 1 };
@@ -77,8 +78,8 @@ fn read_png(bytes: &[u8], settings: &Heightmap) -> Result<Heights, Bad> {
 
 /// Reads an ESRI ASCII grid: lines of names and values, then heights row by row from the north.
 fn read_grid(bytes: &[u8], settings: &Heightmap) -> Result<Heights, Bad> {
-    const KNOWN: &str = "greyscale PNG and ESRI ASCII grids are read";
-    let text = std::str::from_utf8(bytes).map_err(|_| bad("is no height map", KNOWN))?;
+    const KNOWN: &str = "greyscale PNG and ESRI ASCII grids are supported";
+    let text = std::str::from_utf8(bytes).map_err(|_| bad("is not a height map", KNOWN))?;
     let mut words = text.split_ascii_whitespace().peekable();
     let (mut columns, mut rows, mut cell_m, mut void) = (0, 0, settings.metres_per_pixel, None);
     while let Some(name) = words.next_if(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())) {
@@ -95,24 +96,23 @@ fn read_grid(bytes: &[u8], settings: &Heightmap) -> Result<Heights, Bad> {
     }
     check_size(columns, rows)?;
     if !(0.01..=1000.0).contains(&cell_m) {
-        return Err(bad(format!("has a cellsize of {cell_m}"), "cells from 0.01 to 1000 m are read"));
+        return Err(bad(format!("has a cellsize of {cell_m}"), "cells from 0.01 to 1000 m are supported"));
     }
     let mut heights = Vec::new();
     for word in words {
         let height = word.parse::<f64>().ok().filter(|height| height.abs() < 1e7);
-        heights
-            .push(height.ok_or_else(|| bad(format!("has {word:.40} for a height"), "heights are numbers in metres"))?);
+        heights.push(height.ok_or_else(|| bad(format!("has the height {word:.40}"), "heights are numbers in metres"))?);
         if heights.len() > columns * rows {
             break;
         }
     }
     if heights.len() != columns * rows {
-        return Err(bad(format!("has not the {} heights that it announces", columns * rows), "save it again"));
+        return Err(bad(format!("does not have the {} heights that it announces", columns * rows), "save it again"));
     }
     Ok(scaled(columns, &heights, void, cell_m))
 }
 
-/// Heights in metres from 0 to 1; where there are none lies the lowest.
+/// Heights in metres scaled to 0 to 1; missing ones become the lowest.
 fn scaled(columns: usize, heights: &[f64], void: Option<f64>, cell_m: f64) -> Heights {
     let known = || heights.iter().copied().filter(|&height| Some(height) != void);
     let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
@@ -148,14 +148,14 @@ mod tests {
     }
 
     #[test]
-    fn grids_bring_their_own_measures() {
+    fn grids_have_their_own_scale() {
         let grid = b"ncols 2\nnrows 2\nxllcorner 5\nyllcorner 6\ncellsize 2.5\nNODATA_value -9\n10 14\n-9 12\n";
         let grid = heights(grid).unwrap();
         assert_eq!((grid.values.as_slice(), grid.cell_m, grid.range_m), ([0.0, 1.0, 0.0, 0.5].as_slice(), 2.5, 4.0));
     }
 
     #[test]
-    fn what_is_no_height_map_is_refused_with_a_hint() {
+    fn invalid_height_maps_are_refused_with_a_hint() {
         let whole = png(ColorType::Grayscale, BitDepth::Eight, &[0; 4]);
         let mut vast = Vec::new();
         let mut writer = png::Encoder::new(&mut vast, 1 << 20, 1 << 20).write_header().unwrap();
@@ -173,11 +173,11 @@ mod tests {
         ];
         let told: Vec<String> = files.iter().map(|file| heights(file).unwrap_err().message).collect();
         insta::assert_snapshot!(told.join("\n"), @r"
-        is a picture in colour
-        is no whole PNG: unexpected end of file
+        is a colour picture
+        is not an intact PNG: unexpected end of file
         has 1048576 by 1048576 cells
-        is no height map
-        has not the 4 heights that it announces
+        is not a height map
+        does not have the 4 heights that it announces
         has 1000000000 by 1000000000 cells
         has an unknown key nan
         has 0 by 0 cells

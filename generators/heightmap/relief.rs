@@ -1,24 +1,22 @@
-//! A relief of ridges for those who bring none: two families of ridges that cross, each along the lines where a noise
-//! changes its sign.
+//! The default relief: two families of ridges that cross, each along the lines where a noise changes sign.
 
 use super::{Heightmap, Heights};
 use crate::perlin::Perlin;
 use plume_graph::rng::Rng;
 use plume_graph::seed;
 
-/// Square metres of plan for each metre of ridges, per metre between them (tuned; a fifth more than needed, to be cut
-/// from).
+/// Square metres of the plan per metre of ridges, per metre between them (tuned, with a fifth to spare).
 const PLAN_PER_LENGTH: f64 = 0.8;
 /// Shortest side of the plan, in distances between ridges.
 const LEAST_SIDE: f64 = 3.0;
-/// Most cells of the plan: what a million nodes take at the defaults.
+/// Most cells of the plan: enough for a million nodes at the defaults.
 const MOST_CELLS: f64 = 1e8;
-/// Finest and coarsest cells, in distances between ridges: finer ones add nothing but time, coarser ones lose ridges.
+/// Finest and coarsest cells, in distances between ridges: finer ones only cost time, coarser ones lose ridges.
 const FINEST: f64 = 0.02;
 const COARSEST: f64 = 0.2;
-/// Distances between ridges in a unit of the noise.
+/// Distances between ridges per unit of the noise.
 const RIDGES_PER_UNIT: f64 = 0.7;
-/// Greatest value of the noise, roughly.
+/// Approximate maximum of the noise.
 const NOISE_REACH: f64 = 0.5;
 
 /// A relief whose ridges are at least `length_m` long.

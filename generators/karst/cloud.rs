@@ -1,4 +1,4 @@
-//! Points scattered through the rock, no two of them near each other, more of them on the horizons.
+//! Points scattered through the rock with a minimum distance, more densely on the horizons.
 
 use std::ops::Range;
 
@@ -9,20 +9,20 @@ use super::host_rock::HostRock;
 use plume_graph::Rows;
 use plume_graph::rng::Rng;
 
-/// Points are thrown so many times for each cell as large as points are apart (tuned: more of them find no room).
+/// Attempts per cell of the size of the point spacing (tuned: more of them find no room).
 const THROWS_PER_CELL: f64 = 2.5;
-/// Part of them that is thrown at a horizon.
+/// Share of the attempts that aim at a horizon.
 const ON_HORIZON: f64 = 0.7;
-/// Heights count so much more than lengths: beds are thin.
+/// Vertical stretch of distances: beds are thin.
 const FLATNESS: f32 = 2.0;
-/// How far off its horizon a point may lie, in metres.
+/// Maximum distance of a point from its horizon, in metres.
 const BED_M: f64 = 0.6;
-/// Neighbours lie within so many distances between points, stretched as heights are.
+/// Maximum distance of neighbours, in point spacings, with heights stretched.
 const REACH: usize = 2;
 
-/// The points, column by column of a grid over the plan, so that what is near in the rock is near in memory.
+/// The points, column by column of a grid over the plan, so that points near in the rock are near in memory.
 pub(super) struct Cloud {
-    /// By their height over the dipping plane; those of a column ascend.
+    /// With heights relative to the dipping plane, ascending within a column.
     columns: Rows<Point3<f32>>,
     /// Columns on a side of the plan.
     side: usize,
@@ -31,12 +31,12 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// Throws points and keeps those that have room (dart throwing: Cook, "Stochastic sampling in computer graphics",
+    /// Draws points and keeps those that have room (dart throwing: Cook, "Stochastic sampling in computer graphics",
     /// 1986).
     pub(super) fn scatter(settings: &Karst, rock: &HostRock, side_m: f64, rng: &mut Rng) -> Self {
         let [bottom, top] = rock.extremes();
         let apart_m = settings.sample_spacing_m;
-        // No narrower than points are apart, so that only columns side by side are in each other's way.
+        // No narrower than the point spacing, so that only adjacent columns matter.
         let side = (side_m / apart_m).floor().max(1.0) as usize;
         let column_m = side_m / side as f64;
         let storeys = (f64::from(FLATNESS) * (top - bottom + 2.0 * BED_M) / apart_m).ceil();
@@ -76,17 +76,17 @@ impl Cloud {
         self.points().len()
     }
 
-    /// A point by its height over the dipping plane.
+    /// A point with its height relative to the dipping plane.
     pub(super) fn point(&self, point: usize) -> Point3<f64> {
         self.points()[point].cast()
     }
 
-    /// The least distance of two points.
+    /// The minimum distance of two points.
     pub(super) fn least_m(&self) -> f64 {
         f64::from(self.apart_m / FLATNESS)
     }
 
-    /// The point nearest to a place, or the first one far from all.
+    /// The point nearest to a position, or the first one if it is far from all.
     pub(super) fn nearest(&self, [x, y]: [f64; 2], z: f64) -> usize {
         let place = Point3::new(x, y, z).cast();
         let away = |point: &usize| stretched(self.points()[*point] - place).norm_squared();
@@ -97,10 +97,10 @@ impl Cloud {
         [1, 3, 9].into_iter().find_map(within).unwrap_or(0)
     }
 
-    /// The neighbours of a point, the nearest first, in place of what is in `found`: points in reach by a way that water
-    /// may take, with no third one in the ball between that both are joined to by such ways (after Gabriel, Sokal: "A new
-    /// statistical approach to geographic variation analysis", 1969). So hardly two ways cross, none leave a point in
-    /// nearly the same direction, and what can be reached at all still can.
+    /// Fills `found` with the neighbours of a point, nearest first: points within range by an allowed edge, with no third
+    /// one in the ball between them that both have allowed edges to (after Gabriel, Sokal: "A new statistical approach to
+    /// geographic variation analysis", 1969). So edges hardly cross, no two leave a point in nearly the same direction, and
+    /// reachability is preserved.
     pub(super) fn neighbours(&self, point: usize, may_take: impl Fn(Vector3<f64>) -> bool, found: &mut Vec<Neighbour>) {
         let place = self.points()[point];
         let most = REACH as f32 * self.apart_m;
@@ -151,7 +151,7 @@ pub(super) struct Neighbour {
     square: f32,
 }
 
-/// A way with its height counted as beds want it.
+/// An edge vector with its height stretched.
 fn stretched(way: Vector3<f32>) -> Vector3<f32> {
     Vector3::new(way.x, way.y, FLATNESS * way.z)
 }

@@ -1,4 +1,4 @@
-//! Passages that cross meet.
+//! Joins passages that cross.
 
 use nalgebra::{Point3, center};
 use rustc_hash::FxHashSet;
@@ -6,9 +6,9 @@ use rustc_hash::FxHashSet;
 use super::room::least_m;
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 
-/// Lines are looked for in cells of this size, in metres; lines are hardly longer.
+/// Cell size for finding lines, in metres; lines are hardly longer.
 const CELL_M: f64 = 4.0;
-/// Shorter passages beside each other are one, in metres.
+/// Shorter parallel passages are merged, in metres.
 const BRAID_M: f64 = 10.0;
 
 /// A point of a line that becomes a vertex.
@@ -18,8 +18,8 @@ struct Split {
     vertex: VertexId,
 }
 
-/// Joins lines that cross in the plan with too little rock between the upper and the lower one, half way between them.
-/// Passages through the vertices of `kept` stay.
+/// Joins lines that cross in the plan with too little rock between the upper and the lower one, at mid-height. Passages
+/// through the vertices of `kept` stay.
 pub(super) fn join_crossings(centreline: &mut CentrelineBuilder, kept: &FxHashSet<VertexId>) {
     let mut splits = Vec::new();
     for pair in pairs_of_cells(centreline) {
@@ -36,8 +36,8 @@ pub(super) fn join_crossings(centreline: &mut CentrelineBuilder, kept: &FxHashSe
     drop_braids(centreline, kept);
 }
 
-/// Of short passages between the same two junctions only the shortest stays, and none that leads back to where it begins;
-/// those through the vertices of `kept` stay anyway.
+/// Of short passages between the same two junctions only the shortest is kept, and none that returns to its start; those
+/// through the vertices of `kept` stay anyway.
 fn drop_braids(centreline: &mut CentrelineBuilder, kept: &FxHashSet<VertexId>) {
     let mut branches = centreline.branches();
     branches.retain(|branch| branch.length_m < BRAID_M && !branch.vertices.iter().any(|vertex| kept.contains(vertex)));
@@ -52,7 +52,7 @@ fn drop_braids(centreline: &mut CentrelineBuilder, kept: &FxHashSet<VertexId>) {
     centreline.lines.retain(|&[a, b]| !gone.contains(&[a.min(b), a.max(b)]));
 }
 
-/// How far along each of two lines, from 0 to 1, they cross in the plan.
+/// Where two lines cross in the plan, as a parameter from 0 to 1 on each.
 fn crossing(first: [Point3<f64>; 2], second: [Point3<f64>; 2]) -> Option<[f64; 2]> {
     let [along, other, between] =
         [first[1] - first[0], second[1] - second[0], second[0] - first[0]].map(|way| way.xy());

@@ -1,13 +1,13 @@
-//! Passages that have no room, dropped where the cave does without them.
+//! Drops passages without enough room, if they are dispensable.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use plume_graph::centreline::{Branch, CentrelineBuilder, VertexId};
 use plume_graph::sets::Sets;
 
-/// Drops passages of which a vertex is too near to another one, as these pairs say. They are laid anew after all others, the
-/// longest first: dead ends where they are clear of what is there by then, the others also where nothing else joins their
-/// ends. Passages through the vertices of `kept` stay.
+/// Drops passages with a vertex in one of these pairs of vertices that are too close. They are tried again after all
+/// others, longest first: dead ends are kept if they are clear of what is there by then, others also if nothing else
+/// connects their ends. Passages through the vertices of `kept` stay.
 pub(super) fn drop_crowds(centreline: &mut CentrelineBuilder, crowds: &[[VertexId; 2]], kept: &FxHashSet<VertexId>) {
     let degrees: Vec<usize> = centreline.neighbors().degrees().collect();
     let mut cave = Cave::empty(centreline.vertices.len(), crowds);
@@ -32,13 +32,13 @@ pub(super) fn drop_crowds(centreline: &mut CentrelineBuilder, crowds: &[[VertexI
     centreline.lines = cave.lines;
 }
 
-/// Passages while they are laid.
+/// The passages kept so far.
 struct Cave {
     lines: Vec<[VertexId; 2]>,
     is_laid: Vec<bool>,
-    /// Vertices that are joined by what is laid.
+    /// Union-find of vertices connected so far.
     parts: Sets,
-    /// Which vertices are too near to each one that has any.
+    /// For each vertex, those that are too close to it.
     against: FxHashMap<VertexId, Vec<VertexId>>,
 }
 
@@ -56,13 +56,13 @@ impl Cave {
         branch.vertices.iter().any(|vertex| self.against.contains_key(vertex))
     }
 
-    /// Whether nothing that is laid is too near.
+    /// Whether nothing kept so far is too close.
     fn has_room(&self, branch: &Branch) -> bool {
         let others = branch.vertices.iter().filter_map(|vertex| self.against.get(vertex)).flatten();
         others.filter(|other| !branch.vertices.contains(other)).all(|&other| !self.is_laid[other.index()])
     }
 
-    /// Whether one comes from one end to the other already.
+    /// Whether its two ends are connected already.
     fn joins_ends(&mut self, branch: &Branch) -> bool {
         self.parts.find(branch.first().index()) == self.parts.find(branch.last().index())
     }

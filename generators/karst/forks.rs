@@ -1,16 +1,16 @@
-//! Forks opened: passages leave a vertex at an angle that can be told, and not too many of them.
+//! Opens forks: passages leave a vertex at distinct angles, and not too many of them.
 
 use nalgebra::Vector3;
 
 use plume_graph::centreline::{CentrelineBuilder, VertexId};
 use plume_graph::tidy::MOST_PASSAGES;
 
-/// Cosine of the angle at which passages fork, or at a wider one: 30 degrees.
+/// Cosine of the minimum angle of forks: 30 degrees.
 const LEAST_FORK_COSINE: f64 = 0.866;
 const ROUNDS: usize = 64;
 
-/// Where two passages leave a vertex in nearly the same direction, or too many do, the longer one leaves from the end of the
-/// shorter one instead. What is moved gets shorter each time, so there is an end to it.
+/// If two passages leave a vertex in nearly the same direction, or too many leave it, the longer one leaves from the end
+/// of the shorter one instead. The moved passage gets shorter each time, so this terminates.
 pub(super) fn open_forks(centreline: &mut CentrelineBuilder) {
     for _ in 0..ROUNDS {
         if !open_some(centreline) {
@@ -19,7 +19,7 @@ pub(super) fn open_forks(centreline: &mut CentrelineBuilder) {
     }
 }
 
-/// One round over all vertices. Whether there was such a place.
+/// One pass over all vertices. Whether anything was moved.
 fn open_some(centreline: &mut CentrelineBuilder) -> bool {
     centreline.lines.iter_mut().for_each(|line| line.sort_unstable());
     centreline.lines.sort_unstable();
@@ -46,7 +46,7 @@ fn open_some(centreline: &mut CentrelineBuilder) -> bool {
     touched.contains(&true)
 }
 
-/// The two of these lines with the least angle between them: its cosine, the shorter line, the longer one.
+/// The two lines with the smallest angle between them: its cosine, the shorter line, the longer one.
 fn narrowest(centreline: &CentrelineBuilder, vertex: VertexId, lines: &[usize]) -> Option<(f64, usize, usize)> {
     let way = |line: usize| -> Vector3<f64> {
         centreline[other_end(centreline, line, vertex)].position - centreline[vertex].position

@@ -1,4 +1,4 @@
-//! What a way through the rock costs.
+//! Costs of paths through the rock.
 
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -6,27 +6,27 @@ use super::Karst;
 use crate::perlin::Perlin;
 use plume_graph::rng::Rng;
 
-/// Height above or below a horizon at which it is felt by half, in metres (tuned).
+/// Height above or below a horizon at which its influence is halved, in metres (tuned).
 const HORIZON_REACH_M: f64 = 1.5;
 /// Scale of the swell and pinch of passages, in metres.
 const WIDTH_SCALE_M: f64 = 30.0;
 /// The narrowest passage, in metres.
 const WIDTH_LEAST_M: f64 = 1.2;
-/// Least and greatest value of the noise, roughly.
+/// Approximate range of the noise.
 const NOISE_REACH: f64 = 0.5;
 
 /// Horizons, fractures and permeability.
 ///
-/// Places in the rock are given by their height over the dipping plane through the origin, so that horizons are level.
+/// Heights in the rock are relative to the dipping plane through the origin, so that horizons are level.
 pub(super) struct HostRock {
     horizons: Vec<f64>,
-    /// Metres sunk per metre east and north.
+    /// Descent per metre east and north.
     dip: Vector2<f64>,
-    /// Directions of fractures in the plan, of unit length.
+    /// Unit vectors of the fractures in the plan.
     fractures: Vec<Vector2<f64>>,
     noise: Perlin,
     scale_m: f64,
-    /// Of horizons, fractures and permeability.
+    /// Weights of horizons, fractures and permeability.
     weights: [f64; 3],
     slope_max: f64,
     width_m: f64,
@@ -70,23 +70,23 @@ impl HostRock {
         }
     }
 
-    /// How far the dipping plane lies below the origin here.
+    /// Depth of the dipping plane below the origin here.
     fn sunk(&self, x: f64, y: f64) -> f64 {
         self.dip.x * x + self.dip.y * y
     }
 
-    /// A place by its height over the dipping plane, in the world.
+    /// World coordinates of a position relative to the dipping plane.
     pub(super) fn in_world(&self, place: Point3<f64>) -> Point3<f64> {
         Point3::new(place.x, place.y, place.z - self.sunk(place.x, place.y))
     }
 
-    /// Whether a way is not too steep.
+    /// Whether an edge is not too steep.
     pub(super) fn is_walkable(&self, way: Vector3<f64>) -> bool {
         let rise = way.z - self.sunk(way.x, way.y);
         rise.abs() <= self.slope_max * way.xy().norm()
     }
 
-    /// What the way between two places costs.
+    /// Cost of the edge between two positions.
     pub(super) fn cost(&self, a: Point3<f64>, b: Point3<f64>) -> f64 {
         let way = b - a;
         let plan = way.xy();
@@ -103,14 +103,14 @@ impl HostRock {
         away / (away + HORIZON_REACH_M)
     }
 
-    /// 0 along a set of fractures, 1 square to all of them.
+    /// 0 along a fracture set, 1 perpendicular to all of them.
     fn across(&self, plan: Vector2<f64>) -> f64 {
         let length = plan.norm();
         let sines = self.fractures.iter().map(|fracture| fracture.perp(&plan).abs() / length);
         sines.fold(1.0, f64::min).min(1.0) * f64::from(u8::from(!self.fractures.is_empty()))
     }
 
-    /// 0 in permeable rock, 1 in tight rock; bodies lean, so that those of one height are not those of another.
+    /// 0 in permeable rock, 1 in tight rock; bodies are inclined, so that they differ between heights.
     pub(super) fn tightness(&self, at: Point3<f64>) -> f64 {
         let noise = self.noise.at((at.x + at.z) / self.scale_m, (at.y - at.z) / self.scale_m);
         (0.5 + 0.5 * noise / NOISE_REACH).clamp(0.0, 1.0)
@@ -124,7 +124,7 @@ impl HostRock {
     }
 }
 
-/// East and north of a compass direction.
+/// East and north components of an azimuth.
 fn compass(azimuth_deg: f64) -> Vector2<f64> {
     let azimuth = azimuth_deg.to_radians();
     Vector2::new(libm::sin(azimuth), libm::cos(azimuth))

@@ -1,5 +1,5 @@
-//! Passages drawn along the ways that water found: narrow forks opened later, everything between made to wind, and room
-//! made where passages then cross or crowd.
+//! Turns the paths of water into passages: opens narrow forks, makes passages wind, and makes room where they then cross
+//! or are too close.
 
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
@@ -15,14 +15,14 @@ use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::rng::Rng;
 use plume_graph::{Section, Shape};
 
-/// Most of the way between two points that a dead end falls short of (tuned for short branches beside long ones).
+/// Largest fraction of its last segment by which a dead end is shortened (tuned for short branches besides long ones).
 const MOST_SHORTENED: f64 = 0.7;
-/// Midpoints are moved until what is left is shorter than this, in metres.
+/// Midpoints are displaced until segments are shorter than this, in metres.
 const WINDING_M: f64 = 4.0;
-/// Part of what a midpoint is moved aside that it is moved up or down.
+/// Vertical displacement of midpoints relative to the horizontal one.
 const UPS_AND_DOWNS: f64 = 0.08;
 
-/// The passages along `lines`, that at the first key point which they reach first.
+/// The passages along `lines`, starting with the one at the first key point that they reach.
 pub(super) fn drawn(
     settings: &Karst,
     rock: &HostRock,
@@ -49,14 +49,14 @@ pub(super) fn drawn(
     centreline
 }
 
-/// A vertex for each point of the lines, and which of them are at key points, the first of these first of all.
+/// A vertex for each point of the lines, and those at key points; the first of these is the first vertex.
 fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBuilder, FxHashSet<VertexId>) {
     let mut points: Vec<usize> = lines.iter().flatten().copied().collect();
     points.sort_unstable();
     points.dedup();
     let place = |point: usize| points.binary_search(&point).ok();
     let root = keys.iter().find_map(|&key| place(key)).unwrap_or(0);
-    // It changes places with the first point.
+    // Swapped with the first point.
     let knot_of = |point: usize| match place(point)? {
         0 => Some(VertexId::new(root)),
         at if at == root => Some(VertexId::new(0)),
@@ -75,7 +75,7 @@ fn traced(cloud: &Cloud, lines: &[[usize; 2]], keys: &[usize]) -> (CentrelineBui
     (centreline, keys.iter().filter_map(|&key| knot_of(key)).collect())
 }
 
-/// Lets dead ends end anywhere between the two points they lie between; the root stays.
+/// Shortens dead ends to end anywhere on their last segment; the root stays.
 fn shorten_tips(centreline: &mut CentrelineBuilder, rng: &mut Rng) {
     let neighbors = centreline.neighbors();
     for tip in centreline.ids().skip(1) {
@@ -87,8 +87,8 @@ fn shorten_tips(centreline: &mut CentrelineBuilder, rng: &mut Rng) {
     }
 }
 
-/// The same lines with midpoints moved aside, again and again (Fournier, Fussell, Carpenter: "Computer rendering of
-/// stochastic models", 1982).
+/// The same lines after midpoint displacement (Fournier, Fussell, Carpenter: "Computer rendering of stochastic models",
+/// 1982).
 fn wound(settings: &Karst, mut centreline: CentrelineBuilder, rng: &mut Rng) -> CentrelineBuilder {
     let lines = std::mem::take(&mut centreline.lines);
     let mut left: Vec<[VertexId; 2]> = Vec::new();

@@ -1,8 +1,9 @@
-//! The cheapest ways between key points, and which of them are passages.
+//! The cheapest paths between key points, and which of them become passages.
 //!
-//! All key points grow at the same cost, each into the rock that it reaches first (Dijkstra). Where the rock of two of them
-//! meets, the cheapest way between the two leads over the cheapest meeting (Mehlhorn: "A faster approximation algorithm
-//! for the Steiner problem in graphs", 1988). Each key point so has a few neighbours, among which ways are pruned.
+//! All key points grow simultaneously, each into the rock that it reaches at the lowest cost (Dijkstra). Where the regions
+//! of two of them meet, the cheapest path between the two crosses the cheapest boundary edge (Mehlhorn: "A faster
+//! approximation algorithm for the Steiner problem in graphs", 1988). So each key point has a few neighbours, among which
+//! paths are pruned.
 
 use std::mem;
 
@@ -15,14 +16,14 @@ use plume_graph::Rows;
 use plume_graph::rng::Rng;
 
 const NONE: u32 = u32::MAX;
-/// Most steps of a dead end; short ones are more.
+/// Most steps of a dead end; short ones are more frequent.
 const DEAD_END_STEPS: usize = 5;
 /// Tips tried for each dead end.
 const TIPS_PER_DEAD_END: usize = 60;
-/// Dead ends begin in rock that is no tighter than this, so that they come in swarms and trunks stay long (tuned).
+/// Dead ends begin only in rock no tighter than this, so that they form clusters and trunks stay long (tuned).
 const SOFT: f64 = 0.35;
 
-/// Where the rock of two key points meets.
+/// Where the regions of two key points meet.
 #[derive(Clone, Copy)]
 struct Meeting {
     keys: [u32; 2],
@@ -30,9 +31,9 @@ struct Meeting {
     points: [u32; 2],
 }
 
-/// The way from every point of the rock to the key point that reaches it first.
+/// The path from every point of the rock to the key point that reaches it first.
 pub(super) struct Paths {
-    /// The next point on that way; itself at a key point, [`NONE`] where none arrives.
+    /// The next point on that path; itself at a key point, [`NONE`] if unreached.
     back: Vec<u32>,
     costs: Vec<f32>,
     meetings: Vec<Meeting>,
@@ -52,7 +53,7 @@ impl Paths {
         flood.paths
     }
 
-    /// Lines between points that are passages.
+    /// Lines between points that become passages.
     pub(super) fn network(&self, settings: &Karst, cloud: &Cloud, rock: &HostRock, rng: &mut Rng) -> Vec<[usize; 2]> {
         let mut used = vec![false; self.back.len()];
         let mut lines = Vec::new();
@@ -62,7 +63,7 @@ impl Paths {
             [a, b].iter().for_each(|&end| self.follow(end, usize::MAX, &mut used, &mut lines));
         }
         let mut missing = (settings.dead_ends * self.keys() as f64) as usize;
-        // Tips are drawn blindly; most find no passage near or rock too tight.
+        // Tips are drawn at random; most are far from passages or in rock that is too tight.
         for _ in 0..TIPS_PER_DEAD_END * missing {
             if missing == 0 {
                 break;
@@ -78,12 +79,12 @@ impl Paths {
         lines
     }
 
-    /// Key points that have neighbours, or one.
+    /// Key points that have neighbours, or a single one.
     fn keys(&self) -> usize {
         self.meetings.iter().flat_map(|meeting| meeting.keys).max().map_or(1, |key| key as usize + 1)
     }
 
-    /// Meetings that survive: no third key point makes for a way that costs less when each part is raised to `gamma`.
+    /// Meetings that survive the pruning: no path via a third key point costs less with costs raised to `gamma`.
     fn kept(&self, gamma: f64, cycles: f64, rng: &mut Rng) -> Vec<Meeting> {
         let pairs: Vec<[usize; 2]> = self.meetings.iter().map(|meeting| meeting.keys.map(|key| key as usize)).collect();
         let around = Rows::from_pairs(self.keys(), pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)])).ascending();
@@ -101,7 +102,7 @@ impl Paths {
         self.meetings.iter().zip(kept).filter_map(|(meeting, kept)| kept.then_some(*meeting)).collect()
     }
 
-    /// Walks back from a point until the way is a passage already.
+    /// Walks back from a point until the path is a passage already.
     fn follow(&self, from: usize, steps: usize, used: &mut [bool], lines: &mut Vec<[usize; 2]>) {
         let mut at = from;
         for _ in 0..steps {
@@ -114,7 +115,7 @@ impl Paths {
         }
     }
 
-    /// Whether the way back from a point that is no passage meets one within so many steps.
+    /// Whether the path back from a point outside passages meets one within this many steps.
     fn arrives(&self, tip: usize, steps: usize, used: &[bool]) -> bool {
         if used[tip] || self.back[tip] == NONE {
             return false;
@@ -127,18 +128,18 @@ impl Paths {
     }
 }
 
-/// Ways while they spread from the key points: Dijkstra's algorithm with buckets for a queue (Dial 1969). No way between
-/// two points costs less than a bucket is wide, so what is in one is settled and may be taken in the order of memory.
+/// Dijkstra's algorithm with buckets as queue (Dial 1969). No edge costs less than the width of a bucket, so the points
+/// of a bucket are settled and may be processed in memory order.
 struct Flood<'a> {
     cloud: &'a Cloud,
     rock: &'a HostRock,
     paths: Paths,
     /// The number of the key point that reaches each point first.
     owner: Vec<u32>,
-    /// Where the meeting of two key points is kept.
+    /// Index of the meeting of two key points.
     place: FxHashMap<[u32; 2], usize>,
     buckets: Vec<Vec<u32>>,
-    /// How much more the points of a bucket cost than those of the one before.
+    /// Cost range of a bucket.
     width: f32,
     near: Vec<Neighbour>,
 }
@@ -152,12 +153,12 @@ impl<'a> Flood<'a> {
             (paths.costs[key], paths.back[key], owner[key]) = (0.0, key as u32, number as u32);
         }
         let buckets = vec![keys.iter().map(|&key| key as u32).collect()];
-        // A little less than the cheapest way, for rounding.
+        // Slightly less than the cheapest edge, because of rounding.
         let width = 0.99 * cloud.least_m() as f32;
         Self { cloud, rock, paths, owner, place: FxHashMap::default(), buckets, width, near: Vec::new() }
     }
 
-    /// Goes on from a point of this bucket, if it has not been reached at less cost since it was put there.
+    /// Expands a point of this bucket, unless it has been reached at lower cost since it was put there.
     fn leave(&mut self, point: usize, now: usize) {
         if self.bucket(self.paths.costs[point]) != now {
             return;
@@ -179,7 +180,7 @@ impl<'a> Flood<'a> {
         (cost / self.width) as usize
     }
 
-    /// What it costs to come to a point from another one.
+    /// Relaxes the edge from one point to another.
     fn cost(&self, point: usize, from: usize) -> f32 {
         self.paths.costs[from] + self.rock.cost(self.cloud.point(from), self.cloud.point(point)) as f32
     }
@@ -198,7 +199,7 @@ impl<'a> Flood<'a> {
         self.buckets[bucket].push(point as u32);
     }
 
-    /// Keeps the cheapest meeting of each two key points.
+    /// Keeps the cheapest meeting of each pair of key points.
     fn meet(&mut self, point: usize, from: usize) {
         let meeting = Meeting {
             keys: sorted([self.owner[from], self.owner[point]]),

@@ -1,25 +1,25 @@
-//! Room between passages: where two of them run too near to each other, both give way.
+//! Makes room between passages: two that are too close are both moved apart.
 
 use plume_graph::Neighbors;
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::section::{Section, clearance_radius_m};
 
-/// Least rock between passages, beside what rounding bends to stations takes, in metres (tuned).
+/// Minimum rock between passages, in addition to what is lost when bends become stations, in metres (tuned).
 const ROCK_M: f64 = 1.0;
-/// Vertices are watched up to this much beyond the distance that they need, in metres.
+/// Margin beyond the required distance within which pairs of vertices are tracked, in metres.
 const WATCHED_M: f64 = 1.0;
 const ROUNDS: usize = 24;
-/// Most that two passages give way together, in metres (tuned: more makes kinks, less drops many passages).
+/// Maximum total displacement of two passages, in metres (tuned: more makes kinks, less drops many passages).
 const MOST_GIVEN_M: f64 = 2.0;
-/// Ways are walked so much farther than the passage where they start is wide; the other passage may be wider.
+/// Factor on the width of a passage for the search along the cave; the other passage may be wider.
 const FARTHEST: f64 = 1.3;
-/// Least distance by the way along the cave where a short one joins two places: forks of 74 degrees keep it.
+/// Minimum distance relative to a short path along the cave between two places: forks of 74 degrees satisfy it.
 const PART_OF_WAY: f64 = 0.6;
-/// What is left of a height between passages when their slopes are evened out (tuned).
+/// Fraction of a height between passages that remains when their slopes are smoothed (tuned).
 const LEVELLED: f64 = 0.8;
 
-/// Moves vertices aside until hardly two passages are nearer than their clearance radii and the rock between them, or than a part of
-/// the way that joins them.
+/// Moves vertices aside until hardly any two passages are nearer than their clearance radii and the rock between them, or
+/// than a fraction of the path that connects them.
 pub(super) fn give_way(centreline: &mut CentrelineBuilder, watched: &[Watched]) {
     let is_there: Vec<bool> = centreline.neighbors().degrees().map(|passages| passages > 0).collect();
     let is_left = |watched: &&Watched| watched.pair.iter().all(|&vertex| is_there[vertex.index()]);
@@ -28,7 +28,7 @@ pub(super) fn give_way(centreline: &mut CentrelineBuilder, watched: &[Watched]) 
         for &Watched { pair, least_m } in watched.iter().filter(is_left) {
             let [a, b] = pair;
             let way = centreline[b].position - centreline[a].position;
-            // Slopes are bounded, so there is room at the sides only.
+            // Slopes are limited, so passages can only move sideways.
             let up = LEVELLED * way.z;
             let aside = (least_m * least_m - up * up).max(0.0).sqrt() - way.xy().norm();
             if let (true, Some(along)) = (aside > 0.01, way.xy().try_normalize(1e-6)) {
@@ -44,21 +44,21 @@ pub(super) fn give_way(centreline: &mut CentrelineBuilder, watched: &[Watched]) 
     }
 }
 
-/// Pairs of vertices that could not give way without bending passages out of shape.
+/// Pairs of vertices that could not be separated without distorting passages.
 pub(super) fn crowds(centreline: &CentrelineBuilder, watched: &[Watched]) -> Vec<[VertexId; 2]> {
     let is_crowded =
         |Watched { pair: [a, b], least_m }: &&Watched| centreline.distance_m(*a, *b) < least_m - MOST_GIVEN_M;
     watched.iter().filter(is_crowded).map(|watched| watched.pair).collect()
 }
 
-/// Two vertices that may come too near to each other.
+/// Two vertices that may be too close.
 pub(super) struct Watched {
     pair: [VertexId; 2],
     /// The distance that they should keep.
     least_m: f64,
 }
 
-/// Vertices that are too near to each other, or nearly so.
+/// Pairs of vertices that are too close, or nearly so.
 pub(super) fn watched(centreline: &CentrelineBuilder) -> Vec<Watched> {
     let neighbors = centreline.neighbors();
     let near = near_pairs(&centreline.vertices);
@@ -82,19 +82,19 @@ pub(super) fn least_m(a: &Vertex, b: &Vertex) -> f64 {
     reach_m(a) + reach_m(b) + ROCK_M
 }
 
-/// Nothing without a section.
+/// 0 without a section.
 fn reach_m(vertex: &Vertex) -> f64 {
     vertex.section.map_or(0.0, |Section { width_m, height_m, .. }| clearance_radius_m(width_m, height_m))
 }
 
-/// Where a vertex lies on a sweep over the rows of the plan.
+/// Position of a vertex in a sweep over the rows of the plan.
 struct Swept {
     row: i32,
     x: f64,
     vertex: VertexId,
 }
 
-/// Pairs of vertices that are nearer to each other than they should be, or nearly so.
+/// Finds pairs of vertices that are closer than they should be, or nearly so.
 fn near_pairs(vertices: &[Vertex]) -> Vec<[VertexId; 2]> {
     let widest = vertices.iter().map(reach_m).fold(0.0, f64::max);
     let most_m = 2.0 * widest + ROCK_M + WATCHED_M;
@@ -106,7 +106,7 @@ fn near_pairs(vertices: &[Vertex]) -> Vec<[VertexId; 2]> {
     let mut sweep: Vec<Swept> = vertices.iter().enumerate().map(swept).collect();
     sweep.sort_unstable_by(|a, b| a.row.cmp(&b.row).then(a.x.total_cmp(&b.x)).then(a.vertex.cmp(&b.vertex)));
     let mut pairs = Vec::new();
-    // Where the sweep of the next row stands.
+    // Position of the sweep in the next row.
     let mut above = 0;
     for (place, here) in sweep.iter().enumerate() {
         let start = (here.row + 1, here.x - most_m);
@@ -128,12 +128,12 @@ fn near_pairs(vertices: &[Vertex]) -> Vec<[VertexId; 2]> {
     pairs
 }
 
-/// The shortest ways along the cave from one vertex to those around it.
+/// The shortest paths along the cave from one vertex to those around it.
 #[derive(Default)]
 struct Walk(Vec<(VertexId, f64)>);
 
 impl Walk {
-    /// Begins anew at a vertex, and goes as far as ways matter.
+    /// Restarts at a vertex, and goes as far as paths matter.
     fn start(&mut self, centreline: &CentrelineBuilder, neighbors: &Neighbors<Vertex>, from: VertexId) {
         let most_m = 2.0 * reach_m(&centreline[from]) + ROCK_M;
         let most_m = FARTHEST * most_m / PART_OF_WAY;
@@ -151,7 +151,7 @@ impl Walk {
         }
     }
 
-    /// Infinite where the walk did not come.
+    /// Infinite if not reached.
     fn way_m(&self, vertex: VertexId) -> f64 {
         self.0.iter().filter(|(at, _)| *at == vertex).map(|&(_, way_m)| way_m).fold(f64::INFINITY, f64::min)
     }

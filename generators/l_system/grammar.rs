@@ -1,4 +1,4 @@
-//! A stochastic bracketed grammar, read from the texts of a recipe.
+//! A stochastic bracketed grammar, parsed from the strings of a recipe.
 
 use crate::GenerateError;
 use plume_graph::rng::Rng;
@@ -7,11 +7,11 @@ use plume_graph::rng::Rng;
 pub(super) const FORWARD: char = 'F';
 const COMMANDS: &str = "+-^&![]";
 
-/// Symbols that a letter becomes.
+/// The symbols that replace a letter.
 #[derive(Clone, Debug)]
 pub(super) struct Production {
     pub(super) symbols: Vec<char>,
-    /// For each `[` the place of its `]`.
+    /// For each `[`, the index of its `]`.
     pub(super) closing: Vec<usize>,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Grammar {
 
 impl Grammar {
     /// # Errors
-    /// When a text is no rule, a symbol is unknown, brackets do not match, or nothing is ever dug.
+    /// If a string is not a rule, a symbol is unknown, brackets do not match, or nothing is ever dug.
     pub(super) fn read(axiom: &str, rules: &[String]) -> Result<Self, GenerateError> {
         let mut grammar = Self { productions: vec![production(axiom, axiom, "the axiom")?], rules: Vec::new() };
         for (index, text) in rules.iter().enumerate() {
@@ -38,14 +38,17 @@ impl Grammar {
         if grammar.digs() {
             return Ok(grammar);
         }
-        Err(GenerateError::new("the grammar digs no passage", "let the axiom or a rule that it leads to have an F"))
+        Err(GenerateError::new(
+            "the grammar never digs a passage",
+            "add an F to the axiom or to a rule that it leads to",
+        ))
     }
 
     fn add(&mut self, text: &str, place: &str) -> Result<(), GenerateError> {
         let fault = |what: &str| {
             Err(GenerateError::new(
                 format!("{place} {what}"),
-                "a rule is like `A = F[+A]-A`, or `A 0.5 = FA` with a weight",
+                "a rule is written as `A = F[+A]-A`, or with a weight as `A 0.5 = FA`",
             ))
         };
         let Some((head, body)) = text.split_once('=') else { return fault("has no `=`") };
@@ -58,7 +61,7 @@ impl Grammar {
             number => number.parse().unwrap_or(f64::NAN),
         };
         if !(weight > 0.0 && weight <= 1e6) {
-            return fault("has a weight that is no number between 0 and a million");
+            return fault("has a weight that is not a number between 0 and a million");
         }
         self.rules.push(Rule { letter, weight, production: self.productions.len() });
         self.productions.push(production(body, text, place)?);
@@ -83,7 +86,7 @@ impl Grammar {
         false
     }
 
-    /// The production that a letter becomes, drawn by weight; none where no rule has it.
+    /// The production of a letter, drawn by weight; `None` if it has no rule.
     pub(super) fn draw(&self, letter: char, rng: &mut Rng) -> Option<usize> {
         let fitting = || self.rules.iter().filter(|rule| rule.letter == letter);
         let last = fitting().next_back()?.production;
@@ -96,7 +99,7 @@ impl Grammar {
     }
 }
 
-/// Reads the symbols of `body`, which is the end of `text`.
+/// Parses the symbols of `body`, which is the end of `text`.
 fn production(body: &str, text: &str, place: &str) -> Result<Production, GenerateError> {
     let offset = text.chars().count() - body.chars().count();
     let (mut symbols, mut closing, mut open) = (Vec::new(), Vec::new(), Vec::new());
@@ -105,7 +108,7 @@ fn production(body: &str, text: &str, place: &str) -> Result<Production, Generat
         if !symbol.is_ascii_alphabetic() && !COMMANDS.contains(symbol) {
             return Err(GenerateError::new(
                 format!("{place} has {symbol:?} at character {at}"),
-                "symbols are letters, + and - to turn, ^ and & to rise and fall, ! to narrow, [ and ] round a branch",
+                "symbols are letters, + and - to turn, ^ and & to pitch up and down, ! to narrow, [ and ] around a branch",
             ));
         }
         if symbol == '[' {
@@ -116,7 +119,7 @@ fn production(body: &str, text: &str, place: &str) -> Result<Production, Generat
             let Some((opened, _)) = open.pop() else {
                 return Err(GenerateError::new(
                     format!("{place} has `]` at character {at} without a `[`"),
-                    "brackets match within the axiom and within each rule",
+                    "brackets must match within the axiom and within each rule",
                 ));
             };
             closing[opened] = symbols.len();
@@ -127,7 +130,7 @@ fn production(body: &str, text: &str, place: &str) -> Result<Production, Generat
         None => Ok(Production { symbols, closing }),
         Some((_, at)) => Err(GenerateError::new(
             format!("{place} has `[` at character {at} that is never closed"),
-            "brackets match within the axiom and within each rule",
+            "brackets must match within the axiom and within each rule",
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! One layer: a generator, its settings, and where its graph goes.
+//! One layer: a generator, its settings, and the position of its graph.
 
 use std::borrow::Cow;
 
@@ -10,19 +10,19 @@ use super::super::{GENERATORS, GenerateError, Generator, GeneratorRow};
 use super::NAME;
 use plume_graph::echo::{sentence, shown};
 
-/// A layer of a stack.
+/// A layer of the stack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
-    /// What lays it out: any generator but `layers`.
+    /// Its generator: any except `layers`.
     #[serde(default = "first")]
     pub generator: String,
-    /// Depth of its origin below that of the first layer, in metres; none puts it below the layer above.
+    /// Depth of its origin below that of the first layer, in metres; by default right below the layer above.
     #[serde(default)]
     pub depth_m: Option<f64>,
-    /// How far east of the middle of the first layer its own middle lies, in metres.
+    /// Offset of its middle east of the middle of the first layer, in metres.
     #[serde(default)]
     pub east_m: f64,
-    /// How far north, likewise.
+    /// Offset to the north, in metres.
     #[serde(default)]
     pub north_m: f64,
     /// The settings of its generator.
@@ -51,7 +51,7 @@ impl Layer {
     }
 }
 
-/// What can lay out a layer.
+/// Generators for layers.
 fn rows() -> impl Iterator<Item = &'static GeneratorRow> {
     GENERATORS.iter().filter(|row| row.name != NAME)
 }
@@ -60,7 +60,7 @@ fn first() -> String {
     GENERATORS.default_row().name.to_owned()
 }
 
-/// One variant for each generator; `generator` tells which, and may be left out for the first.
+/// One variant per generator, selected by `generator`, which may be omitted for the first.
 impl JsonSchema for Layer {
     fn schema_name() -> Cow<'static, str> {
         "Layer".into()
@@ -83,22 +83,22 @@ fn variant(row: &GeneratorRow, is_first: bool) -> Value {
         "generator".into(),
         json!({
             "type": "string", "enum": [row.name], "default": row.name,
-            "description": "How the passages of this layer grow: any generator but `layers`."
+            "description": "The algorithm that lays out the passages of this layer: any generator except `layers`."
         }),
     );
     properties.insert("depth_m".into(), json!({
         "type": ["number", "null"], "default": null, "minimum": 0.0, "maximum": 10_000.0,
-        "description": "Depth of the layer's origin below that of the first layer, in metres; where it is left out, the \
-                        layer lies as near below the one above as the rock between them allows."
+        "description": "Depth of the layer's origin below that of the first layer, in metres; by default, the layer \
+        is as close below the one above as the rock between them allows."
     }));
     let aside = |about: &str| {
         json!({
             "type": "number", "default": 0.0, "minimum": -10_000.0, "maximum": 10_000.0, "description": about
         })
     };
-    let east = "How far east of the middle of the first layer the middle of this one lies, in metres.";
+    let east = "Offset of the middle of this layer east of the middle of the first one, in metres.";
     properties.insert("east_m".into(), aside(east));
-    properties.insert("north_m".into(), aside("How far north of it, likewise."));
+    properties.insert("north_m".into(), aside("Offset to the north, in metres."));
     if let Some(own) = schema["properties"].as_object() {
         properties.extend(own.clone());
     }

@@ -1,4 +1,4 @@
-//! One link after the other between two layers: where it may start and end, how it runs, and whether it finds room.
+//! Links between two layers: where they may start and end, how they run, and whether there is room.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::ramp::{Course, Helix, Slopes, slope_rad, way_down};
 use plume_graph::rng::Rng;
 use plume_graph::{Node, StationId, millimetres};
 
-/// What all links keep.
+/// Rules for all links.
 pub(super) struct Law {
     pub(super) slopes: Slopes,
     pub(super) spacing_m: f64,
@@ -19,21 +19,21 @@ pub(super) struct Law {
 /// Head and foot of a link.
 pub(super) type Link = [Point3<f64>; 2];
 
-/// Stations drawn before the one farthest from other links is tried, and times that is done. Tuned: at the defaults one time
-/// in a hundred takes more than two.
+/// Stations drawn, of which the one farthest from other links is tried, and the number of such rounds. Tuned: at the
+/// defaults one link in a hundred needs more than two rounds.
 const DRAWN: usize = 32;
 const DRAWS: usize = 8;
-/// Stations of the other layer that are tried for one of this.
+/// Stations of the other layer tried for one of this layer.
 const GOALS: usize = 4;
-/// Least cosine between a link and a passage at its ends: 50 degrees.
+/// Cosine of the minimum angle between a link and a passage at its ends: 50 degrees.
 const SHARPEST_COS: f64 = 0.643;
-/// Slopes from which shafts are sunk where passages cross above each other: 75 degrees.
+/// Slope from which shafts are sunk where passages cross above each other: 75 degrees.
 const SHAFT: f64 = 1.309;
-/// A crossing this near to a station is left, in metres.
+/// Crossings this near to a station are ignored, in metres.
 const STUB_M: f64 = 0.3;
-/// Least height of a link, in metres.
+/// Minimum height of a link, in metres.
 const LEAST_DROP_M: f64 = 1.0;
-/// Most passages at a station that a link may come to.
+/// Most passages at a station where a link may end.
 const MOST_PASSAGES: usize = 3;
 /// Most whole turns of a helix.
 const MOST_TURNS: u32 = 4;
@@ -44,15 +44,15 @@ const STEP_M: Range<f64> = 2.0..6.0;
 #[derive(Clone, Copy)]
 enum Place {
     Station(StationId),
-    /// Inside the passage between two stations, so far along, at this point of the plan.
+    /// Inside the passage between two stations, at this parameter and this point of the plan.
     Passage([StationId; 2], f64, Point2<f64>),
 }
 
 impl Stack {
-    /// Makes one more link between a layer and the one below it, far from the `others` there; `None` if none finds room.
+    /// Makes one more link between a layer and the one below it, far from the `others` there; `None` if there is no room.
     pub(super) fn link(&mut self, upper: usize, others: &[Link], law: &Law, rng: &mut Rng) -> Option<Link> {
         let pair = [self.layers[upper].clone(), self.layers[upper + 1].clone()];
-        // The smaller layer is asked, since all of it may lie under or over a small part of the other.
+        // Starts from the smaller layer, since all of it may be under or over a small part of the other.
         let from = usize::from(pair[1].len() < pair[0].len());
         for _ in 0..DRAWS {
             let mut station = || StationId::new(pair[from].start + rng.index(pair[from].len()));
@@ -72,7 +72,7 @@ impl Stack {
         None
     }
 
-    /// A link from or to a station, which lies in the first or the second of the `pair`.
+    /// A link from or to a station, which is in the first or the second layer of the `pair`.
     fn link_from(
         &mut self,
         station: StationId,
@@ -124,7 +124,7 @@ impl Stack {
         found
     }
 
-    /// Stations of the other layer that a link could lead to, those first that a straight one of middling slope would reach.
+    /// Stations of the other layer that a link could lead to; first those that a straight one of medium slope would reach.
     fn goals(&self, station: StationId, other: &Range<usize>, law: &Law, rng: &mut Rng) -> Vec<[Place; 2]> {
         if self.passages.neighbors_of(station).len() > MOST_PASSAGES {
             return Vec::new();
@@ -147,14 +147,14 @@ impl Stack {
         near.truncate(4 * GOALS);
         let mut goals = Vec::new();
         while goals.len() < GOALS && !near.is_empty() {
-            // One of the better half, so that links differ.
+            // One of the better half, for variety.
             let (_, goal) = near.remove(rng.index(near.len().div_ceil(2)));
             goals.push([Place::Station(station), Place::Station(goal)]);
         }
         goals
     }
 
-    /// Makes the link along the first course that finds room.
+    /// Makes the link along the first course that has room.
     fn run(&mut self, ends: [Place; 2], law: &Law, rng: &mut Rng) -> bool {
         let [head, foot] = ends.map(|place| self.node(place));
         let points = [head.position, foot.position];
@@ -180,7 +180,7 @@ impl Stack {
         })
     }
 
-    /// Adds the stations of a link, unless it has too little rock round it somewhere.
+    /// Adds the stations of a link, unless there is too little rock around it.
     fn settle_link(&mut self, ends: [Place; 2], way: &[Point3<f64>], rock_m: f64) -> bool {
         let len = self.passages.nodes.len();
         let [head, foot] = ends.map(|place| self.open(place));
@@ -208,7 +208,7 @@ impl Stack {
         true
     }
 
-    /// Whether passages that are not settled keep their distance from those that are, and from each other.
+    /// Whether new passages keep their distance from existing ones, and from each other.
     fn has_rock(&self, passages: &[[StationId; 2]], rock_m: f64) -> bool {
         let apart =
             |one: [StationId; 2], other: [StationId; 2]| self.passages.thin_between(one, other, rock_m).is_none();
@@ -217,7 +217,7 @@ impl Stack {
                 .all(|(place, &one)| passages[..place].iter().all(|&other| apart(one, other)))
     }
 
-    /// The station at a place, set into its passage where there is none.
+    /// The station at a place, inserted into its passage if there is none.
     fn open(&mut self, place: Place) -> StationId {
         match place {
             Place::Station(station) => station,
@@ -231,14 +231,14 @@ impl Stack {
         }
     }
 
-    /// Makes a passage whole again whose station is gone.
+    /// Restores a passage whose inserted station was removed.
     fn close(&mut self, place: Place) {
         if let Place::Passage([a, b], ..) = place {
             self.passages.join(a, b);
         }
     }
 
-    /// What a link changes where it ends: a passage in two, or a room.
+    /// The change at the end of a link: a passage split in two, or a room.
     fn settle_end(&mut self, place: Place, station: StationId) {
         match place {
             Place::Station(_) if self.passages.is_room(station) && self.passages.neighbors_of(station).len() == 3 => {
@@ -269,14 +269,14 @@ impl Stack {
     }
 }
 
-/// A station between two, but for its position and level.
+/// A station between two others, except for its position and level.
 fn blend(a: &Node, b: &Node, share: f64) -> Node {
     let section = a.section.zip(b.section).map(|(a, b)| a.towards(b, share).map(millimetres));
     let radius = millimetres(a.radius + (b.radius - a.radius) * share);
     Node { parent: None, active: false, radius, section, ..a.clone() }
 }
 
-/// How far along each of two passages they cross in the plan.
+/// Where two passages cross in the plan, as parameters on each.
 fn crossing([a, b]: [Point3<f64>; 2], [c, d]: [Point3<f64>; 2]) -> Option<[f64; 2]> {
     let (this, other, between) = ((b - a).xy(), (d - c).xy(), (c - a).xy());
     let area = this.perp(&other);
@@ -287,7 +287,7 @@ fn crossing([a, b]: [Point3<f64>; 2], [c, d]: [Point3<f64>; 2]) -> Option<[f64; 
     shares.iter().all(|share| (0.0..=1.0).contains(share)).then_some(shares)
 }
 
-/// Ways a link may run, the plainer first: straight, bent, round and round.
+/// Possible courses of a link, simplest first: straight, bent, helical.
 fn courses([head, foot]: [Point3<f64>; 2], slopes: &Slopes, rng: &mut Rng) -> Vec<Course> {
     let (side, bearing_rad) = (rng.sign(), rng.between(0.0, std::f64::consts::TAU));
     let gentle = 0.5 * (slopes.least_rad + slopes.greatest_rad);

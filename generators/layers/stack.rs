@@ -1,4 +1,4 @@
-//! Layers put at their depths.
+//! Places layers at their depths.
 
 use std::ops::Range;
 
@@ -8,18 +8,18 @@ use super::layer::Layer;
 use plume_graph::clearance::{Body, PassageIndex, PassageSize};
 use plume_graph::{Graph, StationId, millimetres};
 
-/// Least way down when a layer is moved, in metres, so that it comes to an end.
+/// Minimum step when a layer is moved down, in metres, so that the search terminates.
 const LEAST_MOVE_M: f64 = 0.25;
 
-/// Layers and the rock round them.
+/// Layers with the rock around them.
 #[derive(Clone)]
 pub(super) struct Stack {
     pub(super) passages: PassageIndex,
-    /// The stations of each layer. Those of links, and those set into passages for links, come after all of them.
+    /// The stations of each layer. Stations of links, and those inserted into passages for links, come after all of them.
     pub(super) layers: Vec<Range<usize>>,
-    /// Levels of all layers so far.
+    /// Number of levels so far.
     levels: u32,
-    /// Middle of the first layer in the plan.
+    /// Middle of the first layer, horizontally.
     middle: Option<Point3<f64>>,
 }
 
@@ -31,8 +31,8 @@ impl Default for Stack {
 }
 
 impl Stack {
-    /// Puts a layer below those that are there: at its depth, or as far below it as `rock_m` of rock to all of them asks. One
-    /// without a depth lies so much deeper still.
+    /// Places a layer below the existing ones: at its depth, or as far below as needed for `rock_m` of rock to all of them.
+    /// A layer without a depth is placed deeper by the given extra amount.
     pub(super) fn lay(&mut self, mut graph: Graph, layer: &Layer, rock_m: Option<f64>, deeper_m: f64) {
         let own = PassageIndex::new(&graph, PassageSize::default());
         let bodies: Vec<Body> = own.all_bodies().into_iter().map(|body| own.body(body)).collect();
@@ -50,7 +50,7 @@ impl Stack {
         self.append(graph);
     }
 
-    /// How a layer is moved at first: its middle below that of the first layer, its origin at its depth, or its top at the
+    /// The initial shift of a layer: its middle below that of the first layer, its origin at its depth, or its top at the
     /// bottom of the layer above.
     fn start(&mut self, graph: &Graph, layer: &Layer) -> Vector3<f64> {
         let Some(bounds) = graph.bounds() else { return Vector3::zeros() };
@@ -67,7 +67,7 @@ impl Stack {
         by.map(millimetres)
     }
 
-    /// How much rock lacks between a layer that is moved like this and those above.
+    /// How much rock is missing between a layer shifted like this and those above.
     fn lacking(&self, bodies: &[Body], by: &Vector3<f64>, rock_m: f64) -> Option<f64> {
         let rocks = bodies.iter().filter_map(|body| self.passages.thinnest(&body.moved(by), rock_m));
         rocks.min_by(f64::total_cmp).map(|least_m| rock_m - least_m)

@@ -1,18 +1,18 @@
-//! Things by cubic cell of space, for questions about neighbours.
+//! A spatial hash of items in cubic cells.
 
 use std::ops::RangeInclusive;
 
 use nalgebra::{Point3, Vector3};
 use rustc_hash::FxHashMap;
 
-/// What lies in each cell; a thing lies in all cells that its box touches. Cells above one another are one column: a cave
-/// has few of them, and one look-up finds them all.
+/// The items of each cell; an item is in all cells that its box touches. Cells above one another form a column: a cave has
+/// few of them, and one look-up finds them all.
 pub(crate) struct Cells<T> {
     side_m: f64,
     columns: FxHashMap<(i32, i32), Column<T>>,
 }
 
-/// Things with the height of their cell, from the bottom up; in one cell, in the order in which they were added.
+/// Items with the height of their cell, from the bottom up; within a cell, in the order in which they were added.
 struct Column<T>(Vec<(i32, T)>);
 
 impl<T: Copy + PartialEq> Cells<T> {
@@ -20,7 +20,7 @@ impl<T: Copy + PartialEq> Cells<T> {
         Self { side_m, columns: FxHashMap::default() }
     }
 
-    /// Adds a thing that lies in the box round two points.
+    /// Adds an item with the bounding box of two points.
     pub(crate) fn add(&mut self, thing: T, ends: [&Point3<f64>; 2]) {
         let touched = self.within(ends, 0.0);
         for plan in touched.plan() {
@@ -28,7 +28,7 @@ impl<T: Copy + PartialEq> Cells<T> {
         }
     }
 
-    /// Removes what was added with these points.
+    /// Removes an item added with these points.
     pub(crate) fn remove(&mut self, thing: T, ends: [&Point3<f64>; 2]) {
         for plan in self.within(ends, 0.0).plan() {
             if let Some(column) = self.columns.get_mut(&plan) {
@@ -37,20 +37,20 @@ impl<T: Copy + PartialEq> Cells<T> {
         }
     }
 
-    /// Things that may lie within `reach_m` of the box round two points; some come more than once.
+    /// Items that may be within `reach_m` of the bounding box of two points; some appear more than once.
     pub(crate) fn near(&self, ends: [&Point3<f64>; 2], reach_m: f64) -> impl Iterator<Item = T> + use<'_, T> {
         let near = self.within(ends, reach_m);
         near.plan().filter_map(|plan| self.columns.get(&plan)).flat_map(move |column| column.between(near.heights()))
     }
 
-    /// The cells within reach of a box.
+    /// The cells within range of a box.
     fn within(&self, [a, b]: [&Point3<f64>; 2], reach_m: f64) -> Block {
         let cell = |corner: Point3<f64>, off: f64| corner.coords.map(|x| ((x + off) / self.side_m).floor() as i32);
         Block { low: cell(a.inf(b), -reach_m), high: cell(a.sup(b), reach_m) }
     }
 }
 
-/// Cells between two, both included.
+/// Cells between two, inclusive.
 #[derive(Clone, Copy)]
 struct Block {
     low: Vector3<i32>,
@@ -89,7 +89,7 @@ mod tests {
     use plume_graph::rng::Rng;
 
     #[test]
-    fn what_is_near_is_found_until_it_is_removed() {
+    fn near_items_are_found_until_they_are_removed() {
         let mut rng = Rng::new(plume_graph::seed::stream(1, "test", 0));
         let mut point = || Point3::from([40.0, 40.0, 20.0].map(|side: f64| rng.between(-side, side)));
         let boxes: Vec<[Point3<f64>; 2]> =

@@ -1,9 +1,9 @@
-//! The law of a network.
+//! The rules of a network.
 //!
-//! A passage is no steeper than allowed, and opens at enough of an angle to the others at its ends. Where it comes
-//! nearer to another passage than half their clearance_radii and the rock between them, the two are also near along the cave: the
-//! way round is at most [`DETOUR`] times the way through the rock, and at most [`NEARBY`] times the distance that was to
-//! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in space, tested at the
+//! A passage is no steeper than allowed, and keeps the minimum angle to the others at its ends. Where it comes nearer to
+//! another passage than their clearance radii and the rock between them, the two are also near along the cave: the path
+//! along the cave is at most [`DETOUR`] times the distance through the rock, and at most [`NEARBY`] times the distance to
+//! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in 3D, tested at the
 //! nearest points and at the four ends.
 
 use nalgebra::{Point3, Vector3};
@@ -12,14 +12,14 @@ use super::Network;
 use super::ways::Ways;
 use plume_graph::segment::segment_distance;
 
-/// The way along the cave between places without rock between them, by their distance. Two straight passages at a
-/// junction keep it from an angle of 47 degrees on.
+/// Limit on the path along the cave between places without rock between them, relative to their distance. Two straight
+/// passages at a junction keep it from an angle of 47 degrees on.
 const DETOUR: f64 = 2.5;
-/// The same by the distance that their axes should keep.
+/// The same relative to the distance that their axes should keep.
 const NEARBY: f64 = 2.0;
 
 impl Network {
-    /// Whether a passage between two stations, which know each other as neighbours already, keeps the law.
+    /// Whether a passage between two stations that are already registered as neighbours keeps the rules.
     pub(super) fn is_lawful(&self, a: usize, b: usize) -> bool {
         self.is_walkable(self.position(b) - self.position(a))
             && self.opens(a, b)
@@ -32,14 +32,14 @@ impl Network {
         way.z.abs() <= self.greatest_rise(way.xy().norm())
     }
 
-    /// How far up or down a passage may lead over so many metres of plan.
+    /// Maximum rise or fall of a passage over this horizontal distance.
     pub(super) fn greatest_rise(&self, plan_m: f64) -> f64 {
-        // Rounding to millimetres steepens short passages.
+        // Rounding to millimetres can steepen short passages.
         const SLACK_M: f64 = 0.002;
         self.steepest_slope * plan_m + SLACK_M
     }
 
-    /// Whether the passage to `to` stands apart from the others at `at`.
+    /// Whether the passage to `to` keeps the minimum angle to the others at `at`.
     fn opens(&self, at: usize, to: usize) -> bool {
         let way = |other: usize| self.position(other) - self.position(at);
         let own = way(to);
@@ -71,7 +71,7 @@ impl Network {
         true
     }
 
-    /// Whether two passages nearer than `need` are so because the cave joins them here.
+    /// Whether two passages nearer than `need` are near because they are connected here.
     fn is_meeting(&self, own: [usize; 2], other: [usize; 2], need: f64, ways: &[Ways; 2]) -> bool {
         let [a, b] = own.map(|end| self.position(end));
         let [u, v] = other.map(|end| self.position(end));
@@ -91,7 +91,7 @@ impl Network {
     }
 }
 
-/// A distance that two segments keep at least: the greatest gap between their boxes along an axis.
+/// A lower bound of the distance of two segments: the largest gap between their boxes along an axis.
 fn box_gap([a, b]: [&Point3<f64>; 2], [u, v]: [&Point3<f64>; 2]) -> f64 {
     let beyond = u.inf(v) - a.sup(b);
     let before = a.inf(b) - u.sup(v);

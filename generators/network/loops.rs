@@ -5,29 +5,29 @@ use nalgebra::Vector3;
 use super::{Network, PassagePoint, Size};
 use plume_graph::rng::Rng;
 
-/// Loops of a real cave by ends and junctions, and one more (Collon et al. 2017: a mean degree of 2.13). Tuned.
+/// Loops of a real cave per end and junction, plus one (Collon et al. 2017: a mean degree of 2.13). Tuned.
 const LOOPS_PER_END: f64 = 0.07;
-/// Farthest that a connector reaches, in passages of its own spacing.
+/// Longest span of a connector, in steps of its own spacing.
 const REACH: f64 = 7.0;
-/// Nearest likewise.
+/// Shortest span, in steps.
 const LEAST_REACH: f64 = 1.2;
-/// Least way round by the length of a connector.
+/// Minimum detour relative to the length of a connector.
 const DETOUR: f64 = 4.0;
-/// Most that a connector turns from where its dead end was heading: the cosine of 100 degrees.
+/// Largest turn of a connector from the heading of its dead end: the cosine of 100 degrees.
 const TURN: f64 = -0.17;
-/// Places that are measured along the cave.
+/// Number of places measured along the cave.
 const CONSIDERED: usize = 24;
-/// How much farther each ring reaches in which places are looked for.
+/// Growth factor of the rings in which places are searched.
 const RING: f64 = 2.0;
-/// Places that a dead end tries to reach.
+/// Number of places that a dead end tries to reach.
 const TRIES: usize = 6;
-/// Greatest factor on the cost of a connector that chance sets.
+/// Maximum random factor on the cost of a connector.
 const DEAREST: f64 = 2.0;
-/// How far the middle of a connector swings out, by its length.
+/// Lateral swing of the middle of a connector relative to its length.
 const SWING: f64 = 0.22;
 
 impl Network {
-    /// Closes as many loops as the rules ask for, or as find room. Dead ends come first, then other stations.
+    /// Closes as many loops as the rules ask for, or as there is room for. Dead ends come first, then other stations.
     pub(super) fn close_loops(&mut self, rng: &mut Rng) {
         let ends = (0..self.len()).filter(|&station| self.degree(station) != 2).count();
         let wanted = self.rules.loop_closure * (1.0 + LOOPS_PER_END * ends as f64);
@@ -40,7 +40,7 @@ impl Network {
         }
     }
 
-    /// Where connectors may start: the dead ends in any order, and as many stations inside passages as may be needed.
+    /// Starts of connectors: the dead ends in random order, and as many stations inside passages as may be needed.
     fn sources(&self, loops: usize, rng: &mut Rng) -> Vec<usize> {
         let mut sources: Vec<usize> = (1..self.len()).filter(|&station| self.degree(station) == 1).collect();
         for last in (1..sources.len()).rev() {
@@ -50,18 +50,18 @@ impl Network {
         sources
     }
 
-    /// Joins a station to a place far along the cave, if one is near.
+    /// Joins a station to a nearby place that is far along the cave, if there is one.
     pub(crate) fn join(&mut self, from: usize, rng: &mut Rng) -> bool {
         let spacing = self.rules.spacing_m;
         let goals = self.goals(from, [LEAST_REACH * spacing, REACH * spacing], rng);
         goals.into_iter().take(TRIES).any(|to| self.connect(from, to, rng))
     }
 
-    /// Places worth joining between the nearest and the farthest distance, the cheapest first.
+    /// Places worth joining within the range of distances, cheapest first.
     pub(crate) fn goals(&self, from: usize, [nearest, farthest]: [f64; 2], rng: &mut Rng) -> Vec<usize> {
         let at = self.position(from);
         let found = self.cheapest(from, [nearest, farthest], rng);
-        // Only what is left is worth the walk along the cave.
+        // Only the remaining ones are worth measuring along the cave.
         let Some(most) = found.iter().map(|&to| (self.position(to) - at).norm()).reduce(f64::max) else {
             return Vec::new();
         };
@@ -70,8 +70,8 @@ impl Network {
         found.into_iter().filter(is_far).collect()
     }
 
-    /// The cheapest places between two distances, looked for in rings. A place costs its distance at least, so none in
-    /// the rings beyond is cheaper than what costs less than this ring is wide.
+    /// The cheapest places between two distances, searched in rings. A place costs at least its distance, so none beyond a
+    /// ring is cheaper than places that cost less than its radius.
     fn cheapest(&self, from: usize, [nearest, farthest]: [f64; 2], rng: &mut Rng) -> Vec<usize> {
         let mut found: Vec<(f64, usize)> = Vec::new();
         let mut outer = nearest;
@@ -84,8 +84,7 @@ impl Network {
         found.into_iter().map(|(_, to)| to).take(CONSIDERED).collect()
     }
 
-    /// Places in a ring round a station to which a connector is neither too steep nor turned back, after how far off they
-    /// are.
+    /// Places in a ring around a station to which a connector is neither too steep nor turned back, by distance.
     fn ring(&self, from: usize, [inner, outer]: [f64; 2]) -> impl Iterator<Item = (f64, usize)> {
         let at = *self.position(from);
         let heading = self.heading(from);
@@ -100,7 +99,7 @@ impl Network {
         })
     }
 
-    /// Lays a connector that leaves a dead end as it was heading and swings to its goal.
+    /// Adds a connector that leaves a dead end in its heading and curves to its goal.
     fn connect(&mut self, from: usize, to: usize, rng: &mut Rng) -> bool {
         let way = self.position(to) - self.position(from);
         let inner = ((way.norm() / self.rules.spacing_m).round() as usize).saturating_sub(1);
@@ -116,7 +115,7 @@ impl Network {
         self.lay(from, &chain, Some(to)).is_some()
     }
 
-    /// A station of a connector: a parabola over the straight line, which swings out by `swing` in its middle.
+    /// A station of a connector: on a parabola over the straight line with the offset `swing` in the middle.
     fn between(&self, from: usize, to: usize, step: usize, steps: usize, swing: Vector3<f64>) -> PassagePoint {
         let part = step as f64 / steps as f64;
         let [a, b] = [self.passage_point(from), self.passage_point(to)];

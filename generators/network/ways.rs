@@ -1,10 +1,10 @@
-//! How far stations are from one another along the cave.
+//! Distances between stations along the cave.
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use super::Network;
 
-/// Stations within reach of one, with their distance along the cave in metres.
+/// Stations within range of one, with their distance along the cave in metres.
 pub(super) struct Ways {
     found: Vec<(usize, f64)>,
     places: FxHashMap<usize, usize>,
@@ -12,14 +12,14 @@ pub(super) struct Ways {
 
 impl Ways {
     fn new(from: usize) -> Self {
-        // Most walks end within so many stations.
+        // Enough for most searches.
         const USUAL: usize = 24;
         let mut places = FxHashMap::with_capacity_and_hasher(USUAL, FxBuildHasher);
         places.insert(from, 0);
         Self { found: vec![(from, 0.0)], places }
     }
 
-    /// The distance to a station, infinite beyond the reach.
+    /// The distance to a station, infinite beyond the range.
     pub(super) fn to(&self, station: usize) -> f64 {
         self.places.get(&station).map_or(f64::INFINITY, |&place| self.found[place].1)
     }
@@ -29,8 +29,8 @@ impl Ways {
         self.to(u).min(self.to(v))
     }
 
-    /// Notes a way to a station that was walked from here at place `next`. A shorter way round a loop counts as long as
-    /// nothing was reached by the longer one.
+    /// Records a path to a station, found from entry `next`. A shorter path around a loop replaces a longer one as long as
+    /// nothing was reached by that.
     fn note(&mut self, station: usize, distance: f64, next: usize) {
         let place = *self.places.entry(station).or_insert(self.found.len());
         if place == self.found.len() {
@@ -42,7 +42,7 @@ impl Ways {
 }
 
 impl Network {
-    /// The ways from a station as far as `reach_m`, not through the passage to the station `but`.
+    /// The distances from a station up to `reach_m`, not through the passage to the station `but`.
     pub(super) fn ways(&self, from: usize, but: Option<usize>, reach_m: f64) -> Ways {
         let mut ways = Ways::new(from);
         let mut next = 0;
@@ -59,12 +59,12 @@ impl Network {
         ways
     }
 
-    /// Whether a junction lies within `reach_m` along the cave.
+    /// Whether a junction is within `reach_m` along the cave.
     pub(crate) fn is_near_junction(&self, from: usize, reach_m: f64) -> bool {
         self.degree(from) > 2 || self.neighbors(from).any(|next| self.leads_to_junction([from, next], reach_m))
     }
 
-    /// Whether a junction lies within `reach_m` on the way from one station on over the next.
+    /// Whether a junction is within `reach_m` along the passage from one station via the next.
     fn leads_to_junction(&self, [from, next]: [usize; 2], reach_m: f64) -> bool {
         let length = |a: usize, b: usize| (self.position(b) - self.position(a)).norm();
         let (mut before, mut at) = (from, next);
@@ -73,7 +73,7 @@ impl Network {
             if self.degree(at) > 2 {
                 return true;
             }
-            // A ring without junctions leads back.
+            // A ring without junctions leads back to the start.
             let Some(on) = self.neighbors(at).find(|&other| other != before && other != from) else { return false };
             walked += length(at, on);
             (before, at) = (at, on);

@@ -1,9 +1,9 @@
-//! How far every cell is from rock: the exact Euclidean distance transform of Felzenszwalb and Huttenlocher ("Distance
-//! Transforms of Sampled Functions", Theory of Computing 8, 2012), in whole numbers.
+//! Distance of every cell to rock: the exact Euclidean distance transform of Felzenszwalb and Huttenlocher ("Distance
+//! Transforms of Sampled Functions", Theory of Computing 8, 2012), in integers.
 
 use super::Mask;
 
-/// Square of the distance from the middle of each cell to the middle of the nearest one of rock, in cells.
+/// Squared distance from the centre of each cell to that of the nearest rock cell, in cells.
 pub(super) fn squares(mask: &Mask) -> Vec<u32> {
     let mut square = along_columns(mask);
     let mut envelope = Envelope::default();
@@ -15,7 +15,7 @@ pub(super) fn squares(mask: &Mask) -> Vec<u32> {
     square
 }
 
-/// Squares of the distances to rock in the same column.
+/// Squared distances to rock in the same column.
 fn along_columns(mask: &Mask) -> Vec<u32> {
     let (columns, len) = (mask.columns, mask.open.len());
     let mut far = vec![0_u32; len];
@@ -32,14 +32,14 @@ fn along_columns(mask: &Mask) -> Vec<u32> {
 /// The lower envelope of parabolas, one over each cell of a row.
 #[derive(Default)]
 struct Envelope {
-    /// Cells whose parabolas are part of it.
+    /// Cells whose parabolas contribute.
     feet: Vec<usize>,
-    /// Where each part begins.
+    /// Start of each part.
     starts: Vec<i64>,
 }
 
 impl Envelope {
-    /// Writes into `row` the least of `heights[foot] + (cell - foot)²` over all feet.
+    /// Writes into `row` the minimum of `heights[foot] + (cell - foot)²` over all feet.
     fn lower(&mut self, heights: &[u32], row: &mut [u32]) {
         self.feet.clear();
         self.starts.clear();

@@ -1,4 +1,4 @@
-//! Regions of open cells and of rock: small ones dropped, the others joined.
+//! Connected regions of open cells and of rock: drops small ones, joins the others.
 
 use std::cmp::Reverse;
 
@@ -7,7 +7,7 @@ use plume_graph::sets::Sets;
 
 const NONE: u32 = u32::MAX;
 
-/// Without open regions smaller than this many cells; the largest stays in any case.
+/// Fills open regions smaller than this many cells, except the largest.
 pub(crate) fn without_pockets(mut mask: Mask, least: usize) -> Mask {
     let regions = regions(&mask, true, &sides(&mask));
     let largest = regions.sizes.iter().enumerate().max_by_key(|&(at, &size)| (size, Reverse(at))).map(|(at, _)| at);
@@ -19,7 +19,7 @@ pub(crate) fn without_pockets(mut mask: Mask, least: usize) -> Mask {
     mask
 }
 
-/// Without pillars smaller than this many cells: they are opened. Rock that reaches the border is no pillar.
+/// Opens pillars smaller than this many cells. Rock that reaches the border is not a pillar.
 pub(crate) fn without_pillars(mut mask: Mask, least: usize) -> Mask {
     let regions = regions(&mask, false, &mask.round());
     let border = regions.of_cell[0];
@@ -32,7 +32,7 @@ pub(crate) fn without_pillars(mut mask: Mask, least: usize) -> Mask {
     mask
 }
 
-/// All open regions joined by corridors of this half-width, along a minimum spanning tree of the gaps between them
+/// Joins all open regions by corridors of this half-width, along a minimum spanning tree of the gaps between them
 /// (Kruskal). Regions grow into the rock at the same pace, and a gap is where two of them meet.
 pub(crate) fn joined(mut mask: Mask, half_width: usize) -> Mask {
     let regions = regions(&mask, true, &sides(&mask));
@@ -49,7 +49,7 @@ pub(crate) fn joined(mut mask: Mask, half_width: usize) -> Mask {
     mask
 }
 
-/// Where two regions are near each other: a cell of each and the way between them, in cells.
+/// A gap between two regions: a cell of each and the distance between them, in cells.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Gap {
     steps: u32,
@@ -57,7 +57,7 @@ struct Gap {
     regions: [u32; 2],
 }
 
-/// Every place where two regions meet when they grow, the shortest gaps first.
+/// All places where two growing regions meet, the shortest gaps first.
 fn gaps(mask: &Mask, regions: Regions) -> Vec<Gap> {
     let mut owner = regions.of_cell;
     let mut origin: Vec<u32> = vec![NONE; owner.len()];
@@ -106,11 +106,11 @@ fn dig_between(mask: &mut Mask, cells: [usize; 2], half_width: usize) {
 struct Regions {
     /// The region of each cell; [`NONE`] for those of the other kind.
     of_cell: Vec<u32>,
-    /// Cells of each region.
+    /// Number of cells of each region.
     sizes: Vec<usize>,
 }
 
-/// Regions of the cells that are open, or of those that are not. They hang together along the first `ways` directions.
+/// Connected regions of open or of rock cells; connectivity is along the first `ways` directions.
 fn regions(mask: &Mask, open: bool, ways: &[usize]) -> Regions {
     let mut regions = Regions { of_cell: vec![NONE; mask.open.len()], sizes: Vec::new() };
     let mut found = Vec::new();
@@ -138,7 +138,7 @@ fn regions(mask: &Mask, open: bool, ways: &[usize]) -> Regions {
     regions
 }
 
-/// The sides of a cell.
+/// Index offsets across the sides of a cell.
 fn sides(mask: &Mask) -> [usize; 4] {
     let round = mask.round();
     [round[0], round[2], round[4], round[6]]
@@ -151,7 +151,7 @@ mod tests {
     const THREE: [&str; 6] = ["##########", "#..####..#", "#..####..#", "#######..#", "#.####...#", "##########"];
 
     #[test]
-    fn pockets_go_and_the_largest_stays() {
+    fn pockets_are_filled_and_the_largest_region_stays() {
         let picture = without_pockets(Mask::drawn(&THREE), 4).picture();
         assert_eq!(picture[4], "######...#");
         let alone = without_pockets(Mask::drawn(&THREE), 100);

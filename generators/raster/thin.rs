@@ -1,14 +1,14 @@
-//! Open cells thinned to lines one cell wide.
+//! Thins open cells to lines one cell wide.
 //!
-//! Cells go in the order of their distance to rock, as long as no neighbours lose their connection and no line its end
-//! (distance-ordered homotopic thinning: Pudney, "Distance-ordered homotopic thinning", Computer Vision and Image
-//! Understanding 72, 1998). What stays lies on the medial axis to within a cell, with one loop round each pillar and one
-//! part for each region. Bumps of the wall leave spurs.
+//! Cells are removed in the order of their distance to rock, as long as no neighbours are disconnected and no line loses its
+//! end (distance-ordered homotopic thinning: Pudney, "Distance-ordered homotopic thinning", Computer Vision and Image
+//! Understanding 72, 1998). The result is on the medial axis to within a cell, with one loop around each pillar and one
+//! component for each region. Bumps of the wall leave spurs.
 
 use super::Mask;
 use plume_graph::Rows;
 
-/// The cells that stay.
+/// The remaining cells.
 pub(super) fn thinned(mask: &Mask, squares: &[u32]) -> Mask {
     let mut thin = mask.clone();
     let round = mask.round();
@@ -35,15 +35,15 @@ fn by_distance(mask: &Mask, squares: &[u32]) -> Vec<u32> {
     Rows::from_pairs(farthest + 1, open.map(|cell| (squares[cell] as usize, cell as u32))).into_items()
 }
 
-/// Whether a cell may go: it is no end of a line, and its neighbours stay connected without it.
+/// Whether a cell may be removed: it is not the end of a line, and its neighbours stay connected without it.
 fn may_go(mask: &Mask, cell: usize, round: &[usize; 8]) -> bool {
     let open = round.map(|way| mask.open[cell.wrapping_add(way)]);
     let count = open.iter().filter(|&&open| open).count();
     count >= 2 && crossings(open) == 1
 }
 
-/// Yokoi's number for cells that touch at corners: how many parts the neighbours fall into, 1 for a cell on the rim; 0 for
-/// one without rock at its sides.
+/// Yokoi's connectivity number for 8-connected cells: the number of components of the neighbours, 1 for a border cell, 0
+/// for one without rock at its sides.
 fn crossings(open: [bool; 8]) -> usize {
     let shut = open.map(|open| !open);
     let begins = |side: usize| shut[side] && !(shut[(side + 1) % 8] && shut[(side + 2) % 8]);

@@ -1,4 +1,4 @@
-//! A thinned plan as centrelines: smooth, without the spurs and steps that cells leave, each vertex with the width there.
+//! Turns a thinned plan into centrelines: smooth, without the spurs and steps of cells, each vertex with its width.
 
 use nalgebra::Point3;
 
@@ -6,20 +6,20 @@ use super::{Mask, distance, thin};
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::{Section, Shape};
 
-/// Rounds of smoothing: a step of one cell becomes a bend of about five (tuned: fewer leave stairs, more cut corners).
+/// Smoothing passes: a step of one cell becomes a bend of about five (tuned: fewer leave stairs, more cut corners).
 const SMOOTHING: usize = 12;
-/// One in this many vertices of a smooth line is enough.
+/// Of this many vertices of a smooth line, one is kept.
 const EVERY: usize = 3;
-/// Junctions nearer to each other than this part of their width are one (tuned).
+/// Junctions nearer to each other than this fraction of their width are merged (tuned).
 const ONE_JUNCTION: f64 = 0.6;
 
-/// The centrelines of a plan in metres, its middle at the origin, its first row in the north. Widths reach from wall to
-/// wall; heights are left at 0.
+/// The centrelines of a plan in metres, its middle at the origin, its first row in the north. Widths are from wall to wall;
+/// heights are left at 0.
 pub(crate) fn traced(mask: &Mask, cell_m: f64) -> CentrelineBuilder {
     rough(mask, cell_m).without_spurs().with_junctions_merged(ONE_JUNCTION).smoothed(SMOOTHING).with_every(EVERY)
 }
 
-/// A vertex in each cell that thinning leaves, joined to its neighbours.
+/// A vertex in each remaining cell, joined to its neighbours.
 fn rough(mask: &Mask, cell_m: f64) -> CentrelineBuilder {
     let squares = distance::squares(mask);
     let thin = thin::thinned(mask, &squares);
@@ -38,13 +38,13 @@ fn vertex(mask: &Mask, squares: &[u32], cell: usize, cell_m: f64) -> Vertex {
     let [column, row] = mask.place(cell).map(|at| at as f64 + 0.5);
     let x = (column - 0.5 * mask.columns as f64) * cell_m;
     let y = (0.5 * mask.rows() as f64 - row) * cell_m;
-    // From the middle of a cell of rock to its side is half a cell.
+    // From the centre of a rock cell to its side is half a cell.
     let half_width_m = (f64::from(squares[cell]).sqrt() - 0.5) * cell_m;
     let section = Section { width_m: 2.0 * half_width_m, height_m: 0.0, shape: Shape::Cave };
     Vertex { position: Point3::new(x, y, 0.0), section: Some(section), level: 0 }
 }
 
-/// The open neighbours of a cell that come before it; across a corner only where no cell at the side joins the two.
+/// The open neighbours of a cell that precede it; diagonal ones only if no cell at a side joins the two.
 fn earlier_neighbours(thin: &Mask, cell: usize) -> impl Iterator<Item = usize> {
     let open = |to: usize| thin.open[to];
     let c = thin.columns;
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_passage_runs_in_its_middle_as_wide_as_it_is() {
+    fn a_passage_is_traced_along_its_middle_with_its_width() {
         let closed = "#".repeat(41);
         let open = format!("#{}#", ".".repeat(39));
         let mask = Mask::drawn(&[&closed, &open, &open, &open, &closed, &closed, &closed]);

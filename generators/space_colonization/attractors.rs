@@ -1,4 +1,4 @@
-//! Attractors: which station each of them pulls, and which of them are taken.
+//! Attractors: which station each of them pulls, and which of them are removed.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,19 +6,19 @@ use crate::network::{Cells, Network};
 
 struct Attractor {
     at: Point3<f64>,
-    /// The nearest station within its influence, and how far off it is.
+    /// The nearest station within its influence, and its distance.
     nearest: Option<(usize, f64)>,
     is_taken: bool,
 }
 
-/// All attractors, and those that pull.
+/// All attractors, and those that are active.
 pub(super) struct Attractors {
     attractors: Vec<Attractor>,
     cells: Cells<u32>,
     pulling: Vec<u32>,
     kill_m: f64,
     influence_m: f64,
-    /// Sum of the pulls on each station; zero but while they are summed.
+    /// Sum of the pulls on each station; zero except while they are summed.
     sums: Vec<Vector3<f64>>,
 }
 
@@ -30,7 +30,7 @@ impl Attractors {
         Self { attractors, cells, pulling: Vec::new(), kill_m, influence_m, sums: Vec::new() }
     }
 
-    /// Lets a new station take the attractors near it, and others turn to it.
+    /// Removes the attractors near a new station, and assigns others to it.
     pub(super) fn meet(&mut self, station: usize, at: &Point3<f64>) {
         self.sums.resize(station + 1, Vector3::zeros());
         let near: Vec<u32> = self.cells.near([at; 2], self.influence_m).collect();
@@ -49,7 +49,7 @@ impl Attractors {
         }
     }
 
-    /// The mean direction in which each station is pulled, of length 1, in the order of the stations.
+    /// The mean unit direction in which each station is pulled, in the order of the stations.
     pub(super) fn pulls(&mut self, network: &Network) -> Vec<(usize, Vector3<f64>)> {
         let attractors = &self.attractors;
         self.pulling
@@ -71,7 +71,7 @@ impl Attractors {
         pulled.into_iter().map(|station| (station, mean(station))).collect()
     }
 
-    /// Frees the attractors of a station that cannot grow, until another one comes near them.
+    /// Detaches the attractors of a station that cannot grow, until another one comes near them.
     pub(super) fn give_up(&mut self, station: usize) {
         for &index in &self.pulling {
             let attractor = &mut self.attractors[index as usize];

@@ -8,14 +8,14 @@ use plume_graph::rng::Rng;
 /// Column, row and level.
 pub(super) type Cell = [i32; 3];
 
-/// Steps to the neighbours of a cell, once round; the side of a cell is a place in this list.
+/// Steps to the neighbours of a cell, in circular order; the side of a cell is an index into this list.
 pub(super) const SIDES: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
-/// Probability that growth goes on where it was last (tuned: less makes a heap, more a worm).
+/// Probability that growth continues at the last tile (tuned: less makes a cluster, more a worm).
 const GOES_ON: f64 = 0.25;
-/// Tries to find a place for a new way.
+/// Attempts to find a place for a way down.
 const TRIES: usize = 200;
 
-/// Connectors of a tile: a bit for each side that has one.
+/// Connectors of a tile: a bit for each side.
 pub(super) type Doors = u8;
 
 /// A tile on the grid.
@@ -25,10 +25,10 @@ pub(super) struct Tile {
     pub(super) is_room: bool,
 }
 
-/// A way from a side of a cell on one level to the far side of the last of a row of cells on the next.
+/// A way down from a side of a cell on one level to the far side of the last of a row of cells on the next level.
 pub(super) struct Link {
     pub(super) cell: Cell,
-    /// The side it leaves the cell by; it enters by the opposite one.
+    /// The side by which it leaves the cell; it enters by the opposite one.
     pub(super) side: usize,
     pub(super) tiles: usize,
 }
@@ -36,12 +36,12 @@ pub(super) struct Link {
 pub(super) struct Board {
     pub(super) tiles: Vec<Tile>,
     pub(super) links: Vec<Link>,
-    /// Length of all passages in sides of a tile.
+    /// Length of all passages in tile sizes.
     pub(super) length: f64,
     doors: FxHashMap<Cell, Doors>,
-    /// Where each tile of `tiles` lies in it.
+    /// Index of each tile in `tiles`.
     places: FxHashMap<Cell, usize>,
-    /// Connectors that lead into free cells, and some that no longer do.
+    /// Connectors that lead into free cells, and some that no longer do so.
     open: Vec<(Cell, usize)>,
 }
 
@@ -81,14 +81,14 @@ impl Board {
         None
     }
 
-    /// Puts a tile, drawn by weight, on a free cell, which is entered by this side.
+    /// Puts a random tile on a free cell, which is entered by this side.
     fn place(&mut self, settings: &Tiles, cell: Cell, entry: Option<usize>, rng: &mut Rng) {
         let surroundings = self.surroundings(cell);
         let choices: Vec<(f64, Doors, bool)> = choices(settings, entry.is_none())
             .filter(|&(_, doors, _)| entry.is_none_or(|side| doors & bit(side) != 0) && doors & surroundings.walls == 0)
             .map(|(weight, doors, is_room)| (weight * surroundings.liking(doors, entry, settings), doors, is_room))
             .collect();
-        // Where nothing fits, what led here ends here.
+        // If nothing fits, the passage ends here.
         let only_entry = entry.map_or(bit(0), bit);
         let (doors, is_room) = drawn(&choices, rng).unwrap_or((only_entry, false));
         self.length += 0.5 * f64::from(doors.count_ones());
@@ -126,18 +126,18 @@ impl Board {
                 return;
             }
         }
-        // A level that has links alone begins beyond one of them.
+        // A level that has only links starts beyond one of them.
         let beyond = |link: &Link| (link.last(), link.side);
         self.open.extend(self.links.iter().map(beyond).filter(|(cell, _)| cell[2] == level));
     }
 
-    /// The places of all tiles in turn, beginning anywhere.
+    /// The indices of all tiles in turn, starting at random.
     fn places_in_turn(&self, rng: &mut Rng) -> impl Iterator<Item = usize> + use<> {
         let (len, start) = (self.tiles.len(), rng.index(self.tiles.len()));
         (0..len).map(move |step| (start + step) % len)
     }
 
-    /// Digs a way down to the next level over so many cells in a row; whether there was room.
+    /// Digs a way down to the next level over this many cells in a row; whether there was room.
     pub(super) fn descend(&mut self, tiles: usize, level: i32, rng: &mut Rng) -> bool {
         let tries = TRIES + 4 * self.tiles.len();
         let heads = self.places_in_turn(rng).filter(|&place| self.tiles[place].cell[2] == level).take(tries);
@@ -165,14 +165,14 @@ impl Board {
         link.cells().chain([beyond]).all(|cell| !self.doors.contains_key(&cell))
     }
 
-    /// Whether a passage leads over this side of a cell into another tile.
+    /// Whether a passage leads across this side of a cell into another tile.
     pub(super) fn leads_on(&self, cell: Cell, side: usize) -> bool {
         self.doors.get(&next(cell, side)).is_some_and(|doors| doors & bit(opposite(side)) != 0)
     }
 }
 
 impl Link {
-    /// The cells that it covers, on both levels.
+    /// The cells it covers, on both levels.
     fn cells(&self) -> impl Iterator<Item = Cell> + use<> {
         let ([x, y, level], [dx, dy]) = (self.cell, SIDES[self.side]);
         (0..self.tiles as i32).flat_map(move |step| [0, 1].map(|down| [x + step * dx, y + step * dy, level + down]))
@@ -185,14 +185,14 @@ impl Link {
     }
 }
 
-/// What is round a free cell: sides that are shut, and sides that a connector leads in by.
+/// The surroundings of a free cell: closed sides, and sides with a connector.
 struct Surroundings {
     walls: Doors,
     connectors: Doors,
 }
 
 impl Surroundings {
-    /// How well a tile suits the connectors beside the one it grows from.
+    /// How well a tile fits the connectors other than the one it grows from.
     fn liking(&self, doors: Doors, entry: Option<usize>, settings: &Tiles) -> f64 {
         let others = self.connectors & !entry.map_or(0, bit);
         (0..4).filter(|&side| others & bit(side) != 0).fold(1.0, |liking, side| {
@@ -202,7 +202,7 @@ impl Surroundings {
     }
 }
 
-/// Every tile, in each orientation: weight, connectors, and whether it is a room. A first tile leads on.
+/// All tiles in all orientations: weight, connectors, and whether it is a room. A first tile has several connectors.
 fn choices(settings: &Tiles, is_first: bool) -> impl Iterator<Item = (f64, Doors, bool)> {
     let weights = [
         if is_first { 0.0 } else { settings.dead_ends },
@@ -213,7 +213,7 @@ fn choices(settings: &Tiles, is_first: bool) -> impl Iterator<Item = (f64, Doors
     ];
     let rooms = settings.rooms;
     (1..16_u8).flat_map(move |doors| {
-        // A kind has as many orientations that fit an entry as it has sides, rooms have six.
+        // A tile has as many orientations that fit an entry as it has connectors, rooms have six.
         let kind = match doors.count_ones() {
             1 => 0,
             2 if doors == 0b0101 || doors == 0b1010 => 1,
@@ -227,7 +227,7 @@ fn choices(settings: &Tiles, is_first: bool) -> impl Iterator<Item = (f64, Doors
     })
 }
 
-/// One of the choices, by weight.
+/// A random choice by weight.
 fn drawn(choices: &[(f64, Doors, bool)], rng: &mut Rng) -> Option<(Doors, bool)> {
     let sum: f64 = choices.iter().map(|(weight, ..)| weight).sum();
     let mut left = rng.unit() * sum;

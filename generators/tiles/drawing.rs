@@ -9,9 +9,9 @@ use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
 use plume_graph::rng::Rng;
 use plume_graph::{Section, Shape};
 
-/// How far from the middle of its tile a capped connector ends, in sides of a tile.
+/// Distance of the end of a capped connector from the middle of its tile, in tile sizes.
 const CAPPED: f64 = 0.35;
-/// Vertices of a bend besides its ends.
+/// Inner vertices of a bend.
 const BEND_KNOTS: usize = 3;
 
 /// All tiles and links of the board, the first tile first.
@@ -32,7 +32,7 @@ struct Drawing<'a> {
     board: &'a Board,
     rng: &'a mut Rng,
     centreline: CentrelineBuilder,
-    /// The vertex in the middle of each side that a passage crosses, by the cell to the west or south and the side.
+    /// The vertex in the middle of each crossed side, by the cell to the west or south and the side.
     borders: FxHashMap<(Cell, usize), VertexId>,
 }
 
@@ -51,14 +51,14 @@ impl Drawing<'_> {
         }
     }
 
-    /// A passage between two connectors: from straight to a quarter of a circle, moved aside in its middle.
+    /// A passage between two connectors: straight or a quarter circle, displaced in its middle.
     fn way(&mut self, tile: &Tile, a: VertexId, b: VertexId) {
         let [from, to] = [a, b].map(|end| self.centreline[end].position);
         let pull = self.middle(tile);
         let mut before = a;
         for place in 1..=BEND_KNOTS {
             let t = place as f64 / (BEND_KNOTS + 1) as f64;
-            // A Bézier curve through the middle of the tile's corner side.
+            // A quadratic Bézier curve with the middle of the tile as control point.
             let at = from.coords * ((1.0 - t) * (1.0 - t)) + pull.coords * (2.0 * t * (1.0 - t)) + to.coords * (t * t);
             let width_m = self.width();
             let vertex = self.vertex(at.into(), width_m, tile.cell[2]);
@@ -87,7 +87,7 @@ impl Drawing<'_> {
         vertex
     }
 
-    /// A way down: straight in the plan, or upright in the middle of its cell.
+    /// A way down: straight in the plan, or vertical in the middle of its cell.
     fn link(&mut self, link: &Link) {
         let [top, bottom] = [self.door(link.cell, opposite(link.side)), self.door(link.last(), link.side)];
         let mut chain = vec![top];
@@ -100,14 +100,14 @@ impl Drawing<'_> {
         chain.windows(2).for_each(|pair| self.centreline.join(pair[0], pair[1]));
     }
 
-    /// The middle of a tile, a little off.
+    /// The displaced middle of a tile.
     fn middle(&mut self, tile: &Tile) -> Point3<f64> {
         let wobble = self.settings.wobble;
         let off = [0, 1].map(|_| self.rng.between(-wobble, wobble));
         self.at(tile.cell, off)
     }
 
-    /// A point of a cell, from its middle, in sides of a tile.
+    /// A point of a cell, relative to its middle, in tile sizes.
     fn at(&self, cell: Cell, off: [f64; 2]) -> Point3<f64> {
         let [x, y] = [0, 1].map(|axis| (f64::from(cell[axis]) + off[axis]) * self.settings.pitch_m);
         Point3::from(Vector3::new(x, y, -f64::from(cell[2]) * self.settings.level_spacing_m))
