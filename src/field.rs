@@ -1,7 +1,7 @@
-//! How far is rock: a field over space, negative in air and positive in rock, in metres near the surface.
+//! Signed distance to the wall: a field over space, negative in air and positive in rock, in metres near the surface.
 //!
-//! A field knows no grid: whoever samples it chooses the points. Values are functions of the point alone, bit for bit,
-//! whatever the batch or the bounds they are asked in.
+//! A field is independent of any grid: the caller chooses the points. Values are functions of the point alone, bit for
+//! bit, whatever the batch or the bounds.
 
 mod analytic;
 mod cave;
@@ -13,23 +13,23 @@ pub use cave::CaveField;
 pub use passage::{PassageSettings, Reach};
 pub use plume_graph::Aabb;
 
-/// What a box holds.
+/// The content of a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
     /// Air everywhere.
     Air,
     /// Rock everywhere.
     Rock,
-    /// Perhaps both.
+    /// Possibly both.
     Mixed,
 }
 
 /// A scalar field whose zero set is the wall of the cave.
 pub trait Field: Sync {
-    /// What the box holds; `Air` and `Rock` are promises, `Mixed` is not.
+    /// The content of the box; `Air` and `Rock` are guaranteed, `Mixed` is not.
     fn region(&self, bounds: Aabb<f32>) -> Region;
 
-    /// The field at `points`, all of which lie in `bounds`; `out` has the same length.
+    /// The field at `points`, all of which are in `bounds`; `out` has the same length.
     fn distances(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [f32]);
 
     /// Unit normals at `points` (in `bounds`): the direction of steepest descent, from the wall into the air.
@@ -61,7 +61,7 @@ fn ball_round(bounds: Aabb<f32>) -> ([f32; 3], f32) {
     (bounds.center(), radius)
 }
 
-/// What a camera sees of the wall at a point.
+/// The appearance of the wall at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Texel {
     /// Base colour, linear RGB in 0–1.
@@ -72,14 +72,14 @@ pub struct Texel {
     pub roughness: f32,
     /// Ambient occlusion, 0 (buried) to 1 (open).
     pub occlusion: f32,
-    /// How far from the point the wall lies with all detail but without water, metres; positive towards the air. To first
-    /// order: the field over its steepness.
+    /// Distance of the wall with all detail, but without water, from the point, metres; positive towards the air. First-order
+    /// estimate: the field divided by its gradient magnitude.
     pub height_m: f32,
 }
 
-/// A wall that can be looked at.
+/// A wall with an appearance.
 pub trait Surface: Sync {
-    /// Looks at `points` (in `bounds`, on or near the wall). `normals` are the unit normals of the mesh there, into the
-    /// air; `texel_m` is the distance between neighbouring points, so finer detail than twice that can be left out.
+    /// Samples the surface at `points` (in `bounds`, on or near the wall). `normals` are the unit normals of the mesh there,
+    /// into the air; `texel_m` is the distance between neighbouring points: detail finer than twice that can be omitted.
     fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]);
 }

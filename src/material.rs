@@ -1,12 +1,12 @@
 //! What the rock looks like, in shape and colour.
 //!
-//! A rock is a file with a settings struct that implements [`Rock`] and a row in [`MATERIALS`]. The field asks it
-//! through [`Material`], a block of points at a time: first for the relief (shape, part of the geometry), then for the
-//! skin (finer shape, colour, roughness, occlusion).
+//! A rock is a file with a settings struct that implements [`Rock`] and a row in [`MATERIALS`]. The field evaluates it
+//! through [`Material`], a block of points at a time: first the relief (shape, part of the geometry), then the skin (finer
+//! shape, colour, roughness, occlusion).
 //!
-//! The two rocks are stacks of regimes rather than one noise: two states of the wall with sharp borders between them,
-//! steps that ignore the axis of the passage, a floor of its own, and colour that follows from form. Every stack was
-//! tuned by eye under a headlamp.
+//! The rocks are layered regimes rather than one noise: two states of the wall with sharp borders between them, steps
+//! independent of the axis of the passage, a separate floor, and colour that follows from form. All were tuned by eye under
+//! a headlamp.
 
 mod basalt;
 mod color;
@@ -33,24 +33,24 @@ use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// How a rock bends the passages it is in, before their distance is asked.
+/// How a rock bends passages: the domain warp applied before distances are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DomainWarp {
     /// Wavelengths in metres, long and short.
     pub length_m: [f32; 2],
-    /// How far each pushes a wall along one horizontal axis at most, in metres; 0.6 of it vertically.
+    /// Maximum displacement of a wall by each along one horizontal axis, in metres; 0.6 of it vertically.
     pub reach_m: [f32; 2],
 }
 
-/// A rock, asked a block at a time.
+/// A rock, evaluated a block at a time.
 pub trait Material: std::fmt::Debug + Send + Sync {
-    /// How it bends passages.
+    /// The domain warp.
     fn domain_warp(&self) -> DomainWarp;
     /// The field at the sites, negative in air, metres; one value per site.
     fn distances(&self, sites: &Sites, out: &mut [f32]);
     /// Gradients of [`Material::distances`].
     fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]);
-    /// What the wall looks like at the sites. `normals` are unit normals of the mesh there, into the air.
+    /// The appearance of the wall at the sites. `normals` are unit normals of the mesh there, into the air.
     fn surface_samples(
         &self,
         sites: &Sites,
@@ -72,11 +72,11 @@ pub struct MaterialRow {
     pub revision: u32,
     /// JSON Schema of the settings: descriptions, ranges, defaults.
     pub schema: fn() -> Schema,
-    /// Reads settings (an object holding a subset of the keys).
+    /// Reads settings (an object with a subset of the keys).
     pub read: fn(Value) -> Result<Arc<dyn Material>, serde_json::Error>,
 }
 
-/// Every rock, the default first. Programs may [register](Registry::register) their own.
+/// All rocks, the default first. Programs may [register](Registry::register) their own.
 pub static MATERIALS: Registry<MaterialRow> = Registry::new(&[
     MaterialRow::new::<Limestone>(
         "limestone",

@@ -5,9 +5,9 @@ use super::{Aabb, Field, Region, ball_round};
 /// Step of the central differences that give normals.
 const STEP_M: f32 = 1.0 / 64.0;
 
-/// A field given by its value alone, for shapes with a formula: examples, tests, rooms and shafts.
+/// A field given by a function of its value, for examples, tests, and simple shapes such as rooms and shafts.
 ///
-/// It costs one evaluation for each point, and six for a normal. Not promised: exact normals; they are central differences.
+/// One evaluation per point, and six per normal. Not promised: exact normals; they are central differences.
 ///
 /// ```
 /// use plume::field::{Aabb, Analytic, Field, Region};
@@ -23,7 +23,7 @@ pub struct Analytic<F> {
 }
 
 impl<F: Fn([f32; 3]) -> f32 + Sync> Analytic<F> {
-    /// The field with this value at each point, negative in air. `slope` bounds how fast it changes: no two values differ by
+    /// The field with this value at each point, negative in air. `slope` is a Lipschitz constant: no two values differ by
     /// more than `slope` times the distance of their points, in metres. It is 1 for a signed distance.
     pub fn new(slope: f32, value: F) -> Self {
         Self { value, slope }

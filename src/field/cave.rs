@@ -1,4 +1,4 @@
-//! The field of a cave: smooth passages bent and carved by a rock.
+//! The field of a cave: smooth passages, warped and roughened by a rock.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use fearless_simd::Simd;
 use plume_graph::Graph;
 use plume_graph::seed;
 
-/// A cave to be sampled: a graph, the shape of its passages, a rock and how it is dressed.
+/// A cave to be sampled: a graph, the shape of its passages, a rock and its look.
 #[derive(Debug)]
 pub struct CaveField {
     index: Index,
@@ -21,13 +21,13 @@ pub struct CaveField {
     look: Look,
     ground: Ground,
     source: Source,
-    /// How far the rock can move a point before its passage is asked, metres.
+    /// How far the domain warp of the rock can move a point, metres.
     wander_m: f32,
     bounds: Aabb<f32>,
 }
 
 impl CaveField {
-    /// The field of this graph; `seed` changes the rock and nothing else.
+    /// The field of this graph; `seed` affects only the rock.
     pub fn new(graph: &Graph, settings: &PassageSettings, material: Arc<dyn Material>, look: Look, seed: u64) -> Self {
         let wander_m = furthest_wander_m(material.domain_warp());
         let capsules = capsules(graph, settings, material.domain_warp());
@@ -44,7 +44,7 @@ impl CaveField {
         }
     }
 
-    /// A box outside which all is rock.
+    /// A box outside which everything is rock.
     pub fn bounds(&self) -> Aabb<f32> {
         self.bounds
     }
@@ -60,7 +60,7 @@ impl CaveField {
         floor
     }
 
-    /// The field at finite points that lie anywhere, in their order.
+    /// The field at arbitrary finite points, in their order.
     pub fn scattered(&self, points: &[[f32; 3]]) -> Vec<f32> {
         // Points near each other share the search for passages.
         let cell = |&point: &usize| points[point].map(|coordinate| (coordinate / TOGETHER_M).floor() as i64);
@@ -74,7 +74,7 @@ impl CaveField {
         distances
     }
 
-    /// Splits points into blocks, finds the capsules each block feels, and hands both on.
+    /// Splits points into blocks, finds the capsules that influence each block, and passes both on.
     fn blocks<'a>(
         &'a self,
         bounds: Aabb<f32>,
@@ -97,20 +97,20 @@ impl CaveField {
     }
 }
 
-/// Edge of the cells whose points are asked together, in metres. Tuned.
+/// Edge of the cells whose points are evaluated together, in metres. Tuned.
 const TOGETHER_M: f32 = 4.0;
 
-/// The longest way a rock can push a point, metres.
+/// The largest displacement of a point by the domain warp, metres.
 fn furthest_wander_m(domain_warp: DomainWarp) -> f32 {
     // Up to one unit along x and y, 0.6 along z.
     const LONGEST: f32 = 1.5363;
     (domain_warp.reach_m[0] + domain_warp.reach_m[1]) * LONGEST
 }
 
-/// More than the fillet between wall and floor, and all rounding, can move the surface; metres.
+/// An upper bound of how far the fillet between wall and floor, and all rounding, can move the surface; metres.
 const MARGIN_M: f32 = 0.1;
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
-/// A normal map cannot hold more than this turn away from the mesh, as a cosine.
+/// Cosine of the largest angle from the mesh normal that a normal map can hold.
 const LEAST_COSINE: f32 = 0.2;
 
 #[inline(always)]
@@ -133,13 +133,13 @@ fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     (length > 1e-6).then(|| v.map(|c| c / length))
 }
 
-/// How fast the field grows. Where it is nearly level its distance says nothing.
+/// Gradient magnitude of the field. Where it is nearly zero the distance is meaningless.
 fn steepness(gradient: [f32; 3]) -> f32 {
     const LEAST: f32 = 0.25;
     gradient.iter().map(|c| c * c).sum::<f32>().sqrt().max(LEAST)
 }
 
-/// The texel of one lane, its normal held within reach of the mesh's.
+/// The texel of one lane, with its normal limited to the allowed angle from that of the mesh.
 fn texel_of(surface_samples: &SurfaceSamples, lane: usize, mesh_normal: [f32; 3]) -> Texel {
     let of = |channels: &[[f32; BLOCK]; 3]| channels.each_ref().map(|channel| channel[lane]);
     let gradient = of(&surface_samples.gradient);

@@ -1,4 +1,4 @@
-//! Which capsules are near a box.
+//! A spatial index of capsules.
 
 use super::Aabb;
 use super::passage::Capsule;
@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 /// Edge of a bucket in metres; tuned to a few capsules each.
 const BUCKET_M: f32 = 8.0;
 
-/// Capsules by the buckets of space they are felt in.
+/// Capsules by the buckets of space that they influence.
 #[derive(Debug)]
 pub(super) struct Index {
     capsules: Vec<Capsule>,
@@ -15,7 +15,7 @@ pub(super) struct Index {
 }
 
 impl Index {
-    /// Indexes capsules that are felt up to `reach_m` outside their walls.
+    /// Indexes capsules with an influence up to `reach_m` outside their walls.
     pub fn new(capsules: Vec<Capsule>, reach_m: f32) -> Self {
         let mut buckets: FxHashMap<[i32; 3], Vec<u32>> = FxHashMap::default();
         for (i, capsule) in (0..).zip(&capsules) {
@@ -26,7 +26,7 @@ impl Index {
         Self { capsules, buckets }
     }
 
-    /// Every capsule felt in the box and perhaps some more, in their own order.
+    /// Every capsule that influences the box and possibly some more, in their order.
     pub fn near(&self, bounds: Aabb<f32>) -> Vec<&Capsule> {
         if buckets_of(bounds).nth(self.buckets.len()).is_some() {
             return self.capsules.iter().collect();

@@ -1,7 +1,7 @@
 //! The smooth passages: tapered capsules along the edges of a graph, rooms where passages meet, and a floor.
 //!
-//! Blending is a fourth-power sum of how far each capsule reaches beyond [`BLEND_M`], taken in the order of the graph.
-//! A capsule further away than that adds exactly nothing, so leaving it out changes no bit.
+//! Blending is a fourth-power sum of each capsule's influence within [`BLEND_M`], taken in the order of the graph. A capsule
+//! further away adds exactly nothing, so omitting it changes no bit.
 
 use std::array::from_fn;
 
@@ -15,32 +15,32 @@ use plume_graph::{Graph, Node, Section, Shape, StationId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How far from its wall a passage is felt, in metres; the smooth distance saturates there.
+/// Range of a passage's influence from its wall, in metres; the smooth distance saturates there.
 pub const BLEND_M: f32 = 1.1;
 
 /// From a graph to the smooth shape of its passages.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct PassageSettings {
-    /// Width of a passage in units of the radius of its station.
+    /// Width of a passage relative to the radius of its station.
     #[schemars(range(min = 0.1, max = 4.0))]
     pub width_per_radius: f32,
-    /// No passage is narrower than this, in metres.
+    /// Minimum width of a passage, in metres.
     #[schemars(range(min = 0.8, max = 10.0))]
     pub width_min_m: f32,
-    /// Height of the full section in units of its width; the floor cuts off its lower part.
+    /// Height of the full section relative to its width; the floor cuts off its lower part.
     #[schemars(range(min = 0.4, max = 2.5))]
     pub height_ratio: f32,
-    /// How deep below the axis the floor lies, in units of half the height: 1 leaves the round bottom open.
+    /// Depth of the floor below the axis, relative to half the height: 1 keeps the round bottom.
     #[schemars(range(min = 0.2, max = 0.95))]
     pub floor_drop: f32,
-    /// How flat the floor is: 0 rolling and strewn with stones, 1 a plane that wheels can drive on.
+    /// Flatness of the floor: 0 undulating and strewn with stones, 1 a drivable plane.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub floor_flatness: f32,
     /// Height of stones in the middle of the floor, in metres; up to four times that at the foot of a wall.
     #[schemars(range(min = 0.0, max = 0.3))]
     pub floor_roughness_m: f32,
-    /// Width of a room where three or more passages meet, in units of the width of its station; 1 makes no rooms.
+    /// Width of a room where three or more passages meet, relative to the width of its station; 1 makes no rooms.
     #[schemars(range(min = 1.0, max = 3.0))]
     pub room_factor: f32,
 }
@@ -60,7 +60,7 @@ impl Default for PassageSettings {
     }
 }
 
-/// How far the smooth passage reaches from its axis, in metres. Rooms and the rock add to it and take from it.
+/// Clearance radii of the smooth passage, in metres. Rooms and rock may extend or reduce it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// To either side.
@@ -72,13 +72,13 @@ pub struct Reach {
 }
 
 impl PassageSettings {
-    /// How far the passage reaches at a station.
+    /// Extents of the passage at a station.
     pub fn reach(&self, node: &Node) -> Reach {
         let Profile { half_width, half_height, drop, .. } = Profile::at(node, self);
         Reach { aside_m: half_width, up_m: half_height, down_m: drop }
     }
 
-    /// The same for questions about the graph.
+    /// The same as the graph crate needs it.
     pub fn passage_size(&self) -> PassageSize {
         PassageSize {
             width_per_radius: self.width_per_radius.into(),
@@ -118,14 +118,14 @@ impl Profile {
         Self { half_width, half_height, drop: half_height * settings.floor_drop, square: 0.0 }
     }
 
-    /// A mined drift: the whole height is clear, so the section reaches below the floor.
+    /// A mined drift: the full height is clear, so the section extends below the floor.
     fn drift(width: f32, height: f32) -> Self {
         let half_height = height / (1.0 + Self::DRIFT_DROP);
         let drop = half_height * Self::DRIFT_DROP;
         Self { half_width: width / 2.0, half_height, drop, square: 1.0 }
     }
 
-    /// A natural passage of known size: the height is that above the floor.
+    /// A natural passage of known size: the height is measured from the floor.
     fn measured(width: f32, height: f32, settings: &PassageSettings) -> Self {
         let half_height = height.max(settings.width_min_m) / (1.0 + settings.floor_drop);
         let half_width = width.max(settings.width_min_m) / 2.0;
@@ -139,7 +139,7 @@ impl Profile {
     }
 }
 
-/// A passage from one station to the next, or a room: a capsule without length.
+/// A passage from one station to the next, or a room, which is a capsule of zero length.
 #[derive(Clone, Debug)]
 pub(super) struct Capsule {
     start: [f32; 3],
@@ -152,7 +152,7 @@ pub(super) struct Capsule {
     /// Width over height at both ends.
     squash: [f32; 2],
     square: f32,
-    /// How much of the rock's domain warp it follows, 0–1.
+    /// Share of the rock's domain warp that applies to it, 0–1.
     warp_weight: f32,
 }
 
@@ -203,7 +203,7 @@ impl Capsule {
         }
     }
 
-    /// The least width over height.
+    /// The minimum of width over height.
     fn flattest(&self) -> f32 {
         self.squash[0].min(self.squash[1])
     }
@@ -213,7 +213,7 @@ impl Capsule {
         self.half_width[0].max(self.half_width[1])
     }
 
-    /// What is certain about all points within `radius` of `centre`, in rock that pushes points by up to `wander_m`.
+    /// Bounds for all points within `radius` of `centre`, in rock that moves points by up to `wander_m`.
     pub fn near(&self, centre: [f32; 3], radius: f32, wander_m: f32) -> Range {
         let radius = radius + self.warp_weight * wander_m;
         let away: [f32; 3] = std::array::from_fn(|i| centre[i] - self.start[i]);
@@ -244,8 +244,8 @@ impl Capsule {
     const ROUNDING_M: f32 = 0.02;
 }
 
-/// The share of the domain warp that leaves every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
-/// width (or height), and rock then stands in by at most [`crate::material::PROTRUSION`] of it.
+/// The share of the domain warp that keeps every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
+/// width (or height), and rock then protrudes by at most [`crate::material::PROTRUSION`] of it.
 fn warp_weight(profiles: [Profile; 2], domain_warp: DomainWarp) -> f32 {
     let narrow = profiles.map(|profile| profile.half_width.min(profile.half_height));
     let furthest = domain_warp.reach_m[0] + domain_warp.reach_m[1];
@@ -256,7 +256,7 @@ fn warp_weight(profiles: [Profile; 2], domain_warp: DomainWarp) -> f32 {
 /// See [`warp_weight`].
 const SWAY: f32 = 0.45;
 
-/// What is certain about a capsule as seen from a ball of points.
+/// Bounds of a capsule for a ball of points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Range {
     /// Lower bound of the distance to its wall, negative inside.
@@ -271,7 +271,7 @@ pub(super) struct Range {
     pub widest: f32,
 }
 
-/// Fills in what the passages say about the points of a block.
+/// Fills in the passage data for the points of a block.
 #[inline(always)]
 pub(super) fn survey<S: Simd, T: Stored<S>>(
     simd: S,
@@ -290,7 +290,7 @@ pub(super) fn survey<S: Simd, T: Stored<S>>(
     }
 }
 
-/// How far the rock bends space here, metres.
+/// The domain warp of the rock here, metres.
 #[inline(always)]
 fn push<S: Simd, T: Real<S>>(point: Vec3<T>, domain_warp: DomainWarp, source: Source) -> Vec3<T> {
     let [long, short] = domain_warp.length_m;
@@ -299,7 +299,7 @@ fn push<S: Simd, T: Real<S>>(point: Vec3<T>, domain_warp: DomainWarp, source: So
     vec3(near.x - point.x, near.y - point.y, near.z - point.z)
 }
 
-/// Sums over capsules, weighted by the fourth power of how far each is felt.
+/// Sums over capsules, weighted by the fourth power of their influence.
 struct Sums<T> {
     weight: T,
     height: T,
@@ -308,7 +308,7 @@ struct Sums<T> {
 }
 
 impl<T> Sums<T> {
-    /// Keeps the means finite where no passage is felt.
+    /// Keeps the means finite where no passage has influence.
     const FAINT: f32 = 1e-9;
 
     #[inline(always)]
@@ -369,7 +369,7 @@ impl<T> Sums<T> {
 mod tests {
     use super::*;
 
-    /// The graph reckons with passages that the field knows.
+    /// The graph crate assumes the passage sizes of the field.
     #[test]
     fn passages_have_one_default_size() {
         let (field, graph) = (PassageSettings::default().passage_size(), PassageSize::default());

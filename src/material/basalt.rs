@@ -1,8 +1,8 @@
 //! Basalt of a lava tube.
 //!
-//! First state: the lining, glazed when the tube drained, with flow ledges along the height above the floor, remelt
-//! drips and cooling cracks. Second state: spall, where the lining fell and the fractured flow behind it shows. The
-//! floor is ash with angular slabs (Larson, *Illustrated Glossary of Lava Tube Features*, 1993, for what is where).
+//! First state: the lining, glazed when the tube drained, with horizontal flow ledges, remelt drips and cooling cracks.
+//! Second state: spall, where the lining has fallen off and exposes the fractured flow behind it. The floor is ash with
+//! angular slabs (after Larson, *Illustrated Glossary of Lava Tube Features*, 1993).
 
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
@@ -20,19 +20,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct Basalt {
-    /// Strength of all relief; 1 is natural, 0 a smooth tube.
+    /// Strength of the relief; 1 is natural, 0 a smooth tube.
     #[schemars(range(min = 0.0, max = 1.5))]
     pub relief: f32,
-    /// How far the walls wander from the smooth passage, in metres.
+    /// How far the walls deviate from the smooth passage, in metres.
     #[schemars(range(min = 0.0, max = 1.2))]
     pub wander_m: f32,
-    /// How much of the lining has fallen off: about −0.6 none, 0 half, 0.6 all.
+    /// Share of the lining that has fallen off: about −0.6 none, 0 half, 0.6 all.
     #[schemars(range(min = -0.6, max = 0.6))]
     pub spall: f32,
     /// Distance between flow ledges, in metres.
     #[schemars(range(min = 0.4, max = 1.5))]
     pub ledge_m: f32,
-    /// How densely the floor is strewn with slabs: −0.5 clear, 0.5 covered.
+    /// Density of slabs on the floor: −0.5 clear, 0.5 covered.
     #[schemars(range(min = -0.5, max = 0.5))]
     pub rubble: f32,
 }
@@ -44,7 +44,7 @@ impl Default for Basalt {
 }
 
 impl Basalt {
-    /// Flow levels: each height has its own recess, a belly, and an edge over the level below.
+    /// Flow levels: each has its own recess, a belly, and an edge over the level below.
     #[inline(always)]
     fn levels<S: Simd, T: Real<S>>(level: T, salt: i32, sharp: f32, reach: f32, belly: f32) -> T {
         let (index, rest) = level.split();
@@ -64,7 +64,7 @@ impl Basalt {
         let lines = n.noise(15, p.stretched(0.55, 0.55, 2.4)) * 0.06;
         let bench = (n.noise(16, p.scaled(0.25)) * 0.35 + 0.22).at_least(0.0);
         let bench = bench * site.height.step(0.95, 0.35);
-        // Long creases that light can rake along.
+        // Long creases that show in raking light.
         let crease = n.noise(17, p.turned().stretched(0.16, 0.62, 0.62)).soft_abs(0.05);
         let creases = (crease * -2.2 + 1.0).at_least(0.0).squared() * -0.22;
         ledges + rolls + lines + creases - bench
@@ -79,7 +79,7 @@ impl Basalt {
         large * 0.25 + small * 0.055 + 0.24
     }
 
-    /// The space of the smaller fracture blocks.
+    /// Coordinates of the smaller fracture blocks.
     #[inline(always)]
     fn joints<S: Simd, T: Real<S>>(at: Vec3<T>) -> Vec3<T> {
         at.stretched(1.0 / 0.46, 1.0 / 0.46, 1.0 / 0.40).turned()

@@ -1,4 +1,4 @@
-//! Mixing colours in lanes: linear RGB.
+//! Mixes colours in vector lanes, as linear RGB.
 
 use super::Look;
 use super::rock::{Form, Paint};
@@ -10,20 +10,20 @@ use fearless_simd::prelude::*;
 /// A colour per lane.
 pub type Color<S> = Vec3<Value<S>>;
 
-/// From one colour at 0 to another at 1.
+/// Interpolates from one colour at 0 to another at 1.
 #[inline(always)]
 pub fn ramp<S: Simd>(t: Value<S>, low: [f32; 3], high: [f32; 3]) -> Color<S> {
     vec3(t * (high[0] - low[0]) + low[0], t * (high[1] - low[1]) + low[1], t * (high[2] - low[2]) + low[2])
 }
 
 impl<S: Simd> Color<S> {
-    /// Covered by another colour, 0 not to 1 fully.
+    /// Covers it with another colour, from 0 (not) to 1 (fully).
     #[inline(always)]
     pub fn under(self, cover: Self, share: Value<S>) -> Self {
         vec3(mix(self.x, cover.x, share), mix(self.y, cover.y, share), mix(self.z, cover.z, share))
     }
 
-    /// Covered by one colour, 0 not to 1 fully.
+    /// Covers it with a constant colour, from 0 (not) to 1 (fully).
     #[inline(always)]
     pub fn tinted(self, tint: [f32; 3], share: Value<S>) -> Self {
         let simd = share.0.token();
@@ -38,12 +38,12 @@ impl<S: Simd> Color<S> {
     }
 }
 
-/// Colours of a rock without stains: the darkest and the lightest of each.
+/// Colours of a rock without stains: the darkest and the lightest of wall and floor.
 #[derive(Clone, Copy, Debug)]
 pub struct Shades {
-    /// Of the wall.
+    /// Colours of the wall.
     pub wall: [[f32; 3]; 2],
-    /// Of the floor.
+    /// Colours of the floor.
     pub floor: [[f32; 3]; 2],
 }
 
@@ -52,7 +52,7 @@ impl Shades {
     pub const GREY: Self =
         Self { wall: [[0.10, 0.10, 0.10], [0.28, 0.27, 0.26]], floor: [[0.08, 0.07, 0.06], [0.18, 0.15, 0.12]] };
 
-    /// Lighter and darker in patches, darker in cracks and hollows and where it is wet.
+    /// Varies in patches, and is darker in cracks, hollows and wet places.
     #[inline(always)]
     pub fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let simd = site.simd();
@@ -70,16 +70,16 @@ impl Shades {
     }
 }
 
-/// Variations that every rock's colour draws on.
+/// Variations shared by the colours of all rocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Tone<S: Simd> {
-    /// From a decimetre down, about ±1; lighter where the wall stands out.
+    /// A decimetre and less, about ±1; lighter where the wall protrudes.
     pub fine: Value<S>,
     /// About a metre, about ±1.
     pub broad: Value<S>,
     /// The finest, about ±1.
     pub grain: Value<S>,
-    /// Where water runs: patches drawn out downwards, about ±1.
+    /// Water runs: vertically stretched patches, about ±1.
     pub streak: Value<S>,
     /// Two metres, about ±1.
     pub patch: Value<S>,
@@ -107,14 +107,14 @@ impl<S: Simd> Tone<S> {
         }
     }
 
-    /// Darker in hollows, and uneven.
+    /// Irregular dirt, more in hollows.
     #[inline(always)]
     pub fn shade(&self, form: &Form<S>) -> Value<S> {
         let hollow = form.cavity.step(0.0, 0.9) * -0.45 + 1.0;
         hollow * (self.fine * 0.22 + self.grain * 0.14 + 1.0)
     }
 
-    /// Film of water, 0–1; `repelled` lowers it.
+    /// Film of water, 0–1; reduced by `repelled`.
     #[inline(always)]
     pub fn film(&self, form: &Form<S>, look: &Look, repelled: Value<S>) -> Value<S> {
         let threshold = look.humidity - 0.40;

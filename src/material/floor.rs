@@ -1,4 +1,4 @@
-//! The floor of a rock: sediment, with stones of two sizes and gravel in it.
+//! The floor of a rock: sediment with stones of two sizes and gravel.
 
 use super::rock::Floor;
 use super::rubble::{Rubble, higher};
@@ -7,25 +7,25 @@ use crate::noise::{Lanes, Real, Value, Vec3, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-/// What lies on the floor of a rock. The share of the ground that stones cover is a sum: an amount, more of it at the
-/// foot of the wall, and patches.
+/// What is on the floor of a rock. The share of the ground covered by stones is a sum: a base amount, more at the foot of
+/// the wall, and patches.
 #[derive(Clone, Copy, Debug)]
 pub struct Debris {
-    /// Distance between the swells of the sediment, metres.
+    /// Wavelength of the sediment's undulation, metres.
     pub swell_m: f32,
-    /// How far the sediment lies below the plane of the floor, metres.
+    /// Depth of the sediment below the plane of the floor, metres.
     pub sunk_m: f32,
     /// The large stones and the small ones.
     pub stones: [Rubble; 2],
-    /// How densely the floor is strewn: −0.5 clear, 0.5 covered.
+    /// Density of stones: −0.5 clear, 0.5 covered.
     pub amount: f32,
-    /// The same for the stones that the mesh holds, on top of that.
+    /// Additional density of stones large enough for the mesh.
     pub more: f32,
-    /// How much denser the stones are at the foot of the wall.
+    /// Additional density at the foot of the wall.
     pub bank: f32,
-    /// How much denser they are in a patch.
+    /// Additional density in patches.
     pub patches: f32,
-    /// One over the size of a patch.
+    /// Reciprocal of the size of a patch.
     pub patches_per_m: f32,
 }
 
@@ -97,28 +97,28 @@ fn bank<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
     (site.wall / site.half_width).step(-0.62, -0.08)
 }
 
-/// Height of stones here, metres.
+/// Height of stones at a site, metres.
 #[inline(always)]
 fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
     let share = (site.half_width * 0.6 - 0.1).within(0.2, 1.0);
     (bank(site) * share * (Ground::BANK - 1.0) + 1.0) * site.ground.roughness_m
 }
 
-/// The ground that stones lie in, and where they lie.
+/// The ground around stones, and the coordinates of stones.
 #[derive(Clone, Copy, Debug)]
 struct Sediment<T> {
     /// See [`bent`].
     at: Vec3<T>,
-    /// Breaks the edges of stones, about ±1.
+    /// Roughens the edges of stones, about ±1.
     ragged: T,
-    /// How high it lies against the stones.
+    /// How high sediment is banked up against the stones.
     drift: T,
-    /// Its height over the plane of the floor, about ±1.
+    /// Height of the sediment above the plane of the floor, about ±1.
     roll: T,
 }
 
 impl<T> Sediment<T> {
-    /// The sediment at a site, rolling over `length_m`.
+    /// The sediment at a site, undulating with the wavelength `length_m`.
     #[inline(always)]
     fn of<S: Simd>(site: &Site<T>, length_m: f32) -> Self
     where
@@ -136,13 +136,13 @@ impl<T> Sediment<T> {
     }
 }
 
-/// The point, moved so that no edge of a stone is straight.
+/// The point, displaced so that no edge of a stone is straight.
 #[inline(always)]
 fn bent<S: Simd, T: Real<S>>(site: &Site<T>) -> Vec3<T> {
     site.source.warp(35, site.point, 0.8, 0.14)
 }
 
-/// Gravel of two sizes over a floor with its larger stones: fine grain, ripples where it is bare.
+/// Gravel of two sizes on a floor with its larger stones; fine grain, and ripples on bare ground.
 #[inline(always)]
 fn strewn<S: Simd, T: Real<S>>(
     site: &Site<T>,
@@ -155,7 +155,7 @@ fn strewn<S: Simd, T: Real<S>>(
     let at = bent(site);
     let mut gravel = Floor { height: zero, stone: zero, tint: zero };
     for rubble in GRAVEL {
-        // A stone of fewer than eight texels is a speck.
+        // Stones of fewer than eight texels would be specks.
         let share = footprint.keep(rubble.cell_m * 0.25);
         if share > 0.0 {
             let stones = rubble.stones(site, at, [zero, zero + 0.1], &density);

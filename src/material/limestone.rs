@@ -19,28 +19,28 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct Limestone {
-    /// Strength of all relief; 1 is natural, 0 a smooth tube.
+    /// Strength of the relief; 1 is natural, 0 a smooth tube.
     #[schemars(range(min = 0.0, max = 1.5))]
     pub relief: f32,
-    /// How far the walls wander from the smooth passage, in metres.
+    /// How far the walls deviate from the smooth passage, in metres.
     #[schemars(range(min = 0.0, max = 1.2))]
     pub wander_m: f32,
-    /// How much of the wall flowstone covers: about −0.6 none, 0 a half, 0.6 all.
+    /// Share of the wall covered by flowstone: about −0.6 none, 0 half, 0.6 all.
     #[schemars(range(min = -0.6, max = 0.6))]
     pub flowstone: f32,
     /// Mean thickness of a bed, in metres.
     #[schemars(range(min = 0.4, max = 1.5))]
     pub bed_m: f32,
-    /// Steepest descent of the beds, in degrees from the horizontal.
+    /// Dip of the beds, in degrees from the horizontal.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub dip_deg: f32,
-    /// Direction in which the beds descend, in degrees from x towards y.
+    /// Dip direction of the beds, in degrees from x towards y.
     #[schemars(range(min = 0.0, max = 360.0))]
     pub dip_azimuth_deg: f32,
     /// Direction of the joints, in degrees from x towards y.
     #[schemars(range(min = 0.0, max = 180.0))]
     pub joint_azimuth_deg: f32,
-    /// How densely the floor is strewn with stones: −0.5 clear, 0.5 covered.
+    /// Density of stones on the floor: −0.5 clear, 0.5 covered.
     #[schemars(range(min = -0.5, max = 0.5))]
     pub rubble: f32,
 }
@@ -60,20 +60,20 @@ impl Default for Limestone {
     }
 }
 
-/// A bed and where in it a point is.
+/// A bed, and the position of a point in it.
 struct Bed<T> {
     /// Hardness of the bed at the point, 0–1.
     hardness: T,
     /// Height in the bed, 0 bottom to 1 top.
     rest: T,
-    /// How open the parting above it is, 0–1.
+    /// Openness of the parting above it, 0–1.
     parting: T,
-    /// How clearly the beds show here, 0–1.
+    /// Prominence of the beds here, 0–1.
     show: T,
 }
 
 impl Limestone {
-    /// Up across the beds.
+    /// Normal of the beds, upwards.
     fn pole(&self) -> [f32; 3] {
         let (dip, azimuth) = (self.dip_deg.to_radians(), self.dip_azimuth_deg.to_radians());
         let across = libm::sinf(dip);
@@ -87,7 +87,7 @@ impl Limestone {
         let level = rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06;
         let (index, rest) = level.split();
         let lot = inlined!(|index, layer| level_lot::<S, T>(index, n.layer(layer)));
-        // The next bed begins at a height of its own, so that partings are not evenly spaced.
+        // Each bed begins at an individual height, so that partings are unevenly spaced.
         let edge = lot(index, 14) * 0.28 - 0.14;
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
         let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.42, 1.0));
@@ -129,7 +129,7 @@ impl Rock for Limestone {
         let pocket = (-pocket.distance.squared() + 0.30) * (ceiling * 0.28 + 0.24);
         let fissure = self.joints(site);
         let joint = (fissure * 5.0).bump() * (ceiling * 0.55 + 0.16);
-        // Water comes out of joints and runs down: where no joint is near, no flowstone is.
+        // Water comes out of joints and runs down, so flowstone forms only near joints.
         let cover = (fissure * 3.0).bump() * 0.9 - 0.40 - ceiling * 0.5 + n.noise(5, p.stretched(1.0, 1.0, 0.2)) * 0.4;
         let flow = (cover + self.flowstone).step(0.0, 0.40) * site.height.step(0.0, 0.5);
         let rock = beds + pocket + joint;
@@ -154,7 +154,7 @@ impl Rock for Limestone {
             let scallop = cells_3d(n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7), n.layer(42)).distance;
             let scallops = (-scallop.squared() + 0.30) * scalloped * 0.11;
             let net = cells_3d(n.warp(43, p, 0.7, 0.08).stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3), n.layer(44)).edge;
-            // In pieces: the mask is about as long as an edge of the net.
+            // Interrupted: the mask is about as long as an edge of the network.
             let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.12, 0.60);
             let crack = footprint.line(net * 0.7, 0.022) * cracked;
             let grain = n.fbm(46, p.scaled(4.5), footprint.octaves(0.22, 4), 0.54) * 0.020;
@@ -211,7 +211,7 @@ impl Limestone {
     fn wall_color<S: Simd>(form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
-        // Each bed has its own grey; the broad patches only break it up.
+        // Each bed has its own grey; broad patches only vary it.
         let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
         let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
         let marl = form.band.step(0.60, 0.80) * 0.7;

@@ -1,4 +1,4 @@
-//! How relief, floor and detail of a rock become one field, the same way for every rock.
+//! Combines relief, floor and detail of a rock into one field, in the same way for every rock.
 
 use super::color::{Color, Shades};
 use super::floor::Debris;
@@ -8,13 +8,13 @@ use crate::noise::{Ints, Jet, Lanes, Real, Value, Vec3, dispatched, inlined, mix
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-/// The deepest a rock recedes behind the smooth wall, in metres.
+/// Maximum recession of a rock behind the smooth wall, in metres.
 pub const RECESS_M: f32 = 0.75;
-/// The furthest it stands into the passage, as a share of half the width: a passage never closes.
+/// Maximum protrusion into the passage, relative to half the width: a passage never closes.
 pub const PROTRUSION: f32 = 0.25;
 /// Width of the fillet between wall and floor, in metres.
 const FILLET_M: f32 = 0.24;
-/// How far from the corner between wall and floor it is darker, in metres.
+/// Width of the darker zone along the corner between wall and floor, in metres.
 const CORNER_M: f32 = 1.0;
 /// Steepness of the field over the floor; below 1 because flanks of stones are steep.
 const FLOOR_STEEPNESS: f32 = 0.75;
@@ -22,27 +22,27 @@ const FLOOR_STEEPNESS: f32 = 0.75;
 /// The shape of the wall.
 #[derive(Clone, Copy, Debug)]
 pub struct Wall<T> {
-    /// How far the wall recedes, metres.
+    /// Recession of the wall, metres.
     pub recess: T,
-    /// The same without its longest undulation: what catches dirt and water.
+    /// The same without its longest undulation: determines where dirt and water collect.
     pub cavity: T,
-    /// Which of the rock's two states: 0 the first, 1 the second.
+    /// State of the rock: 0 the first, 1 the second.
     pub state: T,
-    /// A number in 0–1 of the rock's own: hardness of the bed, for one.
+    /// A number in 0–1 with a meaning specific to the rock, such as the hardness of the bed.
     pub band: T,
 }
 
-/// What is too fine for the mesh.
+/// Detail too fine for the mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Detail<T> {
-    /// How much further the wall recedes, metres.
+    /// Additional recession of the wall, metres.
     pub recess: T,
-    /// 1 in a crack, 0 beside it.
+    /// 1 in a crack, 0 outside.
     pub crack: T,
 }
 
 impl<T> Detail<T> {
-    /// Nothing finer.
+    /// No detail.
     #[inline(always)]
     pub fn none<S: Simd>(simd: S) -> Self
     where
@@ -59,11 +59,11 @@ pub struct Floor<T> {
     pub height: T,
     /// 1 on a stone, 0 between stones.
     pub stone: T,
-    /// A number in 0–1 of each stone's own.
+    /// A random number in 0–1 per stone.
     pub tint: T,
 }
 
-/// All that decides a colour.
+/// Everything that determines a colour.
 #[derive(Clone, Copy, Debug)]
 pub struct Form<S: Simd> {
     /// The point.
@@ -72,7 +72,7 @@ pub struct Form<S: Simd> {
     pub upward: Value<S>,
     /// Height above the plane of the floor, metres.
     pub height: Value<S>,
-    /// How deep in a hollow, about −1 to 1.
+    /// Depth in a hollow, about −1 to 1.
     pub cavity: Value<S>,
     /// See [`Wall::state`].
     pub state: Value<S>,
@@ -95,56 +95,56 @@ pub struct Paint<S: Simd> {
     pub color: Color<S>,
     /// Perceptual roughness, 0–1.
     pub roughness: Value<S>,
-    /// How thick a film of water lies on it, 0–1: it fills the finest relief.
+    /// Thickness of the water film, 0–1, which fills the finest relief.
     pub film: Value<S>,
     /// 1 where water stands level.
     pub pool: Value<S>,
 }
 
-/// How steep the field is at most near the wall: its change over the distance of two points. Tuned.
+/// Maximum steepness of the field near the wall: its change relative to the distance of two points. Tuned.
 pub const STEEPEST: f32 = 12.0;
-/// By how much it may jump, in metres: stones on the floor do by up to 3 cm where their cells meet. Tuned.
+/// Maximum jump, in metres: stones on the floor jump by up to 3 cm where their cells meet. Tuned.
 pub const JUMP_M: f32 = 0.05;
 
-/// A rock as formulas over lanes. [`Rock::domain_warp`] and [`Rock::wall`] suffice; the rest has defaults.
+/// A rock as formulas over vector lanes. [`Rock::domain_warp`] and [`Rock::wall`] suffice; the rest has defaults.
 ///
-/// What it must keep, so that a mesh can hold its wall:
-/// - The field has no jump of [`JUMP_M`] or more: what [`Rock::wall`] and [`Rock::floor`] give is continuous over space. A number of a bed or
-///   a cell must fade out towards its border, or meet that of the next one there.
+/// Requirements, so that a mesh can represent its wall:
+/// - The field has no jump of [`JUMP_M`] or more: the results of [`Rock::wall`] and [`Rock::floor`] are continuous over
+///   space. A value of a bed or a cell must fade out towards its border, or match that of the next one there.
 /// - It is nowhere steeper than [`STEEPEST`], for all settings within their ranges.
-/// - No wavelength below 0.4 m: what is finer belongs into [`Rock::wall_detail`] and [`Rock::floor_detail`].
+/// - No wavelength below 0.4 m: finer detail belongs in [`Rock::wall_detail`] and [`Rock::floor_detail`].
 ///
-/// `field_laws.rs` looks for jumps and steep places along many lines near the wall.
+/// `field_laws.rs` searches for jumps and steep places along many lines near the wall.
 pub trait Rock: std::fmt::Debug + Send + Sync {
-    /// How it bends passages.
+    /// The domain warp.
     fn domain_warp(&self) -> DomainWarp;
     /// The wall.
     fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T>;
 
-    /// What is finer on the wall.
+    /// Finer detail of the wall.
     #[inline(always)]
     fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, _wall: &Wall<T>, _footprint: Footprint) -> Detail<T> {
         Detail::none(site.simd())
     }
 
-    /// What lies on the floor.
+    /// What is on the floor.
     fn debris(&self) -> Debris {
         Debris::PLAIN
     }
 
-    /// The floor; of it, only the height shapes the field.
+    /// The floor; only its height affects the field.
     #[inline(always)]
     fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
         self.debris().floor(site)
     }
 
-    /// The floor with all that is finer.
+    /// The floor with finer detail.
     #[inline(always)]
     fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
         self.debris().detail(site, floor, footprint)
     }
 
-    /// Between which colours wall and floor vary.
+    /// The range of colours of wall and floor.
     fn shades(&self) -> Shades {
         Shades::GREY
     }
@@ -156,7 +156,7 @@ pub trait Rock: std::fmt::Debug + Send + Sync {
     }
 }
 
-/// How much of its relief a rock shows: all in passages 3.5 m wide and more, less in narrow ones.
+/// Share of the relief: all of it in passages at least 3.5 m wide, less in narrower ones.
 #[inline(always)]
 fn relief_share<S: Simd, T: Real<S>>(half_width: T) -> T {
     (half_width * 0.4 + 0.3).within(0.3, 1.0)
@@ -178,7 +178,7 @@ fn floor_field<S: Simd, T: Real<S>>(site: &Site<T>, floor: &Floor<T>) -> T {
 }
 
 impl<T> Site<T> {
-    /// The deepest ditch in a floor, metres.
+    /// Maximum depth of a ditch in a floor, metres.
     pub const DITCH_M: f32 = 0.15;
 
     /// Upper bound of [`wall_field`].
@@ -200,7 +200,7 @@ impl<T> Site<T> {
     }
 }
 
-/// Wall and floor of the sites in one vector; what cannot be seen from there is absent, which changes no bit.
+/// Wall and floor of the sites in one vector; one that is out of range is omitted, which changes no bit.
 struct Carved<T> {
     field: T,
     wall: Option<(Wall<T>, T)>,
@@ -209,7 +209,7 @@ struct Carved<T> {
 
 #[inline(always)]
 fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
-    // A function of its own, compiled once for gradients and surface samples together.
+    // A separate function, compiled once for both gradients and surface samples.
     site.simd().vectorize(
         #[inline(always)]
         || carve_here(rock, site),
@@ -261,7 +261,7 @@ fn gradients<S: Simd, R: Rock>(simd: S, rock: &R, sites: &Sites, out: &mut [[f32
     }
 }
 
-/// A gradient as water leaves it: a film hides most of the detail, a pool is level.
+/// A gradient under water: a film hides most of the detail, a pool is level.
 #[inline(always)]
 fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>) -> [Lanes<S>; 3] {
     let level = [0.0, 0.0, -FLOOR_STEEPNESS];
@@ -273,7 +273,7 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
     out
 }
 
-/// The whole surface at the sites in one vector: its shape, the same with detail, and what decides its colour.
+/// The surface at the sites in one vector: its shape without and with detail, and what determines its colour.
 #[inline(always)]
 fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint) -> (Jet<S>, Jet<S>, Form<S>) {
     let zero = Jet::zero(site.simd());
@@ -344,11 +344,11 @@ fn surface_samples<S: Simd, R: Rock>(
     }
 }
 
-/// How much of the passage lights a point: less in hollows, where wall and floor meet, and in narrow passages.
+/// Ambient occlusion of a point: darker in hollows, where wall and floor meet, and in narrow passages.
 #[inline(always)]
 fn openness<S: Simd>(form: &Form<S>, site: &Site<Value<S>>) -> Value<S> {
     let hollow = form.cavity.step(-0.1, 1.1) * 0.5;
-    // Distance to the other of the two, roughly.
+    // Approximate distance to the other of the two.
     let corner = mix(site.height, -site.wall, form.floor).step(CORNER_M, -0.2) * 0.35;
     let tight = site.half_width.step(1.6, 0.5) * 0.15;
     (-hollow + 1.0) * (-corner + 1.0) * (-tight + 1.0)
@@ -379,7 +379,7 @@ impl<R: Rock> Material for R {
     }
 }
 
-/// A number in 0–1 that belongs to a level.
+/// A random number in 0–1 per level.
 #[inline(always)]
 pub(super) fn level_lot<S: Simd, T: Real<S>>(level: Ints<S>, salt: i32) -> T {
     let h = (level * 0x27d4_eb2d) ^ salt;

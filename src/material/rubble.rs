@@ -6,31 +6,31 @@ use crate::noise::{Ints, Lanes, Real, Vec3, cells_2d, inlined, soft_max, soft_mi
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-/// Rubble: one stone per cell in plan, tilted, half sunk in sediment. Heights are in units of the highest stone.
+/// Rubble: one stone per cell in plan, tilted, half sunk in sediment. Heights are relative to the highest stone.
 #[derive(Clone, Copy, Debug)]
 pub struct Rubble {
-    /// Layer of noise.
+    /// Noise layer.
     pub layer: u32,
     /// Size of a cell in metres.
     pub cell_m: f32,
-    /// Height of the lowest stone, and how much higher the highest is.
+    /// Height of the lowest stone, and range up to the highest.
     pub rise: [f32; 2],
-    /// Rise of the tops per cell at most, along each axis.
+    /// Maximum rise of the tops per cell, along each axis.
     pub tilt: f32,
     /// Rise of the flanks per cell.
     pub flank: f32,
-    /// Width of the rounding between top and flank: little for slabs, much for pebbles.
+    /// Width of the rounding between top and flank: small for slabs, large for pebbles.
     pub rounding: f32,
 }
 
-/// How far below the sediment the ground is where there is no stone.
+/// Depth of the ground below the sediment where there is no stone.
 const SUNK: f32 = 0.35;
 /// Width of the fillet of sediment around a stone.
 const FILLET: f32 = 0.25;
 
 impl Rubble {
-    /// Its height over the sediment and, per stone, its tint. `density` is the share of cells that hold a stone, at most
-    /// 1. `ragged` (about ±1) breaks the edges, `drift` is how high sediment lies against the stones.
+    /// Height over the sediment and, per stone, its tint. `density` is the share of cells with a stone, at most 1. `ragged`
+    /// (about ±1) roughens the edges, `drift` is how high sediment is banked up against the stones.
     #[inline(always)]
     pub fn stones<S: Simd, T: Real<S>>(
         &self,

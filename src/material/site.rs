@@ -1,4 +1,4 @@
-//! Where a point is in the cave: what a rock is told before it is asked for its relief.
+//! Position of points relative to the cave: the input of a rock.
 
 use crate::noise::{Jet, Lanes, Real, Source, Value, Vec3, inlined, vec3};
 use fearless_simd::Simd;
@@ -12,7 +12,7 @@ pub const BLOCK: usize = 64;
 pub struct Channel {
     /// Values.
     pub value: [f32; BLOCK],
-    /// Derivatives along x, y and z; meaningless where only values were asked for.
+    /// Derivatives along x, y and z; undefined if only values were computed.
     pub gradient: [[f32; BLOCK]; 3],
 }
 
@@ -31,26 +31,26 @@ impl Channel {
 pub struct Ground {
     /// Height of stones in the driving lane, in metres; up to [`Ground::BANK`] times that at the foot of a wall.
     pub roughness_m: f32,
-    /// How much of its undulation and rubble the floor keeps, 0–1.
+    /// Strength of the floor's undulation and rubble, 0–1.
     pub natural: f32,
 }
 
 impl Ground {
-    /// How much higher rubble is at the foot of a wall than in the driving lane.
+    /// Height of rubble at the foot of a wall relative to that in the driving lane.
     pub const BANK: f32 = 4.0;
-    /// Highest undulation in metres.
+    /// Maximum undulation in metres.
     pub const UNDULATION_M: f32 = 0.10;
 
-    /// The floor is nowhere higher above its plane than this, in metres.
+    /// Maximum height of the floor above its plane, in metres.
     pub fn highest_m(&self) -> f32 {
         self.natural * Self::UNDULATION_M + self.roughness_m * Self::BANK
     }
 }
 
-/// A block of points and what the passages say about them.
+/// A block of points with their passage data.
 #[derive(Clone, Debug)]
 pub struct Sites {
-    /// How many sites there are; the rest of the block is padding.
+    /// Number of sites; the rest of the block is padding.
     pub count: usize,
     /// Coordinates in metres.
     pub point: [[f32; BLOCK]; 3],
@@ -64,7 +64,7 @@ pub struct Sites {
     pub half_width: Channel,
     /// The floor.
     pub ground: Ground,
-    /// Where the rock takes its noise from.
+    /// The noise of the rock.
     pub source: Source,
 }
 
@@ -83,7 +83,7 @@ impl Sites {
         }
     }
 
-    /// Takes over at most [`BLOCK`] points; padding repeats the last.
+    /// Stores at most [`BLOCK`] points; padding repeats the last.
     pub fn place(&mut self, points: &[[f32; 3]]) {
         self.count = points.len();
         for lane in 0..BLOCK {
@@ -118,7 +118,7 @@ pub struct Site<T> {
     pub wall: T,
     /// Height above the floor plane.
     pub height: T,
-    /// Where around the axis.
+    /// Direction around the axis.
     pub up: T,
     /// Half the width of the passage.
     pub half_width: T,
@@ -129,7 +129,7 @@ pub struct Site<T> {
 }
 
 impl<T> Site<T> {
-    /// The vectors that the site is in.
+    /// The vector type of the site.
     #[inline(always)]
     pub fn simd<S: Simd>(&self) -> S
     where
@@ -139,7 +139,7 @@ impl<T> Site<T> {
     }
 }
 
-/// A number that can wait in a [`Channel`].
+/// A number that can be stored in a [`Channel`].
 pub trait Stored<S: Simd>: Real<S> {
     /// The coordinates from `at` on, as variables of space.
     fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self>;
@@ -206,7 +206,7 @@ impl<S: Simd> Stored<S> for Jet<S> {
     }
 }
 
-/// What the wall looks like at every site of a block.
+/// The appearance of the wall at every site of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceSamples {
     /// The field with all detail, metres.
@@ -241,7 +241,7 @@ impl SurfaceSamples {
     }
 }
 
-/// How fine a skin is sampled.
+/// Sampling resolution of a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
     /// Distance between neighbouring texels in metres.
@@ -249,16 +249,16 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// How much of a layer with this wavelength to keep: 1 from three texels on, 0 below two (Nyquist).
+    /// Weight of a layer with this wavelength: 1 from three texels on, 0 below two (Nyquist).
     pub fn keep(self, wavelength_m: f32) -> f32 {
         (wavelength_m / self.texel_m - 2.0).clamp(0.0, 1.0)
     }
 
-    /// A line where `distance_m` is 0, fading out at `half_width_m`: never narrower than two texels between its half
-    /// heights, and fainter by as much as it had to be widened.
+    /// A line where `distance_m` is 0, fading out at `half_width_m`: its full width at half maximum is at least two texels,
+    /// and it is fainter by the factor by which it had to be widened.
     #[inline(always)]
     pub fn line<S: Simd, T: Real<S>>(self, distance_m: T, half_width_m: f32) -> T {
-        /// Share of its support that a bump is wide at half height.
+        /// Full width at half maximum of a bump, relative to its support.
         const HALF_HEIGHT: f32 = 0.454;
         let drawn_m = half_width_m.max(self.texel_m / HALF_HEIGHT);
         (distance_m * (1.0 / drawn_m)).bump() * (half_width_m / drawn_m)
@@ -281,7 +281,7 @@ mod tests {
     use super::*;
     use crate::noise::dispatched;
 
-    /// Height of a line at its middle, how far out it reaches, and its integral across.
+    /// Height of a line at its middle, its half width, and its integral across.
     fn drawn<S: Simd>(simd: S, texel_m: f32, half_width_m: f32) -> [f32; 3] {
         let at = |x: f32| {
             let distance = Value::<S>(Lanes::<S>::splat(simd, x));

@@ -3,21 +3,21 @@ use serde::{Deserialize, Serialize};
 
 use super::Zone;
 
-/// Convex pieces of the rock behind the wall, for simulators that collide convex shapes only. Made when a target asks.
+/// Convex pieces of the rock behind the wall, for simulators that collide convex shapes only. Made if a target needs them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct PieceSettings {
-    /// How far a piece may reach into the open beyond the floor that cameras see, in metres. Half of it means about twice
+    /// How far a piece may reach into the air beyond the floor of the visual mesh, in metres. Half of it means about twice
     /// as many pieces.
     #[schemars(range(min = 0.005, max = 1.0))]
     pub floor_tolerance_m: f32,
-    /// The same of walls.
+    /// How far a piece may reach into the air beyond a wall, in metres.
     #[schemars(range(min = 0.005, max = 1.0))]
     pub wall_tolerance_m: f32,
-    /// The same of ceilings.
+    /// How far a piece may reach into the air beyond the ceiling, in metres.
     #[schemars(range(min = 0.005, max = 1.0))]
     pub ceiling_tolerance_m: f32,
-    /// How far pieces reach into the rock, in metres, where the rock is that thick.
+    /// Thickness of the pieces in metres, where the rock is that thick.
     #[schemars(range(min = 0.05, max = 2.0))]
     pub thickness_m: f32,
 }
