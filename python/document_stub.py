@@ -1,8 +1,8 @@
-"""Writes the docstrings of the extension module into its stub, where editors look for them.
+"""Copies the docstrings of the extension module into its stub, where editors look for them.
 
     python python/document_stub.py
 
-They are written in Rust, beside the code; a test holds the stub to them.
+They are written in Rust, next to the code; a test compares the stub with them.
 """
 
 import ast
@@ -27,7 +27,7 @@ def documented(stub: str) -> str:
 
 
 def public(tree: ast.Module | ast.ClassDef, owner: Any) -> Any:
-    """Definitions of the stub in their order, each with what it stands for."""
+    """Definitions of the stub in order, each with the object it describes."""
     for node in tree.body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
             thing = getattr(owner, node.name)
@@ -37,7 +37,7 @@ def public(tree: ast.Module | ast.ClassDef, owner: Any) -> Any:
 
 
 def place(lines: list[str], node: ast.ClassDef | ast.FunctionDef, doc: list[str]) -> None:
-    """Puts the docstring in place of the one that is there, or of the dots of a function."""
+    """Replaces the existing docstring, or the dots of a function, with the docstring."""
     first = node.body[0]
     end = first.end_lineno or first.lineno
     is_old = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)

@@ -1,9 +1,9 @@
-"""How long a chunk of a million vertices takes to author and save, against its arrays alone; seconds, best of five.
+"""How long it takes to author and save a chunk of a million vertices, compared with its arrays alone; seconds, best of five.
 
     python python/benches/write_chunk.py      (or: cargo xtask bench usd)
 
-The floor is usd-core itself: the same arrays handed over the same way into a bare layer and saved. Beside it the same
-bytes put into a file without USD, which neither copies nor compresses them, with and without waiting for the disk.
+The lower bound is usd-core itself: the same arrays passed the same way into a bare layer and saved. For comparison, the
+same bytes are written to a file without USD, neither copied nor compressed, with and without syncing to the disk.
 """
 
 import importlib.util
@@ -40,7 +40,7 @@ def main():
         f"{len(arrays['LOD0.points'])} vertices, {total / 1e6:.0f} MB of arrays, {size / 1e6:.0f} MB file, peak {peak:.0f} MB"
     )
     print(f"author and save {whole:.3f} s, usd-core writing the arrays alone {alone:.3f} s, ratio {whole / alone:.2f}")
-    print(f"the bytes without USD: {raw:.3f} s into the cache, {raw_disk:.3f} s on to the disk")
+    print(f"the bytes without USD: {raw:.3f} s into the cache, {raw_disk:.3f} s synced to the disk")
 
 
 def load_stage():

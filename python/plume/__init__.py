@@ -9,8 +9,8 @@ A recipe and a seed give a cave; a cave gives arrays and packages:
         for chunk in cave.chunks:
             print(chunk.name, chunk.positions.shape, chunk.bounds)
 
-Metres, radians, right-handed, Z up. Arrays are NumPy's. In the examples of this module `cave` is a cave of 12 stations
-and `folder` a folder for trials.
+Metres, radians, right-handed, Z up. Arrays are NumPy arrays. In the examples of this module `cave` is a cave of 12
+stations and `folder` a scratch folder.
 """
 
 from plume._plume import (

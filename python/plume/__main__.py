@@ -7,7 +7,7 @@ from plume import _plume
 
 
 def main() -> int:
-    """Runs the command line of this process and gives its exit code."""
+    """Runs the command line of this process and returns its exit code."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         # Plume stops the work itself; Python would raise KeyboardInterrupt on top of that.
         signal.signal(signal.SIGINT, signal.SIG_DFL)

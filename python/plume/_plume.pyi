@@ -36,8 +36,8 @@ __all__ = [
 __version__: str
 
 def main(arguments: Sequence[str | PathLike[str]]) -> int:
-    """Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C, SIGTERM and SIGHUP over: for the
-    process of the command.
+    """Runs a command line, `plume` first, and returns its exit code. Takes over Ctrl-C, SIGTERM and SIGHUP, so it is
+    meant for the process of the command.
     """
 
 def generate(
@@ -51,30 +51,30 @@ def generate(
     allow_run: bool = False,
     allow_outside: bool = False,
 ) -> Cave:
-    """Makes a cave: graph, triangles and images.
+    """Makes a cave: graph, meshes and textures.
 
     The same recipe, seed and version of Plume give the same bytes, on any machine and for any number of threads. Other
-    Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt when the chunks in work are done, if this is the main
-    thread; the same call with the same `folder` then goes on where it stopped.
+    Python threads keep running. Ctrl-C raises KeyboardInterrupt once the current chunks are done, if this is the main
+    thread; the same call with the same `folder` then resumes where it stopped.
 
     Args:
-        recipe: A Recipe, a mapping as Recipe takes it, or a path: of a recipe (TOML), a graph (JSON, also that of the
+        recipe: A Recipe, a mapping as Recipe takes it, or the path of a recipe (TOML), a graph (JSON, also of the
             original PLUME) or a cave folder. None is the default cave.
-        seed: Wins over the seed of the recipe.
-        folder: The cave folder to make. Left out, it is the cave folder that `recipe` names, else a temporary one, which
-            goes when the Cave is closed or collected.
+        seed: Takes precedence over the seed of the recipe.
+        folder: The cave folder to write. By default the cave folder named by `recipe`, otherwise a temporary one, which
+            is removed when the Cave is closed or garbage-collected.
         force: Replace another cave in the folder.
-        threads: How many threads work; left out, one per core.
-        progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "preview",
-            "mesh" or "texture" and the numbers count chunks, but 1 for the whole cave in the first two. What it raises
-            stops the work.
-        allow_run: Let the recipe run a program, as the generator "external" does.
-        allow_outside: Let surveys include files that do not lie below their own folder.
+        threads: Number of threads; one per core by default.
+        progress: Called from time to time as `progress(stage, done, total)`, where `stage` is "graph", "preview",
+            "mesh" or "texture" and the numbers count chunks, except that the first two stages count as 1. An
+            exception that it raises stops the work.
+        allow_run: Allow the recipe to run a program, as the generator "external" does.
+        allow_outside: Allow surveys to include files from outside their own folder.
 
     Raises:
-        RecipeError: The recipe has faults.
-        InputError: There can be no such cave.
-        StorageError: The folder holds something else, or the disk refuses.
+        RecipeError: The recipe is faulty.
+        InputError: Such a cave is impossible.
+        StorageError: The folder contains something else, or the disk fails.
 
     >>> seen = []
     >>> tiny = {"graph": {"nodes": 3}, "mesh": {"voxel_m": 0.5}, "texture": {"size_px": 256}}
@@ -84,7 +84,7 @@ def generate(
     """
 
 def open(folder: str | PathLike[str]) -> Cave:
-    """Opens a finished cave folder. Nothing in it is changed.
+    """Opens a finished cave folder without changing it.
 
     Raises:
         InputError: There is no cave, or it is not finished; `generate(folder)` finishes it.
@@ -95,20 +95,20 @@ def open(folder: str | PathLike[str]) -> Cave:
     """
 
 def targets() -> dict[str, str]:
-    """Targets of `Cave.export`, by name, with what each writes.
+    """Targets for `Cave.export` by name, with what each writes.
 
     >>> " ".join(sorted(plume.targets()))
     'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl unity unreal urdf usd usdz'
     """
 
 def generators() -> dict[str, str]:
-    """Words for `graph.generator`, with how the passages then grow."""
+    """Values of `graph.generator`, with how each lays out the passages."""
 
 def materials() -> dict[str, str]:
-    """Words for `rock.kind`, with what each rock is like."""
+    """Values of `rock.kind`, with a description of each rock."""
 
 def presets() -> dict[str, str]:
-    """Names for `Recipe.preset`, with what each makes."""
+    """Names for `Recipe.preset`, with a description of each."""
 
 def register_generator(
     name: str,
@@ -149,16 +149,16 @@ def register_generator(
 class Recipe:
     """What a cave is made from: every key has a value, every value is in range.
 
-    `plume new` prints the default recipe, in which every key explains itself. A recipe does not change; `replace` makes
-    another one. Two are equal if all their keys are.
+    `plume new` prints the default recipe with a comment for every key. A recipe is immutable; `replace` makes a changed
+    copy. Two recipes are equal if all their values are.
 
     Args:
         settings: A mapping of keys to values. Keys are nested, `{"graph": {"nodes": 20}}`, or dotted, `{"graph.nodes":
-            20}`. What is left out, or None, has its default.
-        seed: Wins over the seed of `settings`; 0 to 2**63 - 1.
+            20}`. Missing keys and None get their defaults.
+        seed: Takes precedence over the seed of `settings`; 0 to 2**63 - 1.
 
     Raises:
-        RecipeError: With every fault of the settings.
+        RecipeError: With all faults of the settings.
 
     >>> recipe = plume.Recipe({"graph": {"nodes": 20}}, seed=3)
     >>> recipe["graph"]["nodes"], recipe["rock.kind"], recipe.seed
@@ -193,7 +193,7 @@ class Recipe:
 
     @staticmethod
     def preset(name: str, *, seed: int | None = None) -> Recipe:
-        """A recipe that comes with Plume; `plume.presets()` names them.
+        """A recipe included with Plume; `plume.presets()` lists them.
 
         Raises:
             InputError: If there is no such preset.
@@ -203,14 +203,14 @@ class Recipe:
         """
 
     def replace(self, settings: Mapping[str, Any] | None = None, *, seed: int | None = None) -> Recipe:
-        """Another recipe, with these keys in place of its own.
+        """A copy of the recipe with these values.
 
         Args:
-            settings: A mapping as the constructor takes it. What is left out, or None, stays.
+            settings: A mapping as for the constructor. Missing keys and None keep their values.
             seed: Another seed.
 
         Raises:
-            RecipeError: With every fault.
+            RecipeError: With all faults.
 
         >>> plume.Recipe().replace({"graph.nodes": 100, "rock.kind": "basalt"}, seed=5)["graph.nodes"]
         100
@@ -218,17 +218,17 @@ class Recipe:
 
     @property
     def name(self) -> str:
-        """Name of the cave, and of what is made of it."""
+        """Name of the cave and of what is made from it."""
 
     @property
     def seed(self) -> int:
-        """The seed that everything random follows from."""
+        """The seed of everything random."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Every key with its value, as a new dict of dicts; None is what has no value."""
+        """Every key with its value, as a new dict of dicts; keys without a value are None."""
 
     def to_toml(self) -> str:
-        """The recipe as TOML in which every key explains itself; `parse` gives an equal recipe."""
+        """The recipe as TOML with a comment for every key; `parse` returns an equal recipe."""
 
     def __getitem__(self, key: str, /) -> Any: ...
     def __contains__(self, key: str, /) -> bool: ...
@@ -237,15 +237,15 @@ class Recipe:
 
 @final
 class Cave:
-    """A finished cave: what `generate` and `open` give.
+    """A finished cave, returned by `generate` and `open`.
 
-    Metres, right-handed, Z up. As a context manager it closes itself. A temporary folder is removed when the cave is
-    closed or collected; other folders stay.
+    Metres, right-handed, Z up. A context manager that closes itself. A temporary folder is removed when the cave is
+    closed or garbage-collected; other folders stay.
     """
 
     @property
     def recipe(self) -> Recipe:
-        """The recipe it was made from, every key written down."""
+        """The recipe it was made from, with every key."""
 
     @property
     def folder(self) -> Path:
@@ -253,7 +253,7 @@ class Cave:
 
     @property
     def graph(self) -> Graph:
-        """Where the passages go."""
+        """The graph of the passages."""
 
     @property
     def chunks(self) -> Chunks:
@@ -261,10 +261,10 @@ class Cave:
 
     @property
     def spawns(self) -> NDArray[np.float64]:
-        """Where a robot may start: poses as a (k, 4, 4) float64 array, m; each maps the robot's frame to the cave's.
+        """Start poses for robots as a (k, 4, 4) float64 array, m; each maps the robot's frame to the cave's.
 
-        +X looks along the passage, +Z is up, the origin is on level ground. The first is the most level one. There is at
-        least one. Computed when first asked for; the array is a copy.
+        +X points along the passage, +Z up, the origin is on level ground. The first is the most level one. There is at
+        least one. Computed on first access; the array is a copy.
 
         >>> cave.spawns[0][3]
         array([0., 0., 0., 1.])
@@ -275,13 +275,12 @@ class Cave:
         """The lamps along the passages; none if the recipe says `world.lights = false`."""
 
     def distance(self, points: ArrayLike) -> NDArray[np.float32]:
-        """How far is rock: the field that the walls are made from, at points of your choice.
+        """Approximate signed distance to the wall, sampled from the field that the walls are made from.
 
-        Negative in the air, zero on the wall, positive in the rock, so its sign tells free space. It is a distance near the
-        wall only, and roughly: up to half a metre away mostly between a half and twice the true distance, further into
-        the rock it levels off at about 1 m. The triangles leave out what is finer than a voxel or
-        `mesh.simplify_error_m`, so keep a margin between what the sign says and them. A million points take about a
-        second; many at once are faster than one by one.
+        Negative in air, zero on the wall, positive in rock, so its sign tells free space. It is a distance only near the
+        wall, and only roughly: up to half a metre away mostly between half and twice the true distance; deeper in the
+        rock it levels off at about 1 m. The triangles omit detail finer than a voxel or `mesh.simplify_error_m`, so keep
+        a margin. A million points take about a second; one call with many points is faster than many calls.
 
         Args:
             points: Finite points in the cave's frame as an (n, 3) array, m; taken as float32.
@@ -307,22 +306,22 @@ class Cave:
     ) -> Package:
         """Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
 
-        Ctrl-C raises KeyboardInterrupt when the chunk in work is done, if this is the main thread. The package appears
+        Ctrl-C raises KeyboardInterrupt once the current chunk is done, if this is the main thread. The package appears
         whole or not at all.
 
         Args:
-            target: Its name; `plume.targets()` lists them.
-            path: The folder or file to make.
-            bundle: Make one file of the package: "zip", "tar.zst", or what else the target has, such as "mjz". The name of the
-                file ends with it, which is added where it does not.
-            force: Replace a package that is there.
+            target: Name of the target; `plume.targets()` lists them.
+            path: The folder or file to write.
+            bundle: Write the package as a single file: "zip", "tar.zst", or another kind that the target supports, such as
+                "mjz". The extension is added to `path` if it is missing.
+            force: Replace an existing package.
             options: Options of the target, such as `lights=False`.
 
         Raises:
             InputError: There is no such target or bundle.
-            RecipeError: An option has a fault.
-            MissingPartError: A library that the target needs is not there.
-            StorageError: Something else is at `path`, or the disk refuses.
+            RecipeError: An option is faulty.
+            MissingPartError: A library that the target needs is missing.
+            StorageError: Something else is at `path`, or the disk fails.
 
         >>> package = cave.export("gltf", folder / "package")
         >>> package.target, package.visual_triangles > 0
@@ -332,21 +331,21 @@ class Cave:
         """
 
     def close(self) -> None:
-        """Lets go of the cave, and removes its folder if that was temporary. A closed cave can be closed again."""
+        """Closes the cave, and removes its folder if it is temporary. Closing twice does no harm."""
 
     def __enter__(self) -> Cave: ...
     def __exit__(self, *exception: object) -> None: ...
 
 @final
 class Graph:
-    """Where the passages go: stations, and the passages between them.
+    """A graph: stations, and the passages between them.
 
-    The arrays are copies, made when `Cave.graph` is asked for.
+    The arrays are copies, made when `Cave.graph` is accessed.
     """
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """The stations, points on the centrelines of the passages: (n, 3) float64, m.
+        """The stations, points on the centrelines of passages: (n, 3) float64, m.
 
         >>> cave.graph.positions.shape, str(cave.graph.positions.dtype)
         ((12, 3), 'float64')
@@ -354,19 +353,19 @@ class Graph:
 
     @property
     def radii(self) -> NDArray[np.float64]:
-        """Reach of each station to the next: (n,) float64, m. Passages are wide by a factor of it."""
+        """Reach of each station to the next: (n,) float64, m. Passage widths are proportional to it."""
 
     @property
     def edges(self) -> NDArray[np.uint32]:
-        """The passages as pairs of rows of `positions`: (m, 2) uint32, the smaller one first, sorted, each once."""
+        """The passages as pairs of rows of `positions`: (m, 2) uint32, smaller row first, sorted, unique."""
 
     def to_json(self) -> str:
-        """The text of the graph file, recipe inside: `graph.json` of the cave folder, from which alone `generate` makes the
-        cave again.
+        """The text of the graph file with its recipe: `graph.json` of the cave folder, from which alone `generate` can make
+        the same cave again.
         """
 
     def to_dict(self) -> dict[str, Any]:
-        """What the graph file holds, as a new dict.
+        """The content of the graph file as a new dict.
 
         >>> sorted(cave.graph.to_dict())
         ['nodes', 'plume', 'recipe']
@@ -374,7 +373,7 @@ class Graph:
 
 @disjoint_base
 class Mesh:
-    """Triangles, counter-clockwise seen from the air. Metres, right-handed, Z up, frame of the cave."""
+    """Triangles, counter-clockwise as seen from the air. Metres, right-handed, Z up, frame of the cave."""
 
     @property
     def positions(self) -> NDArray[np.float32]:
@@ -386,15 +385,15 @@ class Mesh:
 
     @property
     def bounds(self) -> NDArray[np.float32]:
-        """The least and the greatest corner of the box round the vertices: (2, 3) float32, m."""
+        """Minimum and maximum corner of the bounding box: (2, 3) float32, m."""
 
 @disjoint_base
 class VisualMesh(Mesh):
-    """Triangles with all that a camera sees; the attributes are per vertex."""
+    """Triangles with everything needed for rendering; the attributes are per vertex."""
 
     @property
     def normals(self) -> NDArray[np.float32]:
-        """Unit normals, into the air: (v, 3) float32."""
+        """Unit normals, pointing into the air: (v, 3) float32."""
 
     @property
     def uvs(self) -> NDArray[np.float32]:
@@ -407,19 +406,19 @@ class VisualMesh(Mesh):
 @final
 class Lod(VisualMesh):
     """A coarser level of detail of a chunk, with the same textures. Vertices on the border of the chunk are those of the
-    full detail, so that no level tears from any other.
+    full detail, so levels of neighbouring chunks meet without cracks.
     """
 
     @property
     def error_m(self) -> float:
-        """How far it lies from the full detail at most, m."""
+        """Upper bound of its distance from the full detail, m."""
 
 @final
 class Chunk(VisualMesh):
-    """A piece of the wall of a cave in full detail, with its coarser levels, collision mesh and textures.
+    """A box of the cave with its wall in full detail, its coarser levels of detail, collision mesh and textures.
 
-    Its arrays are what was read, handed over without a copy. They are its own: they stay when the cave is closed, and
-    changing them changes nothing else.
+    Its arrays are the loaded data, passed on without a copy. The chunk owns them: they stay valid when the cave is
+    closed, and changing them affects nothing else.
 
     >>> chunk = cave.chunks[0]
     >>> chunk.positions.shape[1], chunk.indices.shape[1], str(chunk.uvs.dtype)
@@ -438,15 +437,15 @@ class Chunk(VisualMesh):
 
     @property
     def collision(self) -> Mesh:
-        """What wheels touch: fewer triangles, no more than `mesh.collision_error_m` of the recipe away."""
+        """The collision mesh: fewer triangles, at most `mesh.collision_error_m` of the recipe away from the wall."""
 
     @property
     def textures(self) -> Textures:
-        """The images of the wall."""
+        """The textures of the wall."""
 
 @final
 class Chunks:
-    """The chunks of a cave, in a fixed order, as a sequence. Each access reads one from the folder anew, so that memory
+    """The chunks of a cave as a sequence in a fixed order. Each access reads the chunk from the folder again, so memory
     holds only what you keep.
 
     >>> [chunk.name for chunk in cave.chunks] == cave.chunks.names
@@ -455,7 +454,7 @@ class Chunks:
 
     @property
     def names(self) -> list[str]:
-        """The names of the chunks; reads nothing."""
+        """The names of the chunks; reads no files."""
 
     def __len__(self) -> int: ...
     @overload
@@ -466,16 +465,16 @@ class Chunks:
 
 @final
 class ChunkIterator:
-    """Loads the chunks of a cave one after the other."""
+    """Loads the chunks of a cave one by one."""
 
     def __iter__(self) -> ChunkIterator: ...
     def __next__(self) -> Chunk: ...
 
 @final
 class Textures:
-    """The images of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
+    """The textures of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
 
-    Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
+    Each access reads and decodes the file again, as long as the cave is open; the array is the decoded image, not a copy.
 
     >>> textures = cave.chunks[0].textures
     >>> textures.base_color.shape, textures.roughness.shape
@@ -488,11 +487,11 @@ class Textures:
 
     @property
     def normal(self) -> NDArray[np.uint8]:
-        """Normals in tangent space, +Y up (OpenGL): x, y, z from -1 at 0 to 1 at 255."""
+        """Tangent-space normals, +Y up (OpenGL): x, y, z, where 0 stands for -1 and 255 for 1."""
 
     @property
     def orm(self) -> NDArray[np.uint8]:
-        """Occlusion, roughness and metalness (0); linear."""
+        """Ambient occlusion, roughness and metalness (0); linear."""
 
     @property
     def roughness(self) -> NDArray[np.uint8]:
@@ -500,7 +499,7 @@ class Textures:
 
     @property
     def height_m(self) -> NDArray[np.float32] | None:
-        """How far the rock lies before the mesh, metres along its normal, (height, width) float32; None unless the recipe asks
+        """Height of the rock above the mesh, in metres along the normal, (height, width) float32; None unless the recipe asks
         for it (`texture.height`).
         """
 
@@ -514,11 +513,11 @@ class Light:
 
     @property
     def position(self) -> tuple[float, float, float]:
-        """Where it hangs: x, y, z in m."""
+        """Position: x, y, z in m."""
 
     @property
     def color(self) -> tuple[float, float, float]:
-        """Its colour: linear red, green, blue, 0 to 1."""
+        """Colour: linear red, green, blue, 0 to 1."""
 
     @property
     def intensity_cd(self) -> float:
@@ -526,11 +525,11 @@ class Light:
 
     @property
     def range_m(self) -> float:
-        """Distance beyond which it can be left out, m."""
+        """Distance beyond which it can be ignored, m."""
 
 @final
 class Package:
-    """A package that was written."""
+    """A written package."""
 
     @property
     def target(self) -> str:
@@ -542,20 +541,20 @@ class Package:
 
     @property
     def files(self) -> int:
-        """Number of its files, the manifest among them."""
+        """Number of files, including the manifest."""
 
     @property
     def bytes(self) -> int:
-        """Size of its files together, before they are packed."""
+        """Total size of the files, before bundling."""
 
     @property
     def visual_triangles(self) -> int:
-        """Triangles that cameras see, in full detail."""
+        """Number of triangles of the visual mesh, in full detail."""
 
     @property
     def collision_triangles(self) -> int:
-        """Triangles that wheels touch; 0 if the target carries none."""
+        """Number of triangles of the collision mesh; 0 if the target has none."""
 
     @property
     def open_with(self) -> str:
-        """A command for a shell in the folder, or a sentence, that opens the package."""
+        """How to open the package: a shell command to run in its folder, or a sentence."""

@@ -1,7 +1,7 @@
-"""What Plume raises.
+"""The exceptions of Plume.
 
-The text of an exception says what went wrong, where, and on a line of its own what to do about it: the words of the
-command line. Its options are keywords here: what it calls `--force` is `force=True`.
+The text of an exception says what went wrong, where, and on a separate line what to do about it, in the words of the
+command line. Options of the command line are keywords here: `--force` is `force=True`.
 """
 
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ __all__ = ["Fault", "InputError", "MissingPartError", "PlumeError", "RecipeError
 
 
 class PlumeError(Exception):
-    """The base of what Plume raises."""
+    """Base class of the exceptions of Plume."""
 
     hint: str
     """What to do about it; may be empty."""
@@ -23,16 +23,16 @@ class PlumeError(Exception):
 
 
 class InputError(PlumeError, ValueError):
-    """What was asked for cannot be: no such target, a graph that is none, a cave out of reach."""
+    """The request is impossible: an unknown target, an invalid graph, a cave that is too large."""
 
 
 class Fault(NamedTuple):
     """One fault of a recipe or of options."""
 
     origin: str
-    """The file, or the `key=value` that was laid over it."""
+    """The file, or the `key=value` override."""
     line: int | None
-    """Line in the file, counted from 1; None where there are no lines."""
+    """Line in the file, counted from 1; None if it has no lines."""
     message: str
     """What is wrong, naming the key."""
     hint: str
@@ -40,20 +40,20 @@ class Fault(NamedTuple):
 
 
 class RecipeError(InputError):
-    """Settings that cannot be: all their faults at once."""
+    """Invalid settings, with all their faults."""
 
     faults: tuple[Fault, ...]
     """Every fault; never empty."""
 
     def __init__(self, message: str, faults: Iterable[Fault] = ()) -> None:
-        """An error with a text and the faults that it tells."""
+        """An error with a text and the faults it reports."""
         super().__init__(message)
         self.faults = tuple(faults)
 
 
 class MissingPartError(PlumeError, ImportError):
-    """A library that the target is written by is not there, or of another version."""
+    """A library needed to write the target is missing, or has an unsupported version."""
 
 
 class StorageError(PlumeError, OSError):
-    """A file or folder is missing, damaged, in use or in the way, or the disk refuses."""
+    """A file or folder is missing, damaged, in use or in the way, or the disk fails."""

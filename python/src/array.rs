@@ -1,4 +1,4 @@
-//! From vectors to NumPy arrays, in the same memory; and back, by a copy.
+//! From vectors to NumPy arrays without a copy, and back with one.
 
 use numpy::{Element, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -21,15 +21,15 @@ pub fn block<T: Element>(py: Python<'_>, flat: Vec<T>, shape: [usize; 3]) -> PyR
     PyArray1::from_vec(py, flat).reshape(shape)
 }
 
-/// Finite points out of an array of shape (n, 3).
+/// Finite points from an array of shape (n, 3).
 pub fn points(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<Vec<[f32; 3]>> {
     let refused = |fault: String, hint| Err(error::refused(array.py(), &format!("`points` {fault}"), hint));
     let &[_, 3] = array.shape() else {
-        return refused(format!("has the shape {:?}", array.shape()), "give a row of x, y, z for each point: (n, 3)");
+        return refused(format!("has the shape {:?}", array.shape()), "pass one row of x, y, z per point: (n, 3)");
     };
     let flat: Vec<f32> = array.as_array().iter().copied().collect();
     match flat.iter().position(|coordinate| !coordinate.is_finite()) {
-        Some(at) => refused(format!("has a coordinate in row {} that is not finite", at / 3), "leave such rows out"),
+        Some(at) => refused(format!("has a coordinate in row {} that is not finite", at / 3), "remove such rows"),
         None => Ok(flat.as_chunks().0.to_vec()),
     }
 }

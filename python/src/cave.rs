@@ -24,20 +24,20 @@ use crate::recipe::Recipe;
 use crate::usd::UsdCore;
 use crate::{array, error, json, work};
 
-/// A finished cave: what `generate` and `open` give.
+/// A finished cave, returned by `generate` and `open`.
 ///
-/// Metres, right-handed, Z up. As a context manager it closes itself. A temporary folder is removed when the cave is
-/// closed or collected; other folders stay.
+/// Metres, right-handed, Z up. A context manager that closes itself. A temporary folder is removed when the cave is
+/// closed or garbage-collected; other folders stay.
 #[pyclass(module = "plume", frozen, weakref)]
 pub struct Cave {
     cave: Arc<cave::Cave>,
     placement: OnceLock<Placement>,
     closed: AtomicBool,
-    /// Removes the temporary folder, when called, when the cave is collected, or when the interpreter ends.
+    /// Removes the temporary folder when called, when the cave is garbage-collected, or when the interpreter exits.
     finalizer: PyOnceLock<Py<PyAny>>,
 }
 
-/// Start poses and lamps: they take longer than a look.
+/// Start poses and lamps, cached because they take a moment to compute.
 #[derive(Clone)]
 struct Placement {
     spawns: Vec<Isometry3<f64>>,
@@ -45,7 +45,7 @@ struct Placement {
 }
 
 impl Cave {
-    /// The cave; `temporary` is its folder if that is to go with it.
+    /// The cave; `temporary` is its folder if that is to be removed with it.
     pub fn new(py: Python<'_>, cave: cave::Cave, temporary: Option<PathBuf>) -> PyResult<Bound<'_, Self>> {
         let (placement, finalizer) = (OnceLock::new(), PyOnceLock::new());
         let cave = Bound::new(py, Self { cave: Arc::new(cave), placement, closed: AtomicBool::new(false), finalizer })?;
@@ -60,7 +60,11 @@ impl Cave {
     /// The cave, until it is closed.
     pub fn open(&self, py: Python<'_>) -> PyResult<&Arc<cave::Cave>> {
         if self.closed.load(Ordering::Relaxed) {
-            return Err(error::refused(py, "the cave is closed", "use it inside its `with`, or before `close()`"));
+            return Err(error::refused(
+                py,
+                "the cave is closed",
+                "use it inside its `with` block, or before `close()`",
+            ));
         }
         Ok(&self.cave)
     }
@@ -81,7 +85,7 @@ impl Cave {
 
 #[pymethods]
 impl Cave {
-    /// The recipe it was made from, every key written down.
+    /// The recipe it was made from, with every key.
     #[getter]
     fn recipe(&self, py: Python<'_>) -> PyResult<Recipe> {
         Recipe::of_cave(py, self.open(py)?)
@@ -93,7 +97,7 @@ impl Cave {
         Ok(self.open(py)?.root().to_owned())
     }
 
-    /// Where the passages go.
+    /// The graph of the passages.
     #[getter]
     fn graph(&self, py: Python<'_>) -> PyResult<Graph> {
         Graph::new(py, Arc::clone(self.open(py)?))
@@ -106,17 +110,17 @@ impl Cave {
         Ok(Chunks::of(slf.clone().unbind()))
     }
 
-    /// Where a robot may start: poses as a (k, 4, 4) float64 array, m; each maps the robot's frame to the cave's.
+    /// Start poses for robots as a (k, 4, 4) float64 array, m; each maps the robot's frame to the cave's.
     ///
-    /// +X looks along the passage, +Z is up, the origin is on level ground. The first is the most level one. There is at
-    /// least one. Computed when first asked for; the array is a copy.
+    /// +X points along the passage, +Z up, the origin is on level ground. The first is the most level one. There is at
+    /// least one. Computed on first access; the array is a copy.
     ///
     /// >>> cave.spawns[0][3]
     /// array([0., 0., 0., 1.])
     #[getter]
     fn spawns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let spawns = &self.placement(py)?.spawns;
-        // nalgebra keeps columns together, NumPy rows.
+        // nalgebra is column-major, NumPy row-major.
         let flat = spawns.iter().flat_map(|pose| pose.to_homogeneous().transpose().as_slice().to_vec()).collect();
         array::block(py, flat, [spawns.len(), 4, 4])
     }
@@ -127,13 +131,12 @@ impl Cave {
         Ok(self.placement(py)?.lights.iter().map(Light::of).collect())
     }
 
-    /// How far is rock: the field that the walls are made from, at points of your choice.
+    /// Approximate signed distance to the wall, sampled from the field that the walls are made from.
     ///
-    /// Negative in the air, zero on the wall, positive in the rock, so its sign tells free space. It is a distance near the
-    /// wall only, and roughly: up to half a metre away mostly between a half and twice the true distance, further into
-    /// the rock it levels off at about 1 m. The triangles leave out what is finer than a voxel or
-    /// `mesh.simplify_error_m`, so keep a margin between what the sign says and them. A million points take about a
-    /// second; many at once are faster than one by one.
+    /// Negative in air, zero on the wall, positive in rock, so its sign tells free space. It is a distance only near the
+    /// wall, and only roughly: up to half a metre away mostly between half and twice the true distance; deeper in the
+    /// rock it levels off at about 1 m. The triangles omit detail finer than a voxel or `mesh.simplify_error_m`, so keep
+    /// a margin. A million points take about a second; one call with many points is faster than many calls.
     ///
     /// Args:
     ///     points: Finite points in the cave's frame as an (n, 3) array, m; taken as float32.
@@ -159,22 +162,22 @@ impl Cave {
 
     /// Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
     ///
-    /// Ctrl-C raises KeyboardInterrupt when the chunk in work is done, if this is the main thread. The package appears
+    /// Ctrl-C raises KeyboardInterrupt once the current chunk is done, if this is the main thread. The package appears
     /// whole or not at all.
     ///
     /// Args:
-    ///     target: Its name; `plume.targets()` lists them.
-    ///     path: The folder or file to make.
-    ///     bundle: Make one file of the package: "zip", "tar.zst", or what else the target has, such as "mjz". The name of the
-    ///         file ends with it, which is added where it does not.
-    ///     force: Replace a package that is there.
+    ///     target: Name of the target; `plume.targets()` lists them.
+    ///     path: The folder or file to write.
+    ///     bundle: Write the package as a single file: "zip", "tar.zst", or another kind that the target supports, such as
+    ///         "mjz". The extension is added to `path` if it is missing.
+    ///     force: Replace an existing package.
     ///     options: Options of the target, such as `lights=False`.
     ///
     /// Raises:
     ///     InputError: There is no such target or bundle.
-    ///     RecipeError: An option has a fault.
-    ///     MissingPartError: A library that the target needs is not there.
-    ///     StorageError: Something else is at `path`, or the disk refuses.
+    ///     RecipeError: An option is faulty.
+    ///     MissingPartError: A library that the target needs is missing.
+    ///     StorageError: Something else is at `path`, or the disk fails.
     ///
     /// >>> package = cave.export("gltf", folder / "package")
     /// >>> package.target, package.visual_triangles > 0
@@ -215,7 +218,7 @@ impl Cave {
         })
     }
 
-    /// Lets go of the cave, and removes its folder if that was temporary. A closed cave can be closed again.
+    /// Closes the cave, and removes its folder if it is temporary. Closing twice does no harm.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.closed.store(true, Ordering::Relaxed);
         self.finalizer.get(py).map_or(Ok(()), |finalizer| finalizer.call0(py).map(drop))

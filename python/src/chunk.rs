@@ -13,10 +13,10 @@ use crate::mesh::{self, Lod, Mesh, VisualMesh};
 use crate::texture::Textures;
 use crate::work;
 
-/// A piece of the wall of a cave in full detail, with its coarser levels, collision mesh and textures.
+/// A box of the cave with its wall in full detail, its coarser levels of detail, collision mesh and textures.
 ///
-/// Its arrays are what was read, handed over without a copy. They are its own: they stay when the cave is closed, and
-/// changing them changes nothing else.
+/// Its arrays are the loaded data, passed on without a copy. The chunk owns them: they stay valid when the cave is
+/// closed, and changing them affects nothing else.
 ///
 /// >>> chunk = cave.chunks[0]
 /// >>> chunk.positions.shape[1], chunk.indices.shape[1], str(chunk.uvs.dtype)
@@ -45,13 +45,13 @@ impl Chunk {
         self.lods.iter().map(|lod| lod.clone_ref(py)).collect()
     }
 
-    /// What wheels touch: fewer triangles, no more than `mesh.collision_error_m` of the recipe away.
+    /// The collision mesh: fewer triangles, at most `mesh.collision_error_m` of the recipe away from the wall.
     #[getter]
     fn collision(&self, py: Python<'_>) -> Py<Mesh> {
         self.collision.clone_ref(py)
     }
 
-    /// The images of the wall.
+    /// The textures of the wall.
     #[getter]
     fn textures(&self, py: Python<'_>) -> Py<Textures> {
         self.textures.clone_ref(py)
@@ -63,7 +63,7 @@ impl Chunk {
     }
 }
 
-/// The chunks of a cave, in a fixed order, as a sequence. Each access reads one from the folder anew, so that memory
+/// The chunks of a cave as a sequence in a fixed order. Each access reads the chunk from the folder again, so memory
 /// holds only what you keep.
 ///
 /// >>> [chunk.name for chunk in cave.chunks] == cave.chunks.names
@@ -82,7 +82,7 @@ impl Chunks {
 
 #[pymethods]
 impl Chunks {
-    /// The names of the chunks; reads nothing.
+    /// The names of the chunks; reads no files.
     #[getter]
     fn names(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         Ok(self.cave.get().open(py)?.chunk_names().map(str::to_owned).collect())
@@ -140,7 +140,7 @@ impl Chunks {
     }
 }
 
-/// Loads the chunks of a cave one after the other.
+/// Loads the chunks of a cave one by one.
 #[pyclass(module = "plume", frozen)]
 pub struct ChunkIterator {
     chunks: Chunks,

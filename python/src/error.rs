@@ -15,15 +15,15 @@ pub fn raised(py: Python<'_>, error: &CaveError) -> PyErr {
     }
 }
 
-/// An exception about what was asked for.
+/// An exception about an impossible request.
 pub fn refused(py: Python<'_>, message: &str, hint: &str) -> PyErr {
     exception(py, "InputError", (message, hint))
 }
 
-/// An exception about a fault of ours.
+/// An exception about a bug in Plume.
 pub fn internal(py: Python<'_>, message: &str) -> PyErr {
-    let hint = "this is a fault of plume: please report it with the recipe";
-    exception(py, "PlumeError", (format!("internal fault: {message}"), hint))
+    let hint = "this is a bug in plume: please report it with the recipe";
+    exception(py, "PlumeError", (format!("internal error: {message}"), hint))
 }
 
 fn class(error: &CaveError) -> &'static str {

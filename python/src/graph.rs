@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 
 use crate::array;
 
-/// Where the passages go: stations, and the passages between them.
+/// A graph: stations, and the passages between them.
 ///
-/// The arrays are copies, made when `Cave.graph` is asked for.
+/// The arrays are copies, made when `Cave.graph` is accessed.
 #[pyclass(module = "plume", frozen)]
 pub struct Graph {
     cave: Arc<cave::Cave>,
@@ -37,7 +37,7 @@ impl Graph {
 
 #[pymethods]
 impl Graph {
-    /// The stations, points on the centrelines of the passages: (n, 3) float64, m.
+    /// The stations, points on the centrelines of passages: (n, 3) float64, m.
     ///
     /// >>> cave.graph.positions.shape, str(cave.graph.positions.dtype)
     /// ((12, 3), 'float64')
@@ -46,25 +46,25 @@ impl Graph {
         self.positions.clone_ref(py)
     }
 
-    /// Reach of each station to the next: (n,) float64, m. Passages are wide by a factor of it.
+    /// Reach of each station to the next: (n,) float64, m. Passage widths are proportional to it.
     #[getter]
     fn radii(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
         self.radii.clone_ref(py)
     }
 
-    /// The passages as pairs of rows of `positions`: (m, 2) uint32, the smaller one first, sorted, each once.
+    /// The passages as pairs of rows of `positions`: (m, 2) uint32, smaller row first, sorted, unique.
     #[getter]
     fn edges(&self, py: Python<'_>) -> Py<PyArray2<u32>> {
         self.edges.clone_ref(py)
     }
 
-    /// The text of the graph file, recipe inside: `graph.json` of the cave folder, from which alone `generate` makes the
-    /// cave again.
+    /// The text of the graph file with its recipe: `graph.json` of the cave folder, from which alone `generate` can make
+    /// the same cave again.
     fn to_json(&self) -> String {
         pipeline::graph_text(self.cave.recipe(), self.cave.graph())
     }
 
-    /// What the graph file holds, as a new dict.
+    /// The content of the graph file as a new dict.
     ///
     /// >>> sorted(cave.graph.to_dict())
     /// ['nodes', 'plume', 'recipe']

@@ -1,7 +1,7 @@
 //! The extension module `plume._plume`: Plume for Python, and Python's USD library for Plume.
 //!
-//! No logic: the command line is that of the crate `plume`, and so are recipes and caves. Here they get Python's names,
-//! NumPy's arrays and Python's errors. Long work runs on threads without the interpreter lock ([`work`]).
+//! No logic: the command line, recipes and caves are those of the Rust crates. Here they get Python names, NumPy arrays and
+//! Python exceptions. Long work runs on threads without the interpreter lock ([`work`]).
 
 mod array;
 mod cave;
@@ -60,8 +60,8 @@ mod _plume {
         module.add("__version__", plume::VERSION)
     }
 
-    /// Runs a command line, `plume` first, and gives its exit code. Takes Ctrl-C, SIGTERM and SIGHUP over: for the
-    /// process of the command.
+    /// Runs a command line, `plume` first, and returns its exit code. Takes over Ctrl-C, SIGTERM and SIGHUP, so it is
+    /// meant for the process of the command.
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
         py.detach(|| plume_cli::run(arguments, &Host::Python(Arc::new(UsdCore::default()))))

@@ -8,13 +8,13 @@ use pyo3::prelude::*;
 pub struct Light {
     /// Its name, unique in the cave.
     name: String,
-    /// Where it hangs: x, y, z in m.
+    /// Position: x, y, z in m.
     position: (f64, f64, f64),
-    /// Its colour: linear red, green, blue, 0 to 1.
+    /// Colour: linear red, green, blue, 0 to 1.
     color: (f64, f64, f64),
     /// Luminous intensity, cd.
     intensity_cd: f64,
-    /// Distance beyond which it can be left out, m.
+    /// Distance beyond which it can be ignored, m.
     range_m: f64,
 }
 

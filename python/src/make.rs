@@ -14,30 +14,30 @@ use crate::cave::Cave;
 use crate::recipe::{Recipe, seed_pairs};
 use crate::work;
 
-/// Makes a cave: graph, triangles and images.
+/// Makes a cave: graph, meshes and textures.
 ///
 /// The same recipe, seed and version of Plume give the same bytes, on any machine and for any number of threads. Other
-/// Python threads run meanwhile. Ctrl-C raises KeyboardInterrupt when the chunks in work are done, if this is the main
-/// thread; the same call with the same `folder` then goes on where it stopped.
+/// Python threads keep running. Ctrl-C raises KeyboardInterrupt once the current chunks are done, if this is the main
+/// thread; the same call with the same `folder` then resumes where it stopped.
 ///
 /// Args:
-///     recipe: A Recipe, a mapping as Recipe takes it, or a path: of a recipe (TOML), a graph (JSON, also that of the
+///     recipe: A Recipe, a mapping as Recipe takes it, or the path of a recipe (TOML), a graph (JSON, also of the
 ///         original PLUME) or a cave folder. None is the default cave.
-///     seed: Wins over the seed of the recipe.
-///     folder: The cave folder to make. Left out, it is the cave folder that `recipe` names, else a temporary one, which
-///         goes when the Cave is closed or collected.
+///     seed: Takes precedence over the seed of the recipe.
+///     folder: The cave folder to write. By default the cave folder named by `recipe`, otherwise a temporary one, which
+///         is removed when the Cave is closed or garbage-collected.
 ///     force: Replace another cave in the folder.
-///     threads: How many threads work; left out, one per core.
-///     progress: Called now and then as `progress(stage, done, total)`, where `stage` is "graph", "preview",
-///         "mesh" or "texture" and the numbers count chunks, but 1 for the whole cave in the first two. What it raises
-///         stops the work.
-///     allow_run: Let the recipe run a program, as the generator "external" does.
-///     allow_outside: Let surveys include files that do not lie below their own folder.
+///     threads: Number of threads; one per core by default.
+///     progress: Called from time to time as `progress(stage, done, total)`, where `stage` is "graph", "preview",
+///         "mesh" or "texture" and the numbers count chunks, except that the first two stages count as 1. An
+///         exception that it raises stops the work.
+///     allow_run: Allow the recipe to run a program, as the generator "external" does.
+///     allow_outside: Allow surveys to include files from outside their own folder.
 ///
 /// Raises:
-///     RecipeError: The recipe has faults.
-///     InputError: There can be no such cave.
-///     StorageError: The folder holds something else, or the disk refuses.
+///     RecipeError: The recipe is faulty.
+///     InputError: Such a cave is impossible.
+///     StorageError: The folder contains something else, or the disk fails.
 ///
 /// >>> seen = []
 /// >>> tiny = {"graph": {"nodes": 3}, "mesh": {"voxel_m": 0.5}, "texture": {"size_px": 256}}
@@ -72,7 +72,7 @@ pub fn generate<'py>(
     Cave::new(py, cave, temporary.map(TempDir::keep))
 }
 
-/// Opens a finished cave folder. Nothing in it is changed.
+/// Opens a finished cave folder without changing it.
 ///
 /// Raises:
 ///     InputError: There is no cave, or it is not finished; `generate(folder)` finishes it.

@@ -1,4 +1,4 @@
-//! Triangles as arrays. Vectors are handed to NumPy, not copied.
+//! Triangles as arrays. Vectors are passed to NumPy without a copy.
 
 use numpy::PyArray2;
 use plume_exporters::scene;
@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::array;
 
-/// Triangles, counter-clockwise seen from the air. Metres, right-handed, Z up, frame of the cave.
+/// Triangles, counter-clockwise as seen from the air. Metres, right-handed, Z up, frame of the cave.
 #[pyclass(module = "plume", frozen, subclass)]
 pub struct Mesh {
     positions: Py<PyArray2<f32>>,
@@ -14,7 +14,7 @@ pub struct Mesh {
     bounds: [[f32; 3]; 2],
 }
 
-/// Triangles with all that a camera sees; the attributes are per vertex.
+/// Triangles with everything needed for rendering; the attributes are per vertex.
 #[pyclass(module = "plume", frozen, subclass, extends = Mesh)]
 pub struct VisualMesh {
     normals: Py<PyArray2<f32>>,
@@ -23,7 +23,7 @@ pub struct VisualMesh {
 }
 
 /// A coarser level of detail of a chunk, with the same textures. Vertices on the border of the chunk are those of the
-/// full detail, so that no level tears from any other.
+/// full detail, so levels of neighbouring chunks meet without cracks.
 #[pyclass(module = "plume", frozen, extends = VisualMesh)]
 pub struct Lod {
     error_m: f32,
@@ -64,7 +64,7 @@ impl Mesh {
         self.indices.clone_ref(py)
     }
 
-    /// The least and the greatest corner of the box round the vertices: (2, 3) float32, m.
+    /// Minimum and maximum corner of the bounding box: (2, 3) float32, m.
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         array::rows(py, self.bounds.to_vec())
@@ -73,7 +73,7 @@ impl Mesh {
 
 #[pymethods]
 impl VisualMesh {
-    /// Unit normals, into the air: (v, 3) float32.
+    /// Unit normals, pointing into the air: (v, 3) float32.
     #[getter]
     fn normals(&self, py: Python<'_>) -> Py<PyArray2<f32>> {
         self.normals.clone_ref(py)
@@ -94,7 +94,7 @@ impl VisualMesh {
 
 #[pymethods]
 impl Lod {
-    /// How far it lies from the full detail at most, m.
+    /// Upper bound of its distance from the full detail, m.
     #[getter]
     fn error_m(&self) -> f32 {
         self.error_m

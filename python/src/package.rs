@@ -1,4 +1,4 @@
-//! What an export wrote.
+//! Exported packages.
 
 use std::path::PathBuf;
 
@@ -6,22 +6,22 @@ use plume_exporters::Summary;
 use plume_exporters::package::Files;
 use pyo3::prelude::*;
 
-/// A package that was written.
+/// A written package.
 #[pyclass(module = "plume", frozen, get_all)]
 pub struct Package {
     /// The target it is for.
     target: String,
     /// Its folder or file.
     path: PathBuf,
-    /// Number of its files, the manifest among them.
+    /// Number of files, including the manifest.
     files: usize,
-    /// Size of its files together, before they are packed.
+    /// Total size of the files, before bundling.
     bytes: u64,
-    /// Triangles that cameras see, in full detail.
+    /// Number of triangles of the visual mesh, in full detail.
     visual_triangles: u64,
-    /// Triangles that wheels touch; 0 if the target carries none.
+    /// Number of triangles of the collision mesh; 0 if the target has none.
     collision_triangles: u64,
-    /// A command for a shell in the folder, or a sentence, that opens the package.
+    /// How to open the package: a shell command to run in its folder, or a sentence.
     open_with: String,
 }
 

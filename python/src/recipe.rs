@@ -15,16 +15,16 @@ use crate::{error, json, work};
 
 /// What a cave is made from: every key has a value, every value is in range.
 ///
-/// `plume new` prints the default recipe, in which every key explains itself. A recipe does not change; `replace` makes
-/// another one. Two are equal if all their keys are.
+/// `plume new` prints the default recipe with a comment for every key. A recipe is immutable; `replace` makes a changed
+/// copy. Two recipes are equal if all their values are.
 ///
 /// Args:
 ///     settings: A mapping of keys to values. Keys are nested, `{"graph": {"nodes": 20}}`, or dotted, `{"graph.nodes":
-///         20}`. What is left out, or None, has its default.
-///     seed: Wins over the seed of `settings`; 0 to 2**63 - 1.
+///         20}`. Missing keys and None get their defaults.
+///     seed: Takes precedence over the seed of `settings`; 0 to 2**63 - 1.
 ///
 /// Raises:
-///     RecipeError: With every fault of the settings.
+///     RecipeError: With all faults of the settings.
 ///
 /// >>> recipe = plume.Recipe({"graph": {"nodes": 20}}, seed=3)
 /// >>> recipe["graph"]["nodes"], recipe["rock.kind"], recipe.seed
@@ -36,15 +36,14 @@ pub struct Recipe {
     resolved: recipe::Recipe,
 }
 
-/// A recipe as its author wrote it: faults name its lines, and what it leaves out can still follow from what is laid over
-/// it.
+/// A recipe as its author wrote it: faults name its lines, and defaults of missing keys can still depend on overrides.
 struct Written {
     text: String,
     file: PathBuf,
 }
 
 impl Recipe {
-    /// The recipe again, to own.
+    /// An owned copy of the recipe.
     pub fn resolve(&self, py: Python<'_>, overrides: &[String]) -> PyResult<recipe::Recipe> {
         let all: Vec<String> = self.overrides.iter().chain(overrides).cloned().collect();
         self.written.resolve(py, &all)
@@ -76,7 +75,7 @@ impl Written {
 
 #[pymethods]
 impl Recipe {
-    /// The default recipe, with these keys in place of its own.
+    /// The default recipe with these values.
     #[new]
     #[pyo3(signature = (settings=None, *, seed=None))]
     pub fn of_settings(py: Python<'_>, settings: Option<&Bound<'_, PyMapping>>, seed: Option<i128>) -> PyResult<Self> {
@@ -114,7 +113,7 @@ impl Recipe {
         Self::new(py, Arc::new(Written { text, file: "recipe".into() }), seed_pairs(seed))
     }
 
-    /// A recipe that comes with Plume; `plume.presets()` names them.
+    /// A recipe included with Plume; `plume.presets()` lists them.
     ///
     /// Raises:
     ///     InputError: If there is no such preset.
@@ -129,14 +128,14 @@ impl Recipe {
         Self::new(py, Arc::new(written), seed_pairs(seed))
     }
 
-    /// Another recipe, with these keys in place of its own.
+    /// A copy of the recipe with these values.
     ///
     /// Args:
-    ///     settings: A mapping as the constructor takes it. What is left out, or None, stays.
+    ///     settings: A mapping as for the constructor. Missing keys and None keep their values.
     ///     seed: Another seed.
     ///
     /// Raises:
-    ///     RecipeError: With every fault.
+    ///     RecipeError: With all faults.
     ///
     /// >>> plume.Recipe().replace({"graph.nodes": 100, "rock.kind": "basalt"}, seed=5)["graph.nodes"]
     /// 100
@@ -146,24 +145,24 @@ impl Recipe {
         Self::new(py, Arc::clone(&self.written), overrides)
     }
 
-    /// Name of the cave, and of what is made of it.
+    /// Name of the cave and of what is made from it.
     #[getter]
     fn name(&self) -> &str {
         self.resolved.name()
     }
 
-    /// The seed that everything random follows from.
+    /// The seed of everything random.
     #[getter]
     fn seed(&self) -> u64 {
         self.resolved.seed()
     }
 
-    /// Every key with its value, as a new dict of dicts; None is what has no value.
+    /// Every key with its value, as a new dict of dicts; keys without a value are None.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         json::to_python(py, self.resolved.to_json())
     }
 
-    /// The recipe as TOML in which every key explains itself; `parse` gives an equal recipe.
+    /// The recipe as TOML with a comment for every key; `parse` returns an equal recipe.
     fn to_toml(&self) -> String {
         self.resolved.to_toml()
     }
@@ -189,7 +188,7 @@ impl Recipe {
         hasher.finish()
     }
 
-    /// Pickling keeps what was written, so that paths stay relative to it.
+    /// Pickling keeps the recipe as written, so that paths stay relative to it.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let Written { text, file } = &*slf.get().written;
         let written = (text, file, &slf.get().overrides);
@@ -212,7 +211,7 @@ fn missing(key: &impl Display) -> PyErr {
     pyo3::exceptions::PyKeyError::new_err(key.to_string())
 }
 
-/// Settings and seed as the command line takes them.
+/// Settings and seed as on the command line.
 fn overrides(settings: Option<&Bound<'_, PyMapping>>, seed: Option<i128>) -> PyResult<Vec<String>> {
     let mut pairs = match settings {
         Some(settings) => json::pairs("", &json::from_python(settings)?),
@@ -222,7 +221,7 @@ fn overrides(settings: Option<&Bound<'_, PyMapping>>, seed: Option<i128>) -> PyR
     Ok(pairs)
 }
 
-/// The seed as the command line takes it.
+/// The seed as on the command line.
 pub fn seed_pairs(seed: Option<i128>) -> Vec<String> {
     seed.map(|seed| format!("seed={seed}")).into_iter().collect()
 }

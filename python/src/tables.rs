@@ -1,4 +1,4 @@
-//! What there is to choose from, as `plume list` tells it.
+//! The available choices, as in `plume list`.
 
 use plume::generators::GENERATORS;
 use plume::material::MATERIALS;
@@ -7,7 +7,7 @@ use plume_exporters::TARGETS;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Targets of `Cave.export`, by name, with what each writes.
+/// Targets for `Cave.export` by name, with what each writes.
 ///
 /// >>> " ".join(sorted(plume.targets()))
 /// 'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl unity unreal urdf usd usdz'
@@ -16,19 +16,19 @@ pub fn targets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, TARGETS.iter().map(|row| (row.usage(), row.summary)))
 }
 
-/// Words for `graph.generator`, with how the passages then grow.
+/// Values of `graph.generator`, with how each lays out the passages.
 #[pyfunction]
 pub fn generators(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, GENERATORS.iter().map(|row| (row.name, row.summary)))
 }
 
-/// Words for `rock.kind`, with what each rock is like.
+/// Values of `rock.kind`, with a description of each rock.
 #[pyfunction]
 pub fn materials(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, MATERIALS.iter().map(|row| (row.name, row.summary)))
 }
 
-/// Names for `Recipe.preset`, with what each makes.
+/// Names for `Recipe.preset`, with a description of each.
 #[pyfunction]
 pub fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, PRESETS.iter().map(|row| (row.name, row.summary)))

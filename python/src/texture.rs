@@ -1,4 +1,4 @@
-//! Images of a chunk as arrays.
+//! Textures of a chunk as arrays.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use pyo3::prelude::*;
 use crate::cave::Cave;
 use crate::{array, work};
 
-/// The images of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
+/// The textures of a chunk, each (height, width, channels) uint8 with the top row first, and the heights in metres.
 ///
-/// Each access reads and decodes the file anew, while the cave is open; the array is what was decoded, without a copy.
+/// Each access reads and decodes the file again, as long as the cave is open; the array is the decoded image, not a copy.
 ///
 /// >>> textures = cave.chunks[0].textures
 /// >>> textures.base_color.shape, textures.roughness.shape
@@ -30,7 +30,7 @@ impl Textures {
         Self { cave, material }
     }
 
-    /// Grey with one channel, red, green and blue with three, whatever the file has: WebP knows no grey.
+    /// One channel for grey, three for red, green and blue, whatever the file has: WebP has no grey images.
     fn array<'py>(&self, py: Python<'py>, image: &Image, channels: usize) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.cave.get().open(py)?;
         let decoded = work::briefly(py, || decoded(&image.path))?;
@@ -51,13 +51,13 @@ impl Textures {
         self.array(py, &self.material.base_color, 3)
     }
 
-    /// Normals in tangent space, +Y up (OpenGL): x, y, z from -1 at 0 to 1 at 255.
+    /// Tangent-space normals, +Y up (OpenGL): x, y, z, where 0 stands for -1 and 255 for 1.
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.array(py, &self.material.normal, 3)
     }
 
-    /// Occlusion, roughness and metalness (0); linear.
+    /// Ambient occlusion, roughness and metalness (0); linear.
     #[getter]
     fn orm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
         self.array(py, &self.material.orm, 3)
@@ -69,7 +69,7 @@ impl Textures {
         self.array(py, &self.material.roughness, 1)
     }
 
-    /// How far the rock lies before the mesh, metres along its normal, (height, width) float32; None unless the recipe asks
+    /// Height of the rock above the mesh, in metres along the normal, (height, width) float32; None unless the recipe asks
     /// for it (`texture.height`).
     #[getter]
     fn height_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
@@ -82,7 +82,7 @@ impl Textures {
     }
 }
 
-/// The image in the file. Ours may be larger than what a decoder takes from strangers.
+/// The image in the file. Ours may exceed the default limits of the decoder.
 fn decoded(path: &Path) -> Result<DynamicImage, CaveError> {
     let refused = |source: std::io::Error| CaveError::Input { path: path.to_owned(), source };
     let mut reader = ImageReader::open(path).map_err(refused)?;

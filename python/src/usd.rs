@@ -13,22 +13,23 @@ use serde_json::Value;
 
 use crate::array;
 
-/// What pip is to install.
+/// The requirement for pip.
 const REQUIREMENT: &str = "usd-core>=25.11,<27";
-/// Versions that write what is tested: from the first, before the second.
+/// Tested versions: from the first, before the second.
 const VERSIONS: [(u32, u32); 2] = [(25, 11), (27, 0)];
 
-/// usd-core lets go of Python's lock while it sets itself up, so that two threads inside of it wait for each other for ever:
-/// targets are written side by side, and take turns here.
+/// usd-core releases the interpreter lock while it initialises, so that two threads inside it can deadlock: targets are
+/// written in parallel, and take turns here.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// Runs `call` when nobody else is in usd-core. The caller must not hold Python's lock, which whoever is may need.
+/// Runs `call` when no other thread is in usd-core. The caller must not hold the interpreter lock, which that thread may
+/// need.
 fn alone<T>(call: impl FnOnce(Python<'_>) -> T) -> T {
     let _turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     Python::attach(call)
 }
 
-/// The Python package usd-core, loaded when first needed: that takes a second.
+/// The Python package usd-core, loaded on first use, which takes a second.
 pub struct UsdCore {
     script: PyOnceLock<Py<PyModule>>,
 }
@@ -44,7 +45,7 @@ impl Library for UsdCore {
         alone(|py| {
             let version = version(py).map_err(|error| missing(&format!("cannot be loaded: {error}")))?;
             if version < VERSIONS[0] || version >= VERSIONS[1] {
-                return Err(missing(&format!("is version {}.{:02} here", version.0, version.1)));
+                return Err(missing(&format!("has the unsupported version {}.{:02}", version.0, version.1)));
             }
             self.script(py).map(drop).map_err(|error| missing(&format!("cannot be used: {error}")))
         })

@@ -1,9 +1,9 @@
 //! Long work that Ctrl-C can stop.
 //!
-//! The work runs on a thread of its own, without the interpreter lock. The calling thread lets go of the lock too and
-//! wakes a few times a second: to let Python handle signals, which it does in its main thread only, and to tell how far
-//! the work is. Handlers and callbacks that raise set the stop flag of the pipeline; the units in work are finished
-//! first, so that no half-written file is left. Threads of the pool end with the work: a process may fork afterwards.
+//! The work runs on a separate thread, without the interpreter lock. The calling thread releases the lock too and wakes a
+//! few times a second: to let Python handle signals, which it does in its main thread only, and to report progress. Handlers
+//! and callbacks that raise set the stop flag of the pipeline; units of work in progress are finished first, so that no
+//! half-written file is left. Threads of the pool end with the work, so the process may fork afterwards.
 
 use std::any::Any;
 use std::num::NonZeroUsize;
@@ -20,13 +20,13 @@ use pyo3::prelude::*;
 
 use crate::error;
 
-/// How long a signal may wait: short for a human, long for a processor.
+/// How long a signal may wait: short for a human, long for a CPU.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Runs `work`. `progress` is called as `progress(stage, done, total)` on the calling thread, now and then.
+/// Runs `work`. `progress` is called from time to time as `progress(stage, done, total)` on the calling thread.
 ///
 /// # Errors
-/// Those of the work, as Python's; what a signal handler or `progress` raised.
+/// Those of the work as Python exceptions; what a signal handler or `progress` raised.
 pub fn run<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -58,25 +58,25 @@ pub fn run<T: Send>(
 /// Runs work that takes no longer than reading a file, without the interpreter lock.
 ///
 /// # Errors
-/// Those of the work, as Python's.
+/// Those of the work as Python exceptions.
 pub fn briefly<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, CaveError> + Send) -> PyResult<T> {
     outcome(py, py.detach(|| panic::catch_unwind(AssertUnwindSafe(work))))
 }
 
-/// Runs `work` on this many threads, or on as many as there are cores.
+/// Runs `work` on this many threads, or on one per core.
 ///
 /// # Errors
-/// When the system refuses threads.
+/// If the system refuses to start threads.
 pub fn on_threads<T: Send>(
     threads: Option<NonZeroUsize>,
     work: impl FnOnce() -> Result<T, CaveError> + Send,
 ) -> Result<T, CaveError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, NonZeroUsize::get)).build();
-    let refused = |error: rayon::ThreadPoolBuildError| CaveError::Failed(format!("no threads to work on: {error}"));
+    let refused = |error: rayon::ThreadPoolBuildError| CaveError::Failed(format!("cannot start threads: {error}"));
     pool.map_err(refused)?.install(work)
 }
 
-/// Wakes the caller when the work ends, however it ends.
+/// Wakes the caller when the work ends, even by a panic.
 struct Wake<'a> {
     caller: thread::Thread,
     ended: &'a AtomicBool,
@@ -89,7 +89,7 @@ impl Drop for Wake<'_> {
     }
 }
 
-/// How far the work is, and whether it is to stop.
+/// The progress of the work, and whether it is to stop.
 #[derive(Default)]
 pub struct Watch {
     stop: AtomicBool,
@@ -106,12 +106,12 @@ struct Progress {
 }
 
 impl Watch {
-    /// Says whether recipes may run programs.
+    /// Sets whether recipes may run programs.
     pub fn allow_programs(&self, allowed: bool) {
         self.programs.store(allowed, Ordering::Relaxed);
     }
 
-    /// Says whether files may name files that lie elsewhere.
+    /// Sets whether files may refer to files outside their folder.
     pub fn allow_strays(&self, allowed: bool) {
         self.strays.store(allowed, Ordering::Relaxed);
     }
