@@ -1,7 +1,7 @@
 //! The laws of formats, held by every row of the table that reads or writes.
 //!
-//! A row is tried with the files in `tests/data/formats/<its name>`, as soon as there are any: each is read, then cut off and
-//! changed byte by byte; those under `bad` are refused, with the errors that the snapshots hold.
+//! A row is tried with the files in `tests/data/formats/<its name>`, as soon as there are any: each is read, then cut off
+//! and changed byte by byte; those under `bad` are refused, with the errors that the snapshots hold.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/files.rs"]
@@ -214,7 +214,7 @@ fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
     assert_eq!(small.nodes[0].section.map(|section| section.width_m), Some(0.002));
     assert_eq!(import().scaled(1.0, "cave.csv".as_ref()).unwrap(), import());
     let error = import().scaled(5000.0, "cave.csv".as_ref()).unwrap_err();
-    assert_eq!(error.to_string(), "cave.csv: is too far away, scaled");
+    assert_eq!(error.to_string(), "cave.csv: is too far from the origin after scaling");
 }
 
 /// Formats whose files may count from anywhere.
@@ -250,7 +250,7 @@ fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
     let Import { graph, tally, .. } = read(&table("7")).unwrap();
     assert_eq!((graph.nodes[1].position.y, tally.origin_m), (10.0, Point3::new(500_000.0, 5_200_000.000_4, 7.0)));
     let apart = read(&(table("7") + "500000,5200010.0008,7,500000,1000000,7\n")).unwrap_err();
-    assert_eq!(apart.to_string(), "cave.csv: has stations 4200 km from each other, and 1000 km is the most");
+    assert_eq!(apart.to_string(), "cave.csv: has stations 4200 km from each other, more than 1000 km");
     let nowhere = read(&table("2e8")).unwrap_err();
     assert_eq!(nowhere.to_string(), "cave.csv:2: \"2e8\" is too far away");
 }

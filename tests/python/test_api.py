@@ -71,7 +71,7 @@ def test_an_image_that_usd_misses_is_told(target: str, cave: plume.Cave, tmp_pat
     words = [sys.executable, "-m", "plume", "check", "package"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
     layer = f"chunks/{image.name.removesuffix('_normal.png')}.usdc"
-    assert (done.returncode, done.stdout) == (1, f"{layer}: names `./textures/{image.name}`, which is not here\n")
+    assert (done.returncode, done.stdout) == (1, f"{layer}: refers to `./textures/{image.name}`, which does not exist\n")
 
 
 def sealed(manifest: dict[str, Any]) -> str:

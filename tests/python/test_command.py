@@ -86,11 +86,11 @@ def test_the_binary_hands_over(binary, tmp_path):
         ("raise ModuleNotFoundError(\"No module named 'pxr'\")", "which cannot be loaded: ModuleNotFoundError"),
         (
             "class Usd:\n    GetVersion = lambda: (0, 25, 5)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
-            "which is version 25.05 here",
+            "which has the unsupported version 25.05",
         ),
         (
             "class Usd:\n    GetVersion = lambda: (0, 27, 2)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
-            "which is version 27.02 here",
+            "which has the unsupported version 27.02",
         ),
         (
             "class Usd:\n    GetVersion = lambda: (0, 26, 11)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
