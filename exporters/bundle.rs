@@ -42,7 +42,7 @@ impl Bundle {
     }
 }
 
-/// The path with something at its end.
+/// The path with a suffix.
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.to_owned().into_os_string();
     name.push(suffix);

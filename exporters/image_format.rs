@@ -22,7 +22,7 @@ impl ImageFormat {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Png, Self::Jpeg, Self::WebP];
 
-    /// Those that nearly every program reads.
+    /// The formats that nearly every program supports.
     pub const COMMON: [Self; 2] = [Self::Png, Self::Jpeg];
 
     /// File name extension.

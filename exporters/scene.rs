@@ -120,7 +120,7 @@ pub trait Chunks: Sync {
     /// Loads a chunk.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If it cannot be read.
     fn load(&self, index: usize) -> Result<Chunk, std::io::Error>;
 
     /// The neighbours of a chunk, which share a face, an edge or a corner of the grid with it, in their order.

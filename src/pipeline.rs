@@ -421,7 +421,7 @@ pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, Pipe
 /// Reads a graph file.
 ///
 /// # Errors
-/// When it cannot be read or is no graph.
+/// If it cannot be read or is not a graph.
 pub fn read_graph(path: &Path, parts: Parts) -> Result<Import, PipelineError> {
     Disk::default().graph(path, parts)
 }

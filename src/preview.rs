@@ -28,7 +28,7 @@ pub use self::theme::Theme;
 pub struct Subject<'a> {
     /// Its name.
     pub name: &'a str,
-    /// Where its passages go.
+    /// The graph of its passages.
     pub graph: &'a Graph,
     /// How wide and high they are.
     pub passage: &'a PassageSettings,

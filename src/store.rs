@@ -16,8 +16,8 @@
 //! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written in a staging folder, put on the disk and
 //! renamed; then one line in a journal says that the unit is done. A process killed at any moment leaves whole units and at
 //! most a staging folder, and the next run goes on from there to the same bytes. After power loss a file is there as
-//! it was written, or its unit is made again. The journal is the first file there, and locked, where the file system can: one
-//! run at a time.
+//! it was written, or its unit is made again. The journal is the first file there, and locked, where the file system can:
+//! one run at a time.
 //!
 //! A folder may come from a stranger. Manifest and journal are read as what they must be ([`Unit`]), symbolic links are
 //! refused, and a file is taken for what its record says only when its hash fits. What a user has changed is not written
@@ -237,7 +237,7 @@ impl CaveFolder {
     /// Whether something else is in the place of a file.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If it cannot be read.
     pub fn is_changed(&self, record: &FileRecord) -> Result<bool, StoreError> {
         Ok(self.state(record)? == FileState::Changed)
     }

@@ -1,8 +1,8 @@
 //! A package as one file.
 //!
-//! Entries have no time and no owner and come in the order in which they are written, on one thread, so that the same scene
-//! gives the same bytes. Paths are those of the folder; an archive has no folder round them, but for `tgz`, where the Unity
-//! Package Manager wants `package/`.
+//! Entries have no time and no owner and are in the order in which they are written, on one thread, so that the same scene
+//! gives the same bytes. Paths are those of the folder, without a top-level folder, except in a `tgz`, for which the Unity
+//! Package Manager requires `package/`.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -18,11 +18,11 @@ use crate::error::{ExportError, at};
 use crate::manifest;
 use crate::package::{Files, MANIFEST, Package};
 
-/// An archive. It grows in a [`Staging`] folder beside its place; [`Archive::finish`] moves it there, and dropping an
+/// An archive. It is written in a [`Staging`] folder next to its path; [`Archive::finish`] moves it there, and dropping an
 /// unfinished one removes it.
 pub struct Archive {
     kind: Bundle,
-    /// As it was asked for, for errors.
+    /// The path as given, for errors.
     asked: PathBuf,
     path: PathBuf,
     existing: Existing,
@@ -31,11 +31,11 @@ pub struct Archive {
     files: Files,
 }
 
-/// The name of an archive while it grows.
+/// The name of an archive while it is written.
 const GROWING: &str = "archive";
 
 impl Archive {
-    /// Whether an archive can be made at `path`: asked before the long work.
+    /// Whether an archive can be made at `path`: checked before the long work.
     ///
     /// # Errors
     /// [`ExportError::FileExists`], [`ExportError::NotOurs`] and [`ExportError::NotAFile`] when something else is there.
@@ -67,8 +67,8 @@ impl Archive {
     /// Moves the archive to its place.
     ///
     /// # Errors
-    /// As [`Archive::check`], when something else has come there meanwhile, and when the disk refuses; what was there is
-    /// there still.
+    /// As [`Archive::check`], if something else appeared there in the meantime, and if the disk fails; whatever was there is
+    /// unchanged.
     pub fn finish(mut self) -> Result<Files, ExportError> {
         if let Some(packer) = self.packer.take() {
             packer.finish().and_then(Sink::finish).map_err(|error| at(self.asked.display(), &error))?;

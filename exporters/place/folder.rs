@@ -1,5 +1,5 @@
-//! A package as a folder that appears whole or not at all, and is replaced only if it holds a manifest of ours, so that no export
-//! can eat a folder of the user's.
+//! A package as a folder that appears whole or not at all, and is replaced only if it holds a manifest of ours, so that no
+//! export can eat a folder of the user's.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -13,14 +13,14 @@ use crate::error::{ExportError, at};
 use crate::manifest;
 use crate::package::{Files, MANIFEST, Package};
 
-/// No manifest is longer.
+/// Largest size of a manifest.
 const MOST_MANIFEST_BYTES: u64 = 1 << 26;
 
-/// A folder on disk. Files gather in a [`Staging`] folder beside it; [`Folder::finish`] moves them to their place, and
-/// dropping an unfinished one removes it.
+/// A folder on the disk. Files are written to a [`Staging`] folder next to it; [`Folder::finish`] moves them into place,
+/// and dropping an unfinished one removes it.
 #[derive(Debug)]
 pub struct Folder {
-    /// As it was asked for, for errors.
+    /// The path as given, for errors.
     asked: PathBuf,
     path: PathBuf,
     existing: Existing,
@@ -28,15 +28,15 @@ pub struct Folder {
     files: Files,
 }
 
-/// The name of a package while it grows.
+/// The name of a package while it is written.
 const GROWING: &str = "package";
 
 impl Folder {
-    /// Whether a package can be made at `path`: asked before the long work.
+    /// Whether a package can be made at `path`: checked before the long work.
     ///
     /// # Errors
-    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] when something else is there; [`ExportError::Io`] when
-    /// it cannot be looked at.
+    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] if something else is there; [`ExportError::Io`] if it cannot
+    /// be read.
     pub fn check(path: &Path, existing: Existing) -> Result<(), ExportError> {
         check_vacant(path, existing)
     }
@@ -44,8 +44,8 @@ impl Folder {
     /// Starts a package that will be at `path`.
     ///
     /// # Errors
-    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] when something else is there; [`ExportError::Io`] when
-    /// the folder cannot be made.
+    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] if something else is there; [`ExportError::Io`] if the folder
+    /// cannot be made.
     pub fn create(path: &Path, existing: Existing) -> Result<Self, ExportError> {
         check_vacant(path, existing)?;
         let (asked, path) = (path.to_owned(), place(path)?);
@@ -55,13 +55,12 @@ impl Folder {
         Ok(Self { asked, path, existing, staging, files: Files::default() })
     }
 
-    /// Moves the package to its place. Of a package that was there, its own files go; what the user has put beside them
-    /// moves along.
+    /// Moves the package into place. Files of an existing package are removed; the user's files in it are carried over.
     ///
     /// # Errors
-    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] when something else has come there meanwhile,
-    /// [`ExportError::InTheWay`] when a file of the user's has the name of one of the package, and when the disk refuses;
-    /// what was there is there still.
+    /// [`ExportError::NotEmpty`] and [`ExportError::NotOurs`] if something else appeared there in the meantime,
+    /// [`ExportError::InTheWay`] if a file of the user has the name of one of the package, and if the disk fails; whatever
+    /// was there is unchanged.
     pub fn finish(mut self) -> Result<Files, ExportError> {
         check_vacant(&self.asked, self.existing)?;
         match is_occupied(&self.path) {
@@ -71,7 +70,7 @@ impl Folder {
         Ok(std::mem::take(&mut self.files))
     }
 
-    /// Fails if the place was taken between the check and now.
+    /// Fails if the path was taken since the check.
     fn publish(&self) -> Result<(), ExportError> {
         plume_disk::publish(&self.growing(), &self.path).map_err(|error| match error.kind() {
             io::ErrorKind::AlreadyExists | io::ErrorKind::DirectoryNotEmpty => {
@@ -130,7 +129,7 @@ fn check_vacant(path: &Path, existing: Existing) -> Result<(), ExportError> {
     }
 }
 
-/// Whether the folder holds a manifest of ours; other programs have a `manifest.json` too.
+/// Whether the folder contains a manifest of ours; other programs have a `manifest.json` too.
 fn is_package(path: &Path) -> bool {
     manifest_of(path).is_some_and(|text| manifest::is_ours(&text))
 }
@@ -143,7 +142,7 @@ fn is_occupied(path: &Path) -> bool {
     fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
 }
 
-/// The path without links, dots and trailing slashes, so that a suffix makes a neighbour of it.
+/// The path without links, dots and trailing slashes, so that appending a suffix gives a sibling.
 fn place(path: &Path) -> io::Result<PathBuf> {
     match path.canonicalize() {
         Ok(path) => Ok(path),

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 use rustc_hash::FxHashMap;
 
-/// Side of a cell in metres.
+/// Size of a cell in metres.
 const CELL_M: f64 = 8.0;
 
 /// Cell index, west to east and south to north; a tuple, because arrays are hashed like slices, which takes longer.

@@ -7,10 +7,10 @@
 //!
 //! Promised: every point of the surface of a piece is in the rock, or no further from some triangle of the wall that cameras
 //! see than the tolerance of the zone of that triangle (bounded part by part, not sampled). The wall moved back by half a
-//! tolerance at most is covered without a gap, across the borders of chunks too, so no ray leaves the cave. A piece is closed and convex in
-//! exact arithmetic, not flat, and has at most [`MOST_CORNERS`] corners. It follows from the wall of its chunk and those
-//! around it. Not promised: that a piece holds no bubble of air inside, that the tolerance is kept where rock is thinner than
-//! a fiftieth of [`PieceSettings::thickness_m`], or that pieces do not overlap.
+//! tolerance at most is covered without a gap, across the borders of chunks too, so no ray leaves the cave. A piece is
+//! closed and convex in exact arithmetic, not flat, and has at most [`MOST_CORNERS`] corners. It follows from the wall of
+//! its chunk and those around it. Not promised: that a piece holds no bubble of air inside, that the tolerance is kept where
+//! rock is thinner than a fiftieth of [`PieceSettings::thickness_m`], or that pieces do not overlap.
 
 mod body;
 mod cells;
@@ -35,7 +35,7 @@ pub struct Piece {
     pub positions: Vec<[i32; 3]>,
     /// Its surface; counter-clockwise triangles face outwards.
     pub triangles: Vec<[u32; 3]>,
-    /// Which part of the wall it stands for.
+    /// The zone of the wall that it covers.
     pub zone: Zone,
 }
 

@@ -20,7 +20,8 @@ pub fn of(recipe: &Value) -> Value {
     let kind = recipe["rock"]["kind"].as_str().unwrap_or(MATERIALS.default_row().name);
     let row = GENERATORS.find(generator).unwrap_or_else(|| GENERATORS.default_row());
     let settings = plain((row.schema)().to_value());
-    let graph = choice("generator", &GENERATORS.names_for(generator), "The algorithm that lays out the passages.", settings);
+    let graph =
+        choice("generator", &GENERATORS.names_for(generator), "The algorithm that lays out the passages.", settings);
     let rock_row = MATERIALS.find(kind).unwrap_or_else(|| MATERIALS.default_row());
     let rock = choice("kind", &MATERIALS.names_for(kind), "The kind of rock.", plain((rock_row.schema)().to_value()));
     whole(graph, rock)

@@ -16,7 +16,7 @@ pub struct Readme<'a> {
     pub levels: Option<&'a str>,
     /// Whether there are convex pieces.
     pub pieces: bool,
-    /// How vertices and triangles are packed.
+    /// Compression of vertices and triangles.
     pub compression: Compression,
 }
 

@@ -17,7 +17,7 @@ const DEEP_M: f64 = 0.2;
 /// How far a piece reaches, and its form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PieceMeasures {
-    /// Which part of the wall it stands for.
+    /// The zone of the wall that it covers.
     pub zone: Zone,
     /// Number of its corners.
     pub corners: usize,
