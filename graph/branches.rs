@@ -1,4 +1,4 @@
-//! The branches of a graph: what runs between its junctions and dead ends.
+//! The branches of a graph, which run between junctions and dead ends.
 
 use super::{Id, Neighbors, Rows};
 
@@ -13,7 +13,7 @@ impl<T> Branches<T> {
         let is_end = |node: Id<T>| neighbors[node].len() != 2;
         for start in neighbors.nodes().filter(|&node| is_end(node)) {
             for &first in &neighbors[start] {
-                // A branch is walked from its first end; one of two nodes has no inner node to tell by.
+                // A branch is walked from its first end; one of two nodes has no inner node to mark as visited.
                 let is_walked = if is_end(first) { first < start } else { seen[first.index()] };
                 if !is_walked {
                     branches.walk(neighbors, &mut seen, [start, first]);
@@ -29,7 +29,7 @@ impl<T> Branches<T> {
         branches
     }
 
-    /// Adds the branch that begins with these two nodes.
+    /// Adds the branch that starts with these two nodes.
     fn walk(&mut self, neighbors: &Neighbors<T>, seen: &mut [bool], [start, first]: [Id<T>; 2]) {
         let (mut before, mut at) = (start, first);
         let mut nodes = vec![before, at];
@@ -58,8 +58,8 @@ mod tests {
     }
 
     #[test]
-    fn branches_run_from_end_to_end_and_are_told_once() {
-        // Two junctions, 2 and 4, joined directly and by way of 3; dead ends 0 and 6.
+    fn branches_run_from_end_to_end_and_are_listed_once() {
+        // Two junctions, 2 and 4, joined directly and via 3; dead ends 0 and 6.
         let edges = [[0, 1], [1, 2], [2, 3], [3, 4], [2, 4], [4, 6]];
         assert_eq!(branches(7, edges), [vec![0, 1, 2], vec![2, 3, 4], vec![2, 4], vec![4, 6]]);
     }

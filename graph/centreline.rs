@@ -1,7 +1,7 @@
-//! Centrelines while they are drawn, and how they become a graph.
+//! Builds centrelines and turns them into a graph.
 //!
-//! Generators and readers add vertices and lines in any order; the centreline rounds, welds, numbers and finishes them, so that
-//! the laws of a graph hold for all of them.
+//! Generators and readers add vertices and lines in any order; the builder rounds, welds and numbers them, so that the laws of
+//! graphs hold for all of them.
 
 use std::cmp::Ordering;
 use std::ops::{Index, IndexMut};
@@ -17,14 +17,14 @@ use super::{Graph, Id, Neighbors, Node, Section, StationId, millimetres};
 pub struct Vertex {
     /// Position in metres.
     pub position: Point3<f64>,
-    /// Width and height of the passage, where they are known.
+    /// Width and height of the passage, if known.
     pub section: Option<Section>,
     /// Storey, 0 at the top.
     pub level: u32,
 }
 
 impl Vertex {
-    /// To either side; 0 where it is not known.
+    /// Half the width; 0 if unknown.
     pub fn half_width_m(&self) -> f64 {
         self.section.map_or(0.0, |section| 0.5 * section.width_m)
     }
@@ -43,21 +43,21 @@ pub struct CentrelineBuilder {
 }
 
 impl CentrelineBuilder {
-    /// Adds a vertex that hangs on nothing yet.
+    /// Adds an isolated vertex.
     pub fn add(&mut self, vertex: Vertex) -> VertexId {
         let id = VertexId::new(self.vertices.len());
         self.vertices.push(vertex);
         id
     }
 
-    /// Draws a line.
+    /// Adds a line.
     pub fn join(&mut self, a: VertexId, b: VertexId) {
         self.lines.push([a, b]);
     }
 
-    /// The graph: rounded to 1 mm, vertices in one place welded, numbered by breadth from the first vertex of each part, so
-    /// that parents come before their children. The radius of a node is the way to its first child, or back to its parent
-    /// at a dead end. Vertices without a line are left out.
+    /// The graph: rounded to 1 mm, vertices in one place welded, numbered breadth-first from the first vertex of each part, so
+    /// that parents precede their children. The radius of a node is the distance to its first child, or to its parent at a
+    /// dead end. Isolated vertices are dropped.
     pub fn into_graph(self) -> Graph {
         let Self { vertices, lines } = self.welded();
         // Each vertex becomes the station of the same place.
@@ -65,7 +65,7 @@ impl CentrelineBuilder {
         Graph::new(vertices.into_iter().map(Node::from).collect(), edges).numbered_by_breadth().with_reaches()
     }
 
-    /// Vertices rounded to 1 mm, those in the same place made one; lines sorted, without repeats and lines from a vertex to
+    /// Rounds vertices to 1 mm and welds those in the same place; sorts lines, without duplicates and loops from a vertex to
     /// itself.
     pub fn welded(self) -> Self {
         let mut of_place: FxHashMap<[u64; 3], VertexId> = FxHashMap::default();
@@ -93,7 +93,7 @@ impl CentrelineBuilder {
         VertexId::all(self.vertices.len())
     }
 
-    /// The vertices that lines join to each vertex, ascending.
+    /// The neighbours of each vertex, ascending.
     pub fn neighbors(&self) -> Neighbors<Vertex> {
         Neighbors::of(self.vertices.len(), &self.lines)
     }
@@ -118,7 +118,7 @@ impl CentrelineBuilder {
         (self[a].position - self[b].position).norm()
     }
 
-    /// Without these vertices and what hangs on them.
+    /// Drops these vertices and their lines.
     pub fn without(self, gone: &[bool]) -> Self {
         let lines = self.lines.into_iter().filter(|line| line.iter().all(|&vertex| !gone[vertex.index()])).collect();
         Self { vertices: self.vertices, lines }
@@ -141,7 +141,7 @@ impl IndexMut<VertexId> for CentrelineBuilder {
 
 /// One of the [`Branches`] of a centreline.
 pub struct Branch {
-    /// Its vertices in their order, the ends among them.
+    /// Its vertices in order, including the ends.
     pub vertices: Vec<VertexId>,
     /// Its length in metres.
     pub length_m: f64,
@@ -154,23 +154,23 @@ impl Branch {
         [a.min(b), a.max(b)]
     }
 
-    /// The vertex that it starts from.
+    /// The vertex where it starts.
     pub fn first(&self) -> VertexId {
         self.vertices[0]
     }
 
-    /// The vertex that it ends in.
+    /// The vertex where it ends.
     pub fn last(&self) -> VertexId {
         self.vertices[self.vertices.len() - 1]
     }
 
-    /// The order of lengths; of equals, that of their vertices.
+    /// Order by length, then by vertices.
     pub fn shorter_first(&self, other: &Self) -> Ordering {
         self.length_m.total_cmp(&other.length_m).then_with(|| self.vertices.cmp(&other.vertices))
     }
 }
 
-/// A node that tells all of itself but its place in the graph and its radius.
+/// A node without its connections and its radius.
 impl From<Vertex> for Node {
     fn from(Vertex { position, section, level }: Vertex) -> Self {
         Self {
@@ -187,7 +187,7 @@ impl From<Vertex> for Node {
 
 #[cfg(test)]
 impl CentrelineBuilder {
-    /// Vertices without sections at these places of the plan.
+    /// Vertices without sections at these horizontal positions.
     pub fn flat(places: &[[f64; 2]], lines: &[[usize; 2]]) -> Self {
         let vertex = |&[x, y]: &[f64; 2]| Vertex { position: Point3::new(x, y, 0.0), section: None, level: 0 };
         Self { vertices: places.iter().map(vertex).collect(), lines: VertexId::pairs(lines.iter().copied()) }
@@ -206,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn knots_in_one_place_are_one_and_lone_ones_are_none() {
+    fn vertices_in_one_place_are_welded_and_isolated_ones_dropped() {
         let graph = CentrelineBuilder::flat(
             &[[0.0, 0.0], [5.0, 0.0], [5.0001, 0.0], [9.0, 0.0], [50.0, 0.0]],
             &[[0, 1], [2, 3], [1, 2]],

@@ -1,11 +1,11 @@
-//! Rock between passages: where two of them come nearer to each other than they should, or break into each other.
+//! Rock between passages: where two of them are too close, or break into each other.
 //!
-//! A passage is taken for the hull that an ellipse of its wider end sweeps along its axis (the profile of the field, floor
-//! and roughness left out), a room for such an ellipsoid. Two convex hulls are apart by no less than they are along any one
-//! direction; the one that is looked along here is that in which their axes are nearest. So the thickness that is told is
-//! never more than the true one, and exact for passages that cross above each other.
+//! A passage is modelled as the hull swept by the ellipse of its wider end along its axis (the profile of the field without
+//! floor and roughness), a room as such an ellipsoid. The distance of two convex hulls is at least their gap along any
+//! direction; here the direction is that in which their axes are nearest. So the reported thickness is never more than the
+//! true one, and exact for passages that cross above each other.
 //!
-//! Passages that are joined nearby are exempt: rock between them has to end somewhere.
+//! Passages that are connected nearby are exempt: the rock between them has to end somewhere.
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
@@ -20,46 +20,46 @@ use serde::Serialize;
 use super::segment::nearest_shares;
 use super::{Graph, Node, Section, Shape, StationId};
 
-/// Passages are joined nearby if a way leads from one to the other that is not longer than so many times the distance that
-/// their axes should keep. Tuned on junctions: less tells of the rock between the legs of every acute one.
+/// Passages are connected nearby if a path between them is at most this many times as long as the distance that their axes
+/// should keep. Tuned on junctions: with less, the rock between the legs of every acute one would be reported.
 const NEARBY: f64 = 2.0;
-/// Places told of one passage, the thinnest; keeps the memory linear where a graph is a tangle.
+/// Maximum number of places per passage, the thinnest ones; keeps memory linear for tangled graphs.
 const MOST_OF_ONE: usize = 16;
-/// Places that a report names.
+/// Number of places listed in a report.
 const NAMED: usize = 10;
-/// The least that a hull is searched for beyond its box, in metres, so that rounding loses none.
+/// Minimum margin of the search around the box of a hull, in metres, because of rounding.
 const ROUNDING_M: f64 = 1e-6;
 
-/// How large passages are where a station does not say it.
+/// Size of passages at stations without a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassageSize {
-    /// Width in units of the radius of a station.
+    /// Width relative to the radius of a station.
     pub width_per_radius: f64,
-    /// Least width in metres.
+    /// Minimum width in metres.
     pub width_min_m: f64,
-    /// Height of the full section in units of its width.
+    /// Height of the full section relative to its width.
     pub height_ratio: f64,
-    /// Depth of the floor below the axis in units of half the height.
+    /// Depth of the floor below the axis relative to half the height.
     pub floor_drop: f64,
-    /// Width of a room where three or more passages meet, in units of the width of its station.
+    /// Width of a room where three or more passages meet, relative to the width of its station.
     pub room_factor: f64,
 }
 
 impl Default for PassageSize {
-    /// Passages as recipes make them that say nothing of them.
+    /// The default sizes of recipes.
     fn default() -> Self {
         Self { width_per_radius: 0.6, width_min_m: 1.4, height_ratio: 1.1, floor_drop: 0.5, room_factor: 1.5 }
     }
 }
 
-/// A place where the rock is thinner than asked.
+/// A place where the rock is thinner than required.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Thin {
     /// The two passages, by their stations; a room is its station twice.
     pub passages: [[StationId; 2]; 2],
-    /// Midway between them.
+    /// The midpoint between them.
     pub place: Point3<f64>,
-    /// Thickness of the rock in metres, never more than it is; 0 or less where they may break into each other.
+    /// Lower bound of the thickness of the rock in metres; 0 or less where they may break into each other.
     pub rock_m: f64,
     /// Whether the two passages have no level in common.
     pub between_levels: bool,
@@ -71,18 +71,18 @@ impl Thin {
     }
 }
 
-/// What [`thin_rock`] found, in short.
+/// Summary of [`thin_rock`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RockReport {
-    /// The thickness that was asked for, in metres.
+    /// The required thickness, in metres.
     pub rock_asked_m: f64,
-    /// Pairs of passages with less rock between them, though no short way joins them.
+    /// Pairs of passages with less rock between them, although no short path connects them.
     pub thin_places: usize,
-    /// Those of them that lie on different levels.
+    /// Those of them on different levels.
     pub thin_between_levels: usize,
     /// Pairs that may break into each other.
     pub breakthroughs: usize,
-    /// Those of them that lie on different levels.
+    /// Those of them on different levels.
     pub breakthroughs_between_levels: usize,
     /// The thinnest places, thinnest first.
     pub thinnest: Vec<Thin>,
@@ -105,8 +105,8 @@ impl RockReport {
     }
 }
 
-/// Every pair of passages of a graph with less than `least_m` of rock between them, unless a short way joins them; in the
-/// order of the passages.
+/// Every pair of passages of a graph with less than `least_m` of rock between them, unless a short path connects them; in
+/// the order of the passages.
 pub fn thin_rock(graph: &Graph, passage_size: PassageSize, least_m: f64) -> Vec<Thin> {
     let index = PassageIndex::new(graph, passage_size);
     let bodies = index.all_bodies();
@@ -124,7 +124,7 @@ pub fn thin_rock(graph: &Graph, passage_size: PassageSize, least_m: f64) -> Vec<
 struct Profile {
     half_width: f64,
     half_height: f64,
-    /// Whether it is nearly a rectangle.
+    /// Whether it is nearly rectangular.
     square: bool,
 }
 
@@ -158,13 +158,13 @@ impl Profile {
         Self { half_width: self.half_width * factor, half_height: self.half_height * factor.sqrt(), ..self }
     }
 
-    /// How far it reaches along a unit vector.
+    /// Its extent along a unit vector.
     fn reach(&self, along: &Vector3<f64>) -> f64 {
         /// The fourth-power norm of a drift is at least 2^-1/4 of the Euclidean one.
         const SQUARE: f64 = 1.19;
         let flat = self.half_width * self.half_width * (along.x * along.x + along.y * along.y);
         let up = self.half_height * self.half_height * along.z * along.z;
-        // Along an axis even a drift reaches no further than its half width or height.
+        // Along an axis even a drift extends no further than its half width or height.
         let most = self.half_width * along.xy().norm() + self.half_height * along.z.abs();
         let round = (flat + up).sqrt();
         if self.square { (SQUARE * round).min(most) } else { round }
@@ -178,17 +178,17 @@ pub struct Body {
     profile: Profile,
 }
 
-/// What lies between two hulls.
+/// The gap between two hulls.
 struct Gap {
-    /// Least thickness.
+    /// Minimum thickness.
     rock_m: f64,
-    /// How far the axes would have to be apart for none.
+    /// Distance of the axes at which there would be no rock.
     reach_m: f64,
     middle: Point3<f64>,
 }
 
 impl Body {
-    /// The hull, moved.
+    /// The translated hull.
     pub fn moved(&self, by: &Vector3<f64>) -> Self {
         Self { ends: self.ends.map(|end| end + by), ..*self }
     }
@@ -212,13 +212,13 @@ impl Body {
     }
 }
 
-/// The passages of a graph that grows, and where they are.
+/// A spatial index of the passages of a growing graph.
 #[derive(Clone)]
 pub struct PassageIndex {
     passage_size: PassageSize,
     /// The stations.
     pub nodes: Vec<Node>,
-    /// For each station those that passages join to it.
+    /// The neighbours of each station.
     neighbors: Vec<Vec<StationId>>,
     bodies: RTree<GeomWithData<Rectangle<[f64; 3]>, [StationId; 2]>>,
 }
@@ -255,7 +255,7 @@ impl PassageIndex {
         Graph::new(self.nodes, edges)
     }
 
-    /// Adds a station that hangs on nothing yet.
+    /// Adds an isolated station.
     pub fn add(&mut self, node: Node) -> StationId {
         let station = StationId::new(self.nodes.len());
         self.nodes.push(node);
@@ -263,13 +263,13 @@ impl PassageIndex {
         station
     }
 
-    /// Joins two stations. The passage stands in nobody's way until it is [settled](Self::settle).
+    /// Joins two stations. The passage does not affect others until it is [settled](Self::settle).
     pub fn join(&mut self, a: StationId, b: StationId) {
         self.neighbors[a.index()].push(b);
         self.neighbors[b.index()].push(a);
     }
 
-    /// Takes back the stations from `len` on, and what joins them.
+    /// Removes the stations from index `len` on, and their passages.
     pub fn truncate(&mut self, len: usize) {
         for last in (len..self.nodes.len()).rev().map(StationId::new) {
             for other in std::mem::take(&mut self.neighbors[last.index()]) {
@@ -280,20 +280,20 @@ impl PassageIndex {
         self.neighbors.truncate(len);
     }
 
-    /// Parts two stations.
+    /// Removes the passage between two stations.
     pub fn part(&mut self, a: StationId, b: StationId) {
         self.neighbors[a.index()].retain(|&other| other != b);
         self.neighbors[b.index()].retain(|&other| other != a);
     }
 
-    /// From now on these passages and rooms stand in the way of others.
+    /// From now on other passages must keep their distance from these passages and rooms.
     pub fn settle(&mut self, bodies: &[[StationId; 2]]) {
         for &body in bodies {
             self.bodies.insert(self.entry(body));
         }
     }
 
-    /// No longer.
+    /// Reverses that.
     pub fn unsettle(&mut self, body: [StationId; 2]) {
         self.bodies.remove(&self.entry(body));
     }
@@ -321,21 +321,21 @@ impl PassageIndex {
         Body { ends: [a, b].map(|node| self.node(node).position), profile }
     }
 
-    /// Where one passage or room has too little rock to those that are settled.
+    /// Where a passage or room has too little rock to settled ones.
     pub fn thin(&self, body: [StationId; 2], least_m: f64) -> impl Iterator<Item = Thin> {
         let hull = self.body(body).hull(least_m.max(0.0) + ROUNDING_M);
         let near = self.bodies.locate_in_envelope_intersecting(hull).map(|entry| entry.data);
         near.filter(move |&other| other != body).filter_map(move |other| self.thin_between(body, other, least_m))
     }
 
-    /// The least rock between a hull that is not part of the graph and what is settled, if it is less than `least_m`.
+    /// The minimum rock between a hull outside the graph and settled passages, if it is less than `least_m`.
     pub fn thinnest(&self, body: &Body, least_m: f64) -> Option<f64> {
         let near = self.bodies.locate_in_envelope_intersecting(body.hull(least_m.max(0.0) + ROUNDING_M));
         let rocks = near.map(|entry| self.body(entry.data).gap(body).rock_m);
         rocks.filter(|rock_m| *rock_m < least_m).min_by(f64::total_cmp)
     }
 
-    /// Settled passages whose boxes meet that between two points of the plan, at any depth.
+    /// Settled passages whose boxes overlap that of two points horizontally, at any depth.
     pub fn under(&self, plan: [Point2<f64>; 2]) -> impl Iterator<Item = [StationId; 2]> {
         let [a, b] = plan;
         let column = AABB::from_corners([a.x, a.y, f64::MIN], [b.x, b.y, f64::MAX]);
@@ -343,7 +343,7 @@ impl PassageIndex {
         near.filter(|[a, b]| a != b)
     }
 
-    /// The place between two passages or rooms, if it is too thin and no short way joins them.
+    /// The place between two passages or rooms, if it is too thin and no short path connects them.
     pub fn thin_between(&self, one: [StationId; 2], other: [StationId; 2], least_m: f64) -> Option<Thin> {
         if self.touch(one, other) {
             return None;
@@ -363,12 +363,12 @@ impl PassageIndex {
         })
     }
 
-    /// Whether two passages share a station, or a third one joins them.
+    /// Whether two passages share a station, or a third one connects them.
     fn touch(&self, one: [StationId; 2], other: [StationId; 2]) -> bool {
         one.iter().any(|end| other.contains(end) || self.neighbors_of(*end).iter().any(|next| other.contains(next)))
     }
 
-    /// Whether a way of at most this length leads from the end of one passage to that of another.
+    /// Whether a path of at most this length connects the ends of two passages.
     fn is_way(&self, from: [StationId; 2], to: [StationId; 2], most_m: f64) -> bool {
         let mut least: FxHashMap<StationId, f64> = FxHashMap::default();
         let mut open: VecDeque<(StationId, f64)> = from.iter().map(|&end| (end, 0.0)).collect();

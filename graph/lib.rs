@@ -1,8 +1,8 @@
-//! Where the passages go.
+//! Graphs of passages.
 //!
-//! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes, and files only by what
-//! [`Outside`] lets it read. A [`Generator`] makes one from a seed, out of named [random streams](seed) and a
-//! [centreline] that it draws; [`realism`] says how like a real cave it is.
+//! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes, and reads files only
+//! through [`Outside`]. A [`Generator`] makes one from a seed, using named [random streams](seed) and the [centreline]
+//! builder; [`realism`] compares it with real caves.
 
 mod aabb;
 mod branches;
@@ -37,7 +37,7 @@ pub use rows::Rows;
 pub use section::{Section, Shape};
 pub use shape::millimetres;
 
-/// The version that every file Plume writes carries.
+/// The version written to every file.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A station: a point on the centreline of a passage.
@@ -49,13 +49,13 @@ pub struct Node {
     pub parent: Option<StationId>,
     /// Position in metres, rounded to 1 mm.
     pub position: Point3<f64>,
-    /// Reach to the next node in metres, as in the PLUME paper; passages are wide by a factor of it.
+    /// Reach to the next node in metres, as in the PLUME paper; passage widths are proportional to it.
     pub radius: f64,
-    /// Whether the branch ended alive: it may grow on.
+    /// Whether the branch may grow further.
     pub active: bool,
     /// Storey, 0 at the top.
     pub level: u32,
-    /// Width and height of the passage here in metres, where they do not follow from the radius (a mine's drift).
+    /// Width and height of the passage here in metres, unless they follow from the radius.
     pub section: Option<Section>,
 }
 

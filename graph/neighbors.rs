@@ -11,13 +11,13 @@ use super::{Id, Rows};
 pub struct Neighbors<T>(Rows<Id<T>>);
 
 impl<T> Neighbors<T> {
-    /// The neighbours of so many nodes along these edges.
+    /// The neighbours of this many nodes along these edges.
     pub fn of(nodes: usize, edges: &[[Id<T>; 2]]) -> Self {
         let both_ways = edges.iter().flat_map(|&[a, b]| [(a.index(), b), (b.index(), a)]);
         Self(Rows::from_pairs(nodes, both_ways).ascending())
     }
 
-    /// Nodes, with neighbours or without.
+    /// Number of nodes, with neighbours or without.
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -42,8 +42,8 @@ impl<T> Neighbors<T> {
         self.iter().map(<[_]>::len)
     }
 
-    /// What can be reached from the starts, breadth first: each node once, after the one it was reached from, and that one.
-    /// A start has none, and is passed over where it was reached from an earlier one.
+    /// The nodes reachable from the starts, breadth-first: each node once, with the one it was reached from. A start has none,
+    /// and is skipped if it was reached from an earlier one.
     pub fn by_breadth(&self, starts: impl IntoIterator<Item = Id<T>>) -> impl Iterator<Item = (Id<T>, Option<Id<T>>)> {
         let mut starts = starts.into_iter();
         let mut seen = vec![false; self.len()];
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::StationId;
 
-    /// A square with a tail, a pair, and a node on its own.
+    /// A square with a tail, a pair, and an isolated node.
     fn neighbors() -> Neighbors<crate::Node> {
         Neighbors::of(8, &StationId::pairs([[0, 1], [1, 2], [2, 3], [0, 3], [2, 4], [6, 7]]))
     }
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_walk_reaches_every_node_once_and_the_near_ones_first() {
+    fn a_walk_reaches_every_node_once_and_near_ones_first() {
         let walk = |starts: &[usize]| {
             let walk = neighbors().by_breadth(starts.iter().copied().map(StationId::new)).collect::<Vec<_>>();
             walk.into_iter().map(|(node, parent)| (node.index(), parent.map(Id::index))).collect::<Vec<_>>()

@@ -1,10 +1,10 @@
-//! How like a real cave a graph is.
+//! Comparison of graphs with real caves.
 //!
-//! [`Metrics`] measures what Collon et al. 2017 measured on real caves, [`METRICS`] holds their ranges, and [`Likeness`] says
-//! where a graph lies in them. A graph is like a real cave if all eight metrics that do not depend on size lie between the least
-//! and the greatest value of any cave, and six of them between the tenth and the ninetieth percentile. The rule is ours, and
-//! asks more than being a cave: of the 31 caves that have all eight metrics it takes 21, and calls ten unusual. It judges how
-//! passages run, not what their walls are like.
+//! [`Metrics`] measures what Collon et al. 2017 measured on real caves, [`METRICS`] holds their ranges, and [`Likeness`]
+//! locates a graph in them. A graph is like a real cave if all eight metrics that do not depend on size are between the
+//! minimum and the maximum of real caves, and six of them between the tenth and the ninetieth percentile. The rule is ours
+//! and is stricter than being a cave: of the 31 caves with all eight metrics it accepts 21, and calls ten unusual. It judges
+//! the layout of passages, not their walls.
 
 mod gate;
 mod metrics;
@@ -20,15 +20,15 @@ pub use reference::{CAVES, METRICS, Metric, Range, SCALE_FREE, percentile};
 
 use super::Graph;
 
-/// Stations below which a graph has too few branches for statistics.
+/// Minimum number of stations: smaller graphs have too few branches for statistics.
 pub const LEAST_STATIONS: usize = 25;
-/// Metrics between the tenth and the ninetieth percentile that a cave needs.
+/// Required number of metrics between the tenth and the ninetieth percentile.
 pub const CORE_NEEDED: usize = 6;
-/// Place of the mean degree in [`METRICS`]: a ratio of whole numbers that needs no inset.
+/// Index of the mean degree in [`METRICS`]: a ratio of integers that needs no inset.
 const MEAN_DEGREE: usize = 4;
 
 impl Metrics {
-    /// How many metrics lie in the range of real caves, each range shortened at both ends by `inset` of its length.
+    /// Number of metrics in the range of real caves, each range shortened at both ends by `inset` of its length.
     pub fn realism(&self, inset: f64) -> Realism {
         let mut realism = Realism { inside: 0, core: 0 };
         for (place, (value, Metric { range, .. })) in self.scale_free().into_iter().zip(&METRICS).enumerate() {
@@ -40,7 +40,7 @@ impl Metrics {
         realism
     }
 
-    /// How far the metrics lie outside, 0 when all are in the core; for choosing the least unreal of several graphs.
+    /// How far the metrics are outside, 0 if all are in the core; for choosing the best of several graphs.
     pub fn distance(&self) -> f64 {
         let excess = |value: f64, low: f64, high: f64| (low - value).max(value - high).max(0.0);
         let of_one = |(value, Metric { range, .. }): (f64, &Metric)| {
@@ -52,10 +52,10 @@ impl Metrics {
     }
 }
 
-/// How many of the eight metrics are like those of real caves.
+/// Number of metrics, of eight, that are like those of real caves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Realism {
-    /// Metrics between the least and the greatest value of any real cave.
+    /// Metrics between the minimum and the maximum of real caves.
     pub inside: usize,
     /// Metrics between the tenth and the ninetieth percentile.
     pub core: usize,
@@ -68,60 +68,60 @@ impl Realism {
     }
 }
 
-/// What is to be said of a graph as a whole.
+/// The verdict on a graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It has the statistics of a real cave.
     Real,
-    /// Some real cave has as little and some as much of everything, but few have so much that is out of the ordinary.
+    /// Every metric is within the range of real caves, but too many are outside the core.
     Unusual,
-    /// No real cave has so little or so much of something.
+    /// Some metric is outside the range of real caves.
     Unreal,
-    /// It has fewer than [`LEAST_STATIONS`], or no junction: such a graph has no statistics.
+    /// It has fewer than [`LEAST_STATIONS`], or no junction, so there are no statistics.
     TooSmall,
 }
 
-/// Where a value lies among the real caves.
+/// Position of a value among real caves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// Between the tenth and the ninetieth percentile.
     Core,
-    /// Between the least and the greatest.
+    /// Between the minimum and the maximum.
     Inside,
-    /// Beyond every one of them.
+    /// Outside the range.
     Outside,
 }
 
-/// A graph among the real caves.
+/// A graph compared with real caves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Likeness {
-    /// What was measured.
+    /// The metrics.
     pub metrics: Metrics,
-    /// Stations.
+    /// Number of stations.
     pub stations: usize,
-    /// What it comes to.
+    /// The overall result.
     pub verdict: Verdict,
 }
 
-/// One metric of a graph among the real caves.
+/// One metric of a graph compared with real caves.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Which.
+    /// The metric.
     pub metric: &'static Metric,
-    /// Of the graph.
+    /// Its value for the graph.
     pub value: f64,
-    /// The share of real caves that have less, 0 to 100.
+    /// The percentage of real caves with a lower value.
     pub percentile: f64,
-    /// Where that is.
+    /// Its position among real caves.
     pub standing: Standing,
     /// Whether it counts for the verdict.
     pub counts: bool,
 }
 
 impl Likeness {
-    /// Measures a graph and judges it; `None` if it has no passage.
+    /// Measures and judges a graph; `None` if it has no passages.
     pub fn of(graph: &Graph) -> Option<Self> {
         let metrics = Metrics::of(graph)?;
         let stations = graph.nodes.len();
@@ -135,7 +135,7 @@ impl Likeness {
         Some(Self { metrics, stations, verdict })
     }
 
-    /// Every metric, in the order of [`METRICS`].
+    /// All metrics, in the order of [`METRICS`].
     pub fn rows(&self) -> impl Iterator<Item = Row> {
         METRICS.iter().enumerate().map(|(place, metric)| {
             let value = (metric.of)(&self.metrics);
@@ -148,8 +148,7 @@ impl Likeness {
         })
     }
 
-    /// Names of the metrics that keep it from being like a real cave: those beyond every cave, or if there are none, those
-    /// outside the core.
+    /// Names of the failing metrics: those outside the range of real caves or, if there are none, those outside the core.
     pub fn failing(&self) -> Vec<&'static str> {
         let those = |wanted: Standing| {
             self.rows().filter(move |row| row.counts && row.standing == wanted).map(|row| row.metric.name)

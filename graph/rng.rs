@@ -1,9 +1,9 @@
-//! Draws from a random stream, each defined by integer arithmetic and `libm`, so that a seed means the same everywhere.
+//! Draws from a random stream, defined by integer arithmetic and `libm`, so that a seed gives the same everywhere.
 
 use rand::Rng as _;
 use rand_pcg::Pcg64;
 
-/// The source of chance of one attempt.
+/// The random source of one attempt.
 pub struct Rng(Pcg64);
 
 impl Rng {
@@ -27,7 +27,7 @@ impl Rng {
         ((u128::from(self.0.next_u64()) * u128::from(end)) >> 64) as u64
     }
 
-    /// An index into a list of `len` things, which is not empty.
+    /// An index into a non-empty list of `len` items.
     pub fn index(&mut self, len: usize) -> usize {
         self.below(len as u64) as usize
     }

@@ -1,4 +1,4 @@
-//! How wide and high a passage is, and its outline.
+//! Cross-sections of passages: width, height and outline.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub enum Shape {
 }
 
 impl Section {
-    /// How deep below the axis the floor of a drift lies, in units of half its full height: the whole height is clear, and the
+    /// Depth of the floor of a drift below the axis, relative to half its full height: the full height is clear, and the
     /// outline is cut off below it.
     pub const DRIFT_DROP: f64 = 0.8;
 
@@ -35,7 +35,7 @@ impl Section {
         Self { width_m: length_m(self.width_m), height_m: length_m(self.height_m), ..self }
     }
 
-    /// The section this share of the way to another, shaped as the nearer of them.
+    /// The section interpolated to another by this fraction, with the shape of the nearer one.
     pub fn towards(self, other: Self, share: f64) -> Self {
         let between = |a: f64, b: f64| a + (b - a) * share;
         Self {
@@ -46,7 +46,7 @@ impl Section {
     }
 }
 
-/// How far a passage reaches from its axis in any direction; the axis lies a third of the height above the floor.
+/// The clearance radius of a passage around its axis, which is a third of the height above the floor.
 pub fn clearance_radius_m(width_m: f64, height_m: f64) -> f64 {
     (0.5 * width_m).max(height_m / 1.5)
 }
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn half_way_to_another_section_it_is_shaped_like_that() {
+    fn from_half_way_on_the_shape_is_that_of_the_other_section() {
         let drift = Section { width_m: 4.0, height_m: 3.0, shape: Shape::Drift };
         let cave = Section { width_m: 8.0, height_m: 1.0, shape: Shape::Cave };
         assert_eq!(drift.towards(cave, 0.25), Section { width_m: 5.0, height_m: 2.5, shape: Shape::Drift });

@@ -1,13 +1,13 @@
 //! One seed, many independent streams.
 //!
-//! Every consumer of randomness names its stream, so a new consumer moves no other stream and attempt `k` of a stage
-//! never depends on how attempt `k - 1` ended. The generator is PCG-XSL-RR 128/64 (O'Neill 2014), whose output is
-//! fixed by its definition: the same on every platform and in every version of `rand_pcg`.
+//! Every consumer of randomness names its stream, so a new consumer does not affect other streams, and attempt `k` of a
+//! stage never depends on attempt `k - 1`. The generator is PCG-XSL-RR 128/64 (O'Neill 2014), whose output is fixed by its
+//! definition: the same on every platform and in every version of `rand_pcg`.
 
 use rand_pcg::Pcg64;
 use sha2::{Digest, Sha256};
 
-/// The stream called `name` of the world with this `seed`, `index` being a counter such as an attempt.
+/// The stream called `name` for this `seed`; `index` is a counter, such as that of attempts.
 pub fn stream(seed: u64, name: &str, index: u64) -> Pcg64 {
     let digest = digest(seed, name, index);
     let word = |at: usize| u128::from_le_bytes(digest[at..at + 16].try_into().expect("16 bytes"));

@@ -1,15 +1,15 @@
-//! Where two straight passages are nearest to each other.
+//! Distances between line segments.
 
 use nalgebra::{Point3, Vector3};
 
-/// Least distance between two segments.
+/// Distance between two segments.
 pub fn segment_distance(first: [&Point3<f64>; 2], second: [&Point3<f64>; 2]) -> f64 {
     let between = first[0] - second[0];
     let [s, t] = nearest_shares(first, second);
     (between + (first[1] - first[0]) * s - (second[1] - second[0]) * t).norm()
 }
 
-/// How far along each of two segments, from 0 to 1, they are nearest to each other (Ericson, Real-Time Collision
+/// Where two segments are nearest to each other, as a parameter from 0 to 1 on each (Ericson, Real-Time Collision
 /// Detection, 2005, §5.1.9).
 pub fn nearest_shares(first: [&Point3<f64>; 2], second: [&Point3<f64>; 2]) -> [f64; 2] {
     const SHORT: f64 = 1e-12;

@@ -1,4 +1,4 @@
-//! Disjoint sets of indices (Tarjan 1975): union by size, paths halved.
+//! Disjoint sets of indices (Tarjan 1975): union by size, path halving.
 
 /// A partition of `0..count`.
 pub struct Sets {
@@ -12,7 +12,7 @@ impl Sets {
         Self { up: (0..count).collect(), size: vec![1; count] }
     }
 
-    /// The index that stands for the set of this one.
+    /// The representative of the set of this index.
     pub fn find(&mut self, mut index: usize) -> usize {
         while self.up[index] != index {
             self.up[index] = self.up[self.up[index]];
@@ -21,7 +21,7 @@ impl Sets {
         index
     }
 
-    /// Makes the sets of two indices one; tells whether they were two.
+    /// Unites the sets of two indices; returns whether they were different.
     pub fn unite(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.find(a), self.find(b));
         if a == b {

@@ -1,11 +1,11 @@
-//! What can be asked of any graph, and how one is put together.
+//! Construction and basic properties of graphs.
 
 use std::ops::{Index, IndexMut};
 
 use super::{Aabb, Graph, Neighbors, Node, StationId};
 
 impl Graph {
-    /// A graph of these nodes; edges may come in any order, either way round and more than once.
+    /// A graph of these nodes; edges may be in any order, in either direction and duplicated.
     pub fn new(nodes: Vec<Node>, edges: Vec<[StationId; 2]>) -> Self {
         let mut edges: Vec<[StationId; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
@@ -13,8 +13,8 @@ impl Graph {
         Self { nodes, edges }
     }
 
-    /// The same graph numbered by breadth from its first node, and from the first of each further part, so that parents come
-    /// before their children; ids follow the new order. Nodes on no passage are left out; those on several are not active.
+    /// The same graph numbered breadth-first from the first node of each part, so that parents precede their children; ids
+    /// follow the new order. Nodes without passages are dropped; those with several are not active.
     pub fn numbered_by_breadth(self) -> Self {
         let neighbors = self.neighbors();
         let starts = neighbors.nodes().filter(|&node| !neighbors[node].is_empty());
@@ -32,9 +32,9 @@ impl Graph {
         Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node.index()])).collect())
     }
 
-    /// With radii, which were 0: the way to the first child, or back to the parent at a dead end.
+    /// Sets the radii, which were 0: the distance to the first child, or to the parent at a dead end.
     pub fn with_reaches(mut self) -> Self {
-        // Later children first, so that the first one has the last word.
+        // In reverse, so that the first child wins.
         for node in self.stations().rev() {
             let Some(parent) = self[node].parent else { continue };
             let reach = millimetres(self.distance_m(node, parent)).max(0.001);
@@ -68,22 +68,22 @@ impl Graph {
         degrees
     }
 
-    /// Straight distance between two nodes in metres.
+    /// Straight-line distance between two nodes in metres.
     pub fn distance_m(&self, a: StationId, b: StationId) -> f64 {
         (self[a].position - self[b].position).norm()
     }
 
-    /// Length of all passages in metres.
+    /// Total length of all passages in metres.
     pub fn length_m(&self) -> f64 {
         self.edges.iter().map(|&[a, b]| self.distance_m(a, b)).sum()
     }
 
-    /// Independent loops: passages more than a tree would have.
+    /// Number of independent loops.
     pub fn loops(&self) -> usize {
         self.edges.len() + self.components().len() - self.nodes.len()
     }
 
-    /// Sets of nodes that passages connect, each ascending, ordered by their first node.
+    /// Connected components, each ascending, ordered by their first node.
     pub fn components(&self) -> Vec<Vec<StationId>> {
         let neighbors = self.neighbors();
         let mut components: Vec<Vec<StationId>> = Vec::new();
@@ -102,7 +102,7 @@ impl Graph {
         Aabb::from_points(self.nodes.iter().map(|node| node.position))
     }
 
-    /// The graph enlarged about the origin of its frame: positions, radii and sections, rounded to 1 mm.
+    /// The graph scaled about the origin of its frame: positions, radii and sections, rounded to 1 mm.
     pub fn scaled(&self, factor: f64) -> Self {
         let nodes = self.nodes.iter().map(|node| node.scaled(factor)).collect();
         Self { nodes, edges: self.edges.clone() }
@@ -137,6 +137,6 @@ impl Node {
 
 /// A length in metres, rounded to 1 mm.
 pub fn millimetres(length_m: f64) -> f64 {
-    // Adding zero turns -0.0 into 0.0, which files write differently.
+    // Adding zero turns -0.0 into 0.0, which is written differently.
     (length_m * 1000.0).round() / 1000.0 + 0.0
 }

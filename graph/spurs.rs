@@ -1,13 +1,13 @@
-//! Dead ends that go: bumps in a wall, and those for which there is no room.
+//! Removes spurs: bumps in a wall, and dead ends without room.
 
 use super::Neighbors;
 use super::centreline::{Branch, CentrelineBuilder, Vertex, VertexId};
 
-/// A spur whose end reaches less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
+/// A spur that extends less than this many half-widths beyond the passage it leaves is a bump in a wall (tuned).
 const SPUR_REACH: f64 = 0.7;
 
 impl CentrelineBuilder {
-    /// Without spurs that are mere bumps in the wall of the passage they leave.
+    /// Removes spurs that are mere bumps in the wall of the passage they leave.
     pub fn without_spurs(mut self) -> Self {
         loop {
             let neighbors = self.neighbors();
@@ -19,7 +19,7 @@ impl CentrelineBuilder {
         }
     }
 
-    /// Without the shortest spurs among its branches, at most so many of them; `None` if none can go.
+    /// Removes the shortest spurs among its branches, at most this many; `None` if none can be removed.
     pub(super) fn pruned(self, branches: &[Branch], neighbors: &Neighbors<Vertex>, most: usize) -> Option<Self> {
         let spurs = branches.iter().filter_map(|branch| Spur::of(branch, neighbors)).collect();
         shortest(spurs, most, neighbors).map(|gone| self.without(&gone))
@@ -49,8 +49,8 @@ impl<'a> Spur<'a> {
     }
 }
 
-/// Which vertices go with the shortest spurs, at most so many of them; `None` if none can go. A junction keeps two passages, so
-/// that no spur turns what is left into points.
+/// The vertices of the shortest spurs, at most this many spurs; `None` if none can be removed. A junction keeps two passages,
+/// so that the rest does not degenerate to points.
 fn shortest(mut spurs: Vec<Spur>, most: usize, neighbors: &Neighbors<Vertex>) -> Option<Vec<bool>> {
     spurs.sort_by(|a, b| a.branch.shorter_first(b.branch));
     let mut left: Vec<usize> = neighbors.degrees().collect();
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn bumps_go_and_side_passages_stay() {
+    fn bumps_are_removed_and_side_passages_stay() {
         let places = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [10.0, 1.0], [30.0, 0.0], [20.0, 9.0]];
         let rough = centreline(&places, &[[0, 1], [1, 2], [1, 3], [2, 4], [2, 5]]);
         assert_eq!(rough.without_spurs().lines, VertexId::pairs([[0, 1], [1, 2], [2, 4], [2, 5]]));

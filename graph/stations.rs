@@ -1,4 +1,4 @@
-//! Stations spread along the centrelines, as many as are asked for.
+//! Distributes a given number of stations along the centrelines.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,8 +8,9 @@ use rustc_hash::FxHashMap;
 use super::centreline::{Branch, CentrelineBuilder, Vertex, VertexId};
 
 impl CentrelineBuilder {
-    /// The same centrelines with exactly `count` vertices, spread as evenly along them as junctions allow. Where junctions
-    /// alone are more, the shortest dead ends go first. `None` if fewer than `count` can be had or they cannot be lost.
+    /// The same centrelines with exactly `count` vertices, spread as evenly as junctions allow. If there are more junctions
+    /// than that, the shortest dead ends are removed first. `None` if there would be fewer than `count`, or dead ends do not
+    /// suffice.
     pub fn with_stations(self, count: usize) -> Option<Self> {
         let mut centreline = self.welded();
         loop {
@@ -26,7 +27,7 @@ impl CentrelineBuilder {
         }
     }
 
-    /// The branches with their shares of stations between their ends.
+    /// The branches with their numbers of inner stations.
     fn spread(&self, branches: &[Branch], shares: &[usize]) -> Self {
         let mut centreline = Self::default();
         let mut ends: FxHashMap<VertexId, VertexId> = FxHashMap::default();
@@ -44,7 +45,7 @@ impl CentrelineBuilder {
         centreline
     }
 
-    /// `count` vertices between the ends of a branch, evenly along it.
+    /// `count` vertices evenly spaced between the ends of a branch.
     fn along<'a>(&'a self, branch: &'a Branch, count: usize) -> impl Iterator<Item = Vertex> + 'a {
         let step = branch.length_m / (count + 1) as f64;
         let (mut leg, mut start) = (0, 0.0);
@@ -72,7 +73,8 @@ fn ends(branches: &[Branch]) -> usize {
     ends.len()
 }
 
-/// Vertices that each branch keeps inside: a ring two, and one where another branch has the same ends, lest two become one.
+/// Minimum number of inner vertices of each branch: two for a ring, one if another branch has the same ends, so that
+/// branches do not coincide.
 fn least_inside(branches: &[Branch]) -> Vec<usize> {
     let mut alike: FxHashMap<[VertexId; 2], usize> = FxHashMap::default();
     branches.iter().for_each(|branch| *alike.entry(branch.ends()).or_default() += 1);
@@ -83,7 +85,7 @@ fn least_inside(branches: &[Branch]) -> Vec<usize> {
     branches.iter().map(least).collect()
 }
 
-/// The shares with so many stations more, each where the gaps are longest by then.
+/// Distributes this many additional stations, each where the gaps are longest at that point.
 fn with_more(mut shares: Vec<usize>, branches: &[Branch], more: usize) -> Vec<usize> {
     let lack = |branch: usize, share: usize| Lack {
         gap_um: (branches[branch].length_m * 1e6 / (share + 1) as f64) as u64,
@@ -98,15 +100,15 @@ fn with_more(mut shares: Vec<usize>, branches: &[Branch], more: usize) -> Vec<us
     shares
 }
 
-/// A branch on the way to its share of stations, the one that lacks most first.
+/// A branch in the queue, the one with the longest gaps first.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Lack {
-    /// Length by stations, in micrometres.
+    /// Length per gap, in micrometres.
     gap_um: u64,
     branch: Reverse<usize>,
 }
 
-/// The vertex this share of the way from one to the next.
+/// The vertex interpolated between two by this fraction.
 fn between(a: &Vertex, b: &Vertex, share: f64) -> Vertex {
     let section = match (a.section, b.section) {
         (Some(a), Some(b)) => Some(a.towards(b, share)),
@@ -145,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn the_shortest_dead_ends_go_first() {
+    fn the_shortest_dead_ends_are_removed_first() {
         let star = [[0.0, 0.0], [9.0, 0.0], [0.0, 8.0], [-7.0, 0.0], [0.0, -1.0]];
         let star = CentrelineBuilder::flat(&star, &[[0, 1], [0, 2], [0, 3], [0, 4]]);
         let graph = star.clone().with_stations(4).expect("one may go").into_graph();

@@ -1,4 +1,4 @@
-//! Rough centrelines made fit to be a cave: crowded junctions made one, bends smoothed, slopes evened out, cut to length.
+//! Cleans up rough centrelines: merges crowded junctions, smooths bends, limits slopes, cuts to length.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,14 +8,14 @@ use super::centreline::{Branch, CentrelineBuilder, Vertex, VertexId};
 
 /// Most passages at a node; no real cave has more (Collon et al. 2017).
 pub const MOST_PASSAGES: usize = 5;
-/// Rounds over all lines that are too steep; each reaches a few lines further.
+/// Passes over all lines that are too steep; each propagates a few lines further.
 const SLOPE_ROUNDS: usize = 300;
-/// What a line that is too steep gets of the greatest slope.
+/// Slope relative to the maximum to which lines that are too steep are reduced.
 const GENTLER: f64 = 0.95;
 
 impl CentrelineBuilder {
-    /// Junctions joined by a passage shorter than `part` of the width there made one, as long as no more than five
-    /// passages meet at it.
+    /// Merges junctions joined by a passage shorter than `part` of the width there, as long as at most five passages meet
+    /// there.
     pub fn with_junctions_merged(self, part: f64) -> Self {
         let neighbors = self.neighbors();
         let mut branches = self.branches_among(&neighbors);
@@ -41,8 +41,8 @@ impl CentrelineBuilder {
         Self { lines, vertices: self.vertices }
     }
 
-    /// Each bend rounded: as often as asked, every vertex between junctions moves to the middle of itself and its neighbours,
-    /// and takes the width there. Junctions and dead ends stay.
+    /// Rounds bends: in each pass, every vertex between junctions moves to the mean of itself and its neighbours, and takes the
+    /// width there. Junctions and dead ends stay.
     pub fn smoothed(mut self, rounds: usize) -> Self {
         for branch in self.branches() {
             let mut vertices: Vec<Vertex> = branch.vertices.iter().map(|&vertex| self[vertex]).collect();
@@ -60,12 +60,12 @@ impl CentrelineBuilder {
         self
     }
 
-    /// With ups and downs evened out until hardly a line rises more than `most` per metre of plan: each one that does draws
-    /// its ends towards each other, in turn.
+    /// Evens out heights until hardly any line rises more than `most` per horizontal metre: each one that does pulls its ends
+    /// towards each other, in turn.
     fn with_slopes_under(mut self, most: f64) -> Self {
         for _ in 0..SLOPE_ROUNDS {
             let mut steep = false;
-            // What is too steep is made gentler than it must be, or the rounds would only come near the end.
+            // Overcorrects steep lines, otherwise the passes would converge too slowly.
             for line in 0..self.lines.len() {
                 let [a, b] = self.lines[line];
                 let way = self[b].position - self[a].position;
@@ -85,13 +85,13 @@ impl CentrelineBuilder {
         self
     }
 
-    /// With one in `step` vertices between junctions, and without those that no line joins.
+    /// Keeps one in `step` vertices between junctions, and drops isolated ones.
     pub fn with_every(self, step: usize) -> Self {
         let mut sparse = Self::default();
         let mut new = vec![None; self.vertices.len()];
         for branch in self.branches() {
             let last = branch.vertices.len() - 1;
-            // A ring keeps two vertices between its ends, which are one.
+            // A ring keeps two vertices between its ends, which coincide.
             let step = step.min(last / 3).max(1);
             let kept = (0..last).step_by(step).chain([last]);
             let mut before = None;
@@ -105,7 +105,7 @@ impl CentrelineBuilder {
         sparse
     }
 
-    /// With this vertex as the first one.
+    /// Makes this vertex the first one.
     fn rooted(mut self, root: VertexId) -> Self {
         let first = VertexId::new(0);
         let moved = |vertex: VertexId| match vertex {
@@ -118,7 +118,7 @@ impl CentrelineBuilder {
         self
     }
 
-    /// With the vertex nearest to the origin as the first one, among those where passages meet or end.
+    /// Makes the vertex nearest to the origin the first one, among junctions and dead ends.
     pub fn rooted_in_the_middle(self) -> Self {
         let neighbors = self.neighbors();
         let away = |&vertex: &VertexId| {
@@ -129,8 +129,7 @@ impl CentrelineBuilder {
         root.map_or(Self::default(), |root| self.rooted(root))
     }
 
-    /// What lies nearest to the first vertex along the passages, up to `most_m` of them. What does not hang together with the
-    /// first vertex is left out.
+    /// Keeps what is nearest to the first vertex along the passages, up to `most_m` of them. Other components are dropped.
     pub fn cut_to(self, most_m: f64) -> Self {
         if self.vertices.is_empty() {
             return self;
@@ -138,7 +137,7 @@ impl CentrelineBuilder {
         let neighbors = self.neighbors();
         let mut distances = vec![f64::INFINITY; self.vertices.len()];
         let mut near = vec![false; self.vertices.len()];
-        // Distances are not negative, so their bits are in their order.
+        // Distances are not negative, so the order of their bits is their order.
         let mut front = BinaryHeap::from([Reverse((0_u64, VertexId::new(0)))]);
         distances[0] = 0.0;
         let mut sum_m = 0.0;
@@ -161,9 +160,9 @@ impl CentrelineBuilder {
         self.without(&gone)
     }
 
-    /// A graph of exactly `nodes` nodes, the first one nearest to the first vertex, no passage rising more than
-    /// `slope_max` per metre as far as that can be had; `None` if there is nothing to put them on. Where too few nodes are
-    /// asked to tell all loops apart, loops are opened.
+    /// A graph of exactly `nodes` nodes, the first one nearest to the first vertex, no passage rising more than `slope_max` per
+    /// metre as far as possible; `None` if there are no lines. If there are too few nodes to keep all loops distinct, loops are
+    /// opened.
     pub fn with_nodes(self, nodes: usize, slope_max: f64) -> Option<Graph> {
         let root = self.vertices.first()?.position;
         let fit = |centreline: Self| {
@@ -176,7 +175,7 @@ impl CentrelineBuilder {
         fit(self.clone()).or_else(|| fit(self.opened()))
     }
 
-    /// A tree of the same passages: breadth first from the first vertex.
+    /// A breadth-first spanning tree from the first vertex.
     fn opened(mut self) -> Self {
         let neighbors = self.neighbors();
         let walk = neighbors.by_breadth(neighbors.nodes());
@@ -185,7 +184,7 @@ impl CentrelineBuilder {
     }
 }
 
-/// What a vertex has become part of. That is not far: more than three junctions have too many passages to be one.
+/// The vertex into which a vertex was merged. Chains are short: more than three junctions have too many passages to merge.
 fn root(into: &[VertexId], mut vertex: VertexId) -> VertexId {
     while into[vertex.index()] != vertex {
         vertex = into[vertex.index()];
@@ -193,7 +192,7 @@ fn root(into: &[VertexId], mut vertex: VertexId) -> VertexId {
     vertex
 }
 
-/// A vertex drawn half way to the middle of its neighbours.
+/// A vertex moved half way to the mean of its neighbours.
 fn middle(before: &Vertex, here: &Vertex, after: &Vertex) -> Vertex {
     let blend = |a: f64, b: f64, c: f64| 0.25 * a + 0.5 * b + 0.25 * c;
     let coords = before.position.coords.zip_zip_map(&here.position.coords, &after.position.coords, blend);
@@ -217,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn crowded_junctions_are_one() {
+    fn crowded_junctions_are_merged() {
         let places = [[0.0, 0.0], [1.0, 0.0], [-9.0, 5.0], [-9.0, -5.0], [9.0, 5.0], [9.0, -5.0]];
         let lines = [[0, 1], [0, 2], [0, 3], [1, 4], [1, 5]];
         let degrees = |centreline: CentrelineBuilder| centreline.neighbors().degrees().max();
@@ -226,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_is_farthest_from_the_first_knot() {
+    fn what_is_farthest_from_the_first_vertex_is_cut() {
         let chain =
             centreline(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [-4.0, 0.0], [50.0, 0.0]], &[[0, 1], [1, 2], [0, 3]]);
         assert_eq!(chain.cut_to(7.0).lines, VertexId::pairs([[0, 1], [0, 3]]));
@@ -240,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn steep_passages_are_evened_out() {
+    fn steep_passages_are_flattened() {
         let mut stairs = centreline(&[[0.0, 0.0], [4.0, 0.0], [8.0, 0.0], [12.0, 0.0]], &[[0, 1], [1, 2], [2, 3]]);
         stairs.vertices[2].position.z = 3.0;
         let graph = stairs.with_nodes(4, 0.25).expect("there is a line");
@@ -249,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn loops_that_too_few_nodes_cannot_tell_are_opened() {
+    fn loops_are_opened_if_there_are_too_few_nodes() {
         let square = centreline(&[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]], &[[0, 1], [1, 2], [2, 3], [0, 3]]);
         let two = square.with_nodes(2, 1.0).expect("a line is left");
         assert_eq!((two.nodes.len(), two.edges.len()), (2, 1));

@@ -1,4 +1,4 @@
-//! From a cave folder to a scene: where chunks, images, lamps and start poses become what exporters write.
+//! From a cave folder to a scene: chunks, images, lamps and start poses for the exporters.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -19,7 +19,7 @@ use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
 const LAMP_CD_PER_M2: f64 = 0.12;
-/// A lamp reaches this many spacings.
+/// Range of a lamp, in spacings.
 const LAMP_REACH: f64 = 2.0;
 /// Warm white, linear RGB.
 const LAMP_COLOR: [f64; 3] = [1.0, 0.86, 0.68];
@@ -28,15 +28,14 @@ const LAMP_COLOR: [f64; 3] = [1.0, 0.86, 0.68];
 pub struct FolderChunks<'a> {
     folder: &'a CaveFolder,
     names: Vec<String>,
-    /// The coarser levels of each.
+    /// The coarser levels of each chunk.
     lods: Vec<Vec<LodFacts>>,
     settings: &'a TextureSettings,
     stop: &'a AtomicBool,
 }
 
 impl<'a> FolderChunks<'a> {
-    /// The chunks that `walls` names. Once `stop` is set no more are loaded: an export ends with
-    /// [`io::ErrorKind::Interrupted`].
+    /// The chunks of `walls`. Once `stop` is set no more are loaded: an export ends with [`io::ErrorKind::Interrupted`].
     pub fn new(folder: &'a CaveFolder, walls: &[Unit], settings: &'a TextureSettings, stop: &'a AtomicBool) -> Self {
         let levels = |unit: Unit| match unit.facts {
             Facts::Texture(facts) => Some((unit.name, facts.lods)),
@@ -58,7 +57,7 @@ impl<'a> FolderChunks<'a> {
         Ok(scene_mesh(store::read_ply(self.folder, path).map_err(io::Error::other)?))
     }
 
-    /// Images are read by those who want them: what they will find is what was baked.
+    /// Images are read by the exporters; their hashes are verified here.
     fn verify_images(&self, name: &str) -> Result<(), io::Error> {
         let images = store::IMAGES;
         let height = images.height.filter(|_| self.settings.height);
@@ -184,7 +183,7 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
     }
 }
 
-/// Start poses; where there is no headroom at all, the first station, since a scene must have one.
+/// Start poses; if there is no headroom anywhere, the first station, since a scene must have one.
 fn spawns(field: &dyn Field, graph: &Graph, count: usize) -> Vec<Isometry3<f64>> {
     let spawns: Vec<_> = placement::spawns(field, graph, count).into_iter().map(|spawn| spawn.pose).collect();
     if !spawns.is_empty() {

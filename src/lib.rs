@@ -1,4 +1,4 @@
-//! Plume makes underground worlds and hands them to simulators ready to use.
+//! Plume makes underground worlds and exports them ready to use for simulators.
 //!
 //! One recipe and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in chunks, a set
 //! of images for each chunk, and from them a package for a simulator. Same recipe, seed and version, same bytes.

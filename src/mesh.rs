@@ -3,10 +3,9 @@
 //! A chunk is a pure function of the field, the [`Grid`] and its own [`ChunkIndex`]: any worker can make any chunk, in
 //! any order, and neighbours still share their border vertices bit for bit.
 //!
-//! The field is sampled on one lattice for the whole cave; manifold dual marching cubes finds the wall; a halo around
-//! each chunk is wide enough that both sides of a border decide the same. Promised of all chunks welded together:
-//! closed, every edge between two triangles, every vertex one fan, consistent winding, no triangle without area. Not
-//! promised: that no two triangles intersect.
+//! The field is sampled on one lattice for the whole cave; manifold dual marching cubes extracts the wall; a halo around
+//! each chunk is wide enough that both sides of a border are computed identically. Promised for all chunks welded together:
+//! watertight, manifold, consistent winding, no degenerate triangles. Not promised: that no two triangles intersect.
 
 mod bubbles;
 mod cell;
@@ -48,7 +47,7 @@ pub const QUANTA_PER_M: i32 = 4096;
 pub struct Mesh {
     /// Vertices in units of 1/[`QUANTA_PER_M`] m, cave frame.
     pub positions: Vec<[i32; 3]>,
-    /// Unit normals of the field at the vertices, into the air. Empty where nothing is shaded (collision).
+    /// Unit normals of the field at the vertices, into the air. Empty for collision meshes.
     pub normals: Vec<[f32; 3]>,
     /// Indices of the corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
@@ -65,7 +64,7 @@ impl Mesh {
         self.triangles.iter().map(area).sum::<f64>() / (quanta * quanta)
     }
 
-    /// A vertex in metres; exact.
+    /// The position of a vertex in metres; exact.
     pub fn position_m(&self, vertex: u32) -> [f32; 3] {
         self.positions[vertex as usize].map(|q| q as f32 / QUANTA_PER_M as f32)
     }

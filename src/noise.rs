@@ -1,14 +1,13 @@
-//! Noise over space, in lanes.
+//! Noise in space, in vector lanes.
 //!
-//! Every primitive is written once over [`Real`] and used twice: with [`Value`] it gives the value alone, with [`Jet`]
-//! the value and its exact gradient (forward-mode dual numbers). Lanes are as wide as the machine's own vectors, chosen
-//! at run time by `fearless_simd`; since only `+ - * / sqrt floor` and integers are used and nothing is contracted, the
-//! bits are the same on every width.
+//! Every primitive is written once over [`Real`] and used twice: with [`Value`] it gives the value alone, with [`Jet`] the
+//! value and its exact gradient (forward-mode dual numbers). The vector width is chosen at run time by `fearless_simd`;
+//! since only `+ - * / sqrt floor` and integers are used, without contraction, the bits are the same for every width.
 //!
 //! Promised: values are functions of the point and the salt alone. Not promised: precision beyond about 10 km from the
 //! origin, where `f32` no longer resolves the finest grain.
 
-/// A closure that is part of its caller: one that is not would be compiled without the caller's vector instructions.
+/// A closure that is inlined into its caller: otherwise it would be compiled without the caller's vector instructions.
 macro_rules! inlined {
     ($($closure:tt)*) => {
         std::convert::identity(#[inline(always)] $($closure)*)
@@ -16,7 +15,7 @@ macro_rules! inlined {
 }
 pub(crate) use inlined;
 
-/// Evaluates an expression with the best vectors of this machine. Only widths worth their compile time are instantiated.
+/// Evaluates an expression with the widest vectors of this machine. Only widths worth their compile time are instantiated.
 macro_rules! dispatched {
     ($simd:ident => $expression:expr) => {{
         let level = fearless_simd::Level::new();

@@ -1,7 +1,7 @@
 //! The stages, from recipe to finished cave folder, chunk by chunk.
 //!
-//! Every stage is a function of what came before it, is made of units that stand alone, and skips units that are
-//! already finished. Chunks are worked on by all threads; memory is a few chunks per thread, however many there are.
+//! Every stage is a function of earlier ones, consists of independent units, and skips units that are already finished. All
+//! threads work on chunks; memory is a few chunks per thread, however many there are.
 
 mod error;
 mod maps;
@@ -27,7 +27,7 @@ use crate::store::{self, CaveFolder, Facts, FileRecord, MeshFacts, Stage, Textur
 use plume_graph::{Graph, Outside};
 use plume_survey::{Import, Parts};
 
-/// Watches the work and may stop it.
+/// Observes the work and may stop it.
 pub trait Observer: Sync {
     /// A stage of `total` units begins.
     fn begin(&self, stage: Stage, total: usize);
@@ -35,13 +35,13 @@ pub trait Observer: Sync {
     fn advance(&self, stage: Stage);
     /// The stage is done.
     fn end(&self, stage: Stage);
-    /// Set to stop after the units in work.
+    /// Set to stop after the units in progress.
     fn stop(&self) -> &AtomicBool;
     /// Whether recipes may run programs.
     fn allows_programs(&self) -> bool {
         false
     }
-    /// Whether files may name files that lie elsewhere.
+    /// Whether files may refer to files outside their folder.
     fn allows_strays(&self) -> bool {
         false
     }
@@ -65,18 +65,18 @@ impl Observer for Unobserved {
     }
 }
 
-/// What becomes of another cave in the folder.
+/// What to do with another cave in the folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Other {
-    /// It is an error.
+    /// Report an error.
     Refuse,
-    /// It is this cave, whose recipe or graph has changed: what follows from the change is made anew.
+    /// Update it: it is this cave with a changed recipe or graph, so only what depends on the change is remade.
     Renew,
-    /// It makes room.
+    /// Replace it.
     Replace,
 }
 
-/// One cave in the making.
+/// A cave being made.
 pub struct Pipeline<'a> {
     recipe: &'a Recipe,
     folder: &'a CaveFolder,
@@ -93,7 +93,7 @@ impl<'a> Pipeline<'a> {
     /// Makes or reads the graph and writes recipe and graph into the folder. `given` replaces the recipe's own graph.
     ///
     /// # Errors
-    /// When there can be no such graph, or the folder holds what may not be replaced.
+    /// If the graph is impossible, or the folder contains something that must not be replaced.
     pub fn start(
         recipe: &'a Recipe,
         given: Option<Graph>,
@@ -119,10 +119,10 @@ impl<'a> Pipeline<'a> {
         Ok(pipeline)
     }
 
-    /// Makes or reads the graph, and writes nothing. `given` replaces the recipe's own graph.
+    /// Makes or reads the graph without writing anything. `given` replaces the recipe's own graph.
     ///
     /// # Errors
-    /// When there can be no such graph.
+    /// If the graph is impossible.
     pub fn plan(
         recipe: &'a Recipe,
         given: Option<Graph>,
@@ -166,7 +166,7 @@ impl<'a> Pipeline<'a> {
         field(self.recipe, &self.graph)
     }
 
-    /// Makes what a stage adds to the stages that it follows from.
+    /// Runs a stage, given the stages before it.
     ///
     /// # Errors
     /// As the function of the stage.
@@ -180,10 +180,10 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Makes every chunk's triangles.
+    /// Makes the meshes of all chunks.
     ///
     /// # Errors
-    /// When the grid is out of reach, there is no wall at all, the disk refuses, or the observer stops.
+    /// If there is no valid grid or no wall, the disk fails, or the observer stops.
     pub fn mesh(&self) -> Result<(), PipelineError> {
         self.refuse_absurd_size()?;
         let field = self.field();
@@ -202,10 +202,10 @@ impl<'a> Pipeline<'a> {
         if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
     }
 
-    /// Makes every chunk's images and coarser levels.
+    /// Makes the textures and coarser levels of all chunks.
     ///
     /// # Errors
-    /// When the meshes are not there, the disk refuses, or the observer stops.
+    /// If the meshes are missing, the disk fails, or the observer stops.
     pub fn texture(&self) -> Result<(), PipelineError> {
         let field = self.field();
         let walls: Vec<Unit> = self.walls();
@@ -220,35 +220,35 @@ impl<'a> Pipeline<'a> {
         })
     }
 
-    /// Writes the manifest and clears away what belongs to no unit of this cave.
+    /// Writes the manifest and removes files that belong to no unit of this cave.
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// If the disk fails.
     pub fn settle(&self) -> Result<(), PipelineError> {
         let keep = |unit: &Unit| unit.fingerprint == self.fingerprint(unit.stage);
         Ok(self.folder.settle(keep)?)
     }
 
-    /// Finished mesh units that hold a wall, in order of their names.
+    /// Finished mesh units with a wall, in order of their names.
     pub fn walls(&self) -> Vec<Unit> {
         let mut walls = self.units(Stage::Mesh);
         walls.retain(|unit| !unit.files.is_empty());
         walls
     }
 
-    /// Finished units of this cave; the folder may still hold those of another.
+    /// Finished units of this cave; the folder may also contain those of another.
     pub fn units(&self, stage: Stage) -> Vec<Unit> {
         let mut units = self.folder.units(stage);
         units.retain(|unit| unit.fingerprint == self.fingerprint(stage));
         units
     }
 
-    /// SHA-256 of all that the cave follows from.
+    /// SHA-256 of everything that the cave follows from.
     pub fn cave_fingerprint(&self) -> &str {
         &self.graph_fingerprint
     }
 
-    /// Whether every wall has its images. Walls are textured after the last of them is meshed.
+    /// Whether every wall is textured. Texturing starts after the last mesh.
     pub fn is_finished(&self) -> bool {
         let textured = self.units(Stage::Texture);
         let walls = self.walls();
@@ -265,7 +265,7 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Looks at the size before the field does, whose memory grows with it.
+    /// Checks the size before the field is built, whose memory grows with it.
     fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
         let bounds = station_bounds(&self.graph, self.recipe.passage().width_per_radius);
         match bounds.map(|bounds| Grid::new(bounds, self.recipe.mesh())) {
@@ -286,7 +286,7 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
-    /// A graph that was edited by hand is not written over by a generated one.
+    /// Protects a graph that was edited by hand from being overwritten by a generated one.
     fn refuse_to_lose_edits(&self) -> Result<(), PipelineError> {
         let path = self.folder.root().join(store::GRAPH);
         let units = self.folder.units(Stage::Graph);
@@ -299,7 +299,7 @@ impl<'a> Pipeline<'a> {
         Ok(())
     }
 
-    /// Files that somebody has changed are not written over, nor deleted.
+    /// Protects files changed by the user from being overwritten or deleted.
     fn refuse_to_lose_changes(&self) -> Result<(), PipelineError> {
         let files = self.folder.changes()?;
         match files.is_empty() {
@@ -325,7 +325,7 @@ impl<'a> Pipeline<'a> {
         Ok(vec![visual, collision])
     }
 
-    /// Makes a unit, whose files and facts `make` gives, unless it is there or another folder lends it.
+    /// Makes a unit, whose files and facts `make` returns, unless it exists or can be taken from the base folder.
     fn unit(
         &self,
         stage: Stage,
@@ -345,7 +345,7 @@ impl<'a> Pipeline<'a> {
         Ok(self.folder.commit(unit)?)
     }
 
-    /// Runs `work` on every item on all threads, telling the observer, until one fails or the user stops.
+    /// Runs `work` on every item on all threads, notifying the observer, until one fails or the user stops.
     fn each<T: Sync>(
         &self,
         stage: Stage,
@@ -366,17 +366,17 @@ impl<'a> Pipeline<'a> {
     }
 }
 
-/// SHA-256 of all that a cave follows from.
+/// SHA-256 of everything that a cave follows from.
 pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph) -> String {
     sha256(format!("{}\n{}", recipe.version(), graph_text(recipe, graph)).as_bytes())
 }
 
-/// The field of the cave that this recipe and graph describe.
+/// The field of the cave described by this recipe and graph.
 pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
     CaveField::new(graph, recipe.passage(), recipe.rock().clone(), recipe.look().clone(), recipe.seed())
 }
 
-/// The cave as previews show it.
+/// The cave as the subject of previews.
 pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -> Subject<'a> {
     let lamp_spacing_m = recipe.world().lights.then_some(recipe.world().light_spacing_m);
     Subject { name: recipe.name(), graph, passage: recipe.passage(), field, lamp_spacing_m }
@@ -398,15 +398,15 @@ fn station_bounds(graph: &Graph, width_per_radius: f32) -> Option<Aabb<f32>> {
     bounds.reduce(Aabb::union)
 }
 
-/// The graph without its recipe: what the shape of the rock depends on.
+/// The graph without its recipe, on which the shape of the rock depends.
 fn stations(graph: &Graph) -> String {
     plume_survey::json::write(graph, "", &Value::Null)
 }
 
-/// The graph that this recipe makes, let through by its gate.
+/// The graph of this recipe, passed by its gate.
 ///
 /// # Errors
-/// When there can be no such graph, or the observer stops.
+/// If the graph is impossible, or the observer stops.
 pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
     let disk = Disk { allows_strays: observer.allows_strays() };
     let machine = Machine { disk, stop: observer.stop() };

@@ -1,7 +1,6 @@
-//! What a robot should find: places to start, and light to see by.
+//! Start poses and lamps.
 //!
-//! Everything here asks the field, not the mesh, so it holds for every level of detail to within the error that level
-//! states.
+//! Everything here uses the field, not the mesh, so it holds for every level of detail within its error.
 
 mod column;
 mod lamps;

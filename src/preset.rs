@@ -1,4 +1,4 @@
-//! Recipes that come with Plume: the samples.
+//! Built-in recipes: the samples.
 
 /// A sample recipe.
 pub struct Preset {
@@ -10,7 +10,7 @@ pub struct Preset {
     pub text: &'static str,
 }
 
-/// Every preset, the default first.
+/// All presets, the default first.
 pub static PRESETS: &[Preset] = &[
     Preset {
         name: "cave",
@@ -29,7 +29,7 @@ pub static PRESETS: &[Preset] = &[
     },
     Preset {
         name: "layers",
-        summary: "a mine over a cave, joined by two ramps for wheels",
+        summary: "a mine above a cave, joined by two ramps for vehicles",
         text: include_str!("../samples/layers.toml"),
     },
 ];

@@ -1,10 +1,10 @@
-//! What a cave will be like, seconds after asking: drawn from its graph and its field, before there are triangles.
+//! Previews within seconds: a cave drawn from its graph and its field, before there is a mesh.
 //!
-//! [`VIEWS`] lists the views. Each gives bytes and neither prints nor touches the disk. The same cave and [`Order`] give
-//! the same bytes for any number of threads; maps and HTML on every machine.
+//! [`VIEWS`] lists the views. Each returns bytes and neither prints nor touches the disk. The same cave and [`Order`] give the
+//! same bytes for any number of threads; maps and HTML on every machine.
 //!
-//! Maps are drawn once, as SVG; a PNG of a map is that SVG in pixels, for which straight lines and quadratic curves take no
-//! float function of the platform. Not promised: that a preview looks as a simulator will show the cave.
+//! Maps are drawn as SVG; a PNG of a map is that SVG rasterised, for which straight lines and quadratic curves need no float
+//! functions of the platform. Not promised: that a preview looks like the cave in a simulator.
 
 mod flight;
 mod image;
@@ -30,27 +30,27 @@ pub struct Subject<'a> {
     pub name: &'a str,
     /// The graph of its passages.
     pub graph: &'a Graph,
-    /// How wide and high they are.
+    /// Width and height of the passages.
     pub passage: &'a PassageSettings,
-    /// How far is rock.
+    /// The signed distance field.
     pub field: &'a CaveField,
-    /// Distance between its lamps in metres; `None` where it has none.
+    /// Distance between its lamps in metres; `None` without lamps.
     pub lamp_spacing_m: Option<f64>,
 }
 
-/// How it is to be shown.
+/// What to draw, and how.
 pub struct Order<'a> {
-    /// In which kind of file.
+    /// The file format.
     pub format: Format,
-    /// On what a map is drawn.
+    /// The theme of maps.
     pub theme: Theme,
-    /// How large; `None` leaves it to the view.
+    /// The size; `None` for the default of the view.
     pub size: Option<Size>,
-    /// Where to look from, metres; `None` for that of some start poses that shows most.
+    /// Camera position, metres; `None` for the start pose that shows most.
     pub at: Option<[f32; 3]>,
-    /// Yaw and pitch in radians, from +x to +y and up; `None` to look where one sees furthest, about level.
+    /// Yaw and pitch in radians, from +x towards +y and up; `None` for the longest line of sight, about level.
     pub look_rad: Option<[f32; 2]>,
-    /// How long a flight takes.
+    /// Frame rate and length of a flight.
     pub pace: Pace,
     /// Set to stop.
     pub stop: &'a AtomicBool,
@@ -95,14 +95,14 @@ impl fmt::Display for Size {
     }
 }
 
-/// What files hold a view.
+/// File formats of views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Outlines.
+    /// Vector graphics.
     Svg,
-    /// Pixels; animated where the view moves.
+    /// Pixels; animated if the view moves.
     Png,
-    /// Pixels that move, in 256 colours.
+    /// Animated pixels in 256 colours.
     Gif,
     /// A folder of numbered PNGs.
     Frames,
@@ -120,7 +120,7 @@ pub enum Drawn {
 }
 
 impl Format {
-    /// What the names of such files end with; nothing for a folder.
+    /// The file extension; empty for a folder.
     pub fn ending(self) -> &'static str {
         match self {
             Self::Svg => "svg",
@@ -138,20 +138,20 @@ pub struct ViewRow {
     pub name: &'static str,
     /// One line for `plume list`.
     pub summary: &'static str,
-    /// What it can be written as, the usual first.
+    /// Supported formats, the default first.
     pub formats: &'static [Format],
-    /// How large it is unless another size is asked for.
+    /// Default size.
     pub size: Size,
-    /// What of an order it heeds besides the format.
+    /// The options it uses in addition to the format.
     pub heeds: &'static [&'static str],
     draw: fn(&Subject, &Order, Size) -> Result<Drawn, PreviewError>,
 }
 
 impl ViewRow {
-    /// The file of this view. The order's format is one of its own.
+    /// Draws this view. The order's format must be supported.
     ///
     /// # Errors
-    /// When there is nothing to see, or the order was stopped.
+    /// If there is nothing to see, or the order was stopped.
     pub fn draw(&self, subject: &Subject, order: &Order) -> Result<Drawn, PreviewError> {
         if subject.graph.nodes.is_empty() {
             return Err(PreviewError::NoPassages);
@@ -162,7 +162,7 @@ impl ViewRow {
 
 const MAP: Size = Size { width: 1280, height: 900 };
 
-/// Every view, the default first.
+/// All views, the default first.
 pub static VIEWS: &[ViewRow] = &[
     ViewRow {
         name: "plan",
@@ -198,7 +198,7 @@ pub static VIEWS: &[ViewRow] = &[
     },
     ViewRow {
         name: "page",
-        summary: "page for a browser, in which the cave can be turned about and cut open",
+        summary: "page for a browser, in which the cave can be rotated and cut open",
         formats: &[Format::Html],
         size: MAP,
         heeds: &[],
@@ -211,26 +211,26 @@ pub fn view(name: &str) -> Option<&'static ViewRow> {
     VIEWS.iter().find(|row| row.name == name)
 }
 
-/// There is no such view of this cave.
+/// Why a view cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PreviewError {
-    /// Of a graph without stations.
+    /// The graph has no stations.
     #[error("the graph has no stations, so there is nothing to show")]
     NoPassages,
-    /// Of a size out of reach.
+    /// The size is out of range.
     #[error("a size is WIDTHxHEIGHT, each from {} to {} pixels", Size::LEAST, Size::MOST)]
     Size,
-    /// At a pace out of reach.
-    #[error("a flight has 1 to 50 frames in a second, and takes up to 600 seconds")]
+    /// The frame rate or the length is out of range.
+    #[error("a flight has 1 to 50 frames per second, and takes up to 600 seconds")]
     Pace,
-    /// Of more pixels than memory may hold.
-    #[error("a flight has up to a thousand million pixels in all its frames")]
+    /// The frames would need too much memory.
+    #[error("a flight has at most a thousand million pixels in all frames together")]
     Long,
-    /// Of a cave that is all rock, from inside.
+    /// There is no air inside the cave.
     #[error("there is no air at any station, so there is nothing to see from inside")]
     NoAir,
-    /// From a point in rock.
+    /// The camera is in rock.
     #[error("there is rock at {}, {}, {}", .0[0], .0[1], .0[2])]
     InRock([f32; 3]),
     /// It was stopped.
@@ -246,8 +246,8 @@ impl PreviewError {
             Self::Size => "for example --size 1280x720",
             Self::Pace => "for example --fps 10 --seconds 6",
             Self::Long => "make it smaller or shorter, for example --size 1280x720 --fps 10 --seconds 60",
-            Self::NoAir => "make the passages wider, see `passage` in the recipe",
-            Self::InRock(_) => "give a point in a passage, or leave --at out",
+            Self::NoAir => "widen the passages, see `passage` in the recipe",
+            Self::InRock(_) => "give a point in a passage, or omit --at",
             Self::Stopped => "",
         }
     }

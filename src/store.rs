@@ -2,26 +2,25 @@
 //!
 //! ```text
 //! my-cave/
-//! ├─ cave.toml        the whole recipe
-//! ├─ graph.json       the graph, recipe inside: alone it makes the cave again
+//! ├─ cave.toml        the complete recipe
+//! ├─ graph.json       the graph with the recipe: enough to make the cave again
 //! ├─ plan.png         the graph seen from above
 //! ├─ profile.png      and from the side
-//! ├─ chunks/          the wall, one PLY a chunk
+//! ├─ chunks/          the wall, one PLY per chunk
 //! ├─ collision/       the same with fewer triangles
 //! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk
-//! ├─ pieces/          the rock behind the wall in convex pieces, when a target has asked for them
+//! ├─ pieces/          convex pieces of the rock behind the wall, if a target needs them
 //! └─ manifest.json    what is finished: SHA-256 of every file
 //! ```
 //!
-//! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written in a staging folder, put on the disk and
-//! renamed; then one line in a journal says that the unit is done. A process killed at any moment leaves whole units and at
-//! most a staging folder, and the next run goes on from there to the same bytes. After power loss a file is there as
-//! it was written, or its unit is made again. The journal is the first file there, and locked, where the file system can:
-//! one run at a time.
+//! Work is done in [`Unit`]s (one stage of one chunk). A unit's files are written in a staging folder, synced and renamed;
+//! then a line in a journal records the unit as done. A process killed at any moment leaves complete units and at most a
+//! staging folder, and the next run resumes with the same bytes as result. After power loss a file is as it was written, or
+//! its unit is made again. The journal is the first file there, and locked if the file system supports it: one run at a
+//! time.
 //!
-//! A folder may come from a stranger. Manifest and journal are read as what they must be ([`Unit`]), symbolic links are
-//! refused, and a file is taken for what its record says only when its hash fits. What a user has changed is not written
-//! over: see [`CaveFolder::changes`].
+//! A folder may come from a stranger. Manifest and journal are validated ([`Unit`]), symbolic links are refused, and a file
+//! counts only if its hash matches its record. The user's changes are not overwritten: see [`CaveFolder::changes`].
 
 mod chunk;
 mod error;
@@ -70,7 +69,7 @@ pub const PROFILE: &str = "profile.png";
 /// An open cave folder.
 pub struct CaveFolder {
     root: PathBuf,
-    /// A folder whose finished units are taken over where they fit.
+    /// A folder whose finished units are reused where they fit.
     base: Option<Box<CaveFolder>>,
     work: Mutex<Work>,
 }
@@ -80,14 +79,14 @@ struct Work {
     units: BTreeMap<(Stage, String), Unit>,
     /// The files of all units by path; no two have one of the same.
     files: BTreeMap<String, FileRecord>,
-    /// Files of units that another has taken the place of; it may have the same.
+    /// Files of replaced units; the replacement may have the same.
     replaced: Vec<FileRecord>,
-    /// What was found of files that have been looked at, by path.
+    /// Cached states of files, by path.
     states: BTreeMap<String, FileState>,
     run: Option<Run>,
 }
 
-/// What a run holds that works in the folder.
+/// State of a run that works in the folder.
 struct Run {
     journal: File,
     staging: Staging,
@@ -96,7 +95,7 @@ struct Run {
 }
 
 impl Work {
-    /// What manifest and journal say.
+    /// The content of manifest and journal.
     fn read(root: &Path) -> Result<Self, StoreError> {
         let mut work = Self::default();
         for unit in records::read_manifest(&root.join(MANIFEST))? {
@@ -134,15 +133,15 @@ impl Work {
 }
 
 impl CaveFolder {
-    /// Whether `root` is a cave folder, finished or not. Others have a `manifest.json` too, packages among them.
+    /// Whether `root` is a cave folder, finished or not. Other folders, such as packages, have a `manifest.json` too.
     pub fn is_at(root: &Path) -> bool {
         root.join(JOURNAL).is_file() || (root.join(MANIFEST).is_file() && root.join(RECIPE).is_file())
     }
 
-    /// Opens the cave folder at `root`, which may be yet to make; nothing is written before [`begin`](Self::begin).
+    /// Opens the cave folder at `root`, which need not exist; nothing is written before [`begin`](Self::begin).
     ///
     /// # Errors
-    /// When `root` holds something else, cannot be read, or its manifest is damaged.
+    /// If `root` contains something else, cannot be read, or its manifest is damaged.
     pub fn open_or_new(root: &Path) -> Result<Self, StoreError> {
         if !Self::is_at(root) && !file::is_vacant(root)? {
             return Err(StoreError::Occupied { path: root.to_path_buf() });
@@ -153,21 +152,21 @@ impl CaveFolder {
     /// Opens the cave folder at `root`.
     ///
     /// # Errors
-    /// When it cannot be read or its manifest is damaged.
+    /// If it cannot be read or its manifest is damaged.
     pub fn open(root: &Path) -> Result<Self, StoreError> {
         Ok(Self { root: root.to_path_buf(), base: None, work: Mutex::new(Work::read(root)?) })
     }
 
-    /// The same folder, which takes finished units from `base` where they fit, instead of making them again.
+    /// The same folder, which reuses finished units of `base` where they fit.
     #[must_use]
     pub fn based_on(self, base: Self) -> Self {
         Self { base: Some(Box::new(base)), ..self }
     }
 
-    /// Makes the folder if need be and keeps other runs out of it, until it is settled. Before a folder is written to.
+    /// Makes the folder if necessary and locks it until it is settled. Must be called before writing to it.
     ///
     /// # Errors
-    /// When the disk refuses, or another run is at work there.
+    /// If the disk fails, or another run is using it.
     pub fn begin(&self) -> Result<(), StoreError> {
         let mut work = self.work();
         if work.run.is_some() {
@@ -175,28 +174,28 @@ impl CaveFolder {
         }
         fs::create_dir_all(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
         let journal = self.locked_journal()?;
-        // Another run may have been at work since the folder was opened.
+        // Another run may have changed the folder since it was opened.
         *work = Work::read(&self.root)?;
         let staging = Staging::new(&self.root).map_err(|e| StoreError::io(&self.root, e))?;
         work.run = Some(Run { journal, staging, temporary: 0 });
         Ok(())
     }
 
-    /// The journal, with the last line whole, and nobody else's.
+    /// Opens and locks the journal, and terminates its last line.
     fn locked_journal(&self) -> Result<File, StoreError> {
         let path = self.root.join(JOURNAL);
         let named = |error| StoreError::io(&path, error);
         let mut journal = regular::append_no_follow(&path).map_err(named)?;
-        // File systems without locks are served all the same.
+        // File systems without locks are supported too.
         if let Err(TryLockError::WouldBlock) = journal.try_lock() {
             return Err(StoreError::InUse { path: self.root.clone() });
         }
-        // A kill may have torn the last line: what follows starts on a line of its own.
+        // A kill may have truncated the last line, so continue on a new one.
         journal.write_all(b"\n").map_err(named)?;
         Ok(journal)
     }
 
-    /// Whether another run is at work in the folder, as far as the file system can tell.
+    /// Whether another run is using the folder, as far as the file system can tell.
     pub fn is_in_use(&self) -> bool {
         let journal = regular::open_no_follow(&self.root.join(JOURNAL));
         journal.is_ok_and(|journal| matches!(journal.try_lock(), Err(TryLockError::WouldBlock)))
@@ -210,7 +209,7 @@ impl CaveFolder {
     /// The unit, if it is finished, follows from `fingerprint`, and all its files are intact.
     ///
     /// # Errors
-    /// When a file exists but cannot be read.
+    /// If a file exists but cannot be read.
     pub fn finished(&self, stage: Stage, name: &str, fingerprint: &str) -> Result<Option<Unit>, StoreError> {
         let unit = self.work().units.get(&(stage, name.to_owned())).cloned();
         let Some(unit) = unit.filter(|unit| unit.fingerprint == fingerprint) else {
@@ -224,7 +223,7 @@ impl CaveFolder {
         Ok(Some(unit))
     }
 
-    /// What has become of a file; it is looked at once.
+    /// The state of a file, which is checked once.
     fn state(&self, record: &FileRecord) -> Result<FileState, StoreError> {
         if let Some(&state) = self.work().states.get(&record.path) {
             return Ok(state);
@@ -234,7 +233,7 @@ impl CaveFolder {
         Ok(state)
     }
 
-    /// Whether something else is in the place of a file.
+    /// Whether a file was replaced by something else.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -242,11 +241,10 @@ impl CaveFolder {
         Ok(self.state(record)? == FileState::Changed)
     }
 
-    /// The files of finished units, but for recipe and graph, that are there and are not what was written: somebody has
-    /// edited them, or the disk has lost them.
+    /// The files of finished units, except recipe and graph, that exist but differ from what was written: edited or damaged.
     ///
     /// # Errors
-    /// When a file cannot be read.
+    /// If a file cannot be read.
     pub fn changes(&self) -> Result<Vec<String>, StoreError> {
         let files: Vec<FileRecord> = self.work().files.values().cloned().collect();
         let files: Vec<&FileRecord> =
@@ -261,15 +259,15 @@ impl CaveFolder {
         self.work().units.values().filter(|unit| unit.stage == stage).cloned().collect()
     }
 
-    /// The content of a file of a finished unit, if it is what was written.
+    /// The content of a file of a finished unit, verified.
     ///
     /// # Errors
-    /// [`StoreError::Changed`] if it is not; when it cannot be read.
+    /// [`StoreError::Changed`] if it was changed; if it cannot be read.
     pub fn read(&self, path: &str) -> Result<Vec<u8>, StoreError> {
         self.record(path)?.read(&self.root)
     }
 
-    /// Makes sure that a file of a finished unit is what was written, for those who read it themselves.
+    /// Verifies a file of a finished unit, for callers that read it themselves.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -289,7 +287,7 @@ impl CaveFolder {
     /// Writes a file of the folder; it appears whole or not at all. For folders that have [begun](Self::begin).
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// If the disk fails.
     pub fn write(
         &self,
         path: &str,
@@ -303,7 +301,7 @@ impl CaveFolder {
     /// Starts a file of the folder; it appears when finished. For folders that have [begun](Self::begin).
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// If the disk fails.
     pub fn create(&self, path: &str) -> Result<Sink, StoreError> {
         let partial = self.temporary_path();
         Sink::create(&self.root, path, partial)
@@ -316,10 +314,10 @@ impl CaveFolder {
         run.staging.path().join(run.temporary.to_string())
     }
 
-    /// Notes that the files of a unit are about to be written, and so are no longer what an earlier record says.
+    /// Records that the files of a unit are about to be written, which invalidates earlier records.
     ///
     /// # Errors
-    /// When the disk refuses, or another run is at work in the folder.
+    /// If the disk fails, or another run is using the folder.
     pub fn begin_unit(&self, stage: Stage, name: &str) -> Result<(), StoreError> {
         self.begin()?;
         let mut work = self.work();
@@ -332,10 +330,10 @@ impl CaveFolder {
         Ok(())
     }
 
-    /// Notes that a unit is done; its files have been written. For folders that have [begun](Self::begin).
+    /// Records that a unit is done; its files have been written. For folders that have [begun](Self::begin).
     ///
     /// # Errors
-    /// When the journal cannot be written.
+    /// If the journal cannot be written.
     pub fn commit(&self, unit: Unit) -> Result<(), StoreError> {
         let mut work = self.work();
         let event = Event::Done(unit);
@@ -350,11 +348,11 @@ impl CaveFolder {
         records::append(&mut work.run().journal, event).map_err(|e| StoreError::io(&self.root.join(JOURNAL), e))
     }
 
-    /// Takes a finished unit over from the folder that this one is [based on](Self::based_on), if it has an intact one that
+    /// Reuses a finished unit of the folder that this one is [based on](Self::based_on), if it has an intact one that
     /// follows from `fingerprint`.
     ///
     /// # Errors
-    /// When a file cannot be read or written.
+    /// If a file cannot be read or written.
     pub fn take_over(&self, stage: Stage, name: &str, fingerprint: &str) -> Result<bool, StoreError> {
         let Some(base) = &self.base else { return Ok(false) };
         let Some(unit) = base.finished(stage, name, fingerprint)? else { return Ok(false) };
@@ -365,7 +363,7 @@ impl CaveFolder {
         Ok(true)
     }
 
-    /// A second name where the file system has such names, for no file of a cave folder is ever written in place.
+    /// A hard link where the file system supports it, since no file of a cave folder is ever written in place.
     fn copy_from(&self, base: &Self, record: &FileRecord) -> Result<(), StoreError> {
         let (from, partial) = (base.root.join(&record.path), self.temporary_path());
         if fs::hard_link(&from, &partial).is_err() {
@@ -377,11 +375,11 @@ impl CaveFolder {
         fs::rename(&partial, &to).map_err(|e| StoreError::io(&to, e))
     }
 
-    /// Folds the journal into the manifest, keeping the units that `keep` approves and deleting the files of the others and
-    /// of those that were replaced. A folder in which there is nothing to fold and nothing to delete is not touched.
+    /// Merges the journal into the manifest, keeping the units that `keep` approves and deleting the files of all others. A
+    /// folder with nothing to merge or delete is not touched.
     ///
     /// # Errors
-    /// When the disk refuses, or another run is at work in the folder.
+    /// If the disk fails, or another run is using the folder.
     pub fn settle(&self, keep: impl Fn(&Unit) -> bool) -> Result<(), StoreError> {
         if self.is_settled(&keep) {
             return Ok(());
@@ -397,7 +395,7 @@ impl CaveFolder {
         let mut work = self.work();
         work.units = kept;
         if let Some(Run { journal, staging, .. }) = work.run.take() {
-            // As long as there is a journal, the next run looks for what this one has left.
+            // As long as there is a journal, the next run cleans up after this one.
             drop(staging);
             let _ = fs::remove_file(self.root.join(JOURNAL));
             drop(journal);
@@ -405,7 +403,7 @@ impl CaveFolder {
         Ok(())
     }
 
-    /// Whether no run has worked here since the folder was settled, and all units are to be kept.
+    /// Whether nothing has changed since the folder was settled, and all units are to be kept.
     fn is_settled(&self, keep: impl Fn(&Unit) -> bool) -> bool {
         let work = self.work();
         work.run.is_none() && !self.root.join(JOURNAL).exists() && work.units.values().all(keep)
@@ -422,7 +420,7 @@ impl CaveFolder {
         for record in files.filter(|record| !wanted.contains(record.path.as_str())) {
             let path = self.root.join(&record.path);
             file::refuse_link_above(&self.root, &path)?;
-            // What is gone already need not go.
+            // Already removed.
             let _ = fs::remove_file(path);
         }
         Ok(())

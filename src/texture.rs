@@ -1,8 +1,8 @@
-//! Bakes any [`crate::field::Surface`] over any chunk.
+//! Bakes any [`crate::field::Surface`] onto any chunk.
 //!
-//! [`texture`] cuts and flattens the chunk ([`unwrap`]), gives it tangents ([`tangent`]), looks at the surface once per
-//! texel ([`bake`]) and writes the maps as it goes. Everything that is baked comes from the position in the cave, so
-//! neighbouring chunks agree in colour at their border whatever their atlases look like.
+//! [`texture`] cuts and flattens the chunk ([`unwrap`]), computes tangents ([`tangent`]), samples the surface once per texel
+//! ([`bake`]) and writes the maps on the fly. Everything baked depends on the position in the cave, so the colours of
+//! neighbouring chunks match at their border, whatever their atlases.
 
 mod adjacency;
 pub mod bake;
@@ -43,15 +43,15 @@ pub struct Textured {
     pub tangents: Vec<[f32; 4]>,
     /// Triangles in the order of the mesh.
     pub triangles: Vec<[u32; 3]>,
-    /// The mesh vertex that each vertex is a copy of.
+    /// The mesh vertex of which each vertex is a copy.
     pub source: Vec<u32>,
     /// Chart of each triangle.
     pub charts: Vec<u32>,
     /// Texels per metre in the plane of every chart.
     pub texels_per_m: f32,
-    /// Side of every map in pixels.
+    /// Size of every map in pixels.
     pub size_px: u32,
-    /// Share of the maps that charts cover, 0–1.
+    /// Share of the maps covered by charts, 0–1.
     pub utilisation: f32,
 }
 
@@ -59,8 +59,8 @@ pub struct Textured {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {
-    /// The gutters alone fill the atlas.
-    #[error("{charts} charts do not fit into {size_px} px; raise texture.size_px or make smaller chunks")]
+    /// The gutters alone exceed the atlas.
+    #[error("{charts} charts do not fit into {size_px} px; increase texture.size_px or make smaller chunks")]
     TooSmall {
         /// Number of charts.
         charts: usize,
@@ -72,12 +72,12 @@ pub enum TextureError {
     Write(#[from] io::Error),
 }
 
-/// Unwraps `mesh`, bakes `surface` over it and writes the maps to `sinks` as they come.
+/// Unwraps `mesh`, bakes `surface` onto it and writes the maps to `sinks` while baking.
 ///
 /// The same bytes for the same input on any number of threads.
 ///
 /// # Errors
-/// When the charts do not fit, or a sink fails.
+/// If the charts do not fit, or a sink fails.
 pub fn texture<W: Write + Send>(
     mesh: &Mesh,
     surface: &dyn Surface,

@@ -1,11 +1,10 @@
-//! A gate that any generator's graphs can be sent through: only what is like a real cave gets out.
+//! A gate for graphs of any generator that only passes graphs like real caves.
 //!
-//! It looks at finished graphs and so knows nothing of how they were made. `reject` promises: what it lets through is like a
-//! real cave, or there is an error, so that a data set of thousands of worlds holds no stranger; a world that cannot be
-//! had is one number to leave out. `repair` promises a graph, and nothing of its likeness: it is made as like as the search
-//! gets it, which `plume measure` tells. Of 250 nodes it got every one of 20 mines, grown tunnels and cellular caves to
-//! pass; of 1000 nodes every mine and grown tunnel, but few cellular caves, whose branches are many and near each other.
-//! Both keep to the seed: same recipe, same graph.
+//! It judges finished graphs, however they were made. `reject` promises a graph like a real cave or an error, so that a data
+//! set of thousands of worlds has no outliers; seeds that fail can be skipped. `repair` promises a graph, but not its
+//! likeness: it is as good as the search can make it, see `plume measure`. With 250 nodes all of 20 mines, grown tunnels and
+//! cellular caves passed; with 1000 nodes all mines and grown tunnels, but few cellular caves, which have many branches
+//! close to each other. Both are deterministic: same recipe, same graph.
 
 use rand::Rng;
 use schemars::JsonSchema;
@@ -16,28 +15,28 @@ use super::{LEAST_STATIONS, Likeness, Verdict};
 use crate::seed;
 use crate::{GenerateError, Generator, Graph, Outside};
 
-/// What becomes of graphs that are not like real caves.
+/// What to do with graphs that are not like real caves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Gate {
-    /// They are taken as they are.
+    /// Accept them.
     #[default]
     Off,
-    /// The generator tries again with other seeds.
+    /// Try again with other seeds.
     Reject,
-    /// It does, and if none is like a real cave, the nearest is bent, pruned and joined until it is.
+    /// Try other seeds; if none is like a real cave, modify the nearest one step by step.
     Repair,
 }
 
-/// Whether graphs have to be like real caves, whatever makes them.
+/// Whether graphs have to be like real caves, for any generator.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct RealismSettings {
-    /// What becomes of a graph that is not like the 34 caves of Collon et al. 2017 (`plume measure` tells): `off` takes it,
-    /// `reject` tries other seeds and fails if none will do, `repair` changes the nearest one step by step, its number of nodes
-    /// too. The default generator has a gate of its own.
+    /// What to do with a graph that is not like the 34 caves of Collon et al. 2017 (see `plume measure`): `off` accepts it,
+    /// `reject` tries other seeds and fails if none passes, `repair` modifies the nearest one step by step, including its
+    /// number of nodes. The default generator has its own gate.
     pub gate: Gate,
-    /// Most graphs that are made, the first with the seed of the recipe.
+    /// Maximum number of graphs to try, the first with the seed of the recipe.
     #[schemars(range(min = 1, max = 10_000))]
     pub tries: u32,
 }
@@ -48,7 +47,7 @@ impl Default for RealismSettings {
     }
 }
 
-/// A graph that did not pass, and which one it was.
+/// A graph that did not pass, and its number.
 struct Attempt {
     graph: Graph,
     likeness: Likeness,
@@ -56,10 +55,10 @@ struct Attempt {
 }
 
 impl RealismSettings {
-    /// The graph of this seed that the gate lets through. A seed after the first that makes no graph is passed over.
+    /// The graph of this seed that passes the gate. Seeds after the first that make no graph are skipped.
     ///
     /// # Errors
-    /// When the generator makes none of the first seed, none passes, or the graphs are too small or too large for the gate.
+    /// If the generator fails for the first seed, none passes, or the graphs are too small or too large for the gate.
     pub fn generate(
         &self,
         generator: &dyn Generator,
@@ -81,7 +80,7 @@ impl RealismSettings {
         }
     }
 
-    /// The first graph that passes, or the nearest. A generator that heeds no seed is asked no further.
+    /// The first graph that passes, or the nearest. A generator that ignores the seed is called only once.
     fn search(&self, generator: &dyn Generator, seed: u64, outside: &dyn Outside) -> Result<Found, GenerateError> {
         let mut nearest: Option<Attempt> = None;
         for place in 0..self.tries {
@@ -114,7 +113,7 @@ impl RealismSettings {
                 self.tries,
                 nearest.place + 1
             ),
-            "set `realism.gate` to \"repair\" or \"off\", raise `realism.tries`, or take another generator",
+            "set `realism.gate` to \"repair\" or \"off\", increase `realism.tries`, or use another generator",
         )
     }
 }
@@ -124,7 +123,8 @@ enum Found {
     Nearest(Attempt),
 }
 
-/// The seed of each try, the first that of the world. The others are below 2^53, so that every program can read them.
+/// The seed of each try, the first being that of the recipe. The others are below 2^53, so that every program can read
+/// them.
 fn seed_of(seed: u64, place: u32) -> u64 {
     match place {
         0 => seed,
@@ -134,14 +134,14 @@ fn seed_of(seed: u64, place: u32) -> u64 {
 
 fn too_small(nearest: &Attempt) -> GenerateError {
     GenerateError::new(
-        format!("a graph of {} stations is too small to be like a real cave", nearest.likeness.stations),
+        format!("a graph with {} stations is too small to be like a real cave", nearest.likeness.stations),
         format!("ask for at least {LEAST_STATIONS} nodes and a junction, or set `realism.gate` to \"off\""),
     )
 }
 
 fn too_large(nearest: &Attempt) -> GenerateError {
     GenerateError::new(
-        format!("a graph of {} stations is too large to be repaired", nearest.likeness.stations),
+        format!("a graph with {} stations is too large to be repaired", nearest.likeness.stations),
         format!("ask for at most {LARGEST} nodes, or set `realism.gate` to \"reject\""),
     )
 }

@@ -1,9 +1,9 @@
-//! The numbers that tell a cave from a drawing of one.
+//! Metrics of cave graphs.
 //!
 //! Collon, Bernasconi, Vuilleumier, Renard: "Statistical metrics for the characterization of karst network geometry and
-//! topology", Geomorphology 283, 2017. The definitions are those of their program karstnet, down to the borders of its
-//! classes; a graph measured here and there gives the same (`tests/interop/graph/karstnet_agrees.py`). Shortest paths take the
-//! square of the reduced graph's size; above [`EXACT_TO`] nodes they are sampled, and [`Metrics::sampling`] tells.
+//! topology", Geomorphology 283, 2017. The definitions are those of their program karstnet, down to the class boundaries;
+//! both give the same values (`tests/interop/graph/karstnet_agrees.py`). Shortest paths take quadratic time in the size of
+//! the reduced graph; above [`EXACT_TO`] nodes they are sampled, see [`Metrics::sampling`].
 
 use serde::Serialize;
 
@@ -12,53 +12,53 @@ use super::{METRICS, SCALE_FREE};
 use crate::branches::Branches;
 use crate::{Graph, Node, StationId};
 
-/// Nodes of the reduced graph up to which every shortest path is counted.
+/// Largest reduced graph for which all shortest paths are counted.
 pub const EXACT_TO: usize = 20_000;
-/// Nodes that the searches of a sample visit together, which bounds their time to seconds.
+/// Total number of nodes visited by the searches of a sample, which bounds the time to seconds.
 const VISITS: usize = 40_000_000;
 
-/// Place of the central point dominance in [`METRICS`].
+/// Index of the central point dominance in [`METRICS`].
 const DOMINANCE: usize = 7;
 
-/// The metrics of one graph. A branch runs between two stations that do not have exactly two passages; the reduced graph
-/// has those stations as nodes and the branches as edges. Those without unit, but for counts, do not depend on the size.
+/// The metrics of a graph. A branch runs between two stations that do not have exactly two passages; the reduced graph has
+/// those stations as nodes and the branches as edges. Dimensionless metrics, except counts, do not depend on the size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Entropy of branch lengths in ten classes of the longest, 0 to 1.
+    /// Entropy of branch lengths in ten classes up to the longest, 0 to 1.
     pub length_entropy: f64,
-    /// Standard deviation of branch lengths by their mean.
+    /// Coefficient of variation of branch lengths.
     pub length_variation: f64,
-    /// Mean of branch length by distance between its ends, over branches that are no rings.
+    /// Mean of branch length divided by the distance between its ends, over branches that are not rings.
     pub tortuosity: f64,
     /// Entropy of azimuths in eighteen classes, weighted by length, 0 to 1.
     pub orientation_entropy: f64,
     /// Mean degree in the reduced graph.
     pub mean_degree: f64,
-    /// Standard deviation of degrees in the reduced graph by their mean.
+    /// Coefficient of variation of degrees in the reduced graph.
     pub degree_variation: f64,
     /// Correlation of the degrees at the two ends of the edges of the reduced graph, -1 to 1.
     pub degree_correlation: f64,
-    /// How much the most central node of the reduced graph stands out in betweenness, 0 to 1.
+    /// Central point dominance of betweenness in the reduced graph, 0 to 1.
     pub central_point_dominance: f64,
     /// Mean length of a branch in metres.
     pub mean_length_m: f64,
-    /// Mean number of branches on the shortest way between two nodes of the reduced graph, over the nodes of each part.
+    /// Mean number of branches on the shortest path between two nodes of the reduced graph, within each part.
     pub average_path: f64,
-    /// Independent loops.
+    /// Number of independent loops.
     pub loops: usize,
-    /// Branches.
+    /// Number of branches.
     pub branches: usize,
     /// Most passages at a station; no real cave has more than 5.
     pub max_degree: usize,
-    /// How far shortest paths were sampled; `None` if all were counted.
+    /// How shortest paths were sampled; `None` if all were counted.
     pub sampling: Option<Sampling>,
 }
 
-/// What sampling shortest paths costs: standard errors, as they follow from how much the sources differ. The dominance
-/// has an error upwards besides, of the same size at most, being the greatest of many sampled numbers.
+/// Standard errors of sampled shortest paths, estimated from the variation between sources. The dominance also has an
+/// upward bias of at most the same size, being the maximum of many sampled numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sampling {
-    /// Nodes from which paths were counted.
+    /// Number of nodes from which paths were counted.
     pub sources: usize,
     /// Standard error of the average path.
     pub average_path_error: f64,
@@ -67,13 +67,13 @@ pub struct Sampling {
 }
 
 impl Metrics {
-    /// Measures a graph; `None` if it has no passage.
+    /// Measures a graph; `None` if it has no passages.
     pub fn of(graph: &Graph) -> Option<Self> {
         Self::of_nearer(graph, f64::INFINITY)
     }
 
-    /// Measures a graph, but gives up before the shortest paths, which take longest, where [`distance`](Self::distance) cannot
-    /// be less than `most`.
+    /// Measures a graph, but stops before the shortest paths, which take longest, if [`distance`](Self::distance) cannot be
+    /// less than `most`.
     pub(super) fn of_nearer(graph: &Graph, most: f64) -> Option<Self> {
         let branches = Branches::of(&graph.neighbors());
         let lengths = lengths(&branches, graph);
@@ -88,7 +88,7 @@ impl Metrics {
             mean_degree: mean(&degrees),
             degree_variation: variation(&degrees),
             degree_correlation: degree_correlation(&reduced),
-            // No distance at all.
+            // No metric counts.
             central_point_dominance: METRICS[DOMINANCE].range.median,
             mean_length_m: mean(&lengths),
             average_path: 0.0,
@@ -114,7 +114,7 @@ fn max_degree(graph: &Graph) -> usize {
     graph.degrees().into_iter().max().unwrap_or_default()
 }
 
-/// Classes of a tenth of the longest branch; a branch without length belongs to none.
+/// Classes of a tenth of the longest branch; zero-length branches are in none.
 fn length_entropy(lengths: &[f64], longest: f64) -> f64 {
     let mut classes = [0.0; 10];
     for length in lengths.iter().filter(|&&length| length > 0.0) {
@@ -135,12 +135,12 @@ fn orientation_entropy(graph: &Graph) -> f64 {
     entropy(&classes)
 }
 
-/// The class, ten wide, of a number; the last one holds its upper end, too.
+/// The class of width ten of a number; the last one includes its upper end.
 fn class(number: f64, classes: usize) -> usize {
     ((number / 10.0) as usize).min(classes - 1)
 }
 
-/// The azimuth of an undirected line as karstnet measures it: clockwise from north, below 180.
+/// The azimuth of an undirected line as in karstnet: clockwise from north, below 180.
 fn azimuth_deg(x: f64, y: f64) -> f64 {
     let across = (x.abs() / (x * x + y * y).sqrt()).min(1.0);
     let angle = if x * y > 0.0 { libm::asin(across).to_degrees() } else { 90.0 + libm::acos(across).to_degrees() };
@@ -160,7 +160,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Standard deviation of a sample by its mean; 0 for a single value.
+/// Coefficient of variation of a sample; 0 for a single value.
 fn variation(values: &[f64]) -> f64 {
     let mean = mean(values);
     if values.len() < 2 || mean == 0.0 {
@@ -176,7 +176,7 @@ fn lengths(branches: &Branches<Node>, graph: &Graph) -> Vec<f64> {
     branches.iter().map(|branch| branch.windows(2).map(leg).sum()).collect()
 }
 
-/// 1 where every branch is a ring.
+/// 1 if every branch is a ring.
 fn tortuosity(branches: &Branches<Node>, lengths: &[f64], graph: &Graph) -> f64 {
     let ratios: Vec<f64> = branches
         .iter()
@@ -190,7 +190,7 @@ fn tortuosity(branches: &Branches<Node>, lengths: &[f64], graph: &Graph) -> f64 
     if ratios.is_empty() { 1.0 } else { mean(&ratios) }
 }
 
-/// Pearson's correlation of degrees over edges taken both ways; 1 where all degrees are the same.
+/// Pearson's correlation of degrees over edges in both directions; 1 if all degrees are the same.
 fn degree_correlation(reduced: &Reduced) -> f64 {
     let (mut count, mut sum, mut squares, mut products) = (0.0, 0.0, 0.0, 0.0);
     for (a, b) in reduced.directed_edges() {
@@ -200,7 +200,7 @@ fn degree_correlation(reduced: &Reduced) -> f64 {
         squares += a * a;
         products += a * b;
     }
-    // All sums are whole numbers, so this is 0 exactly where there is no variance.
+    // All sums are integers, so this is exactly 0 if there is no variance.
     let variance = squares * count - sum * sum;
     if variance <= 0.0 {
         return 1.0;

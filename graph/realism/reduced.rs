@@ -1,4 +1,4 @@
-//! The reduced graph: an edge in place of each branch.
+//! The reduced graph: an edge for each branch.
 
 use rustc_hash::FxHashMap;
 
@@ -8,11 +8,11 @@ use crate::rng::Rng;
 use crate::seed;
 use crate::{Node, Rows, StationId};
 
-/// Sources sampled at least.
+/// Minimum number of sampled sources.
 const FEWEST_SOURCES: usize = 64;
 
-/// A simple graph of branch ends. Rings keep two and parallel branches one of their inner stations, so that neither
-/// collapses.
+/// A simple graph of branch ends. Rings keep two and parallel branches one of their inner stations, so that they do not
+/// collapse.
 pub(super) struct Reduced {
     neighbors: Rows<usize>,
 }
@@ -55,15 +55,15 @@ impl Reduced {
         self.neighbors.iter().enumerate().flat_map(|(a, others)| others.iter().map(move |&b| (a, b)))
     }
 
-    /// What the shortest paths say: from every node where there are at most `exact_to`, else from as many as make about
-    /// this number of visits.
+    /// Statistics of shortest paths: from all nodes if there are at most `exact_to`, otherwise from enough for about this
+    /// number of visits.
     pub(super) fn paths(&self, exact_to: usize, visits: usize) -> Paths {
         let len = self.neighbors.len();
         if len <= exact_to {
             return self.paths_from(&(0..len).collect::<Vec<_>>());
         }
         let count = (visits / len).clamp(FEWEST_SOURCES, len);
-        // One source from each of `count` stretches of the list; the same for the same graph.
+        // Stratified: one source from each of `count` sections of the list; deterministic.
         let mut rng = Rng::new(seed::stream(0, "path-sources", len as u64));
         let starts: Vec<usize> = (0..=count).map(|i| i * len / count).collect();
         let sources: Vec<usize> = starts.windows(2).map(|pair| pair[0] + rng.index(pair[1] - pair[0])).collect();
@@ -81,7 +81,7 @@ impl Reduced {
             search.add_to(&self.neighbors, source, &mut sums);
         }
         let count = sources.len() as f64;
-        // Each source stands for its share of all nodes.
+        // Each source represents its share of all nodes.
         let pairs = count / len as f64 * (len.max(3) - 1) as f64 * (len.max(3) - 2) as f64;
         let central = sums.most_central();
         let sampling = (sources.len() < len).then(|| Sampling {
@@ -97,16 +97,16 @@ impl Reduced {
     }
 }
 
-/// What shortest paths say of a reduced graph.
+/// Statistics of the shortest paths of a reduced graph.
 pub(super) struct Paths {
-    /// Mean over the nodes of the mean distance to the others of their part, in branches.
+    /// Mean over the nodes of the mean distance to the others in their part, in branches.
     pub(super) average: f64,
     /// Freeman's centralization of betweenness.
     pub(super) dominance: f64,
     pub(super) sampling: Option<Sampling>,
 }
 
-/// Shortest paths over each node, summed over sources (Brandes 2001), and the squares of what each source adds.
+/// Shortest paths through each node, summed over sources (Brandes 2001), and the sum of squares of the contributions.
 struct BetweennessSums {
     between: Vec<f64>,
     squares: Vec<f64>,
@@ -119,13 +119,13 @@ impl BetweennessSums {
     }
 }
 
-/// By how much the most central node stands out, on average.
+/// Mean difference to the most central node.
 fn dominance(between: &[f64], most: f64) -> f64 {
     let others = between.len().max(2) - 1;
     between.iter().map(|b| most - b).sum::<f64>() / others as f64
 }
 
-/// Of the mean of `count` numbers with this sum and this sum of squares.
+/// Standard error of the mean of `count` numbers with this sum and sum of squares.
 fn standard_error(count: f64, sum: f64, squares: f64) -> f64 {
     let mean = sum / count;
     ((squares / count - mean * mean).max(0.0) / count).sqrt()
@@ -136,7 +136,7 @@ fn ends(branch: &[StationId]) -> [StationId; 2] {
     [first.min(last), first.max(last)]
 }
 
-/// Gives stations their place in the reduced graph as they come.
+/// Assigns indices in the reduced graph to stations on first use.
 #[derive(Default)]
 struct Builder {
     places: FxHashMap<StationId, usize>,
@@ -201,7 +201,7 @@ impl Search {
         }
     }
 
-    /// Mean distance of the other nodes that can be reached.
+    /// Mean distance to the other reachable nodes.
     fn mean_distance(&self) -> f64 {
         let sum: f64 = self.order.iter().map(|&node| f64::from(self.distance[node])).sum();
         sum / (self.order.len().max(2) - 1) as f64
@@ -229,7 +229,7 @@ mod tests {
     use crate::Graph;
     use crate::centreline::CentrelineBuilder;
 
-    /// Streets and crossroads, a fifth of them blocked.
+    /// A street grid, a fifth of it blocked.
     fn maze(side: usize) -> Graph {
         let mut rng = Rng::new(crate::seed::stream(1, "maze", 0));
         let places: Vec<[f64; 2]> =

@@ -1,32 +1,32 @@
-//! The statistics of 34 real caves, and where a number lies among them.
+//! The statistics of 34 real caves, and the percentile of a value among them.
 //!
 //! Collon, Bernasconi, Vuilleumier, Renard: "Statistical metrics for the characterization of karst network geometry and
-//! topology", Geomorphology 283, 2017, in the sheet that its authors ship with karstnet (updated 2021). Three of the caves
-//! were surveyed in plan only: their geometry is not known. Rounded to six decimals.
+//! topology", Geomorphology 283, 2017, from the table that its authors distribute with karstnet (updated 2021). Three of the
+//! caves were surveyed only in plan: their geometry is unknown. Rounded to six decimals.
 
 use super::Metrics;
 
 /// The range of one metric over real caves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Least value of any cave.
+    /// Minimum.
     pub min: f64,
-    /// Value that one cave in ten stays under.
+    /// Tenth percentile.
     pub p10: f64,
-    /// Value that half of the caves exceed.
+    /// Median.
     pub median: f64,
-    /// Value that one cave in ten exceeds.
+    /// Ninetieth percentile.
     pub p90: f64,
-    /// Greatest value of any cave.
+    /// Maximum.
     pub max: f64,
 }
 
-/// One metric: its name, its range, and how a graph has it.
+/// A metric: its name, its range, and its value for a graph.
 #[derive(Clone, Copy, Debug)]
 pub struct Metric {
-    /// What is measured.
+    /// Its name.
     pub name: &'static str,
-    /// What it is measured in; empty for a ratio.
+    /// Its unit; empty for a ratio.
     pub unit: &'static str,
     /// The range over real caves, quantiles interpolated linearly.
     pub range: Range,
@@ -34,10 +34,10 @@ pub struct Metric {
     pub of: fn(&Metrics) -> f64,
 }
 
-/// How many of [`METRICS`], from the first, do not depend on the size of a cave. These decide whether it is like a real one.
+/// Number of [`METRICS`], from the first, that do not depend on the size of a cave. These determine the verdict.
 pub const SCALE_FREE: usize = 8;
 
-/// Every metric that real caves were measured by, those that do not depend on size first.
+/// All metrics of real caves, those that do not depend on size first.
 pub static METRICS: [Metric; 11] = [
     metric("length entropy", [0.070054, 0.205123, 0.414945, 0.598302, 0.66739], |m| m.length_entropy),
     metric("length variation", [0.903288, 0.940227, 1.322168, 1.85322, 2.559806], |m| m.length_variation),
@@ -69,20 +69,20 @@ const fn in_unit(unit: &'static str, metric: Metric) -> Metric {
 }
 
 impl Range {
-    /// Whether any real cave has as little and any as much.
+    /// Whether a value is between the minimum and the maximum.
     pub fn holds(&self, value: f64) -> bool {
         (self.min..=self.max).contains(&value)
     }
 
-    /// Whether a value lies between the tenth and the ninetieth percentile.
+    /// Whether a value is between the tenth and the ninetieth percentile.
     pub fn has_in_core(&self, value: f64) -> bool {
         (self.p10..=self.p90).contains(&value)
     }
 }
 
-/// The percentile of a value among the real caves, by the metric's place in [`METRICS`]: 0 for the least cave and below, 100
-/// for the greatest and above, and linear between one cave and the next, which is numpy's default turned about. Where
-/// several caves have the same value, the middle of their percentiles.
+/// The percentile of a value among real caves, by the metric's index in [`METRICS`]: 0 at the minimum and below, 100 at the
+/// maximum and above, and linear between neighbouring caves, the inverse of numpy's default. If several caves have the same
+/// value, the middle of their percentiles.
 pub fn percentile(metric: usize, value: f64) -> f64 {
     let mut known: Vec<f64> = CAVES.iter().map(|(_, row)| row[metric]).filter(|value| !value.is_nan()).collect();
     known.sort_unstable_by(f64::total_cmp);
@@ -101,7 +101,7 @@ pub fn percentile(metric: usize, value: f64) -> f64 {
     100.0 * place / (known.len() - 1) as f64
 }
 
-/// The cave was not measured by this.
+/// The metric is unknown for this cave.
 const NONE: f64 = f64::NAN;
 
 /// Each cave with its metrics in the order of [`METRICS`], NaN where they are not known.

@@ -1,9 +1,9 @@
 //! Makes a graph more like a real cave, step by step.
 //!
-//! A search that only climbs: a move is drawn, and kept if [`Metrics::distance`] falls, no more passages come near each other
-//! than before, every level keeps a passage and the size stays within limits. Moves that have helped are drawn more often.
-//! It ends when the graph passes, or when its effort is spent, so that the time is bounded. Stations that no move touches keep
-//! all they have; new ones take section, radius and level from where they begin. Their number changes.
+//! Hill climbing: a random move is kept if [`Metrics::distance`] decreases, no additional passages come too close, every
+//! level keeps a passage and the size stays within limits. Successful moves are drawn more often. It ends when the graph
+//! passes, or when its effort is spent, so that the time is bounded. Stations that no move touches are unchanged; new ones
+//! inherit section, radius and level. The number of stations changes.
 
 mod moves;
 mod plan;
@@ -16,18 +16,18 @@ use crate::seed;
 use moves::{MAX_DEGREE, MOVES};
 use plan::Plan;
 
-/// Stations above which a step takes too long.
+/// Largest number of stations: beyond, a step takes too long.
 pub(super) const LARGEST: usize = 20_000;
-/// Stations that may be left, and that there may be, per station of the graph.
+/// Limits of the number of stations, relative to the graph.
 const SIZE: [f64; 2] = [0.6, 1.6];
-/// Places that the shortest paths of all trials together may visit, which bounds the time to seconds.
+/// Total number of nodes that the shortest paths of all trials may visit, which bounds the time to seconds.
 const EFFORT: usize = 150_000_000;
-/// Fewest and most trials. Tuned: what does not pass by then hardly ever does.
+/// Minimum and maximum number of trials. Tuned: graphs that have not passed by then hardly ever do.
 const TRIALS: [usize; 2] = [100, 3000];
-/// Rock that passages keep between them, in metres, where they did before.
+/// Rock to be kept between passages, in metres, where there was as much before.
 const ROCK_M: f64 = 0.8;
 
-/// The graph, as like a real cave as the search gets it.
+/// The graph, as like a real cave as the search can make it.
 pub(super) fn repaired(graph: Graph, seed: u64) -> Graph {
     let Some(mut state) = State::new(&graph) else { return graph };
     let mut rng = Rng::new(seed::stream(seed, "realism-repair", 0));
@@ -44,14 +44,14 @@ pub(super) fn repaired(graph: Graph, seed: u64) -> Graph {
     state.plan.graph.numbered_by_breadth()
 }
 
-/// The graph of one step, with what it is judged by. Stations that were taken away stay behind without passages.
+/// The graph of a step, with the data for judging it. Removed stations stay without passages.
 struct State {
     plan: Plan,
     metrics: Metrics,
     thin_places: usize,
-    /// Levels that must not be lost.
+    /// Levels that must be kept.
     levels: usize,
-    /// Fewest and most stations.
+    /// Minimum and maximum number of stations.
     size: [usize; 2],
 }
 
@@ -67,13 +67,13 @@ impl State {
         })
     }
 
-    /// Trials that the effort is enough for.
+    /// Number of trials within the effort.
     fn trials(&self) -> usize {
         let places = self.metrics.branches.max(1);
         (EFFORT / (places * places)).clamp(TRIALS[0], TRIALS[1])
     }
 
-    /// The state with this graph, if it is better; what is cheap is asked first.
+    /// The state with this graph, if it is better; cheap tests come first.
     fn better(&self, graph: Graph) -> Option<Self> {
         let metrics = Metrics::of_nearer(&graph, self.metrics.distance())?;
         if metrics.distance() >= self.metrics.distance() || metrics.max_degree > MAX_DEGREE.max(self.metrics.max_degree)
@@ -101,7 +101,7 @@ fn thin_places(graph: &Graph) -> usize {
     thin_rock(graph, PassageSize::default(), ROCK_M).len()
 }
 
-/// How often each move has been tried of late, and has helped.
+/// How often each move was tried recently, and how often it helped.
 struct Record([(u32, u32); MOVES.len()]);
 
 impl Default for Record {
@@ -111,10 +111,10 @@ impl Default for Record {
 }
 
 impl Record {
-    /// Trials after which half of them are forgotten: what has helped long ago may not help now.
+    /// Number of trials after which counts are halved: old successes may no longer be relevant.
     const MEMORY: u32 = 60;
 
-    /// A move, by its part of trials that have helped and a little for hope.
+    /// A random move, weighted by its success rate, with a minimum weight.
     fn draw(&self, rng: &mut Rng) -> usize {
         let weights = self.0.map(|(tried, helped)| u64::from(1000 * (helped + 1) / (tried + 4) + 20));
         let mut left = rng.below(weights.iter().sum());

@@ -1,7 +1,7 @@
-//! Small pieces that float, in the rock or in the air.
+//! Removes small floating components, in the rock or in the air.
 //!
-//! A piece is dropped when it spans fewer cells than [`MOST_CELLS`] along every axis. The halo is wider than that by
-//! two, so a piece that reaches into a chunk and is cut off by its window spans more: every chunk judges alike.
+//! A component is dropped if it spans fewer cells than [`MOST_CELLS`] along every axis. The halo is wider than that by two,
+//! so a component that is in a chunk and cut off by its window spans more: every chunk decides the same.
 
 use super::extract::Surface;
 use super::lattice::Window;
@@ -9,7 +9,7 @@ use plume_graph::Aabb;
 
 const MOST_CELLS: i32 = Window::HALO - 2;
 
-/// Removes the quads of small pieces. Their vertices stay, unused.
+/// Removes the quads of small components. Their vertices stay, unused.
 pub(super) fn drop_bubbles(surface: &mut Surface) {
     let roots = roots(surface);
     let mut spans: Vec<Aabb<i32>> = surface.cells.iter().copied().map(Aabb::from).collect();
@@ -20,7 +20,7 @@ pub(super) fn drop_bubbles(surface: &mut Surface) {
     surface.quads.retain(|quad| !is_small(&spans[roots[quad.corners[0] as usize] as usize]));
 }
 
-/// The lowest vertex of the piece of each vertex.
+/// The lowest vertex of the component of each vertex.
 fn roots(surface: &Surface) -> Vec<u32> {
     let mut parents: Vec<u32> = (0..surface.vertices.len() as u32).collect();
     for quad in &surface.quads {
@@ -32,7 +32,7 @@ fn roots(surface: &Surface) -> Vec<u32> {
     (0..parents.len() as u32).map(|vertex| find(&mut parents, vertex)).collect()
 }
 
-/// The root of a vertex, halving the path to it.
+/// The root of a vertex, with path halving.
 pub(super) fn find(parents: &mut [u32], mut vertex: u32) -> u32 {
     while parents[vertex as usize] != vertex {
         parents[vertex as usize] = parents[parents[vertex as usize] as usize];

@@ -1,11 +1,11 @@
-//! The loops in which the wall crosses a lattice cell.
+//! The loops of crossed edges in a lattice cell.
 //!
 //! Dual marching cubes (Nielson 2004) puts one vertex into a cell per loop of crossed edges. An edge of the mesh then
-//! lies across a cell face, and only one case gives it four triangles: all four edges of a face are crossed, and in
-//! both cells beside it all four lie in one loop. Wenger (*Isosurfaces*, 2013) joins the crossings of such a face the
-//! other way round. Enumerated in the test: a cell has at most one face whose crossings lie in one loop; joining
-//! them the other way splits the loop and leaves no such face. So the switch needs the two cells alone, in any order,
-//! and the mesh is manifold, always.
+//! crosses a cell face, and only one case gives it four triangles: all four edges of a face are crossed, and in both
+//! adjacent cells all four are in one loop. Wenger (*Isosurfaces*, 2013) connects the crossings of such a face the other
+//! way. Enumerated in the test: a cell has at most one face whose crossings are in one loop; connecting them the other way
+//! splits the loop and leaves no such face. So the switch only depends on the two cells, in any order, and the mesh is
+//! always manifold.
 //!
 //! Corner `x + 2y + 4z`; edge `4·axis + u + 2v`, with u and v the offsets along the other two axes, lower axis first;
 //! face `2·axis + side`.
@@ -15,10 +15,10 @@ use std::sync::LazyLock;
 /// Lower and upper corner of every edge.
 pub(super) const EDGE_CORNERS: [[u8; 2]; 12] = edge_corners();
 
-/// Which loop every crossed edge of a cell belongs to.
+/// The loop of every crossed edge of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Loops {
-    /// Loop by edge; [`Loops::NONE`] where the edge is not crossed.
+    /// Loop by edge; [`Loops::NONE`] if the edge is not crossed.
     pub(super) of_edge: [u8; 12],
     /// Number of loops, 0 to 4.
     pub(super) count: u8,
@@ -52,16 +52,16 @@ pub(super) struct Table {
     shared: [Face; 256],
 }
 
-/// The one table.
+/// The table.
 pub(super) static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
 
 impl Table {
-    /// The loops of a cell whose corners of the bits in `case` lie in air, with the crossings of a face switched.
+    /// The loops of a cell whose corners given by the bits of `case` are in air, with the crossings of a face switched.
     pub(super) fn loops(&self, case: u8, switched: Face) -> &Loops {
         &self.loops[usize::from(case)][usize::from(switched.0)]
     }
 
-    /// The face that has four crossings in one loop.
+    /// The face with four crossings in one loop.
     pub(super) fn shared_face(&self, case: u8) -> Face {
         self.shared[usize::from(case)]
     }
@@ -77,8 +77,8 @@ impl Table {
     }
 }
 
-/// Walks around every loop: each face leads from the crossing where air begins to the one where that air ends, or,
-/// where switched, to the one where the air before it ended.
+/// Walks around every loop: each face leads from the crossing where air begins to the one where that air ends or, if
+/// switched, to the one where the previous air ended.
 fn trace(case: u8, switched: Face) -> Loops {
     let mut next = [Loops::NONE; 12];
     for face in (0..6).map(Face) {
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn loops_hold_every_crossed_edge() {
+    fn every_crossed_edge_is_in_a_loop() {
         for case in 0..=255u8 {
             for face in (0..7).map(Face) {
                 let loops = trace(case, face);

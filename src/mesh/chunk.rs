@@ -12,22 +12,22 @@ use super::settings::MeshSettings;
 use super::simplify::simplify;
 use super::smooth::smooth;
 
-/// The wall in one chunk, for cameras and for wheels.
+/// The wall in one chunk: visual and collision mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChunkMeshes {
-    /// What cameras see, with normals.
+    /// The visual mesh, with normals.
     pub visual: Mesh,
-    /// What wheels touch, without normals.
+    /// The collision mesh, without normals.
     pub collision: Mesh,
-    /// Greatest error that simplification reports for the visual mesh, in metres (see [`MeshSettings`]).
+    /// Maximum simplification error of the visual mesh, in metres (see [`MeshSettings`]).
     pub visual_error_m: f32,
     /// The same for the collision mesh.
     pub collision_error_m: f32,
 }
 
-/// Makes a chunk; `None` where it holds no wall.
+/// Makes a chunk; `None` if it has no wall.
 ///
-/// `field` must be rock outside of the bounds the grid was made for, and finite.
+/// `field` must be rock outside the bounds of the grid, and finite.
 pub fn chunk(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshSettings) -> Option<ChunkMeshes> {
     let facets = facets(field, grid.voxel_m, &grid.owned(index))?;
     let most_triangles = triangle_budget(field, grid, index, settings.max_triangles);
@@ -40,7 +40,7 @@ pub fn chunk(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshS
     Some(ChunkMeshes { visual, collision: collision.mesh, visual_error_m, collision_error_m })
 }
 
-/// Every triangle of a chunk.
+/// The unsimplified triangles of a chunk.
 fn facets(field: &dyn Field, voxel_m: f32, owned: &Window) -> Option<Facets> {
     if field.region(owned.bounds(voxel_m)) != Region::Mixed {
         return None;
@@ -59,8 +59,8 @@ fn facets(field: &dyn Field, voxel_m: f32, owned: &Window) -> Option<Facets> {
 /// Cells along the edge of a block of [`triangle_budget`].
 const BLOCK: i32 = 32;
 
-/// The share of a chunk in the triangles of the whole cave: as many parts as it has blocks that the wall may cross.
-/// Every chunk counts the blocks of all, so none has to know what another made.
+/// The share of a chunk in the triangle budget of the whole cave, by the number of blocks that the wall may cross. Every
+/// chunk counts the blocks of all, so chunks stay independent.
 fn triangle_budget(field: &dyn Field, grid: &Grid, index: ChunkIndex, max_triangles: u32) -> Option<usize> {
     let limit = (max_triangles > 0).then_some(u64::from(max_triangles))?;
     let own = mixed_blocks(field, grid, index);

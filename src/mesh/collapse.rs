@@ -1,8 +1,8 @@
-//! Collapses edges in the order of what that costs, under the link condition (Dey et al., *Topology preserving edge
-//! contraction*, 1999), so a manifold stays one and keeps its genus.
+//! Collapses edges in the order of cost, under the link condition (Dey et al., *Topology preserving edge contraction*,
+//! 1999), so a manifold stays one and keeps its genus.
 //!
-//! A [`CollapsePolicy`] says which edges may collapse, and where to. Whatever it says: border vertices stay where they are, no new
-//! edge joins two of them (two chunks could both add it), and no triangle turns over or becomes a needle.
+//! A [`CollapsePolicy`] determines which edges may collapse, and where to. In any case border vertices stay where they are,
+//! no new edge joins two of them (two chunks could both add it), and no triangle flips or becomes a needle.
 
 use super::collapse_mesh::{Collapse, CollapseMesh};
 use super::queue::{Edge, Queue};
@@ -11,20 +11,20 @@ use super::{Mesh, QUANTA_PER_M};
 /// When to stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct StopCriterion {
-    /// Collapse while the error stays below, in metres; nothing at 0.
+    /// Collapse while the error stays below this, in metres; 0 collapses nothing.
     pub(crate) error_m: f32,
-    /// Then go on, whatever the error, while there are more triangles than this.
+    /// Then continue, whatever the error, while there are more triangles than this.
     pub(crate) most_triangles: Option<usize>,
 }
 
 impl StopCriterion {
-    /// Square of the error in quanta.
+    /// Squared error in quanta.
     fn most_error(self) -> f64 {
         let quanta = f64::from(self.error_m) * f64::from(QUANTA_PER_M);
         quanta * quanta
     }
 
-    /// Square of the greatest error that may become worth while, in quanta.
+    /// Square of the largest error worth considering, in quanta.
     fn limit(self) -> f64 {
         if self.most_triangles.is_some() { f64::INFINITY } else { self.most_error() }
     }
@@ -40,27 +40,27 @@ impl StopCriterion {
 
 /// Which edges may collapse.
 pub(crate) trait CollapsePolicy {
-    /// The ways in which an edge may collapse, each to be planned on its own.
+    /// The possible collapses of an edge, each planned separately.
     fn ways(ends: [u32; 2]) -> impl Iterator<Item = [u32; 2]>;
 
-    /// What becomes of an edge, if anything.
+    /// The collapse of an edge, if possible.
     fn plan(&self, collapse_mesh: &CollapseMesh, ends: [u32; 2]) -> Option<Collapse>;
 
-    /// Whether a collapse that keeps topology and shape is allowed.
+    /// Whether a collapse that preserves topology and shape is allowed.
     fn allows(&self, collapse_mesh: &CollapseMesh, collapse: &Collapse) -> bool;
 
-    /// Told before a collapse is done.
+    /// Called before a collapse.
     fn apply(&mut self, collapse_mesh: &CollapseMesh, collapse: &Collapse);
 }
 
 /// Share of an edge's squared length in its cost, so that short edges of flat patches go first. Tuned.
 const LENGTH_SHARE: f64 = 1e-6;
 
-/// Collapses a mesh by a rule, towards one goal after the other.
+/// Collapses a mesh with a policy, towards one goal after the other.
 pub(crate) struct Collapser<'a, R> {
     pub(crate) mesh: CollapseMesh<'a>,
     pub(crate) rule: R,
-    /// Counts the changes around a vertex; candidates of before are stale.
+    /// Counts changes around a vertex; older candidates are stale.
     versions: Vec<u32>,
     queue: Queue,
     marks: Marks,
@@ -79,7 +79,7 @@ impl<'a, R: CollapsePolicy> Collapser<'a, R> {
         }
     }
 
-    /// Collapses to the goal; returns the greatest error in metres.
+    /// Collapses to the goal; returns the maximum error in metres.
     pub(crate) fn run(&mut self, goal: StopCriterion) -> f32 {
         self.queue = Queue::new();
         self.queue_all(goal.limit());
@@ -105,8 +105,8 @@ impl<'a, R: CollapsePolicy> Collapser<'a, R> {
         for index in 0..self.mesh.triangles.len() {
             let [a, b, c] = self.mesh.triangles[index];
             for ends in [[a, b], [b, c], [c, a]] {
-                // Of an edge inside, the triangle on either side offers it: one is enough. Edges without a second
-                // triangle join two border vertices and are no candidates.
+                // An inner edge is offered by the triangles on both sides: one is enough. Edges without a second triangle
+                // join two border vertices and are not candidates.
                 if ends[0] < ends[1] {
                     self.queue_edge(ends, limit);
                 }
@@ -167,7 +167,7 @@ fn keeps_topology(collapse_mesh: &CollapseMesh, marks: &mut Marks, [kept, gone]:
         }
     }
     let mut shared = 0;
-    // `gone` lies inside: going around it meets each neighbour once as the next corner.
+    // `gone` is an inner vertex: walking around it meets each neighbour once as the next corner.
     for corner in collapse_mesh.corners.of(gone) {
         let end = collapse_mesh.triangles[corner.triangle][(corner.place + 1) % 3];
         if marks.has(end) {
@@ -187,7 +187,7 @@ fn others(triangle: [u32; 3], vertex: u32) -> impl Iterator<Item = u32> {
     triangle.into_iter().filter(move |&corner| corner != vertex)
 }
 
-/// A set of vertices that is cleared at once.
+/// A set of vertices that is cleared in constant time.
 struct Marks {
     rounds: Vec<u32>,
     round: u32,

@@ -1,4 +1,4 @@
-//! A surface while its edges collapse.
+//! A surface during edge collapses.
 
 use nalgebra::Vector3;
 
@@ -6,34 +6,34 @@ use super::Mesh;
 use super::corners::{Corner, Corners};
 use super::quadric::Quadric;
 
-/// What a collapse would do: `gone` merges into `kept`, which moves to `to`.
+/// A planned collapse: `gone` merges into `kept`, which moves to `to`.
 pub(crate) struct Collapse {
     pub(crate) kept: u32,
     /// Never on the border.
     pub(crate) gone: u32,
     pub(crate) to: Vector3<f64>,
-    /// Square of the error, in quanta.
+    /// Squared error, in quanta.
     pub(crate) error: f64,
 }
 
-/// Cosine of the furthest that a triangle may turn in one collapse. Tuned: 72°.
+/// Cosine of the largest rotation of a triangle in one collapse. Tuned: 72°.
 const LEAST_TURN_COSINE: f64 = 0.3;
-/// Least quality (1: equilateral, 0: no area) unless the collapse betters it. Tuned.
+/// Minimum quality (1: equilateral, 0: no area) unless the collapse improves it. Tuned.
 const LEAST_QUALITY: f64 = 0.12;
-/// Vertices of the mesh before whose planes share one error. Tuned: with less the greatest distance hardly falls, with
+/// Number of original vertices whose planes share one error. Tuned: with less the maximum distance hardly decreases, with
 /// more a bump can vanish in a large flat patch.
 const PATCH: f64 = 4.0;
 const NONE: u32 = u32::MAX;
 
-/// A surface that is being collapsed. Positions are whole quanta from the first, so that areas are exact and round alike
-/// anywhere.
+/// A surface being collapsed. Positions are in whole quanta relative to the first, so that areas are exact and rounding does
+/// not depend on the location.
 pub(crate) struct CollapseMesh<'a> {
     border: &'a [bool],
     positions: Vec<Vector3<f64>>,
     quadrics: Vec<Quadric>,
     /// Weight of [`PATCH`] vertices.
     patch_weight: f64,
-    /// Dead ones hold [`NONE`] thrice.
+    /// Removed ones hold [`NONE`] three times.
     pub(super) triangles: Vec<[u32; 3]>,
     live: usize,
     pub(super) corners: Corners,
@@ -63,22 +63,22 @@ impl<'a> CollapseMesh<'a> {
         collapse_mesh
     }
 
-    /// Number of vertices, those that are gone included.
+    /// Number of vertices, including removed ones.
     pub(super) fn vertices(&self) -> usize {
         self.positions.len()
     }
 
-    /// Number of triangles that are left.
+    /// Number of remaining triangles.
     pub(crate) fn live(&self) -> usize {
         self.live
     }
 
-    /// Whether a triangle is left.
+    /// Whether a triangle remains.
     pub(crate) fn is_left(&self, triangle: usize) -> bool {
         self.triangles[triangle][0] != NONE
     }
 
-    /// Whether a vertex is left.
+    /// Whether a vertex remains.
     pub(crate) fn is_alive(&self, vertex: u32) -> bool {
         self.corners.is_alive(vertex)
     }
@@ -88,25 +88,25 @@ impl<'a> CollapseMesh<'a> {
         self.border[vertex as usize]
     }
 
-    /// Where a vertex is.
+    /// Position of a vertex.
     pub(crate) fn position(&self, vertex: u32) -> Vector3<f64> {
         self.positions[vertex as usize]
     }
 
-    /// Number and vertices of each triangle at a vertex, and which of its corners the vertex is.
+    /// Index and vertices of each triangle at a vertex, and which of its corners the vertex is.
     pub(crate) fn around(&self, vertex: u32) -> impl Iterator<Item = (usize, [u32; 3], usize)> {
         let corners = self.corners.of(vertex);
         corners.map(|corner| (corner.triangle, self.triangles[corner.triangle], corner.place))
     }
 
-    /// How a mean square distance to the planes that two vertices stand for follows from a place for both.
+    /// The mean squared distance of a position to the planes of two vertices.
     pub(super) fn joined(&self, ends: [u32; 2]) -> Joined {
         let mut quadric = self.quadrics[ends[0] as usize];
         quadric.add(&self.quadrics[ends[1] as usize]);
         Joined { quadric, weight: quadric.weight().min(self.patch_weight) }
     }
 
-    /// Square of the error of merging two vertices in the place of the first, in quanta.
+    /// Squared error of merging two vertices at the position of the first, in quanta.
     pub(crate) fn error_of_keeping(&self, [kept, gone]: [u32; 2]) -> f64 {
         self.joined([kept, gone]).error(&self.position(kept))
     }
@@ -116,12 +116,12 @@ impl<'a> CollapseMesh<'a> {
         triangle.map(|corner| self.positions[corner as usize])
     }
 
-    /// The triangles that are left, in their old order.
+    /// The remaining triangles, in their original order.
     pub(super) fn left(&self) -> impl Iterator<Item = &[u32; 3]> {
         self.triangles.iter().filter(|triangle| triangle[0] != NONE)
     }
 
-    /// Whether the triangles around `vertex` that stay neither turn over nor turn into needles.
+    /// Whether the remaining triangles around `vertex` neither flip nor become needles.
     pub(super) fn keeps_form(&self, vertex: u32, collapse: &Collapse) -> bool {
         let other = collapse.kept ^ collapse.gone ^ vertex;
         self.corners.of(vertex).all(|corner| {
@@ -167,20 +167,20 @@ impl<'a> CollapseMesh<'a> {
     }
 }
 
-/// The planes that two vertices stand for.
+/// The combined planes of two vertices.
 pub(super) struct Joined {
     pub(super) quadric: Quadric,
     weight: f64,
 }
 
 impl Joined {
-    /// Square of the error of a place, in quanta.
+    /// Squared error of a position, in quanta.
     pub(super) fn error(&self, to: &Vector3<f64>) -> f64 {
         self.quadric.sum_at(to) / self.weight
     }
 }
 
-/// Twelve times the squared area over the squared sum of squared sides: 1 for an equilateral triangle.
+/// Twelve times the squared area divided by the squared sum of squared sides (scaled to 1 for an equilateral triangle).
 fn squared_quality([a, b, c]: [Vector3<f64>; 3], double_area: Vector3<f64>) -> f64 {
     let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
     12.0 * double_area.norm_squared() / (sides * sides)

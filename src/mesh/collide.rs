@@ -1,9 +1,9 @@
 //! Convex pieces of the rock behind the wall of a chunk, for engines that collide convex shapes only.
 //!
-//! Each triangle of the wall begins a piece: its corners, half a tolerance behind it, and a few points deeper in the rock.
-//! Neighbours then merge greedily while the hull of both stays in the rock but for the tolerance, as in hierarchical
+//! Each triangle of the wall starts a piece: its corners, half a tolerance behind it, and a few points deeper in the rock.
+//! Neighbours then merge greedily while the hull of both stays in the rock within the tolerance, as in hierarchical
 //! approximate convex decomposition (Mamou and Ghorbel, *A simple and efficient approach for 3D mesh approximate convex
-//! decomposition*, 2009), but with the open air as the measure and not the mesh.
+//! decomposition*, 2009), but measured against the open air instead of the mesh.
 //!
 //! Promised: every point of the surface of a piece is in the rock, or no further from some triangle of the wall that cameras
 //! see than the tolerance of the zone of that triangle (bounded part by part, not sampled). The wall moved back by half a
@@ -39,11 +39,11 @@ pub struct Piece {
     pub zone: Zone,
 }
 
-/// A part of the wall, by its slope.
+/// A zone of the wall, by slope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Zone {
-    /// What wheels stand on.
+    /// What robots drive on.
     Floor,
     /// What they bump into.
     Wall,
@@ -52,7 +52,7 @@ pub enum Zone {
 }
 
 impl Zone {
-    /// Every zone.
+    /// All zones.
     pub const ALL: [Self; 3] = [Self::Floor, Self::Wall, Self::Ceiling];
 
     /// Floors are no steeper than 45°: the cosine of that, with the vertical. Ceilings mirror them.
@@ -67,10 +67,10 @@ impl Zone {
     }
 }
 
-/// Pieces have no more corners than this, and hence no more than 60 triangles: PhysX on a GPU takes 64 of either.
+/// Maximum number of corners of a piece, which hence has at most 60 triangles: PhysX on a GPU allows 64 of either.
 pub const MOST_CORNERS: usize = 32;
 
-/// The pieces of a chunk; `around` are the chunks around it, as far as pieces reach into the rock.
+/// The pieces of a chunk; `around` are its neighbours within the thickness of pieces.
 pub fn pieces(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Vec<Piece> {
     if wall.triangles.is_empty() {
         return Vec::new();

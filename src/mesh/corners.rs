@@ -68,7 +68,7 @@ impl Corners {
         self.next[before] = after;
     }
 
-    /// Takes all corners from a vertex; the first of them.
+    /// Removes all corners from a vertex and returns the first of them.
     pub(super) fn detach(&mut self, vertex: u32) -> Option<Corner> {
         Corner::from_link(std::mem::replace(&mut self.first[vertex as usize], NONE))
     }

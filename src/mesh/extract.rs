@@ -1,17 +1,17 @@
-//! The wall as quads: manifold dual marching cubes (see [`cell`](super::cell)).
+//! Extracts the wall as quads: manifold dual marching cubes (see [`cell`](super::cell)).
 //!
 //! Each crossed edge of the lattice has one quad, whose corners are the vertices of the four cells around it. The quad
-//! belongs to the chunk that holds the lower end of the edge, so chunks overlap by a cell instead of being cut.
+//! belongs to the chunk that contains the lower end of the edge, so chunks overlap by a cell instead of being cut.
 
 use nalgebra::Vector3;
 
 use super::cell::{EDGE_CORNERS, Face, Loops, TABLE};
 use super::lattice::{BRICK, Brick, Lattice, Window};
 
-/// Crossings keep this distance from the ends of their edge, in voxels. Nearer, distinct vertices around a lattice
-/// point could round to one position, or make slivers that smoothing does not open. Tuned: 0.001 broke every one of 20
-/// caves; 0.05 left angles of 0.4° in steep rock, 0.1 none under 1.2° in 48 caves. The price: a wall that lies on the
-/// lattice is moved by a tenth of a voxel.
+/// Minimum distance of crossings from the ends of their edge, in voxels. With less, distinct vertices around a lattice point
+/// could round to one position, or make slivers that smoothing does not open. Tuned: 0.001 broke all of 20 caves; 0.05 left
+/// angles of 0.4° in steep rock, 0.1 none under 1.2° in 48 caves. The price: a wall on the lattice is moved by a tenth of a
+/// voxel.
 const CROSSING_MARGIN: f64 = 0.1;
 
 /// Quads and their corners, around and in a chunk.
@@ -21,7 +21,7 @@ pub(super) struct Surface {
     pub(super) vertices: Vec<Vector3<f64>>,
     /// The cell of each vertex.
     pub(super) cells: Vec<[i32; 3]>,
-    /// Counter-clockwise seen from the air, in an order that does not depend on the window.
+    /// Counter-clockwise as seen from the air, in an order independent of the window.
     pub(super) quads: Vec<Quad>,
 }
 
@@ -29,11 +29,11 @@ pub(super) struct Surface {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quad {
     pub(super) corners: [u32; 4],
-    /// Whether it belongs to this chunk; the others belong to its neighbours.
+    /// Whether it belongs to this chunk and not to a neighbour.
     pub(super) owned: bool,
 }
 
-/// The quads of every crossed edge whose four cells lie in the lattice.
+/// The quads of all crossed edges whose four cells are in the lattice.
 pub(super) fn extract(lattice: &Lattice, owned: &Window) -> Surface {
     let mut cells = Cells::classify(lattice);
     cells.switch_faces();
@@ -45,7 +45,7 @@ pub(super) fn extract(lattice: &Lattice, owned: &Window) -> Surface {
 
 const CELLS: usize = (BRICK * BRICK * BRICK) as usize;
 
-/// What happens in a cell.
+/// The state of a cell.
 #[derive(Clone, Copy)]
 struct Cell {
     /// Corners in air.
@@ -60,7 +60,7 @@ const EMPTY: Cell = Cell { case: 0, switched: Face::NONE, first_vertex: 0 };
 struct Cells<'a> {
     lattice: &'a Lattice,
     bricks: Vec<Box<[Cell; CELLS]>>,
-    /// The cells that the wall crosses, as brick and place in the brick.
+    /// The cells that the wall crosses, as brick and index in the brick.
     crossed: Vec<(u32, u16)>,
 }
 
@@ -110,7 +110,7 @@ impl<'a> Cells<'a> {
         self.bricks.push(states);
     }
 
-    /// Switches a face where both cells beside it have all its crossings in one loop.
+    /// Switches a face if both adjacent cells have all its crossings in one loop.
     fn switch_faces(&mut self) {
         for index in 0..self.crossed.len() {
             let (brick, place) = self.crossed[index];
@@ -152,7 +152,7 @@ impl<'a> Cells<'a> {
             let air = case & 1;
             for axis in (0..3).filter(|axis| case >> (1 << axis) & 1 != air) {
                 if let Some(mut corners) = self.around(brick, offset, axis) {
-                    // Along y the two other axes in rising order make a left-handed frame.
+                    // For y the two other axes in ascending order make a left-handed frame.
                     if (air == 1) != (axis == 1) {
                         corners.reverse();
                     }

@@ -1,4 +1,4 @@
-//! From smooth quads to triangles on the grid of whole quanta.
+//! From smoothed quads to triangles with positions in whole quanta.
 
 use nalgebra::Vector3;
 
@@ -10,8 +10,8 @@ use super::{Mesh, QUANTA_PER_M};
 pub(super) struct Facets {
     /// Positions, triangles and border; no normals yet.
     pub(super) mesh: Mesh,
-    /// Sum of the areas around each vertex, along their normals into the air. On a border it is taken before
-    /// simplification and over the quads of neighbours too, so both sides hold the same.
+    /// Sum of the area-weighted normals around each vertex, into the air. On a border it is computed before simplification
+    /// and includes the quads of neighbours, so both sides have the same.
     pub(super) area_normals: Vec<Vector3<f64>>,
 }
 
@@ -70,7 +70,7 @@ fn area_normals(positions: &[[i32; 3]], quads: &[Quad]) -> Vec<Vector3<f64>> {
     sums
 }
 
-/// Splits along the diagonal that does not fold the quad over or, both being sound, leaves the wider smallest angle.
+/// Splits along the diagonal that does not fold the quad or, if both are valid, gives the larger smallest angle.
 fn split(positions: &[[i32; 3]], [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
     let along_ac = [[a, b, c], [a, c, d]];
     let along_bd = [[a, b, d], [b, c, d]];
@@ -80,7 +80,7 @@ fn split(positions: &[[i32; 3]], [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
     along_ac
 }
 
-/// Whether two triangles face the same half-space, then the smaller of their shapes.
+/// Whether two triangles face the same half-space, then the worse of their shapes.
 fn soundness(positions: &[[i32; 3]], triangles: [[u32; 3]; 2]) -> (bool, f64) {
     let corners = triangles.map(|triangle| triangle.map(|corner| positions[corner as usize]));
     let [first, second] = corners.map(|[a, b, c]| edge(a, b).cross(&edge(a, c)));

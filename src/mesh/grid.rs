@@ -16,15 +16,15 @@ pub struct Grid {
     pub chunks: [i32; 3],
 }
 
-/// Which chunk of a [`Grid`].
+/// Index of a chunk in a [`Grid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ChunkIndex(pub [i32; 3]);
 
-/// No grid can be laid over the cave.
+/// No grid fits the cave.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridError {
-    /// The box has no inside, or is not finite.
+    /// The box is empty or not finite.
     #[error("the cave has no extent along {axis}: {min_m} m to {max_m} m")]
     Empty {
         /// `x`, `y` or `z`.
@@ -34,8 +34,8 @@ pub enum GridError {
         /// Upper end.
         max_m: f32,
     },
-    /// Positions would not be exact any more.
-    #[error("the cave reaches {reach_m} m from its origin along {axis}, the limit is {limit_m} m")]
+    /// Positions would no longer be exact.
+    #[error("the cave extends {reach_m} m from its origin along {axis}, but the limit is {limit_m} m")]
     TooFar {
         /// `x`, `y` or `z`.
         axis: char,
@@ -44,8 +44,8 @@ pub enum GridError {
         /// Greatest one allowed.
         limit_m: f32,
     },
-    /// A chunk is narrower than what it must see of its neighbours.
-    #[error("a chunk has {cells} cells along {axis}, it needs at least {least}")]
+    /// A chunk is narrower than its halo.
+    #[error("a chunk has {cells} cells along {axis}, but needs at least {least}")]
     NarrowChunk {
         /// `x`, `y` or `z`.
         axis: char,
@@ -55,7 +55,7 @@ pub enum GridError {
         least: i32,
     },
     /// A chunk would not fit in memory.
-    #[error("a chunk has {cells} cells along {axis}, the limit is {most}")]
+    #[error("a chunk has {cells} cells along {axis}, but the limit is {most}")]
     WideChunk {
         /// `x`, `y` or `z`.
         axis: char,
@@ -64,8 +64,8 @@ pub enum GridError {
         /// Greatest number of cells.
         most: i32,
     },
-    /// There would be more chunks than anything can open.
-    #[error("the cave has {chunks} chunks, the limit is {limit}")]
+    /// There would be too many chunks to open.
+    #[error("the cave has {chunks} chunks, but the limit is {limit}")]
     TooManyChunks {
         /// Chunks in the grid.
         chunks: i64,
@@ -78,26 +78,26 @@ impl GridError {
     /// What to change.
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::Empty { .. } => "give the graph at least two nodes, and passages a width",
+            Self::Empty { .. } => "give the graph at least two nodes, and the passages a width",
             Self::TooFar { .. } => "make the cave shorter, or let it start near the origin",
-            Self::NarrowChunk { .. } => "raise `mesh.chunk_m`, or lower `mesh.divisions` or `mesh.voxel_m`",
-            Self::WideChunk { .. } => "lower `mesh.chunk_m`, or raise `mesh.divisions` or `mesh.voxel_m`",
-            Self::TooManyChunks { .. } => "raise `mesh.chunk_m`, or make the cave smaller",
+            Self::NarrowChunk { .. } => "increase `mesh.chunk_m`, or reduce `mesh.divisions` or `mesh.voxel_m`",
+            Self::WideChunk { .. } => "reduce `mesh.chunk_m`, or increase `mesh.divisions` or `mesh.voxel_m`",
+            Self::TooManyChunks { .. } => "increase `mesh.chunk_m`, or make the cave smaller",
         }
     }
 }
 
-/// Beyond this `f32` cannot hold every multiple of 2⁻¹² m.
+/// Beyond this `f32` cannot represent every multiple of 2⁻¹² m.
 const LIMIT_M: f32 = 4095.0;
 const LIMIT_CHUNKS: i64 = 1 << 20;
 const WIDEST_CHUNK_CELLS: i32 = 4096;
 const AXES: [char; 3] = ['x', 'y', 'z'];
 
 impl Grid {
-    /// Lays chunks over `bounds`, outside of which there is rock.
+    /// The grid over `bounds`, outside which there is rock.
     ///
     /// # Errors
-    /// When the bounds are empty or too far out, or the chunks too narrow, too wide or too many.
+    /// If the bounds are empty or too far out, or the chunks too narrow, too wide or too many.
     pub fn new(bounds: Aabb<f32>, settings: &MeshSettings) -> Result<Self, GridError> {
         let mut grid = Self { voxel_m: settings.voxel_m, cells: [0; 3], origin: [0; 3], chunks: [0; 3] };
         for axis in 0..3 {
@@ -114,13 +114,13 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Every chunk, x fastest, z slowest.
+    /// All chunks, x fastest, z slowest.
     pub fn indices(&self) -> impl Iterator<Item = ChunkIndex> + use<> {
         let [nx, ny, nz] = self.chunks;
         (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| ChunkIndex([x, y, z]))))
     }
 
-    /// The box of a chunk. Its mesh may reach over it by about a cell.
+    /// The box of a chunk. Its mesh may extend beyond it by about a cell.
     pub fn chunk_bounds(&self, index: ChunkIndex) -> Aabb<f32> {
         self.owned(index).bounds(self.voxel_m)
     }
@@ -132,7 +132,7 @@ impl Grid {
     }
 }
 
-/// First cell and number of cells along an axis, with a cell to spare on either side.
+/// First cell and number of cells along an axis, with an extra cell on either side.
 fn cells_over(bounds: Aabb<f32>, voxel_m: f32, axis: usize) -> Result<(i32, i32), GridError> {
     let (min_m, max_m) = (bounds.min[axis], bounds.max[axis]);
     let reach_m = min_m.abs().max(max_m.abs());
@@ -149,7 +149,7 @@ fn cells_over(bounds: Aabb<f32>, voxel_m: f32, axis: usize) -> Result<(i32, i32)
 
 fn chunk_cells(settings: &MeshSettings, axis: usize, count: i32) -> Result<i32, GridError> {
     let cells = match settings.divisions {
-        // A flat cave in one layer may be thinner than the halo: the chunk then holds some rock more.
+        // A flat cave in one layer may be thinner than the halo: the chunk then includes additional rock.
         Some(divisions) if divisions[axis] == 1 => count.max(Window::HALO),
         Some(divisions) => (count as u32).div_ceil(divisions[axis].max(1)) as i32,
         None => (settings.chunk_m[axis] / settings.voxel_m).round() as i32,

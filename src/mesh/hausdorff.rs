@@ -1,9 +1,9 @@
-//! How far two surfaces lie from each other: a bound that holds at every point, not at samples.
+//! Hausdorff distance of two surfaces: a bound that holds at every point, not only at samples.
 //!
-//! The distance to a triangle is convex, so over a piece of a surface it is greatest at a corner; and no distance grows
-//! faster than its point moves. Both bound the distance of a piece from the other surface. The piece with the greatest
-//! bound is cut, until that bound is hardly more than a distance that was found (after Guthe, Borodin and Klein, *Fast and
-//! accurate Hausdorff distance calculation between meshes*, 2005).
+//! The distance to a triangle is convex, so over a piece of a surface its maximum is at a corner; and distances are
+//! 1-Lipschitz. Both bound the distance of a piece from the other surface. The piece with the largest bound is subdivided
+//! until that bound is hardly more than a distance that was found (after Guthe, Borodin and Klein, *Fast and accurate
+//! Hausdorff distance calculation between meshes*, 2005).
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -13,10 +13,10 @@ use nalgebra::Vector3;
 use super::nearest::{Ball, Found, Nearest, Triangle, halves, squared_distance};
 use super::{Mesh, QUANTA_PER_M};
 
-/// A bound is good when it is no more than this share, and a quantum, above what was found. Tuned.
+/// A bound is good enough if it is at most this share, and a quantum, above what was found. Tuned.
 const SLACK: f64 = 0.05;
 
-/// A surface that others are compared to.
+/// A surface to which others are compared.
 pub(crate) struct HausdorffBound<'a> {
     positions: &'a [[i32; 3]],
     surface: Vec<Triangle>,
@@ -24,19 +24,19 @@ pub(crate) struct HausdorffBound<'a> {
 }
 
 impl<'a> HausdorffBound<'a> {
-    /// Of a surface of at least one triangle.
+    /// Indexes a surface of at least one triangle.
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
         let surface = placed(&mesh.positions, &mesh.triangles);
         Self { positions: &mesh.positions, tree: Nearest::new(&surface), surface }
     }
 
-    /// A distance in metres that no point of either surface exceeds from the other; at most 5 % and a quantum above the
-    /// least such distance. `triangles` are at least one, over the same vertices.
+    /// An upper bound of the Hausdorff distance in metres, at most 5 % and a quantum above it. `triangles` is not empty and
+    /// uses the same vertices.
     pub(crate) fn distance_bound_m(&self, triangles: &[[u32; 3]]) -> f32 {
         let other = placed(self.positions, triangles);
         let there = one_way(&self.surface, &Nearest::new(&other), 0.0);
         let both = one_way(&other, &self.tree, there);
-        // The next float above what rounding may have taken.
+        // The next float, to compensate for rounding.
         ((both / f64::from(QUANTA_PER_M)) as f32).next_up()
     }
 }
@@ -48,7 +48,7 @@ fn placed(positions: &[[i32; 3]], triangles: &[[u32; 3]]) -> Vec<Triangle> {
     triangles.iter().map(|triangle| triangle.map(at)).collect()
 }
 
-/// A bound of the distance of every point of `from` to the other surface; `least` if that is greater.
+/// An upper bound of the distance of every point of `from` to the other surface, at least `least`.
 fn one_way(from: &[Triangle], to: &Nearest, least: f64) -> f64 {
     let mut found = least;
     let mut pieces = BinaryHeap::new();
@@ -69,7 +69,7 @@ fn one_way(from: &[Triangle], to: &Nearest, least: f64) -> f64 {
 /// A part of a surface, ordered by its bound.
 struct Piece {
     corners: Triangle,
-    /// No point of it lies further from the other surface.
+    /// Upper bound of the distance of its points to the other surface.
     bound: f64,
 }
 

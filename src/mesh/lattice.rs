@@ -1,8 +1,8 @@
 //! Samples of a field on the lattice that all chunks share.
 //!
-//! A sample lies at `f32(index as f32 * voxel_m)`, index counting from the origin of the cave, so two chunks that look
-//! at the same sample ask the field for the same point. Only bricks of the lattice through which the wall may pass are
-//! kept; what is culled holds no crossing, so the mesh does not depend on how well the field culls.
+//! A sample is at `f32(index as f32 * voxel_m)`, index counted from the origin of the cave, so two chunks that use the same
+//! sample evaluate the field at the same point. Only bricks of the lattice through which the wall may pass are kept; culled
+//! ones contain no crossing, so the mesh does not depend on how well the field culls.
 
 use crate::field::{Aabb, Field, Region};
 
@@ -20,8 +20,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Cells that a chunk must see around its own: two a smoothing step, and two for what decides on a cell. Bubbles
-    /// must be smaller by two.
+    /// Width of the halo in cells: two per smoothing step, and two for the decisions on a cell. Bubbles must be smaller by
+    /// two.
     pub(super) const HALO: i32 = 12;
 
     pub(super) fn with_halo(&self) -> Self {
@@ -45,7 +45,7 @@ impl Window {
         }
     }
 
-    /// Cuts into blocks of `edge` cells, narrower at the upper ends.
+    /// Divides into blocks of `edge` cells, narrower at the upper ends.
     pub(super) fn blocks(&self, edge: i32) -> impl Iterator<Item = Self> + use<> {
         let whole = *self;
         let last = std::array::from_fn(|i| (whole.max[i] - whole.min[i] - 1) / edge);
@@ -65,9 +65,9 @@ impl Window {
 
 /// The bricks of a window through which the wall may pass.
 pub(super) struct Lattice {
-    /// In the order z, y, x of the whole lattice, so that the order of any two does not depend on the window.
+    /// In the order z, y, x of the whole lattice, so that the relative order does not depend on the window.
     pub(super) bricks: Vec<Brick>,
-    /// Bricks of the window, x fastest; holds an index into `bricks`.
+    /// Indices into `bricks` by brick of the window, x fastest.
     slots: Vec<Option<u32>>,
     /// Bricks under the window, counted in bricks.
     span: Window,
@@ -77,7 +77,7 @@ pub(super) struct Lattice {
 pub(super) struct Brick {
     /// Lowest cell.
     pub(super) origin: [i32; 3],
-    /// The cells of the brick that lie in the window.
+    /// The cells of the brick in the window.
     pub(super) cells: Window,
     samples: Box<[f32; SAMPLES]>,
 }
@@ -119,7 +119,7 @@ impl Lattice {
         lattice
     }
 
-    /// The brick that holds a cell, if it was kept.
+    /// The brick that contains a cell, if it was kept.
     pub(super) fn brick_of(&self, cell: [i32; 3]) -> Option<usize> {
         let brick = cell.map(|c| c.div_euclid(BRICK));
         let slot = self.span.contains(brick).then(|| self.slot(brick))?;
@@ -152,7 +152,7 @@ impl Lattice {
         lattice
     }
 
-    /// Copies the samples on the upper faces of a brick from its neighbours, and returns those they do not have.
+    /// Copies the samples on the upper faces of a brick from its neighbours, and returns the missing ones.
     fn copy_apron(&mut self, index: usize) -> Vec<[i32; 3]> {
         let own = lowest_samples(&self.bricks[index]);
         let outside = |sample: &[i32; 3]| (0..3).any(|i| sample[i] > own.max[i]);
@@ -172,14 +172,14 @@ impl Lattice {
     }
 }
 
-/// The samples of a brick that no other brick holds among its lower ones.
+/// The samples of a brick that are not among the lower ones of another brick.
 fn lowest_samples(brick: &Brick) -> Window {
     let last = brick.origin.map(|cell| cell + BRICK - 1);
     let max = std::array::from_fn(|i| brick.cells.max[i].min(last[i]));
     Window { min: brick.cells.min, max }
 }
 
-/// Asks a field in batches.
+/// Evaluates a field in batches.
 struct Sampler<'a> {
     field: &'a dyn Field,
     voxel_m: f32,

@@ -1,4 +1,4 @@
-//! Is a mesh lawful? Measures of topology and shape, for chunks welded together.
+//! Checks meshes: measures of topology and shape, for chunks welded together.
 
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -8,36 +8,36 @@ use super::bubbles::find;
 use super::{Mesh, QUANTA_PER_M};
 use plume_graph::Aabb;
 
-/// What is true of a mesh.
+/// Properties of a mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
-    /// Vertices that a triangle uses.
+    /// Used vertices.
     pub vertices: usize,
     /// Edges.
     pub edges: usize,
     /// Triangles.
     pub triangles: usize,
-    /// Edges with one triangle.
+    /// Boundary edges, with one triangle.
     pub open_edges: usize,
-    /// Edges with three or more triangles.
+    /// Non-manifold edges, with three or more triangles.
     pub nonmanifold_edges: usize,
-    /// Vertices whose triangles are not one fan.
+    /// Non-manifold vertices, whose triangles are not one fan.
     pub nonmanifold_vertices: usize,
-    /// Edges whose two triangles run along it in the same direction.
+    /// Edges with inconsistent winding of their two triangles.
     pub inconsistent_winding: usize,
-    /// Triangles without area.
+    /// Degenerate triangles.
     pub degenerate_triangles: usize,
     /// The smallest angle of any triangle, in degrees.
     pub min_angle_deg: f64,
     /// Triangles with an angle under 1°.
     pub angles_under_1deg: usize,
-    /// Pieces that no edge joins.
+    /// Connected components.
     pub components: usize,
-    /// Handles of all pieces together. Meaningless unless the mesh is clean.
+    /// Total number of handles. Meaningless unless the mesh is clean.
     pub genus: i64,
     /// Area in square metres.
     pub area_m2: f64,
-    /// Air inside in cubic metres. Meaningless unless the mesh is clean.
+    /// Enclosed air in cubic metres. Meaningless unless the mesh is clean.
     pub volume_m3: f64,
     /// Lowest corner in metres; 0 without triangles.
     pub min_m: [f64; 3],
@@ -46,7 +46,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Measures a mesh as it is: vertices are joined by index alone (see [`weld`]).
+    /// Measures a mesh as it is: vertices are identified by index alone (see [`weld`]).
     pub fn of(mesh: &Mesh) -> Self {
         let mut report = Self { triangles: mesh.triangles.len(), ..Self::default() };
         report.count_edges(mesh);
@@ -59,7 +59,7 @@ impl Report {
         report
     }
 
-    /// Whether the mesh is closed and manifold, winds one way and has no triangle without area.
+    /// Whether the mesh is watertight, manifold and consistently wound, without degenerate triangles.
     pub fn is_clean(&self) -> bool {
         self.open_edges == 0
             && self.nonmanifold_edges == 0
@@ -123,7 +123,7 @@ impl Report {
             self.angles_under_1deg += usize::from(angle < 1.0);
             self.min_angle_deg = self.min_angle_deg.min(angle);
             self.area_m2 += double_area * 0.5;
-            // Counter-clockwise seen from the air: the normals point into the volume.
+            // Counter-clockwise as seen from the air: the normals point into the volume.
             self.volume_m3 -= a.dot(&b.cross(&c)) / 6.0;
         }
     }
@@ -158,16 +158,16 @@ pub fn weld<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> Mesh {
     welded
 }
 
-/// How well the borders of chunks fit.
+/// How well the borders of chunks match.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Seams {
-    /// Positions that two or more meshes use.
+    /// Positions used by two or more meshes.
     pub shared: usize,
-    /// Of those, the ones whose normals differ in any bit.
+    /// Of those, the ones with different normals.
     pub different_normals: usize,
     /// Of those, the ones not marked as border in every mesh.
     pub unmarked: usize,
-    /// Border vertices that no other mesh has.
+    /// Border vertices missing in all other meshes.
     pub unmatched: usize,
 }
 

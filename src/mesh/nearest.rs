@@ -10,21 +10,21 @@ pub(super) type Triangle = [Point; 3];
 /// Triangles of a leaf. Tuned.
 const LEAF: usize = 4;
 
-/// A surface as a tree of boxes, each split where half of its triangles lie on either side.
+/// A bounding volume hierarchy of a surface, split at the median.
 pub(super) struct Nearest {
-    /// Each with its index in the surface.
+    /// Triangles with their indices in the surface.
     triangles: Vec<(Triangle, u32)>,
-    /// A box is followed by its first half.
+    /// Boxes; each is followed by its first half.
     boxes: Vec<TreeNode>,
 }
 
-/// What is nearest to a point.
+/// The nearest triangle to a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub(super) triangle: Triangle,
-    /// Of the triangle in the surface.
+    /// Index of the triangle in the surface.
     pub(super) index: u32,
-    /// The distance, squared.
+    /// Squared distance.
     pub(super) squared: f64,
 }
 
@@ -97,7 +97,7 @@ impl Nearest {
     }
 }
 
-/// A ball that holds a triangle, round the mean of its corners.
+/// A bounding sphere of a triangle around the mean of its corners.
 pub(super) struct Ball {
     pub(super) centre: Point,
     pub(super) radius: f64,
@@ -110,14 +110,14 @@ impl Ball {
         Self { centre, radius }
     }
 
-    /// Whether all of it is further from a point than this.
+    /// Whether all of it is further than this from a point.
     pub(super) fn is_beyond(&self, point: Point, distance: f64) -> bool {
         let far = distance + self.radius;
         (point - self.centre).norm_squared() > far * far
     }
 }
 
-/// A triangle cut across the longest side.
+/// A triangle bisected across the longest side.
 pub(super) fn halves([a, b, c]: Triangle) -> [Triangle; 2] {
     let sides = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
     let [a, b, c] = match sides {
@@ -137,15 +137,15 @@ pub(super) fn squared_distance(point: Point, triangle: Triangle) -> f64 {
 /// A part of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Feature {
-    /// The corner with this place.
+    /// The corner with this index.
     Corner(usize),
-    /// The edge from the corner with this place to the next.
+    /// The edge from the corner with this index to the next.
     Edge(usize),
-    /// What lies between the edges.
+    /// The interior.
     Inside,
 }
 
-/// The point of a triangle that is closest to `p`, and the part of the triangle it lies in (Ericson, *Real-Time Collision
+/// The point of a triangle that is closest to `p`, and the part of the triangle that contains it (Ericson, *Real-Time Collision
 /// Detection*, 2005, 5.1.5).
 pub(super) fn closest(p: Point, [a, b, c]: Triangle) -> (Point, Feature) {
     let (ab, ac, ap) = (b - a, c - a, p - a);

@@ -1,6 +1,6 @@
-//! Normals of a mesh: the field's own, so that shading agrees across borders.
+//! Normals of a mesh, from the field, so that shading matches across borders.
 //!
-//! Where the field turns over within a voxel its normal may face away from the triangles. There the mean normal of the
+//! Where the field varies strongly within a voxel, its normal may face away from the triangles. There the mean normal of the
 //! faces is used, see [`Facets::area_normals`].
 
 use nalgebra::Vector3;
@@ -11,7 +11,7 @@ use super::facet::Facets;
 use super::lattice::BRICK;
 use super::{Mesh, QUANTA_PER_M};
 
-/// Least cosine between a normal and the mean normal of the faces. Tuned: 75°.
+/// Minimum cosine between a normal and the mean normal of the faces. Tuned: 75°.
 const LEAST_COSINE: f64 = 0.25;
 
 /// The normals at the vertices.
@@ -25,7 +25,7 @@ pub(super) fn normals(field: &dyn Field, voxel_m: f32, facets: &Facets) -> Vec<[
     normals
 }
 
-/// Asks the field, a block of space at a time.
+/// Evaluates the field, a block of space at a time.
 fn steepest_descents(field: &dyn Field, voxel_m: f32, mesh: &Mesh) -> Vec<[f32; 3]> {
     let block_quanta = (f64::from(BRICK) * f64::from(voxel_m) * f64::from(QUANTA_PER_M)) as i32;
     let block = |vertex: u32| mesh.positions[vertex as usize].map(|q| q.div_euclid(block_quanta));
@@ -41,7 +41,7 @@ fn steepest_descents(field: &dyn Field, voxel_m: f32, mesh: &Mesh) -> Vec<[f32; 
     normals
 }
 
-/// Also true of a normal that is not a number.
+/// Also true for a normal that is NaN.
 fn opposes(normal: [f32; 3], lean: Vector3<f64>) -> bool {
     let cosine = Vector3::from(normal).map(f64::from).dot(&lean) / lean.norm();
     cosine.is_nan() || cosine < LEAST_COSINE

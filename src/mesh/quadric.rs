@@ -14,11 +14,11 @@ pub(super) struct Quadric {
     weight: f64,
 }
 
-/// Planes count as flat below this share of the determinant they would have in a corner. Tuned.
+/// Planes count as parallel below this share of the determinant of a corner. Tuned.
 const FLATTEST: f64 = 1e-4 / 27.0;
 
 impl Quadric {
-    /// The plane of a triangle, weighted by its area. Nothing, if it has none.
+    /// The plane of a triangle, weighted by its area; empty if it has none.
     pub(super) fn of_triangle([a, b, c]: [Vector3<f64>; 3]) -> Self {
         let area = (b - a).cross(&(c - a));
         let double = area.norm();
@@ -53,7 +53,7 @@ impl Quadric {
         (square + 2.0 * (mixed + self.linear.dot(p)) + self.constant).max(0.0)
     }
 
-    /// The point nearest to all planes, unless they hardly meet in one.
+    /// The point nearest to all planes, unless it is ill-conditioned.
     pub(super) fn minimum(&self) -> Option<Vector3<f64>> {
         let [xx, xy, xz, yy, yz, zz] = self.square;
         let trace = xx + yy + zz;

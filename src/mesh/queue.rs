@@ -1,13 +1,13 @@
-/// Bits of a cost that its class leaves out: of an `f32` the exponent and four bits behind it remain.
+/// Bits of a cost that its class ignores: the exponent and four bits of the mantissa of an `f32` remain.
 const LEFT_OUT_BITS: u32 = 19;
 const CLASSES: usize = 1 << (31 - LEFT_OUT_BITS);
 
-/// Edges by rising cost. Costs that differ by less than 6 % form a class; it is sorted once, when all cheaper ones are
-/// done. What comes into it later goes first. So the order depends on the calls alone, and unlike a binary heap the
-/// queue reads memory in a row.
+/// A queue of edges by ascending cost. Costs that differ by less than 6 % form a class, which is sorted once, when all
+/// cheaper ones are done; later additions to it go first. So the order depends only on the calls, and unlike a binary heap
+/// the queue reads memory sequentially.
 pub(super) struct Queue {
     classes: Vec<Vec<Entry>>,
-    /// The class that is sorted; those below are empty.
+    /// The sorted class; those below are empty.
     current: usize,
 }
 

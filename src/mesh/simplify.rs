@@ -1,10 +1,9 @@
-//! Fewer triangles by collapsing edges to where the planes around them meet (Garland and Heckbert 1997).
+//! Simplification by edge collapses with quadric error metrics (Garland and Heckbert 1997).
 //!
-//! The error of a collapse is the root mean square distance of the new vertex to the planes of all the triangles it
-//! stands for, as if those that are off were no more than a few vertices: what is right over a wide wall does not excuse
-//! what is wrong in a corner. It is no bound of the greatest distance. Measured on rough passages against the mesh
-//! before, both ways, at errors from 0.05 to 0.5 voxels: 99.9 % of the surface lies within 1.3 times the error, all of
-//! it within three times.
+//! The error of a collapse is the root mean square distance of the new vertex to the planes of all triangles it represents,
+//! with the weight capped at that of a few vertices: accuracy over a wide wall does not compensate for errors in a corner.
+//! It is not a bound of the maximum distance. Measured on rough passages against the original mesh, in both directions, at
+//! errors from 0.05 to 0.5 voxels: 99.9 % of the surface is within 1.3 times the error, all of it within three times.
 
 use nalgebra::Vector3;
 
@@ -13,7 +12,7 @@ use super::collapse::{CollapsePolicy, Collapser, StopCriterion};
 use super::collapse_mesh::{Collapse, CollapseMesh};
 use super::facet::Facets;
 
-/// The simplified triangles, and the greatest error of a collapse in metres.
+/// The simplified triangles, and the maximum error of a collapse in metres.
 pub(super) fn simplify(facets: &Facets, goal: StopCriterion) -> (Facets, f32) {
     let mut collapser = Collapser::new(&facets.mesh, AnyEdge);
     let error_m = collapser.run(goal);
@@ -23,7 +22,7 @@ pub(super) fn simplify(facets: &Facets, goal: StopCriterion) -> (Facets, f32) {
     (packed(&collapser.mesh, facets), error_m)
 }
 
-/// Any edge that does not join two border vertices may collapse, to the best place.
+/// Any edge that does not join two border vertices may collapse, to the optimal position.
 struct AnyEdge;
 
 impl CollapsePolicy for AnyEdge {
@@ -58,7 +57,7 @@ impl CollapsePolicy for AnyEdge {
     fn apply(&mut self, _: &CollapseMesh, _: &Collapse) {}
 }
 
-/// What is left, in its old order.
+/// The remaining triangles, in their original order.
 fn packed(collapse_mesh: &CollapseMesh, before: &Facets) -> Facets {
     const NONE: u32 = u32::MAX;
     let first = before.mesh.positions.first().copied().unwrap_or_default();

@@ -1,14 +1,14 @@
 //! Taubin's λ|μ smoothing (*A signal processing approach to fair surface design*, 1995): evens out the steps of the
 //! lattice without shrinking the cave.
 //!
-//! Each pass looks one vertex further, which is what sets the width of the halo.
+//! Each pass uses neighbours one vertex further away, which determines the width of the halo.
 
 use nalgebra::Vector3;
 
 use super::extract::{Quad, Surface};
 use plume_graph::Rows;
 
-/// Pairs of passes. Tuned: enough that no angle of a rough cave stays under 2°.
+/// Pairs of passes. Tuned: enough that no angle of a rough cave is under 2°.
 const PAIRS: usize = 5;
 const LAMBDA: f64 = 0.5;
 const MU: f64 = -0.53;
@@ -25,12 +25,11 @@ pub(super) fn smooth(surface: &mut Surface) {
     }
 }
 
-/// The vertices at the other ends of the edges of each vertex, in the order of the quads: sums then round alike in
-/// every chunk.
+/// The neighbours of each vertex, in the order of the quads, so that sums are rounded equally in every chunk.
 struct Neighbours(Rows<u32>);
 
 impl Neighbours {
-    /// Neighbours that share both quads of an edge are found once: each quad gives the edge its own direction.
+    /// Each neighbour is found once: the two quads of an edge traverse it in opposite directions.
     fn new(surface: &Surface) -> Self {
         let sides = |quad: &Quad| {
             let [a, b, c, d] = quad.corners;

@@ -1,6 +1,6 @@
-//! Cellular noise (Worley 1996): distances to feature points, one per lattice cell, and planes hung on them.
+//! Cellular noise (Worley 1996): distances to feature points, one per lattice cell, and planes attached to them.
 //!
-//! Loops run over cells outside and lanes inside; the other order does not vectorise.
+//! The outer loops are over cells, the inner ones over lanes; the other order does not vectorise.
 
 use super::gradient::{PRIMES, hash, ten_bits};
 use super::lane::{Ints, Lanes, Mask, Real};
@@ -8,7 +8,7 @@ use super::vector::Vec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{Select, Simd};
 
-/// What [`cells_3d`] finds.
+/// Result of [`cells_3d`].
 #[derive(Clone, Copy, Debug)]
 pub struct Cell3<T> {
     /// Distance to the nearest feature point.
@@ -17,7 +17,7 @@ pub struct Cell3<T> {
     pub edge: T,
 }
 
-/// What [`cells_2d`] finds.
+/// Result of [`cells_2d`].
 #[derive(Clone, Copy, Debug)]
 pub struct Cell2<S: Simd, T> {
     /// Distance to the border of the cell.
@@ -31,7 +31,7 @@ pub struct Cell2<S: Simd, T> {
 }
 
 impl<S: Simd, T> Cell2<S, T> {
-    /// A number in 0..1 that is the cell's own, one for each `which` in 0..3.
+    /// A random number in 0..1 per cell and `which` in 0..3.
     #[inline(always)]
     pub fn random(&self, which: u32) -> Lanes<S> {
         let h = self.hash * 0x2545_f491;
@@ -49,7 +49,7 @@ pub fn cells_3d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell3<T> {
     )
 }
 
-/// Voronoi cells of size 1 in plan; `at.z` plays no part.
+/// Voronoi cells of size 1 in plan; `at.z` is ignored.
 #[inline(always)]
 pub fn cells_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
     let simd = at.x.value().token();
@@ -69,7 +69,7 @@ pub fn facets<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
     )
 }
 
-/// The 27 cells around a point: its place in its own cell, and the index of that cell times the hash primes.
+/// The 27 cells around a point: its position in its own cell, and the index of that cell times the hash primes.
 struct Block<S: Simd> {
     place: [Lanes<S>; 3],
     index: [Ints<S>; 3],
@@ -166,7 +166,7 @@ fn facets_here<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
         let t = (-dot::<S>(away, away) * (1.0 / 1.5) + 1.0).max(0.0);
         let (t2, h2) = (t * t, h * 0x1657_33b1);
         let (t4, h2) = (t2 * t2, h2 ^ (h2 >> 13));
-        // The twelfth power: twice that folds the wall into handles on a lattice of 0.2 m.
+        // The twelfth power: with twice that, the wall has handles on a lattice of 0.2 m.
         let weight = t4 * t4 * t4;
         let weight_slope = t4 * t4 * t2 * t * (12.0 * -2.0 / 1.5);
         let tilted = inlined!(|shift: u32| (ten_bits::<S>(h2, shift) * (2.0 / 1023.0) - 1.0) * tilt);

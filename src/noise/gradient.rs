@@ -1,16 +1,16 @@
-//! Gradient noise (Perlin 2002, with hashed corner gradients of any direction) and the sums made of it.
+//! Gradient noise (Perlin 2002, with hashed corner gradients in arbitrary directions) and sums of it.
 
 use super::lane::{Ints, Lanes, Real};
 use super::vector::{Vec3, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-/// Brings the standard deviation to 0.31 and nearly all values within ±1.
+/// Scales to a standard deviation of 0.31, with nearly all values within ±1.
 const GAIN: f32 = 1.6;
 /// Frequency ratio of successive octaves, off 2 so that their lattices drift apart.
 const LACUNARITY: f32 = 2.03;
 
-/// Where noise comes from: every layer of a source is independent of the others.
+/// A source of noise with independent layers.
 #[derive(Clone, Copy, Debug)]
 pub struct Source(u32);
 
@@ -80,7 +80,7 @@ fn next_octave<S: Simd, T: Real<S>>(at: Vec3<T>) -> Vec3<T> {
     at.turned().scaled(LACUNARITY).shifted(17.3, -9.1, 4.7)
 }
 
-/// Mixes cell indices, each already times its own odd constant, into 30 good bits.
+/// Mixes cell indices, each already multiplied by its odd constant, into 30 good bits.
 #[inline(always)]
 pub(super) fn hash<S: Simd>(x: Ints<S>, y: Ints<S>, z: Ints<S>) -> Ints<S> {
     let h = x ^ y ^ z;
@@ -92,7 +92,7 @@ pub(super) fn hash<S: Simd>(x: Ints<S>, y: Ints<S>, z: Ints<S>) -> Ints<S> {
 /// The odd constants of [`hash`].
 pub(super) const PRIMES: [i32; 3] = [0x8da6_b343_u32 as i32, 0xd816_3841_u32 as i32, 0xcb1a_b31f_u32 as i32];
 
-/// Ten bits of a hash from bit `shift` on, as 0..=1023.
+/// Ten bits of a hash, starting at bit `shift`, as 0..=1023.
 #[inline(always)]
 pub(super) fn ten_bits<S: Simd>(hash: Ints<S>, shift: u32) -> Lanes<S> {
     ((hash >> shift) & 1023).to_float()

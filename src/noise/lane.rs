@@ -1,4 +1,4 @@
-//! Numbers in lanes: plain values, and values with their gradient.
+//! Numbers in vector lanes: plain values, and values with their gradient.
 
 use super::vector::Vec3;
 use fearless_simd::prelude::*;
@@ -12,7 +12,7 @@ pub type Ints<S> = <S as Simd>::i32s;
 /// A placement value per lane.
 pub type Mask<S> = <S as Simd>::mask32s;
 
-/// A number that formulas are written over: [`Value`] or [`Jet`].
+/// The number type of formulas: [`Value`] or [`Jet`].
 pub trait Real<S: Simd>:
     Copy
     + Add<Output = Self>
@@ -24,7 +24,7 @@ pub trait Real<S: Simd>:
     + Sub<f32, Output = Self>
     + Mul<f32, Output = Self>
 {
-    /// A number that does not vary over space.
+    /// A number that is constant in space.
     fn constant(value: Lanes<S>) -> Self;
     /// The value without its gradient.
     fn value(self) -> Lanes<S>;
@@ -114,7 +114,7 @@ pub trait Real<S: Simd>:
         t * t * t
     }
 
-    /// Whole part and the rest in 0..1; the whole part is constant over space.
+    /// Integer part and fraction in 0..1; the integer part has no gradient.
     #[inline(always)]
     fn split(self) -> (Ints<S>, Self) {
         let whole = self.value().floor();

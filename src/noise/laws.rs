@@ -1,4 +1,4 @@
-//! What holds for every primitive: exact gradients, and the same bits on every vector width.
+//! Laws for every primitive: exact gradients, and the same bits for every vector width.
 
 use super::*;
 use fearless_simd::prelude::*;
@@ -9,7 +9,7 @@ const SALT: i32 = 0x5eed;
 /// A primitive as a formula over lanes.
 trait Primitive {
     const NAME: &'static str;
-    /// Share of points that may lie on a crease, where the gradient jumps.
+    /// Share of points that may be on a crease, where the gradient jumps.
     const CREASED: f64;
     fn at<S: Simd, T: Real<S>>(at: Vec3<T>) -> T;
 }

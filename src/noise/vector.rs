@@ -1,4 +1,4 @@
-//! Points in lanes, and ways to join two numbers.
+//! Points in vector lanes, and smooth combinations of numbers.
 
 use super::lane::Real;
 use fearless_simd::Simd;
@@ -57,7 +57,7 @@ impl<T> Vec3<T> {
         self.x * direction[0] + self.y * direction[1] + self.z * direction[2]
     }
 
-    /// Turned by a fixed rotation, so that lattices of successive octaves do not line up.
+    /// Rotated by a fixed rotation, so that lattices of successive octaves are not aligned.
     #[inline(always)]
     pub fn turned<S: Simd>(self) -> Self
     where
@@ -82,7 +82,7 @@ pub fn soft_max<S: Simd, T: Real<S>>(a: T, b: T, width: f32) -> T {
     -soft_min(-a, -b, width)
 }
 
-/// From `a` at 0 to `b` at 1.
+/// Interpolates from `a` at 0 to `b` at 1.
 #[inline(always)]
 pub fn mix<S: Simd, T: Real<S>>(a: T, b: T, t: T) -> T {
     a + (b - a) * t

@@ -1,4 +1,4 @@
-//! Plan and profile of the cave, for whoever looks into its folder.
+//! Plan and profile of the cave, for people who look into its folder.
 
 use super::{Pipeline, PipelineError, field, subject};
 use crate::preview::{Drawn, Format, Order, Pace, Subject, Theme, view};
@@ -11,7 +11,7 @@ impl Pipeline<'_> {
     /// Draws the maps of the cave.
     ///
     /// # Errors
-    /// When there is nothing to draw, the cave is out of reach, the disk refuses, or the observer stops.
+    /// If there is nothing to draw, the cave is too large, the disk fails, or the observer stops.
     pub fn preview(&self) -> Result<(), PipelineError> {
         self.each(Stage::Preview, &[store::WHOLE_CAVE], |name| {
             self.unit(Stage::Preview, name, || {
@@ -24,7 +24,7 @@ impl Pipeline<'_> {
         })
     }
 
-    /// On white paper and as large as the view wants to be.
+    /// On white paper, in the default size of the view.
     fn draw(&self, (map, path): &(&str, &str), subject: &Subject) -> Result<FileRecord, PipelineError> {
         let order = Order {
             format: Format::Png,

@@ -1,4 +1,4 @@
-//! Convex pieces of every chunk, made when a target asks for them.
+//! Convex pieces of every chunk, made if a target needs them.
 
 use rayon::prelude::*;
 
@@ -7,10 +7,10 @@ use crate::mesh::{self, Mesh, PieceMeasures};
 use crate::store::{self, Facts, PieceFacts, Stage, StoreError, Unit};
 
 impl Pipeline<'_> {
-    /// Makes every chunk's convex pieces.
+    /// Makes the convex pieces of all chunks.
     ///
     /// # Errors
-    /// When the meshes are not there, the disk refuses, or the observer stops.
+    /// If the meshes are missing, the disk fails, or the observer stops.
     pub fn pieces(&self) -> Result<(), PipelineError> {
         let walls: Vec<Unit> = self.walls();
         self.each(Stage::Pieces, &walls, |wall| {
@@ -23,10 +23,10 @@ impl Pipeline<'_> {
         })
     }
 
-    /// Measures the convex pieces that are there.
+    /// Measures the existing convex pieces.
     ///
     /// # Errors
-    /// When a mesh or a piece cannot be read.
+    /// If a mesh or a piece cannot be read.
     pub fn measure_pieces(&self) -> Result<Vec<PieceMeasures>, PipelineError> {
         let (field, walls) = (self.field(), self.walls());
         let of_chunk = |unit: &Unit| {
@@ -38,7 +38,7 @@ impl Pipeline<'_> {
         Ok(chunks?.concat())
     }
 
-    /// The wall of a chunk, and those of the chunks around it, out of all `walls`.
+    /// The wall of a chunk, and those of its neighbours, from all `walls`.
     fn with_neighbours(&self, name: &str, walls: &[Unit]) -> Result<(Mesh, Vec<Mesh>), StoreError> {
         let mesh = store::read_mesh(self.folder, name)?;
         let around = walls.iter().filter(|other| store::adjacent(name, &other.name));

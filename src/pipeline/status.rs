@@ -1,4 +1,4 @@
-//! How far a cave folder is, and what the next run would do there.
+//! Progress of a cave folder, and what the next run would do there.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -7,32 +7,32 @@ use super::{Pipeline, PipelineError};
 use crate::mesh::Grid;
 use crate::store::{Stage, chunk_name};
 
-/// How far a stage is.
+/// Progress of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum State {
-    /// Nothing of it is there.
+    /// Nothing is there.
     Missing,
-    /// Some of it is there.
+    /// Part of it is there.
     Partial,
-    /// What is there follows from another recipe, graph or version, and will be made anew.
+    /// It follows from another recipe, graph or version, and will be remade.
     Outdated,
-    /// All of it is there, and it holds nothing: a mesh without a wall.
+    /// It is finished but empty: a mesh without a wall.
     Empty,
-    /// All of it is there.
+    /// It is finished.
     Done,
 }
 
-/// A stage of a cave folder.
+/// Status of a stage of a cave folder.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StageStatus {
-    /// Which stage.
+    /// The stage.
     pub stage: Stage,
-    /// How far it is.
+    /// Its progress.
     pub state: State,
-    /// Units that are whole and follow from what the folder's recipe and graph say now.
+    /// Intact units that follow from the current recipe and graph.
     pub done: usize,
-    /// Units there will be; `None` while an earlier stage has to tell.
+    /// Total number of units; `None` while it depends on an earlier stage.
     pub total: Option<usize>,
     /// Units of another recipe, graph or version.
     pub outdated: usize,
@@ -41,10 +41,10 @@ pub struct StageStatus {
 }
 
 impl Pipeline<'_> {
-    /// How far each stage is; reads every file of the folder, and writes nothing.
+    /// The status of each stage; reads every file of the folder, and writes nothing.
     ///
     /// # Errors
-    /// When a file cannot be read.
+    /// If a file cannot be read.
     pub fn status(&self) -> Result<Vec<StageStatus>, PipelineError> {
         let graph = self.stage_status(Stage::Graph, Some(vec!["cave".to_owned()]))?;
         let preview = self.stage_status(Stage::Preview, Some(vec!["cave".to_owned()]))?;

@@ -1,12 +1,12 @@
-//! Straight up and down from a point in the air.
+//! Floor and ceiling straight below and above a point in the air.
 
 use nalgebra::Point3;
 
 use crate::field::{Aabb, Field};
 
-/// Distance between probes, m: finer than any block that a wheel would notice.
+/// Distance between probes, m: finer than any stone that matters to a wheel.
 const STEP_M: f32 = 0.05;
-/// How far to look, m.
+/// Search distance, m.
 const REACH_M: f32 = 8.0;
 
 /// Height of the floor below `from`, if `from` is in the air and there is a floor within 8 m.
@@ -14,7 +14,7 @@ pub fn floor_z(field: &dyn Field, from: Point3<f64>) -> Option<f64> {
     first_rock(field, from, -STEP_M)
 }
 
-/// Height of the ceiling above `from`, likewise.
+/// Height of the ceiling above `from`, with the same conditions.
 pub fn ceiling_z(field: &dyn Field, from: Point3<f64>) -> Option<f64> {
     first_rock(field, from, STEP_M)
 }

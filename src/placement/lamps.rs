@@ -1,4 +1,4 @@
-//! Lamps hung along the passages.
+//! Lamps along the passages.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,17 +6,17 @@ use super::column::{ceiling_z, floor_z};
 use crate::field::Field;
 use plume_graph::Graph;
 
-/// Where between floor and ceiling a lamp hangs.
+/// Height of a lamp between floor (0) and ceiling (1).
 const HEIGHT_SHARE: f64 = 0.78;
 
 /// A lamp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lamp {
-    /// Where it hangs.
+    /// Its position.
     pub position: Point3<f64>,
 }
 
-/// Lamps at stations, so that no two are nearer than `spacing_m` and no station is farther from one.
+/// Lamps at stations, such that no two are closer than `spacing_m` and no station is farther than that from one.
 pub fn lamps(field: &dyn Field, graph: &Graph, spacing_m: f64) -> Vec<Lamp> {
     let mut lamps: Vec<Lamp> = Vec::new();
     for node in &graph.nodes {

@@ -1,4 +1,4 @@
-//! Where a robot can start: level ground, headroom, looking along the passage.
+//! Start poses: level ground, headroom, facing along the passage.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -6,11 +6,11 @@ use super::column::{ceiling_z, floor_z};
 use crate::field::Field;
 use plume_graph::{Graph, StationId};
 
-/// Half the footprint that must be level, m: a Husky is 0.99 m long and 0.67 m wide.
+/// Half the size of the footprint that must be level, m: a Husky is 0.99 m long and 0.67 m wide.
 const FOOTPRINT_M: f64 = 0.45;
-/// Least headroom, m.
+/// Minimum headroom, m.
 const HEADROOM_M: f64 = 0.8;
-/// A pose is set down this far above the highest point of its footprint, m.
+/// Height of a pose above the highest point of its footprint, m.
 const CLEARANCE_M: f64 = 0.02;
 
 /// A pose on the ground: +X along the passage, +Z up.
@@ -27,7 +27,7 @@ pub struct Spawn {
 pub fn spawns(field: &dyn Field, graph: &Graph, count: usize) -> Vec<Spawn> {
     let mut candidates: Vec<Spawn> = graph.stations().filter_map(|station| spawn_at(field, graph, station)).collect();
     candidates.sort_by(|a, b| a.unevenness_m.total_cmp(&b.unevenness_m));
-    // The better half is level enough; among those, distance counts.
+    // The better half is level enough; among those, the distance decides.
     candidates.truncate(candidates.len().div_ceil(2).max(count));
     let mut chosen: Vec<Spawn> = Vec::new();
     while chosen.len() < count && !candidates.is_empty() {
@@ -65,7 +65,7 @@ fn spawn_at(field: &dyn Field, graph: &Graph, station: StationId) -> Option<Spaw
     Some(Spawn { pose, unevenness_m: high - low })
 }
 
-/// A 3 × 3 pattern round the station.
+/// A 3 × 3 pattern around the station.
 fn footprint() -> impl Iterator<Item = (f64, f64)> {
     let steps = [-FOOTPRINT_M, 0.0, FOOTPRINT_M];
     steps.into_iter().flat_map(move |dx| steps.into_iter().map(move |dy| (dx, dy)))

@@ -12,20 +12,20 @@ use super::image::Image;
 use super::inside::{Pose, exposed, lit, mean_exposure};
 use super::{Drawn, Format, Order, PreviewError, Size, Subject};
 
-/// How fast the camera flies at most, m/s. Tuned: faster makes dizzy.
+/// Maximum speed of the camera, m/s. Tuned: faster is dizzying.
 const FASTEST: f64 = 2.5;
-/// Images on which the exposure is found are this many times smaller.
+/// Reduction factor of the images for determining the exposure.
 const SMALLER: u32 = 8;
-/// Seconds over which the exposure is levelled.
+/// Seconds over which the exposure is smoothed.
 const SLOWNESS_S: f64 = 1.0;
 
-/// Pixels of all frames together, which are in memory at once: 3 GB.
+/// Maximum number of pixels of all frames, which are in memory together: 3 GB.
 const MOST_PIXELS: u64 = 1_000_000_000;
 
-/// How long a flight takes.
+/// Frame rate and length of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
-    /// Frames in a second, 1 to 50.
+    /// Frames per second, 1 to 50.
     pub fps: u32,
     /// Seconds, up to 600.
     pub seconds: f64,
@@ -52,7 +52,7 @@ impl Default for Pace {
     }
 }
 
-/// The frames, as a file that moves or one by one.
+/// The frames, as an animated file or one by one.
 pub fn flight(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
     if order.pace.frames() as u64 * u64::from(size.width) * u64::from(size.height) > MOST_PIXELS {
         return Err(PreviewError::Long);

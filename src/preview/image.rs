@@ -1,4 +1,4 @@
-//! Pixels, and the files they make.
+//! Images and their encoding.
 
 use std::io;
 
@@ -12,12 +12,12 @@ use super::Size;
 pub struct Image {
     /// Its size.
     pub size: Size,
-    /// Three bytes for each pixel.
+    /// Three bytes per pixel.
     pub rgb: Vec<u8>,
 }
 
 impl Image {
-    /// An SVG of ours as pixels.
+    /// Rasterises an SVG of ours.
     pub fn of_svg(svg: &str, size: Size) -> Self {
         let tree = Tree::from_str(svg, &Options::default()).expect("the drawing is an SVG");
         let mut pixels = Pixmap::new(size.width, size.height).expect("a size is never zero");

@@ -1,10 +1,10 @@
-//! The view from inside: the field seen by rays, in the colours of its rock, by the light of its lamps.
+//! The view from inside: a ray-marched image of the field, with the colours of its rock and the light of its lamps.
 //!
-//! Shown are the shape with all detail, base colour, roughness and occlusion as textures will have them, the lamps of the
-//! world and one on the head of the camera, with shadows of the former. Light that has been reflected before is a guess.
+//! It shows the shape with all detail, base colour, roughness and occlusion as in the textures, the lamps of the world with
+//! shadows and a headlamp of the camera. Indirect light is approximated.
 //!
-//! A square of the image is worked on at a time: 8 × 8 wide cones first find how far there is air for all of their
-//! pixels, then the pixels of each cone go on from there together.
+//! The image is computed in squares: 8 × 8 wide cones first find how far there is air for all of their pixels, then the
+//! pixels of each cone continue from there together.
 
 mod auto_camera;
 mod camera;
@@ -30,9 +30,9 @@ use crate::field::{Aabb, CaveField, Field, Surface, Texel};
 const CONE: usize = 8;
 /// Cones along the edge of a square.
 const SQUARE: usize = 8;
-/// Cones keep this far from rock, metres. Tuned: with less, ledges are passed by in squares.
+/// Distance that cones keep from rock, metres. Tuned: with less, square parts of ledges are missed.
 const LIP_M: f32 = 0.3;
-/// Pixels of a cone that are this much further away than the next nearer ones lie on another surface. Tuned.
+/// Pixels of a cone that are further away than the next nearer ones by this factor are on another surface. Tuned.
 const ONE_SURFACE: f32 = 1.1;
 
 /// The picture from a pose.
@@ -41,7 +41,7 @@ pub fn inside(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, Pre
     Ok(Drawn::File(exposed(&light, size, mean_exposure(&light)).png()))
 }
 
-/// The pose that was asked for, or one that shows most.
+/// The requested pose, or one that shows most.
 fn pose(subject: &Subject, order: &Order) -> Result<Pose, PreviewError> {
     let eye = match order.at {
         Some(eye) if !auto_camera::is_air(subject.field, eye) => return Err(PreviewError::InRock(eye)),
@@ -62,7 +62,7 @@ pub fn exposed(light: &[[f32; 3]], size: Size, exposure: f32) -> Image {
     Image { size, rgb: light.iter().flat_map(|&light| tone::pixel(light, exposure)).collect() }
 }
 
-/// The light that comes to every pixel, rows from the top.
+/// The light at every pixel, rows from the top.
 pub fn lit(subject: &Subject, pose: Pose, size: Size, stop: &AtomicBool) -> Result<Vec<[f32; 3]>, PreviewError> {
     let camera = Camera::new(pose, size);
     let field = subject.field;
@@ -97,7 +97,7 @@ fn square_of(field: &CaveField, lamps: &[Lamp], camera: &Camera, size: Size, cor
         .collect();
     let half = CONE as f32 / 2.0;
     let cones: Vec<Ray> = corners.iter().map(|[x, y]| camera.ray(*x as f32 + half, *y as f32 + half)).collect();
-    // Twice the half diagonal of a cone, since the field is no exact distance; and it jumps at the lips of ledges.
+    // Twice the half diagonal of a cone, since the field is not an exact distance and jumps at the lips of ledges.
     let approach = Approach { share: 1.42 * CONE as f32 * camera.pixel, least_m: LIP_M, step: CAREFUL };
     let starts = march::march(field, &cones, approach);
     corners.iter().zip(starts).flat_map(|(&corner, start)| cone_of(field, lamps, camera, size, corner, start)).collect()
@@ -119,7 +119,7 @@ fn cone_of(
     let rays: Vec<Ray> = pixels.iter().map(ray).collect();
     let ends = march::march(field, &rays, Approach { share: 0.5 * camera.pixel, least_m: 0.001, step: BRISK });
     let mut hits: Vec<usize> = (0..rays.len()).filter(|&ray| ends[ray] < FAR_M).collect();
-    // What lies behind an edge is seen in the detail of its own distance.
+    // Surfaces behind an edge have the detail of their own distance.
     hits.sort_by(|&one, &other| ends[one].total_cmp(&ends[other]));
     let surfaces = hits.chunk_by(|&near, &next| ends[next] < ONE_SURFACE * ends[near]);
     let sights: Vec<Sight> = surfaces.flat_map(|hits| sights(field, camera, &rays, &ends, hits)).collect();
@@ -127,7 +127,7 @@ fn cone_of(
     hits.iter().zip(light).map(|(&ray, rgb)| Pixel { at: pixels[ray], rgb }).collect()
 }
 
-/// What is seen of a surface where these rays hit it.
+/// The surface where these rays hit it.
 fn sights(field: &CaveField, camera: &Camera, rays: &[Ray], ends: &[f32], hits: &[usize]) -> Vec<Sight> {
     let points: Vec<[f32; 3]> = hits.iter().map(|&ray| rays[ray].at(ends[ray])).collect();
     let mean_m = hits.iter().map(|&ray| ends[ray]).sum::<f32>() / hits.len() as f32;
@@ -140,7 +140,7 @@ fn sights(field: &CaveField, camera: &Camera, rays: &[Ray], ends: &[f32], hits: 
     hits.iter().zip(&points).zip(texels).map(sight).collect()
 }
 
-/// What the wall is like at points near each other, of which there is one, to the detail that pixels of this size show.
+/// The wall at nearby points, at least one, with the detail for pixels of this size.
 fn texels(field: &CaveField, points: &[[f32; 3]], texel_m: f32) -> Vec<Texel> {
     let bounds = Aabb::from_points(points.iter().copied()).expect("there is a point");
     let normals = field.normals_at(points);

@@ -1,12 +1,11 @@
 //! Plan and profile: passages at their true width, coloured by elevation.
 //!
-//! The plan has north (+y) up, and a panel for each storey, all to one scale. The profile is projected on to the upright
-//! plane along the longest horizontal axis of the cave (the first principal axis of its stations), and says by how much
-//! heights are drawn larger where the cave is too flat to be read otherwise.
+//! The plan has north (+y) up, and a panel for each storey, all to one scale. The profile is projected onto the vertical plane
+//! along the longest horizontal axis of the cave (the first principal axis of its stations), and states the vertical
+//! exaggeration if the cave is too flat to be legible otherwise.
 //!
-//! Widths are those of the smooth passages between their stations; a passage too narrow for the paper is drawn a pixel
-//! wide. What differs by less than a pixel is drawn once, so that a map of a million stations is no larger than one of
-//! ten thousand.
+//! Widths are those of the smooth passages at their stations; a passage too narrow for the paper is drawn a pixel wide. Detail
+//! below a pixel is merged, so that a map of a million stations is no larger than one of ten thousand.
 
 mod frame;
 mod furniture;
@@ -76,7 +75,7 @@ fn label(furniture: &mut Furniture, panel: &Panel, frame: &Frame) {
     furniture.svg.text(at, Anchor::Left, 14.0 * unit, furniture.palette.faint, &panel.label);
 }
 
-/// The passages of a storey, over the shades of the others.
+/// The passages of a storey, over faded ones of the others.
 fn draw_panel(svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
     if sheet.panels.len() > 1 {
         let all: Vec<Vec<PaperPoint>> =
@@ -92,7 +91,7 @@ fn draw_panel(svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, fr
     }
 }
 
-/// The outline of every passage with the class of its elevation, those behind first.
+/// The outline of every passage with its elevation class, back to front.
 fn shapes(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<(usize, Vec<PaperPoint>)> {
     let mut pieces = thin::pieces(sheet, panel, frame);
     let depth = |[a, b]: [StationId; 2]| sheet[a].depth + sheet[b].depth;

@@ -1,6 +1,6 @@
-//! A page to turn a cave about in a browser: its passages, and a coarse wall made from the field on the spot.
+//! An interactive page for browsers: the passages, and a coarse wall made from the field.
 //!
-//! One file that needs nothing else and asks no network. Arrays lie in it as Base64, little-endian.
+//! A single self-contained file without network access. Arrays are embedded as Base64, little-endian.
 
 mod solid;
 
@@ -16,10 +16,10 @@ use plume_graph::{Graph, StationId};
 
 /// The page, without a cave.
 static PAGE: &str = include_str!("../../templates/preview/page.html");
-/// Of more stations than this, those near each other are one. Tuned: what a weak graphics card turns about smoothly.
+/// Above this number of stations, nearby ones are merged. Tuned: smooth on a weak graphics card.
 const MOST_STATIONS: usize = 60_000;
 
-/// The page; its size is that of the window.
+/// The page, which adapts to the size of the window.
 pub fn page(subject: &Subject, order: &Order, _size: Size) -> Result<Drawn, PreviewError> {
     let solid = Solid::of(subject, order.stop)?;
     let cave = json!({
@@ -29,7 +29,7 @@ pub fn page(subject: &Subject, order: &Order, _size: Size) -> Result<Drawn, Prev
         "graph": skeleton(subject),
         "solid": solid.map(|solid| solid.to_json()),
     });
-    // In a script of HTML a closing tag would end it.
+    // A closing tag would end the script element.
     let cave = cave.to_string().replace('<', "\\u003c");
     let name = subject.name.replace('&', "&amp;").replace('<', "&lt;");
     let (head, rest) = PAGE.split_once("{{ name }}").expect("the template has a name");
@@ -37,7 +37,7 @@ pub fn page(subject: &Subject, order: &Order, _size: Size) -> Result<Drawn, Prev
     Ok(Drawn::File([head, &name, body, &cave, end].concat().into_bytes()))
 }
 
-/// What stands beside the picture.
+/// The facts next to the picture.
 fn numbers(subject: &Subject) -> Value {
     let graph = subject.graph;
     let degrees = graph.degrees();
@@ -79,7 +79,7 @@ fn skeleton(subject: &Subject) -> Value {
            "passages": packed(edges.iter().flatten().flat_map(|x| x.to_le_bytes()))})
 }
 
-/// For each station the one that is shown in its stead: of those in one cube of space, the first.
+/// The representative of each station: the first in its cube of space.
 fn representatives(graph: &Graph) -> Vec<usize> {
     let mut cube_m = 1.0;
     let mut found: Vec<usize> = (0..graph.nodes.len()).collect();

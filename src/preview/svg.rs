@@ -1,6 +1,6 @@
-//! An SVG of filled and stroked outlines, with its text as outlines too.
+//! An SVG writer with filled and stroked outlines only, including text.
 //!
-//! Nothing in it asks for a font, a style sheet or an arc, so that every viewer shows the same.
+//! Without fonts, style sheets and arcs, so that every viewer shows the same.
 
 use std::fmt::Write;
 
@@ -8,13 +8,13 @@ use ttf_parser::{Face, OutlineBuilder};
 
 use super::Size;
 
-/// A few letters of DejaVu Sans.
+/// A subset of DejaVu Sans.
 static FONT: &[u8] = include_bytes!("../../templates/preview/DejaVuSans-subset.ttf");
 
 /// A point on the paper in pixels, y down.
 pub type PaperPoint = [f64; 2];
 
-/// Which part of a text stands at its spot.
+/// Alignment of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// Its left end.
@@ -25,14 +25,14 @@ pub enum Anchor {
     Right,
 }
 
-/// An SVG in the making.
+/// An SVG under construction.
 pub struct Svg {
     text: String,
     face: Face<'static>,
 }
 
 impl Svg {
-    /// Paper of this size and colour; `title` is for those who cannot see it.
+    /// Paper of this size and colour; `title` is for accessibility.
     pub fn new(size: Size, title: &str, paper: &str) -> Self {
         let Size { width, height } = size;
         let face = Face::parse(FONT, 0).expect("the font in the binary is whole");
@@ -91,7 +91,7 @@ impl Svg {
         self.line(format_args!("<path aria-label=\"{label}\" fill=\"{fill}\" d=\"{data}\"/>"));
     }
 
-    /// How wide a text of this height is, in pixels.
+    /// Width of a text of this height, in pixels.
     pub fn text_width(&self, text: &str, size: f64) -> f64 {
         let advance = |letter| self.face.glyph_hor_advance(self.face.glyph_index(letter).unwrap_or_default());
         let units: f64 = text.chars().map(|letter| f64::from(advance(letter).unwrap_or_default())).sum();
@@ -109,7 +109,7 @@ impl Svg {
     }
 }
 
-/// Draws letters.
+/// Draws glyphs.
 struct Pen {
     at: PaperPoint,
     scale: f64,

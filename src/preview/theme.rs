@@ -1,6 +1,6 @@
-//! Colours: of paper and ink, and of elevations.
+//! Colours of paper, ink and elevations.
 
-/// What a map is drawn on.
+/// Colour theme of maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Theme {
     /// White paper.
@@ -10,19 +10,19 @@ pub enum Theme {
     Dark,
 }
 
-/// The colours of a theme, as SVG writes them.
+/// The colours of a theme, in SVG notation.
 pub struct Palette {
     /// Behind everything.
     pub paper: &'static str,
     /// Text and marks.
     pub ink: &'static str,
-    /// Lesser text.
+    /// Secondary text.
     pub faint: &'static str,
-    /// Lines that help to read heights.
+    /// Grid lines of heights.
     pub grid: &'static str,
     /// Passages of other storeys.
     pub ghost: &'static str,
-    /// Round passages.
+    /// Outlines of passages.
     pub wall: &'static str,
 }
 
@@ -42,8 +42,8 @@ impl Theme {
     }
 }
 
-/// The colours of [`elevation_color`], low to high: viridis of matplotlib (CC0), of even steps to the eye, also for those
-/// who cannot tell red from green.
+/// The colours of [`elevation_color`], low to high: viridis of matplotlib (CC0), perceptually uniform, also for colour-blind
+/// people.
 pub static VIRIDIS: [u32; 32] = [
     0x44_01_54, 0x46_0c_5f, 0x47_18_6a, 0x48_22_73, 0x46_2d_7c, 0x44_37_81, 0x41_41_86, 0x3d_4a_89, 0x39_54_8b,
     0x35_5c_8c, 0x31_64_8d, 0x2e_6c_8e, 0x2a_75_8e, 0x27_7c_8e, 0x24_84_8d, 0x22_8b_8d, 0x1f_94_8b, 0x1e_9b_89,
@@ -51,12 +51,12 @@ pub static VIRIDIS: [u32; 32] = [
     0xa7_db_33, 0xbf_df_24, 0xd4_e1_1a, 0xe9_e4_19, 0xfd_e7_24,
 ];
 
-/// The class of [`VIRIDIS`] for a share of the way from the lowest to the highest place.
+/// The class of [`VIRIDIS`] for a relative height.
 pub fn elevation_class(share: f64) -> usize {
     ((share * VIRIDIS.len() as f64) as usize).min(VIRIDIS.len() - 1)
 }
 
-/// The colour of a class, as SVG writes it.
+/// The colour of a class, in SVG notation.
 pub fn class_color(class: usize) -> String {
     format!("#{:06x}", VIRIDIS[class])
 }

@@ -1,4 +1,4 @@
-//! Chunk meshes and images in the cave folder.
+//! Chunk meshes and textures in the cave folder.
 
 use super::ply::PlyMesh;
 use super::{CaveFolder, FileRecord, StoreError, image_path, lod_path, textured_path, wall_path};
@@ -13,7 +13,7 @@ pub const IMAGES: Maps<&str> =
 /// Writes a mesh without texture coordinates.
 ///
 /// # Errors
-/// When the disk refuses.
+/// If the disk fails.
 pub fn write_mesh(folder: &CaveFolder, path: &str, mesh: &Mesh) -> Result<FileRecord, StoreError> {
     let ply = PlyMesh {
         positions: (0..mesh.positions.len() as u32).map(|v| mesh.position_m(v)).collect(),
@@ -28,7 +28,7 @@ pub fn write_mesh(folder: &CaveFolder, path: &str, mesh: &Mesh) -> Result<FileRe
 /// Reads the wall of a chunk back, bit for bit.
 ///
 /// # Errors
-/// When it is missing or damaged.
+/// If it is missing or damaged.
 pub fn read_mesh(folder: &CaveFolder, name: &str) -> Result<Mesh, StoreError> {
     let ply = read_ply(folder, &wall_path(name))?;
     let quantum = |x: f32| (x * QUANTA_PER_M as f32) as i32;
@@ -43,27 +43,27 @@ pub fn read_mesh(folder: &CaveFolder, name: &str) -> Result<Mesh, StoreError> {
 /// Reads a mesh file of the folder.
 ///
 /// # Errors
-/// When it is missing or damaged.
+/// If it is missing or damaged.
 pub fn read_ply(folder: &CaveFolder, path: &str) -> Result<PlyMesh, StoreError> {
     let content = folder.read(path)?;
     PlyMesh::read(&mut content.as_slice()).map_err(|error| StoreError::damaged(&folder.root().join(path), error))
 }
 
-/// A textured chunk that was written.
+/// A written textured chunk.
 pub struct Written {
     /// The unwrapped mesh, its coarser levels and its images.
     pub files: Vec<FileRecord>,
-    /// What the unwrapped mesh holds.
+    /// The unwrapped mesh.
     pub textured: Textured,
     /// The coarser levels.
     pub levels: Vec<Level>,
 }
 
-/// Unwraps a chunk, bakes `surface` over it, and writes its images as they come, the unwrapped mesh and its coarser
+/// Unwraps a chunk, bakes `surface` onto it, and writes its images while baking, the unwrapped mesh and its coarser
 /// levels.
 ///
 /// # Errors
-/// When the charts do not fit or the disk refuses.
+/// If the charts do not fit or the disk fails.
 pub fn write_textured(
     folder: &CaveFolder,
     name: &str,
@@ -93,7 +93,7 @@ pub fn write_textured(
     Ok(Written { files, textured, levels })
 }
 
-/// Some triangles of a textured chunk with the vertices that they use, in their old order.
+/// Some triangles of a textured chunk with the vertices that they use, in their original order.
 fn textured_ply(textured: &Textured, triangles: &[[u32; 3]]) -> PlyMesh {
     let mut names = vec![None; textured.positions.len()];
     triangles.iter().flatten().for_each(|&vertex| names[vertex as usize] = Some(0));
@@ -116,13 +116,13 @@ fn textured_ply(textured: &Textured, triangles: &[[u32; 3]]) -> PlyMesh {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChunkError {
-    /// The disk.
+    /// The disk failed.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The charts or a map.
+    /// The charts do not fit, or a map could not be written.
     #[error("{chunk}: {source}")]
     Texture {
-        /// Which chunk.
+        /// The chunk.
         chunk: String,
         /// What went wrong.
         source: TextureError,

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all, and are known by their hash.
+//! Files that appear whole or not at all, and are identified by their hash.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use super::StoreError;
 
-/// A file that was written.
+/// A written file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileRecord {
     /// Path in the folder, with forward slashes.
@@ -21,22 +21,22 @@ pub struct FileRecord {
     pub sha256: String,
 }
 
-/// What has become of a file that was written.
+/// The state of a written file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileState {
-    /// It is what was written.
+    /// Unchanged.
     Intact,
-    /// It is gone.
+    /// Missing.
     Missing,
-    /// Something else is there.
+    /// Changed.
     Changed,
 }
 
 impl FileRecord {
-    /// What has become of the file.
+    /// The state of the file.
     ///
     /// # Errors
-    /// When it is there but cannot be read.
+    /// If it exists but cannot be read.
     pub fn state(&self, root: &Path) -> Result<FileState, StoreError> {
         let path = root.join(&self.path);
         let named = |error| StoreError::io(&path, error);
@@ -45,7 +45,7 @@ impl FileRecord {
             Ok(file) => file,
             Err(error) => match error.kind() {
                 ErrorKind::NotFound => return Ok(FileState::Missing),
-                // A link, a folder or a pipe where a file was.
+                // A link, a folder or a pipe replaced the file.
                 ErrorKind::InvalidInput | ErrorKind::IsADirectory => return Ok(FileState::Changed),
                 _ => return Err(named(error)),
             },
@@ -57,10 +57,10 @@ impl FileRecord {
         Ok(if is_intact { FileState::Intact } else { FileState::Changed })
     }
 
-    /// The content of the file, if it is what was written.
+    /// The content of the file, verified.
     ///
     /// # Errors
-    /// [`StoreError::Changed`] if it is not; when it cannot be read.
+    /// [`StoreError::Changed`] if it was changed; if it cannot be read.
     pub fn read(&self, root: &Path) -> Result<Vec<u8>, StoreError> {
         let path = root.join(&self.path);
         refuse_link_above(root, &path)?;
@@ -84,7 +84,7 @@ fn hash_of(file: &mut File) -> io::Result<String> {
     }
 }
 
-/// A file being written in a staging folder. It appears when finished, and goes when dropped before.
+/// A file being written in a staging folder. It appears when finished, and is removed if dropped before.
 pub struct Sink {
     path: String,
     target: PathBuf,
@@ -95,7 +95,7 @@ pub struct Sink {
 }
 
 impl Sink {
-    /// Starts `root/path` as `partial`, which is a name that nobody else has.
+    /// Starts `root/path` as `partial`, which is a unique name.
     pub fn create(root: &Path, path: &str, partial: PathBuf) -> Result<Self, StoreError> {
         let target = root.join(path);
         let folder = target.parent().unwrap_or(root);
@@ -106,10 +106,10 @@ impl Sink {
         Ok(Self { path, target, partial, inner: BufWriter::new(file), hash: Sha256::new(), bytes: 0 })
     }
 
-    /// Gives the file its name, once its content is on the disk.
+    /// Renames the file into place, once its content is synced.
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// If the disk fails.
     pub fn finish(mut self) -> Result<FileRecord, StoreError> {
         let named = |error| StoreError::io(&self.target, error);
         self.inner.flush().map_err(named)?;
@@ -135,12 +135,12 @@ impl Write for Sink {
 
 impl Drop for Sink {
     fn drop(&mut self) {
-        // Finished files have been renamed, so this removes unfinished ones only.
+        // Finished files have been renamed, so this only removes unfinished ones.
         let _ = fs::remove_file(&self.partial);
     }
 }
 
-/// The content of a file that may be absent.
+/// The content of a file that may be missing.
 pub fn read_if_there(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreError> {
     match regular::open_no_follow(path).and_then(|file| regular::read_at_most(file, most_bytes)) {
         Ok(content) => Ok(Some(content)),
@@ -158,12 +158,12 @@ pub fn is_vacant(path: &Path) -> Result<bool, StoreError> {
     }
 }
 
-/// Refuses a file that lies in a linked folder: it may be anywhere.
+/// Refuses a file in a linked folder, which may be anywhere.
 pub fn refuse_link_above(root: &Path, path: &Path) -> Result<(), StoreError> {
     let folder = path.parent().unwrap_or(root);
     let is_link = folder != root && folder.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink());
     match is_link {
-        true => Err(StoreError::damaged(folder, "is a symbolic link, of which a cave folder has none")),
+        true => Err(StoreError::damaged(folder, "is a symbolic link, which is not allowed in a cave folder")),
         false => Ok(()),
     }
 }

@@ -1,5 +1,5 @@
-//! Convex pieces as binary PLY: faces carry the number of their piece (`piece`) and its part of the wall (`zone`: 0
-//! floor, 1 wall, 2 ceiling). The vertices of a piece are its own.
+//! Convex pieces as binary PLY: faces have the number of their piece (`piece`) and its zone (`zone`: 0 floor, 1 wall, 2
+//! ceiling). Pieces do not share vertices.
 
 use std::io::{self, Write};
 
@@ -16,7 +16,7 @@ use crate::mesh::{Piece, QUANTA_PER_M, Zone};
 /// Writes the convex pieces of a chunk.
 ///
 /// # Errors
-/// When the disk refuses.
+/// If the disk fails.
 pub fn write_pieces(folder: &CaveFolder, name: &str, pieces: &[Piece]) -> Result<FileRecord, StoreError> {
     folder.write(&pieces_path(name), |out| write(pieces, out))
 }
@@ -24,7 +24,7 @@ pub fn write_pieces(folder: &CaveFolder, name: &str, pieces: &[Piece]) -> Result
 /// Reads the convex pieces of a chunk back, bit for bit.
 ///
 /// # Errors
-/// When they are missing or damaged.
+/// If they are missing or damaged.
 pub fn read_pieces(folder: &CaveFolder, name: &str) -> Result<Vec<Piece>, StoreError> {
     let path = pieces_path(name);
     let content = folder.read(&path)?;
@@ -133,7 +133,7 @@ fn read(source: &mut dyn io::BufRead) -> io::Result<Vec<Piece>> {
     let mut pieces = Vec::new();
     let mut first = 0;
     for faces in rows("face").chunk_by(|a, b| a.piece == b.piece) {
-        let piece = piece(faces, first, vertices).ok_or_else(|| io::Error::other("a piece is not whole"))?;
+        let piece = piece(faces, first, vertices).ok_or_else(|| io::Error::other("a piece is incomplete"))?;
         first += piece.positions.len() as u32;
         pieces.push(piece);
     }

@@ -1,6 +1,6 @@
-//! Meshes as binary PLY, which most mesh tools open.
+//! Meshes as binary PLY, which most mesh tools support.
 //!
-//! Vertices carry `x y z` and, where present, `nx ny nz`, `s t` (origin at the lower left of the image), the tangent
+//! Vertices have `x y z` and, where present, `nx ny nz`, `s t` (origin at the lower left of the image), the tangent
 //! `tx ty tz tw`, and `border` (1 where the vertex is shared with another chunk).
 
 use std::io::{self, BufRead, Write};
@@ -82,7 +82,7 @@ impl PlyMesh {
     /// Writes the mesh.
     ///
     /// # Errors
-    /// When `out` refuses.
+    /// If `out` fails.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let (vertex, face) = (self.vertex_definition(), self.face_definition());
         let mut header = Header::new();
@@ -109,7 +109,7 @@ impl PlyMesh {
     /// Reads what [`PlyMesh::write`] wrote.
     ///
     /// # Errors
-    /// When it is no such file.
+    /// If it is not such a file.
     pub fn read(source: &mut dyn BufRead) -> io::Result<Self> {
         let mut source = source;
         let ply = Parser::<Row>::new().read_ply(&mut source)?;
@@ -135,7 +135,7 @@ impl PlyMesh {
         mesh.triangles = triangles.ok_or_else(|| io::Error::other("a face is not a triangle"))?;
         let count = mesh.positions.len() as u32;
         if mesh.triangles.iter().flatten().any(|index| *index >= count) {
-            return Err(io::Error::other("a face names a vertex that is not there"));
+            return Err(io::Error::other("a face refers to a vertex that does not exist"));
         }
         Ok(mesh)
     }
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mesh_reads_back_as_it_was() {
+    fn a_mesh_reads_back_unchanged() {
         let mesh = PlyMesh {
             positions: vec![[0.0, 0.5, -1.25], [1.0, 0.0, 0.0], [0.0, 1.0, 3.0]],
             normals: vec![[0.0, 0.0, 1.0]; 3],

@@ -1,4 +1,4 @@
-//! What is finished in a cave folder: the sealed manifest, and the journal of the run that is at work or was killed.
+//! Records of finished units: the sealed manifest, and the journal of a current or killed run.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use serde_json::value::RawValue;
 use super::file::read_if_there;
 use super::{Stage, StoreError, Unit, sha256};
 
-/// No manifest and no journal is longer: about a million units.
+/// Maximum size of a manifest or journal: about a million units.
 const MOST_BYTES: u64 = 1 << 30;
 
 #[derive(Serialize, Deserialize)]
@@ -26,24 +26,24 @@ pub fn manifest(units: Vec<Unit>) -> String {
     sealed::seal(&serde_json::to_string_pretty(&manifest).expect("a manifest is plain data"))
 }
 
-/// The units of a manifest that may be absent.
+/// The units of a manifest that may be missing.
 pub fn read_manifest(path: &Path) -> Result<Vec<Unit>, StoreError> {
     let Some(text) = read_if_there(path, MOST_BYTES)? else {
         return Ok(Vec::new());
     };
     let bare = sealed::unseal(&text)
-        .ok_or_else(|| StoreError::damaged(path, "is not as it was written: its seal does not fit"))?;
+        .ok_or_else(|| StoreError::damaged(path, "was changed since it was written: its seal does not match"))?;
     let manifest: Manifest = serde_json::from_slice(&bare).map_err(|error| StoreError::damaged(path, error))?;
     Ok(manifest.units)
 }
 
-/// What happened to a unit.
+/// An event of a unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Event {
-    /// Its files are being written, and are no longer what an earlier record says.
+    /// Its files are being written, which invalidates earlier records.
     Begun {
-        /// Which stage.
+        /// The stage.
         stage: Stage,
         /// Chunk name, or `cave`.
         name: String,
@@ -52,7 +52,7 @@ pub enum Event {
     Done(Unit),
 }
 
-/// A line of a journal: an event with the SHA-256 of its text, so that a torn line is known.
+/// A line of a journal: an event with the SHA-256 of its text, by which a truncated line is recognised.
 #[derive(Serialize, Deserialize)]
 struct Line<'a> {
     sha256: String,
@@ -69,10 +69,10 @@ pub fn append(journal: &mut dyn Write, event: &Event) -> io::Result<()> {
     journal.write_all(&text)
 }
 
-/// The events of a journal that may be absent, without lines that a kill tore.
+/// The events of a journal that may be missing, without truncated lines.
 ///
 /// # Errors
-/// When a line is whole and tells of what no stage does.
+/// If an intact line has an event that no stage produces.
 pub fn read_journal(path: &Path) -> Result<Vec<Event>, StoreError> {
     let text = read_if_there(path, MOST_BYTES)?.unwrap_or_default();
     let whole = text.split(|byte| *byte == b'\n').filter_map(|line| {

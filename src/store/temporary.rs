@@ -1,5 +1,5 @@
-//! The hidden cave folder of an export that keeps none: it stays after a kill, so that the next run goes on, and goes when
-//! the packages are whole.
+//! The hidden cave folder of an export without `--keep`: it stays after a kill, so that the next run can resume, and is
+//! removed once the packages are complete.
 
 use std::fs::{self, File, TryLockError};
 use std::io::Write;
@@ -9,13 +9,13 @@ use plume_disk::regular;
 
 use super::{StoreError, file};
 
-/// The file that says so. It is locked as long as a run is at work.
+/// The marker file. It is locked while a run is using the folder.
 const MARKER: &str = "plume-temporary";
 const MARKER_TEXT: &[u8] =
-    b"This cave folder belongs to an export that was stopped. The same export goes on with it and removes\n\
+    b"This cave folder belongs to an interrupted export. The same export resumes with it and removes\n\
                              it; so may you.\n";
 
-/// A cave folder that goes when the work is done.
+/// A cave folder that is removed when the work is done.
 #[derive(Debug)]
 pub struct TemporaryFolder {
     path: PathBuf,
@@ -23,11 +23,11 @@ pub struct TemporaryFolder {
 }
 
 impl TemporaryFolder {
-    /// Claims the folder at `path`: one that is new, or that an export has left there.
+    /// Claims the folder at `path`: a new one, or one left by an export.
     ///
     /// # Errors
-    /// [`StoreError::Occupied`] when something else is there, [`StoreError::InUse`] when another run has it; when the disk
-    /// refuses.
+    /// [`StoreError::Occupied`] if something else is there, [`StoreError::InUse`] if another run is using it; if the disk
+    /// fails.
     pub fn claim(path: &Path) -> Result<Self, StoreError> {
         let marker_path = path.join(MARKER);
         let named = |error| StoreError::io(path, error);
@@ -41,7 +41,7 @@ impl TemporaryFolder {
         fs::create_dir_all(path).map_err(named)?;
         let mut marker = regular::append_no_follow(&marker_path).map_err(named)?;
         let is_taken = matches!(marker.try_lock(), Err(TryLockError::WouldBlock));
-        // The run that had it may have removed it just now.
+        // Another run may have removed it just now.
         if is_taken || marker_path.symlink_metadata().is_err() {
             return Err(StoreError::InUse { path: path.to_path_buf() });
         }
@@ -51,15 +51,15 @@ impl TemporaryFolder {
         Ok(Self { path: path.to_path_buf(), marker })
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Removes it with all it holds. What cannot be removed costs space only.
+    /// Removes it with its contents. What cannot be removed only costs space.
     pub fn remove(self) {
         let Self { path, marker } = self;
-        // The marker goes last: what a kill leaves is known for what it is.
+        // The marker is removed last, so that leftovers of a kill are recognised.
         for entry in fs::read_dir(&path).into_iter().flatten().flatten() {
             let _ = match entry.file_type() {
                 _ if entry.file_name() == MARKER => Ok(()),

@@ -1,7 +1,7 @@
 //! Units of work, the files that each may write, and their names.
 //!
-//! Manifest and journal of a folder that came from somewhere else may say anything. A unit is read only if it could have
-//! been written by its stage, so that no path in it leads anywhere but to that stage's own files.
+//! Manifest and journal of an untrusted folder may say anything. A unit is accepted only if it could have been written by its
+//! stage, so that its paths can only lead to that stage's own files.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -15,7 +15,7 @@ use plume_graph::echo::shown;
 
 /// The name of units that are made once for the whole cave.
 pub const WHOLE_CAVE: &str = "cave";
-/// No row of levels is longer.
+/// Maximum number of levels.
 const MOST_LODS: usize = 99;
 
 /// A stage of the work.
@@ -30,12 +30,12 @@ pub enum Stage {
     Mesh,
     /// Images.
     Texture,
-    /// Convex pieces, made when a target asks for them.
+    /// Convex pieces, made if a target needs them.
     Pieces,
 }
 
 impl Stage {
-    /// Its name; but for `preview`, as in the command that makes it.
+    /// Its name; except for `preview`, that of the command that makes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Graph => "graph",
@@ -70,19 +70,19 @@ impl Stage {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Unchecked")]
 pub struct Unit {
-    /// Which stage.
+    /// The stage.
     pub stage: Stage,
     /// Chunk name, or `cave`.
     pub name: String,
     /// Hash of everything the unit follows from.
     pub fingerprint: String,
-    /// What was written.
+    /// The written files.
     pub files: Vec<FileRecord>,
-    /// Numbers worth keeping: triangles, areas, texels.
+    /// Statistics: triangles, areas, texels.
     pub facts: Facts,
 }
 
-/// A unit as it stands in a file.
+/// A unit as stored in a file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Unchecked {
@@ -99,7 +99,7 @@ impl TryFrom<Unchecked> for Unit {
     fn try_from(unit: Unchecked) -> Result<Self, String> {
         let Unchecked { stage, name, fingerprint, files, facts } = unit;
         if !stage.has_unit(&name) {
-            return Err(format!("the stage {} has no unit of the name {}", stage.name(), shown(&name)));
+            return Err(format!("the stage {} has no unit named {}", stage.name(), shown(&name)));
         }
         match files.iter().find(|file| !stage.writes(&name, &file.path)) {
             Some(file) => Err(format!("{} of {name} does not write {}", stage.name(), shown(&file.path))),
@@ -113,7 +113,7 @@ pub fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
     format!("chunk_{x}_{y}_{z}")
 }
 
-/// The chunk of this name, written as [`chunk_name`] writes it.
+/// The inverse of [`chunk_name`].
 fn chunk_index(name: &str) -> Option<ChunkIndex> {
     let numbers: Vec<i32> = name.strip_prefix("chunk_")?.split('_').map(str::parse).collect::<Result<_, _>>().ok()?;
     let index = ChunkIndex(numbers.try_into().ok()?);
@@ -124,7 +124,7 @@ fn is_chunk_name(name: &str) -> bool {
     chunk_index(name).is_some()
 }
 
-/// Whether two chunks lie side by side, or corner to corner, by their names.
+/// Whether two chunks are neighbours, including diagonally, by their names.
 pub fn adjacent(one: &str, other: &str) -> bool {
     let (Some(ChunkIndex(a)), Some(ChunkIndex(b))) = (chunk_index(one), chunk_index(other)) else { return false };
     a != b && a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1)
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn no_other_file_is_believed_to_be_its_own() {
+    fn other_files_are_refused() {
         for (stage, name, path) in [
             ("texture", "chunk_9_9_9", "/abs/victim"),
             ("texture", "chunk_9_9_9", "../victim"),
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_share_a_corner_at_least() {
+    fn neighbours_share_at_least_a_corner() {
         assert!(adjacent("chunk_0_0_0", "chunk_1_-1_0"));
         assert!(!adjacent("chunk_0_0_0", "chunk_0_0_0"));
         assert!(!adjacent("chunk_0_0_0", "chunk_2_0_0"));

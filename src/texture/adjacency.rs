@@ -1,8 +1,8 @@
-//! Which triangle lies across an edge.
+//! Adjacency of triangles across edges.
 
 use plume_graph::Rows;
 
-/// No triangle: the edge is open, or more than two triangles meet there.
+/// No triangle: a boundary edge, or more than two triangles.
 pub(super) const NONE: u32 = u32::MAX;
 
 /// The neighbour of every triangle across its edges; edge `k` runs from corner `k` to corner `k + 1`.
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_triangles_see_each_other_and_a_third_on_the_edge_hides_all() {
+    fn two_triangles_are_adjacent_unless_a_third_shares_the_edge() {
         let quad = [[0, 1, 2], [2, 1, 3]];
         assert_eq!(neighbours(4, &quad), [[NONE, 1, NONE], [0, NONE, NONE]]);
         let book = [[0, 1, 2], [2, 1, 3], [1, 2, 4]];

@@ -1,7 +1,7 @@
-//! Looks at the surface once per texel and writes what it saw.
+//! Samples the surface once per texel and writes the maps.
 //!
-//! The atlas is baked in strips of rows, several at a time, and each strip is handed to the encoders before the next
-//! ones begin: memory is bounded by the width of the atlas, not its area.
+//! The atlas is baked in strips of rows, several in parallel, which are passed to the encoders before the next ones begin:
+//! memory is bounded by the width of the atlas, not its area.
 
 use std::io::{self, Write};
 
@@ -15,19 +15,19 @@ use super::{HEIGHT_AMPLITUDE_M, Maps, Textured};
 use crate::field::{Aabb, Surface, Texel};
 use plume_exporters::ImageFormat;
 
-/// Side of the squares of texels that are looked at together, so that what lies near them needs finding once; also the
-/// rows of a strip. Tuned.
+/// Size of the squares of texels that are sampled together, so that nearby passages are searched once; also the rows of a
+/// strip. Tuned.
 const TILE_PX: u32 = 32;
 /// Strips in flight. A constant, so that memory does not depend on the machine.
 const STRIPS_AT_ONCE: u32 = 16;
 
-/// Bakes `surface` over `textured` and writes the maps to `sinks`.
+/// Bakes `surface` onto `textured` and writes the maps to `sinks`.
 ///
-/// Texels within two texels of a chart show its rim, extended along the plane of the nearest triangle; the rest repeats
-/// the nearest texel of its row, so that no mip level mixes in a background.
+/// Texels within two texels of a chart extend its rim along the plane of the nearest triangle; the others repeat the nearest
+/// texel of their row, so that no mip level mixes in a background.
 ///
 /// # Errors
-/// When a sink fails.
+/// If a sink fails.
 pub fn bake<W: Write + Send>(
     textured: &Textured,
     surface: &dyn Surface,
@@ -71,7 +71,7 @@ impl Baker<'_> {
                     (owner != NONE).then_some(TexelSample { owner, x: x as u32, row: row as u32 })
                 }));
             }
-            // Charts that meet in a tile may lie far apart in the cave.
+            // Charts that meet in a tile may be far apart in the cave.
             tile.sort_by_key(|sample| self.textured.charts[sample.owner as usize]);
             for samples in tile.chunk_by(|a, b| self.chart(a) == self.chart(b)) {
                 batch.look(self, samples, rows.start);
@@ -87,7 +87,7 @@ impl Baker<'_> {
     }
 }
 
-/// A texel to look at: `row` counts from the bottom of its strip.
+/// A texel to sample: `row` counts from the bottom of its strip.
 #[derive(Clone, Copy)]
 struct TexelSample {
     owner: u32,
@@ -157,7 +157,7 @@ struct Pixel {
     height: u16,
 }
 
-/// What a strip shows where no chart is near in the row.
+/// The colour of rows without charts.
 const BLANK: Pixel = Pixel { color: [128; 3], normal: [128, 128, 255], orm: [255, 255, 0], height: 1 << 15 };
 
 /// A strip of pixels, lowest row first.
@@ -175,7 +175,7 @@ impl Pixels {
         self.pixels[sample.row as usize * self.width + sample.x as usize] = pixel;
     }
 
-    /// Gives every free texel the nearest pixel of its row.
+    /// Fills every free texel with the nearest pixel of its row.
     fn fill_background(&mut self, owners: &[u32]) {
         let rows = self.pixels.chunks_mut(self.width).zip(owners.chunks(self.width));
         for (row, owners) in rows {
@@ -243,7 +243,7 @@ impl<W: Write + Send> Writers<W> {
         }))
     }
 
-    /// Appends strips, each map on a thread of its own.
+    /// Appends strips, each map on a separate thread.
     fn write(&mut self, strips: &[Maps<Vec<u8>>]) -> io::Result<()> {
         let pixels: Vec<Vec<&Vec<u8>>> = strips.iter().map(|strip| strip.as_ref().into_iter().collect()).collect();
         let writers: Vec<&mut MapWriter<W>> = self.0.as_mut().into_iter().collect();

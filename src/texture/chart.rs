@@ -1,10 +1,10 @@
-//! A chart: triangles laid flat along one axis.
+//! A chart: triangles projected along one axis.
 
 use super::raster::{Corners, SUBTEXELS};
 use crate::mesh::{Mesh, QUANTA_PER_M};
 use plume_graph::Aabb;
 
-/// The six directions a chart may be seen from: +x, -x, +y, -y, +z, -z.
+/// The six directions of projection: +x, -x, +y, -y, +z, -z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Axis(pub u8);
 
@@ -18,7 +18,7 @@ impl Axis {
         if self.0.is_multiple_of(2) { component } else { -component }
     }
 
-    /// The picture plane: a triangle that is counter-clockwise against the axis stays so.
+    /// The projection plane: a triangle that is counter-clockwise against the axis stays so.
     pub fn project(self, q: [i32; 3]) -> [i32; 2] {
         let axis = usize::from(self.0 / 2);
         let (u, v) = (q[(axis + 1) % 3], q[(axis + 2) % 3]);
@@ -26,22 +26,22 @@ impl Axis {
     }
 }
 
-/// Triangles that do not overlap when seen along an axis.
+/// Triangles that do not overlap when projected along an axis.
 #[derive(Clone, Debug)]
 pub(super) struct Chart {
     pub axis: Axis,
-    /// Whether the picture is turned by a quarter, for packing.
+    /// Whether the chart is rotated by 90°, for packing.
     turned: bool,
     /// Triangles of the mesh.
     pub triangles: Vec<u32>,
-    /// Lowest corner of the picture in mesh quanta.
+    /// Minimum corner of the chart in mesh quanta.
     min: [i32; 2],
-    /// Size of the picture in mesh quanta.
+    /// Size of the chart in mesh quanta.
     pub extent: [i32; 2],
 }
 
 impl Chart {
-    /// Lays `triangles` (not empty) flat, the longer side along u.
+    /// Projects `triangles` (not empty), the longer side along u.
     pub fn new(mesh: &Mesh, axis: Axis, triangles: Vec<u32>) -> Self {
         let mut chart = Self { axis, turned: false, triangles, min: [0; 2], extent: [0; 2] };
         chart.measure(mesh);
@@ -96,7 +96,7 @@ impl Scale {
     }
 }
 
-/// Area of a triangle seen along `axis`, in square quanta; positive when it faces the viewer.
+/// Projected area of a triangle along `axis`, in square quanta; positive if it faces the viewer.
 pub(super) fn seen_area(mesh: &Mesh, triangle: u32, axis: Axis) -> f64 {
     let [a, b, c] = mesh.triangles[triangle as usize].map(|v| axis.project(mesh.positions[v as usize]).map(i64::from));
     ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) as f64 / 2.0

@@ -1,9 +1,9 @@
-//! Cuts the wall into regions that can be laid flat.
+//! Segments the wall into regions that can be flattened.
 //!
-//! Every triangle looks along the axis (of six) that its smoothed surroundings face most, regions are connected
-//! triangles with one axis, large ones are tiled so that they pack, tiny ones join a neighbour. O(triangles). No
-//! triangle is seen at more than [`MIN_FACING`] allows, so stretch is bounded; regions may still overlap themselves
-//! (see [`super::split_overlaps`]).
+//! Every triangle is assigned the axis (of six) that its smoothed surroundings face most, regions are connected triangles
+//! with one axis, large ones are tiled for packing, tiny ones join a neighbour. O(triangles). No triangle is projected at a
+//! steeper angle than [`MIN_FACING`] allows, so stretch is bounded; regions may still overlap themselves (see
+//! [`super::split_overlaps`]).
 
 use std::collections::VecDeque;
 
@@ -12,9 +12,9 @@ use super::chart::{Axis, Chart, seen_area};
 use crate::mesh::Mesh;
 use plume_graph::{Aabb, Rows};
 
-/// Least cosine between a triangle and the axis it is seen along. Tuned: lower stretches more, higher frays the charts.
+/// Minimum cosine between a triangle and its axis. Tuned: lower stretches more, higher frays the charts.
 const MIN_FACING: f32 = 0.5;
-/// Rounds of smoothing of the triangles' area vectors, and of the vote among neighbours. Tuned.
+/// Iterations of smoothing of the triangles' area vectors, and of the vote among neighbours. Tuned.
 const SMOOTHING_ROUNDS: usize = 4;
 const VOTES: usize = 4;
 /// Longest side of a chart as a share of the square root of the area of all charts. Tuned for utilisation; measured
@@ -22,10 +22,10 @@ const VOTES: usize = 4;
 const TILE: f64 = 0.3;
 /// A region with less than this share of a full tile's area joins a neighbour. Tuned.
 const CRUMB: f64 = 1.0 / 40.0;
-/// Slivers that border on slivers only are swept up in later rounds.
+/// Slivers that only border on slivers are merged in later rounds.
 const SWEEPS: usize = 3;
 
-/// The regions of `mesh`, each connected and seen along one axis.
+/// The regions of `mesh`, each connected and with one axis.
 pub(super) fn charts(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Vec<Chart> {
     let faces = Faces { mesh, neighbours, areas: area_vectors(mesh) };
     let mut axes = faces.axes();
@@ -95,7 +95,7 @@ impl Faces<'_> {
         axis.along(area) >= MIN_FACING * length
     }
 
-    /// Each triangle follows two neighbours that agree.
+    /// Each triangle adopts the axis of two neighbours that agree.
     fn vote(&self, axes: &mut [Axis]) {
         for t in 0..axes.len() {
             let around = self.neighbours[t].map(|n| (n != NONE).then(|| axes[n as usize]));
@@ -119,7 +119,7 @@ impl Faces<'_> {
         (0..axes.len()).map(|t| seen_area(self.mesh, t as u32, axes[t])).sum()
     }
 
-    /// The tile of its region that each triangle's centre lies in.
+    /// The tile of its region that contains each triangle's centre.
     fn tiles(&self, regions: &Regions, axes: &[Axis], tile: f64) -> Vec<[u16; 2]> {
         let centres: Vec<[i32; 2]> = (0..axes.len()).map(|t| self.tripled_centre(t, axes[t])).collect();
         let mut boxes: Vec<Option<Aabb<i32, 2>>> = vec![None; regions.count as usize];
@@ -143,8 +143,8 @@ impl Faces<'_> {
         [0, 1].map(|k| corners[0][k] + corners[1][k] + corners[2][k])
     }
 
-    /// Joins regions smaller than `sliver` (square quanta) to the larger one they share most edges with, where all their
-    /// triangles may be seen along its axis. Says whether anything changed.
+    /// Joins regions smaller than `sliver` (square quanta) to the larger one with which they share most edges, if all their
+    /// triangles fit its axis. Returns whether anything changed.
     fn sweep(&self, regions: &mut Regions, axes: &mut [Axis], sliver: f64) -> bool {
         let mut areas = vec![0.0; regions.count as usize];
         for (t, &region) in regions.of.iter().enumerate() {
@@ -208,7 +208,7 @@ struct Regions {
 }
 
 impl Regions {
-    /// Largest sets joined by edges across which `same` holds.
+    /// Connected components across edges for which `same` holds.
     fn connected(neighbours: &[[u32; 3]], same: impl Fn(usize, usize) -> bool) -> Self {
         let mut regions = Self { of: vec![NONE; neighbours.len()], count: 0 };
         let mut queue = VecDeque::new();

@@ -14,7 +14,7 @@ const JPG_QUALITY: u8 = 90;
 /// Bytes of compressed data per PNG chunk.
 const PNG_CHUNK: usize = 1 << 16;
 
-/// What the channels of a map mean.
+/// The meaning of the channels of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channels {
     /// Colour, already in sRGB.
@@ -23,7 +23,7 @@ pub enum Channels {
     LinearRgb,
     /// One linear quantity.
     Grey,
-    /// One linear quantity of 16 bits, the high byte first. Only PNG holds it.
+    /// One linear quantity of 16 bits, big-endian. Only PNG supports it.
     Grey16,
 }
 
@@ -38,7 +38,7 @@ impl Channels {
     }
 }
 
-/// A square map being written, top row first. The bytes depend on the pixels alone, not on how they are handed over.
+/// A square map being written, top row first. The bytes depend only on the pixels, not on how they are passed.
 ///
 /// PNG streams; JPG and WebP keep the pixels until [`MapWriter::finish`].
 pub struct MapWriter<W: Write>(Inner<W>);
@@ -52,7 +52,7 @@ impl<W: Write> MapWriter<W> {
     /// Starts a map of `size_px` (at most [`super::settings::MAX_SIZE_PX`]) pixels a side.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn new(sink: W, channels: Channels, size_px: u32, format: ImageFormat) -> io::Result<Self> {
         let inner = match format {
             ImageFormat::Png => {
@@ -69,7 +69,7 @@ impl<W: Write> MapWriter<W> {
     /// Adds pixels.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         match &mut self.0 {
             Inner::Png { sink, stream, spill } => {
@@ -83,10 +83,10 @@ impl<W: Write> MapWriter<W> {
         }
     }
 
-    /// Ends the map; all pixels must have been written.
+    /// Finishes the map; all pixels must have been written.
     ///
     /// # Errors
-    /// When the sink fails or pixels are missing.
+    /// If the sink fails or pixels are missing.
     pub fn finish(self) -> io::Result<()> {
         match self.0 {
             Inner::Png { mut sink, stream, spill } => {
@@ -124,7 +124,7 @@ fn encode_webp<W: Write>(sink: W, Picture { pixels, channels, size_px }: Picture
     WebPEncoder::new(sink).encode(&pixels, size_px, size_px, color).map_err(io::Error::other)
 }
 
-/// Compressed bytes on their way to a sink: the stream of `png` can only own what lives forever.
+/// A buffer of compressed bytes for a sink: the stream of `png` requires a `'static` writer.
 #[derive(Clone, Default)]
 struct Spill(Arc<Mutex<Vec<u8>>>);
 

@@ -1,9 +1,9 @@
-//! Levels of detail of a textured chunk: fewer and fewer triangles over one set of maps.
+//! Levels of detail of a textured chunk: fewer and fewer triangles with one set of maps.
 //!
-//! Promised: every level is a manifold of the same handles with the whole border of its chunk, and any level of one chunk
-//! fits any level of its neighbours without a crack, since no border vertex moves and no new edge joins two of them. Every
-//! triangle lies in one chart and faces the viewer there. The error of a level holds at every point, both ways. Not
-//! promised: that no two triangles intersect, or that tangents are those that MikkTSpace would give the coarser triangles.
+//! Promised: every level is a manifold of the same genus with the complete border of its chunk, and any level of a chunk
+//! fits any level of its neighbours without cracks, since no border vertex moves and no new edge joins two of them. Every
+//! triangle is in one chart and faces the viewer there. The error of a level holds at every point, in both directions. Not
+//! promised: that no two triangles intersect, or that tangents are those of MikkTSpace for the coarser triangles.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,15 +12,15 @@ use super::Textured;
 use super::seams::Seams;
 use crate::mesh::{Collapser, HausdorffBound, Mesh, StopCriterion};
 
-/// Coarser meshes of each chunk for cameras further away, with the same images.
+/// Coarser meshes of each chunk for distant cameras, with the same textures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct LodSettings {
-    /// How many levels below full detail to make, at most.
+    /// Maximum number of levels below full detail.
     #[schemars(range(min = 0, max = 6))]
     pub levels: u32,
-    /// Each level aims at the triangles of the level before divided by this. A level that comes out at more than
-    /// four fifths of the one before ends the row.
+    /// Reduction factor of triangles from level to level. Ends at a level with more than four fifths of the triangles of the
+    /// previous one.
     #[schemars(range(min = 1.5, max = 16.0))]
     pub reduction: f32,
 }
@@ -38,15 +38,14 @@ pub struct Level {
     pub triangles: Vec<[u32; 3]>,
     /// Chart of each triangle.
     pub charts: Vec<u32>,
-    /// No point of the level lies further from full detail than this, and none of full detail further from the level;
-    /// in metres.
+    /// Hausdorff distance from full detail: an upper bound in both directions, in metres.
     pub error_m: f32,
 }
 
-/// A level with a larger share of the triangles of the one before is not worth its bytes. Tuned.
+/// A level with a larger share of the triangles of the previous one is not worth its bytes. Tuned.
 const MOST_SHARE: f64 = 0.8;
 
-/// The coarser levels of a chunk, `textured` being made of `mesh`; the finest first.
+/// The coarser levels of a chunk, where `textured` was made from `mesh`; the finest first.
 pub fn levels(mesh: &Mesh, textured: &Textured, settings: &LodSettings) -> Vec<Level> {
     if mesh.triangles.is_empty() || settings.levels == 0 {
         return Vec::new();

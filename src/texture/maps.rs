@@ -1,42 +1,42 @@
 //! The maps of a chunk.
 
-/// The furthest from the mesh that a height map can say, in metres; a step of it is then 8 µm. Rock that the mesh smooths
-/// over lies within 2 dm, but for a few spots.
+/// Range of a height map, in metres; a step is then 8 µm. Rock that the mesh smooths over is within 2 dm, except in a few
+/// spots.
 pub const HEIGHT_AMPLITUDE_M: f32 = 0.25;
 
-/// One thing per map of a chunk: sinks, bytes, file names.
+/// One item per map of a chunk: sinks, bytes, file names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Maps<T> {
     /// Base colour, sRGB.
     pub base_color: T,
     /// Tangent-space normal, +Y up (OpenGL, glTF).
     pub normal: T,
-    /// Occlusion, roughness and metalness (none) in red, green and blue.
+    /// Occlusion, roughness and metalness (0) in red, green and blue.
     pub orm: T,
     /// Roughness alone, grey: the green of `orm`.
     pub roughness: T,
-    /// Where it is asked for: how far the rock lies before the mesh, 16 bits of grey from `-HEIGHT_AMPLITUDE_M` (black) to
-    /// [`HEIGHT_AMPLITUDE_M`] (white). Always PNG.
+    /// Optional: height of the rock above the mesh, 16-bit grey from `-HEIGHT_AMPLITUDE_M` (black) to [`HEIGHT_AMPLITUDE_M`]
+    /// (white). Always PNG.
     pub height: Option<T>,
 }
 
 impl<T> Maps<T> {
-    /// The same of references.
+    /// The same with references.
     pub fn as_ref(&self) -> Maps<&T> {
         let Self { base_color, normal, orm, roughness, height } = self;
         Maps { base_color, normal, orm, roughness, height: height.as_ref() }
     }
 
-    /// The same of references that can be written through.
+    /// The same with mutable references.
     pub fn as_mut(&mut self) -> Maps<&mut T> {
         let Self { base_color, normal, orm, roughness, height } = self;
         Maps { base_color, normal, orm, roughness, height: height.as_mut() }
     }
 
-    /// Makes one thing of another.
+    /// Maps each item.
     ///
     /// # Errors
-    /// The first that `make` gives.
+    /// The first error of `make`.
     pub fn try_map<U, E>(self, mut make: impl FnMut(T) -> Result<U, E>) -> Result<Maps<U>, E> {
         Ok(Maps {
             base_color: make(self.base_color)?,

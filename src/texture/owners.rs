@@ -1,4 +1,4 @@
-//! Which triangle each texel of a strip of the atlas shows.
+//! The triangle shown at each texel of a strip of the atlas.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use plume_graph::Rows;
 
 /// No triangle.
 pub(super) const NONE: u32 = u32::MAX;
-/// Rings of texels around a chart that show its rim, extended: what bilinear lookups and the first mip level touch.
+/// Rings of texels around a chart that extend its rim: the reach of bilinear lookups and the first mip level.
 const RINGS: usize = 2;
 
 /// The triangles of the atlas by horizontal strip.
@@ -38,8 +38,8 @@ impl Strips {
 
     /// The triangle shown at each texel of a strip, row by row from its lowest, [`NONE`] for background.
     ///
-    /// A texel shows the triangle that holds its centre, else the first that touches it; then charts grow by [`RINGS`]
-    /// texels.
+    /// A texel shows the triangle that contains its centre, otherwise the first that touches it; then charts grow by
+    /// [`RINGS`] texels.
     pub fn owners(&self, textured: &Textured, strip: u32) -> Vec<u32> {
         let halo = RINGS as i32;
         let rows = self.rows(strip, textured.size_px);
@@ -77,7 +77,7 @@ impl Picture {
         Self { owners: vec![NONE; rows.len() * width], rows, width }
     }
 
-    /// Shows the triangle at texels whose centre it holds.
+    /// Shows the triangle at texels whose centre it contains.
     fn cover(&mut self, corners: &raster::Corners, triangle: u32) {
         raster::spans(corners, self.rows.clone(), |y, xs| self.claim(y, xs, triangle));
     }
@@ -91,7 +91,7 @@ impl Picture {
         });
     }
 
-    /// Where texels are free.
+    /// The free texels.
     fn claim(&mut self, y: i32, xs: Range<i32>, triangle: u32) {
         let row = (y - self.rows.start) as usize * self.width;
         for owner in &mut self.owners[row + xs.start as usize..row + xs.end as usize] {
@@ -101,7 +101,7 @@ impl Picture {
         }
     }
 
-    /// Gives free texels to the owner of a neighbour: beside before above before diagonal.
+    /// Assigns free texels to the owner of a neighbour: horizontal before vertical before diagonal.
     fn grow(&mut self) {
         let before = self.owners.clone();
         let (width, height) = (self.width as isize, self.rows.len() as isize);

@@ -1,7 +1,7 @@
-//! Packs charts into a square, by their shapes.
+//! Packs charts into a square by their shapes.
 //!
-//! First fit, largest first, on a coarse grid: a chart takes the lowest, then leftmost place where its cells are free.
-//! Chart shapes are rows of runs, and a run that meets a taken cell moves the chart past it at once.
+//! First fit, largest first, on a coarse grid: a chart takes the lowest, then leftmost place where its cells are free. Chart
+//! shapes are rows of runs, and a run that hits an occupied cell moves the chart past it in one step.
 
 use std::ops::Range;
 
@@ -9,12 +9,12 @@ use super::chart::{Chart, Scale};
 use super::raster::{self, SUBTEXELS};
 use crate::mesh::Mesh;
 
-/// Least number of texels between two charts, in both directions, beyond every texel that either of them touches.
+/// Minimum number of texels between two charts, in both directions, excluding all texels touched by either of them.
 pub const GUTTER_PX: u32 = 4;
 /// Cells along the side of the grid; larger atlases get larger cells. Tuned: finer packs hardly better and slower.
 const GRID: u32 = 1024;
 
-/// The lower left texel of each chart in a square of `size_px`, or `None` when they do not fit.
+/// The lower left texel of each chart in a square of `size_px`, or `None` if they do not fit.
 pub(super) fn pack(mesh: &Mesh, charts: &[Chart], scale: Scale, size_px: u32) -> Option<Vec<[u32; 2]>> {
     let cell_px = size_px.div_ceil(GRID);
     let gutter = GUTTER_PX.div_ceil(cell_px);
@@ -30,13 +30,13 @@ pub(super) fn pack(mesh: &Mesh, charts: &[Chart], scale: Scale, size_px: u32) ->
     for k in order {
         let [x, y] = grid.find(&stamps[k])?;
         grid.press(&stamps[k], x, y);
-        // Half a gutter of air at the left and lower border; a stamp brings a whole one on its right and above.
+        // Half a gutter at the left and lower border; a stamp has a whole one on its right and above.
         origins[k] = [x, y].map(|cells| cells * cell_px + gutter * cell_px / 2);
     }
     Some(origins)
 }
 
-/// A chart as cells, its gutter on the right and above included.
+/// A chart as cells, including its gutter on the right and above.
 struct Stamp {
     width: u32,
     rows: Vec<Vec<Range<u32>>>,
@@ -86,7 +86,7 @@ impl Grid {
         let (mut x, mut free_rows, mut row) = (0, 0, 0);
         while free_rows < stamp.rows.len() {
             match self.step_past(&stamp.rows[row], x, y + row as u32) {
-                // The row that was in the way is the likeliest to be so again: stay at it.
+                // The row that blocked is the most likely to block again, so continue with it.
                 Some(next) if next > last_column => return None,
                 Some(next) => (x, free_rows) = (next, 0),
                 None => {
@@ -98,7 +98,7 @@ impl Grid {
         Some(x)
     }
 
-    /// The least shift that clears what blocks one of `runs`, `None` when all are free.
+    /// The smallest shift past the obstacle of one of `runs`, `None` if all are free.
     fn step_past(&self, runs: &[Range<u32>], x: u32, y: u32) -> Option<u32> {
         runs.iter().find_map(|run| {
             let blocker = self.taken.last_in(y, x + run.start..x + run.end)?;
@@ -115,7 +115,7 @@ impl Grid {
     }
 }
 
-/// A picture of bits.
+/// A bitmap.
 struct Bits {
     words_per_row: usize,
     width: u32,
@@ -173,7 +173,7 @@ impl Bits {
     }
 }
 
-/// The words that a (not empty) range of bits touches, each with its share of the range.
+/// The words of a (not empty) range of bits, each with its mask.
 fn masks(range: Range<u32>) -> impl DoubleEndedIterator<Item = (usize, u64)> {
     let (first, last) = (range.start as usize / 64, (range.end - 1) as usize / 64);
     (first..=last).map(move |word| {
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stamp_goes_to_the_lowest_free_place_and_fills_the_hole_of_another() {
+    fn a_stamp_goes_to_the_lowest_free_place_even_inside_another() {
         let mut grid = Grid::new(80);
         let ring = stamp(&[&[[0, 70]], &[[0, 3], [66, 70]], &[[0, 70]]]);
         let at = grid.find(&ring).unwrap();

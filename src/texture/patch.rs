@@ -1,10 +1,10 @@
-//! What lies at a texel of a triangle, as a renderer would interpolate it.
+//! Interpolation of vertex attributes at texels, like a renderer.
 
 use super::Textured;
 use super::raster::{self, Corners, SUBTEXELS};
 
-/// How far beyond a triangle, in its own heights, its plane is followed for gutter texels; farther out the nearest point
-/// of it is looked at. Tuned: slivers must not throw points far away.
+/// How far beyond a triangle, relative to its height, its plane is extrapolated for gutter texels; farther out the nearest
+/// point is used. Tuned: slivers must not extrapolate far.
 const REACH: f32 = 1.0;
 
 /// A triangle of the atlas.
@@ -74,7 +74,7 @@ impl Patch {
         [1.0 - second - third, second, third]
     }
 
-    /// Mixed as differences from the first corner, which keeps what precision `f32` has far from the origin.
+    /// Interpolates differences from the first corner, which preserves `f32` precision far from the origin.
     fn position(&self, weights: [f32; 3]) -> [f32; 3] {
         let [a, b, c] = self.positions;
         [0, 1, 2].map(|k| a[k] + (weights[1] * (b[k] - a[k]) + weights[2] * (c[k] - a[k])))
@@ -92,7 +92,7 @@ fn mix(weights: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
 }
 
 impl Frame {
-    /// `normal` (unit, cave frame) in the tangent space of this frame: the unit vector that a shader turns back into it
+    /// `normal` (unit, cave frame) in the tangent space of this frame: the unit vector from which a shader reconstructs it
     /// by `normalize(x * t + y * b + z * n)` with `b = w * cross(n, t)`. Never below the surface.
     pub fn tangent_normal(&self, normal: [f32; 3]) -> [f32; 3] {
         let (n, t) = (self.normal, self.tangent);

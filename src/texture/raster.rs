@@ -1,8 +1,8 @@
-//! Which texels a triangle covers, decided in integers.
+//! Rasterises triangles in integer arithmetic.
 //!
-//! Corners lie on a lattice of 1/[`SUBTEXELS`] texel, y up. A texel belongs to the triangle that holds its centre; a
-//! centre on an edge belongs to the triangle on its right or above, so triangles that share an edge share no texel and
-//! leave none out.
+//! Corners are on a lattice of 1/[`SUBTEXELS`] texel, y up. A texel belongs to the triangle that contains its centre; a
+//! centre on an edge belongs to the triangle on its right or above, so triangles that share an edge neither share nor omit a
+//! texel.
 
 use std::ops::Range;
 
@@ -73,8 +73,8 @@ pub(super) fn doubled_area(corners: &Corners) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Calls `span(row, columns)` with every square cell (side in lattice units) that the triangle may touch: each cell it
-/// touches, and at times one more at the ends of a row.
+/// Calls `span(row, columns)` with every square cell (size in lattice units) that the triangle touches, and sometimes one
+/// more at the ends of a row.
 pub(super) fn touched(corners: &Corners, side: i32, mut span: impl FnMut(i32, Range<i32>)) {
     let [low, high] = extremes(corners.map(|c| c[1]));
     for row in low.div_euclid(side)..=high.div_euclid(side) {
@@ -83,7 +83,7 @@ pub(super) fn touched(corners: &Corners, side: i32, mut span: impl FnMut(i32, Ra
     }
 }
 
-/// Least and greatest x of the triangle between two heights, rounded outwards.
+/// Minimum and maximum x of the triangle between two heights, rounded outwards.
 fn extent_in_band(corners: &Corners, bottom: i32, top: i32) -> [i32; 2] {
     let (mut left, mut right) = (i32::MAX, i32::MIN);
     for k in 0..3 {
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The definition, point by point.
+    /// The definition, evaluated point by point.
     fn holds(corners: &Corners, x: i32, y: i32) -> bool {
         (0..3).all(|k| {
             let (a, b) = (corners[k].map(i64::from), corners[(k + 1) % 3].map(i64::from));
@@ -124,13 +124,13 @@ mod tests {
     }
 
     fn point() -> impl Strategy<Value = [i32; 2]> {
-        // Multiples of a quarter texel, so that many centres lie exactly on edges.
+        // Multiples of a quarter texel, so that many centres are exactly on edges.
         [0..40_i32, 0..40_i32].prop_map(|p| p.map(|q| q * SUBTEXELS / 4))
     }
 
     proptest! {
         #[test]
-        fn spans_are_the_definition(corners in [point(), point(), point()]) {
+        fn spans_match_the_definition(corners in [point(), point(), point()]) {
             let mut found = vec![];
             spans(&corners, 0..12, |y, xs| found.extend(xs.map(|x| (x, y))));
             let asked = (0..12).flat_map(|y| (-2..14).map(move |x| (x, y)));
@@ -150,7 +150,7 @@ mod tests {
         }
 
         #[test]
-        fn touched_cells_hold_every_covered_texel(corners in [point(), point(), point()]) {
+        fn touched_cells_include_every_covered_texel(corners in [point(), point(), point()]) {
             let mut cells = std::collections::BTreeSet::new();
             touched(&corners, 2 * SUBTEXELS, |row, xs| cells.extend(xs.map(|x| (x, row))));
             let mut all_inside = true;

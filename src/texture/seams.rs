@@ -1,14 +1,14 @@
-//! Which edges of a textured chunk may collapse, so that one atlas serves every level of detail.
+//! The collapse policy of textured chunks, so that one atlas serves all levels of detail.
 //!
-//! A vertex only ever merges into a neighbour, which keeps its position, normal, texture coordinates and tangent bit for
-//! bit; its copies along a seam follow. So every triangle stays in its chart, and since a chart is a picture along an
-//! axis, what a coarser triangle shows is the wall behind it.
+//! A vertex only merges into a neighbour, whose position, normal, texture coordinates and tangent stay exactly the same; its
+//! copies along a seam follow. So every triangle stays in its chart, and since a chart is a projection along an axis, a
+//! coarser triangle shows the wall behind it.
 //!
-//! Inside a chart the picture covers what it covered. Where a seam is straightened, triangles reach beyond the rim of
-//! their chart. How far the rim moves counts as an error of the collapse, so what is seen wrong is about as wide as the
-//! level lies off. It is no bound. Measured on the default cave at 80 texels per metre, in shares of the texels that a
-//! level shows: with half of the triangles 0.04 % lie beyond the two texels of rim around their chart, with a quarter
-//! 2.9 %, with a sixth 6.4 %; of these 0, 0.2 and 0.5 % lie on another chart, the others on a row of the rim's colour.
+//! Inside a chart the coverage is unchanged. Where a seam is straightened, triangles extend beyond the rim of their chart.
+//! The displacement of the rim counts as an error of the collapse, so wrong texels are about as wide as the error of the
+//! level. This is not a bound. Measured on the default cave at 80 texels per metre, as shares of the texels of a level: with
+//! half of the triangles 0.04 % are beyond the two texels of rim around their chart, with a quarter 2.9 %, with a sixth 6.4
+//! %; of these 0, 0.2 and 0.5 % are on another chart, the others on a row of the rim's colour.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -16,29 +16,29 @@ use super::Textured;
 use super::adjacency::{NONE, neighbours};
 use crate::mesh::{Collapse, CollapseMesh, CollapsePolicy, QUANTA_PER_M};
 
-/// Least area in the atlas of a triangle with an area of 1. Charts start at 0.5. Tuned: lower stretches more.
+/// Minimum area in the atlas of a triangle with an area of 1. Charts start at 0.5. Tuned: lower stretches more.
 const LEAST_FACING: f64 = 0.25;
 
-/// The rule of a textured chunk.
+/// The collapse policy of a textured chunk.
 pub(super) struct Seams {
     /// The triangles by their copies: vertices of the textured chunk.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The copies in the plane of their chart, in quanta of the mesh.
     places: Vec<Vector2<f64>>,
-    /// By vertex of the mesh.
+    /// Kind by mesh vertex.
     roles: Vec<Role>,
-    /// The neighbours of each copy along the rim of its chart in full detail, [`NONE`] where they are not two.
+    /// The neighbours of each copy along the rim of its chart in full detail, [`NONE`] if there are not two.
     rims: Vec<[u32; 2]>,
-    /// Copies whose vertex is left.
+    /// Copies whose vertex remains.
     alive: Vec<bool>,
 }
 
-/// How a vertex lies to the seams of full detail.
+/// Position of a vertex relative to the seams of full detail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Role {
     /// Inside a chart.
     Inside,
-    /// On a seam between two charts that goes on to both sides.
+    /// On a seam between two charts that continues on both sides.
     Along,
     /// On the border of the chunk, where a seam ends, or where several meet.
     Fixed,
@@ -58,7 +58,7 @@ impl Seams {
         }
     }
 
-    /// What the copies of `gone` become: two pairs, equal inside a chart. `None` where the edge is none.
+    /// The replacements of the copies of `gone`: two pairs, equal inside a chart. `None` if there is no such edge.
     fn pairs(&self, collapse_mesh: &CollapseMesh, [kept, gone]: [u32; 2]) -> Option<[[u32; 2]; 2]> {
         let mut pairs = collapse_mesh.around(gone).filter_map(|(triangle, vertices, place)| {
             let other = vertices.iter().position(|&vertex| vertex == kept)?;
@@ -68,8 +68,8 @@ impl Seams {
         Some([pairs.next()?, pairs.next()?])
     }
 
-    /// How far the rim on one side moves when `gone` leaves it, in quanta: the greatest distance of what was the rim in
-    /// full detail to what becomes of it.
+    /// Displacement of the rim on one side if `gone` is removed, in quanta: the maximum distance from the rim in full detail
+    /// to the new one.
     fn drift(&self, gone: u32) -> f64 {
         let [back, ahead] = self.rims[gone as usize].map(|first| self.walk(gone, first));
         let (Some(back), Some(ahead)) = (back, ahead) else { return f64::INFINITY };
@@ -86,7 +86,7 @@ impl Seams {
         greatest
     }
 
-    /// The first copy that is left along the rim.
+    /// The first remaining copy along the rim.
     fn walk(&self, from: u32, first: u32) -> Option<u32> {
         self.rim_from(from, first).find(|&copy| self.alive[copy as usize])
     }
@@ -102,7 +102,7 @@ impl Seams {
         })
     }
 
-    /// Whether a triangle in space is seen well in the atlas.
+    /// Whether a triangle has enough area in the atlas.
     fn is_seen(&self, copies: [u32; 3], [a, b, c]: [Vector3<f64>; 3]) -> bool {
         let [p, q, r] = copies.map(|copy| self.places[copy as usize]);
         let area = (b - a).cross(&(c - a)).norm();
@@ -152,7 +152,7 @@ impl CollapsePolicy for Seams {
         for (triangle, _, place) in collapse_mesh.around(gone) {
             let copy = &mut self.triangles[triangle][place];
             self.alive[*copy as usize] = false;
-            *copy = renamed(pairs, *copy).expect("a lawful collapse names every copy");
+            *copy = renamed(pairs, *copy).expect("a valid collapse renames every copy");
         }
     }
 }
@@ -161,7 +161,7 @@ fn renamed(pairs: [[u32; 2]; 2], copy: u32) -> Option<u32> {
     pairs.into_iter().find(|pair| pair[0] == copy).map(|pair| pair[1])
 }
 
-/// The neighbours of each copy along the rim of its chart, [`NONE`] where they are not two; `None` off the rim.
+/// The neighbours of each copy along the rim of its chart, [`NONE`] if there are not two; `None` off the rim.
 fn rims(textured: &Textured) -> Vec<Option<[u32; 2]>> {
     let mut ends: Vec<[u32; 2]> = Vec::new();
     let across = neighbours(textured.source.len(), &textured.triangles);
@@ -209,8 +209,8 @@ fn distance_to_edge(p: Vector2<f64>, [a, b]: [Vector2<f64>; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two rows of four cells of 1 m, a chart each, that meet along a seam of vertices 5 to 9; the middle one stands
-    /// `aside_m` off the line.
+    /// Two rows of four cells of 1 m, a chart each, that meet along a seam of vertices 5 to 9; the middle one is `aside_m`
+    /// off the line.
     fn sheet(aside_m: f32) -> Textured {
         let source: Vec<u32> = (0..10).chain(5..15).collect();
         let uv = |(copy, &vertex): (usize, &u32)| {
@@ -235,13 +235,13 @@ mod tests {
     }
 
     #[test]
-    fn a_seam_goes_along_its_line_and_ends_at_the_border() {
+    fn a_seam_collapses_along_its_line_and_ends_at_the_border() {
         let roles = seams(0.0).roles;
         assert_eq!(roles[5..10], [Role::Fixed, Role::Along, Role::Along, Role::Along, Role::Fixed]);
     }
 
     #[test]
-    fn the_drift_of_a_seam_counts_what_went_before() {
+    fn the_drift_of_a_seam_includes_earlier_collapses() {
         let metre = f64::from(QUANTA_PER_M);
         let mut seams = seams(0.25);
         let [lower, upper] = [7, 12];

@@ -1,8 +1,7 @@
-//! Takes charts apart until none overlaps itself.
+//! Splits charts until none overlaps itself.
 //!
-//! A chart is grown again from its first triangle, edge by edge; a triangle that covers a texel centre that is already
-//! taken stays behind for the next chart. Overlaps that cover no texel centre at the given scale are not seen, and do
-//! no harm at that scale.
+//! A chart is regrown from its first triangle, edge by edge; a triangle that covers an occupied texel centre is left for the
+//! next chart. Overlaps that cover no texel centre at the given scale are not detected, and harmless at that scale.
 
 use std::collections::VecDeque;
 
@@ -11,8 +10,8 @@ use super::chart::{Chart, Scale};
 use super::raster::{self, SUBTEXELS};
 use crate::mesh::Mesh;
 
-/// The same triangles in charts of which none covers a texel centre twice; charts that did not keep their order and
-/// shape, the others follow their first part.
+/// The same triangles in charts that cover no texel centre twice; unaffected charts keep their order and shape, the parts of
+/// others follow their first part.
 pub(super) fn split_overlaps(mesh: &Mesh, neighbours: &[[u32; 3]], charts: Vec<Chart>, scale: Scale) -> Vec<Chart> {
     let mut peeler = Peeler { mesh, neighbours, scale, state: vec![State::Elsewhere; neighbours.len()] };
     charts.into_iter().flat_map(|chart| peeler.layers(chart)).collect()
@@ -20,7 +19,7 @@ pub(super) fn split_overlaps(mesh: &Mesh, neighbours: &[[u32; 3]], charts: Vec<C
 
 #[derive(Clone, Copy, PartialEq)]
 enum State {
-    /// In no layer of this chart yet; refused by the layer of this number.
+    /// In no layer of this chart yet; refused by the layer with this number.
     Waiting(u32),
     /// In another chart, or already in a layer.
     Elsewhere,
@@ -74,7 +73,7 @@ impl Peeler<'_> {
     }
 }
 
-/// The texels of a chart, taken or free.
+/// The texels of a chart, occupied or free.
 struct Sheet {
     width: usize,
     height: usize,
@@ -92,7 +91,7 @@ impl Sheet {
         self.taken.fill(false);
     }
 
-    /// Takes the triangle's texels, all or none.
+    /// Occupies the triangle's texels, all or none.
     fn claim(&mut self, corners: &raster::Corners) -> bool {
         self.spans.clear();
         raster::spans(corners, 0..self.height as i32, |y, xs| {

@@ -1,13 +1,13 @@
 //! From linear light to 8-bit sRGB (IEC 61966-2-1) by table, exactly rounded.
 
-/// Buckets of linear light; so many that none holds two steps of the code.
+/// Number of buckets of linear light, enough that none contains two code steps.
 const BUCKETS: usize = 4096;
 
 /// The table.
 pub(super) struct SrgbTable {
     /// Code at the start of each bucket.
     codes: Vec<u8>,
-    /// Least linear value of each code.
+    /// Minimum linear value of each code.
     thresholds: [f32; 257],
 }
 
@@ -23,7 +23,7 @@ impl SrgbTable {
         Self { codes, thresholds }
     }
 
-    /// The code of a linear value; out of 0–1 it is clamped.
+    /// The code of a linear value, clamped to 0–1.
     pub fn encode(&self, value: f32) -> u8 {
         let value = value.clamp(0.0, 1.0);
         let code = self.codes[(value * BUCKETS as f32) as usize];
@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_the_definition() {
+    fn the_table_matches_the_definition() {
         let table = SrgbTable::new();
         for k in 0..=100_000 {
             let value = k as f32 / 100_000.0;

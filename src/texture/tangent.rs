@@ -1,4 +1,4 @@
-//! Tangents as every renderer computes them: MikkTSpace (Mikkelsen 2008), so that normal maps need no convention.
+//! MikkTSpace tangents (Mikkelsen 2008), the common standard of renderers for normal maps.
 
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 
@@ -14,11 +14,11 @@ pub fn tangents(mesh: &Mesh, cut: &mut Unwrapped) -> Vec<[f32; 4]> {
     split(cut, &per_corner)
 }
 
-/// One tangent per vertex; a vertex with several becomes several.
+/// One tangent per vertex; a vertex with several is split.
 fn split(cut: &mut Unwrapped, per_corner: &[[[f32; 4]; 3]]) -> Vec<[f32; 4]> {
     const NONE: u32 = u32::MAX;
     let mut tangents: Vec<Option<[f32; 4]>> = vec![None; cut.source.len()];
-    // The next copy of each vertex, as a chain.
+    // The next copy of each vertex, as a linked list.
     let mut next = vec![NONE; cut.source.len()];
     for (triangle, corner_tangents) in cut.triangles.iter_mut().zip(per_corner) {
         for (corner, &wanted) in triangle.iter_mut().zip(corner_tangents) {
@@ -102,7 +102,7 @@ fn is_unit(tangent: &[f32; 4]) -> bool {
     (x * x + y * y + z * z - 1.0).abs() < 1e-3
 }
 
-/// For a corner without a direction of growing u (its triangle has no area in the atlas): any unit vector across the
+/// For a corner without a u direction (its triangle has no area in the atlas): any unit vector perpendicular to the
 /// normal.
 fn any_tangent(normal: [f32; 3]) -> [f32; 4] {
     let [x, y, z] = normal;

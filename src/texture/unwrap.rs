@@ -1,9 +1,8 @@
-//! Lays a chunk flat: every triangle gets a place of its own in a square, all at one density.
+//! Unwraps a chunk: every triangle gets its own place in a square, all at one density.
 //!
-//! Charts are orthographic pictures along six axes, after the observation that the wall of a cave is nowhere far from
-//! facing one of them, so no optimisation is needed and the cost is linear. Promised: no two charts come nearer than
-//! [`GUTTER_PX`] texels, no texel centre has two triangles of different charts, one density for all. Not promised: the
-//! least possible stretch or waste.
+//! Charts are orthographic projections along six axes: every part of the wall of a cave approximately faces one of them, so
+//! no optimisation is needed and the cost is linear. Promised: no two charts are nearer than [`GUTTER_PX`] texels, no texel
+//! centre has triangles of two charts, one density for all. Not promised: minimum stretch or waste.
 
 use super::TextureError;
 use super::adjacency::neighbours;
@@ -19,11 +18,11 @@ use crate::mesh::{Mesh, QUANTA_PER_M};
 /// A mesh cut along the seams of its charts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unwrapped {
-    /// The mesh vertex that each vertex is a copy of.
+    /// The mesh vertex of which each vertex is a copy.
     pub source: Vec<u32>,
     /// Texture coordinates of each vertex, origin at the lower left of the picture, in 0–1.
     pub uvs: Vec<[f32; 2]>,
-    /// Triangles of the mesh in its order, by vertices of this.
+    /// Triangles of the mesh in its order, with these vertices.
     pub triangles: Vec<[u32; 3]>,
     /// Chart of each triangle.
     pub charts: Vec<u32>,
@@ -31,17 +30,17 @@ pub struct Unwrapped {
     pub chart_count: u32,
     /// Texels per metre in the plane of every chart.
     pub texels_per_m: f32,
-    /// Side of the atlas in texels.
+    /// Size of the atlas in texels.
     pub size_px: u32,
-    /// Share of the atlas that charts cover, 0–1.
+    /// Share of the atlas covered by charts, 0–1.
     pub utilisation: f32,
 }
 
-/// Share of the atlas that the first attempt hopes to cover; tuned.
+/// Coverage of the atlas assumed by the first attempt; tuned.
 const HOPED_UTILISATION: f64 = 0.66;
-/// Each step of the search lowers the covered share by this factor.
+/// Factor on the coverage per step of the search.
 const STEP: f64 = 0.98;
-/// Beyond this many steps a tenth of a percent would be covered: the charts have become all gutter.
+/// Maximum number of steps: beyond, the coverage would be a tenth of a per cent, almost all gutter.
 const MAX_STEPS: i32 = 320;
 /// Most steps by which a search may end above its start.
 const MAX_RISE: i32 = 12;
@@ -49,14 +48,14 @@ const MAX_RISE: i32 = 12;
 const MAX_TEXELS_PER_M: f64 = QUANTA_PER_M as f64;
 /// Sides that follow from a density are multiples of this.
 const SIZE_STEP_PX: u32 = 64;
-/// How often charts are taken apart again at the density that packing found, before overlaps that only then reach a
-/// texel centre are left to the rule that the first triangle wins.
+/// How many times charts are split again at the density found by packing; remaining overlaps of texel centres are resolved
+/// by the rule that the first triangle wins.
 const REPACKS: usize = 4;
 
 /// Cuts, flattens and packs `mesh`.
 ///
 /// # Errors
-/// [`TextureError::TooSmall`] when the charts do not fit even at a vanishing density.
+/// [`TextureError::TooSmall`] if the charts do not fit even at a vanishing density.
 pub fn unwrap(mesh: &Mesh, resolution: Resolution) -> Result<Unwrapped, TextureError> {
     if mesh.triangles.is_empty() {
         return Ok(Unwrapped::empty(resolution));
@@ -83,12 +82,12 @@ fn area_m2(mesh: &Mesh, charts: &[Chart]) -> f64 {
     charts.iter().map(area).sum::<f64>() / (f64::from(QUANTA_PER_M) * f64::from(QUANTA_PER_M))
 }
 
-/// The scale that is being searched for.
+/// State of the search for the scale.
 struct Plan {
     area_m2: f64,
     texels_per_m: f64,
     size_px: u32,
-    /// Step of the search that gave the density; the next search starts from it.
+    /// Step of the search that gave the density, from which the next search starts.
     step: i32,
     /// Whether the density is given and the size follows, until the size reaches its limit.
     grows: bool,
@@ -128,7 +127,7 @@ impl Plan {
         (side * (covered / self.area_m2).sqrt()).min(MAX_TEXELS_PER_M)
     }
 
-    /// Finds the scale at which `charts` pack and where they go.
+    /// Finds the scale at which `charts` can be packed, and their positions.
     fn settle(&mut self, mesh: &Mesh, charts: &[Chart]) -> Result<Vec<[u32; 2]>, TextureError> {
         while self.grows {
             if let Some(origins) = pack(mesh, charts, self.scale(), self.size_px) {
@@ -142,7 +141,7 @@ impl Plan {
         self.densest(mesh, charts)
     }
 
-    /// Strides until something packs, then halves the stride back.
+    /// Doubles the stride until packing succeeds, then bisects.
     fn densest(&mut self, mesh: &Mesh, charts: &[Chart]) -> Result<Vec<[u32; 2]>, TextureError> {
         let attempt = |step: i32| pack(mesh, charts, Scale::new(self.density(step)), self.size_px);
         let (mut best, mut fails, mut stride) = (self.step, self.step - MAX_RISE, 1);
@@ -158,7 +157,7 @@ impl Plan {
         }
         let mut origins = origins.expect("the loop ends with a packing");
         while best - fails > 1 {
-            // Above the first guess in single steps: a packing that fails costs most.
+            // Upwards from the first guess in single steps, since a failing packing is the most expensive.
             let higher = if stride == 1 { best - 1 } else { fails + (best - fails) / 2 };
             match attempt(higher) {
                 Some(found) => (best, origins) = (higher, found),
@@ -198,7 +197,7 @@ impl Unwrapped {
             size_px: plan.size_px,
             utilisation: (covered / (f64::from(plan.size_px) * f64::from(plan.size_px))) as f32,
         };
-        // The copy of each mesh vertex in the chart at hand.
+        // The copy of each mesh vertex in the current chart.
         let mut copies = vec![(u32::MAX, 0_u32); mesh.positions.len()];
         for (k, (chart, &origin)) in charts.iter().zip(origins).enumerate() {
             for &t in &chart.triangles {

@@ -1,4 +1,4 @@
-//! The moves of the repair. Each gives a changed graph, or nothing where it does not apply; none asks whether that is better.
+//! The moves of the repair. Each returns a changed graph, or `None` if it does not apply; none checks whether it is better.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,10 +8,10 @@ use super::plan::Plan;
 use crate::rng::Rng;
 use crate::{Graph, Node, StationId, millimetres};
 
-/// Draws a change.
+/// A random change.
 pub(super) type Move = fn(&Plan, &mut Rng) -> Option<Graph>;
 
-/// Every move, with the metrics it is there for.
+/// All moves, with the metrics they affect.
 pub(super) const MOVES: [Move; 9] = [
     bend,       // tortuosity up
     straighten, // tortuosity down
@@ -24,18 +24,18 @@ pub(super) const MOVES: [Move; 9] = [
     open_loop,  // mean degree down, degree variation up
 ];
 
-/// Most passages at a station that a move makes.
+/// Most passages at a station after a move.
 pub(super) const MAX_DEGREE: usize = 4;
-/// Least angle between two passages at a station.
+/// Minimum angle between two passages at a station.
 const MIN_ANGLE: f64 = 45.0 * PI / 180.0;
 /// Turn of a new passage from one station to the next, standard deviation in radians.
 const TURN: f64 = 0.45;
-/// Steepest connector, rise per metre on the map: 20 degrees.
+/// Steepest connector, rise per horizontal metre: 20 degrees.
 const SLOPE: f64 = 0.36;
-/// Passages that a new loop is made of at least.
+/// Minimum number of passages of a new loop.
 const LOOP_HOPS: usize = 5;
 
-/// Swings the inner stations of a branch to either side, in one half-wave to three; a single passage gets stations first.
+/// Displaces the inner stations of a branch sideways, in one to three half-waves; a single passage is subdivided first.
 fn bend(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let (mut graph, branch) = divided(plan, drawn(plan, rng));
     let last = branch.len() - 1;
@@ -50,7 +50,7 @@ fn bend(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     Some(graph)
 }
 
-/// Draws the inner stations of a branch towards the straight line.
+/// Moves the inner stations of a branch towards the straight line.
 fn straighten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = drawn(plan, rng);
     let last = branch.len() - 1;
@@ -68,7 +68,7 @@ fn straighten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     Some(graph)
 }
 
-/// Moves all stations by a wave across the map, gently enough that neighbours stay neighbours.
+/// Displaces all stations by a wave across the plan, gently enough to keep neighbours together.
 fn warp(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let [width_m, depth_m, _] = plan.graph.bounds()?.size();
     let (span_m, least_m) = (Vector2::new(width_m, depth_m).norm(), 4.0 * plan.leg_m);
@@ -87,7 +87,7 @@ fn warp(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     Some(graph)
 }
 
-/// Grows a dead end at a station that has a way on.
+/// Grows a dead end at a station that is not one.
 fn add_spur(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let foot = StationId::new(rng.index(plan.neighbors.len()));
     let bearing_rad = rng.between(0.0, TAU);
@@ -96,7 +96,7 @@ fn add_spur(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     fits.then(|| grown(plan, rng, foot, bearing_rad, length_m))
 }
 
-/// Takes a dead end away.
+/// Removes a dead end.
 fn prune(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = drawn(plan, rng);
     let degrees = [branch[0], branch[branch.len() - 1]].map(|end| plan.degree(end));
@@ -104,7 +104,7 @@ fn prune(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     is_spur.then(|| without(plan, branch))
 }
 
-/// Leads a dead end on.
+/// Extends a dead end.
 fn stretch(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = outwards(plan, drawn(plan, rng))?;
     let [before, tip] = [branch[branch.len() - 2], branch[branch.len() - 1]];
@@ -114,7 +114,7 @@ fn stretch(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     Some(grown(plan, rng, tip, bearing_rad, length_m))
 }
 
-/// Takes the last stations of a dead end away, but not all.
+/// Removes the last stations of a dead end, but not all.
 fn shorten(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = outwards(plan, drawn(plan, rng)).filter(|branch| branch.len() > 2)?;
     let left = 2 + rng.index(branch.len() - 2);
@@ -149,7 +149,7 @@ fn close_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     Some(inserted(graph.clone(), from, to, legs - 1).0)
 }
 
-/// Takes a third of a branch on a loop away, or more, up to all of it.
+/// Removes a third of a branch on a loop or more, up to all of it.
 fn open_loop(plan: &Plan, rng: &mut Rng) -> Option<Graph> {
     let branch = drawn(plan, rng);
     let legs = branch.len() - 1;
@@ -164,7 +164,7 @@ fn drawn<'a>(plan: &'a Plan, rng: &mut Rng) -> &'a [StationId] {
     &plan.branches[rng.index(plan.branches.len())]
 }
 
-/// A branch with a dead end, that end last.
+/// A branch with a dead end, oriented towards it.
 fn outwards(plan: &Plan, branch: &[StationId]) -> Option<Vec<StationId>> {
     match [branch[0], branch[branch.len() - 1]].map(|end| plan.degree(end)) {
         [_, 1] => Some(branch.to_vec()),
@@ -182,14 +182,14 @@ fn shift(node: &mut Node, by: Vector2<f64>) {
     node.position = Point3::new(at.x + by.x, at.y + by.y, at.z).map(millimetres);
 }
 
-/// Whether no passage leaves a station too near a bearing.
+/// Whether no passage leaves a station too close to a bearing.
 fn is_open(plan: &Plan, station: StationId, bearing_rad: f64) -> bool {
     let nearest = libm::cos(MIN_ANGLE);
     let mut ways = plan.neighbors[station].iter().map(|&other| plan.way(station, other));
     ways.all(|way| way.dot(&towards(bearing_rad)) <= nearest * way.norm())
 }
 
-/// The graph with a level, winding passage from a station on.
+/// The graph with a level, winding passage added at a station.
 fn grown(plan: &Plan, rng: &mut Rng, from: StationId, mut bearing_rad: f64, length_m: f64) -> Graph {
     let mut graph = plan.graph.clone();
     let legs = (length_m / plan.leg_m).round().max(1.0) as usize;
@@ -207,7 +207,7 @@ fn grown(plan: &Plan, rng: &mut Rng, from: StationId, mut bearing_rad: f64, leng
     Graph::new(graph.nodes, graph.edges)
 }
 
-/// The graph without the passages of a way.
+/// The graph without the passages of a path.
 fn without(plan: &Plan, way: &[StationId]) -> Graph {
     let mut gone: Vec<[StationId; 2]> =
         way.windows(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]).collect();
@@ -217,7 +217,7 @@ fn without(plan: &Plan, way: &[StationId]) -> Graph {
     graph
 }
 
-/// The graph with a branch that can be bent: a single passage is divided in four.
+/// The graph with a branch that can be bent: a single passage is divided into four.
 fn divided(plan: &Plan, branch: &[StationId]) -> (Graph, Vec<StationId>) {
     match *branch {
         [a, b] => inserted(plan.graph.clone(), a, b, 3),
@@ -225,7 +225,7 @@ fn divided(plan: &Plan, branch: &[StationId]) -> (Graph, Vec<StationId>) {
     }
 }
 
-/// The graph with two stations joined by so many new ones on a straight line, and the way along it.
+/// The graph with two stations joined by this many new ones on a straight line, and the path along it.
 fn inserted(mut graph: Graph, a: StationId, b: StationId, count: usize) -> (Graph, Vec<StationId>) {
     let ends = [a, b].map(|end| graph[end].position);
     let mut way = vec![a];

@@ -1,16 +1,16 @@
-//! A graph with what moves ask of it.
+//! A graph with data for moves.
 
 use nalgebra::Vector2;
 
 use crate::branches::Branches;
 use crate::{Graph, Neighbors, Node, StationId};
 
-/// A graph, its branches and its usual lengths.
+/// A graph, its branches and its mean lengths.
 pub(super) struct Plan {
     pub(super) graph: Graph,
     pub(super) neighbors: Neighbors<Node>,
     pub(super) branches: Vec<Vec<StationId>>,
-    /// Stations that have a passage.
+    /// Stations with passages.
     pub(super) stations: usize,
     /// Mean length of a passage.
     pub(super) leg_m: f64,
@@ -37,12 +37,12 @@ impl Plan {
         self.neighbors[node].len()
     }
 
-    /// The way from one station to another, on the map.
+    /// The horizontal vector from one station to another.
     pub(super) fn way(&self, from: StationId, to: StationId) -> Vector2<f64> {
         (self.graph[to].position - self.graph[from].position).xy()
     }
 
-    /// Whether at most `hops` passages lead from one to the other, not counting one that joins them directly.
+    /// Whether a path of at most `hops` passages connects the two, not counting a direct one.
     pub(super) fn are_joined(&self, from: StationId, to: StationId, hops: usize) -> bool {
         let mut seen = vec![false; self.neighbors.len()];
         let mut rim = vec![from];

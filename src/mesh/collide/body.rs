@@ -1,4 +1,4 @@
-//! A convex piece: the hull of some corners of the wall and of a few points in the rock behind them.
+//! A convex piece: the hull of corners of the wall and of a few points in the rock behind them.
 
 use nalgebra::Vector3;
 
@@ -8,25 +8,25 @@ use super::hull::{Hull, hull};
 use super::rock_mass::RockMass;
 use super::{MOST_CORNERS, Piece, Zone};
 
-/// Pieces are no longer than this along any axis, in metres, unless a triangle of the wall is.
+/// Maximum extent of a piece along any axis, in metres, unless a triangle of the wall is larger.
 const LONGEST_M: i32 = 8;
 
-/// Ways to close a piece behind the wall: share of the thickness, and share of the width that is left there. Tuned.
+/// Ways to close a piece behind the wall: share of the thickness, and remaining share of the width. Tuned.
 const BACKS: [[f64; 2]; 6] = [[1.0, 1.0], [1.0, 0.5], [0.5, 0.5], [0.25, 0.5], [0.1, 0.5], [0.02, 0.3]];
 
 /// A part of the wall.
 #[derive(Clone)]
 pub(super) struct Front {
-    /// Its corners in the rock behind the wall, in quanta. Those that no hull of it needs may be left out.
+    /// Its corners in the rock behind the wall, in quanta. Those that no hull needs may be omitted.
     pub(super) corners: Vec<[i32; 3]>,
-    /// Sum of the normals of its triangles into the air, each as long as twice its area.
+    /// Sum of the normals of its triangles into the air, weighted by twice the area.
     pub(super) leaning: Point,
     /// Twice the area of each zone.
     pub(super) areas: [f64; 3],
 }
 
 impl Front {
-    /// Of two parts, if a piece may be as long.
+    /// The union of two parts, if a piece may have that extent.
     fn of_both(a: &Self, b: &Self) -> Option<Self> {
         let mut corners = [&a.corners[..], &b.corners[..]].concat();
         corners.sort_unstable();
@@ -42,7 +42,7 @@ impl Front {
         Some(Self { corners, leaning: a.leaning + b.leaning, areas })
     }
 
-    /// Its corners, and those of its outline moved into the rock.
+    /// Its corners, and those of its outline displaced into the rock.
     fn closed(&self, thickness: f64, [depth, width]: [f64; 2]) -> Option<Vec<[i32; 3]>> {
         let into = -self.leaning.try_normalize(0.0)?;
         let places: Vec<Point> = self.corners.iter().map(|&corner| Vector3::from(corner.map(f64::from))).collect();
@@ -58,7 +58,7 @@ impl Front {
         Some(self.corners.iter().copied().chain(across(into).map(behind)).collect())
     }
 
-    /// Without the corners inside its own hull. Those that only the points behind it hide may show again with others.
+    /// Drops the corners inside its own hull. Those hidden only by the points behind it may reappear after a merge.
     fn pruned(self) -> Self {
         let Some(hull) = hull(&self.corners) else { return self };
         let corners = hull.corners.iter().map(|&corner| self.corners[corner as usize]).collect();
@@ -71,7 +71,7 @@ impl Front {
     }
 }
 
-/// Six directions across another.
+/// Six directions perpendicular to another.
 fn across(into: Point) -> [Point; 6] {
     let one = into.cross(&Vector3::ith(into.iamin(), 1.0)).normalize();
     let other = into.cross(&one) * 0.75f64.sqrt();
@@ -79,21 +79,21 @@ fn across(into: Point) -> [Point; 6] {
     [one, -one, other + half, other - half, half - other, -other - half]
 }
 
-/// A piece in the making.
+/// A piece under construction.
 #[derive(Clone)]
 pub(super) struct Body {
     front: Front,
-    /// Which of [`BACKS`] closes it.
+    /// Index into [`BACKS`].
     back: usize,
     /// Its corners, those at the wall first, in quanta.
     positions: Vec<[i32; 3]>,
-    /// How many of them are at the wall.
+    /// Number of them at the wall.
     fronts: usize,
     faces: Vec<[u32; 3]>,
 }
 
 impl Body {
-    /// Behind one triangle of the wall.
+    /// The body behind one triangle of the wall.
     pub(super) fn behind(front: Front, rock: &RockMass) -> Self {
         let way = |back| Self::closed(front.clone(), back, rock);
         let fits = |body: &Self| body.front_share(&[], rock).is_some() && body.is_backed(rock);
@@ -101,8 +101,8 @@ impl Body {
         (0..BACKS.len()).filter_map(way).find(fits).unwrap_or_else(thinnest)
     }
 
-    /// Around two, and the share of the tolerance that it takes up, if samples of the faces at the wall stay within. What lies
-    /// behind the wall seldom fails, and may then be closed in another way.
+    /// The body around two, and the share of the tolerance that it uses, if samples of the faces at the wall stay within. The
+    /// part behind the wall seldom fails, and may then be closed in another way.
     pub(super) fn around(a: &Self, b: &Self, rock: &RockMass) -> Option<(Self, f64)> {
         let front = Front::of_both(&a.front, &b.front)?;
         let known = [a.front_edges(), b.front_edges()].concat();
@@ -119,7 +119,7 @@ impl Body {
         Some(Self { front, back, positions, fronts, faces })
     }
 
-    /// The body, if every point of its surface stays within the tolerance; with another back, perhaps.
+    /// The body, possibly with another back, if every point of its surface stays within the tolerance.
     pub(super) fn held(&self, rock: &RockMass) -> Option<Self> {
         let holds = |body: &Self, face: &[u32; 3]| rock.holds(body.place(face, rock));
         if !self.faces.iter().filter(|face| self.is_front(face)).all(|face| holds(self, face)) {
@@ -133,8 +133,8 @@ impl Body {
         others.find(|body| body.faces.iter().all(|face| holds(body, face)))
     }
 
-    /// The share of the tolerance that samples of the faces at the wall take up; nothing if one is beyond. Edges that are
-    /// `known`, and faces between such, need no sample.
+    /// The share of the tolerance used by samples of the faces at the wall; `None` if one exceeds it. `known` edges, and faces
+    /// between them, need no samples.
     fn front_share(&self, known: &[Edge], rock: &RockMass) -> Option<f64> {
         let mut most = f64::NEG_INFINITY;
         for face in self.faces.iter().filter(|face| self.is_front(face)) {
@@ -185,5 +185,5 @@ impl Body {
     }
 }
 
-/// Two corners, the lesser first.
+/// Two corners, the lower first.
 type Edge = [[i32; 3]; 2];

@@ -1,4 +1,4 @@
-//! The triangle nearest to a point close to a surface: what comes near to each cube of space is listed beforehand.
+//! Nearest-triangle queries for points close to a surface, with precomputed lists per cube of space.
 
 use rustc_hash::FxHashMap;
 
@@ -7,20 +7,20 @@ use super::super::nearest::{Ball, Found, Nearest, Point, Triangle, squared_dista
 /// Side of a cube, in units of the reach. Tuned.
 const SIDE: f64 = 2.0;
 
-/// A surface by the cubes of space it comes near to.
+/// A surface, indexed by cubes of space near it.
 pub(super) struct Cells {
-    /// Points no further from the surface than this are found by the lists.
+    /// The lists serve points up to this distance from the surface.
     reach: f64,
-    /// The triangles that some point of a cube is near to.
+    /// The triangles near some point of a cube.
     lists: FxHashMap<[i32; 3], Vec<u32>>,
     surface: Vec<Triangle>,
     balls: Vec<Ball>,
-    /// For points further away.
+    /// The fallback for points further away.
     tree: Nearest,
 }
 
 impl Cells {
-    /// Of a surface of at least one triangle.
+    /// Indexes a surface of at least one triangle.
     pub(super) fn new(surface: Vec<Triangle>, reach: f64) -> Self {
         let balls = surface.iter().map(Ball::around).collect();
         let mut cells = Self { reach, lists: FxHashMap::default(), balls, tree: Nearest::new(&surface), surface };
@@ -49,7 +49,7 @@ impl Cells {
         }
     }
 
-    /// Triangles of which all are that the point is near to.
+    /// A superset of the triangles near a point.
     pub(super) fn near(&self, point: Point) -> &[u32] {
         self.lists.get(&self.cube(point)).map(Vec::as_slice).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! The convex hull of a few points in whole quanta: exact, so it is convex and closed whatever the points.
+//! The convex hull of a few points in whole quanta: exact, so always convex and closed.
 //!
 //! Points are added one by one (incremental construction; de Berg et al., *Computational Geometry*, 2008, ch. 11). A face
 //! whose plane holds the new point goes with those that see it, so every vertex left is a corner. Coordinates may differ
@@ -13,11 +13,11 @@ type Point = Vector3<i64>;
 pub(super) struct Hull {
     /// Which of the points are its corners.
     pub(super) corners: Vec<u32>,
-    /// Its triangles, counter-clockwise from outside, as places in `corners`.
+    /// Its triangles, counter-clockwise from outside, as indices into `corners`.
     pub(super) faces: Vec<[u32; 3]>,
 }
 
-/// The hull of points that are not all in one plane.
+/// The hull of points that are not coplanar.
 pub(super) fn hull(points: &[[i32; 3]]) -> Option<Hull> {
     let first = *points.first()?;
     let points: Vec<Point> =
@@ -48,7 +48,7 @@ pub(super) fn hull(points: &[[i32; 3]]) -> Option<Hull> {
     Some(named(&faces))
 }
 
-/// A triangle of the hull in the making.
+/// A triangle of the hull under construction.
 struct Face {
     corners: [u32; 3],
     normal: Point,
@@ -62,7 +62,7 @@ impl Face {
         Self { corners, normal, offset: normal.dot(&a) }
     }
 
-    /// Above 0 outside.
+    /// Positive outside.
     fn height(&self, point: &Point) -> i64 {
         self.normal.dot(point) - self.offset
     }
@@ -73,7 +73,7 @@ impl Face {
     }
 }
 
-/// Four points that are not in one plane, the last behind the triangle of the others.
+/// Four points that are not coplanar, the last behind the triangle of the others.
 fn tetrahedron(points: &[Point]) -> Option<[u32; 4]> {
     let farthest = |measure: &dyn Fn(&Point) -> i64| {
         let best = (0..points.len()).max_by_key(|&i| (measure(&points[i]), std::cmp::Reverse(i)))?;
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn flat_points_have_none() {
+    fn coplanar_points_have_no_hull() {
         let flat: Vec<[i32; 3]> = (0..9).map(|i| [i % 3, i / 3, 2 * (i % 3) - i / 3]).collect();
         assert_eq!(hull(&flat), None);
         assert_eq!(hull(&[[1, 2, 3]; 5]), None);

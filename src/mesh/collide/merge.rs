@@ -1,8 +1,8 @@
-//! From the triangles of a wall to few convex pieces.
+//! Merges the triangles of a wall into few convex pieces.
 //!
-//! Neighbours merge, the pair first whose hull takes up least of the tolerance, as long as samples of the hull stay
-//! within. Then each piece is judged at every point; one that does not hold is split into what it was merged from, until
-//! all hold. What this leaves beside each other may merge once more, now judged at every point before.
+//! Neighbours merge in the order of the share of the tolerance that their hull uses, as long as samples of the hull stay
+//! within. Then each piece is checked at every point; one that fails is split into its parts, until all pass. The remaining
+//! neighbours may merge once more, now with the exact check first.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -12,11 +12,11 @@ use super::Piece;
 use super::body::{Body, Front};
 use super::rock_mass::RockMass;
 
-/// How far pieces begin behind the wall, as a share of the tolerance. They then lie on either side of what cameras see, and
-/// are fewer: on a rough cave 0 took 34 % more of them, 1 took 21 % fewer.
+/// Offset of pieces behind the wall, relative to the tolerance. They then are on both sides of the visual mesh, and fewer: on
+/// a rough cave 0 took 34 % more of them, 1 took 21 % fewer.
 const SINK: f64 = 0.5;
 
-/// Few pieces behind every triangle of a wall.
+/// Merges pieces behind all triangles of a wall.
 pub(super) fn merged(wall: &Mesh, rock: &RockMass) -> Vec<Piece> {
     let mut merger = Merger::new(wall, rock);
     merger.merge(Some);
@@ -28,9 +28,9 @@ pub(super) fn merged(wall: &Mesh, rock: &RockMass) -> Vec<Piece> {
 /// A part of the wall with the piece behind it.
 struct Patch {
     body: Body,
-    /// What it was merged from.
+    /// The patches it was merged from.
     halves: Option<[u32; 2]>,
-    /// Whether no other has taken its place.
+    /// Whether it has not been merged into another.
     is_whole: bool,
 }
 
@@ -40,12 +40,12 @@ struct Merger<'a> {
     patches: Vec<Patch>,
     /// Pairs of triangles with a common edge.
     pairs: Vec<[u32; 2]>,
-    /// Whole patches beside each other.
+    /// Adjacent current patches.
     beside: Vec<BTreeSet<u32>>,
     queue: BinaryHeap<Reverse<Offer>>,
 }
 
-/// The cost of a merger, and between whom.
+/// The cost of a merge, and the two patches.
 type Offer = (u32, [u32; 2]);
 
 impl<'a> Merger<'a> {
@@ -58,7 +58,7 @@ impl<'a> Merger<'a> {
         (0..self.patches.len() as u32).filter(|&patch| self.patches[patch as usize].is_whole)
     }
 
-    /// Merges what can be merged, if `judge` allows it.
+    /// Merges as much as possible, if `judge` allows it.
     fn merge(&mut self, judge: impl Fn(Body) -> Option<Body>) {
         self.offer_all();
         while let Some(Reverse((_, ends))) = self.queue.pop() {
@@ -83,7 +83,7 @@ impl<'a> Merger<'a> {
         }
     }
 
-    /// The whole patch of each triangle.
+    /// The current patch of each triangle.
     fn owners(&self) -> Vec<u32> {
         let mut owners: Vec<u32> = (0..self.patches.len() as u32).collect();
         for patch in (0..self.patches.len()).rev() {
@@ -126,7 +126,7 @@ impl<'a> Merger<'a> {
         self.beside.push(beside);
     }
 
-    /// Takes apart what does not hold at every point.
+    /// Splits patches that fail the exact check.
     fn split(&mut self) {
         let mut waiting: Vec<u32> = self.whole().collect();
         while let Some(patch) = waiting.pop() {
@@ -143,7 +143,7 @@ impl<'a> Merger<'a> {
     }
 }
 
-/// Hulls that stay this many tolerances deep in the rock are all as good. Tuned.
+/// Hulls at least this many tolerances deep in the rock are equally good. Tuned.
 const LEAST_SHARE: f64 = -8.0;
 
 /// A patch for each triangle.
@@ -160,8 +160,8 @@ fn seeds(wall: &Mesh, rock: &RockMass) -> Vec<Patch> {
     wall.triangles.iter().enumerate().map(seed).collect()
 }
 
-/// The vertices of a wall, moved into the rock where it is thick enough: no further than the floor allows, if it is near.
-/// Normals on a border are the same in both chunks, so no gap opens there.
+/// The vertices of a wall, displaced into the rock where it is thick enough: near a floor, only as far as its tolerance
+/// allows. Normals on a border are the same in both chunks, so no gap opens there.
 fn sunk(wall: &Mesh, rock: &RockMass) -> Vec<[i32; 3]> {
     let mut most = vec![0.0; wall.positions.len()];
     for (index, triangle) in wall.triangles.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What convex pieces are like: how many, how thick, and how far they reach into the open, found by sampling.
+//! Statistics of convex pieces, by sampling: number, thickness, and how far they reach into the air.
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -9,23 +9,23 @@ use super::rock_mass::RockMass;
 use super::{Piece, PieceSettings, Zone};
 use crate::field::Field;
 
-/// A sample for every so much of the tolerance, at most.
+/// Sample spacing relative to the tolerance.
 const SPACING: f64 = 0.5;
-/// Deeper in the rock than this, in metres, no point is in the field's open: mesh and field are not so far apart.
+/// Deeper in the rock than this, in metres, no point is in the air of the field, because mesh and field are closer.
 const DEEP_M: f64 = 0.2;
 
-/// How far a piece reaches, and its form.
+/// Reach and shape of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PieceMeasures {
     /// The zone of the wall that it covers.
     pub zone: Zone,
     /// Number of its corners.
     pub corners: usize,
-    /// The least distance between two parallel planes that hold it between them, one of them along a face, in metres.
+    /// Width: the smallest distance of two parallel planes that enclose it, one of them along a face, in metres.
     pub width_m: f64,
-    /// How far beyond the wall it reaches into the open, in metres; 0 if it does not.
+    /// How far beyond the wall it reaches into the air, in metres; 0 if it does not.
     pub intrusion_m: f64,
-    /// The same over floors, but for what is within the tolerance of something steeper.
+    /// The same over floors, except within the tolerance of steeper zones.
     pub floor_intrusion_m: f64,
     /// How far beyond the zero of the field it reaches, in metres.
     pub field_intrusion_m: f64,
@@ -80,7 +80,7 @@ fn measured(piece: &Piece, rock: &RockMass, field: &dyn Field, settings: &PieceS
     }
 }
 
-/// How far the deepest of some points is in the air of a field.
+/// The largest depth of some points in the air of a field.
 fn deepest(points: &[[f32; 3]], field: &dyn Field) -> f64 {
     field.distances_at(points).into_iter().fold(0.0, |most, distance| f64::max(most, -f64::from(distance)))
 }
@@ -90,7 +90,7 @@ fn faces(piece: &Piece) -> impl Iterator<Item = Triangle> {
     piece.triangles.iter().map(move |face| face.map(corner))
 }
 
-/// Points of a triangle, no further apart than `spacing` along its sides, its corners among them.
+/// Points of a triangle, at most `spacing` apart along its sides, including its corners.
 fn spread([a, b, c]: Triangle, spacing: f64) -> impl Iterator<Item = Point> {
     let longest = [b - a, c - b, a - c].map(|side| side.norm()).into_iter().fold(0.0, f64::max);
     let steps = (longest / spacing).ceil().max(1.0) as u32;
@@ -108,39 +108,39 @@ fn width(piece: &Piece) -> f64 {
     faces(piece).map(across).fold(f64::INFINITY, f64::min)
 }
 
-/// What is true of the pieces of a cave.
+/// Statistics of the pieces of a cave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PieceReport {
     /// Number of pieces.
     pub pieces: usize,
-    /// Those of floors.
+    /// Number of floor pieces.
     pub floor_pieces: usize,
-    /// Those of ceilings.
+    /// Number of ceiling pieces.
     pub ceiling_pieces: usize,
-    /// Most corners of a piece.
+    /// Maximum number of corners of a piece.
     pub piece_most_corners: usize,
-    /// The least width of a piece, in metres.
+    /// Minimum width of a piece, in metres.
     pub piece_least_width_m: f64,
-    /// How far the worst piece reaches beyond the wall into the open, in metres.
+    /// Maximum reach beyond the wall into the air, in metres.
     pub intrusion_max_m: f64,
-    /// What one piece in a hundred exceeds.
+    /// The 99th percentile.
     pub intrusion_p99_m: f64,
-    /// What one piece in two exceeds.
+    /// The median.
     pub intrusion_median_m: f64,
-    /// The worst over a floor, but for what is within the tolerance of something steeper.
+    /// The maximum over a floor, except within the tolerance of steeper zones.
     pub floor_intrusion_max_m: f64,
-    /// How far the worst piece reaches beyond the zero of the field, in metres.
+    /// Maximum reach beyond the zero of the field, in metres.
     pub field_intrusion_max_m: f64,
-    /// What one piece in a hundred exceeds.
+    /// The 99th percentile.
     pub field_intrusion_p99_m: f64,
-    /// What one piece in two exceeds.
+    /// The median.
     pub field_intrusion_median_m: f64,
-    /// The worst over a floor.
+    /// The maximum over a floor.
     pub field_floor_intrusion_max_m: f64,
 }
 
 impl PieceReport {
-    /// Of the measures of all pieces.
+    /// Summarises the measures of all pieces.
     pub fn of(measures: &[PieceMeasures]) -> Self {
         let of_zone = |zone| measures.iter().filter(move |piece| piece.zone == zone);
         let [mesh, field] =
@@ -163,7 +163,7 @@ impl PieceReport {
     }
 }
 
-/// The number that a share of all does not exceed.
+/// A quantile.
 fn quantile(numbers: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut numbers: Vec<f64> = numbers.collect();
     numbers.sort_by(f64::total_cmp);

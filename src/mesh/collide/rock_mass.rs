@@ -1,8 +1,8 @@
-//! Which side of the wall a point is on, how far from it, and whether a triangle stays in the rock but for a tolerance.
+//! Signed distance to the wall, and whether a triangle stays in the rock within a tolerance.
 //!
-//! The side is told by the normal of the nearest part of the wall: of a triangle, of an edge (sum of both sides), or of a
-//! corner (weighted by angle), which is right wherever the wall is closed (Bærentzen and Aanæs, *Signed distance
-//! computation using the angle weighted pseudonormal*, 2005).
+//! The sign follows from the normal of the nearest part of the wall: of a triangle, of an edge (sum of both sides), or of a
+//! vertex (weighted by angle), which is correct wherever the wall is closed (Bærentzen and Aanæs, *Signed distance computation
+//! using the angle weighted pseudonormal*, 2005).
 
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
@@ -14,31 +14,31 @@ use super::cells::Cells;
 use super::{PieceSettings, Zone};
 use plume_graph::Aabb;
 
-/// Parts of a triangle are not cut any further below this length, in quanta: what is that close to the tolerance is out.
+/// Parts of a triangle shorter than this, in quanta, are not subdivided: that close to the tolerance they are rejected.
 const FINEST: f64 = 2.0;
 
 /// The rock around a chunk, in quanta from an origin.
 pub(super) struct RockMass {
     origin: [i32; 3],
-    /// Of the walls of the chunk and of those around it, as far as pieces may reach.
+    /// The walls of the chunk and of its neighbours, within the reach of pieces.
     triangles: Vec<[u32; 3]>,
     zones: Vec<Zone>,
     nearest: Cells,
     corner_normals: Vec<Point>,
     edge_normals: FxHashMap<[u32; 2], Point>,
-    /// How far pieces reach into it.
+    /// Thickness of pieces.
     pub(super) thickness: f64,
-    /// No wall that is left out lies nearer to a point of a piece.
+    /// Lower bound of the distance of omitted walls to points of pieces.
     horizon: f64,
-    /// The least of the triangles around each vertex.
+    /// The minimum of the tolerances around each vertex.
     corner_tolerances: Vec<f64>,
-    /// Into the open, by zone.
+    /// Tolerances by zone.
     tolerances: [f64; 3],
     least_tolerance: f64,
 }
 
 impl RockMass {
-    /// Around the wall of a chunk, whose triangles come first.
+    /// The rock around the wall of a chunk, whose triangles come first.
     pub(super) fn new(wall: &Mesh, around: &[Mesh], settings: &PieceSettings) -> Self {
         let quanta = f64::from(QUANTA_PER_M);
         let origin = wall.positions[0];
@@ -82,12 +82,12 @@ impl RockMass {
         self.zones[triangle]
     }
 
-    /// The least tolerance of the triangles around the corners of one, in quanta.
+    /// The minimum tolerance of the triangles around the corners of one, in quanta.
     pub(super) fn corner_tolerances(&self, triangle: usize) -> [f64; 3] {
         self.triangles[triangle].map(|corner| self.corner_tolerances[corner as usize])
     }
 
-    /// Distance to the wall in quanta, above 0 in the open, and the zone of the wall there.
+    /// Signed distance to the wall in quanta, positive in air, and the zone of the wall there.
     pub(super) fn distance(&self, point: Point) -> (f64, Zone) {
         let found = self.nearest.nearest(point);
         (self.signed(point, &found), self.zones[found.index as usize])
@@ -108,7 +108,7 @@ impl RockMass {
         if normal.dot(&(point - foot)) > 0.0 { distance } else { -distance }
     }
 
-    /// Whether a point is no further from something steeper than a floor than the tolerance there.
+    /// Whether a point is within the tolerance of a zone steeper than a floor.
     pub(super) fn is_by_steeper(&self, point: Point) -> bool {
         let is_steep_and_near = |&index: &u32| {
             let zone = self.zones[index as usize];
@@ -118,16 +118,14 @@ impl RockMass {
         self.nearest.near(point).iter().any(is_steep_and_near)
     }
 
-    /// How far a point is in the open, as a share of the tolerance there, below 0 in the rock; nothing beyond the
-    /// tolerance.
+    /// How far a point is in the air, relative to the tolerance there, negative in rock; `None` beyond the tolerance.
     pub(super) fn share(&self, point: Point) -> Option<f64> {
         let (distance, zone) = self.distance(point);
         let share = distance / self.tolerances[zone as usize];
         (share <= 1.0).then_some(share)
     }
 
-    /// Whether every point of a triangle is in the rock, or no further from some triangle of the wall than the tolerance
-    /// of its zone.
+    /// Whether every point of a triangle is in the rock, or within the tolerance of the zone of some triangle of the wall.
     pub(super) fn holds(&self, corners: Triangle) -> bool {
         let mut parts = vec![corners];
         while let Some(part) = parts.pop() {
@@ -148,13 +146,13 @@ impl RockMass {
         if distance > tolerance {
             return Verdict::Out;
         }
-        // What is in the rock comes into the open where some zone begins.
+        // What is in the rock enters the air through some zone.
         let slack =
             if distance > 0.0 { tolerance - distance } else { self.least_tolerance + self.horizon.min(-distance) };
         if radius <= slack {
             return Verdict::Held;
         }
-        // The distance to one triangle is convex: greatest at a corner.
+        // The distance to a triangle is convex, so its maximum is at a corner.
         let limit = tolerance * tolerance;
         if corners.iter().all(|&corner| squared_distance(corner, found.triangle) <= limit) {
             return Verdict::Held;
@@ -163,22 +161,22 @@ impl RockMass {
     }
 }
 
-/// Of a part of a triangle.
+/// The verdict on a part of a triangle.
 enum Verdict {
     /// It stays within the tolerance.
     Held,
-    /// It does not.
+    /// It exceeds the tolerance.
     Out,
-    /// Its halves will tell.
+    /// It must be subdivided.
     Open,
 }
 
-/// Most points that are asked for lie no further from the wall, in metres, unless a tolerance is larger. Tuned.
+/// Most queried points are within this distance of the wall, in metres, unless a tolerance is larger. Tuned.
 const REACH_M: f64 = 0.1;
-/// Walls are taken into account up to this many thicknesses from the box in which the pieces of a chunk lie. Tuned.
+/// Walls are considered up to this many thicknesses from the box of the pieces of a chunk. Tuned.
 const HORIZON: f64 = 1.5;
 
-/// The triangles of some walls that reach into a box.
+/// The triangles of some walls that overlap a box.
 fn near(walls: &[Mesh], bounds: &Aabb<i64>) -> Vec<Mesh> {
     let reaches_in = |wall: &Mesh, triangle: [u32; 3]| {
         let [a, b, c] = triangle.map(|corner| wall.positions[corner as usize].map(i64::from));

@@ -1,14 +1,14 @@
-//! Images that follow each other, in one file.
+//! Animated images.
 
 use gif::{Encoder, Frame, Repeat};
 use rayon::prelude::*;
 
 use crate::preview::image::{Image, encoder};
 
-/// How thoroughly the 256 colours of a GIF frame are chosen, 1 to 30. Tuned: less is not seen and takes long.
+/// Quality of the choice of the 256 colours of a GIF frame, 1 (best) to 30. Tuned: lower takes long without visible gain.
 const COLOR_SPEED: i32 = 10;
 
-/// As GIF, over and over.
+/// As a looping GIF.
 pub fn gif(images: &[Image], fps: u32) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_gif(images, fps, &mut bytes).expect("memory takes all, and the images are of one size");
@@ -16,9 +16,9 @@ pub fn gif(images: &[Image], fps: u32) -> Vec<u8> {
 }
 
 fn write_gif(images: &[Image], fps: u32, bytes: &mut Vec<u8>) -> Result<(), gif::EncodingError> {
-    // GIF counts sizes in 16 bits, which hold every size of ours.
+    // GIF sizes have 16 bits, enough for all our sizes.
     let (width, height) = (images[0].size.width as u16, images[0].size.height as u16);
-    // Each frame ends on a whole hundredth of a second, so that all of them take the time that they should.
+    // Each frame ends on a whole hundredth of a second, so that the total time is right.
     let end = |number: usize| 100 * number / fps as usize;
     let frame = |(number, image): (usize, &Image)| {
         let mut frame = Frame::from_rgb_speed(width, height, &image.rgb, COLOR_SPEED);
@@ -31,7 +31,7 @@ fn write_gif(images: &[Image], fps: u32, bytes: &mut Vec<u8>) -> Result<(), gif:
     frames.iter().try_for_each(|frame| encoder.write_frame(frame))
 }
 
-/// As animated PNG, over and over; viewers that do not know it show the first frame.
+/// As a looping animated PNG; viewers that do not support it show the first frame.
 pub fn animated_png(images: &[Image], fps: u32) -> Vec<u8> {
     let mut bytes = Vec::new();
     write_png(images, fps, &mut bytes).expect("memory takes all, and the images are of one size");

@@ -1,4 +1,4 @@
-//! The way of a flight.
+//! The path of a flight.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,22 +10,22 @@ use crate::preview::inside::{Pose, is_air, raised};
 use crate::preview::{PreviewError, Subject};
 use plume_graph::{Graph, StationId};
 
-/// Distance between the points of a way, metres.
+/// Distance between the points of a path, metres.
 const STEP_M: f64 = 0.25;
 /// Corners are rounded over this many points to either side, twice.
 const ROUNDED: usize = 5;
 /// The camera looks this far ahead, metres.
 const AHEAD_M: f64 = 3.0;
-/// How much of the slope of the way the camera follows. Tuned: less than all looks calm.
+/// Share of the slope of the path that the camera follows. Tuned: less than all looks calm.
 const NODDING: f64 = 0.6;
 
-/// Points of the eye, [`STEP_M`] apart or a little less.
+/// Camera positions, at most [`STEP_M`] apart.
 pub struct Path {
     points: Vec<Point3<f64>>,
 }
 
 impl Path {
-    /// From the first station to the one that is furthest away through passages.
+    /// The path from the first station to the one furthest away along passages.
     pub fn longest(subject: &Subject) -> Result<Self, PreviewError> {
         let stations = furthest(subject.graph);
         let axis: Vec<Point3<f64>> = stations.iter().map(|&station| subject.graph[station].position).collect();
@@ -41,15 +41,15 @@ impl Path {
         Ok(Self { points: points.collect() })
     }
 
-    /// Length of the way in metres, near enough.
+    /// Approximate length of the path in metres.
     pub fn length_m(&self) -> f64 {
         (self.points.len() - 1) as f64 * STEP_M
     }
 
-    /// The pose after so many metres.
+    /// The pose after this many metres.
     pub fn pose(&self, along_m: f64) -> Pose {
         let eye = self.at(along_m);
-        // At the end it keeps looking as it came.
+        // At the end the direction stays.
         let from = self.at(along_m.min(self.length_m() - AHEAD_M));
         let way = self.at(along_m.min(self.length_m() - AHEAD_M) + AHEAD_M) - from;
         let level = libm::hypot(way.x, way.y);
@@ -68,12 +68,12 @@ impl Path {
     }
 }
 
-/// Stations on the shortest way to the station that is furthest from the first.
+/// Stations on the shortest path to the station furthest from the first.
 fn furthest(graph: &Graph) -> Vec<StationId> {
     let neighbors = graph.neighbors();
     let mut way_m = vec![f64::INFINITY; graph.nodes.len()];
     let mut before: Vec<Option<StationId>> = vec![None; graph.nodes.len()];
-    // Lengths are not negative, and so their bits are in their order.
+    // Lengths are not negative, so the order of their bits is their order.
     let first = StationId::new(0);
     let mut queue = BinaryHeap::from([(Reverse(0_u64), Reverse(first))]);
     way_m[first.index()] = 0.0;
@@ -118,11 +118,11 @@ fn rounded(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
     (0..points.len()).map(mean).collect()
 }
 
-/// The eye of a robot on the floor under a point of the rounded way, or under the axis where the former leads through rock.
+/// The camera of a robot on the floor under a point of the rounded path, or under the axis if the former is in rock.
 fn eye(field: &CaveField, round: Point3<f64>, axis: Point3<f64>) -> Option<Point3<f64>> {
     let over = |point: Point3<f64>| {
         let [x, y, z]: [f32; 3] = point.coords.map(|c| c as f32).into();
-        // Stones and undulation lie on the floor.
+        // Stones and undulation are on top of the floor.
         let ground = (0..8).map(|step| [x, y, field.floor_z([x, y, z]) + 0.05 * step as f32]);
         let ground = ground.into_iter().find(|&point| is_air(field, point))?;
         Some(Point3::from(raised(field, ground).map(f64::from)))

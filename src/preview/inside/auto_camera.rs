@@ -1,4 +1,4 @@
-//! Where to stand and where to look, if nobody says.
+//! Chooses the camera pose if none is given.
 
 use std::f32::consts::TAU;
 
@@ -9,36 +9,36 @@ use crate::placement;
 use crate::preview::{PreviewError, Subject};
 use plume_graph::Graph;
 
-/// Height of the eye above the ground, metres, where there is room for it.
+/// Height of the camera above the ground, metres, if there is room for it.
 pub const EYE_M: f32 = 1.0;
-/// Of the height of the passage at most.
+/// Maximum height relative to that of the passage.
 const EYE_SHARE: f32 = 0.6;
-/// Directions round about that are looked into.
+/// Number of horizontal directions tried.
 const DIRECTIONS: usize = 32;
-/// How far up or down, radians: along steep passages too.
+/// Pitches tried, radians: for steep passages too.
 const PITCHES: [f32; 7] = [-0.03, 0.2, -0.2, 0.4, -0.4, 0.65, -0.65];
-/// The camera is held no steeper, radians: what lies in the steepest of those directions is in the picture then, and the
-/// horizon too. Tuned.
+/// Maximum pitch of the camera, radians: then both the steepest of those directions and the horizon are in the picture.
+/// Tuned.
 const MOST_PITCH: f32 = 0.35;
-/// How much further one has to see for each radian up or down. Tuned: level pictures are read at a glance.
+/// How much longer the line of sight has to be per radian of pitch. Tuned: level pictures are easier to read.
 const LEVEL: f32 = 1.0;
-/// Places that are looked from.
+/// Number of positions tried.
 const PLACES: usize = 6;
-/// Stations that are tried for level ground, the first of the graph.
+/// Number of stations tried for level ground, the first of the graph.
 const MOST_STATIONS: usize = 400;
 const GLANCE: Approach = Approach { share: 0.0, least_m: 0.05, step: BRISK };
-/// A look that ends nearer than this shows nothing, metres.
+/// Lines of sight shorter than this show nothing, metres.
 const BLIND_M: f32 = 0.05;
 
-/// A pose, and how much it shows: about how far one sees, metres.
+/// A pose, and how much it shows: the approximate visibility, metres.
 struct Glance {
     pose: Pose,
     shows_m: f32,
 }
 
-/// Of some start poses, or stations in the air where there are none, the one that shows most.
+/// Of some start poses, or stations in the air if there are none, the one that shows most.
 pub fn best(subject: &Subject) -> Result<Pose, PreviewError> {
-    // Of equals the last is taken, and the first is the most level one.
+    // Of equals the last wins, so the first, most level one is put last.
     let glances = eyes(subject).into_iter().rev().map(|eye| glance(subject.field, eye));
     most(glances).map(|glance| glance.pose).ok_or(PreviewError::NoAir)
 }
@@ -59,7 +59,7 @@ fn eyes(subject: &Subject) -> Vec<[f32; 3]> {
     spawns.into_iter().map(|spawn| raised(subject.field, ground(spawn))).collect()
 }
 
-/// The eye over a point on the ground.
+/// The camera position over a point on the ground.
 pub fn raised(field: &dyn Field, ground: [f32; 3]) -> [f32; 3] {
     let [x, y, z] = ground;
     let up = Ray { from: [x, y, z + BLIND_M], along: [0.0, 0.0, 1.0], start: 0.0 };
@@ -72,7 +72,7 @@ pub fn is_air(field: &dyn Field, point: [f32; 3]) -> bool {
     field.distances_at(&[point])[0] < 0.0
 }
 
-/// Looks from a point to where one sees furthest, not through a slit.
+/// Looks from a point along the longest line of sight, not through a slit.
 pub fn furthest(field: &dyn Field, eye: [f32; 3]) -> Pose {
     glance(field, eye).pose
 }
@@ -89,7 +89,7 @@ fn glance(field: &dyn Field, eye: [f32; 3]) -> Glance {
         (0.4 * open[i] + 0.6 * left.min(right)) / (1.0 + LEVEL * pose(i).pitch_rad.abs())
     };
     let glances = (0..count).rev().map(|i| Glance { pose: pose(i), shows_m: shows_m(i) });
-    let Glance { pose, shows_m } = most(glances).expect("one looks somewhere");
+    let Glance { pose, shows_m } = most(glances).expect("there are directions");
     Glance { pose: Pose { pitch_rad: pose.pitch_rad.clamp(-MOST_PITCH, MOST_PITCH), ..pose }, shows_m }
 }
 
@@ -109,7 +109,7 @@ mod tests {
     use plume_graph::{Node, StationId};
     use serde_json::json;
 
-    /// A straight passage from the origin, each station so much higher than the one before, metres.
+    /// A straight passage from the origin, each station this much higher than the previous one, metres.
     fn passage(rise_m: f64) -> Graph {
         let node = |i: usize| Node {
             id: i as u64,
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn one_looks_along_the_passage_and_not_at_the_ground() {
+    fn the_camera_looks_along_the_passage_and_not_at_the_ground() {
         for (rise_m, pitches) in [(0.0, 0.0..0.1), (2.0, 0.1..0.4), (-5.0, 0.3..0.4)] {
             let Glance { pose, shows_m } = best_in(&passage(rise_m));
             assert!(shows_m > 4.0 && pitches.contains(&pose.pitch_rad.abs()), "{rise_m}: {shows_m} m from {pose:?}");

@@ -1,18 +1,18 @@
-//! A pinhole camera, and the light it has on its head.
+//! A pinhole camera with a headlamp.
 
 use crate::preview::Size;
 
-/// Half the width of the view, as a tangent: 80° wide.
+/// Tangent of half the horizontal field of view, which is 80°.
 const HALF_WIDTH: f32 = 0.839_1;
 
-/// Where to look from and where to.
+/// A camera pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The eye, metres.
+    /// Position, metres.
     pub eye: [f32; 3],
-    /// Direction, radians anticlockwise from +x.
+    /// Yaw, radians anticlockwise from +x.
     pub yaw_rad: f32,
-    /// How far up, radians.
+    /// Pitch, radians upwards.
     pub pitch_rad: f32,
 }
 
@@ -24,14 +24,14 @@ impl Pose {
     }
 }
 
-/// A half line: all points `start + t · along`.
+/// A ray: all points `start + t · along`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it begins.
+    /// Origin.
     pub from: [f32; 3],
-    /// Unit vector.
+    /// Unit direction.
     pub along: [f32; 3],
-    /// Up to here there is air, metres.
+    /// Known distance of air, metres.
     pub start: f32,
 }
 
@@ -70,7 +70,7 @@ impl Camera {
         Ray { from: self.eye, along: unit(along), start: 0.0 }
     }
 
-    /// Where the lamp on its head is: a little above the eye and to its left, so that relief throws shade.
+    /// Position of the headlamp: slightly above and to the left of the camera, so that relief is shaded.
     pub fn lamp(&self) -> [f32; 3] {
         std::array::from_fn(|i| self.eye[i] + 0.18 * self.up[i] - 0.22 * self.right[i])
     }
@@ -81,7 +81,7 @@ pub fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The vector of length 1 in this direction; as it is, if it has none.
+/// The normalised vector; a zero vector is unchanged.
 pub fn unit(v: [f32; 3]) -> [f32; 3] {
     let length = dot(v, v).sqrt();
     if length > 1e-9 { v.map(|c| c / length) } else { v }

@@ -1,4 +1,4 @@
-//! Lamps, and what rock makes of their light.
+//! Lamps, and the reflection of their light.
 
 use nalgebra::Point3;
 
@@ -8,25 +8,25 @@ use crate::placement;
 use crate::preview::Subject;
 use plume_graph::Graph;
 
-/// Light of a lamp per metre of spacing squared, cd/m²: as packages have it.
+/// Intensity of a lamp per square metre of spacing, cd/m²: as in packages.
 const LAMP_CD_PER_M2: f32 = 0.12;
 /// Warm white, linear RGB.
 const LAMP_COLOR: [f32; 3] = [1.0, 0.86, 0.68];
-/// Light of the lamp on the head, cd, and its colour: cooler, so that the two can be told apart. Tuned.
+/// Intensity of the headlamp, cd, and its colour: cooler, to distinguish it from the lamps. Tuned.
 const HEAD_CD: f32 = 5.0;
 const HEAD_COLOR: [f32; 3] = [0.92, 0.97, 1.0];
-/// What of the light of a lamp comes round corners, off other walls. Tuned.
+/// Share of indirect light of a lamp, reflected by other walls. Tuned.
 const BOUNCED: f32 = 0.10;
-/// Lamps beyond are left out, metres.
+/// Lamps beyond this are ignored, metres.
 const REACH_M: f32 = 60.0;
-/// Radius of a lamp, m: its light grows no more within.
+/// Radius of a lamp, m: its light is constant within.
 const LAMP_RADIUS_M: f32 = 0.5;
-/// How hard the edge of a shadow is. Tuned.
+/// Hardness of shadow edges. Tuned.
 const HARDNESS: f32 = 9.0;
 const SHADOW_STEPS: usize = 18;
-/// Spread of the gloss at least. Tuned: with less, wet rock glitters, since a pixel is one ray.
+/// Minimum width of highlights. Tuned: with less, wet rock glitters, since there is one ray per pixel.
 const LEAST_SPREAD: f32 = 0.06;
-/// A lamp that adds less to a point than this share of its light throws no shadow there. Tuned.
+/// A lamp that contributes less than this share to a point casts no shadow there. Tuned.
 const LEAST_SHARE: f32 = 0.002;
 
 /// A point light.
@@ -37,17 +37,17 @@ pub struct Lamp {
     throws_shadows: bool,
 }
 
-/// What is seen of a point of the wall.
+/// A visible point of the wall.
 pub struct Sight {
-    /// Where it is.
+    /// Its position.
     pub point: [f32; 3],
-    /// Unit vector to the eye.
+    /// Unit vector to the camera.
     pub to_eye: [f32; 3],
     /// The wall there.
     pub texel: Texel,
 }
 
-/// The lamps of the cave that shine near the camera.
+/// The lamps of the cave near the camera.
 pub fn lamps(subject: &Subject, eye: [f32; 3]) -> Vec<Lamp> {
     let Some(spacing_m) = subject.lamp_spacing_m else {
         return Vec::new();
@@ -64,12 +64,12 @@ pub fn lamps(subject: &Subject, eye: [f32; 3]) -> Vec<Lamp> {
     placement::lamps(subject.field, &near, spacing_m).into_iter().map(lamp).collect()
 }
 
-/// The lamp on the head of the camera. Its shadows hide behind what throws them.
+/// The headlamp. Its shadows are hidden behind the objects that cast them.
 pub fn headlamp(camera: &Camera) -> Lamp {
     Lamp { at: camera.lamp(), color: HEAD_COLOR.map(|c| c * HEAD_CD), throws_shadows: false }
 }
 
-/// The light that comes from each point to the eye, linear RGB.
+/// The light from each point to the camera, linear RGB.
 pub fn radiance(field: &dyn Field, lamps: &[Lamp], sights: &[Sight]) -> Vec<[f32; 3]> {
     let mut light = vec![[0.0; 3]; sights.len()];
     for lamp in lamps {
@@ -91,13 +91,13 @@ fn falloff(lamp: &Lamp, point: [f32; 3]) -> f32 {
     1.0 / dot(away, away).max(LAMP_RADIUS_M * LAMP_RADIUS_M)
 }
 
-/// How much of a lamp's candelas falls on the wall.
+/// The share of a lamp's intensity that reaches the wall.
 fn share(lamp: &Lamp, sight: &Sight) -> f32 {
     let to_lamp = unit(between(sight.point, lamp.at));
     dot(to_lamp, sight.texel.normal).max(0.0) * falloff(lamp, sight.point)
 }
 
-/// How much of a lamp can be seen from each point, 0–1.
+/// Visibility of a lamp from each point, 0–1.
 fn openness(field: &dyn Field, lamp: &Lamp, sights: &[Sight], shares: &[f32]) -> Vec<f32> {
     let mut open = vec![1.0; sights.len()];
     if !lamp.throws_shadows {
@@ -124,8 +124,8 @@ fn openness(field: &dyn Field, lamp: &Lamp, sights: &[Sight], shares: &[f32]) ->
     open
 }
 
-/// The share of light from a lamp that goes to the eye: Lambert, and GGX (Walter et al. 2007) with Smith's shadowing as
-/// Hammon (2017) simplifies it.
+/// The reflectance from a lamp to the camera: Lambert, and GGX (Walter et al. 2007) with Smith shadowing as simplified by
+/// Hammon (2017).
 fn reflected(lamp: &Lamp, sight: &Sight) -> [f32; 3] {
     let Texel { normal, color, roughness, .. } = sight.texel;
     let to_lamp = unit(between(sight.point, lamp.at));

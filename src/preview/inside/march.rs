@@ -1,37 +1,35 @@
-//! Where rays meet rock: sphere tracing (Hart 1996) of many rays at once.
+//! Ray marching: sphere tracing (Hart 1996) of many rays in batches.
 //!
-//! The field is no exact distance. In low wide passages it grows up to twice as fast as the way, and at the lips of ledges
-//! it jumps; so a step is only a part of what it says, and a step into rock all the same is taken back between its ends.
-//! Rays of a block stay near each other and share the search for passages.
+//! The field is not an exact distance. In low wide passages it grows up to twice as fast as the distance, and at the lips of
+//! ledges it jumps; so a step is only a fraction of its value, and a step into rock is refined between its ends. Rays of a
+//! block stay near each other and share the search for passages.
 
 use super::camera::Ray;
 use crate::field::Field;
 
-/// The share of the field's value that a step of a thin ray goes. Tuned: larger ones leave holes in ledges, smaller ones
-/// no fewer.
+/// Step length of a thin ray relative to the field's value. Tuned: larger ones leave holes in ledges, smaller ones no fewer.
 pub const BRISK: f32 = 0.7;
-/// The same for rays that others start from. Tuned: with more, these start behind ledges.
+/// The same for rays from which others start. Tuned: with more, these start behind ledges.
 pub const CAREFUL: f32 = 0.35;
-/// Rays that have not arrived by then graze the wall, and end where they are.
+/// Maximum number of steps: rays that have not arrived by then graze the wall, and end where they are.
 const MOST_STEPS: usize = 72;
-/// How often the wall is looked for between the ends of a step into rock. Tuned: with less, arches seen edge on are
-/// covered in rings.
+/// Refinement iterations between the ends of a step into rock. Tuned: with less, arches seen edge-on show rings.
 const REFINEMENTS: usize = 8;
-/// A ray that starts in rock goes back to this share of its way.
+/// A ray that starts in rock goes back to this share of its distance.
 const BACK: f32 = 0.8;
-/// Nothing is looked for nearer than this, metres.
+/// Minimum distance, metres.
 const NEAREST_M: f32 = 0.01;
-/// Nothing is seen beyond, metres.
+/// Maximum distance, metres.
 pub const FAR_M: f32 = 70.0;
 
-/// How near to rock a ray goes, a share of its length and some metres, and in which steps.
+/// How near to rock a ray ends, relative to its length plus a constant, and its step length.
 #[derive(Clone, Copy)]
 pub struct Approach {
-    /// Grows with the way.
+    /// Relative to the distance.
     pub share: f32,
-    /// Does not.
+    /// Constant, metres.
     pub least_m: f32,
-    /// The share of the field's value that a step goes.
+    /// Step length relative to the field's value.
     pub step: f32,
 }
 
@@ -41,12 +39,12 @@ impl Approach {
     }
 }
 
-/// A ray on its way.
+/// A ray in progress.
 #[derive(Clone, Copy)]
 struct Walk {
     ray: usize,
     t: f32,
-    /// Where it was before, and the field there.
+    /// The previous position, and the field there.
     last: [f32; 2],
 }
 
@@ -57,7 +55,7 @@ struct Crossing {
     rock: [f32; 2],
 }
 
-/// How far each ray goes, metres; at least [`FAR_M`] where it meets nothing.
+/// The length of each ray, metres; at least [`FAR_M`] if it hits nothing.
 pub fn march(field: &dyn Field, rays: &[Ray], approach: Approach) -> Vec<f32> {
     let mut ends: Vec<f32> = rays.iter().map(|ray| ray.start).collect();
     let mut crossings = Vec::new();
@@ -72,7 +70,7 @@ pub fn march(field: &dyn Field, rays: &[Ray], approach: Approach) -> Vec<f32> {
         walks.retain_mut(|walk| {
             let value = values.next().unwrap_or(0.0);
             if value > 0.0 && walk.last[1] == 0.0 {
-                // Its start was not as safe as it was thought to be.
+                // Its start was not as safe as assumed.
                 walk.t *= BACK;
                 walk.last[0] = walk.t;
                 return walk.t > NEAREST_M;
@@ -104,7 +102,7 @@ fn refine(field: &dyn Field, rays: &[Ray], approach: Approach, mut crossings: Ve
         }
         let guess = |crossing: &Crossing| {
             let ([t0, v0], [t1, v1]) = (crossing.air, crossing.rock);
-            // False position may creep; halving does not.
+            // False position may converge slowly; bisection does not.
             if round % 2 == 1 { (t0 + t1) / 2.0 } else { t0 + (t1 - t0) * v0 / (v0 - v1) }
         };
         let guesses: Vec<f32> = crossings.iter().map(guess).collect();
@@ -126,10 +124,10 @@ mod tests {
     use plume_graph::NoOutside;
     use serde_json::json;
 
-    /// Steps of the slow way, metres.
+    /// Steps of the slow reference search, metres.
     const SLOW_M: f32 = 0.004;
 
-    /// Where a ray meets rock, found by trying every point of it.
+    /// Where a ray meets rock, found by dense sampling.
     fn slow(field: &CaveField, ray: &Ray) -> f32 {
         let ways: Vec<f32> = (0..6000).map(|step| step as f32 * SLOW_M).collect();
         let points: Vec<[f32; 3]> = ways.iter().map(|&t| ray.at(t)).collect();
@@ -139,7 +137,7 @@ mod tests {
         ways[first + values.iter().position(|&value| value > 0.0).expect("it was found")]
     }
 
-    /// How many of 200 rays from the middle of a cave in this rock end more than 2 cm from where the slow way ends.
+    /// How many of 200 rays from the middle of a cave in this rock end more than 2 cm from the reference.
     fn strays(rock: &MaterialRow) -> usize {
         let row = plume_generators::GENERATORS.find("gaussian-perlin").expect("the table has it");
         let generator = (row.read)(json!({"nodes": 20})).expect("settings of its own");
@@ -160,7 +158,7 @@ mod tests {
     #[test]
     fn rays_end_where_rock_begins() {
         let strays: Vec<usize> = MATERIALS.iter().map(strays).collect();
-        // Lips of a few millimetres are passed by.
+        // Lips of a few millimetres are missed.
         assert!(strays.iter().all(|&count| count <= 10), "{strays:?} of 200 rays end elsewhere");
     }
 }

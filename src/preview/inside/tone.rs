@@ -1,18 +1,18 @@
-//! From light to pixels.
+//! Tone mapping: from light to pixels.
 
-/// What the mean of a picture becomes, linear. Tuned: a cave is dark.
+/// Target mean of a picture, linear. Tuned: a cave is dark.
 const MIDDLE: f32 = 0.085;
 /// Keeps the logarithm of darkness finite.
 const DARKEST: f32 = 1e-4;
 
-/// The factor that brings the geometric mean of a picture to a middle grey, as an eye gets used to the dark.
+/// The exposure that brings the geometric mean of a picture to a middle grey, like an eye adapted to the dark.
 pub fn exposure(light: &[[f32; 3]]) -> f32 {
     let logs = light.iter().map(|&rgb| f64::from(libm::logf(luminance(rgb).max(DARKEST))));
     let mean = logs.sum::<f64>() / light.len().max(1) as f64;
     MIDDLE / libm::expf(mean as f32)
 }
 
-/// A pixel of 8-bit sRGB. Bright parts are compressed as film does (Narkowicz' fit of the ACES curve, 2016).
+/// A pixel of 8-bit sRGB. Highlights are compressed filmically (Narkowicz' fit of the ACES curve, 2016).
 pub fn pixel(light: [f32; 3], exposure: f32) -> [u8; 3] {
     light.map(|channel| {
         let x = channel * exposure;

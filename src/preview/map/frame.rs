@@ -1,4 +1,4 @@
-//! Where on the paper a map stands, and from metres to pixels.
+//! Layout of a map on the paper, and conversion from metres to pixels.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use crate::preview::svg::PaperPoint;
 
 /// The part of the paper that maps are drawn on. Lengths in units of a paper of 1280 × 640 pixels.
 pub struct Area {
-    /// Pixels to a unit.
+    /// Pixels per unit.
     pub unit: f64,
     /// Size of the whole paper in pixels.
     pub paper: PaperPoint,
@@ -19,7 +19,7 @@ pub struct Area {
 }
 
 impl Area {
-    /// The area of a paper of this size, with room for title, scale and legend round it.
+    /// The area of a paper of this size, with room for title, scale and legend around it.
     pub fn of(size: Size) -> Self {
         let (width, height) = (f64::from(size.width), f64::from(size.height));
         let unit = (width / 1280.0).min(height / 640.0);
@@ -27,18 +27,18 @@ impl Area {
         Self { unit, paper: [width, height], min: [64.0 * unit, 104.0 * unit], max }
     }
 
-    /// Pixels from left to right.
+    /// Width in pixels.
     pub fn width(&self) -> f64 {
         self.max[0] - self.min[0]
     }
 
-    /// Pixels from top to bottom.
+    /// Height in pixels.
     pub fn height(&self) -> f64 {
         self.max[1] - self.min[1]
     }
 }
 
-/// Where a panel stands.
+/// Position of a panel.
 pub struct Frame {
     /// Scale of lengths, the same in all panels.
     pub px_per_m: f64,
@@ -46,12 +46,12 @@ pub struct Frame {
     pub line_px: f64,
     /// Upper left corner, in pixels.
     pub corner: PaperPoint,
-    /// Leftmost and highest metre, which stands at the corner.
+    /// Leftmost and highest coordinates, in metres, at the corner.
     origin: [f64; 2],
 }
 
 impl Frame {
-    /// The frames of all panels, as large as the area has room for.
+    /// The frames of all panels, as large as the area allows.
     pub fn of(area: &Area, sheet: &Sheet) -> Vec<Self> {
         let bounds = sheet.bounds();
         let [wide, tall] = bounds.size();
@@ -75,7 +75,7 @@ impl Frame {
         (0..count).map(frame).collect()
     }
 
-    /// Where a place stands.
+    /// The position on paper.
     pub fn paper_point(&self, at: [f64; 2]) -> PaperPoint {
         let [left, high] = self.origin;
         [self.corner[0] + (at[0] - left) * self.px_per_m, self.corner[1] + (high - at[1]) * self.px_per_m]

@@ -1,4 +1,4 @@
-//! What stands round a map: title, scale bar, north arrow, legend.
+//! Map furniture: title, scale bar, north arrow, legend.
 
 use super::frame::{Area, Frame};
 use super::marks::{self, Mark, Marks};
@@ -13,12 +13,12 @@ pub struct Furniture {
     pub svg: Svg,
     /// Its colours.
     pub palette: &'static Palette,
-    /// Where the map is.
+    /// Layout of the map.
     pub area: Area,
 }
 
 impl Furniture {
-    /// The name of the cave and its numbers.
+    /// The name of the cave and its statistics.
     pub fn title(&mut self, subject: &Subject, sheet: &Sheet) {
         let unit = self.area.unit;
         let graph = subject.graph;
@@ -32,7 +32,7 @@ impl Furniture {
         self.fitted([32.0 * unit, 70.0 * unit], right, 15.0 * unit, self.palette.faint, &numbers);
     }
 
-    /// A text that becomes smaller where it would reach beyond `right`.
+    /// A text that is shrunk if it would extend beyond `right`.
     fn fitted(&mut self, at: PaperPoint, right: f64, size: f64, fill: &str, text: &str) {
         let share = (right - at[0]) / self.svg.text_width(text, size).max(1e-9);
         self.svg.text(at, Anchor::Left, size * share.min(1.0), fill, text);
@@ -48,7 +48,7 @@ impl Furniture {
         self.svg.text([x, y - 8.0 * unit], Anchor::Middle, 16.0 * unit, self.palette.ink, "N");
     }
 
-    /// A bar of a round number of metres, and how heights are drawn.
+    /// A scale bar with a round number of metres, and the vertical exaggeration.
     pub fn scale_bar(&mut self, sheet: &Sheet, px_per_m: f64) {
         let unit = self.area.unit;
         let length_m = round_below(240.0 * unit / px_per_m);
@@ -92,7 +92,7 @@ impl Furniture {
         }
     }
 
-    /// Which colour is which elevation.
+    /// The legend of elevations.
     pub fn legend(&mut self, sheet: &Sheet) {
         let unit = self.area.unit;
         let [x, y] = [self.area.paper[0] - 136.0 * unit, 150.0 * unit];
@@ -100,7 +100,7 @@ impl Furniture {
         self.svg.text([x, y - 16.0 * unit], Anchor::Left, 14.0 * unit, self.palette.ink, "elevation, m");
         let step = height / VIRIDIS.len() as f64;
         for class in (0..VIRIDIS.len()).rev() {
-            // Each reaches under those below it, so that no paper shows between them.
+            // Each extends under the next one, so that no paper shows between them.
             let top = y + height - (class + 1) as f64 * step;
             self.svg.rectangle([x, top], [width, y + height - top], &class_color(class));
         }
@@ -115,7 +115,7 @@ impl Furniture {
         }
     }
 
-    /// Which mark says what.
+    /// The legend of marks.
     pub fn key(&mut self, marks: &Marks) {
         let unit = self.area.unit;
         let [x, mut y] = [self.area.paper[0] - 127.0 * unit, 416.0 * unit];
@@ -133,12 +133,12 @@ impl Furniture {
     }
 }
 
-/// So many of a thing.
+/// A count with singular or plural.
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above `most`.
+/// The largest of 1, 2 and 5 times a power of ten that is at most `most`.
 fn round_below(most: f64) -> f64 {
     let mut power = 1.0;
     while power * 10.0 <= most {
@@ -160,7 +160,7 @@ fn ticks(low: f64, high: f64, count: f64) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// A length as people write it, without needless digits.
+/// A length without needless digits.
 fn metres(length_m: f64) -> String {
     // Adding zero turns -0.0 into 0.0.
     format!("{}", (length_m * 1000.0).round() / 1000.0 + 0.0).replace('-', "−")

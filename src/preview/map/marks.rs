@@ -1,4 +1,4 @@
-//! Where a cave begins and ends, and where it runs round.
+//! Marks for origins, dead ends and loops.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -10,13 +10,13 @@ use crate::preview::theme::Palette;
 use plume_graph::sets::Sets;
 use plume_graph::{Graph, StationId};
 
-/// A mark nearer to another than this is left out, in units of the paper.
+/// Minimum distance of marks, in units of the paper.
 const APART: f64 = 9.0;
 
-/// Corners of what looks round.
+/// Number of corners of a circle.
 const CORNERS: usize = 20;
 
-/// What a mark says.
+/// Meaning of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// A station that a part of the cave grew from.
@@ -29,7 +29,7 @@ pub enum Mark {
 
 /// The marks of a cave.
 pub struct Marks {
-    /// Each with the stations it stands between, twice the same where it stands at one.
+    /// Each with its two stations, which are the same for a mark at one station.
     marks: Vec<(Mark, [StationId; 2])>,
 }
 
@@ -46,12 +46,12 @@ impl Marks {
         Self { marks: origins.chain(loops).chain(ends).collect() }
     }
 
-    /// How many there are of a kind.
+    /// Number of marks of a kind.
     pub fn count(&self, kind: Mark) -> usize {
         self.marks.iter().filter(|(mark, _)| *mark == kind).count()
     }
 
-    /// Draws those of a panel, the earlier where two are too near each other.
+    /// Draws those of a panel; of two that are too close, the earlier one.
     pub fn draw(&self, svg: &mut Svg, palette: &Palette, sheet: &Sheet, panel: &Panel, frame: &Frame) {
         let mut places = Places { apart_px: APART * frame.line_px, taken: BTreeMap::new() };
         let is_here = |end: &StationId| panel.level.is_none_or(|level| sheet[*end].level == level);
@@ -68,14 +68,14 @@ impl Marks {
     }
 }
 
-/// Where marks stand already, by squares as wide as they are apart.
+/// Occupied positions, by squares of the minimum distance.
 struct Places {
     apart_px: f64,
     taken: BTreeMap<[i64; 2], Vec<PaperPoint>>,
 }
 
 impl Places {
-    /// Takes a spot, if no other is too near.
+    /// Occupies a position, if no other is too close.
     fn take(&mut self, paper_point: PaperPoint) -> bool {
         let [column, row] = paper_point.map(|pixel| (pixel / self.apart_px).floor() as i64);
         let squares = (column - 1..=column + 1).flat_map(|x| (row - 1..=row + 1).map(move |y| [x, y]));

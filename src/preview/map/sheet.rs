@@ -1,33 +1,33 @@
-//! A graph as it lies on paper, still in metres.
+//! A graph projected onto paper, in metres.
 
 use std::ops::Index;
 
 use crate::preview::Subject;
 use plume_graph::{Aabb, Graph, Node, StationId};
 
-/// More storeys than this are drawn over each other.
+/// If there are more storeys than this, they are drawn over each other.
 const MOST_PANELS: usize = 12;
-/// A profile is stretched until it is this high, as a share of the paper. Tuned.
+/// Target height of a profile, relative to the paper. Tuned.
 const LEAST_HEIGHT: f64 = 0.2;
-/// By how much it may be stretched.
+/// Vertical exaggerations.
 const STRETCHES: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 
-/// A station as it lies on paper, in metres; stretched, if the sheet is.
+/// A projected station, in metres, including vertical exaggeration.
 pub struct SheetStation {
     /// To the right and up.
     pub at: [f64; 2],
-    /// How near the viewer it is.
+    /// Depth towards the viewer.
     pub depth: f64,
-    /// Elevation, not stretched.
+    /// Elevation, not exaggerated.
     pub height_m: f64,
-    /// How far the passage reaches aside, up and down.
+    /// Extents of the passage sideways, up and down.
     pub reach: [f64; 3],
     /// Its storey.
     pub level: u32,
 }
 
 impl SheetStation {
-    /// A place on the straight way to another.
+    /// A position on the straight line to another.
     pub fn towards(&self, other: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * share;
         Self {
@@ -42,7 +42,7 @@ impl SheetStation {
 
 /// Passages that are drawn together.
 pub struct Panel {
-    /// What stands over it; may be empty.
+    /// Its title; may be empty.
     pub label: String,
     /// The storey it shows; `None` for all.
     pub level: Option<u32>,
@@ -50,28 +50,28 @@ pub struct Panel {
     pub edges: Vec<[StationId; 2]>,
 }
 
-/// A map before it is scaled.
+/// A map before scaling.
 pub struct Sheet {
-    /// Which map it is.
+    /// The name of the map.
     pub what: &'static str,
-    /// How it is to be read.
+    /// Notes for reading it.
     pub note: String,
     /// Whether up on paper is up in the cave.
     pub is_upright: bool,
-    /// How much larger heights are drawn than lengths.
+    /// Vertical exaggeration.
     pub stretch: f64,
     /// Every station of the graph.
     pub stations: Vec<SheetStation>,
-    /// What is drawn, side by side.
+    /// The panels, side by side.
     pub panels: Vec<Panel>,
-    /// All of it over each other.
+    /// The bounds of all panels combined.
     pub everything: Panel,
     /// Lowest and highest station.
     pub heights_m: [f64; 2],
 }
 
 impl Sheet {
-    /// Seen from above.
+    /// The plan.
     pub fn plan(subject: &Subject) -> Self {
         let station = |node: &Node| {
             let aside = f64::from(subject.passage.reach(node).aside_m);
@@ -83,7 +83,7 @@ impl Sheet {
         Self { panels, ..Self::new("plan", subject.graph, stations) }
     }
 
-    /// Seen from the side, on paper that is `ratio` times as high as wide.
+    /// The profile, on paper with this ratio of height to width.
     pub fn profile(subject: &Subject, ratio: f64) -> Self {
         let [along_x, along_y] = longest_axis(subject.graph);
         let station = |node: &Node| {
@@ -119,7 +119,7 @@ impl Sheet {
         }
     }
 
-    /// Stretches heights until they can be read.
+    /// Exaggerates heights until they are legible.
     fn stretched(mut self, ratio: f64) -> Self {
         let [width_m, height_m] = self.bounds().size();
         let flatness = height_m / width_m / ratio;
@@ -142,7 +142,7 @@ impl Sheet {
         bounds.reduce(Aabb::union).expect("a sheet has stations")
     }
 
-    /// How far up between the lowest and the highest station, 0–1.
+    /// Relative height between the lowest and the highest station, 0–1.
     pub fn share(&self, height_m: f64) -> f64 {
         let [low, high] = self.heights_m;
         if high > low { ((height_m - low) / (high - low)).clamp(0.0, 1.0) } else { 0.5 }
@@ -178,13 +178,13 @@ fn storey(graph: &Graph, level: u32) -> Panel {
     Panel { label, level: Some(level), edges: graph.edges.iter().filter(is_here).copied().collect() }
 }
 
-/// A whole number as people write it.
+/// A rounded number.
 pub fn whole(number: f64) -> String {
     // Adding zero turns -0.0 into 0.0.
     format!("{}", libm::round(number) + 0.0).replace('-', "−")
 }
 
-/// Unit vector along the first principal axis of the stations, horizontal, pointing east if it can.
+/// Unit vector along the first horizontal principal axis of the stations, pointing east if possible.
 fn longest_axis(graph: &Graph) -> [f64; 2] {
     let count = graph.nodes.len() as f64;
     let sum = |of: &dyn Fn(&Node) -> f64| graph.nodes.iter().map(of).sum::<f64>() / count;

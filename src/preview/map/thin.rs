@@ -1,4 +1,4 @@
-//! Leaves out what the paper cannot show.
+//! Omits what the paper cannot show.
 
 use rustc_hash::FxHashMap;
 
@@ -6,13 +6,13 @@ use super::frame::Frame;
 use super::sheet::{Panel, Sheet, SheetStation};
 use plume_graph::StationId;
 
-/// More pieces than this are not drawn. Tuned: a second's work for a viewer of SVG.
+/// Maximum number of drawn pieces. Tuned: about a second for an SVG viewer.
 const MOST_PIECES: usize = 16_000;
-/// Stations nearer than this are one, pixels of a paper of 1280.
+/// Stations closer than this are merged, in pixels of a paper of 1280.
 const LEAST_PX: f64 = 1.0;
 
-/// The passages of a panel as pairs of stations, or one station twice where it has none that can be seen. Of stations in
-/// one pixel the nearest to the viewer stands for all; the pixel grows until few enough are left.
+/// The passages of a panel as pairs of stations, or one station twice if it has no visible passage. Of stations in one pixel
+/// the nearest to the viewer represents all; the pixel grows until few enough are left.
 pub fn pieces(sheet: &Sheet, panel: &Panel, frame: &Frame) -> Vec<[StationId; 2]> {
     let mut cell_m = LEAST_PX * frame.line_px / frame.px_per_m;
     loop {
@@ -47,7 +47,7 @@ fn merged(sheet: &Sheet, panel: &Panel, cell_m: f64) -> Vec<[StationId; 2]> {
     without_covered(pieces, sheet.stations.len())
 }
 
-/// A station that a passage ends in needs not be drawn again.
+/// A station at the end of a passage need not be drawn again.
 fn without_covered(mut pieces: Vec<[StationId; 2]>, stations: usize) -> Vec<[StationId; 2]> {
     let mut covered = vec![false; stations];
     pieces.iter().filter(|[a, b]| a != b).flatten().for_each(|end| covered[end.index()] = true);

@@ -1,4 +1,4 @@
-//! The wall of a cave in few triangles.
+//! A low-poly wall of a cave.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,14 +12,14 @@ use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings, QUANTA_PER_M};
 use crate::preview::{PreviewError, Subject};
 use plume_graph::{Aabb, StationId};
 
-/// Triangles before they are simplified. Tuned: about a second's work on two cores.
+/// Number of triangles before simplification. Tuned: about a second on two cores.
 const TRIANGLES: f64 = 120_000.0;
-/// Edge of a lattice cell, metres: finer than the least shows nothing more, and coarser than the most closes passages.
+/// Range of voxel sizes, metres: finer adds nothing visible, coarser closes passages.
 const LEAST_VOXEL_M: f64 = 0.25;
 const MOST_VOXEL_M: f64 = 0.6;
-/// How far simplification may move the wall, in cells.
+/// Simplification error, in voxels.
 const ERROR_CELLS: f32 = 0.2;
-/// Edge of a chunk in cells.
+/// Edge of a chunk in voxels.
 const CHUNK_CELLS: f32 = 48.0;
 
 /// The wall, chunk by chunk.
@@ -28,7 +28,7 @@ pub struct Solid {
 }
 
 impl Solid {
-    /// The wall; `None` where it is too large to be made on the spot.
+    /// The wall; `None` if it is too large to be made quickly.
     pub fn of(subject: &Subject, stop: &AtomicBool) -> Result<Option<Self>, PreviewError> {
         let voxel_m = (2.0 * area_m2(subject) / TRIANGLES).sqrt().max(LEAST_VOXEL_M);
         if voxel_m > MOST_VOXEL_M {
@@ -39,7 +39,7 @@ impl Solid {
             voxel_m,
             chunk_m: [voxel_m * CHUNK_CELLS; 3],
             simplify_error_m: voxel_m * ERROR_CELLS,
-            // What wheels touch is not shown.
+            // The collision mesh is not shown.
             collision_error_m: 0.0,
             ..MeshSettings::default()
         };
@@ -63,7 +63,7 @@ impl Solid {
         let bounds = Aabb::from_points(positions().copied()).unwrap_or_else(|| [0; 3].into());
         let corner = bounds.min;
         let widest = bounds.size()[bounds.longest_axis()];
-        // As many quanta as let the widest side fit into 16 bits.
+        // Step size in quanta such that the longest side fits into 16 bits.
         let step = widest / i32::from(u16::MAX) + 1;
         let steps = positions().flat_map(|at| [0, 1, 2].map(|i| ((at[i] - corner[i]) / step) as u16));
         let normals = self.chunks.iter().flat_map(|chunk| &chunk.normals).flatten();
@@ -91,7 +91,7 @@ impl Solid {
     }
 }
 
-/// About how large the wall is: every passage as a tube.
+/// Approximate area of the wall: every passage as a tube.
 fn area_m2(subject: &Subject) -> f64 {
     let around_m = |station: StationId| {
         let Reach { aside_m, up_m, down_m } = subject.passage.reach(&subject.graph[station]);
