@@ -1,11 +1,11 @@
-//! What the campaign is told.
+//! Command-line arguments of the campaign.
 
 use std::path::{Path, PathBuf};
 
 /// The seed of all random numbers, unless another is given.
 const SEED: u64 = 13;
 
-/// What the campaign is told.
+/// Arguments of the campaign.
 pub struct Arguments {
     /// The program under attack.
     pub plume: PathBuf,
@@ -15,7 +15,7 @@ pub struct Arguments {
     pub minutes: Option<f64>,
     /// The seed of all random numbers.
     pub seed: u64,
-    /// How many attacks run at once.
+    /// Number of attacks that run in parallel.
     pub jobs: usize,
     /// The attacks to run; none means all.
     chosen: Vec<String>,

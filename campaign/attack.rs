@@ -1,4 +1,4 @@
-//! What an attack is, and what it gets.
+//! The interface of attacks.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -1,4 +1,4 @@
-//! A folder of its own for each try.
+//! A separate folder for each attempt.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// An empty one in `scratch`, but for the folder `tmp` that commands are told to put temporary files into.
+    /// An empty one in `scratch`, except for the folder `tmp` for temporary files of commands.
     pub fn new(plume: &Path, scratch: &Path) -> Self {
         let folder = tempfile::Builder::new().prefix("try").tempdir_in(scratch).expect("a folder can be made");
         fs::create_dir(folder.path().join("tmp")).expect("a folder can be made");
@@ -44,7 +44,7 @@ impl Desk {
         fs::write(path, content).expect("a file can be written");
     }
 
-    /// Makes a link that leads to `target`, in the place of what is there.
+    /// Replaces what is there with a link to `target`.
     pub fn link(&self, name: &str, target: impl AsRef<Path>) {
         let path = self.path(name);
         let _ = fs::remove_file(&path).or_else(|_| fs::remove_dir_all(&path));
@@ -71,7 +71,7 @@ impl Desk {
         Call::new(Path::new(program), arguments, self.folder.path()).run()
     }
 
-    /// Whether the package at `name` is whole.
+    /// Whether the package at `name` is intact.
     pub fn check(&self, name: &str) -> Result<(), String> {
         self.run(&["check", name]).done()
     }

@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     if rows.iter().any(|row| row.tally.failed > 0) { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-/// Runs the attacks, as many at once as asked, and gives their rows in the order of the table.
+/// Runs the attacks, as many in parallel as requested, and returns their rows in the order of the table.
 fn run(chosen: &[&'static Attack], arguments: &Arguments) -> Vec<Row> {
     let scratch = tempfile::Builder::new().prefix("campaign").tempdir().expect("a folder can be made");
     let cave = cave::make(&arguments.plume, scratch.path());

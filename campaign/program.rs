@@ -11,11 +11,11 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process, kill_process_group};
 
-/// A run takes no longer than this unless it is told so.
+/// Default time limit of a run.
 const LIMIT: Duration = Duration::from_secs(120);
 /// How often a run is looked at.
 const GLANCE: Duration = Duration::from_millis(2);
-/// How much is read of what a run says.
+/// Maximum output read of a run.
 const MOST_BYTES: u64 = 1 << 22;
 /// No message to a person is longer.
 const MOST_WORDS: usize = 16 << 10;
@@ -25,7 +25,7 @@ const PANIC: i32 = 101;
 /// A run to be started.
 pub struct Call {
     words: Vec<OsString>,
-    /// How many words stand before the program itself.
+    /// Number of words before the program itself.
     prefix: usize,
     folder: PathBuf,
     limit: Duration,
@@ -49,7 +49,7 @@ pub struct Outcome {
     pub end: End,
     /// What it printed.
     pub stdout: String,
-    /// What it said.
+    /// Its output.
     pub stderr: String,
     /// How long it took.
     pub took: Duration,
@@ -115,12 +115,12 @@ pub struct Running {
 }
 
 impl Running {
-    /// Asks it, and not what it has started, to end.
+    /// Asks it, but not its children, to stop.
     pub fn send(&self, signal: Signal) {
         let _ = kill_process(Pid::from_child(&self.child), signal);
     }
 
-    /// Kills it and what it has started, as a power switch would.
+    /// Kills it and its children, like a power failure.
     pub fn kill(mut self) -> Outcome {
         self.stop();
         self.wait()
@@ -162,12 +162,12 @@ impl Running {
 }
 
 impl Outcome {
-    /// Whether it did what it was asked for.
+    /// Whether it succeeded.
     pub fn is_done(&self) -> bool {
         self.end == End::Code(0)
     }
 
-    /// Fails unless it did what it was asked for.
+    /// Fails unless it succeeded.
     pub fn done(&self) -> Result<(), String> {
         if self.is_done() { Ok(()) } else { Err(self.told("should have worked")) }
     }
@@ -193,9 +193,9 @@ impl Outcome {
         if matches!(self.end, End::Code(1 | 2)) { Ok(()) } else { Err(self.told("should have been refused")) }
     }
 
-    /// The command line, how it ended and what it said first, for a person to repeat.
+    /// The command line, how it ended and the start of its output, for reproduction.
     pub fn told(&self, verdict: &str) -> String {
-        // What a run that worked has said is a summary, and of no use here.
+        // The output of a successful run is a summary, which is not needed here.
         let said = if self.is_done() { "" } else { self.stderr.trim() };
         let said: String = said.replace('\n', " / ").chars().take(300).collect();
         let end = match self.end {

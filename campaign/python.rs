@@ -28,5 +28,5 @@ impl Python {
     }
 }
 
-/// What is said where there is no such Python.
+/// The message if there is no such Python.
 pub const MISSING: &str = "Python: .venv has no package plume";

@@ -17,7 +17,7 @@ pub struct Scenario {
     pub words: Vec<String>,
     /// A command that goes before it and that is left alone.
     first: Option<Vec<String>>,
-    /// What appears whole or not at all.
+    /// Outputs that appear whole or not at all.
     outputs: Vec<String>,
 }
 

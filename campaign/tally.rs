@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Failures that are told in full; the rest are counted.
+/// Number of failures reported in full; the rest are counted.
 const SHOWN: usize = 12;
 
 /// The count of one attack.
@@ -23,7 +23,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts a try; `what` says what was done, a failure what came of it.
+    /// Counts an attempt; `what` describes it, a failure its result.
     pub fn enter(&mut self, what: &str, held: Result<(), String>) {
         self.tried += 1;
         let Err(reason) = held else { return };
@@ -47,7 +47,7 @@ impl Tally {
         self.skipped.push(what.into());
     }
 
-    /// Notes something that a reader of the table wants to know.
+    /// Adds a note for readers of the table.
     pub fn note(&mut self, what: impl Into<String>) {
         self.notes.push(what.into());
     }

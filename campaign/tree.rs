@@ -20,7 +20,7 @@ enum Entry {
 }
 
 impl Tree {
-    /// What is below `root`; nothing if there is no such folder.
+    /// The content of `root`; empty if there is no such folder.
     pub fn of(root: &Path) -> Self {
         let mut tree = Self::default();
         tree.add(root, Path::new(""));
@@ -39,13 +39,13 @@ impl Tree {
         }
     }
 
-    /// The same without what lies at or below `path`.
+    /// The same without what is at or below `path`.
     pub fn without(mut self, path: &str) -> Self {
         self.0.retain(|found, _| !found.starts_with(path));
         self
     }
 
-    /// Only what lies at or below `path`.
+    /// Only what is at or below `path`.
     pub fn at(&self, path: &str) -> Self {
         let inside = self.0.iter().filter(|(found, _)| found.starts_with(path));
         Self(inside.map(|(found, entry)| (found.clone(), entry.clone())).collect())

@@ -24,7 +24,7 @@ pub struct Console {
 impl Console {
     /// A console.
     pub fn new(common: &Common) -> Self {
-        let disk = Disk { allows_strays: common.allow_outside };
+        let disk = Disk { allows_outside_files: common.allow_outside };
         Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, disk, bar: Mutex::new(None) }
     }
 
@@ -126,7 +126,7 @@ impl Observer for Console {
         self.allow_run
     }
 
-    fn allows_strays(&self) -> bool {
-        self.disk.allows_strays
+    fn allows_outside_files(&self) -> bool {
+        self.disk.allows_outside_files
     }
 }

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// A row for every generator that can be asked for so many nodes.
+/// A row for every generator that supports this number of nodes.
 #[expect(clippy::print_stdout, reason = "the result of the example")]
 fn table(nodes: u32) -> Result<(), Box<dyn Error>> {
     println!("generator | nodes | CPU s | nodes a CPU second | peak MB");
@@ -48,7 +48,7 @@ fn row(name: &str, nodes: u32) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The most memory the process ever held, where the system tells (Linux).
+/// Peak memory of the process, where the system reports it (Linux).
 fn peak_mb() -> f64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap_or_default();

@@ -16,7 +16,7 @@ use std::error::Error;
 const BATCH: usize = 64;
 /// Share of the field that is a safe step; the field is steeper than a distance.
 const SAFE: f32 = 0.45;
-/// Spacing of the texels that the picture stands for, metres.
+/// Spacing of the simulated texels, metres.
 const TEXEL_M: f32 = 1.0 / 150.0;
 
 type V = Vector3<f32>;
@@ -133,7 +133,7 @@ impl Camera {
         developed(light, exposure)
     }
 
-    /// Light that comes along each ray.
+    /// Light along each ray.
     fn seen(&self, field: &CaveField, rays: &[V]) -> Vec<V> {
         let eyes = vec![self.eye; rays.len()];
         let reach = march(field, &eyes, rays, &vec![60.0; rays.len()]);

@@ -43,7 +43,7 @@ fn settings(row: &GeneratorRow, nodes: u32) -> Value {
     if has_nodes { json!({ "nodes": nodes }) } else { json!({}) }
 }
 
-/// The titles, and what is to be compared with.
+/// The titles, and the reference values.
 fn heading() -> String {
     let metrics = &METRICS[..SCALE_FREE];
     let titles: String = metrics.iter().map(|metric| format!(" {} |", metric.name)).collect();

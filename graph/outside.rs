@@ -18,7 +18,7 @@ pub trait Outside: Sync {
     }
 
     /// Whether a file may refer to files outside its own folder.
-    fn allows_strays(&self) -> bool {
+    fn allows_outside_files(&self) -> bool {
         false
     }
 

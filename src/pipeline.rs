@@ -42,7 +42,7 @@ pub trait Observer: Sync {
         false
     }
     /// Whether files may refer to files outside their folder.
-    fn allows_strays(&self) -> bool {
+    fn allows_outside_files(&self) -> bool {
         false
     }
 }
@@ -408,7 +408,7 @@ fn stations(graph: &Graph) -> String {
 /// # Errors
 /// If the graph is impossible, or the observer stops.
 pub fn generated(recipe: &Recipe, observer: &dyn Observer) -> Result<Graph, PipelineError> {
-    let disk = Disk { allows_strays: observer.allows_strays() };
+    let disk = Disk { allows_outside_files: observer.allows_outside_files() };
     let machine = Machine { disk, stop: observer.stop() };
     let outside: &dyn Outside = if observer.allows_programs() { &machine } else { &disk };
     let graph = recipe.realism().generate(recipe.graph(), recipe.seed(), outside);

@@ -334,7 +334,7 @@ impl Centreline {
         };
         // Floating pieces have no position, so they cannot be kept or joined; all but the longest may be dropped.
         if held + placed.adrift.len() > 1 && parts != Parts::Longest {
-            let those = match files.has_strays() {
+            let those = match files.has_outside_files() {
                 true => "some".to_owned(),
                 false => {
                     let named = &placed.adrift[..placed.adrift.len().min(NAMED)];

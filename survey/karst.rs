@@ -15,7 +15,7 @@ use nalgebra::Point3;
 use super::draft::{Draft, node_at};
 use super::limits::{MAX_LEGS, MAX_LINE, MAX_STATIONS};
 use super::text::{LENGTH_HINT, coordinate, utf8, whole};
-use super::{Import, Parts, ReadError, STRAY, STRAY_HINT, STRAY_LINE, STRAY_LINE_HINT, Source, Written};
+use super::{Import, OUTSIDE_FILE, OUTSIDE_HINT, OUTSIDE_LINE, OUTSIDE_LINE_HINT, Parts, ReadError, Source, Written};
 use plume_graph::echo::shown;
 use plume_graph::{Graph, Node, StationId};
 
@@ -31,16 +31,16 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
         _ => return Err(ReadError::whole(source.path, "is neither a file of nodes nor of links", PAIR_HINT)),
     };
     let other = PathBuf::from(format!("{stem}{}", if is_nodes { LINKS } else { NODES }));
-    let is_stray = source.is_stray(&other);
-    if source.refuses(is_stray) {
-        return Err(ReadError::whole(&other, STRAY, STRAY_HINT));
+    let is_outside_file = source.is_outside_file(&other);
+    if source.refuses(is_outside_file) {
+        return Err(ReadError::whole(&other, OUTSIDE_FILE, OUTSIDE_HINT));
     }
     let told = |error: std::io::Error| ReadError::whole(&other, error.to_string(), PAIR_HINT);
     let bytes = source.outside.read(&other).map_err(told)?;
     let (named, other) = ((source.path, source.bytes), (other.as_path(), bytes.as_slice()));
     let (nodes, links) = if is_nodes { (named, other) } else { (other, named) };
-    let quiet = |fault: ReadError| match is_stray && fault.place.path() == other.0 {
-        true => ReadError { message: STRAY_LINE.to_owned(), hint: STRAY_LINE_HINT.to_owned(), ..fault },
+    let quiet = |fault: ReadError| match is_outside_file && fault.place.path() == other.0 {
+        true => ReadError { message: OUTSIDE_LINE.to_owned(), hint: OUTSIDE_LINE_HINT.to_owned(), ..fault },
         false => fault,
     };
     let mut draft = Draft { nodes: read_nodes(nodes.0, nodes.1).map_err(quiet)?, edges: Vec::new() };

@@ -94,22 +94,22 @@ pub struct Source<'a> {
 
 impl Source<'_> {
     /// Whether a file that this one includes is outside its folder.
-    fn is_stray(&self, path: &Path) -> bool {
+    fn is_outside_file(&self, path: &Path) -> bool {
         !self.outside.is_below(self.path.parent().unwrap_or(Path::new("")), path)
     }
 
     /// Whether such a file may be read.
-    fn refuses(&self, is_stray: bool) -> bool {
-        is_stray && !self.outside.allows_strays()
+    fn refuses(&self, is_outside_file: bool) -> bool {
+        is_outside_file && !self.outside.allows_outside_files()
     }
 }
 
 /// Messages about an included file outside the folder, and about its lines if it may be read: its text is never shown,
 /// since the author of the including file may not be the user.
-const STRAY: &str = "is outside the folder of the imported file";
-const STRAY_HINT: &str = "if you trust the file that includes it, add --allow-outside";
-const STRAY_LINE: &str = "cannot be read";
-const STRAY_LINE_HINT: &str = "this file is outside the folder of the imported one, so none of its text is shown";
+const OUTSIDE_FILE: &str = "is outside the folder of the imported file";
+const OUTSIDE_HINT: &str = "if you trust the file that includes it, add --allow-outside";
+const OUTSIDE_LINE: &str = "cannot be read";
+const OUTSIDE_LINE_HINT: &str = "this file is outside the folder of the imported one, so none of its text is shown";
 
 /// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -136,7 +136,7 @@ fn every_way_to_name_a_module_is_seen() {
 }
 
 #[test]
-fn arrows_point_one_way() {
+fn dependencies_point_one_way() {
     for file in sources(Path::new("src")) {
         let path = module_path(&file);
         let Some(module) = path.first().cloned() else { continue };
@@ -153,7 +153,7 @@ fn arrows_point_one_way() {
 fn only_assemble_and_those_above_it_know_exporters() {
     for file in sources(Path::new("src")) {
         let names_exporters = fs::read_to_string(&file).unwrap().contains("plume_exporters");
-        // The root hands them on to whoever uses the library.
+        // The root crate re-exports them for users of the library.
         let may = matches!(module_path(&file).first().map_or("", String::as_str), "" | "assemble" | "cave");
         assert!(!names_exporters || may, "{}", file.display());
     }

@@ -27,7 +27,7 @@ fn whole(voxel_m: f32, chunk_m: f32) -> MeshSettings {
 }
 
 #[test]
-fn every_generator_in_every_rock_is_lawful() {
+fn every_generator_in_every_rock_keeps_the_laws() {
     for (generator, material) in GENERATORS.iter().flat_map(|g| MATERIALS.iter().map(move |m| (g, m))) {
         for (seed, voxel_m, chunk_m) in [(1, 0.2, 16.0), (2, 0.25, 8.0), (3, 0.3, 32.0)] {
             let field = field(&small(generator, 10, seed), material, seed);

@@ -152,7 +152,7 @@ proptest! {
 }
 
 #[test]
-fn regions_are_of_use() {
+fn regions_are_useful() {
     for field in caves() {
         let bounds = field.bounds();
         let regions: Vec<Region> = scattered(bounds, 2000)
@@ -166,7 +166,7 @@ fn regions_are_of_use() {
 }
 
 #[test]
-fn beyond_the_bounds_all_is_rock() {
+fn everything_beyond_the_bounds_is_rock() {
     for field in caves() {
         let bounds = field.bounds();
         let outside = |p: &[f32; 3]| !bounds.contains(*p);
@@ -236,7 +236,7 @@ struct Worst {
     jump_m: f32,
     /// Where that is.
     at: [f32; 3],
-    /// Change over a centimetre that is no jump, per metre.
+    /// Largest change over a centimetre that does not count as a jump, per metre.
     slope: f32,
 }
 
@@ -360,9 +360,9 @@ fn rocks_refuse_unknown_settings() {
     }
 }
 
-/// A point that is moved by its height lies on the wall with all detail, but for what a first step cannot reach.
+/// A point displaced by its height is on the wall with all detail, within the accuracy of a first-order step.
 #[test]
-fn heights_lead_to_the_wall() {
+fn height_maps_lead_to_the_wall() {
     for field in caves() {
         let points = near_wall(&field, 3000);
         let bounds = around(&points).padded(0.5);

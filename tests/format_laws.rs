@@ -85,7 +85,7 @@ fn leads_to_an_origin(graph: &Graph, node: StationId) -> bool {
         <= graph.nodes.len()
 }
 
-/// A graph of the laws, or an error that says something.
+/// A valid graph, or a meaningful error.
 fn is_read_or_refused(row: &FormatRow, path: &Path, parts: Parts, files: &Files) {
     match read(row, path, parts, files) {
         Ok(import) => keeps_the_laws(&import.graph, parts),
@@ -118,7 +118,7 @@ fn graphs() -> Vec<Graph> {
     graphs
 }
 
-/// Places by their coordinates in whole millimetres, and the passages between them.
+/// Positions in whole millimetres, and the passages between them.
 fn geometry(graph: &Graph) -> (BTreeSet<[i64; 3]>, BTreeSet<[[i64; 3]; 2]>) {
     let place = |node: &Node| node.position.coords.map(|x| (x * 1000.0).round() as i64).into();
     let places: Vec<[i64; 3]> = graph.nodes.iter().map(place).collect();
@@ -137,7 +137,7 @@ fn widths(graph: &Graph) -> Widths {
 }
 
 #[test]
-fn what_is_written_reads_back() {
+fn written_graphs_read_back() {
     for row in readers().filter(|row| row.write.is_some()) {
         for (index, graph) in graphs().into_iter().enumerate() {
             let name = format!("{} graph {index}", row.name);
@@ -156,7 +156,7 @@ fn what_is_written_reads_back() {
 }
 
 #[test]
-fn what_is_written_is_the_same_every_time() {
+fn writing_is_deterministic() {
     for row in FORMATS.iter().filter(|row| row.write.is_some()) {
         for graph in graphs() {
             assert_eq!(written(row, &graph), written(row, &graph.clone()), "{}", row.name);
@@ -165,7 +165,7 @@ fn what_is_written_is_the_same_every_time() {
 }
 
 #[test]
-fn names_and_endings_lead_to_their_rows() {
+fn names_and_extensions_lead_to_their_rows() {
     for row in FORMATS {
         assert!(std::ptr::eq(survey::format(row.name).unwrap(), row));
         assert!(!row.summary.is_empty() && (row.read.is_some() || row.write.is_some()));
@@ -204,7 +204,7 @@ fn a_real_cave_is_read_from_either_file_of_its_pair() {
 }
 
 #[test]
-fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
+fn a_factor_welds_coinciding_nodes_and_is_limited() {
     let table = "x1,y1,x2,y2,width1,height1\n0,0,0.4,0,2,1\n0.4,0,900,0,,\n";
     let files = Files::one("cave.csv", table);
     let import = || survey::read("cave.csv".as_ref(), Parts::Refuse, &files).unwrap();
@@ -221,7 +221,7 @@ fn a_factor_welds_what_it_brings_together_and_goes_not_too_far() {
 const OF_ANY_GRID: [&str; 3] = ["graphml", "karstnet", "csv"];
 
 #[test]
-fn what_lies_far_away_is_counted_from_its_first_node() {
+fn distant_graphs_are_moved_to_their_first_node() {
     let [near, ..] = &graphs()[..] else { panic!("there is one") };
     let mut far = near.clone();
     far.nodes.iter_mut().for_each(|node| node.position += Vector3::new(431_234.567, 5_287_654.321, 812.25));
@@ -241,7 +241,7 @@ fn what_lies_far_away_is_counted_from_its_first_node() {
 }
 
 #[test]
-fn what_is_counted_from_elsewhere_is_moved_before_it_is_rounded() {
+fn coordinates_are_moved_before_they_are_rounded() {
     let table = |z: &str| format!("x1,y1,z1,x2,y2,z2\n500000,5200000.0004,{z},500000,5200010.0008,{z}\n");
     let read = |table: &str| {
         let files = Files::one("cave.csv", table.as_bytes().to_vec());
@@ -294,9 +294,9 @@ fn damaged_files_are_read_or_refused() {
     }
 }
 
-/// What a user is told about each bad file: one golden text for each format.
+/// The error for each bad file: one golden text per format.
 #[test]
-fn bad_files_are_told_what_is_wrong_with_them() {
+fn bad_files_are_refused_with_a_message() {
     for row in readers() {
         let files = Files::folder(&folder(row).join("bad"));
         let mut told = String::new();
@@ -345,7 +345,7 @@ fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
 }
 
 #[test]
-fn files_made_to_waste_are_refused() {
+fn malicious_files_are_refused() {
     for (name, path, text, words) in wasteful() {
         let row = survey::format(name).unwrap();
         let mut files = Files::one(path, text);

@@ -125,7 +125,7 @@ fn a_file_too_large_is_refused_while_it_is_read() {
     assert_eq!(read(&text).unwrap_err(), ReadError::TooMany { what: "nodes", most: 1_000_000 });
 }
 
-/// What a user is told about each bad file: one golden text for all of them.
+/// The error for each bad file: one golden text for all of them.
 #[test]
 fn bad_files_are_told_what_is_wrong_with_them() {
     let mut files: Vec<_> = fs::read_dir("tests/data/bad_graphs").unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -180,7 +180,7 @@ fn scaling_scales_every_length() {
 }
 
 proptest! {
-    /// Whatever a file holds, it is read or refused, and what is read keeps the laws.
+    /// Any file is either read or refused, and graphs that are read keep the laws.
     #[test]
     fn damaged_files_are_read_or_refused(
         cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..6_usize, "[-0-9a-z\",:{}\\[\\].]{0,4}"), 1..4)

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use world::{World, has, sized};
 
 const SEEDS: u64 = 12;
-/// Generators that are told what to make, whatever the seed.
+/// Generators whose result does not depend on the seed.
 const FIXED: &[&str] = &["external", "file"];
 /// Settings that every generator takes, under the names it has for them.
 const SIZES: [(u32, u32); 6] = [(2, 1), (7, 1), (50, 1), (120, 1), (120, 3), (400, 2)];
@@ -28,7 +28,7 @@ fn make(name: &str, settings: Value) -> Box<dyn Generator> {
     (row.read)(settings).expect("the settings are its own")
 }
 
-/// A generator and what was asked of it.
+/// A generator and its settings.
 struct Case {
     name: String,
     /// `None` where the generator is not asked.
@@ -60,7 +60,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Runs a law for many seeds of every generator; it is told the case and the seed in words.
+/// Runs a law for many seeds of every generator, with a description of the case and the seed.
 fn hold(law: impl Fn(&str, &Case, &Graph)) {
     for case in cases() {
         for seed in 0..SEEDS {
@@ -72,7 +72,7 @@ fn hold(law: impl Fn(&str, &Case, &Graph)) {
 }
 
 #[test]
-fn graphs_are_whole_and_have_the_asked_number_of_nodes() {
+fn graphs_are_connected_and_have_the_requested_number_of_nodes() {
     hold(|name, case, graph| {
         assert!(case.nodes.is_none_or(|nodes| graph.nodes.len() == nodes), "{name}: {}", graph.nodes.len());
         assert_eq!(graph.components().len(), 1, "{name}");
@@ -151,7 +151,7 @@ fn the_same_seed_makes_the_same_graph_and_another_one_another() {
 }
 
 #[test]
-fn files_hold_all_of_a_graph() {
+fn files_preserve_the_whole_graph() {
     hold(|name, _, graph| {
         let back = read(&write(graph, "0.0.0", &Value::Null)).unwrap();
         assert_eq!(&back.graph, graph, "{name}");
@@ -279,7 +279,7 @@ fn caves_stay_in_bounds_and_are_not_too_steep() {
 }
 
 #[test]
-fn passages_at_a_node_stand_apart_and_none_grows_in_the_forbidden_arc() {
+fn passages_at_a_node_keep_their_angles_and_avoid_the_forbidden_arc() {
     // A section is ruled out by its middle, so half a degree of it may be used.
     const SECTION_DEG: f64 = 0.6;
     for settings in [json!({"nodes": 250}), json!({"nodes": 120, "forbidden_deg": 220.0})] {
@@ -307,7 +307,7 @@ fn plan_angle_deg(graph: &Graph, at: StationId, a: StationId, b: StationId) -> f
     way(a).angle(&way(b)).to_degrees()
 }
 
-/// A child lies on the circle of its parent, save for the last leg of a connector.
+/// A child is on the circle of its parent, except for the last leg of a connector.
 #[test]
 fn the_radius_of_a_node_is_the_reach_to_its_children() {
     let generator = make("gaussian-perlin", json!({"nodes": 250}));
@@ -352,7 +352,7 @@ fn settings_shape_the_graph() {
 }
 
 #[test]
-fn what_has_no_room_is_refused_with_a_hint() {
+fn graphs_without_room_are_refused_with_a_hint() {
     let tight = make("gaussian-perlin", json!({"bounds_x_m": 12.0, "bounds_y_m": 12.0}));
     let error = tight.generate(1, &World).unwrap_err();
     assert_eq!(error.to_string(), "no room for 50 nodes");
@@ -391,7 +391,7 @@ fn nearest_excess(graph: &Graph) -> f64 {
 
 /// Drift between platforms or by accident shows here; a wanted change is accepted with `cargo insta`.
 #[test]
-fn small_graphs_are_what_they_were() {
+fn small_graphs_are_unchanged() {
     for row in GENERATORS.iter() {
         let graph = make(row.name, sized(row, 30)).generate(7, &World).unwrap();
         insta::assert_snapshot!(row.name, write(&graph, "0.0.0", &Value::Null));

@@ -79,7 +79,7 @@ fn quantile(sorted: &[f64], part: f64) -> f64 {
 }
 
 #[test]
-fn ranges_follow_from_the_caves_and_percentiles_turn_them_about() {
+fn ranges_follow_from_the_caves_and_percentiles_invert_them() {
     for (place, metric) in METRICS.iter().enumerate() {
         let mut known: Vec<f64> = CAVES.iter().map(|(_, row)| row[place]).filter(|x| !x.is_nan()).collect();
         known.sort_by(f64::total_cmp);
@@ -109,7 +109,7 @@ fn real_caves_are_like_real_caves() {
 }
 
 #[test]
-fn a_star_is_all_centre_and_no_cave() {
+fn a_star_is_not_like_a_cave() {
     let places = [[0.0; 3], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0], [-5.0, 0.0, 0.0]];
     let metrics = Metrics::of(&graph(&places, &[[0, 1], [0, 2], [0, 3]])).unwrap();
     assert_eq!(metrics.central_point_dominance, 1.0);

@@ -12,7 +12,7 @@ use segment::distance;
 use serde_json::{Value, json};
 use world::World;
 
-/// A generator, settings that stress it, and what they mean for its law.
+/// A generator, settings that stress it, and their consequences for its law.
 struct Case {
     name: &'static str,
     settings: Value,
@@ -76,7 +76,7 @@ fn no_passage_is_steeper_than_asked() {
 }
 
 #[test]
-fn passages_at_a_station_stand_apart() {
+fn passages_at_a_station_keep_their_angles() {
     hold(|case, graph, name| {
         for (node, others) in graph.stations().zip(graph.neighbors().iter()) {
             assert!(others.len() <= 4, "{name} {node:?}");
@@ -109,7 +109,7 @@ fn no_passage_runs_through_another() {
 }
 
 #[test]
-fn loops_come_when_they_are_asked_for() {
+fn loops_are_made_on_request() {
     for (name, key) in [
         ("grown-tunnels", "connectors"),
         ("worms", "loop_closure"),
@@ -161,7 +161,7 @@ fn grammar(axiom: &str, rules: &[&str], nodes: u32) -> Result<Graph, GenerateErr
 }
 
 #[test]
-fn faults_of_grammars_name_the_rule_and_the_character() {
+fn errors_of_grammars_name_the_rule_and_the_character() {
     let faulty: [(&str, &[&str]); 9] = [
         ("A", &["A = F[+A"]),
         ("A", &["A = FA", "A = F]A"]),
@@ -181,7 +181,7 @@ fn faults_of_grammars_name_the_rule_and_the_character() {
 }
 
 #[test]
-fn hostile_grammars_end() {
+fn hostile_grammars_terminate() {
     for rule in ["A = [A][A][A]AF", "A = AA", "A = [[[[A]]]]A", "A = F[A][A][A][A][A][A]"] {
         let graph = grammar("AF", &[rule], 300).map(|graph| graph.nodes.len());
         assert!(graph.as_ref().is_ok_and(|nodes| *nodes == 300) || graph.is_err(), "{rule}");

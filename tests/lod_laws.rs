@@ -95,7 +95,7 @@ fn any_mix_of_levels_is_closed_and_keeps_its_handles() {
 }
 
 #[test]
-fn every_level_has_fewer_triangles_and_the_whole_border() {
+fn every_level_has_fewer_triangles_and_the_same_border() {
     let mut deepest = 0;
     for (name, chunks) in &*DEEP {
         for chunk in chunks {

@@ -124,7 +124,7 @@ fn same_in_all_chunks(field: &dyn Field, bounds: Aabb<f32>) {
     assert!(sets[0].1 == sets[1].1 && sets[1].1 == sets[2].1);
 }
 
-/// Samples of a wall that lies on the lattice are all zero.
+/// Samples of a wall on the lattice are all zero.
 #[test]
 fn flat_walls_on_the_lattice_are_lawful() {
     let room = room([5.0, 3.0, 2.0]);
@@ -283,7 +283,7 @@ fn unmark_border(mesh: &mut Mesh) {
     mesh.border[vertex] = false;
 }
 
-/// Puts a vertex where another one is whose triangles touch none of its own.
+/// Moves a vertex to the position of another one with unconnected triangles.
 fn pinch(mesh: &mut Mesh) {
     let ring = |vertex: u32| {
         let around = mesh.triangles.iter().filter(move |triangle| triangle.contains(&vertex));

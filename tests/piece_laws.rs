@@ -65,7 +65,7 @@ fn caves() -> Vec<Cave> {
         .collect()
 }
 
-/// All chunks but one. That those further away change nothing is a law of its own.
+/// All chunks except one. That distant ones make no difference is a separate law.
 fn others(walls: &[Mesh], index: usize) -> Vec<Mesh> {
     walls.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, wall)| wall.clone()).collect()
 }
@@ -75,7 +75,7 @@ fn mesh_of(piece: &Piece) -> Mesh {
 }
 
 #[test]
-fn pieces_are_lawful() {
+fn pieces_keep_the_laws() {
     for cave in caves() {
         assert!(cave.pieces.iter().zip(&cave.walls).all(|(pieces, wall)| pieces.len() < wall.triangles.len()));
         for piece in cave.all_pieces() {
@@ -133,7 +133,7 @@ fn assert_in_the_rock(cave: &Cave) {
     });
 }
 
-/// Every point of the wall is in a piece of its own chunk, or no further before one than half a tolerance.
+/// Every point of the wall is in a piece of its chunk, or at most half a tolerance in front of one.
 fn assert_covered(cave: &Cave) {
     const SPACING_M: f64 = 0.1;
     let most_m = f64::from(cave.settings.wall_tolerance_m) / 2.0 + 1.0 / f64::from(QUANTA_PER_M);

@@ -144,7 +144,7 @@ fn clear_m(field: &CaveField, from: Point3<f64>, way: Vector3<f64>) -> f64 {
     STEP_M * steps as f64
 }
 
-/// Station 8 touches the wall, and rock stands in a little here and there.
+/// Station 8 touches the wall, and rock protrudes slightly in places.
 const AT_WALL_M: f32 = 0.1;
 
 #[test]
@@ -255,7 +255,7 @@ fn second_ft(header: &str, shot: &str) -> [f64; 3] {
     (graph.nodes[1].position / 0.3048).coords.map(|x| (100.0 * x).round() / 100.0 + 0.0).into()
 }
 
-/// Survex 1.4.4 takes the correction of lengths for metres and leaves that of backsights out, against the description.
+/// Contrary to the description, Survex 1.4.4 takes the correction of lengths as metres and ignores that of backsights.
 #[test]
 fn calibrations_and_backsights_of_compass_are_applied() {
     let shot = "A1 A2 10.0 80.0 20.0 -1 -1 -1 -1 266.0 -18.0\r\n";

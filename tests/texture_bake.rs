@@ -55,7 +55,7 @@ impl Sample {
     }
 }
 
-/// The texel nearest to the centre of each triangle, where its centre lies well inside.
+/// The texel nearest to the centre of each triangle, if the texel's centre is well inside.
 fn samples(textured: &Textured) -> Vec<Sample> {
     let size = f64::from(textured.size_px);
     let sample = |triangle: &[u32; 3]| {

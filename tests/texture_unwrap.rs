@@ -39,7 +39,7 @@ fn doubled_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Texels whose centre lies strictly inside, by brute force.
+/// Texels whose centre is strictly inside, by brute force.
 fn texels_inside(corners: [[f64; 2]; 3]) -> Vec<[i64; 2]> {
     let extent = |k: usize| {
         let values = corners.map(|c| c[k]);

@@ -32,7 +32,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// What the commands give of a folder that nobody has touched.
+/// Results of the commands for an undamaged folder.
 struct Undamaged {
     desk: Desk,
     cave: Tree,
@@ -170,8 +170,8 @@ impl Case<'_> {
         [Path::new("cave.toml"), Path::new("graph.json")].contains(&self.file)
     }
 
-    /// A run either refuses and names the file, or gives what it gives of the undamaged folder. What people may edit may also
-    /// have become another recipe or graph; then the run says so.
+    /// A run either refuses and names the file, or gives the same result as for the undamaged folder. Editable files may
+    /// also have become another recipe or graph, which the run must report.
     fn judge(&self, outcome: &Outcome, now: &[u8], same: Result<(), String>) -> Result<(), String> {
         outcome.decent()?;
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
@@ -261,8 +261,8 @@ fn damage_packages(context: &mut Context, tally: &mut Tally) {
     }
 }
 
-/// Whether Python unpacks the same files from an archive as from what it was: times and modes in the heads of zip and gzip are
-/// no part of what `plume check` promises. Zstandard has no such bits, and Python no reader of it.
+/// Whether Python unpacks the same files from an archive as from what it was: times and modes in the heads of zip and gzip
+/// are no part of what `plume check` promises. Zstandard has no such bits, and Python no reader of it.
 fn unpacks_alike(desk: &Desk, archive: &str, before: &[u8]) -> bool {
     let module = match archive.rsplit('.').next() {
         Some("zip" | "mjz") => "zipfile",

@@ -1,4 +1,4 @@
-//! A cave folder from a stranger: its records and links lead outside.
+//! A hostile cave folder, whose records and links lead outside.
 
 use std::path::Path;
 
@@ -57,7 +57,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// Each command on a folder of its own that was prepared by `plant`.
+/// Runs each command on a separate folder prepared by `plant`.
 fn attack(context: &Context, tally: &mut Tally, number: usize, what: &str, plant: &dyn Fn(&Desk)) {
     let chosen =
         |at: usize| context.length.is_long() || at < ALWAYS || at == ALWAYS + number % (COMMANDS.len() - ALWAYS);
@@ -196,7 +196,7 @@ fn forgeries() -> Vec<Forgery> {
     stale.into_iter().chain(replaced).chain(named).chain(odd).collect()
 }
 
-/// An honest unit of the first wall under another name; a texture's files stand for pieces, which are not there yet.
+/// A valid unit of the first wall under another name; a texture's files take the place of pieces, which do not exist yet.
 fn renamed(honest: &[Value], stage: &str, name: &str) -> Value {
     let is_wall = |unit: &&Value| unit["stage"] == "mesh" && unit["files"].as_array().is_some_and(|f| !f.is_empty());
     let wall = honest.iter().find(is_wall).expect("the cave has walls");
@@ -207,7 +207,7 @@ fn renamed(honest: &[Value], stage: &str, name: &str) -> Value {
     unit
 }
 
-/// Parts of a cave folder that a stranger may have made links.
+/// Parts of a cave folder that an attacker may replace with links.
 const LINKED: [&str; 11] = [
     "chunks",
     "textures",

@@ -46,7 +46,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// Whether a command leaves the folder as it is; gives what it said.
+/// Checks that a command leaves the folder unchanged; returns its output.
 fn unchanged(desk: &Desk, command: &str) -> Result<String, String> {
     let before = desk.tree_of("c");
     let outcome = desk.run(&command.split(' ').collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! Files of the user's beside what is written, under the names that a writer might take for its own.
+//! Files of the user next to the output, with names that a writer might take for its own.
 
 use crate::attack::{Attack, Context};
 use crate::desk::Desk;
@@ -12,7 +12,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// A command and what it writes.
+/// A command and its output.
 struct Writing {
     command: Vec<String>,
     output: String,

@@ -16,10 +16,10 @@ pub const ATTACK: Attack = Attack {
 
 /// One place that several write to.
 struct Race {
-    /// In the line of a process, `#` is its number from 0, and `@` a target of its own.
+    /// In the command line of a process, `#` is its number from 0, and `@` a target for each.
     line: &'static str,
     targets: [&'static str; MOST],
-    /// How what was written is looked at.
+    /// How the output is verified.
     check: fn(&Desk) -> Result<(), String>,
 }
 
@@ -54,7 +54,7 @@ fn several(context: &Context, race: &Race, count: usize, delay: Duration) -> Res
     let outcomes: Vec<Outcome> = running.into_iter().map(|run| run.wait()).collect();
     outcomes.iter().try_for_each(Outcome::decent)?;
     let done = outcomes.iter().filter(|outcome| outcome.is_done()).count();
-    // Of several packages each may go to another process, and none has all of its own.
+    // Of several packages each may be written by another process, so no process may succeed with all.
     if done == 0 && !race.line.contains("-t obj,stl") {
         return Err(outcomes[0].told("and no other one worked"));
     }

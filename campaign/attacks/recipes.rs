@@ -22,7 +22,7 @@ const LIMIT: Duration = Duration::from_secs(10);
 
 /// Recipes of a short campaign: of one key each, and of two.
 const FEW: [usize; 2] = [24, 20];
-/// Pairs in a long campaign, at least; keys alone come to some more.
+/// Minimum number of pairs in a long campaign, in addition to single keys.
 const MANY: usize = 600;
 
 fn run(context: &mut Context) -> Tally {
@@ -102,7 +102,7 @@ impl Key {
     }
 }
 
-/// Two keys that can stand in one recipe.
+/// Two keys that can be in the same recipe.
 fn pair(keys: &[Key], rng: &mut Rng) -> [Drawn; 2] {
     let one = rng.pick(keys);
     let other = loop {
@@ -245,7 +245,7 @@ fn whole(desk: &Desk, made: &Outcome) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Places in results that are no numbers and may hold nothing.
+/// Keys in results that are not numbers and may be null.
 const NOTHING: [&str; 1] = [".graph.sampling"];
 
 /// Fails if there is a −0.0, or nothing where a number should be.
@@ -264,7 +264,7 @@ fn numbers(value: &Value, place: &str) -> Result<(), String> {
     }
 }
 
-/// Recipes that once did harm.
+/// Recipes that once caused failures.
 fn known(context: &Context, tally: &mut Tally) {
     let empty =
         ["seed=0", "graph.generator=karst", "graph.nodes=2", "rock.kind=basalt", "rock.wander_m=0", "mesh.voxel_m=1"];

@@ -40,7 +40,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// A run that is asked to end leaves whole things or none, and the next goes on.
+/// A run that is asked to stop leaves complete outputs or none, and the next one resumes.
 fn at_work(context: &mut Context, tally: &mut Tally, (name, signal): (&str, Signal)) {
     let scenarios = scenario::all(context.packages);
     for round in context.length.rounds(scenarios.len(), 4 * scenarios.len()) {
@@ -50,7 +50,7 @@ fn at_work(context: &mut Context, tally: &mut Tally, (name, signal): (&str, Sign
         let held = scenario.reference(context).and_then(|reference| {
             let desk = scenario.desk(context)?;
             let running = desk.call(&scenario::strs(&scenario.words)).start();
-            // Before it has asked for them, signals end a program at once.
+            // Before handlers are installed, signals end a program immediately.
             sleep(Duration::from_millis(15) + reference.took.mul_f64(part));
             running.send(signal);
             let outcome = running.within(PATIENCE).wait();
@@ -128,7 +128,7 @@ fn end_survivor(desk: &Desk, file: &str) {
     }
 }
 
-/// A grandchild in a session of its own holds the program's standard output; the graph is there all the same.
+/// A grandchild in a separate session keeps the program's standard output open; the graph is made nevertheless.
 fn grandchild(context: &Context, tally: &mut Tally) {
     let desk = desk(context, &format!("{ROW}setsid sh -c 'echo $$ > child; exec sleep 600' &\nsleep 0.3\n"));
     let outcome = desk.call(&GRAPH).within(Duration::from_secs(30)).run();
@@ -136,7 +136,7 @@ fn grandchild(context: &Context, tally: &mut Tally) {
     tally.enter("a grandchild in a session of its own keeps standard output open", outcome.done());
 }
 
-/// A program of a recipe is told nothing that it does not need.
+/// A program of a recipe gets no environment variables that it does not need.
 fn environment(context: &Context, tally: &mut Tally) {
     let desk = desk(context, &format!("env > told\n{ROW}"));
     let outcome = desk.call(&GRAPH).under(&["env", "CLOUD_SECRET_KEY=xyzzy", "SSH_AUTH_SOCK=/xyzzy"]).run();

@@ -19,7 +19,7 @@ pub const ATTACK: Attack = Attack {
 const LIMIT: Duration = Duration::from_secs(10);
 /// Address space of these runs, far more than the small cave takes.
 const MEMORY: &str = "--as=1500000000";
-/// A message of a fault is no longer.
+/// Maximum length of an error message.
 const MOST_WORDS: usize = 4 << 10;
 
 fn run(context: &mut Context) -> Tally {
@@ -46,7 +46,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// What prints results says so when they cannot be printed.
+/// Commands that print results report if they cannot.
 fn full(context: &Context, tally: &mut Tally) {
     let commands = [
         "new",
@@ -162,7 +162,7 @@ fn named_within(context: &Context, tally: &mut Tally) {
 /// The endings of files that are named by the files of [`named_within`].
 const FITTING: [&str; 5] = [".svx", ".th", ".dat", ".csv", ".png"];
 
-/// A survey from a stranger shows nothing of files outside its folder.
+/// A hostile survey reveals nothing of files outside its folder.
 fn secrets(context: &Context, tally: &mut Tally) {
     let files = [
         ("in/top.svx", "*include ../secret.txt\n"),

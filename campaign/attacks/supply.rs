@@ -62,7 +62,7 @@ fn ask(context: &Context, program: &Path, arguments: &[&str]) -> Outcome {
     Call::new(program, arguments, context.repository).within(LIMIT).run()
 }
 
-/// The faults among the words of a program, which come with drawings of where they stand.
+/// The errors in the output of a program, which shows them with source excerpts.
 fn said(outcome: &Outcome) -> Result<(), String> {
     let faults = |text: &str| -> Vec<String> {
         text.lines().filter(|line| line.starts_with("error") || line.contains("-20")).map(str::to_owned).collect()

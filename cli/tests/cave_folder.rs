@@ -38,7 +38,7 @@ fn another_seed_makes_another_cave() {
 }
 
 #[test]
-fn a_killed_run_goes_on_to_the_same_bytes() {
+fn a_killed_run_resumes_to_the_same_bytes() {
     let desk = Desk::new();
     desk.make(&["generate", "--output", "whole"]);
     for units in [1, 3, 6] {
@@ -72,7 +72,7 @@ fn wait_for_units(desk: &Desk, folder: &str, units: usize, worker: &mut Child) {
 }
 
 #[test]
-fn stages_one_by_one_make_what_all_at_once_makes() {
+fn stages_run_one_by_one_make_the_same() {
     let desk = Desk::new();
     desk.make(&["generate", "--output", "at_once"]);
     for stage in ["graph", "mesh", "texture"] {
@@ -163,7 +163,7 @@ fn vertices(mesh: &Mesh) -> BTreeSet<Vec<u32>> {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_leaves_no_half_package_and_the_next_run_goes_on() {
+fn ctrl_c_leaves_no_partial_package_and_the_next_run_resumes() {
     let desk = Desk::new();
     desk.make(&["export", "--target", "gazebo", "--output", "whole"]);
     let arguments: Vec<&str> =
@@ -180,7 +180,7 @@ fn ctrl_c_leaves_no_half_package_and_the_next_run_goes_on() {
 }
 
 #[test]
-fn a_kill_before_the_first_unit_is_no_hindrance() {
+fn a_kill_before_the_first_unit_does_no_harm() {
     let desk = Desk::new();
     fs::create_dir(desk.path("cave")).unwrap();
     desk.file("cave/journal.jsonl", "\n{\"stage\": \"gra");
@@ -189,7 +189,7 @@ fn a_kill_before_the_first_unit_is_no_hindrance() {
 }
 
 #[test]
-fn a_torn_line_costs_its_own_unit_only() {
+fn a_truncated_line_only_costs_its_unit() {
     let desk = Desk::new();
     desk.make(&["mesh", "--output", "cave"]);
     let manifest = unseal(&fs::read(desk.path("cave/manifest.json")).unwrap()).unwrap();
@@ -240,7 +240,7 @@ fn an_edited_recipe_or_graph_is_followed() {
     assert_eq!(nodes(), 9);
 }
 
-/// Moves the last station of a graph file; what else stands there stays.
+/// Moves the last station of a graph file and leaves the rest unchanged.
 fn edit_graph(desk: &Desk) -> String {
     let text = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
     let (before, after) = text.rsplit_once("\"radius\":").unwrap();
@@ -265,7 +265,7 @@ fn an_edited_graph_is_not_written_over() {
 }
 
 #[test]
-fn texture_settings_make_textures_only_anew() {
+fn texture_settings_only_remake_textures() {
     let desk = Desk::new();
     desk.make(&["generate", "--output", "cave"]);
     let meshed = desk.times("cave/chunks");
@@ -315,10 +315,10 @@ fn status_tells_how_far_a_folder_is() {
     assert!(status().contains("a run is at work here"));
 }
 
-/// A file-size limit stands in for a full disk: the same path through the code, without a disk to fill.
+/// A file-size limit simulates a full disk: the same code path, without a disk to fill.
 #[cfg(unix)]
 #[test]
-fn a_disk_that_refuses_is_told_and_leaves_nothing_half_written() {
+fn a_disk_failure_is_reported_and_leaves_nothing_partial() {
     let desk = Desk::new();
     let plume = env!("CARGO_BIN_EXE_plume");
     let line =

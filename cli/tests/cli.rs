@@ -1,4 +1,4 @@
-//! What the command line says when something is wrong, word for word, and that nothing of the user's is lost.
+//! Exact error messages of the command line, and that nothing of the user is lost.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/command.rs"]
@@ -11,7 +11,7 @@ use insta::assert_snapshot;
 use serde_json::json;
 
 #[test]
-fn a_faulty_recipe_is_told_line_by_line() {
+fn a_faulty_recipe_is_reported_line_by_line() {
     let desk = Desk::new();
     let recipe = "name = \"My Cave\"\nsed = 3\n\n[graph]\nnodes = 1\ngeneratr = \"mine\"\n\n[mesh]\nvoxel_m = 9.0\n\
                   chunk_m = [16, 16]\n\n[look]\nhumidity = nan\n";
@@ -26,7 +26,7 @@ fn a_faulty_recipe_is_told_line_by_line() {
 }
 
 #[test]
-fn faulty_words_are_told() {
+fn unknown_names_are_reported() {
     let desk = Desk::new();
     assert_snapshot!("no_such_target", desk.fault(&["export", "--target", "gazeboo"]));
     assert_snapshot!("no_such_bundle", desk.fault(&["export", "--target", "mujoco", "--bundle", "mjb"]));
@@ -44,7 +44,7 @@ fn faulty_words_are_told() {
 }
 
 #[test]
-fn faulty_previews_are_told() {
+fn faulty_previews_are_reported() {
     let desk = Desk::new();
     desk.file("file", "a file");
     for (name, arguments) in [
@@ -80,7 +80,7 @@ fn a_preview_is_named_by_its_view() {
 }
 
 #[test]
-fn a_missing_assimp_is_told() {
+fn a_missing_assimp_is_reported() {
     let desk = Desk::new();
     let mut command = desk.command(&["export", "--target", "assimp:collada"]);
     let output = command.env("PLUME_ASSIMP", "nowhere/libassimp.so").output().unwrap();
@@ -90,14 +90,14 @@ fn a_missing_assimp_is_told() {
 }
 
 #[test]
-fn a_faulty_graph_is_told() {
+fn a_faulty_graph_is_reported() {
     let desk = Desk::new();
     desk.file("graph.json", "{\"nodes\": [");
     assert_snapshot!("graph_syntax", desk.fault(&["generate", "graph.json"]));
 }
 
 #[test]
-fn frames_of_others_are_left_alone() {
+fn frames_not_ours_are_left_alone() {
     let desk = Desk::new();
     let flight =
         ["preview", "--view", "flight", "--size", "32x24", "--fps", "2", "--seconds", "1", "--output", "frames"];
@@ -132,7 +132,7 @@ fn no_planted_link_is_followed() {
     assert!(!desk.path("plan.png").is_symlink());
 }
 
-/// What a command says within ten seconds, with the bytes of memory that it may take.
+/// The output of a command within ten seconds and a memory limit in bytes.
 fn fault_at_once(desk: &Desk, arguments: &[&str]) -> String {
     let start = std::time::Instant::now();
     let mut run = desk.command(arguments);
@@ -150,7 +150,7 @@ fn fault_at_once(desk: &Desk, arguments: &[&str]) -> String {
 
 #[cfg(unix)]
 #[test]
-fn pipes_and_devices_are_refused_at_once() {
+fn pipes_and_devices_are_refused_without_blocking() {
     let desk = Desk::new();
     fs::create_dir(desk.path("cave")).unwrap();
     for name in ["pipe.toml", "pipe.svx", "pipe.json", "pipe_nodes.dat", "pipe", "cave/cave.toml"] {
@@ -184,7 +184,7 @@ fn pipes_and_devices_are_refused_at_once() {
 }
 
 #[test]
-fn recipes_made_to_take_long_are_refused_at_once() {
+fn recipes_made_to_take_long_are_refused_quickly() {
     let desk = Desk::new();
     let lines = |count: usize, line: fn(usize) -> String| (0..count).map(line).collect::<String>();
     let recipes = [
@@ -209,7 +209,7 @@ fn recipes_made_to_take_long_are_refused_at_once() {
 }
 
 #[test]
-fn what_is_echoed_is_short_and_steers_no_terminal() {
+fn quoted_text_is_short_and_harmless_to_a_terminal() {
     let desk = Desk::new();
     let long = format!("\u{1b}[2J{}", "x".repeat(90_000));
     let pair = format!("name={long}");
@@ -251,7 +251,7 @@ fn what_is_echoed_is_short_and_steers_no_terminal() {
     assert_snapshot!("long_echoes", said.join("\n"));
 }
 
-/// A survey in a folder of its own, a secret beside that folder, and ways to it.
+/// A survey in a separate folder, a secret next to that folder, and paths to it.
 fn desk_with_secrets() -> Desk {
     let desk = Desk::new();
     fs::create_dir(desk.path("survey")).unwrap();
@@ -274,7 +274,7 @@ fn desk_with_secrets() -> Desk {
 
 #[cfg(unix)]
 #[test]
-fn surveys_lead_nowhere_but_below_their_folder() {
+fn surveys_only_include_files_below_their_folder() {
     let desk = desk_with_secrets();
     let surveys = ["up.svx", "absolute.svx", "none.svx", "links.svx", "up.th", "up.mak", "pair_nodes.dat"];
     let import = |more: &[&str]| {
@@ -288,7 +288,7 @@ fn surveys_lead_nowhere_but_below_their_folder() {
     assert!(!refused.contains("hunter2") && !allowed.contains("hunter2") && !allowed.contains("root"), "{allowed}");
     assert_snapshot!("surveys_that_lead_out", refused);
     assert_snapshot!("surveys_that_may_lead_out", allowed);
-    // A recipe that names the survey, a whole survey elsewhere, and one in a folder further down.
+    // A recipe that names the survey, a complete survey elsewhere, and one in a subfolder.
     assert_snapshot!("recipe_that_leads_out", desk.fault(&["graph", "survey/up.svx"]));
     desk.file("secret.svx", "1 2 10 90 0\n");
     let works = |arguments: &[&str]| desk.run(arguments).status.success();
@@ -300,7 +300,7 @@ fn surveys_lead_nowhere_but_below_their_folder() {
 }
 
 #[test]
-fn names_that_no_file_can_have_are_told() {
+fn impossible_file_names_are_reported() {
     let desk = Desk::new();
     for name in ["con", "nul", "com1"] {
         let fault = desk.fault(&["graph", "--set", &format!("name={name}")]);
@@ -340,7 +340,7 @@ const IN_PARTS: &str = r#"{"nodes": [
 ]}"#;
 
 #[test]
-fn graphs_come_in_and_go_out() {
+fn graphs_are_imported_and_exported() {
     let desk = Desk::new();
     desk.file("parts.json", IN_PARTS);
     assert_snapshot!("import_in_parts", desk.fault(&["graph", "import", "parts.json", "-o", "graph.json"]));
@@ -366,7 +366,7 @@ fn graphs_come_in_and_go_out() {
 }
 
 #[test]
-fn faulty_exchanges_are_told() {
+fn faulty_imports_and_exports_are_reported() {
     let desk = Desk::new();
     desk.file("parts.json", IN_PARTS);
     fs::create_dir(desk.path("empty")).unwrap();
@@ -435,10 +435,10 @@ fn results_go_to_stdout_and_notes_to_stderr() {
     assert_eq!(summary["graph"]["nodes"], 50);
 }
 
-/// The device that is always full stands where the result goes.
+/// The result goes to the device that is always full.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_result_that_cannot_be_printed_is_told() {
+fn a_result_that_cannot_be_printed_is_an_error() {
     let desk = Desk::new();
     desk.make(&["export", "--target", "gltf", "--output", "package", "--keep", "cave"]);
     let fault = "exit 1\nerror: standard output: No space left on device (os error 28); the output is incomplete\n";
@@ -466,7 +466,7 @@ fn a_result_that_cannot_be_printed_is_told() {
 
 #[cfg(unix)]
 #[test]
-fn a_reader_that_hangs_up_early_is_no_fault() {
+fn a_reader_that_closes_the_pipe_early_is_not_an_error() {
     let desk = Desk::new();
     for command in [&["schema"][..], &["export", "--help"]] {
         let (reader, writer) = std::io::pipe().unwrap();
@@ -479,7 +479,7 @@ fn a_reader_that_hangs_up_early_is_no_fault() {
 /// A file may grow no larger than 4 KiB.
 #[cfg(unix)]
 #[test]
-fn a_limit_on_files_is_told_and_leaves_nothing() {
+fn a_file_size_limit_is_reported_and_leaves_nothing() {
     let desk = Desk::new();
     let script = format!("ulimit -f 4; exec {} preview --output plan.svg --quiet", env!("CARGO_BIN_EXE_plume"));
     let said = std::process::Command::new("sh").args(["-c", &script]).current_dir(desk.path("")).output().unwrap();
@@ -488,7 +488,7 @@ fn a_limit_on_files_is_told_and_leaves_nothing() {
 }
 
 #[test]
-fn faulty_overrides_are_told_by_their_own_words() {
+fn faulty_overrides_are_reported_as_typed() {
     let desk = Desk::new();
     for (name, pair) in [
         ("override_nowhere", "a.b.c.d=1"),
@@ -507,7 +507,7 @@ fn faulty_overrides_are_told_by_their_own_words() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_bad_input() {
+fn bytes_that_are_not_text_are_bad_input() {
     let desk = Desk::new();
     fs::write(desk.path("graph.json"), b"{\"nodes\": \"\xff\"}").unwrap();
     assert_snapshot!("graph_no_text", desk.fault(&["graph", "graph.json"]));
@@ -528,7 +528,7 @@ fn bad_input_leaves_nothing_behind() {
 }
 
 #[test]
-fn a_cave_of_absurd_size_is_refused_at_once() {
+fn a_cave_of_absurd_size_is_refused_early() {
     let desk = Desk::new();
     let at = |x: i32| json!({"x": x, "y": x, "z": x});
     let graph = |x: i32| {
@@ -560,7 +560,7 @@ fn only_packages_are_replaced() {
 const SOME: [&str; 5] = ["export", "--target", "gazebo", "--output", "cave"];
 
 #[test]
-fn several_targets_are_written_side_by_side() {
+fn several_targets_are_written_in_one_run() {
     let desk = Desk::new();
     desk.make(&["export", "--target", "gazebo,gltf,urdf", "--output", "one", "--threads", "1", "--keep", "cave"]);
     desk.make(&["export", "cave", "--target", "gazebo,gltf,urdf", "--output", "all", "--threads", "3"]);
@@ -578,7 +578,7 @@ fn several_targets_are_written_side_by_side() {
 }
 
 #[test]
-fn a_bundle_that_is_there_is_left_alone() {
+fn an_existing_bundle_is_left_alone() {
     let desk = Desk::new();
     desk.file("cave.zip", "a letter");
     let bundled: Vec<&str> = SOME.into_iter().chain(["--bundle", "zip"]).collect();
@@ -617,7 +617,7 @@ fn a_package_is_checked() {
 }
 
 #[test]
-fn a_package_of_another_version_is_told() {
+fn a_package_of_another_version_is_reported() {
     let desk = Desk::new();
     desk.make(&SOME);
     let manifest = desk.path("cave/manifest.json");
@@ -634,7 +634,7 @@ fn a_package_of_another_version_is_told() {
 }
 
 #[test]
-fn two_things_in_one_place_are_refused_before_the_work() {
+fn two_outputs_with_one_path_are_refused_before_the_work() {
     let desk = Desk::new();
     assert_snapshot!("target_twice", desk.fault(&["export", "--target", "gltf,gltf", "--output", "out"]));
     assert_snapshot!(
@@ -645,7 +645,7 @@ fn two_things_in_one_place_are_refused_before_the_work() {
 }
 
 #[test]
-fn a_package_can_be_made_in_the_folder_one_is_in() {
+fn a_package_can_be_made_in_the_current_folder() {
     let desk = Desk::new();
     fs::create_dir(desk.path("here")).unwrap();
     let arguments: Vec<&str> = ["export", "--target", "gltf", "--output", "."].iter().chain(&SMALL).copied().collect();
@@ -656,7 +656,7 @@ fn a_package_can_be_made_in_the_folder_one_is_in() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn folders_may_have_names_that_are_no_text() {
+fn folders_may_have_names_that_are_not_utf_8() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! Graphs by foreign programs: run on request only, told what they did wrong, never waited for.
+//! Graphs by external programs: run only on request, errors reported, never blocking.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -24,14 +24,14 @@ fn desk(script: &str) -> Desk {
     desk
 }
 
-/// Writes a row of three stations, and what it was told to `told.json`.
+/// Writes a row of three stations, and its input to `told.json`.
 const ROW: &str = r#"cat > told.json; echo '{"nodes": [
 {"id": 0, "edges": [1], "coordinates": {"x": 0, "y": 0, "z": 0}},
 {"id": 1, "edges": [2], "coordinates": {"x": 5, "y": 0, "z": 0}},
 {"id": 2, "edges": [], "coordinates": {"x": 9, "y": 3, "z": 0}}]}'"#;
 
 #[test]
-fn a_program_is_told_seed_and_settings_and_gives_the_graph() {
+fn a_program_gets_seed_and_settings_and_returns_the_graph() {
     let desk = desk(ROW);
     let made = desk.run(&["graph", "recipes/cave.toml", "-o", "cave", "--allow-run"]);
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
@@ -41,7 +41,7 @@ fn a_program_is_told_seed_and_settings_and_gives_the_graph() {
     let graph = fs::read_to_string(desk.path("cave/graph.json")).unwrap();
     assert_eq!(graph.matches("\"coordinates\"").count(), 3);
     assert!(desk.run(&["preview", "recipes/cave.toml", "-o", "plan.svg", "--allow-run"]).status.success());
-    // The folder goes on without the program, and its recipe reads back.
+    // The folder works without the program, and its recipe reads back.
     fs::remove_dir_all(desk.path("recipes")).unwrap();
     assert!(desk.run(&["graph", "cave"]).status.success());
 }
@@ -65,7 +65,7 @@ fn no_program_runs_unasked() {
 }
 
 #[test]
-fn programs_that_fail_hang_flood_or_lie_are_told_off() {
+fn programs_that_fail_hang_flood_or_lie_are_reported() {
     let cases = [
         ("fails", "echo the rock is too hard >&2; exit 7"),
         ("hangs", "sleep 60"),
@@ -105,7 +105,7 @@ fn comes_true(mut what: impl FnMut() -> bool) -> bool {
 #[test]
 fn signals_that_end_a_run_end_its_program_and_leave_nothing() {
     for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
-        // The program says who it is, and who of it has gone into a session of its own.
+        // The program reports its process id, and that of a child in a separate session.
         let desk = desk("(setsid sh -c 'echo $$ > other; sleep 600' &)\necho $$ > one; sleep 600");
         let make = ["graph", "recipes/cave.toml", "-o", "cave", "--allow-run", "--set", "graph.time_limit_s=500"];
         let mut run = desk.command(&make).stderr(Stdio::piped()).spawn().unwrap();
@@ -129,7 +129,7 @@ fn signals_that_end_a_run_end_its_program_and_leave_nothing() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_the_caller_ignores_stays_ignored() {
+fn signals_ignored_by_the_caller_stay_ignored() {
     let desk = desk(&format!("kill -HUP $PPID; {ROW}"));
     let script =
         format!("trap '' HUP; exec {} graph recipes/cave.toml -o cave --allow-run", env!("CARGO_BIN_EXE_plume"));
@@ -139,7 +139,7 @@ fn what_the_caller_ignores_stays_ignored() {
 
 /// It would keep standard output open for a minute, and the command waiting.
 #[test]
-fn who_is_left_behind_with_standard_output_spoils_no_graph() {
+fn a_child_left_with_standard_output_does_no_harm() {
     let desk = desk(&format!("setsid sleep 60 &\n{ROW}"));
     let start = Instant::now();
     let made = desk.run(&["graph", "recipes/cave.toml", "-o", "cave", "--allow-run"]);
@@ -148,7 +148,7 @@ fn who_is_left_behind_with_standard_output_spoils_no_graph() {
 }
 
 #[test]
-fn a_program_sees_no_secrets_but_those_that_its_recipe_names() {
+fn a_program_sees_only_secrets_named_in_its_recipe() {
     let desk = desk(&format!("env > seen; {ROW}"));
     let seen = |more: &[&str]| {
         let make = ["graph", "recipes/cave.toml", "-o", "cave", "--allow-run", "--force"];

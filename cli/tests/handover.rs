@@ -14,7 +14,7 @@ use insta::assert_snapshot;
 
 const EXPORT: [&str; 5] = ["export", "--target", "gltf,isaac", "--output", "out"];
 
-/// A program that stands where a Python is expected.
+/// A program in the place of a Python.
 fn interpreter(desk: &Desk, text: &str) -> String {
     desk.file("python", &format!("#!/bin/sh\n{text}\n"));
     let path = desk.path("python");
@@ -30,7 +30,7 @@ fn told(desk: &Desk, output: &Output) -> String {
 }
 
 #[test]
-fn a_python_that_does_not_fit_is_told() {
+fn an_unsuitable_python_is_reported() {
     for (name, answer) in
         [("no_plume", "echo \"! No module named 'plume'\""), ("other_version", "echo 0.0.1"), ("broken", "exit 3")]
     {
@@ -43,7 +43,7 @@ fn a_python_that_does_not_fit_is_told() {
 }
 
 #[test]
-fn every_place_that_was_looked_at_is_told() {
+fn every_searched_place_is_reported() {
     let desk = Desk::new();
     // Away from the workspace, which may have a `.venv` that fits.
     let program = desk.path("plume");
@@ -57,7 +57,7 @@ fn every_place_that_was_looked_at_is_told() {
 }
 
 #[test]
-fn the_python_that_fits_gets_the_whole_command_line() {
+fn a_suitable_python_gets_the_complete_command_line() {
     let desk = Desk::new();
     let text = format!("[ \"$1\" = -c ] && exec echo {}\nprintf '%s|' \"$@\"\nexit 130", plume::VERSION);
     let python = interpreter(&desk, &text);
@@ -67,7 +67,7 @@ fn the_python_that_fits_gets_the_whole_command_line() {
 }
 
 #[test]
-fn other_targets_ask_for_no_python() {
+fn other_targets_need_no_python() {
     let desk = Desk::new();
     let arguments: Vec<&str> = ["export", "--target", "gltf"].iter().chain(&command::SMALL).copied().collect();
     let output = desk.command(&arguments).env("PLUME_PYTHON", "nowhere").output().unwrap();

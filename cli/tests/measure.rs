@@ -1,4 +1,4 @@
-//! What `plume measure` says of graphs and cave folders, word for word, and what its gate and that of recipes let through.
+//! Exact output of `plume measure` for graphs and cave folders, and what its gate and that of recipes accept.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/command.rs"]
@@ -39,7 +39,7 @@ fn sakany(desk: &Desk) {
 }
 
 #[test]
-fn a_graph_is_told_among_real_caves() {
+fn a_graph_is_compared_with_real_caves() {
     let desk = Desk::new();
     sakany(&desk);
     assert_snapshot!("sakany", said(&desk, &["sakany.json"]));
@@ -50,7 +50,7 @@ fn a_graph_is_told_among_real_caves() {
 }
 
 #[test]
-fn what_is_too_small_or_no_graph_is_told() {
+fn too_small_graphs_and_other_files_are_reported() {
     let desk = Desk::new();
     let at = |x: u32| json!({"x": x, "y": 0, "z": 0});
     let node = |id: u32, edges: &[u32]| json!({"id": id, "edges": edges, "radius": 1, "coordinates": at(3 * id)});

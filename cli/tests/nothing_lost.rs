@@ -1,5 +1,5 @@
-//! Laws of the disk: nothing of the user's is deleted, written over or led astray, whatever a cave folder says and whatever
-//! lies beside an output.
+//! Laws of the disk: no file of the user is deleted, overwritten or redirected, whatever a cave folder says and whatever is
+//! next to an output.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/command.rs"]
@@ -12,7 +12,7 @@ use insta::assert_snapshot;
 use plume_disk::sealed::{seal, sha256, unseal};
 use serde_json::{Value, json};
 
-/// A cave that is still smaller, in a folder of its own.
+/// An even smaller cave, in a separate folder.
 const TINY: [&str; 8] = [
     "--set",
     "graph.nodes=4",
@@ -41,7 +41,7 @@ fn works(desk: &Desk, arguments: &[&str]) -> String {
     stderr
 }
 
-/// What a command says that must not work, and that it was no crash.
+/// The output of a command that must fail without crashing.
 fn refused(desk: &Desk, arguments: &[&str]) -> String {
     let fault = desk.fault(arguments);
     assert!(["exit 1\n", "exit 2\n"].iter().any(|start| fault.starts_with(start)), "{arguments:?}: {fault}");
@@ -75,7 +75,7 @@ const COMMANDS: [&[&str]; 7] = [
 ];
 
 #[test]
-fn a_record_that_leads_out_of_the_folder_is_refused() {
+fn a_record_that_leads_outside_is_refused() {
     let desk = cave();
     desk.file("victim", "victim");
     let absolute = desk.path("victim").to_str().unwrap().to_owned();
@@ -106,7 +106,7 @@ fn a_record_that_leads_out_of_the_folder_is_refused() {
 }
 
 #[test]
-fn a_manifest_that_was_edited_is_refused() {
+fn an_edited_manifest_is_refused() {
     let desk = cave();
     let path = desk.path("cave/manifest.json");
     let text = fs::read_to_string(&path).unwrap();
@@ -144,7 +144,7 @@ fn nothing_is_read_or_written_through_a_link() {
 }
 
 #[test]
-fn a_recipe_that_is_cut_makes_no_other_cave() {
+fn a_truncated_recipe_is_refused() {
     let desk = cave();
     let recipe = fs::read_to_string(desk.path("cave/cave.toml")).unwrap();
     let before = desk.hashes("cave/chunks");
@@ -250,7 +250,7 @@ fn neighbours_of_an_output_survive() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_planted_beside_an_output_is_not_followed() {
+fn a_link_planted_next_to_an_output_is_not_followed() {
     let desk = cave();
     desk.file("victim", "dear");
     for name in ["out.zip.partial", "cave/plan.png.partial", "map.png.partial", "graph.csv.partial"] {
@@ -283,7 +283,7 @@ fn files_that_the_user_has_put_into_a_package_stay() {
 }
 
 #[test]
-fn finished_packages_of_a_stopped_export_are_kept() {
+fn finished_packages_of_an_interrupted_export_are_kept() {
     let desk = cave();
     works(&desk, &["export", "cave", "--target", "obj", "--output", "out/obj"]);
     let times = desk.times("out/obj");
@@ -312,7 +312,7 @@ fn a_cave_without_space_is_an_error() {
 }
 
 #[test]
-fn what_killed_runs_have_left_goes_with_the_next() {
+fn leftovers_of_killed_runs_are_removed_by_the_next() {
     let desk = cave();
     fs::create_dir(desk.path(".plume-01234567")).unwrap();
     desk.file(".plume-01234567/plume-staging", "");
@@ -323,7 +323,7 @@ fn what_killed_runs_have_left_goes_with_the_next() {
 }
 
 impl Desk {
-    /// What lies on the desk, hidden or not.
+    /// Everything in the test folder, hidden or not.
     fn folders(&self) -> Vec<String> {
         let entries = fs::read_dir(self.path("")).unwrap().map(|entry| entry.unwrap());
         let folders = entries.filter(|entry| entry.path().is_dir());
@@ -334,7 +334,7 @@ impl Desk {
 }
 
 #[test]
-fn two_at_one_place_never_both_win() {
+fn two_runs_at_one_path_never_both_succeed() {
     let desk = cave();
     for bundle in [&[][..], &["--bundle", "zip"], &["--bundle", "tar.zst"]] {
         let arguments = [&["export", "cave", "--quiet", "--target", "obj", "--output", "race/out"], bundle].concat();

@@ -28,9 +28,9 @@ fn plume(words: &[&str]) -> u8 {
     plume_cli::run(words, &plume_cli::Host::Binary)
 }
 
-/// In one test, because what is registered stays for the whole process.
+/// In one test, because registrations last for the whole process.
 #[test]
-fn a_generator_of_ones_own_works_in_recipes_layers_and_commands() {
+fn a_registered_generator_works_in_recipes_layers_and_commands() {
     let settings = ["graph.generator=spiral".to_owned(), "graph.turns=2".to_owned()];
     let unknown = Recipe::from_overrides(&settings).unwrap_err().to_string();
     assert!(unknown.contains("spiral"), "{unknown}");
@@ -57,7 +57,7 @@ fn a_generator_of_ones_own_works_in_recipes_layers_and_commands() {
 }
 
 #[test]
-fn a_rock_and_a_target_of_ones_own_work_in_commands() {
+fn a_registered_rock_and_target_work_in_commands() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
     let (cave, cloud) = (path("cave"), path("cloud"));

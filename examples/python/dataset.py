@@ -1,4 +1,4 @@
-"""Three caves of one recipe, and what a learner would want to know of each: its size and where a robot may start.
+"""Three caves of one recipe, with data for machine learning: their sizes and start poses.
 
 python examples/python/dataset.py
 """

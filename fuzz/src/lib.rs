@@ -18,7 +18,7 @@ impl Outside for Other<'_> {
     }
 }
 
-/// Reads bytes as a row of the table does. A graph must come back from JSON as it is.
+/// Reads bytes with a row of the table. A graph must survive a round trip through JSON.
 pub fn read(name: &str, bytes: &[u8]) {
     let row = format(name).expect("there is such a row");
     let reader = row.read.expect("it is read");

@@ -58,7 +58,7 @@ pub fn generate<'py>(
     allow_run: bool,
     allow_outside: bool,
 ) -> PyResult<Bound<'py, Cave>> {
-    let input = input(py, recipe, seed, Disk { allows_strays: allow_outside })?;
+    let input = input(py, recipe, seed, Disk { allows_outside_files: allow_outside })?;
     let (path, temporary) = match folder.or_else(|| input.folder.clone()) {
         Some(path) => (path, None),
         None => temporary()?,
@@ -66,7 +66,7 @@ pub fn generate<'py>(
     let cave = work::run(py, progress, |watch| {
         let folder = CaveFolder::open_or_new(&path)?;
         watch.allow_programs(allow_run);
-        watch.allow_strays(allow_outside);
+        watch.allow_outside_files(allow_outside);
         work::on_threads(threads, || cave::Cave::make(input, folder, force, watch, &mut |_, _| ()))
     })?;
     Cave::new(py, cave, temporary.map(TempDir::keep))

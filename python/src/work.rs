@@ -94,7 +94,7 @@ impl Drop for Wake<'_> {
 pub struct Watch {
     stop: AtomicBool,
     programs: AtomicBool,
-    strays: AtomicBool,
+    outside_files: AtomicBool,
     progress: Mutex<Option<Progress>>,
 }
 
@@ -112,8 +112,8 @@ impl Watch {
     }
 
     /// Sets whether files may refer to files outside their folder.
-    pub fn allow_strays(&self, allowed: bool) {
-        self.strays.store(allowed, Ordering::Relaxed);
+    pub fn allow_outside_files(&self, allowed: bool) {
+        self.outside_files.store(allowed, Ordering::Relaxed);
     }
 
     fn set(&self, change: impl FnOnce(&mut Option<Progress>)) {
@@ -153,8 +153,8 @@ impl Observer for Watch {
         self.programs.load(Ordering::Relaxed)
     }
 
-    fn allows_strays(&self) -> bool {
-        self.strays.load(Ordering::Relaxed)
+    fn allows_outside_files(&self) -> bool {
+        self.outside_files.load(Ordering::Relaxed)
     }
 }
 

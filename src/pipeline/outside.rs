@@ -14,7 +14,7 @@ use plume_survey::{Import, Parts};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk {
     /// Whether files may refer to files outside their own folder.
-    pub allows_strays: bool,
+    pub allows_outside_files: bool,
 }
 
 /// Access to files, and to programs that run until `stop` is set.
@@ -52,8 +52,8 @@ impl Outside for Disk {
         }
     }
 
-    fn allows_strays(&self) -> bool {
-        self.allows_strays
+    fn allows_outside_files(&self) -> bool {
+        self.allows_outside_files
     }
 
     fn run(&self, _: &Task) -> Result<Vec<u8>, RunError> {
@@ -88,8 +88,8 @@ impl Outside for Machine<'_> {
         self.disk.is_below(folder, path)
     }
 
-    fn allows_strays(&self) -> bool {
-        self.disk.allows_strays
+    fn allows_outside_files(&self) -> bool {
+        self.disk.allows_outside_files
     }
 
     fn run(&self, task: &Task) -> Result<Vec<u8>, RunError> {

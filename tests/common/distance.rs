@@ -1,4 +1,4 @@
-//! How far one mesh lies from another.
+//! Distance between meshes.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What `dump3d` of Survex says of a file.
+//! Output of `dump3d` of Survex for a file.
 
 use nalgebra::Point3;
 

@@ -30,7 +30,7 @@ pub fn passages(capsules: Vec<Capsule>, rough_m: f32, seed: u32) -> impl Field {
             .map(|w| (w * w) * (w * w))
             .sum();
         let smooth = BLEND_M - sum.sqrt().sqrt();
-        // Far away there is no roughness: a sample pays for it only near the wall.
+        // Roughness is only evaluated near the wall.
         let rough = (rough_m > 0.0 && smooth.abs() <= rough_m).then(|| value_noise(p.map(|c| c / WAVE_M), seed));
         smooth + rough.unwrap_or(0.0) * rough_m
     };

@@ -24,7 +24,7 @@ pub fn collisions(chunks: &[ChunkMeshes]) -> Vec<&Mesh> {
     chunks.iter().map(|chunk| &chunk.collision).collect()
 }
 
-/// Asserts what is promised of the chunks of one cave together; returns the measures of the welded mesh.
+/// Asserts the invariants of all chunks of a cave; returns the measures of the welded mesh.
 pub fn assert_lawful(meshes: &[&Mesh]) -> Report {
     for mesh in meshes {
         assert_whole(mesh);

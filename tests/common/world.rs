@@ -9,7 +9,7 @@ use plume::graph::{Graph, Outside, RunError, Task};
 use plume::material::{MATERIALS, MaterialRow};
 use serde_json::{Value, json};
 
-/// Answers with small files of its own.
+/// Provides small built-in files.
 pub struct World;
 
 impl Outside for World {
@@ -45,7 +45,7 @@ pub fn has(row: &GeneratorRow, key: &str) -> bool {
     !(row.schema)().to_value()["properties"][key].is_null()
 }
 
-/// Settings that ask for so many nodes, where that can be asked.
+/// Settings with this number of nodes, if supported.
 pub fn sized(row: &GeneratorRow, nodes: u32) -> Value {
     if has(row, "nodes") { json!({ "nodes": nodes }) } else { json!({}) }
 }

@@ -126,7 +126,7 @@ def check_closed(spawn, number):
 
 
 def check_grounded(spawn, number):
-    """The spawn pose must lie on the floor, or a robot starts in the air or in the rock."""
+    """The start pose must be on the floor, or a robot starts in the air or in the rock."""
     eye = spawn + [0, 0, DROP_M]
     floor_z = p.rayTest(eye.tolist(), (eye - [0, 0, RAY_LENGTH_M]).tolist())[0][3][2]
     height = spawn[2] - floor_z

@@ -75,7 +75,7 @@ def test_an_image_that_usd_misses_is_told(target: str, cave: plume.Cave, tmp_pat
 
 
 def sealed(manifest: dict[str, Any]) -> str:
-    """A manifest as its module describes it: it ends with the hash of what stands before."""
+    """A manifest as documented: it ends with the hash of everything before."""
     del manifest["seal"]
     before = json.dumps(manifest, indent=2, ensure_ascii=False).removesuffix("\n}") + ',\n  "seal": "'
     return before + hashlib.sha256(before.encode()).hexdigest() + '"\n}\n'
@@ -121,7 +121,7 @@ def test_a_cave_has_the_bytes_of_the_command(cave: plume.Cave, tmp_path: Path) -
     assert hashes(cave.folder) == hashes(tmp_path / "cave")
 
 
-# Those of libassimp have a reader of their own.
+# Those of libassimp have separate tests.
 @pytest.mark.parametrize("target", [name for name in plume.targets() if ":" not in name])
 def test_a_package_has_the_bytes_of_the_command(target: str, cave: plume.Cave, tmp_path: Path) -> None:
     package = cave.export(target, tmp_path / "ours")

@@ -136,7 +136,7 @@ def test_the_field_is_zero_on_the_wall_and_changes_sign_there(cave: plume.Cave) 
         middles = corners.mean(axis=1)
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         into_air = faces / np.linalg.norm(faces, axis=1, keepdims=True)
-        # The mesh cuts off what is smaller than a voxel.
+        # The mesh omits detail smaller than a voxel.
         assert np.abs(cave.distance(middles)).mean() < 0.05
         assert (cave.distance(middles + 0.25 * into_air) < 0).mean() > 0.95
         assert (cave.distance(middles - 0.25 * into_air) > 0).mean() > 0.95

@@ -98,7 +98,7 @@ def test_the_binary_hands_over(binary, tmp_path):
         ),
     ],
 )
-def test_a_usd_core_that_is_missing_or_does_not_fit_is_told_with_69(text, told, tmp_path):
+def test_a_missing_or_unsupported_usd_core_exits_with_69(text, told, tmp_path):
     result = export("gltf,isaac", tmp_path / "out", env=hidden(tmp_path / "fake", text))
     assert result.returncode == 69, result.stderr
     assert told in result.stderr

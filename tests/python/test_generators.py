@@ -29,7 +29,7 @@ def zigzag(seed: int, settings: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.fixture
 def name() -> Iterator[str]:
-    """A name that no generator has yet: what is registered stays."""
+    """A new name, because registrations last for the whole process."""
     yield f"python-{next(NUMBERS)}"
 
 
@@ -88,7 +88,7 @@ def test_the_same_seed_gives_the_same_cave(name: str, tmp_path: Path) -> None:
         ([1, 2], "the function failed: TypeError: 'list' object is not"),
     ],
 )
-def test_what_is_no_graph_is_an_input_error(name: str, returned: Any, told: str) -> None:
+def test_an_invalid_graph_is_an_input_error(name: str, returned: Any, told: str) -> None:
     plume.register_generator(name, lambda seed, settings: returned)
     with pytest.raises(plume.InputError, match=told):
         plume.generate({"graph.generator": name})

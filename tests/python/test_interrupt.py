@@ -1,4 +1,4 @@
-"""Ctrl-C stops the work as Python users expect, and what is left is whole."""
+"""Ctrl-C stops the work as Python users expect, and leaves complete outputs."""
 
 import hashlib
 import json
@@ -68,7 +68,7 @@ def start(program: str, *arguments: object) -> subprocess.Popen[str]:
 
 
 def heed_ctrl_c() -> None:
-    """A shell that starts the tests in the background has them ignore Ctrl-C, and so would what they start."""
+    """A shell that starts the tests in the background makes them and their children ignore Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
@@ -86,7 +86,7 @@ def wait_for(happened: Callable[[], bool]) -> None:
 
 
 def wait_for_unit(folder: Path, stage: str) -> None:
-    """Waits until the journal of the cave tells of a unit of this stage."""
+    """Waits until the journal of the cave has a unit of this stage."""
     journal = folder / "journal.jsonl"
     wait_for(lambda: journal.exists() and f'"stage":"{stage}"' in journal.read_text())
 
@@ -97,7 +97,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> plume.Cave:
 
 
 @pytest.mark.parametrize("stage", ["mesh", "texture"])
-def test_ctrl_c_stops_a_cave_that_then_goes_on(stage: str, whole: plume.Cave, tmp_path: Path) -> None:
+def test_ctrl_c_stops_a_cave_that_can_be_resumed(stage: str, whole: plume.Cave, tmp_path: Path) -> None:
     folder = tmp_path / "cave"
     process = start(GENERATE, folder)
     wait_for_unit(folder, stage)
@@ -118,7 +118,7 @@ def test_ctrl_c_stops_a_cave_that_then_goes_on(stage: str, whole: plume.Cave, tm
 
 
 @pytest.mark.parametrize("target", ["gltf", "isaac"])
-def test_ctrl_c_leaves_a_whole_package_or_none(target: str, whole: plume.Cave, tmp_path: Path) -> None:
+def test_ctrl_c_leaves_a_complete_package_or_none(target: str, whole: plume.Cave, tmp_path: Path) -> None:
     process = start(EXPORT, whole.folder, tmp_path / "package", target)
     assert process.stdout is not None and process.stdout.readline() == "ready\n"
     wait_for(lambda: any(tmp_path.glob(".plume-*/package")))

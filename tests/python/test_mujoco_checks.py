@@ -16,7 +16,7 @@ ZONES = ["cave_floor", "cave_wall", "cave_ceiling"]
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
-    """A package; beside it lies the cave that it was made from."""
+    """A package, with the cave that it was made from next to it."""
     folder = tmp_path_factory.mktemp("mujoco")
     places = ["--output", str(folder / "package"), "--keep", str(folder / "cave")]
     export = [sys.executable, "-m", "plume", "export", "--target", "mujoco", "--quiet", *places, *SMALL]
@@ -25,7 +25,7 @@ def package(tmp_path_factory):
 
 
 def verify(name, package, cave):
-    """Exit code and all that was said."""
+    """Exit code and output."""
     arguments = [package, cave] if name == "drive" else [package]
     result = subprocess.run([sys.executable, CHECKS / f"{name}.py", *arguments], capture_output=True, text=True)
     return result.returncode, result.stdout + result.stderr
@@ -57,7 +57,7 @@ def move_up(height_m):
 
 
 def take_visual_mesh(root):
-    """The control: MuJoCo takes the convex hull of a mesh and says nothing."""
+    """The control: MuJoCo silently uses the convex hull of a mesh."""
     for chunk in root.iter("frame"):
         visual, first, *others = chunk
         first.set("mesh", visual.get("mesh"))

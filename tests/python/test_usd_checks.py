@@ -12,11 +12,11 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 CHECK = Path(__file__).parents[1] / "interop/usd/validate.py"
 sys.path.append(str(CHECK.parent))
 
-import laws  # noqa: E402 - beside the check
+import laws  # noqa: E402 - next to the check
 
 
 def verify(package):
-    """Exit code and all that was said."""
+    """Exit code and output."""
     result = subprocess.run([sys.executable, CHECK, package], capture_output=True, text=True)
     return result.returncode, result.stdout + result.stderr
 

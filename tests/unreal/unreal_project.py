@@ -16,7 +16,7 @@ SUBSYSTEMS = {"EditorActorSubsystem", "EditorAssetSubsystem", "LevelEditorSubsys
 
 
 class Project(Stub):
-    """What is there: `assets` by their places, actors by level, what was saved since it changed, and the warnings."""
+    """The project state: `assets` by path, actors by level, saved assets, and warnings."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -83,7 +83,7 @@ class Project(Stub):
                 raise Refused("an import that is not automated asks the user")
             if place in self.assets and not (task.get("replace_existing") and task.get("replace_existing_settings")):
                 raise Refused(f"{place} is there already")
-            # Unreal writes the error into its log and goes on.
+            # Unreal logs the error and continues.
             if Path(task["filename"]).is_file():
                 self._import(place, Path(task["filename"]), task)
 
@@ -172,7 +172,7 @@ class Project(Stub):
         self, _: None, instance: Thing, parameter_name: str, value: Thing
     ) -> bool:
         instance.fields.setdefault("textures", {})[parameter_name] = value
-        # Unreal has been known to say so whatever happens.
+        # Unreal is known to report this in any case.
         return False
 
     def do_get_material_instance_texture_parameter_value(self, _: None, instance: Thing, parameter_name: str) -> Thing:

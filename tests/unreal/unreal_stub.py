@@ -18,7 +18,7 @@ PLAIN = {"bool": bool, "dict": dict, "float": (int, float), "int": int, "list": 
 
 
 class Refused(Exception):
-    """What Unreal would have refused too, or what is not in the table."""
+    """A call that Unreal would refuse too, or that is not in the table."""
 
 
 def lineage(kind: str) -> list[str]:
@@ -28,7 +28,7 @@ def lineage(kind: str) -> list[str]:
 
 
 def entry(kind: str, section: str, name: str) -> Any:
-    """What the table says of a method, function or property of a class."""
+    """The table entry of a method, function or property of a class."""
     for ancestor in lineage(kind):
         found = API["classes"][ancestor].get(section, {})
         if name in found:
@@ -144,7 +144,7 @@ class Stub:
     def module(self) -> types.ModuleType:
         """The module `unreal`."""
         module = types.ModuleType("unreal")
-        # Unlike a module's own error, this tells where to look.
+        # Unlike the module's default error, this says where to look.
         module.__getattr__ = lambda name: self._unknown(name)
         for name in API["classes"]:
             setattr(module, name, Kind(self, name))

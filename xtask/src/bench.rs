@@ -35,8 +35,8 @@ const ROWS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD, `targets` how fast a package is
-/// by every target that needs nothing else, `graph` how fast graphs are laid out.
+/// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD, `targets` how fast a package
+/// is by every target that needs nothing else, `graph` how fast graphs are laid out.
 pub fn run(chosen: &[String]) -> Result<()> {
     match chosen.first().map(String::as_str) {
         Some("usd") => return usd(),
@@ -93,7 +93,7 @@ fn targets() -> Result<()> {
     [cave, package].iter().try_for_each(|folder| fs::remove_dir_all(root().join(folder))).map_err(|e| e.to_string())
 }
 
-/// Seconds to write so many bytes into one file, the least of several runs.
+/// Seconds to write this many bytes to one file, the minimum of several runs.
 fn floor(bytes: usize) -> std::io::Result<f64> {
     let (path, content) = (root().join("target/bench-bytes"), vec![7; bytes]);
     let mut fastest = f64::INFINITY;

@@ -35,15 +35,15 @@ pub fn run(arguments: &[String]) -> Result<()> {
     }
 }
 
-/// What is missing is skipped in the table; why, stands here.
+/// Missing tools are skipped in the table; the reasons are listed here.
 fn tell(what: &str, result: Result<()>) {
     if let Err(message) = result {
         eprintln!("{what}: {message}");
     }
 }
 
-/// What `cargo fuzz` asks of the compiler, but for sanitizers of memory: `unsafe` is denied anyway, and without them a stable
-/// compiler will do.
+/// What `cargo fuzz` asks of the compiler, but for sanitizers of memory: `unsafe` is denied anyway, and without them a
+/// stable compiler will do.
 const COVERAGE: [&str; 6] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",

@@ -1,5 +1,5 @@
-//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB, or the plan where the sample is about
-//! a generator.
+//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB, or the plan where the sample is
+//! about a generator.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::tools::{Result, root};
 /// Finer than the default, since the camera stands a metre from the wall; much finer fills the memory of the browser.
 const DENSITY: &str = "texture.density_px_per_m=100";
 
-/// Where to stand: the spawn pose of each sample that shows the most.
+/// The viewpoint: the start pose of each sample that shows most.
 const SPAWNS: [usize; SAMPLES.len()] = [0, 2, 0, 0];
 
 /// A recipe whose graph a program makes.

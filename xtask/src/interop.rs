@@ -1,9 +1,9 @@
 //! `cargo xtask interop [--all | PACKAGE_DIR...]`: opens packages with readers that are not ours.
 //!
-//! Without a folder, a small made-up scene is checked, then with faults that the readers must notice (a reader that cannot say
-//! no is worth nothing), then sample caves for every target, and small caves for what needs no large one. The default cave comes
-//! every time, another by turns; `--all` takes every sample. A reader whose program cannot be had is skipped loudly, and fails
-//! the run where the environment variable `CI` is set.
+//! Without a folder, a small made-up scene is checked, then with faults that the readers must notice (a reader that cannot
+//! say no is worth nothing), then sample caves for every target, and small caves for what needs no large one. The default
+//! cave comes every time, another by turns; `--all` takes every sample. A reader whose program cannot be had is skipped
+//! loudly, and fails the run where the environment variable `CI` is set.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -42,14 +42,15 @@ pub fn run(arguments: &[String]) -> Result<()> {
     }
 }
 
-/// Gets the programs of all readers, and what builds the Python package for them. What cannot be had is told by the checks that want it.
+/// Installs the programs of all readers, and the Python package for them. What cannot be installed is reported by the checks
+/// that need it.
 pub fn prepare() {
     let _ = (ensure_debian(&debian()), Plume::python());
     READERS.iter().filter(|reader| reader.may_be_used()).for_each(|reader| drop((reader.prepare)()));
     graph::CHECKS.iter().for_each(|check| drop(check.prepare()));
 }
 
-/// Everything at once, because each call asks what is new first.
+/// In one call, because each call refreshes the package index first.
 fn debian() -> Vec<&'static str> {
     let graph = graph::CHECKS.iter().flat_map(|check| check.debian);
     let lists = [&gazebo::DEBIAN[..], &gltf::DEBIAN, &urdf::DEBIAN, &blender::DEBIAN, &assimp::DEBIAN];
@@ -144,7 +145,7 @@ fn checks_of_graphs(tally: &Tally) -> Result<Vec<Check>> {
 struct Reader {
     name: &'static str,
     of: Kind,
-    /// Gets the program, or says what is missing.
+    /// Installs the program, or reports what is missing.
     prepare: fn() -> Result<()>,
     /// What to run on a package; it ends with a summary on stdout, or fails.
     command: fn(&Path) -> Result<Command>,
@@ -187,7 +188,7 @@ static READERS: [Reader; 24] = [
     Reader { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
-/// What a package is for, told by what lies in it.
+/// The target of a package, recognised by its files.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Gazebo,
@@ -197,7 +198,7 @@ enum Kind {
     Urdf,
     Usd,
     Mujoco,
-    /// All packages of one cave, beside each other.
+    /// All packages of one cave, next to each other.
     Shelf,
     /// The samples of the exporters.
     Marker,
@@ -329,13 +330,13 @@ pub fn write_scene() -> Result<PathBuf> {
     Ok(scene)
 }
 
-/// Whether a package of the made-up scene is opened by itself. Those of USD are in the tests of the Python package, and in the one
-/// for MuJoCo nothing moves.
+/// Whether a package of the made-up scene is opened by itself. Those of USD are in the tests of the Python package, and in
+/// the one for MuJoCo nothing moves.
 fn opens_alone(package: &Path) -> bool {
     matches!(Kind::of(package), Some(Kind::Gazebo | Kind::Gltf | Kind::Unity | Kind::Fbx | Kind::Urdf))
 }
 
-/// A sample, for every target; beside the package for MuJoCo lies the cave, for the way through it.
+/// A sample, for every target; the cave is next to the package for MuJoCo, for its route.
 fn export_cave(plume: &Plume, targets: &[Target], name: &str) -> Result<Vec<PathBuf>> {
     let (recipe, output) = (format!("samples/{name}.toml"), format!("target/interop/{name}"));
     let cave = format!("{output}/mujoco.cave");
@@ -369,7 +370,7 @@ fn export_pieces(plume: &Plume, targets: &[Target]) -> Result<Vec<PathBuf>> {
     Ok(targets.iter().map(|target| root().join(output).join(target)).collect())
 }
 
-/// Not a reader of others: whether ours says of a package that these take that it is whole.
+/// Not a foreign reader: whether `plume check` accepts the package that the others open.
 fn is_whole(package: &Path) -> Result<String> {
     tools::run(Command::new(Environment::of_project()?.program("plume")).arg("check").arg(package))
 }

@@ -1,4 +1,4 @@
-//! What lies in `samples/`.
+//! The recipes in `samples/`.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::tools::{Result, root, run};
 
-/// Recipes that are made whole: meshed, textured and exported.
+/// Recipes that are made completely: meshed, textured and exported.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
 
 /// The default cave, and one of the others by the hash of the commit: all of them in turn, and the same for the same commit.

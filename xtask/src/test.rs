@@ -33,7 +33,7 @@ pub fn python() -> Result<()> {
     interop::mujoco::make()?;
     let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);
     let plume = Plume::build(Profile::Dev)?;
-    // Each test waits for a process of its own most of the time.
+    // Each test mostly waits for a separate process.
     let pytest = ["pytest", "--quiet", "--numprocesses", "auto"];
     for check in [&["ruff", "check", "--quiet"][..], &["ruff", "format", "--check", "--quiet"], &pytest] {
         let mut command = Command::new(&python);
@@ -71,7 +71,7 @@ fn read_meshes(plume: &Plume) -> Result<()> {
     interop::only("trimesh", shelf.as_ref())
 }
 
-/// The default cave, whole; its images are small, since nothing in its shape depends on them.
+/// The complete default cave; its images are small, since its shape does not depend on them.
 fn drive_through(plume: &Plume) -> Result<()> {
     let (package, cave) = (format!("{CAVE}/mujoco"), format!("{CAVE}/mujoco.cave"));
     let places = ["--output", &package, "--keep", &cave];

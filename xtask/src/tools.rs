@@ -12,7 +12,7 @@ pub fn root() -> PathBuf {
     here.parent().expect("xtask lies in the workspace").to_owned()
 }
 
-/// Runs to the end; gives stdout, or what went wrong with all that was said.
+/// Runs a command; returns stdout, or the error with all output.
 pub fn run(command: &mut Command) -> Result<String> {
     let output = output(command)?;
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
@@ -24,7 +24,7 @@ pub fn run(command: &mut Command) -> Result<String> {
     Err(format!("`{}`: {}\n{}", name(command), output.status, said.trim()))
 }
 
-/// Runs to the end, with all that is said visible.
+/// Runs a command with visible output.
 pub fn show(command: &mut Command) -> Result<()> {
     match command.status() {
         Ok(status) if status.success() => Ok(()),
@@ -49,7 +49,7 @@ pub fn ensure_debian(packages: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Installs exactly what the lock file of a folder says, once.
+/// Installs exactly the versions in the lock file of a folder, once.
 pub fn ensure_npm(folder: &Path) -> Result<()> {
     let lock = std::fs::read(folder.join("package-lock.json")).map_err(|e| e.to_string())?;
     let stamp = folder.join("node_modules/.installed");

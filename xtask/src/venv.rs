@@ -1,4 +1,4 @@
-//! Python environments: `.venv` for the package and its tests, and others for readers that want one of their own.
+//! Python environments: `.venv` for the package and its tests, and others for readers that need a separate one.
 
 use std::fs;
 use std::path::{Path, PathBuf};

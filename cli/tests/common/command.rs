@@ -1,4 +1,4 @@
-//! The `plume` command in a folder of its own.
+//! The `plume` command in a separate folder.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use std::fs;

@@ -1,4 +1,4 @@
-//! A manifest that is read is the same when it is written again. It is sealed here, as a stranger can do, too.
+//! A manifest survives a round trip. It is sealed here, as an attacker could do, too.
 #![no_main]
 
 use plume_disk::sealed;

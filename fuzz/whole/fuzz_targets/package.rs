@@ -1,4 +1,4 @@
-//! An archive from a stranger is checked without harm. The first byte says which kind it claims to be.
+//! A hostile archive is checked without harm. The first byte selects its claimed kind.
 #![no_main]
 
 use std::fs;

@@ -47,7 +47,7 @@ def image_of(material):
 
 
 def check_names(package):
-    """How many files the texts of the package name; each must lie in it."""
+    """Number of files referenced by texts of the package; each must be in it."""
     texts = [path for path in package.iterdir() if path.suffix in NAMES]
     names = [name for path in texts for name in re.findall(NAMES[path.suffix], path.read_text(), re.MULTILINE)]
     lost = [name for name in names if not (package / name).is_file()]

@@ -74,7 +74,7 @@ def triangles(mesh, world_from_mesh):
 
 
 def materials(path):
-    """How many there are; each has an image of its colour, beside the file or in it."""
+    """Number of materials; each has an image of its colour, next to the file or in it."""
     if path.suffix in (".ply", ".stl"):
         return None
     found = {}

@@ -71,7 +71,7 @@ def numbers(rows, name, width, kind=np.float32):
 
 
 def materials(path):
-    """How many there are on what is drawn; fails on images that are missing or of the wrong colour space."""
+    """Number of materials in use; fails if images are missing or have the wrong colour space."""
     if path.suffix in (".ply", ".stl"):
         return None
     found = {slot.material for thing in drawn() for slot in thing.material_slots}
@@ -91,7 +91,7 @@ def check_images(material, spaces, where):
 
 
 def images(material):
-    """The images behind the inputs of the surface, however many nodes lie between."""
+    """The images connected to the inputs of the surface, through any number of nodes."""
     surface = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     for socket in surface.inputs:
         pending = [link.from_node for link in socket.links]

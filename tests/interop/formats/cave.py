@@ -7,13 +7,13 @@ from packages import packages_in, require
 
 PLACE_M = 1e-3
 AREA = 1e-3
-# Their materials are assets of their own beside the meshes.
+# Their materials are separate assets next to the meshes.
 ENGINES = {"unity", "unreal"}
 
 
 @dataclass
 class Figures:
-    """What a reader says of a package."""
+    """The result of a reader for a package."""
 
     triangles: int
     bounds: np.ndarray

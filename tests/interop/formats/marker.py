@@ -13,10 +13,10 @@ from packages import Triangles, joined, packages_in, require
 PLACE_M = 1e-4
 TURN = 2e-3  # OBJ rounds normals to four decimals, MuJoCo and Blender keep them with 16 bits or fewer
 UV = 1e-4
-# Corners of the marker are eighths of a metre, so that rounding tells them apart.
+# Corners of the marker are multiples of an eighth of a metre, so that rounding distinguishes them.
 GRID = 1000
 
-# The fault of a marker, and the attribute that tells.
+# The fault of a marker, and the attribute that shows it.
 FAULTS = {
     "mirrored": "position",
     "turned": "position",
@@ -82,7 +82,7 @@ def differences(found, wanted, pairs):
 
 
 def check(reader, sample, package):
-    """One reader on one package: without a fault, and with each. Gives what it sees."""
+    """Runs a reader on a package without faults and with each fault. Returns the attributes it sees."""
     wanted = truth(sample / "marker" / "marker.json")
 
     def seen(variant):

@@ -61,7 +61,7 @@ def by_plyfile(path):
 
 
 def by_numpy_stl(path):
-    """Normals of STL say the same as the order of the corners, or it is no STL."""
+    """Normals of STL must agree with the winding."""
     solid = stl.mesh.Mesh.from_file(str(path), calculate_normals=False)
     said, made = solid.normals.copy(), Triangles(solid.vectors.astype(np.float64))
     solid.update_normals()
@@ -81,7 +81,7 @@ def of_urdf(path):
 
 
 def named(folder, uris):
-    """The files that URIs name, below the folder in which the package lies."""
+    """The files of URIs, below the folder of the package."""
     return joined(by_trimesh(folder / uri.split("://")[1]) for uri in uris)
 
 

@@ -15,7 +15,7 @@ Z_UP_FROM_Y_UP = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
 
 
 class Failure(Exception):
-    """What is wrong with what was read."""
+    """Faults of the loaded mesh."""
 
 
 def require(holds, message):
@@ -108,5 +108,5 @@ def run(verify, readers):
         code = 1
     sys.stdout.flush()
     sys.stderr.flush()
-    # Blender's module crashes when an interpreter takes itself apart.
+    # Blender's module crashes during interpreter shutdown.
     os._exit(code)

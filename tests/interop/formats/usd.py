@@ -19,7 +19,7 @@ def by_usd_core(path):
 
 
 def triangles(mesh, world_from_mesh, scale):
-    """Matrices of USD stand to the right of row vectors."""
+    """USD matrices multiply row vectors from the right."""
     require(set(mesh.GetFaceVertexCountsAttr().Get()) == {3}, "there are faces with more than three corners")
     faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
     if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:

@@ -21,7 +21,7 @@ def millimetres(place):
 
 
 def shape(places, passages):
-    """Places in whole millimetres, and the passages between them."""
+    """Positions in whole millimetres, and the passages between them."""
     places = {name: millimetres(place) for name, place in places.items()}
     return set(places.values()), {frozenset((places[a], places[b])) for a, b in passages}
 
@@ -94,7 +94,7 @@ def is_same(found, expected, tolerance_mm):
 
 
 def agreeing(folder, expected):
-    """The readers that see what they should."""
+    """The readers that agree."""
     # Graphviz writes five digits, of the place and of the offset.
     tolerances = {read_graphviz: 10}
     return [read for read in READERS if is_same(read(folder), expected, tolerances.get(read, 0))]

@@ -75,7 +75,7 @@ def read(path):
 
 
 def measured(edges, places):
-    """What karstnet says, and the loops of its reduced graph."""
+    """The results of karstnet, and the loops of its reduced graph."""
     with warnings.catch_warnings():
         # The mean of no tortuosity, where all branches are rings.
         warnings.simplefilter("ignore")
@@ -102,7 +102,7 @@ def write(path, edges, places):
 
 
 class Drawing:
-    """A graph while it is drawn, its stations at random whole millimetres."""
+    """A graph under construction, with stations at random whole millimetres."""
 
     def __init__(self, seed):
         self.dice, self.places, self.edges = random.Random(seed), [], []
@@ -112,7 +112,7 @@ class Drawing:
         return len(self.places) - 1
 
     def branch(self, start, end, inner):
-        """A branch with so many stations inside; ends that are None are new."""
+        """A branch with this many inner stations; ends that are None are new."""
         start = self.station() if start is None else start
         last = start
         for _ in range(inner):
@@ -205,7 +205,7 @@ def grown(comparison):
             folder = comparison.folder / f"{row['name']}-{seed}"
             size = SIZES[seed % len(SIZES)]
             make = ["graph", "--quiet", "--seed", seed, "--output", folder, "--set", f"graph.generator={row['name']}"]
-            # Layers have no number of nodes of their own.
+            # The layers generator has no setting for the number of nodes.
             if any(comparison.run(*make, *more).returncode == 0 for more in (["--set", f"graph.nodes={size}"], [])):
                 yield folder / "graph.json"
 

@@ -130,7 +130,7 @@ class Format:
 FORMATS = [
     Format(survex, "cave.svx", "cave.svx", ["cavern", "-q", "cave.svx"], 0.01),
     Format(therion, "cave.th", "cave.th", ["therion", "thconfig"], 0.01),
-    # Survex weighs the loops of Compass by errors of its own.
+    # Survex weights the loops of Compass data differently.
     Format(compass, "cave.mak", "cave.dat", ["cavern", "-q", "cave.mak"], 0.02),
 ]
 
@@ -159,7 +159,7 @@ def imported(plume, path):
 
 
 def worst_of(legs, places, passages):
-    """How far the ends of passages are from the legs at most; infinite where a leg is no passage."""
+    """Maximum distance between the ends of passages and legs; infinite if a leg has no passage."""
     worst, found = 0.0, set()
     for leg in legs:
         nearest = [min((math.dist(end, place), node) for node, place in enumerate(places)) for end in leg]

@@ -59,7 +59,7 @@ def with_balls(package, starts):
         body = spec.worldbody.add_body(pos=start)
         for axis in np.eye(3):
             body.add_joint(type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, damping=DRAG_N_S_M)
-        # It touches what has the first bit in `contype`, as rock has, and no other ball.
+        # It collides with geoms that have the first bit in `contype`, like rock, but not with other balls.
         sphere = mujoco.mjtGeom.mjGEOM_SPHERE
         body.add_geom(name=f"ball_{number}", type=sphere, size=[RADIUS_M, 0, 0], mass=1, contype=0, conaffinity=1)
     return spec

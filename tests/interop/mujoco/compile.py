@@ -136,7 +136,7 @@ def rotation(quaternion):
 
 
 def verify_include(package, name, cave):
-    """Included files are found beside the model, so the user's model stands in a folder of links to the package."""
+    """Included files are searched next to the model, so the user's model is in a folder of links to the package."""
     with tempfile.TemporaryDirectory() as folder:
         for path in package.iterdir():
             (Path(folder) / path.name).symlink_to(path.resolve())

@@ -10,7 +10,7 @@ looks a metre ahead on the line and turns towards that point. It must pass 20 m 
 - not sink: no spoke of a wheel reaches through the visual mesh by more than the tolerance of pieces on the floor, and 1 cm for
   the soft contacts of MuJoCo under a rover that comes down.
 
-A plan and a profile are left beside the package: `<package>_drive.png`.
+A plan and a profile are left next to the package: `<package>_drive.png`.
 """
 
 from typing import NamedTuple
@@ -77,14 +77,14 @@ def verify(package, folder):
 
 
 def check_grip(rover, friction):
-    """The rover stands on its start pose: the rock must hold it as the recipe says, and not as the engine or a tyre does."""
+    """The rover stands at its start pose: its friction must be that of the recipe, not that of the engine or the tyres."""
     grips = rover.data.contact.friction[:, 0]
     require(len(grips) > 0, "the rover does not stand on rock at the start")
     require(np.allclose(grips, friction), f"friction under the rover is {grips.round(3)}, and {friction} in the recipe")
 
 
 def follow(rover, line):
-    """Drives to the end of the line, or until the time is up or the rover is stuck or lies on its side."""
+    """Drives to the end of the line, or until the time is up or the rover is stuck or on its side."""
     rows, passed_m, passed_at_s = [], 0.0, rover.data.time
     while passed_m < ARRIVED_M and rover.data.time < min(DURATION_S, passed_at_s + STUCK_S):
         before_m, passed_m = passed_m, line.along_m(rover.position, passed_m, LOOK_AHEAD_M)

@@ -95,7 +95,7 @@ def measure(package, name):
             rover.run(STRETCH_S)
             contacts.append(rover.data.ncon)
         fastest_s = min(fastest_s, time.perf_counter() - began_s)
-    # The plane is no piece.
+    # The plane is not a piece.
     pieces = np.sum((model.geom_group == COLLISION_GROUP) & (model.geom_type == mujoco.mjtGeom.mjGEOM_MESH))
     return pieces, compile_s, fastest_s / steps * 1e6, np.mean(contacts)
 

@@ -54,7 +54,7 @@ def check_reference(package, numbers, reference, where):
 
 
 def check_material(package, asset):
-    """The images are in the slots of the shader, and imported as what they are there."""
+    """The images are in the slots of the shader, and imported as the right kind."""
     (document,) = asset.documents
     fields = document.fields
     require(fields["m_Name"] == asset.path.stem, f"{asset.name} holds a material called {fields['m_Name']}")
@@ -82,7 +82,7 @@ def check_texture(asset, role, slot):
 
 
 def check_mask(name, image):
-    """Metalness, occlusion, detail and smoothness: stone is no metal, and there is no detail map."""
+    """Metalness, occlusion, detail and smoothness: stone is not metallic, and there is no detail map."""
     require(image.mode == "RGBA", f"{name} has no alpha for smoothness")
     pixels = np.asarray(image)
     require(pixels[..., 0].mean() < NO_METAL, f"{name} says that stone is metal")
@@ -91,7 +91,7 @@ def check_mask(name, image):
 
 
 def check_model(package, asset):
-    """It comes in as it is, in metres, and its tables name what is in it."""
+    """It is imported unscaled, in metres, and its tables list its content."""
     importer, model = asset.importer, asset.model
     meshes, tangents = importer["meshes"], importer["tangentSpace"]
     wanted = {"useFileScale": 1, "useFileUnits": 1, "globalScale": 1, "meshCompression": 0, "swapUVChannels": 0}

@@ -1,4 +1,4 @@
-"""The files of a package for Unity: who is who, and what each file says."""
+"""The files of a package for Unity: their GUIDs and contents."""
 
 import json
 import re

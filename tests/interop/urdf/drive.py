@@ -117,7 +117,7 @@ def stand(pose):
 
 
 def drive(husky, world, line):
-    """Follows the line; gives what was seen at each tick, until the way is done or patience ends."""
+    """Follows the line; returns the observations of each tick, until the end of the line or the time limit."""
     p.setTimeStep(STEP_S)
     joints = {p.getJointInfo(husky, joint)[1].decode(): joint for joint in range(p.getNumJoints(husky))}
     sides = [[joints[f"{end}_{side}_wheel"] for end in ("front", "rear")] for side in ("left", "right")]

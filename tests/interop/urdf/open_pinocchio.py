@@ -2,7 +2,7 @@
 
     open_pinocchio.py PACKAGE_DIR
 
-Boxes are compared to a hundredth of a millimetre, triangles by number. Nothing is said of what lies on the meshes.
+Bounds are compared to a hundredth of a millimetre, triangles by number. Materials are not checked.
 """
 
 import numpy as np

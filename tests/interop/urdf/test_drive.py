@@ -1,4 +1,4 @@
-"""The Husky must not get through what is broken: `cargo xtask interop` runs this."""
+"""Injected faults must stop the Husky: `cargo xtask interop` runs this."""
 
 import re
 import shutil

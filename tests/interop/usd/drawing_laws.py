@@ -57,7 +57,7 @@ def twins_stand_only_at_pinches(stage):
         names = ["points", "normals", "primvars:st"]
         columns = [np.asarray(mesh.GetPrim().GetAttribute(name).Get() or []) for name in names]
         if len({len(column) for column in columns}) != 1 or indices.max(initial=0) >= len(columns[0]):
-            continue  # other laws and validators say so
+            continue  # reported by other laws and validators
         _, place = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
         twins = np.flatnonzero(np.bincount(place.ravel()) > 1)
         joined = sum(fans_touch(indices, place.ravel(), twin) for twin in twins)
@@ -75,7 +75,7 @@ def fans_touch(indices, place, twin):
 
 
 def the_view_is_from_the_start(stage):
-    """The camera stands upright over the first start pose, or the first picture is of the outside of the rock."""
+    """The camera is upright above the first start pose, or the first picture shows the outside of the rock."""
     view = stage.GetPrimAtPath("/World/View")
     if not view or not view.IsA(UsdGeom.Camera):
         yield "/World/View is no camera"

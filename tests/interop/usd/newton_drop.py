@@ -2,7 +2,7 @@
 
     newton_drop.py PACKAGE_DIR
 
-The balls must come to rest on the triangles of the package. The stage is opened below a layer of its own that adds them.
+The balls must come to rest on the triangles of the package. They are added by a separate layer above the stage.
 The first run compiles for a minute, later ones take seconds. It does not look at rays, friction or the height of start poses.
 """
 

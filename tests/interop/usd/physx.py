@@ -5,7 +5,7 @@
 PhysX knows nothing of our exporter. From each start pose the ray straight down must hit the floor, and a hundred rays in
 all directions must hit rock, within a millimetre of where they meet the triangles of the package; balls dropped at the start poses
 must come to rest on the triangles; and pucks pushed along the floor must stop sooner than on a floor without friction.
-The stage is opened below a layer of its own that adds the bodies; the package is not touched.
+The bodies are added by a separate layer above the stage; the package is not touched.
 """
 
 import subprocess
@@ -82,7 +82,7 @@ class Probe:
 
 
 def match(expected, found):
-    """Which body of PhysX is which of ours, told by where they start."""
+    """Matches bodies of PhysX with ours by their start positions."""
     require(len(found) == len(expected), f"PhysX moves {len(found)} bodies, not {len(expected)}")
     if not len(found):
         return []

@@ -1,4 +1,4 @@
-"""Asks PhysX about a stage: `physx_probe.py STAGE QUESTION.npz ANSWER.npz`, for a Python with ovphysx and no USD of its own.
+"""Queries PhysX about a stage: `physx_probe.py STAGE QUESTION.npz ANSWER.npz`, for a Python with ovphysx and without USD.
 
 The question holds rays and a duration; the answer how far each ray goes (infinite if it hits nothing), and of the rigid
 bodies, in an order of PhysX's own, where they were at first, where they are when the time is over, and how fast they move.

@@ -1,4 +1,4 @@
-"""Reads a USD package with two versions of USD and compares what they see.
+"""Reads a USD package with two versions of USD and compares the results.
 
     same.py PACKAGE_DIR OTHER_PYTHON
 

@@ -36,7 +36,8 @@ pub(super) fn compare(package: &Path) -> Result<Command> {
     Ok(command)
 }
 
-/// A small cave in each format, with the GLB of the same beside them. None without libassimp: then the reader is skipped, too.
+/// A small cave in each format, with the GLB of the same next to them. None without libassimp: then the reader is skipped,
+/// too.
 pub(super) fn export(plume: &Plume) -> Result<Vec<PathBuf>> {
     if install().is_err() {
         return Ok(Vec::new());

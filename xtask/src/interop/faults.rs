@@ -19,7 +19,7 @@ pub(super) fn checks(readers: &[&'static Reader], scene: &Path) -> Vec<Check> {
     known.map(check).collect()
 }
 
-/// A fault, who must notice it and a part of what is said about it.
+/// An injected fault, the check that must notice it, and a part of its message.
 struct Fault {
     name: &'static str,
     reader: &'static str,
@@ -265,7 +265,7 @@ pub(super) fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The OBJ with only those triangles that `keep` wants, by line number.
+/// The OBJ with only the triangles selected by `keep`, by line number.
 fn keep_triangles(bytes: &[u8], keep: impl Fn(usize) -> bool) -> Vec<u8> {
     let text = String::from_utf8_lossy(bytes);
     let lines = text.lines().enumerate();

@@ -14,12 +14,12 @@ const COMMON: [&str; 3] = ["obj", "ply", "stl"];
 /// Checks that open the packages of many targets together.
 pub(super) const READERS: [&str; 3] = ["trimesh", "blender", "libassimp"];
 
-/// Whether the samples of the exporters lie in a folder, the marker among them.
+/// Whether a folder contains the samples of the exporters, including the marker.
 pub(super) fn is_marked(folder: &Path) -> bool {
     folder.join("marker/marker.json").is_file()
 }
 
-/// Whether packages of one cave lie beside each other in a folder.
+/// Whether a folder contains several packages of one cave.
 pub(super) fn is_shelf(folder: &Path) -> bool {
     COMMON.iter().filter(|target| folder.join(target).is_dir()).count() > 1
 }

@@ -39,7 +39,7 @@ pub(super) fn open(package: &Path) -> Result<Command> {
     Ok(command)
 }
 
-/// Gets Bullet, which stands in for the physics engines that Gazebo can load.
+/// Installs Bullet, which represents the physics engines that Gazebo can load.
 pub(super) fn make_bullet() -> Result<()> {
     bullet().map(drop)
 }

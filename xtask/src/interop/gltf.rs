@@ -23,7 +23,7 @@ pub(super) fn make_browser() -> Result<()> {
     make()
 }
 
-/// The picture lies beside the package: `<package>.png`.
+/// The picture is next to the package: `<package>.png`.
 pub(super) fn draw(package: &Path) -> Result<Command> {
     Ok(shot(package, &package.with_extension("png"), 0))
 }

@@ -1,4 +1,4 @@
-//! Programs that know graphs and caves: what they make of ours, and we of theirs.
+//! Programs for graphs and caves: how they read our files, and we theirs.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -8,12 +8,12 @@ use crate::samples;
 use crate::tools::{Result, ensure_debian, root, run};
 use crate::venv::Environment;
 
-/// A script that asks others of what `plume` says or writes, and adds a fault that they must notice.
+/// A script that compares the output of `plume` with that of others, and injects a fault that they must notice.
 pub(super) struct GraphCheck {
     pub(super) name: &'static str,
     pub(super) debian: &'static [&'static str],
     script: &'static str,
-    /// What the script is told beside the program.
+    /// Arguments of the script in addition to the program.
     arguments: fn() -> Result<Vec<PathBuf>>,
 }
 
@@ -24,7 +24,7 @@ pub(super) static CHECKS: [GraphCheck; 3] = [
 ];
 
 impl GraphCheck {
-    /// Gets the programs, or says what is missing.
+    /// Installs the programs, or reports what is missing.
     pub(super) fn prepare(&self) -> Result<Environment> {
         ensure_debian(self.debian)?;
         Environment::of_readers()?.with(&["tests/interop/graph/requirements.txt"])

@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::tools::{Result, root, run};
 use crate::venv::Environment;
 
-/// Where MuJoCo lives, beside the package.
+/// The environment with MuJoCo and the Python package.
 fn environment() -> Result<Environment> {
     Environment::of_project()?.with(&["tests/interop/mujoco/requirements.txt"])
 }

@@ -8,7 +8,7 @@ use super::{gltf, holds};
 use crate::plume::Plume;
 use crate::tools::{self, Result, root};
 
-/// Whether the page lies in a folder.
+/// Whether a folder contains the page.
 pub(super) fn is_page(folder: &Path) -> bool {
     holds(folder, &["html"])
 }
@@ -20,7 +20,7 @@ pub(super) fn open(folder: &Path) -> Result<Command> {
     Ok(command)
 }
 
-/// The page of the first sample, in a folder of its own.
+/// The page of the first sample, in a separate folder.
 pub(super) fn write(plume: &Plume) -> Result<PathBuf> {
     let folder = root().join("target/interop/page");
     fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
@@ -28,7 +28,7 @@ pub(super) fn write(plume: &Plume) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// What is replaced in the page, and what must be said of it.
+/// Injected faults of the page, and the expected messages.
 const FAULTS: [(&str, &str, &str); 4] = [
     ("gl.drawElements(", "void (", "of the view is drawn"),
     ("camera.yaw -= dx", "camera.yaw -= missing", "the page failed"),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::tools::Result;
 
-/// A question about a package; its answer is a summary, or what is wrong.
+/// A check of a package; its result is a summary, or what is wrong.
 pub(super) struct Check {
     who: &'static str,
     ask: Box<dyn FnOnce() -> Result<String> + Send>,
@@ -26,7 +26,7 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Asks all of them, as many at once as there are cores.
+    /// Runs all checks, as many in parallel as there are cores.
     pub(super) fn run(&self, checks: Vec<Check>) {
         let workers = std::thread::available_parallelism().map_or(1, usize::from);
         let queue = Mutex::new(VecDeque::from(checks));

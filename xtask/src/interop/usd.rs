@@ -9,7 +9,7 @@ use crate::venv::Environment;
 /// The variable by which a person agrees to the licence of ovphysx.
 const TERMS: &str = "PLUME_OMNIVERSE_TERMS";
 
-/// Where the newest reader lives, beside the package.
+/// The environment with the newest reader and the Python package.
 pub fn environment() -> Result<Environment> {
     Environment::of_project()?.with(&[super::REQUIREMENTS, "tests/interop/usd/requirements.txt"])
 }
@@ -72,7 +72,7 @@ pub(super) fn touch(package: &Path) -> Result<Command> {
     Ok(command)
 }
 
-/// PhysX must notice what is wrong with a package.
+/// PhysX must notice injected faults of a package.
 pub(super) fn check_faults() -> Result<String> {
     let mut pytest = Command::new(environment()?.python());
     pytest.args(["-m", "pytest", "--quiet", "tests/interop/usd/test_physx.py"]).current_dir(root());
