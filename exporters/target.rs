@@ -15,7 +15,7 @@ use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage;
 
-/// Something that writes a scene the way one simulator wants it.
+/// Writes a scene in the form that a simulator expects.
 pub trait Target: Send + Sync {
     /// Writes the whole package into `out`, loading one chunk at a time.
     ///
@@ -26,25 +26,25 @@ pub trait Target: Send + Sync {
     /// The frame that the files are in.
     fn axes(&self) -> Axes;
 
-    /// What of others the package names without containing it, one sentence each.
+    /// Third-party items that the package refers to without containing them, one sentence each.
     fn references(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// Whether [`export`](Self::export) asks the scene for convex pieces, which a host program makes only then.
+    /// Whether [`export`](Self::export) uses convex pieces, which a host program makes only in this case.
     fn wants_pieces(&self) -> bool {
         false
     }
 }
 
-/// What an export wrote and how it is opened.
+/// What an export wrote and how to open it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Summary {
-    /// Triangles that cameras see.
+    /// Visual triangles.
     pub visual_triangles: u64,
-    /// Triangles that wheels touch, be they of collision meshes or of convex pieces; 0 if the target carries none.
+    /// Collision triangles, of collision meshes or convex pieces; 0 if the target has none.
     pub collision_triangles: u64,
-    /// A command for a shell in the package folder, or a sentence, that opens the package.
+    /// How to open the package: a shell command to run in its folder, or a sentence.
     pub open: String,
 }
 
@@ -52,25 +52,25 @@ pub struct Summary {
 pub struct TargetRow {
     /// What the user types.
     pub name: &'static str,
-    /// What is written, in a few words.
+    /// Short summary of what is written.
     pub summary: &'static str,
     /// Which version of the target this is: packages that another one wrote are written again.
     pub revision: u32,
-    /// What opens the package.
+    /// Programs that open the package.
     pub opened_by: &'static str,
     /// What is written, in full: Markdown for the README.
     pub contents: &'static str,
-    /// What opens the package in the tests, and with which result: Markdown for the README.
+    /// Programs that open the package in the tests, and with which result: Markdown for the README.
     pub tested_by: &'static str,
     /// Names of the interop checks that open the package.
     pub checks: &'static [&'static str],
-    /// Encodings of images that it takes; none if it writes no images.
+    /// Supported encodings of images; none if it writes no images.
     pub images: &'static [ImageFormat],
-    /// Whether no file of a package names another.
+    /// Whether no file of a package refers to another.
     pub is_single_file: bool,
-    /// Whether robots touch convex pieces, always or with the setting `collision = "pieces"`.
+    /// Whether it writes convex pieces, always or with the setting `collision = "pieces"`.
     pub has_pieces: bool,
-    /// Kinds of files that a package can become beside those that every package can, [`Bundle::COMMON`].
+    /// Kinds of bundles in addition to those that every target supports, [`Bundle::COMMON`].
     pub bundles: &'static [Bundle],
     /// JSON schema of the settings: meaning, unit, default and range of each.
     pub settings: fn() -> Schema,
@@ -81,13 +81,13 @@ pub struct TargetRow {
 /// The USD library that a host program lends.
 pub type Lent = Arc<dyn stage::Library>;
 
-/// How a target is made of its settings: a JSON object in which any may be left out.
+/// How a target is made from its settings: a JSON object, in which all keys are optional.
 pub enum Build {
     /// By this crate alone.
     Plain(fn(Value) -> Built),
     /// With the USD library that a host program lends.
     WithUsd(fn(Value, Lent) -> Built),
-    /// In a format that follows the name after a colon, as in `assimp:collada`. Without one, the error lists those there are.
+    /// In a format given after a colon, as in `assimp:collada`. Without one, the error lists all formats.
     WithFormat(fn(Option<&str>, Value) -> Built),
 }
 
@@ -106,8 +106,8 @@ pub enum BuildError {
 }
 
 impl TargetRow {
-    /// The row of a target whose settings are its fields, each with a doc comment, a range and a default. It takes PNG and JPEG;
-    /// the other facts are empty or no.
+    /// The row of a target whose settings are its fields, each with a doc comment, a range and a default. It takes PNG and
+    /// JPEG; the other facts are empty or no.
     ///
     /// ```
     /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::Scene, ExportError, Summary, Target};
@@ -143,21 +143,21 @@ impl TargetRow {
         }
     }
 
-    /// The target with these settings; `library` is the USD library of the host program, if it has one.
+    /// Builds the target with these settings; `library` is the USD library of the host program, if it has one.
     ///
     /// # Errors
-    /// [`ExportError::Settings`]; [`ExportError::MissingPart`] without a library that fits, where one is needed;
-    /// [`ExportError::UnknownFormat`] where a format is.
+    /// [`ExportError::Settings`]; [`ExportError::MissingPart`] if a required library is missing;
+    /// [`ExportError::UnknownFormat`] if a required format is unknown.
     pub fn build(&'static self, settings: Value, library: Option<&Lent>) -> Result<Box<dyn Target>, ExportError> {
         Choice { row: self, format: None }.build(settings, library)
     }
 
-    /// Whether a package can become a file of this kind.
+    /// Whether it supports this kind of bundle.
     pub fn has(&self, bundle: Bundle) -> bool {
         Bundle::COMMON.contains(&bundle) || self.bundles.contains(&bundle)
     }
 
-    /// Every kind of file that a package can become.
+    /// All supported kinds of bundles.
     pub fn all_bundles(&self) -> impl Iterator<Item = Bundle> {
         Bundle::ALL.into_iter().filter(|bundle| self.has(*bundle))
     }
@@ -167,12 +167,12 @@ impl TargetRow {
         matches!(self.build, Build::WithUsd(_))
     }
 
-    /// Whether the name of a format belongs to it.
+    /// Whether it needs the name of a format.
     pub fn needs_format(&self) -> bool {
         matches!(self.build, Build::WithFormat(_))
     }
 
-    /// How it is asked for: its name, with `:<id>` where a format belongs to it.
+    /// Its notation on the command line: its name, with `:<id>` if it needs a format.
     pub fn usage(&self) -> String {
         let format = if self.needs_format() { ":<id>" } else { "" };
         format!("{}{format}", self.name)
@@ -191,17 +191,17 @@ impl std::fmt::Debug for TargetRow {
     }
 }
 
-/// A target as it is asked for: `gazebo`, or `assimp:collada` with the name of a format.
+/// A requested target: `gazebo`, or `assimp:collada` with the name of a format.
 #[derive(Clone)]
 pub struct Choice {
     /// Its row.
     pub row: &'static TargetRow,
-    /// The format, where the row [needs](TargetRow::needs_format) one.
+    /// The format, if the row [needs](TargetRow::needs_format) one.
     pub format: Option<String>,
 }
 
 impl Choice {
-    /// The target with these settings; `library` is the USD library of the host program, if it has one.
+    /// Builds the target with these settings; `library` is the USD library of the host program, if it has one.
     ///
     /// # Errors
     /// As [`TargetRow::build`].
@@ -227,7 +227,7 @@ impl Choice {
         [Some(self.row.name), self.format.as_deref()].into_iter().flatten().collect::<Vec<_>>().join(":")
     }
 
-    /// The same as part of the name of a folder.
+    /// The same for use in the name of a folder.
     pub fn folder(&self) -> String {
         self.name().replace(|letter: char| !letter.is_ascii_alphanumeric(), "-")
     }

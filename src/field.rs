@@ -35,7 +35,7 @@ pub trait Field: Sync {
     /// Unit normals at `points` (in `bounds`): the direction of steepest descent, from the wall into the air.
     fn normals(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]);
 
-    /// The field at points near each other.
+    /// The field at nearby points.
     fn distances_at(&self, points: &[[f32; 3]]) -> Vec<f32> {
         let mut distances = vec![0.0; points.len()];
         if let Some(bounds) = Aabb::from_points(points.iter().copied()) {
@@ -72,8 +72,8 @@ pub struct Texel {
     pub roughness: f32,
     /// Ambient occlusion, 0 (buried) to 1 (open).
     pub occlusion: f32,
-    /// Distance of the wall with all detail, but without water, from the point, metres; positive towards the air. First-order
-    /// estimate: the field divided by its gradient magnitude.
+    /// Distance of the wall with all detail, but without water, from the point, metres; positive towards the air.
+    /// First-order estimate: the field divided by its gradient magnitude.
     pub height_m: f32,
 }
 

@@ -1,7 +1,7 @@
 //! Plume makes underground worlds and exports them ready to use for simulators.
 //!
-//! One recipe and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in chunks, a set
-//! of images for each chunk, and from them a package for a simulator. Same recipe, seed and version, same bytes.
+//! One recipe and one seed give a [`graph`] (where the passages go), a [`field`] (how far is rock), a [`mesh`] in chunks, a
+//! set of images for each chunk, and from them a package for a simulator. Same recipe, seed and version, same bytes.
 //!
 //! ```
 //! use plume::Recipe;

@@ -341,7 +341,10 @@ impl Centreline {
                     format!("those of {}", self.names.told(numbers.names(named)))
                 }
             };
-            let message = format!("has {} disconnected pieces, and nothing fixes the position of {those}", held + placed.adrift.len());
+            let message = format!(
+                "has {} disconnected pieces, and nothing fixes the position of {those}",
+                held + placed.adrift.len()
+            );
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
         let station = |position| SurveyStation { position, entrance: false };

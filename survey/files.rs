@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::limits::{MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_LINE};
-use super::{ReadError, STRAY, STRAY_HINT, STRAY_LINE, STRAY_LINE_HINT, Source};
+use super::{OUTSIDE_FILE, OUTSIDE_HINT, OUTSIDE_LINE, OUTSIDE_LINE_HINT, ReadError, Source};
 use plume_graph::echo::shown;
 
 /// A line of a file that was read.
@@ -21,7 +21,7 @@ pub(super) struct Files<'a> {
     /// All files read, in order.
     paths: Vec<PathBuf>,
     /// Whether each file is outside the folder of the first.
-    strays: Vec<bool>,
+    is_outside: Vec<bool>,
     /// The files that are being read, the innermost last.
     open: Vec<usize>,
     bytes: usize,
@@ -31,7 +31,7 @@ impl<'a> Files<'a> {
     /// Starts with the file that includes all others.
     pub(super) fn new(source: &'a Source<'a>) -> Self {
         let paths = vec![source.path.to_path_buf()];
-        Self { source, paths, strays: vec![false], open: vec![0], bytes: source.bytes.len() }
+        Self { source, paths, is_outside: vec![false], open: vec![0], bytes: source.bytes.len() }
     }
 
     /// A line of the file that is being read.
@@ -46,8 +46,10 @@ impl<'a> Files<'a> {
         message: impl Into<String>,
         hint: impl Into<String>,
     ) -> ReadError {
-        match self.strays[file_position.file] {
-            true => ReadError::line(&self.paths[file_position.file], file_position.line, STRAY_LINE, STRAY_LINE_HINT),
+        match self.is_outside[file_position.file] {
+            true => {
+                ReadError::line(&self.paths[file_position.file], file_position.line, OUTSIDE_LINE, OUTSIDE_LINE_HINT)
+            }
             false => ReadError::line(&self.paths[file_position.file], file_position.line, message, hint),
         }
     }
@@ -55,19 +57,19 @@ impl<'a> Files<'a> {
     /// An error of the whole file that is being read.
     pub(super) fn fault_of_file(&self, message: impl Into<String>, hint: impl Into<String>) -> ReadError {
         let file = self.file_position(0).file;
-        match self.strays[file] {
-            true => ReadError::whole(&self.paths[file], STRAY_LINE, STRAY_LINE_HINT),
+        match self.is_outside[file] {
+            true => ReadError::whole(&self.paths[file], OUTSIDE_LINE, OUTSIDE_LINE_HINT),
             false => ReadError::whole(&self.paths[file], message, hint),
         }
     }
 
     /// Whether names may come from files of which nothing may be shown.
-    pub(super) fn has_strays(&self) -> bool {
-        self.strays.contains(&true)
+    pub(super) fn has_outside_files(&self) -> bool {
+        self.is_outside.contains(&true)
     }
 
-    /// Opens the file that a line includes, relative to the including file: as named or with an extension, in the given or in
-    /// lower case. Must be closed again. A file outside the folder of the first file is refused, unless allowed.
+    /// Opens the file that a line includes, relative to the including file: as named or with an extension, in the given or
+    /// in lower case. Must be closed again. A file outside the folder of the first file is refused, unless allowed.
     pub(super) fn open(&mut self, file_position: FilePosition, name: &str, ending: &str) -> Result<Vec<u8>, ReadError> {
         let refused = |message: String, hint: &str| Err(self.fault(file_position, message, hint));
         if self.open.len() >= MAX_DEPTH {
@@ -85,8 +87,8 @@ impl<'a> Files<'a> {
             if self.open.iter().any(|&open| self.paths[open] == path) {
                 return refused(format!("{} includes itself", shown(&name)), "remove the circular include");
             }
-            let is_stray = self.source.is_stray(&path);
-            if self.source.refuses(is_stray) {
+            let is_outside_file = self.source.is_outside_file(&path);
+            if self.source.refuses(is_outside_file) {
                 is_refused = true;
                 continue;
             }
@@ -99,20 +101,17 @@ impl<'a> Files<'a> {
                     self.bytes += bytes.len();
                     self.open.push(self.paths.len());
                     self.paths.push(path);
-                    self.strays.push(is_stray);
+                    self.is_outside.push(is_outside_file);
                     return Ok(bytes);
                 }
                 Err(error) => first = first.or(Some(error)),
             }
         }
         if is_refused {
-            return refused(format!("{} {STRAY}", shown(&name)), STRAY_HINT);
+            return refused(format!("{} {OUTSIDE_FILE}", shown(&name)), OUTSIDE_HINT);
         }
         let why = first.map(|error| error.to_string()).unwrap_or_default();
-        refused(
-            format!("{} cannot be read: {why}", shown(&name)),
-            "paths are relative to the file that includes them",
-        )
+        refused(format!("{} cannot be read: {why}", shown(&name)), "paths are relative to the file that includes them")
     }
 
     /// Closes the innermost file.

@@ -23,7 +23,7 @@ fn original(name: &str) -> Document {
 }
 
 #[test]
-fn the_originals_files_read_as_they_are() {
+fn files_of_the_original_are_read() {
     for name in ["single", "multi"] {
         let Document { graph, recipe, original } = original(name);
         assert!(original && recipe.is_none());
@@ -37,7 +37,7 @@ fn the_originals_files_read_as_they_are() {
 }
 
 #[test]
-fn the_originals_caves_have_their_size() {
+fn caves_of_the_original_have_their_size() {
     let height_m = |name| {
         let [_, _, height_m] = original(name).graph.bounds().unwrap().size();
         (height_m * 10.0).round() / 10.0
@@ -97,7 +97,7 @@ const PARTS: &str = r#"{"nodes": [
 ]}"#;
 
 #[test]
-fn parts_are_done_with_as_asked() {
+fn parts_are_treated_as_asked() {
     let import = |parts| survey::read("parts.json".as_ref(), parts, &Files::one("parts.json", PARTS));
     let told = |import: Result<Import, survey::ReadError>| {
         let Import { graph, tally, .. } = import.unwrap();
@@ -127,7 +127,7 @@ fn a_file_too_large_is_refused_while_it_is_read() {
 
 /// The error for each bad file: one golden text for all of them.
 #[test]
-fn bad_files_are_told_what_is_wrong_with_them() {
+fn bad_files_are_refused_with_a_message() {
     let mut files: Vec<_> = fs::read_dir("tests/data/bad_graphs").unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     let mut told = String::new();

@@ -126,7 +126,7 @@ fn a_failed_export_leaves_nothing_behind() {
 fn a_missing_usd_library_is_reported() {
     for row in complete() {
         let missing = format!(
-            "system: target `{}` is written by the Python package usd-core, which this program has not (hint: use the \
+            "system: target `{}` needs the Python package usd-core, which this program does not have (hint: use the \
              `plume` command of the Python package plume-caves)",
             row.name
         );
@@ -333,7 +333,7 @@ fn webp_images_are_written_or_refused_with_a_message() {
         }
         let names: Vec<&str> = row.images.iter().map(|format| format.name()).collect();
         let refused = format!(
-            "usage: target `{}` takes {} images only: DIR/0_base_color.webp (hint: make the cave with other images: \
+            "usage: target `{}` supports only {} images: DIR/0_base_color.webp (hint: make the cave with other images: \
              `--set texture.format=png`)",
             row.name,
             names.join(" and ")

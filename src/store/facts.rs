@@ -55,7 +55,7 @@ pub struct GraphFacts {
     pub passages: usize,
     /// Number of independent loops.
     pub loops: usize,
-    /// Length of all passages in metres.
+    /// Total length of all passages in metres.
     pub length_m: f64,
 }
 
@@ -112,12 +112,12 @@ impl TextureFacts {
     }
 }
 
-/// What the unit of a textured chunk says of a coarser level.
+/// Facts about a coarser level in the unit of a textured chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LodFacts {
     /// Number of its triangles.
     pub triangles: usize,
-    /// How far it lies from full detail at most, both ways, in metres.
+    /// Upper bound of its distance from full detail, in both directions, in metres.
     pub error_m: f64,
 }
 

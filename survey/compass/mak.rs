@@ -16,7 +16,8 @@ use crate::limits::MAX_COORDINATE_M;
 use crate::measure::METRES_PER_FOOT;
 use plume_graph::echo::shown;
 
-const HINT: &str = "a survey file is written as #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at the end";
+const HINT: &str =
+    "a survey file is written as #FILE.DAT,STATION,STATION[M,east,north,up]; with a semicolon at the end";
 
 /// A survey file of a project.
 struct Book {
@@ -37,7 +38,9 @@ impl Reader<'_> {
         }
         for (line, entry) in entries {
             let file_position = self.files.file_position(line);
-            let book = entry.ok_or_else(|| "has a file entry without a semicolon at the end".to_owned()).and_then(|entry| book(&entry));
+            let book = entry
+                .ok_or_else(|| "has a file entry without a semicolon at the end".to_owned())
+                .and_then(|entry| book(&entry));
             let begun = book.and_then(|book| self.begin(file_position, &book).map(|()| book));
             let book = begun.map_err(|message| self.files.fault(file_position, message, HINT))?;
             let bytes = self.files.open(file_position, &book.file, ".dat")?;
@@ -103,8 +106,11 @@ fn book(entry: &str) -> Result<Book, String> {
         let (name, after) = rest.split_at(end);
         rest = after.strip_prefix(',').unwrap_or(after);
         if let Some(fix) = after.strip_prefix('[') {
-            let (place, after) = fix.split_once(']').ok_or_else(|| format!("has no closing bracket after the coordinates of {}", shown(name)))?;
-            let position = position(place).ok_or_else(|| format!("fixes {} at invalid coordinates {}", shown(name), shown(place)))?;
+            let (place, after) = fix
+                .split_once(']')
+                .ok_or_else(|| format!("has no closing bracket after the coordinates of {}", shown(name)))?;
+            let position = position(place)
+                .ok_or_else(|| format!("fixes {} at invalid coordinates {}", shown(name), shown(place)))?;
             book.fixes.push((name.to_owned(), position));
             rest = after.strip_prefix(',').unwrap_or(after);
         } else if !name.is_empty() {

@@ -23,8 +23,9 @@ pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     let mut walk = Walk::default();
     loop {
         let at = reader.buffer_position();
-        let event =
-            reader.read_event().map_err(|error| Fault::new(sentence(&error.to_string()), "this is not well-formed XML"));
+        let event = reader
+            .read_event()
+            .map_err(|error| Fault::new(sentence(&error.to_string()), "this is not well-formed XML"));
         let event = event.map_err(|fault| fault.at(source.path, text, reader.error_position()))?;
         if event == Event::Eof {
             break;
@@ -168,10 +169,7 @@ impl Walk {
             return Err(Fault::new(message, "split the graph into several caves"));
         }
         if self.names.contains_key(&id) {
-            return Err(Fault::new(
-                format!("two nodes have the id {}", shown(&id)),
-                "give every node a unique id",
-            ));
+            return Err(Fault::new(format!("two nodes have the id {}", shown(&id)), "give every node a unique id"));
         }
         self.names.insert(id, StationId::new(next));
         self.node = self.defaults;
@@ -257,7 +255,9 @@ impl Walk {
 
     fn end(&self) -> Result<(), Fault> {
         match self.graphs {
-            _ if !self.open.is_empty() => Err(Fault::new("ends before its elements are closed", "the file is truncated")),
+            _ if !self.open.is_empty() => {
+                Err(Fault::new("ends before its elements are closed", "the file is truncated"))
+            }
             0 => Err(Fault::new("contains no graph", SHAPE_HINT)),
             _ => Ok(()),
         }
@@ -266,8 +266,7 @@ impl Walk {
     fn resolve_edges(&mut self) -> Result<(), (Fault, u64)> {
         for (ends, at) in std::mem::take(&mut self.pending) {
             let find = |name: &String| {
-                let unknown =
-                    || Fault::new(format!("there is no node {}", shown(name)), "edges refer to nodes by id");
+                let unknown = || Fault::new(format!("there is no node {}", shown(name)), "edges refer to nodes by id");
                 self.names.get(name).copied().ok_or_else(|| (unknown(), at))
             };
             let edge = [find(&ends[0])?, find(&ends[1])?];

@@ -83,7 +83,9 @@ impl Instruments {
                 Err("`declination auto` needs a model of the earth's magnetic field".to_owned())
             }
             [declination, unit] => {
-                let Unit::Angle(factor) = named_unit(unit)? else { return Err(format!("{} is not an angle", shown(unit))) };
+                let Unit::Angle(factor) = named_unit(unit)? else {
+                    return Err(format!("{} is not an angle", shown(unit)));
+                };
                 self.set_declination_rad(some(declination, number)? * factor);
                 Ok(())
             }
