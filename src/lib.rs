@@ -5,10 +5,10 @@
 //!
 //! ```
 //! use plume::Recipe;
-//! use plume::graph::Nowhere;
+//! use plume::graph::NoOutside;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let recipe = Recipe::from_overrides(&["graph.generator=mine".to_owned(), "graph.nodes=40".to_owned()])?;
-//! let graph = recipe.graph().generate(recipe.seed(), &Nowhere)?;
+//! let graph = recipe.graph().generate(recipe.seed(), &NoOutside)?;
 //! assert_eq!(graph.nodes.len(), 40);
 //! # Ok(())
 //! # }

@@ -17,7 +17,6 @@ use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use plume_exporters::ImageFormat;
-use plume_exporters::bundle::Bundle;
 use plume_exporters::package::{Files, Memory, Package};
 use plume_exporters::place::{Existing, Folder};
 use plume_exporters::scene::{Chunk, Chunks, Piece, Scene};
