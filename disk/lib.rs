@@ -9,6 +9,17 @@
 //! followed, because those names are random and created exclusively.
 //!
 //! Not promised: anything against a malicious program that changes the same folders at the same time.
+//!
+//! ```
+//! use plume_disk::{Existing, write_file};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("plans/cave.txt");
+//! write_file(&path, Existing::Keep, b"first")?;
+//! assert!(write_file(&path, Existing::Keep, b"second").is_err());
+//! assert_eq!(std::fs::read(&path)?, b"first");
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 mod device;
 mod file;

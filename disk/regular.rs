@@ -2,6 +2,15 @@
 //!
 //! A pipe without a writer blocks whoever opens it, and a device such as `/dev/zero` never ends. Neither is what a user
 //! means by a recipe, a survey or a package.
+//!
+//! ```
+//! use plume_disk::regular;
+//!
+//! let folder = tempfile::tempdir()?;
+//! assert!(regular::open(folder.path()).is_err(), "a folder is not a regular file");
+//! assert!(regular::read("/dev/zero".as_ref(), 1 << 20).is_err());
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read};

@@ -1,6 +1,14 @@
 //! Texts that reveal whether they were changed since they were written.
 //!
 //! A seal is not a signature: it detects accidents, not forgery.
+//!
+//! ```
+//! use plume_disk::sealed::{seal, unseal};
+//!
+//! let text = seal("{\n  \"chunks\": 3\n}");
+//! assert!(unseal(text.as_bytes()).is_some());
+//! assert!(unseal(text.replace('3', "4").as_bytes()).is_none());
+//! ```
 
 use sha2::{Digest, Sha256};
 

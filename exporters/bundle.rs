@@ -1,4 +1,10 @@
 //! Kinds of files that hold a whole package.
+//!
+//! ```
+//! use plume_exporters::bundle::Bundle;
+//!
+//! assert_eq!(Bundle::TarZst.file("caves/mine".as_ref()).to_str(), Some("caves/mine.tar.zst"));
+//! ```
 
 use std::path::{Path, PathBuf};
 

@@ -5,6 +5,14 @@
 //! trusted ([`contents`]). Not checked: who made it (the seal is not a signature), and whether a simulator accepts it.
 //!
 //! [`contents`]: crate::contents
+//!
+//! ```
+//! use plume_exporters::check::check;
+//!
+//! let folder = tempfile::tempdir()?;
+//! assert!(check(folder.path()).is_err(), "an empty folder is not a package");
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::collections::BTreeSet;
 use std::io::{self, Read};

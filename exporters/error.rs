@@ -1,4 +1,11 @@
 //! What can go wrong in an export.
+//!
+//! ```
+//! use plume_exporters::target;
+//!
+//! let error = target("gazebi").err().unwrap();
+//! assert!(error.is_usage() && error.to_string().starts_with("unknown target `gazebi`"));
+//! ```
 
 use std::io;
 use std::path::PathBuf;

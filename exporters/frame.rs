@@ -1,6 +1,14 @@
 //! All conversions of axes, UV origin and rotation notation for targets.
 //!
 //! The scene is in metres, right-handed, Z up, with the UV origin at the lower left of the image.
+//!
+//! ```
+//! use plume_exporters::frame;
+//!
+//! // glTF is Y up; Unreal is left-handed, in centimetres.
+//! assert_eq!(frame::gltf_from_scene([1.0, 2.0, 3.0]), [1.0, 3.0, -2.0]);
+//! assert_eq!(frame::unreal_from_scene([1.0, 2.0, 3.0]), [100.0, -200.0, 300.0]);
+//! ```
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;

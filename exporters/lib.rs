@@ -3,6 +3,17 @@
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
 //! writes what each simulator expects. Targets never name each other; what they share are formats ([`mod@format`], [`stage`]), the
 //! frame changes ([`frame`]) and the sink ([`package`]). A new target is one file in [`targets`] and one row of [`TARGETS`].
+//!
+//! ```
+//! use plume_exporters::{TARGETS, target};
+//!
+//! let without_python: Vec<&str> = TARGETS.iter().filter(|row| !row.needs_usd()).map(|row| row.name).collect();
+//! assert!(without_python.contains(&"gazebo") && !without_python.contains(&"isaac"));
+//!
+//! let gazebo = target("gazebo")?.build(serde_json::json!({"lights": false}), None)?;
+//! assert!(!gazebo.wants_pieces());
+//! # Ok::<(), plume_exporters::ExportError>(())
+//! ```
 
 pub mod bundle;
 pub mod check;

@@ -4,6 +4,13 @@
 //! and no absolute paths: the same scene gives the same text. It ends with a seal, the SHA-256 of everything before it, so
 //! that damage to the manifest is detected like damage to a file. A seal is not a signature: it detects accidents, not
 //! forgery.
+//!
+//! ```
+//! use plume_exporters::manifest::Manifest;
+//!
+//! let fault = Manifest::from_text(b"{}").unwrap_err();
+//! assert!(fault.contains("seal"), "{fault}");
+//! ```
 
 use std::collections::BTreeMap;
 use std::io;

@@ -2,6 +2,17 @@
 //! are in [`place`](crate::place).
 //!
 //! Files are streamed. A package ends with [`MANIFEST`].
+//!
+//! ```
+//! use plume_exporters::package::{Memory, Package};
+//!
+//! let mut memory = Memory::default();
+//! let package: &mut dyn Package = &mut memory;
+//! package.text("models/README.md", "A cave.")?;
+//! assert!(package.text("../README.md", "Outside.").is_err());
+//! assert_eq!(memory.bytes["models/README.md"], b"A cave.");
+//! # Ok::<(), plume_exporters::ExportError>(())
+//! ```
 
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -1,4 +1,14 @@
 //! Destinations of packages, and how a complete package is written: the target's files, its licence, and its manifest.
+//!
+//! ```
+//! use plume_exporters::place::{Existing, Place};
+//!
+//! let folder = tempfile::tempdir()?;
+//! std::fs::write(folder.path().join("thesis.txt"), "mine")?;
+//! let place = Place { path: folder.path().to_owned(), bundle: None, existing: Existing::Replace };
+//! assert!(place.check().is_err(), "no export wrote what is there");
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::path::PathBuf;
 

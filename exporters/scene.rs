@@ -1,6 +1,14 @@
 //! The scene: everything that an exporter needs, resolved; metres, kilograms, seconds, radians; right-handed, Z up.
 //!
 //! Chunks are loaded one at a time, so memory does not grow with their number.
+//!
+//! ```
+//! use plume_exporters::scene::Mesh;
+//!
+//! let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0]];
+//! let mesh = Mesh { positions, indices: vec![0, 1, 2], ..Mesh::default() };
+//! assert_eq!((mesh.triangles(), mesh.bounds()), (1, [[0.0, 0.0, -1.0], [1.0, 1.0, 0.0]]));
+//! ```
 
 use std::path::PathBuf;
 

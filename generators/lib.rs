@@ -1,4 +1,14 @@
 //! The generators of cave graphs: one file and one row each.
+//!
+//! ```
+//! use plume_generators::GENERATORS;
+//! use plume_graph::NoOutside;
+//!
+//! let row = GENERATORS.find("karst").ok_or("no such generator")?;
+//! let generator = (row.read)(serde_json::json!({"nodes": 60}))?;
+//! assert_eq!(generator.generate(7, &NoOutside)?, generator.generate(7, &NoOutside)?);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cellular;
 mod external;

@@ -2,6 +2,18 @@
 //!
 //! Generators and readers add vertices and lines in any order; the builder rounds, welds and numbers them, so that the laws of
 //! graphs hold for all of them.
+//!
+//! ```
+//! use plume_graph::centreline::{CentrelineBuilder, Vertex};
+//!
+//! let mut centreline = CentrelineBuilder::default();
+//! let corners = [[0.0, 0.0], [8.0, 0.0], [8.0, 8.0]];
+//! let vertices = corners.map(|[x, y]| centreline.add(Vertex { position: [x, y, 0.0].into(), section: None, level: 0 }));
+//! for i in 0..3 {
+//!     centreline.join(vertices[i], vertices[(i + 1) % 3]);
+//! }
+//! assert_eq!(centreline.into_graph().loops(), 1);
+//! ```
 
 use std::cmp::Ordering;
 use std::ops::{Index, IndexMut};

@@ -6,6 +6,21 @@
 //! true one, and exact for passages that cross above each other.
 //!
 //! Passages that are connected nearby are exempt: the rock between them has to end somewhere.
+//!
+//! ```
+//! use plume_graph::centreline::{CentrelineBuilder, Vertex};
+//! use plume_graph::clearance::{PassageSize, thin_rock};
+//! use plume_graph::{Section, Shape};
+//!
+//! let section = Some(Section { width_m: 4.0, height_m: 4.0, shape: Shape::Drift });
+//! let mut centreline = CentrelineBuilder::default();
+//! for z in [0.0, 5.0] {
+//!     let ends = [0.0, 30.0].map(|x| centreline.add(Vertex { position: [x, 0.0, z].into(), section, level: 0 }));
+//!     centreline.join(ends[0], ends[1]);
+//! }
+//! let thin = thin_rock(&centreline.into_graph(), PassageSize::default(), 2.0);
+//! assert!(thin.len() == 1 && thin[0].rock_m < 2.0, "1 m of rock between two drifts");
+//! ```
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;

@@ -3,11 +3,23 @@
 //! A [`Graph`] is stations joined by passages, in metres, right-handed, Z up. It knows no meshes, and reads files only
 //! through [`Outside`]. A [`Generator`] makes one from a seed, using named [random streams](seed) and the [centreline]
 //! builder; [`realism`] compares it with real caves.
+//!
+//! ```
+//! use plume_graph::centreline::{CentrelineBuilder, Vertex};
+//!
+//! let mut centreline = CentrelineBuilder::default();
+//! let vertex = |x| Vertex { position: [x, 0.0, 0.0].into(), section: None, level: 0 };
+//! let (entrance, end) = (centreline.add(vertex(0.0)), centreline.add(vertex(12.0)));
+//! centreline.join(entrance, end);
+//! let graph = centreline.into_graph();
+//! assert_eq!((graph.nodes.len(), graph.length_m(), graph.loops()), (2, 12.0, 0));
+//! ```
 
 mod aabb;
 mod branches;
 pub mod centreline;
 pub mod clearance;
+#[doc(hidden)]
 pub mod echo;
 mod generator;
 mod id;
@@ -18,11 +30,14 @@ pub mod rng;
 mod rows;
 pub mod section;
 pub mod seed;
+#[doc(hidden)]
 pub mod segment;
+#[doc(hidden)]
 pub mod sets;
 mod shape;
 mod spurs;
 mod stations;
+#[doc(hidden)]
 pub mod tidy;
 
 use nalgebra::Point3;

@@ -5,6 +5,20 @@
 //! minimum and the maximum of real caves, and six of them between the tenth and the ninetieth percentile. The rule is ours
 //! and is stricter than being a cave: of the 31 caves with all eight metrics it accepts 21, and calls ten unusual. It judges
 //! the layout of passages, not their walls.
+//!
+//! ```
+//! use plume_graph::centreline::{CentrelineBuilder, Vertex};
+//! use plume_graph::realism::Likeness;
+//!
+//! let mut centreline = CentrelineBuilder::default();
+//! let vertices: Vec<_> = (0..40)
+//!     .map(|i| centreline.add(Vertex { position: [5.0 * f64::from(i), 0.0, 0.0].into(), section: None, level: 0 }))
+//!     .collect();
+//! vertices.windows(2).for_each(|pair| centreline.join(pair[0], pair[1]));
+//! let likeness = Likeness::of(&centreline.into_graph()).ok_or("too few stations")?;
+//! assert!(!likeness.failing().is_empty(), "a straight tunnel is unlike a cave");
+//! # Ok::<(), &str>(())
+//! ```
 
 mod gate;
 mod metrics;

@@ -1,4 +1,14 @@
 //! Draws from a random stream, defined by integer arithmetic and `libm`, so that a seed gives the same everywhere.
+//!
+//! ```
+//! use plume_graph::rng::Rng;
+//! use plume_graph::seed::stream;
+//!
+//! let mut rng = Rng::new(stream(7, "widths", 0));
+//! let width_m = rng.between(2.0, 5.0);
+//! assert!((2.0..5.0).contains(&width_m));
+//! assert_eq!(width_m, Rng::new(stream(7, "widths", 0)).between(2.0, 5.0));
+//! ```
 
 use rand::Rng as _;
 use rand_pcg::Pcg64;

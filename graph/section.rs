@@ -1,4 +1,12 @@
 //! Cross-sections of passages: width, height and outline.
+//!
+//! ```
+//! use plume_graph::{Section, Shape};
+//!
+//! let drift = Section { width_m: 4.0, height_m: 3.0, shape: Shape::Drift };
+//! let room = Section { width_m: 8.0, height_m: 5.0, ..drift };
+//! assert_eq!(drift.towards(room, 0.5).width_m, 6.0);
+//! ```
 
 use serde::{Deserialize, Serialize};
 

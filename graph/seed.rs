@@ -3,6 +3,16 @@
 //! Every consumer of randomness names its stream, so a new consumer does not affect other streams, and attempt `k` of a
 //! stage never depends on attempt `k - 1`. The generator is PCG-XSL-RR 128/64 (O'Neill 2014), whose output is fixed by its
 //! definition: the same on every platform and in every version of `rand_pcg`.
+//!
+//! ```
+//! use plume_graph::rng::Rng;
+//! use plume_graph::seed::stream;
+//!
+//! let draw = |name, attempt| Rng::new(stream(7, name, attempt)).unit();
+//! assert_eq!(draw("lamps", 0), draw("lamps", 0));
+//! assert_ne!(draw("lamps", 0), draw("lamps", 1));
+//! assert_ne!(draw("lamps", 0), draw("spawns", 0));
+//! ```
 
 use rand_pcg::Pcg64;
 use sha2::{Digest, Sha256};

@@ -2,6 +2,17 @@
 //!
 //! A field is independent of any grid: the caller chooses the points. Values are functions of the point alone, bit for
 //! bit, whatever the batch or the bounds.
+//!
+//! ```
+//! use plume::field::{Aabb, Analytic, Field};
+//!
+//! // The air inside a ball with a radius of 2 m.
+//! let ball = Analytic::new(1.0, |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt() - 2.0);
+//! let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 5.0]];
+//! let mut distances_m = [0.0; 3];
+//! ball.distances(Aabb { min: [-5.0; 3], max: [5.0; 3] }, &points, &mut distances_m);
+//! assert_eq!(distances_m, [-2.0, 0.0, 3.0]);
+//! ```
 
 mod analytic;
 mod cave;

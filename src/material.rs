@@ -7,6 +7,16 @@
 //! The rocks are layered regimes rather than one noise: two states of the wall with sharp borders between them, steps
 //! independent of the axis of the passage, a separate floor, and colour that follows from form. All were tuned by eye under
 //! a headlamp.
+//!
+//! ```
+//! use plume::material::MATERIALS;
+//!
+//! let basalt = MATERIALS.find("basalt").ok_or("no such rock")?;
+//! let rock = (basalt.read)(serde_json::json!({"relief": 0.5}))?;
+//! assert!(rock.domain_warp().reach_m[0] > 0.0);
+//! assert!((basalt.read)(serde_json::json!({"relieff": 0.5})).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod basalt;
 mod color;

@@ -6,6 +6,20 @@
 //! The field is sampled on one lattice for the whole cave; manifold dual marching cubes extracts the wall; a halo around
 //! each chunk is wide enough that both sides of a border are computed identically. Promised for all chunks welded together:
 //! watertight, manifold, consistent winding, no degenerate triangles. Not promised: that no two triangles intersect.
+//!
+//! ```
+//! use plume::field::{Aabb, Analytic};
+//! use plume::mesh::measure::{Report, weld};
+//! use plume::mesh::{Grid, MeshSettings, chunk};
+//!
+//! let ball = Analytic::new(1.0, |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt() - 2.0);
+//! let settings = MeshSettings { voxel_m: 0.25, ..MeshSettings::default() };
+//! let grid = Grid::new(Aabb { min: [-2.0; 3], max: [2.0; 3] }, &settings)?;
+//! let chunks = grid.indices().filter_map(|index| chunk(&ball, &grid, index, &settings));
+//! let walls: Vec<_> = chunks.map(|chunk| chunk.visual).collect();
+//! assert!(Report::of(&weld(&walls)).is_clean(), "closed and manifold");
+//! # Ok::<(), plume::mesh::GridError>(())
+//! ```
 
 mod bubbles;
 mod cell;

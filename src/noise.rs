@@ -6,6 +6,15 @@
 //!
 //! Promised: values are functions of the point and the salt alone. Not promised: precision beyond about 10 km from the
 //! origin, where `f32` no longer resolves the finest grain.
+//!
+//! ```
+//! use plume::noise::{Real, Simd, Source, Vec3};
+//!
+//! /// Hills of 2 m with a wavelength of 10 m: as values, or as values with gradients.
+//! fn hills<S: Simd, T: Real<S>>(source: Source, at: Vec3<T>) -> T {
+//!     source.noise(0, at.scaled(0.1)) * 2.0
+//! }
+//! ```
 
 /// A closure that is inlined into its caller: otherwise it would be compiled without the caller's vector instructions.
 macro_rules! inlined {

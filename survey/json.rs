@@ -12,6 +12,18 @@
 //! tunnels are one cave. If missing, `parent` follows from a walk from the origin, `edges` from the other end and the
 //! parent, `z` is 0, `radius` is the distance to the nearest neighbour, `active` is false. Graphs are not moved: nodes more
 //! than 1000 km from the origin are refused.
+//!
+//! ```
+//! use plume_survey::json;
+//!
+//! let text = r#"{"nodes": [
+//!     {"id": 0, "edges": [1], "coordinates": {"x": 0, "y": 0}},
+//!     {"id": 1, "edges": [], "coordinates": {"x": 6, "y": 0}}
+//! ]}"#;
+//! let graph = json::read(text)?.graph;
+//! assert_eq!((graph.edges.len(), graph.length_m()), (1, 6.0));
+//! # Ok::<(), json::ReadError>(())
+//! ```
 
 mod error;
 mod join;

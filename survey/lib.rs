@@ -2,6 +2,19 @@
 //!
 //! Readers treat their input as hostile: they respect the limits in [`limits`], open only files that the format requires,
 //! and report where an error is.
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use plume_graph::NoOutside;
+//! use plume_survey::{FORMATS, Parts, format_of, json};
+//!
+//! assert!(FORMATS.iter().any(|row| row.name == "survex"));
+//! let row = format_of(Path::new("cave.svx"), |row| row.read.is_some()).ok_or("no such format")?;
+//! assert_eq!(row.name, "survex");
+//! assert!(plume_survey::read(Path::new("cave.svx"), Parts::Keep, &NoOutside).is_err(), "there is no such file");
+//! # Ok::<(), &str>(())
+//! ```
 
 mod centreline;
 mod compass;

@@ -5,6 +5,18 @@
 //! PBR keys follow <http://exocortex.com/blog/extending_wavefront_mtl_to_support_pbr>; other readers see the base colour.
 //! Normals are not also written as `map_Bump`, the only such key that Blender reads: Blender takes them for sRGB colours
 //! there, others for heights, and wrong normals look worse than none.
+//!
+//! ```
+//! use plume_exporters::format::obj;
+//! use plume_exporters::scene::Mesh;
+//!
+//! let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mesh = Mesh { positions, indices: vec![0, 1, 2], ..Mesh::default() };
+//! let mut file = Vec::new();
+//! obj::write_collision(&mut file, "floor", &mesh, 0)?;
+//! assert!(String::from_utf8_lossy(&file).contains("f 1//1 2//2 3//3"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::io::{self, Write};
 

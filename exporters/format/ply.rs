@@ -3,6 +3,17 @@
 //! Follows <https://paulbourke.net/dataformats/ply/>. Property names are those of MeshLab and Blender. The crate that writes
 //! the meshes of cave folders looks up each property of each row by name, which takes twice as long; here it serves as an
 //! independent reader in tests.
+//!
+//! ```
+//! use plume_exporters::format::ply;
+//! use plume_exporters::scene::Zone;
+//!
+//! let mut file = Vec::new();
+//! ply::write_head(&mut file, &["metres, Z up".to_owned()], 3, 1)?;
+//! assert!(file.starts_with(b"ply\nformat binary_little_endian 1.0\n"));
+//! assert_ne!(ply::label(Zone::Floor), ply::label(Zone::Ceiling));
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::io::{self, Write};
 

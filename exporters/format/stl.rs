@@ -1,6 +1,19 @@
 //! Binary STL: a header of 80 bytes, the number of triangles, and 50 bytes for each, little-endian.
 //!
 //! Follows <https://www.fabbers.com/tech/STL_Format>. It has no units and no shared vertices.
+//!
+//! ```
+//! use plume_exporters::format::stl;
+//! use plume_exporters::scene::Mesh;
+//!
+//! let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mesh = Mesh { positions, indices: vec![0, 1, 2], ..Mesh::default() };
+//! let mut file = Vec::new();
+//! stl::write_head(&mut file, "metres, Z up", 1)?;
+//! stl::write_triangles(&mut file, &mesh)?;
+//! assert_eq!(file.len(), 84 + 50);
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 use std::io::{self, Write};
 

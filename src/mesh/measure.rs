@@ -1,4 +1,17 @@
 //! Checks meshes: measures of topology and shape, for chunks welded together.
+//!
+//! ```
+//! use plume::mesh::Mesh;
+//! use plume::mesh::measure::Report;
+//!
+//! let triangle = Mesh {
+//!     positions: vec![[0, 0, 0], [4096, 0, 0], [0, 4096, 0]],
+//!     triangles: vec![[0, 1, 2]],
+//!     ..Mesh::default()
+//! };
+//! let report = Report::of(&triangle);
+//! assert_eq!((report.triangles, report.is_clean()), (1, false), "it has open edges");
+//! ```
 
 use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
