@@ -7,11 +7,11 @@
 //! use std::path::Path;
 //!
 //! use plume_graph::NoOutside;
-//! use plume_survey::{FORMATS, Parts, format_of, json};
+//! use plume_survey::{FORMATS, Parts, format_of};
 //!
-//! assert!(FORMATS.iter().any(|row| row.name == "survex"));
+//! assert!(FORMATS.iter().any(|row| row.name == "therion"));
 //! let row = format_of(Path::new("cave.svx"), |row| row.read.is_some()).ok_or("no such format")?;
-//! assert_eq!(row.name, "survex");
+//! assert_eq!(row.name, "svx");
 //! assert!(plume_survey::read(Path::new("cave.svx"), Parts::Keep, &NoOutside).is_err(), "there is no such file");
 //! # Ok::<(), &str>(())
 //! ```
