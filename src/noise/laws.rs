@@ -148,3 +148,21 @@ fn a_step_is_flat_outside() {
     assert_eq!(dispatched!(simd => stepped(simd, 0.3, 0.0, 0.2)), 1.0);
     assert_eq!(dispatched!(simd => stepped(simd, 0.3, 0.2, 0.0)), 0.0);
 }
+
+/// Correlation of noise with itself, for points a step along X apart: independent of which gradients there are, so that two
+/// right implementations agree.
+fn correlation(noise: impl Fn([f32; 3]) -> f64, step: f32) -> f64 {
+    let pairs: Vec<[f64; 2]> = points(40_000).map(|[x, y, z]| [noise([x, y, z]), noise([x + step, y, z])]).collect();
+    let sum = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
+    sum(|[a, b]| a * b) / (sum(|[a, _]| a * a) * sum(|[_, b]| b * b)).sqrt()
+}
+
+#[test]
+fn noise_varies_over_space_as_that_of_the_crate_noise() {
+    let other = noise::Perlin::new(1);
+    for step in [0.1, 0.25, 0.5, 0.75, 1.0, 1.5] {
+        let ours = correlation(|at| dispatched!(simd => f64::from(value::<Noise, _>(simd, at))), step);
+        let theirs = correlation(|at| noise::NoiseFn::get(&other, at.map(f64::from)), step);
+        assert!((ours - theirs).abs() < 0.03, "{step}: {ours} instead of {theirs}");
+    }
+}
