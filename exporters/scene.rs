@@ -272,7 +272,7 @@ impl Mesh {
             return Err("has a triangle whose corner is not a vertex");
         }
         if [self.normals.len(), self.uvs.len(), self.tangents.len()] != [attributes; 3] {
-            return Err("has normals, texture coordinates or tangents for other vertices than its own");
+            return Err("has a different number of normals, texture coordinates or tangents than vertices");
         }
         if !self.positions.iter().flatten().all(|coordinate| coordinate.is_finite()) {
             return Err("has a vertex that is not finite");

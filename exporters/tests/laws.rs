@@ -332,7 +332,7 @@ fn webp_images_are_written_or_refused_with_a_message() {
         }
         let names: Vec<&str> = row.images.iter().map(|format| format.name()).collect();
         let refused = format!(
-            "usage: target `{}` supports only {} images: DIR/0_base_color.webp (hint: make the cave with other images: \
+            "usage: target `{}` supports only {} images: DIR/0_base_color.webp (hint: make the cave with another image format: \
              `--set texture.format=png`)",
             row.name,
             names.join(" and ")
