@@ -323,7 +323,7 @@ fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
     };
     let attributes: String = (0..300_000).map(|attribute| format!(" a{attribute}=''")).collect();
     vec![
-        ("graphml", "deep.graphml", "<graphml>".repeat(500_000), "deeper than 64"),
+        ("graphml", "deep.graphml", "<graphml>".repeat(500_000), "more than 64 elements deep"),
         ("graphml", "wide.graphml", graphml(format!("<node{attributes}/>")), "no id"),
         ("graphml", "long.graphml", graphml(format!("<node id='a'><data key='x'>{}", "1".repeat(1 << 22))), "too long"),
         ("graphml", "many.graphml", graphml(nodes(1_000_001).collect()), "more than 1000000 nodes"),
