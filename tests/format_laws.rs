@@ -334,7 +334,7 @@ fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
             "keys",
         ),
         ("karstnet", "many_nodes.dat", "0 0 0\n".repeat(1_000_001), "more than 1000000 nodes"),
-        ("karstnet", "long_nodes.dat", "0 ".repeat(1 << 20), "too long a line"),
+        ("karstnet", "long_nodes.dat", "0 ".repeat(1 << 20), "is too long"),
         (
             "csv",
             "many.csv",

@@ -312,7 +312,7 @@ fn status_tells_how_far_a_folder_is() {
     insta::assert_snapshot!(told);
     let busy = CaveFolder::open(&desk.path("cave")).unwrap();
     busy.begin().unwrap();
-    assert!(status().contains("a run is at work here"));
+    assert!(status().contains("another run is using this folder"));
 }
 
 /// A file-size limit simulates a full disk: the same code path, without a disk to fill.

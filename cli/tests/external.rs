@@ -114,7 +114,7 @@ fn signals_that_end_a_run_end_its_program_and_leave_nothing() {
         assert!(comes_true(|| pids.iter().all(|path| pid(path).is_some())), "SIG{signal}: it did not start");
         let sent = std::process::Command::new("kill").args(["-s", signal, &run.id().to_string()]).status().unwrap();
         assert!(sent.success());
-        assert!(comes_true(|| run.try_wait().unwrap().is_some()), "SIG{signal} was not heeded");
+        assert!(comes_true(|| run.try_wait().unwrap().is_some()), "SIG{signal} had no effect");
         assert_eq!(run.wait().unwrap().code(), Some(code), "SIG{signal}");
         for path in &pids {
             let process = format!("/proc/{}/cmdline", pid(path).unwrap().trim());

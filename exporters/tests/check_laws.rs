@@ -160,7 +160,7 @@ fn a_dangling_reference_is_found() {
             let other = path.replace("chunk_", "chunky_").replace("chamber.", "chambers.");
             rename(&package, path, &other);
             let found = faults(&package);
-            assert!(found.contains("which is not here"), "{}: {path}: {found}", row.name);
+            assert!(found.contains("which does not exist"), "{}: {path}: {found}", row.name);
             rename(&package, &other, path);
             renamed += 1;
         }

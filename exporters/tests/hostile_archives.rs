@@ -227,12 +227,12 @@ fn invalid_paths_in_a_manifest_are_reported() {
     ../../etc/passwd: is missing
     /etc/shadow: is missing
     a//b: is missing
-    manifest.json: lists chunk `chunk_0_0_0` with the image `/dev/zero`, but not that file
     manifest.json: lists `../../etc/passwd`, which has an empty, `.` or `..` part
     manifest.json: lists `/etc/shadow`, which is not relative with forward slashes
     manifest.json: lists `a//b`, which has an empty, `.` or `..` part
     manifest.json: lists `chunk_1_0_0` as a neighbour of chunk `chunk_0_0_0`, but not the other way round
     manifest.json: lists `nowhere` as a neighbour of chunk `chunk_1_0_0`, but not the other way round
+    manifest.json: lists chunk `chunk_0_0_0` with the image `/dev/zero`, but not that file
     ");
 }
 

@@ -84,8 +84,9 @@ impl Nearest {
             return;
         }
         let middle = range.start + range.len() / 2;
-        let mut halves = [(at + 1, range.start..middle), (second, middle..range.end)]
-            .map(|(at, range)| (self.boxes[at].bounds.squared_distance(point.into()), at, range));
+        let distance = |at: usize| self.boxes[at].bounds.squared_distance(point.into());
+        let mut halves =
+            [(distance(at + 1), at + 1, range.start..middle), (distance(second), second, middle..range.end)];
         if halves[1].0 < halves[0].0 {
             halves.reverse();
         }
