@@ -29,7 +29,8 @@ mod repair;
 use serde::Serialize;
 
 pub use gate::{Gate, RealismSettings};
-pub use metrics::{EXACT_TO, Metrics, Sampling};
+pub use metrics::{EXACT_TO, Metrics};
+pub use reduced::Sampling;
 pub use reference::{CAVES, METRICS, Metric, Range, SCALE_FREE, percentile};
 
 use super::Graph;

@@ -6,7 +6,6 @@ use super::GaussianPerlin;
 use super::circle::Compass;
 use super::grid::Grid;
 use super::lengths::Lengths;
-use super::links::Link;
 use super::tuning::{
     EXCESS_DEGREE, FEW_KNOTS, JOIN_DISTANCE, MEAN_LENGTH, REACH_GROWTH, REACH_JITTER, REACH_SHRINK, SPREAD,
     SPREAD_RIM_M, SPUR_REACH, TRUNK_REACH, WIDTH_PER_RADIUS,
@@ -14,6 +13,9 @@ use super::tuning::{
 use crate::perlin::Perlin;
 use plume_graph::rng::Rng;
 use plume_graph::{Graph, Node, StationId, millimetres};
+
+/// Where a link starts, and where it meets the layer below.
+pub(super) type Link = [Point3<f64>; 2];
 
 /// The kind of branch a station belongs to.
 #[derive(Clone, Copy, PartialEq)]

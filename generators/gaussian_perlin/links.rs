@@ -6,15 +6,12 @@
 use nalgebra::{Point3, Vector2};
 
 use super::GaussianPerlin;
-use super::cave::{Cave, GrowingStation, PassageKind};
+use super::cave::{Cave, GrowingStation, Link, PassageKind};
 use super::clearance::Goal;
 use super::hops::Hops;
 use super::tuning::{DEGREE, GENTLEST_RAMP, LINK_GOALS, LINK_SHARE, RAMP_HEADS, SHAFT, SINK_ROUNDS};
 use crate::ramp::{Course, Slopes, way_down};
 use plume_graph::millimetres;
-
-/// Where a link starts, and where it meets the layer below.
-pub(super) type Link = [Point3<f64>; 2];
 
 impl GaussianPerlin {
     /// Whether passages between layers are counted and kept within a range of slopes, beyond the limits of ramps.

@@ -7,7 +7,7 @@
 
 use serde::Serialize;
 
-use super::reduced::{Paths, Reduced};
+use super::reduced::{Paths, Reduced, Sampling};
 use super::{METRICS, SCALE_FREE};
 use crate::branches::Branches;
 use crate::{Graph, Node, StationId};
@@ -52,18 +52,6 @@ pub struct Metrics {
     pub max_degree: usize,
     /// How shortest paths were sampled; `None` if all were counted.
     pub sampling: Option<Sampling>,
-}
-
-/// Standard errors of sampled shortest paths, estimated from the variation between sources. The dominance also has an
-/// upward bias of at most the same size, being the maximum of many sampled numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Sampling {
-    /// Number of nodes from which paths were counted.
-    pub sources: usize,
-    /// Standard error of the average path.
-    pub average_path_error: f64,
-    /// Standard error of the central point dominance.
-    pub dominance_error: f64,
 }
 
 impl Metrics {

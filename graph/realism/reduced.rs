@@ -1,8 +1,8 @@
 //! The reduced graph: an edge for each branch.
 
 use rustc_hash::FxHashMap;
+use serde::Serialize;
 
-use super::metrics::Sampling;
 use crate::branches::Branches;
 use crate::rng::Rng;
 use crate::seed;
@@ -104,6 +104,18 @@ pub(super) struct Paths {
     /// Freeman's centralization of betweenness.
     pub(super) dominance: f64,
     pub(super) sampling: Option<Sampling>,
+}
+
+/// Standard errors of sampled shortest paths, estimated from the variation between sources. The dominance also has an
+/// upward bias of at most the same size, being the maximum of many sampled numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sampling {
+    /// Number of nodes from which paths were counted.
+    pub sources: usize,
+    /// Standard error of the average path.
+    pub average_path_error: f64,
+    /// Standard error of the central point dominance.
+    pub dominance_error: f64,
 }
 
 /// Shortest paths through each node, summed over sources (Brandes 2001), and the sum of squares of the contributions.
