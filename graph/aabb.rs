@@ -1,7 +1,6 @@
 //! Boxes along the axes.
 
 use std::array::from_fn;
-use std::iter::Sum;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// An axis-aligned box, faces included; in metres, or in whatever its coordinates are.
@@ -74,10 +73,15 @@ impl<T: Copy + PartialOrd + Add<Output = T> + Sub<Output = T>, const N: usize> A
     /// The squared distance from a point; 0 inside.
     pub fn squared_distance(&self, point: [T; N]) -> T
     where
-        T: Mul<Output = T> + Sum,
+        T: Mul<Output = T> + Add<Output = T> + From<u8>,
     {
-        let away = |axis: usize| point[axis] - lower(higher(point[axis], self.min[axis]), self.max[axis]);
-        (0..N).map(|axis| away(axis) * away(axis)).sum()
+        // A loop, because a sum over an iterator is not always inlined, and searches spend their time here.
+        let mut sum = T::from(0);
+        for axis in 0..N {
+            let away = point[axis] - lower(higher(point[axis], self.min[axis]), self.max[axis]);
+            sum = sum + away * away;
+        }
+        sum
     }
 }
 

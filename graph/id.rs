@@ -1,4 +1,4 @@
-//! Indices that know what they are indices of.
+//! Typed indices.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -7,29 +7,29 @@ use std::marker::PhantomData;
 
 use serde::{Serialize, Serializer};
 
-/// The place of a thing in the list that holds it: that of one kind of thing is none of another.
+/// An index into a list of `T`, which cannot be mistaken for one into another list.
 pub struct Id<T> {
     index: u32,
     kind: PhantomData<fn() -> T>,
 }
 
 impl<T> Id<T> {
-    /// The thing at this place, which is less than 2³².
+    /// The index of the item at this position, which is less than 2³².
     pub const fn new(index: usize) -> Self {
         Self { index: index as u32, kind: PhantomData }
     }
 
-    /// Its place in the list.
+    /// The position in the list.
     pub const fn index(self) -> usize {
         self.index as usize
     }
 
-    /// The things at pairs of places.
+    /// The same pairs of positions, as indices.
     pub fn pairs(places: impl IntoIterator<Item = [usize; 2]>) -> Vec<[Self; 2]> {
         places.into_iter().map(|pair| pair.map(Self::new)).collect()
     }
 
-    /// Every thing of a list of so many.
+    /// Every index of a list of `count` items.
     pub fn all(count: usize) -> impl DoubleEndedIterator<Item = Self> + ExactSizeIterator + Clone {
         (0..count).map(Self::new)
     }

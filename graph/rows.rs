@@ -2,7 +2,7 @@
 
 use std::ops::{Index, Range};
 
-/// Rows of items, such as what lies next to each of many things.
+/// Rows of items of different lengths, such as the neighbours of each node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rows<T> {
     /// Where each row starts in `items`, and the end of the last one.
@@ -11,8 +11,8 @@ pub struct Rows<T> {
 }
 
 impl<T> Rows<T> {
-    /// So many rows of what these pairs put into each of them, in their order: a counting sort, which asks for the pairs
-    /// twice. There are fewer than 2³² pairs.
+    /// `count` rows; a pair adds its item to the end of its row. A counting sort, which iterates the pairs twice. There are
+    /// fewer than 2³² pairs.
     pub fn from_pairs(count: usize, pairs: impl Iterator<Item = (usize, T)> + Clone) -> Self
     where
         T: Clone + Default,

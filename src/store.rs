@@ -19,7 +19,7 @@
 //! its unit is made again. The journal is the first file there, and locked if the file system supports it: one run at a
 //! time.
 //!
-//! A folder may come from a stranger. Manifest and journal are validated ([`Unit`]), symbolic links are refused, and a file
+//! A folder is untrusted. Manifest and journal are validated ([`Unit`]), symbolic links are refused, and a file
 //! counts only if its hash matches its record. The user's changes are not overwritten: see [`CaveFolder::changes`].
 
 mod chunk;

@@ -9,7 +9,7 @@ use crate::tally::Tally;
 
 pub const ATTACK: Attack = Attack {
     name: "fuzz",
-    tries: "every reader of files from strangers, on inputs that follow its branches; no panic, no flood, no hang",
+    tries: "every reader of untrusted files, on inputs that follow its branches; no panic, no flood, no hang",
     share: 35,
     run,
 };

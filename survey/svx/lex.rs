@@ -121,8 +121,8 @@ impl Marks {
     /// The parts of a name.
     pub(super) fn parts<'a>(&self, name: &'a str) -> Result<Vec<&'a str>, String> {
         let fits = |c: char| c.is_ascii_alphanumeric() || !c.is_ascii() || self.is(c, NAMES | SEPARATOR);
-        if let Some(stranger) = name.chars().find(|&c| !fits(c)) {
-            return Err(format!("`{}` cannot be part of a name", stranger.escape_default()));
+        if let Some(invalid) = name.chars().find(|&c| !fits(c)) {
+            return Err(format!("`{}` cannot be part of a name", invalid.escape_default()));
         }
         let parts: Vec<&str> = name.split(|c| self.is(c, SEPARATOR)).collect();
         if parts.iter().any(|part| part.is_empty()) {

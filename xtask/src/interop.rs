@@ -66,8 +66,8 @@ pub fn only(name: &str, package: &Path) -> Result<()> {
 }
 
 fn check_packages(packages: &[PathBuf]) -> Result<()> {
-    if let Some(stranger) = packages.iter().find(|package| Kind::of(package).is_none()) {
-        return Err(format!("no reader knows such a package: {}", stranger.display()));
+    if let Some(unknown) = packages.iter().find(|package| Kind::of(package).is_none()) {
+        return Err(format!("no reader knows such a package: {}", unknown.display()));
     }
     let tally = Tally::default();
     let readers = ready(|reader| packages.iter().any(|package| Kind::of(package) == Some(reader.of)), &tally);

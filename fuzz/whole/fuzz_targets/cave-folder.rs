@@ -1,5 +1,5 @@
 //! Manifest and journal of a cave folder, split by the byte 1: no record leads out of the folder. Both are sealed here, as
-//! a stranger can do, too.
+//! an attacker can do too.
 #![no_main]
 
 use std::fs;
