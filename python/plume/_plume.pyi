@@ -145,6 +145,7 @@ def register_generator(
     ...     len(tunnel.graph.positions)
     4
     """
+
 @final
 class Recipe:
     """What a cave is made from: every key has a value, every value is in range.

@@ -53,7 +53,7 @@ def test_archives_are_those_of_the_command(bundle: str, cave: plume.Cave, tmp_pa
     assert package.path == tmp_path / f"ours.{bundle}"
     command(tmp_path, "export", str(cave.folder), "-t", "isaac", "-o", "theirs", "--bundle", bundle)
     assert package.path.read_bytes() == (tmp_path / f"theirs.{bundle}").read_bytes()
-    assert "whole: isaac by plume" in command(tmp_path, "check", str(package.path))
+    assert "intact: isaac by plume" in command(tmp_path, "check", str(package.path))
 
 
 @pytest.mark.parametrize("target", ["usd", "isaac"])
@@ -71,7 +71,10 @@ def test_an_image_that_usd_misses_is_told(target: str, cave: plume.Cave, tmp_pat
     words = [sys.executable, "-m", "plume", "check", "package"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
     layer = f"chunks/{image.name.removesuffix('_normal.png')}.usdc"
-    assert (done.returncode, done.stdout) == (1, f"{layer}: refers to `./textures/{image.name}`, which does not exist\n")
+    assert (done.returncode, done.stdout) == (
+        1,
+        f"{layer}: refers to `./textures/{image.name}`, which does not exist\n",
+    )
 
 
 def sealed(manifest: dict[str, Any]) -> str:
@@ -314,16 +317,16 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
         (lambda cave, folder: cave.export("gltf", folder / "x", bundle="zap"), plume.InputError, "did you mean `zip`"),
         (lambda cave, folder: cave.export("gltf", folder / "x", bundle="mjz"), plume.InputError, "mujoco"),
         (lambda cave, folder: cave.export("gltf", cave.folder), plume.StorageError, "not empty"),
-        (lambda cave, folder: cave.export("gltf", cave.folder, force=True), plume.StorageError, "left alone"),
+        (lambda cave, folder: cave.export("gltf", cave.folder, force=True), plume.StorageError, "is not replaced"),
         (lambda cave, folder: cave.export("gltf", folder / "file" / "x"), plume.StorageError, "file"),
-        (lambda cave, folder: plume.generate(SMALL, folder=folder), plume.StorageError, "holds no cave"),
+        (lambda cave, folder: plume.generate(SMALL, folder=folder), plume.StorageError, "does not contain a cave"),
         (lambda cave, folder: plume.generate(SMALL, folder=folder / "file" / "x"), plume.StorageError, "file"),
         (lambda cave, folder: plume.generate(SMALL, 8, folder=cave.folder), plume.StorageError, "another cave"),
         (lambda cave, folder: plume.generate(folder / "nowhere.toml"), plume.StorageError, "nowhere.toml"),
         (lambda cave, folder: plume.generate(folder / "file"), plume.RecipeError, "file:1"),
         (lambda cave, folder: plume.generate({"graph.bounds_x_m": 1.0}), plume.InputError, "hint: "),
         (lambda cave, folder: plume.generate({"mesh.chunk_m": [1, 1, 1]}), plume.InputError, "hint: "),
-        (lambda cave, folder: plume.open(folder), plume.InputError, "holds no cave"),
+        (lambda cave, folder: plume.open(folder), plume.InputError, "does not contain a cave"),
         (lambda cave, folder: plume.open(folder / "nowhere"), plume.InputError, "no cave"),
         (lambda cave, folder: plume.Recipe.load(folder / "file"), plume.RecipeError, "file:1"),
         (lambda cave, folder: plume.Recipe(seed=-1), plume.RecipeError, "seed must be at least 0"),

@@ -143,7 +143,7 @@ def test_ctrl_c_stops_with_130_and_the_next_run_goes_on(sign, tmp_path):
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
-    assert "error: interrupted" in stderr and "goes on where it stopped" in stderr
+    assert "error: interrupted" in stderr and "resumes where it stopped" in stderr
     assert [path.name for path in tmp_path.iterdir()] == [".cave.cave"]
     again = subprocess.run(command, capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
