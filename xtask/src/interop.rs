@@ -213,6 +213,8 @@ impl Kind {
             _ if formats::is_marked(package) => Some(Self::Marker),
             _ if formats::is_shelf(package) => Some(Self::Shelf),
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
+            // Packages for Unreal have a `scene.json` too.
+            _ if package.join("import_cave.py").is_file() => None,
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
             _ if package.join("Runtime").is_dir() => Some(Self::Unity),
             _ if holds(package, &["fbx"]) => Some(Self::Fbx),
@@ -315,7 +317,8 @@ fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
         also("check", is_whole);
     }
     match Kind::of(package) {
-        Some(Kind::Mujoco) => also("drive", mujoco::drive),
+        // The route follows from the cave.
+        Some(Kind::Mujoco) if mujoco::cave_of(package).is_dir() => also("drive", mujoco::drive),
         Some(Kind::Page) if readers.iter().any(|reader| reader.name == "page") => also("page", page::check_faults),
         _ => {}
     }
@@ -355,16 +358,7 @@ fn export_pieces(plume: &Plume, targets: &[Target]) -> Result<Vec<PathBuf>> {
     let options: Vec<String> = targets.iter().map(|target| format!("{target}.collision=pieces")).collect();
     let names = targets.join(",");
     let mut export = vec!["export", "samples/cave.toml", "--target", &names, "--output", output, "--force"];
-    export.extend([
-        "--keep",
-        "target/interop/pieces/mujoco.cave",
-        "--set",
-        "graph.nodes=4",
-        "--set",
-        "mesh.voxel_m=0.5",
-        "--set",
-        "texture.size_px=256",
-    ]);
+    export.extend(["--set", "graph.nodes=4", "--set", "mesh.voxel_m=0.5", "--set", "texture.size_px=256"]);
     export.extend(options.iter().flat_map(|option| ["--option", option]));
     plume.output(&export)?;
     Ok(targets.iter().map(|target| root().join(output).join(target)).collect())

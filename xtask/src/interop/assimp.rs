@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use serde_json::Value;
+
 use crate::plume::Plume;
 use crate::tools::{Result, ensure_debian, root};
 use crate::venv::Environment;
@@ -12,9 +14,11 @@ pub(super) const DEBIAN: [&str; 1] = ["libassimp5"];
 /// Formats that a reader is there for.
 const TARGETS: [&str; 2] = ["assimp:collada", "assimp:obj"];
 
-/// Whether assimp has written it: no other target makes Collada, and others put OBJ into folders.
+/// Whether assimp has written it, by the target in its manifest: other targets write OBJ as well.
 pub(super) fn is_package(package: &Path) -> bool {
-    super::holds(package, &["dae"]) || super::holds(package, &["obj"]) && super::holds(package, &["mtl"])
+    let manifest = std::fs::read(package.join("manifest.json")).unwrap_or_default();
+    let manifest: Value = serde_json::from_slice(&manifest).unwrap_or_default();
+    manifest["target"].as_str().is_some_and(|target| target.starts_with("assimp:"))
 }
 
 fn environment() -> Result<Environment> {

@@ -17,7 +17,7 @@ pub fn make() -> Result<()> {
 }
 
 /// The folder of the cave that a package was made from, if it was kept.
-fn cave_of(package: &Path) -> PathBuf {
+pub(super) fn cave_of(package: &Path) -> PathBuf {
     package.with_extension("cave")
 }
 
