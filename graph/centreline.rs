@@ -151,7 +151,7 @@ impl IndexMut<VertexId> for CentrelineBuilder {
     }
 }
 
-/// One of the [`Branches`] of a centreline.
+/// One of the branches of a centreline.
 pub struct Branch {
     /// Its vertices in order, including the ends.
     pub vertices: Vec<VertexId>,

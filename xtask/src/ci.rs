@@ -21,6 +21,7 @@ fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()
     table.step("formatting", || cargo_task(&["fmt", "--all", "--check"]))?;
     let lint = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
     table.step("clippy", || cargo_task(&lint))?;
+    table.step("documentation and packages", documentation_and_packages)?;
     table.step("compiling the tests", || cargo_task(&["test", "--workspace", "--no-run", "--quiet"]))?;
     table.step("Rust tests", || test::rust(&[]))?;
     table.step("waiting for foreign programs", || {
@@ -30,6 +31,16 @@ fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()
     table.step("simulators", test::simulators)?;
     table.step("campaign", || campaign::run(&[]))?;
     table.step("interop", || interop::run(&[]))
+}
+
+/// Whether the documentation has no warnings, and whether each crate for users of the library holds the files that it needs.
+fn documentation_and_packages() -> Result<()> {
+    let mut documentation = cargo();
+    documentation.args(["doc", "--workspace", "--lib", "--no-deps", "--exclude", "plume-python", "--quiet"]);
+    show(documentation.env("RUSTDOCFLAGS", "-D warnings"))?;
+    let others = ["xtask", "plume-campaign", "plume-python"].map(|name| ["--exclude", name]).concat();
+    let package = ["package", "--workspace", "--no-verify", "--allow-dirty", "--quiet"];
+    cargo_task(&[&package[..], &others].concat())
 }
 
 fn cargo_task(arguments: &[&str]) -> Result<()> {
