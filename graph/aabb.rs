@@ -77,8 +77,8 @@ impl<T: Copy + PartialOrd + Add<Output = T> + Sub<Output = T>, const N: usize> A
     {
         // A loop, because a sum over an iterator is not always inlined, and searches spend their time here.
         let mut sum = T::from(0);
-        for axis in 0..N {
-            let away = point[axis] - lower(higher(point[axis], self.min[axis]), self.max[axis]);
+        for (axis, &at) in point.iter().enumerate() {
+            let away = at - lower(higher(at, self.min[axis]), self.max[axis]);
             sum = sum + away * away;
         }
         sum
