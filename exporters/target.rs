@@ -113,7 +113,11 @@ impl TargetRow {
     /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::Scene, ExportError, Summary, Target};
     /// # #[derive(Default, serde::Deserialize, schemars::JsonSchema)] #[serde(default)] struct Names {}
     /// # impl Target for Names {
-    /// #     fn export(&self, _: &Scene, _: &mut dyn Package) -> Result<Summary, ExportError> { unimplemented!() }
+    /// #     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
+    /// #         let names = (0..scene.chunks.len()).map(|index| Ok(scene.chunk(index)?.name));
+    /// #         out.text("names.txt", &names.collect::<Result<Vec<_>, ExportError>>()?.join("\n"))?;
+    /// #         Ok(Summary { visual_triangles: 0, collision_triangles: 0, open: "cat names.txt".to_owned() })
+    /// #     }
     /// #     fn axes(&self) -> Axes { Axes::SCENE }
     /// # }
     /// const ROW: TargetRow = TargetRow {

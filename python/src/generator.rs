@@ -71,13 +71,16 @@ pub fn register_generator(
 
 /// What recipes could not make of these settings, and what to do about it.
 fn settings_fault(settings: &Value) -> Option<(String, &'static str)> {
-    settings.as_object()?.iter().find_map(|(key, schema)| match schema["type"].as_str() {
-        _ if key == "generator" => Some(("a setting is called \"generator\"".to_owned(), "call it otherwise")),
-        Some("integer" | "number" | "string" | "boolean" | "array" | "object") if schema["default"].is_null() => {
-            Some((format!("setting {key:?} has no default"), "give its schema a `default`"))
+    let types = ["integer", "number", "string", "boolean", "array", "object"];
+    settings.as_object()?.iter().find_map(|(key, schema)| {
+        if key == "generator" {
+            return Some(("a setting is called \"generator\"".to_owned(), "call it otherwise"));
         }
-        Some("integer" | "number" | "string" | "boolean" | "array" | "object") => None,
-        _ => Some((format!("setting {key:?} has no type"), "give its schema a `type`, such as \"integer\"")),
+        if !schema["type"].as_str().is_some_and(|name| types.contains(&name)) {
+            return Some((format!("setting {key:?} has no type"), "give its schema a `type`, such as \"integer\""));
+        }
+        let hint = "give its schema a `default`";
+        schema["default"].is_null().then(|| (format!("setting {key:?} has no default"), hint))
     })
 }
 
