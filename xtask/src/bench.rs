@@ -6,6 +6,8 @@ use std::fs;
 use std::process::Command;
 use std::time::Instant;
 
+use serde_json::Value;
+
 use crate::plume::{Plume, Profile, cargo};
 use crate::targets::Target;
 use crate::tools::{Result, root, run as run_program};
@@ -128,14 +130,9 @@ fn row(plume: &Plume, name: &str, arguments: &[&str], paper: &str) -> Result<()>
     fs::remove_dir_all(&folder).map_err(|error| error.to_string())
 }
 
-/// The number behind `"key":` after `"section":` in pretty JSON that we wrote ourselves.
+/// A number of a summary of `plume … --json`: `key` of a section, or of the whole if `section` is empty.
 fn field(json: &str, section: &str, key: &str) -> f64 {
-    let start = if section.is_empty() { 0 } else { json.find(&format!("\n  \"{section}\"")).unwrap_or(0) };
-    let rest = &json[start..];
-    let Some(at) = rest.find(&format!("\"{key}\":")) else {
-        return f64::NAN;
-    };
-    let value = rest[at + key.len() + 3..].trim_start();
-    let end = value.find([',', '\n', '}']).unwrap_or(value.len());
-    value[..end].trim().parse().unwrap_or(f64::NAN)
+    let summary: Value = serde_json::from_str(json).unwrap_or_default();
+    let section = if section.is_empty() { &summary } else { &summary[section] };
+    section[key].as_f64().unwrap_or(f64::NAN)
 }
