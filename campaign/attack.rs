@@ -21,7 +21,7 @@ pub struct Attack {
     pub run: fn(&mut Context) -> Tally,
 }
 
-/// What an attack has at hand.
+/// Everything an attack can use.
 pub struct Context<'a> {
     /// The program under attack.
     pub plume: &'a Path,
@@ -31,22 +31,22 @@ pub struct Context<'a> {
     pub packages: &'a Packages,
     /// The Python package, if it is installed.
     pub python: Option<&'a Python>,
-    /// A finished small cave folder: to be copied, never changed.
+    /// A finished small cave folder. Attacks copy it and never change it.
     pub cave: &'a Path,
-    /// A folder for the tries.
+    /// Scratch folder of this attack.
     pub scratch: PathBuf,
     /// Random numbers.
     pub rng: Rng,
-    /// How much is to be tried.
+    /// How much to try.
     pub length: Length,
 }
 
-/// How much is to be tried.
+/// How much to try.
 #[derive(Clone, Copy)]
 pub enum Length {
     /// The same few tries each time.
     Short,
-    /// All tries, and random ones until then.
+    /// Every fixed try, then random ones until this moment.
     Long(Instant),
 }
 
@@ -56,7 +56,7 @@ impl Length {
         matches!(self, Self::Long(_))
     }
 
-    /// Numbers of random tries: `short` in a short campaign; in a long one `least`, and then on while there is time.
+    /// Indices of random tries: `short` of them in a short campaign; in a long one at least `least`, more if time is left.
     pub fn rounds(self, short: usize, least: usize) -> impl Iterator<Item = usize> {
         (0..).take_while(move |&round| match self {
             Self::Short => round < short,

@@ -39,11 +39,11 @@ pub enum End {
     Code(i32),
     /// Stopped by this signal.
     Signal(i32),
-    /// Stopped by us, as it took too long.
+    /// Killed by the campaign because it took too long.
     Late,
 }
 
-/// What a run has done.
+/// The result of a run.
 pub struct Outcome {
     /// How it ended.
     pub end: End,
@@ -72,13 +72,13 @@ impl Call {
         self
     }
 
-    /// Stopped after so long.
+    /// Sets the time limit.
     pub fn within(mut self, limit: Duration) -> Self {
         self.limit = limit;
         self
     }
 
-    /// Printing to this file.
+    /// Redirects its output to this file.
     pub fn to(mut self, stdout: File) -> Self {
         self.stdout = Some(stdout);
         self
@@ -89,12 +89,12 @@ impl Call {
         self.start().wait()
     }
 
-    /// Starts it. Its words go to files: a grandchild that keeps a pipe open could otherwise hold the campaign up.
+    /// Starts it. Its output goes to files: a grandchild that keeps a pipe open could otherwise block the campaign.
     pub fn start(self) -> Running {
         let [out, err] = [(); 2].map(|()| tempfile::tempfile().expect("a temporary file can be made"));
         let mut command = Command::new(&self.words[0]);
         command.args(&self.words[1..]).current_dir(&self.folder).stdin(Stdio::null()).process_group(0);
-        // What a run leaves in the system's folder for temporary files shows in the folder of the try.
+        // Makes leftover temporary files visible in the folder of the try.
         command.env("TMPDIR", self.folder.join("tmp")).env("RUST_BACKTRACE", "0").env_remove("PLUME_PYTHON");
         command.stdout(self.stdout.unwrap_or_else(|| out.try_clone().expect("a file can be opened twice")));
         command.stderr(err.try_clone().expect("a file can be opened twice"));
@@ -126,16 +126,16 @@ impl Running {
         self.wait()
     }
 
-    /// Stopped after so long from now, whenever it was started.
+    /// Sets the time limit, counted from now.
     pub fn within(mut self, limit: Duration) -> Self {
         self.limit = self.started.elapsed() + limit;
         self
     }
 
-    /// Waits for its end, but not longer than its limit.
+    /// Waits until it ends or its time limit is up.
     pub fn wait(mut self) -> Outcome {
         let end = self.end();
-        // What it has left running is stopped with it.
+        // Processes that it has left running are killed with it.
         self.stop();
         let took = self.started.elapsed();
         let [stdout, stderr] = [self.out, self.err].map(text);
@@ -172,7 +172,7 @@ impl Outcome {
         if self.is_done() { Ok(()) } else { Err(self.told("should have worked")) }
     }
 
-    /// Fails unless it worked or refused, in a short message: no panic, no signal, no hang, no flood.
+    /// Fails unless it succeeded or refused with a short message: no panic, no signal, no hang, no flood of output.
     pub fn decent(&self) -> Result<(), String> {
         match self.end {
             End::Code(0) if self.stderr.len() <= MOST_WORDS => Ok(()),
@@ -187,7 +187,7 @@ impl Outcome {
         }
     }
 
-    /// Fails unless it refused, decently, with exit code 1 or 2.
+    /// Fails unless it refused cleanly, with exit code 1 or 2.
     pub fn refused(&self) -> Result<(), String> {
         self.decent()?;
         if matches!(self.end, End::Code(1 | 2)) { Ok(()) } else { Err(self.told("should have been refused")) }
@@ -221,7 +221,7 @@ fn text(mut file: File) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// A line for a shell, the program by its bare name.
+/// The command as a shell line, with the bare name of the program.
 fn quoted(words: &[OsString], prefix: usize) -> String {
     let quote = |(at, word): (usize, &OsString)| {
         let word = if at == prefix { Path::new(word).file_name().unwrap_or(word) } else { word };

@@ -1,4 +1,4 @@
-//! The module `plume` of Python, where it is installed.
+//! The Python package `plume`, if installed.
 
 use std::path::{Path, PathBuf};
 
@@ -11,11 +11,11 @@ for chunk in cave.chunks:
     chunk.positions, chunk.normals, chunk.indices, chunk.collision.indices, chunk.textures.base_color
 ";
 
-/// A Python that has the package.
+/// A Python interpreter that has the package.
 pub struct Python(PathBuf);
 
 impl Python {
-    /// The one in the `.venv` of the repository.
+    /// The interpreter in the `.venv` of the repository.
     pub fn find(repository: &Path) -> Option<Self> {
         let python = repository.join(".venv/bin/python");
         let has_plume = python.exists() && Call::new(&python, &["-c", "import plume"], repository).run().is_done();
@@ -28,5 +28,5 @@ impl Python {
     }
 }
 
-/// The message if there is no such Python.
+/// The message if no such interpreter exists.
 pub const MISSING: &str = "Python: .venv has no package plume";

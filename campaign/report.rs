@@ -7,17 +7,17 @@ use crate::arguments::Arguments;
 use crate::attack::Attack;
 use crate::tally::Tally;
 
-/// What came of an attack.
+/// The outcome of an attack.
 pub struct Row {
-    /// Which.
+    /// The attack.
     pub attack: &'static Attack,
-    /// Its count.
+    /// Its tries and failures.
     pub tally: Tally,
     /// How long it took.
     pub took: Duration,
 }
 
-/// The table, and below it what failed and what could not be tried.
+/// The table, followed by the failures and the skipped tries.
 pub fn text(rows: &[Row], arguments: &Arguments) -> String {
     let mut text = heading(arguments);
     text += "\nattack | what it tries | tried | failed | seconds\n--- | --- | ---: | ---: | ---:\n";

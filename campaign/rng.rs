@@ -1,4 +1,4 @@
-//! Random numbers that come again for the same seed.
+//! Reproducible random numbers.
 
 use rand::Rng as _;
 use rand_pcg::Pcg64;
@@ -15,17 +15,17 @@ impl Rng {
         Self(Pcg64::new(word(0), word(16)))
     }
 
-    /// From 0 to `end`, without `end`; 0 for an `end` of 0.
+    /// In `0..end`; 0 if `end` is 0.
     pub fn below(&mut self, end: usize) -> usize {
         ((u128::from(self.0.next_u64()) * end as u128) >> 64) as usize
     }
 
-    /// From 0 to 1, without 1.
+    /// In `0.0..1.0`.
     pub fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// One of several.
+    /// A random element.
     pub fn pick<'a, T>(&mut self, several: &'a [T]) -> &'a T {
         &several[self.below(several.len())]
     }

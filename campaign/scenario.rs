@@ -1,5 +1,5 @@
-//! A command that writes, and what must hold however it is stopped: outputs appear whole or not at all, and the same command
-//! again ends as if nothing had happened.
+//! A command that writes, and the invariant of stopping it at any time: outputs appear whole or not at all, and running the
+//! same command again ends as if nothing had happened.
 
 use std::time::Duration;
 
@@ -15,13 +15,13 @@ use crate::tree::Tree;
 pub struct Scenario {
     /// Its arguments.
     pub words: Vec<String>,
-    /// A command that goes before it and that is left alone.
+    /// A command that runs before it, undisturbed.
     first: Option<Vec<String>>,
     /// Outputs that appear whole or not at all.
     outputs: Vec<String>,
 }
 
-/// What the command does when nothing stops it.
+/// The result of an undisturbed run.
 pub struct Reference {
     before: Tree,
     after: Tree,
@@ -32,7 +32,7 @@ pub struct Reference {
 impl Scenario {
     fn new(line: &str, outputs: &[&str]) -> Self {
         let outputs = outputs.iter().map(|output| (*output).to_owned()).collect();
-        // One thread makes system calls come in the same order each time; words would be writes, too.
+        // With one thread, system calls come in the same order every time; progress output would add writes.
         Self { words: words(&format!("{line} --quiet --threads 1")), first: None, outputs }
     }
 
@@ -78,8 +78,8 @@ impl Scenario {
         }
     }
 
-    /// Fails unless outputs are whole, and the same command again ends with all that an undisturbed run leaves and nothing
-    /// else. A run that had ended by itself is not run again: its output is there, and in the way.
+    /// Fails unless outputs are whole and a second run ends with exactly the files of an undisturbed one. A run that has
+    /// already finished is not repeated, since its output is in the way.
     pub fn withstands(&self, desk: &Desk, outcome: &Outcome, reference: &Reference) -> Result<(), String> {
         self.is_whole(desk, reference)?;
         let again = if outcome.is_done() { Ok(()) } else { desk.run(&strs(&self.words)).done() };
@@ -116,7 +116,7 @@ pub fn all(packages: &Packages) -> Vec<Scenario> {
     bundles.chain(others).collect()
 }
 
-/// A package of every target, and what else takes long enough to be met in the middle.
+/// A package of every target, and other commands long enough to be interrupted midway.
 pub fn long(packages: &Packages) -> Vec<Scenario> {
     let target = |name: &String| Scenario::new(&format!("export c -t {name} -o out"), &["out"]);
     let several = Scenario::new("export c -t gazebo,obj,glb -o out", &["out/gazebo", "out/obj", "out/glb"]);
@@ -128,7 +128,7 @@ fn words(line: &str) -> Vec<String> {
     line.split(' ').map(str::to_owned).collect()
 }
 
-/// Words as [`Desk::run`] takes them.
+/// Arguments in the form that [`Desk::run`] takes.
 pub fn strs(words: &[String]) -> Vec<&str> {
     words.iter().map(String::as_str).collect()
 }

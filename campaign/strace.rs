@@ -1,4 +1,4 @@
-//! Fault injection by `strace`: system calls that fail, or that are the last ones.
+//! Fault injection by `strace`: system calls that fail or kill the program.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,7 +16,7 @@ pub struct Point {
     pub number: usize,
 }
 
-/// Whether programs can be traced here; if not, why.
+/// `Ok` if programs can be traced here, else the reason.
 pub fn works(context: &Context) -> Result<(), String> {
     let desk = context.desk();
     let outcome = desk.run_other("sh", &["-c", "command -v strace >&2 && strace -qq -e trace=none true"]);

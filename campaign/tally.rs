@@ -1,24 +1,24 @@
-//! What an attack has tried and what came of it.
+//! Tries of an attack and their outcomes.
 
 use std::collections::BTreeMap;
 
 /// Number of failures reported in full; the rest are counted.
 const SHOWN: usize = 12;
 
-/// The count of one attack.
+/// Tries and failures of one attack.
 #[derive(Default)]
 pub struct Tally {
     /// Tries.
     pub tried: usize,
-    /// Tries that the product did not withstand.
+    /// Failed tries.
     pub failed: usize,
-    /// The first of them, each so that a person can repeat it.
+    /// The first failures, each with the command to reproduce it.
     pub failures: Vec<String>,
-    /// Tries that neither held nor failed, by what became of them: `slow`, `aborted by the allocator`.
+    /// Inconclusive tries by outcome: `slow`, `aborted by the allocator`.
     pub apart: BTreeMap<&'static str, usize>,
-    /// What could not be tried here, and why.
+    /// Tries skipped on this machine, with reasons.
     pub skipped: Vec<String>,
-    /// What is worth knowing of the tries.
+    /// Remarks on the tries.
     pub notes: Vec<String>,
 }
 
@@ -30,19 +30,19 @@ impl Tally {
         self.failed += 1;
         if self.failures.len() < SHOWN {
             let failure = format!("{what}: {reason}");
-            // A long campaign is watched.
+            // Someone may be watching a long campaign.
             eprintln!("FAILED {failure}");
             self.failures.push(failure);
         }
     }
 
-    /// Counts a try that neither held nor failed.
+    /// Counts an inconclusive try.
     pub fn set_apart(&mut self, kind: &'static str) {
         self.tried += 1;
         *self.apart.entry(kind).or_default() += 1;
     }
 
-    /// Notes that something could not be tried.
+    /// Records a skipped try.
     pub fn skip(&mut self, what: impl Into<String>) {
         self.skipped.push(what.into());
     }

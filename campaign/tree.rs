@@ -1,4 +1,4 @@
-//! What is in a folder, to the byte.
+//! A snapshot of a folder, byte for byte.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -51,7 +51,7 @@ impl Tree {
         Self(inside.map(|(found, entry)| (found.clone(), entry.clone())).collect())
     }
 
-    /// Whether there is nothing.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -66,7 +66,7 @@ impl Tree {
         self.0.iter().filter(|(_, entry)| matches!(entry, Entry::File(_))).map(|(path, _)| path.clone()).collect()
     }
 
-    /// What only a run that is at work or was killed may leave: files under temporary names, hidden working folders.
+    /// Files that only a running or killed process may leave: temporary names, hidden staging folders.
     pub fn temporaries(&self) -> Vec<&Path> {
         self.0.keys().map(PathBuf::as_path).filter(|path| is_temporary(path)).collect()
     }
@@ -86,7 +86,7 @@ impl Tree {
         }
     }
 
-    /// Fails unless everything here is there unchanged; more may be.
+    /// Fails unless `now` has every entry unchanged; it may have more.
     pub fn expect_within(&self, now: &Self) -> Result<(), String> {
         let kept = now.0.iter().filter(|(path, _)| self.0.contains_key(*path));
         self.expect(&Self(kept.map(|(path, entry)| (path.clone(), entry.clone())).collect()))

@@ -50,7 +50,7 @@ pub struct Summary {
 
 /// A row of [`TARGETS`](crate::TARGETS).
 pub struct TargetRow {
-    /// What the user types.
+    /// Its name on the command line.
     pub name: &'static str,
     /// Short summary of what is written.
     pub summary: &'static str,

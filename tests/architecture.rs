@@ -43,7 +43,7 @@ fn module_path(file: &Path) -> Vec<String> {
     path.filter(|part| part != "lib").collect()
 }
 
-/// The modules at the root of the crate that a source names, in any way that paths can be written, tests included.
+/// The top-level modules that a source names, however the path is written, tests included.
 struct Named {
     module: Vec<String>,
     roots: BTreeSet<String>,
@@ -100,7 +100,7 @@ impl Visit<'_> for Named {
         visit::visit_path(self, path);
     }
 
-    /// What a macro gets is not yet syntax.
+    /// Tokens inside a macro are not parsed.
     fn visit_macro(&mut self, call: &syn::Macro) {
         let tokens = call.tokens.to_string();
         for rest in tokens.split("crate :: ").skip(1) {
@@ -199,7 +199,7 @@ fn every_file_of_a_table_has_its_row() {
     }
 }
 
-/// The types that a source gives this trait, outside of its tests.
+/// The types that a source implements this trait for, outside of its tests.
 fn implementors(file: &Path, contract: &str) -> Vec<String> {
     let items = syn::parse_file(&fs::read_to_string(file).unwrap()).unwrap().items;
     let implemented = |item: syn::Item| {

@@ -43,7 +43,7 @@ fn graph() -> Graph {
     Graph { nodes, edges: StationId::pairs(edges) }
 }
 
-/// A rock that leaves all it can to the trait, with a wall that is torn by so much at every second metre.
+/// A rock that relies on the defaults of its trait, with a wall that jumps by this much at every second metre.
 #[derive(Debug)]
 struct Plain {
     tear_m: f32,
@@ -72,7 +72,7 @@ fn caves_of_the_table() -> impl Iterator<Item = CaveField> {
     MATERIALS.iter().map(|row| cave((row.read)(json!({})).expect("an empty object is valid")))
 }
 
-/// The same, and one in a rock that leaves all it can to the trait.
+/// The same, and one in a rock that relies on the defaults of its trait.
 fn caves() -> Vec<CaveField> {
     caves_of_the_table().chain([cave(Arc::new(Plain { tear_m: 0.0 }))]).collect()
 }
@@ -229,7 +229,7 @@ fn a_torn_wall_is_noticed() {
     }
 }
 
-/// What is worst about a field near its wall.
+/// The worst defects of a field near its wall.
 #[derive(Debug)]
 struct Worst {
     /// Change over a tenth of a millimetre, metres.
@@ -240,7 +240,7 @@ struct Worst {
     slope: f32,
 }
 
-/// Looks along many short lines near the wall.
+/// Samples the field along many short lines near the wall.
 fn worst(field: &CaveField) -> Worst {
     const STEPS: usize = 48;
     const STEP_M: f32 = 0.01;
@@ -270,7 +270,7 @@ fn worst(field: &CaveField) -> Worst {
 /// A point and its value.
 type Sample = ([f32; 3], f32);
 
-/// The steepest of 128 parts of a step, found by halves.
+/// The steepest of 128 parts of a step, found by bisection.
 fn narrowed(field: &CaveField, points: [[f32; 3]; 2], values: [f32; 2]) -> [Sample; 2] {
     let [mut a, mut b] = [(points[0], values[0]), (points[1], values[1])];
     for _ in 0..7 {

@@ -53,7 +53,7 @@ fn read(row: &FormatRow, path: &Path, parts: Parts, files: &Files) -> Result<Imp
     read_as(row, path, parts, files)
 }
 
-/// What any graph keeps, wherever it comes from.
+/// Invariants of any graph, whatever its source.
 fn keeps_the_laws(graph: &Graph, parts: Parts) {
     assert!(graph.nodes.len() >= 2);
     let ids: BTreeSet<u64> = graph.nodes.iter().map(|node| node.id).collect();
@@ -315,7 +315,7 @@ fn bad_files_are_refused_with_a_message() {
     }
 }
 
-/// Files that grow where a reader is careless, and the words of their refusal.
+/// Files that exhaust a careless reader, and a part of the error for each.
 fn wasteful() -> Vec<(&'static str, &'static str, String, &'static str)> {
     let graphml = |inside: String| format!("<graphml><graph>{inside}</graph></graphml>");
     let nodes = |count: usize| {

@@ -1,4 +1,4 @@
-//! Graph files: those of the original script, those of anyone, and those with something wrong.
+//! Graph files: written by the original script, by other programs, and invalid ones.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/files.rs"]

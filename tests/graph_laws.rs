@@ -20,7 +20,7 @@ use world::{World, has, sized};
 const SEEDS: u64 = 12;
 /// Generators whose result does not depend on the seed.
 const FIXED: &[&str] = &["external", "file"];
-/// Settings that every generator takes, under the names it has for them.
+/// Settings that every generator takes, with the names that each gives them.
 const SIZES: [(u32, u32); 6] = [(2, 1), (7, 1), (50, 1), (120, 1), (120, 3), (400, 2)];
 
 fn make(name: &str, settings: Value) -> Box<dyn Generator> {
@@ -31,7 +31,7 @@ fn make(name: &str, settings: Value) -> Box<dyn Generator> {
 /// A generator and its settings.
 struct Case {
     name: String,
-    /// `None` where the generator is not asked.
+    /// `None` for generators that this case does not apply to.
     nodes: Option<usize>,
     /// Likewise.
     levels: Option<u32>,
@@ -173,7 +173,7 @@ fn defaults_are_what_an_empty_recipe_reads_and_unknown_keys_are_refused() {
     }
 }
 
-/// The settings of a row, each at this part of its range.
+/// The settings of a row, each at this fraction of its range.
 fn drawn(row: &GeneratorRow, nodes: u32, parts: &[f64]) -> Value {
     let schema: Value = (row.schema)().into();
     let properties = schema["properties"].as_object().expect("settings have names");
@@ -201,7 +201,7 @@ proptest! {
         ..Default::default()
     })]
 
-    /// Settings anywhere in their ranges give the asked graph or a hint.
+    /// Settings anywhere in their ranges give the requested graph or an error with a hint.
     #[test]
     fn any_settings_make_a_graph_or_an_error(
         row in prop::sample::select(GENERATORS.iter().collect::<Vec<_>>()),
@@ -280,8 +280,8 @@ fn caves_stay_in_bounds_and_are_not_too_steep() {
 
 #[test]
 fn passages_at_a_node_keep_their_angles_and_avoid_the_forbidden_arc() {
-    // A section is ruled out by its middle, so half a degree of it may be used.
-    const SECTION_DEG: f64 = 0.6;
+    // A sector is blocked by its middle, so up to half a degree of it may be used.
+    const SECTOR_DEG: f64 = 0.6;
     for settings in [json!({"nodes": 250}), json!({"nodes": 120, "forbidden_deg": 220.0})] {
         let generator = make("gaussian-perlin", settings.clone());
         let behind = settings["forbidden_deg"].as_f64().unwrap_or(150.0) / 2.0;
@@ -294,7 +294,7 @@ fn passages_at_a_node_keep_their_angles_and_avoid_the_forbidden_arc() {
                         let grown = graph[b].parent == Some(node) && parent == Some(a);
                         let least = if grown { behind } else { 55.0 };
                         let angle = plan_angle_deg(&graph, node, a, b);
-                        assert!(angle > least - SECTION_DEG, "{settings} {seed} {node:?}: {angle}");
+                        assert!(angle > least - SECTOR_DEG, "{settings} {seed} {node:?}: {angle}");
                     }
                 }
             }

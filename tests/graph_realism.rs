@@ -1,4 +1,4 @@
-//! The metrics agree with those published for a real cave, and judge graphs that are none.
+//! The metrics agree with those published for a real cave, and handle degenerate graphs.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
@@ -71,7 +71,7 @@ fn the_table_of_caves_is_the_published_sheet() {
     }
 }
 
-/// The value with this part of the sorted ones below it, as numpy interpolates.
+/// The quantile of sorted values, interpolated like numpy's.
 fn quantile(sorted: &[f64], part: f64) -> f64 {
     let place = part * (sorted.len() - 1) as f64;
     let low = sorted[place as usize];
@@ -88,7 +88,7 @@ fn ranges_follow_from_the_caves_and_percentiles_invert_them() {
             [(0.0, range.min), (0.1, range.p10), (0.5, range.median), (0.9, range.p90), (1.0, range.max)]
         {
             assert!((quantile(&known, part) - value).abs() < 2e-6, "{} {part}", metric.name);
-            // Several caves may share a value; the middle of them is meant.
+            // Several caves may share a value; their mid-rank counts.
             let off = (percentile(place, quantile(&known, part)) - 100.0 * part).abs();
             assert!(off <= 100.0 / (known.len() - 1) as f64 + 1e-9, "{} {part}: {off}", metric.name);
         }
@@ -97,7 +97,7 @@ fn ranges_follow_from_the_caves_and_percentiles_invert_them() {
     }
 }
 
-/// The rule takes most of the caves it comes from; Sakany is not among them.
+/// The rule accepts most of the caves that it was derived from; Sakany is not among them.
 #[test]
 fn real_caves_are_like_real_caves() {
     let geometry = CAVES.iter().filter(|(_, row)| row.iter().all(|value| !value.is_nan()));
@@ -157,7 +157,7 @@ fn rings_and_parallel_branches_do_not_collapse() {
     assert_eq!(metrics.mean_degree, 2.0);
 }
 
-/// Drifts at right angles: nothing is further from a cave.
+/// Drifts at right angles: as unlike a cave as a graph can be.
 fn mine(nodes: u32) -> Mine {
     Mine { nodes, ..Mine::default() }
 }

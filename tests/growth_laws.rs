@@ -90,7 +90,7 @@ fn passages_at_a_station_keep_their_angles() {
     });
 }
 
-/// Where the rock between two passages is thin, a short way joins them.
+/// Where the rock between two passages is thin, a short path connects them.
 #[test]
 fn no_passage_runs_through_another() {
     hold(|case, graph, name| {
@@ -196,7 +196,7 @@ fn clearance_radius(graph: &Graph, ends: [StationId; 2]) -> f64 {
     ends.map(|end| of(&graph[end])).into_iter().fold(0.0, f64::max)
 }
 
-/// Whether a way of at most this length leads from an end of one passage to an end of the other.
+/// Whether a path of at most this length connects an end of one passage to an end of the other.
 fn is_joined(
     graph: &Graph,
     neighbors: &Neighbors<Node>,

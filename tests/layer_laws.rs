@@ -48,7 +48,7 @@ fn slope_deg(graph: &Graph, [a, b]: [StationId; 2]) -> f64 {
     libm::atan2(way.z.abs(), way.xy().norm()).to_degrees()
 }
 
-/// Runs of passages with a slope, from the station at the top to that at the bottom. Level passages part them.
+/// Runs of sloping passages, each from its top station to its bottom station. Level passages separate them.
 fn runs(graph: &Graph, steep: &[[StationId; 2]]) -> Vec<[StationId; 2]> {
     let mut ends = Vec::new();
     let mut left: BTreeSet<[StationId; 2]> = steep.iter().copied().collect();
@@ -140,7 +140,7 @@ fn half([a, b]: [&Node; 2]) -> [f64; 2] {
     [0, 1].map(|axis| of(a)[axis].max(of(b)[axis]))
 }
 
-/// Ways along passages between all stations.
+/// Path lengths along passages between all stations.
 fn ways(graph: &Graph) -> Vec<Vec<f64>> {
     let count = graph.nodes.len();
     let mut ways = vec![vec![f64::INFINITY; count]; count];
@@ -254,7 +254,7 @@ fn what_finds_no_room_is_told_with_what_to_change() {
     insta::assert_snapshot!("layer_without_room", refused(json!({"layer": [flat_cave(), tight]})));
 }
 
-/// Two straight passages and a way round that is too long to count.
+/// Two straight passages and a detour that is too long to count.
 fn pair(apart: Vector3<f64>) -> Graph {
     let text = |id: usize, at: Vector3<f64>, edges: &[usize]| {
         let parent = if id == 0 { Value::Null } else { (id - 1).into() };

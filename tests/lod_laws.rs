@@ -157,7 +157,7 @@ fn the_error_of_a_level_holds_both_ways_and_is_hardly_more_than_that() {
             .map(|(from, to)| Distances::between(from, to, SPACING_M, reach_m).greatest());
         there.max(back)
     };
-    // Each generator in each rock once: all points of both surfaces are many.
+    // Each generator in each rock once: comparing all points of both surfaces is slow.
     for (name, chunks) in caves(&LodSettings { levels: 2, ..LodSettings::default() }).into_iter().step_by(2) {
         chunks.par_iter().for_each(|chunk| {
             for level in 1..=chunk.levels.len() {

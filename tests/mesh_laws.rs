@@ -1,4 +1,4 @@
-//! What is promised of every mesh, on fields whose shape is known.
+//! The invariants of every mesh, on fields of known shape.
 
 mod common;
 
@@ -216,7 +216,7 @@ fn rock_alone_makes_no_chunk() {
     assert!(chunks(&sphere([0.0; 3], 5.0), bounds, &MeshSettings::default()).is_empty());
 }
 
-/// The laws must be able to fail: ways to break a mesh, and what sees each.
+/// The laws must be able to fail: ways to break a mesh, and the check that detects each.
 const BREAKS: [(&str, Damage, IsSeen); 8] = [
     ("lost triangle", lose_triangle, |report, _| report.open_edges == 3),
     ("turned triangle", turn_triangle, |report, _| report.inconsistent_winding == 3),

@@ -124,7 +124,7 @@ fn assert_in_the_rock(cave: &Cave) {
         let mesh = mesh_of(piece);
         let points = mesh.triangles.iter().flat_map(|&face| spread(corners(&mesh, face), floor_m));
         let is_far = |point: &Point| floors.distance(*point) > floor_m && walls.distance(*point) > wall_m;
-        // The field is cheaper to ask for the side; but here and there it is air behind the triangles.
+        // The field answers faster on which side a point is, but in places it is air behind the triangles.
         let mut deep: Vec<Point> = points.filter(is_far).collect();
         let mut values = cave.field_at(&deep).into_iter();
         deep.retain(|_| values.next().is_some_and(|value| value <= 0.0));
@@ -199,12 +199,12 @@ impl Convex {
         Self(mesh.triangles.iter().map(plane).collect())
     }
 
-    /// How far a point is outside of the plane that it is furthest outside of.
+    /// Largest signed distance of a point to any of the planes.
     fn height_of(&self, point: Point) -> f64 {
         self.0.iter().map(|(normal, offset)| normal.dot(&point) - offset).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// How far along a ray the piece begins.
+    /// Distance along a ray to where it enters the piece.
     fn met_by(&self, from: Point, to: Point) -> Option<f64> {
         let (mut first, mut last) = (0.0, f64::INFINITY);
         for (normal, offset) in &self.0 {

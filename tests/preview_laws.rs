@@ -1,4 +1,4 @@
-//! Laws of every view of every cave: it is drawn, shows something, and is the same for any number of threads.
+//! Laws of every view of every cave: it is drawn, is not blank, and is the same for any number of threads.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/world.rs"]
@@ -14,9 +14,9 @@ use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Th
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-/// Stations of the caves here, where that can be asked.
+/// Stations of these caves, for generators with such a setting.
 const NODES: u32 = 12;
-/// Pixels of pictures: few, because every view of every generator in every rock is drawn in every format, twice.
+/// Picture size: small, because every view of every generator in every rock is drawn in every format, twice.
 const WIDTH: u32 = 80;
 const HEIGHT: u32 = 60;
 
@@ -45,7 +45,7 @@ fn with_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap().install(work)
 }
 
-/// Holds a file to what its format promises, and to showing something.
+/// Checks that a file is valid in its format and not blank.
 fn judge(format: Format, drawn: &Drawn, what: &str) {
     match (format, drawn) {
         (Format::Svg, Drawn::File(bytes)) => judge_svg(std::str::from_utf8(bytes).unwrap(), what),

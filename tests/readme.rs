@@ -1,4 +1,4 @@
-//! The lists in the README are those of the tables.
+//! The lists in the README match the tables.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::MATERIALS;
 use plume_exporters::{TARGETS, TargetRow};
 
-/// Writes the lists anew instead of comparing them.
+/// Rewrites the lists instead of comparing them.
 const RENEW: &str = "UPDATE_README=1 cargo test --test readme";
 
 #[test]

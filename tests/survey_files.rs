@@ -1,4 +1,4 @@
-//! Cave surveys as files: held against what other programs read in them, and with something wrong.
+//! Survey files: compared with what other programs read in them, and invalid ones.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/dump.rs"]
@@ -170,7 +170,7 @@ struct Measured {
     walls: [f64; 4],
 }
 
-/// Two passages that meet at a station bulge by a fifth of what a wall is felt at; see `field/passage.rs`.
+/// Two passages that meet at a station bulge by a fifth of the blend radius; see `field/passage.rs`.
 const BULGE_M: f64 = 0.25;
 
 #[test]
@@ -210,7 +210,7 @@ fn smooth_walls_stand_where_they_were_measured() {
     }
 }
 
-/// Holds the passages of a file to those that Survex lists.
+/// Compares the passages of a file with those that Survex lists.
 fn assert_is_as_dumped(name: &str, outside: &Files, dump: &str, tolerance_m: f64) {
     let Import { graph, tally, .. } = read(Path::new(name), Parts::Refuse, outside).unwrap();
     let dump = String::from_utf8(data(dump)).unwrap();
@@ -233,14 +233,14 @@ fn burrow() -> Files {
     names.into_iter().map(|name| (name, data(&format!("surveys/{name}")))).collect()
 }
 
-/// Two centimetres: Survex rounds stations to one, and its loops give way by other weights.
+/// Two centimetres: Survex rounds stations to one, and weights its loop closures differently.
 #[test]
 fn compass_books_and_projects_read_as_survex_reads_them() {
     assert_is_as_dumped("bare-burrow.dat", &burrow(), "surveys/bare-burrow.dump", 0.02);
     assert_is_as_dumped("burrow.mak", &burrow(), "surveys/burrow-project.dump", 0.02);
 }
 
-/// A book with these shots, of which each has a station more than the one before.
+/// A survey file in which each shot adds a station.
 fn book(header: &str, shots: &str) -> Vec<u8> {
     let table = "FROM TO LENGTH BEARING INC LEFT UP DOWN RIGHT FLAGS COMMENTS\r\n\r\n";
     format!(

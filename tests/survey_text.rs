@@ -1,4 +1,4 @@
-//! Surveys as text: held against what Survex and Therion make of them, and with something wrong.
+//! Text surveys: compared with what Survex and Therion make of them, and invalid ones.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/dump.rs"]
@@ -25,7 +25,7 @@ impl Outside for Disk {
     }
 }
 
-/// Holds the passages of a survey against those that a foreign program made of it, which rounds to centimetres.
+/// Compares the passages of a survey with those of a foreign program, which rounds to centimetres.
 fn agrees(survey: &str, dump: &str) {
     let import = read(Path::new(survey), Parts::Refuse, &Disk);
     let Import { graph, tally, .. } = import.unwrap_or_else(|error| panic!("{error}"));

@@ -177,7 +177,7 @@ fn halved(picture: &RgbImage) -> RgbImage {
     })
 }
 
-/// Greatest difference between what a sampler finds at the vertices and the colour of the wall there, in codes.
+/// Largest difference between the sampled image at the vertices and the colour of the wall there, in 8-bit steps.
 fn worst_at_vertices(textured: &Textured, colors: &RgbImage) -> f64 {
     let differences = textured.positions.iter().zip(&textured.uvs).flat_map(|(&p, &uv)| {
         let (found, wall) = (bilinear(colors, uv), Gradient::color_at(p).map(to_srgb));
@@ -188,7 +188,7 @@ fn worst_at_vertices(textured: &Textured, colors: &RgbImage) -> f64 {
 
 #[test]
 fn charts_and_chunks_agree_at_their_seams() {
-    // Two chunks with a common ring; the wall has the last word on both sides of each seam.
+    // Two chunks with a common ring; both sides of each seam must agree with the wall.
     for mesh in halves(&rough_passage(120, 60, 10.0, 3)) {
         let (textured, maps) = bake(&mesh, &UPRIGHT, &of_size(1024));
         let colors = picture(&maps.base_color);

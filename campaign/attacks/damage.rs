@@ -1,4 +1,4 @@
-//! Files that have changed on the disk: cut, emptied, zeroed in part, with a bit turned over.
+//! Files damaged on disk: truncated, emptied, partly zeroed, or with one bit flipped.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -32,7 +32,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// Results of the commands for an undamaged folder.
+/// Results of the commands on an undamaged folder.
 struct Undamaged {
     desk: Desk,
     cave: Tree,
@@ -71,7 +71,7 @@ impl Undamaged {
     }
 }
 
-/// Every file below `part` of the folder, of each kind of damage, in each of these uses.
+/// Damages every file below `part` of the folder in every way and runs each of these commands on it.
 fn damage_cave(context: &mut Context, tally: &mut Tally, targets: &[&'static str], part: &str, uses: &[Use]) {
     let undamaged = match Undamaged::of(context, targets) {
         Ok(undamaged) => undamaged,

@@ -32,7 +32,7 @@ fn run(context: &mut Context) -> Tally {
         tally.skip(format!("not built: {}", names.join(", ")));
     }
     for (at, (program, name)) in ready.iter().enumerate() {
-        // What one does not use goes to the others.
+        // Time that one fuzzer leaves unused goes to the others.
         let share = context.length.left() / (ready.len() - at) as u32;
         fuzz(context, &mut tally, program, name, share);
     }
@@ -89,7 +89,7 @@ fn executed(outcome: &Outcome) -> usize {
     line.and_then(|number| number.trim().parse().ok()).unwrap_or_default()
 }
 
-/// What went wrong, and the input that it went wrong with.
+/// The failure and the input that caused it.
 fn fault(outcome: &Outcome) -> String {
     let telling = ["panicked at", "ERROR:", "SUMMARY:", "Test unit written to", "Base64:"];
     let lines = outcome.stderr.lines().filter(|line| telling.iter().any(|start| line.contains(start)));

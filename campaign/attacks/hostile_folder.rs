@@ -18,7 +18,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// What is done with the folder. The last ones write all of it anew.
+/// Commands run on the folder. The last ones rewrite all of it.
 const COMMANDS: &[&[&str]] = &[
     &["generate", "c"],
     &["export", "c", "-t", "obj", "-o", "package"],
@@ -86,7 +86,7 @@ fn prepared(context: &Context, plant: &dyn Fn(&Desk)) -> Desk {
     desk
 }
 
-/// What no command may touch.
+/// Files that no command may touch.
 struct Guarded {
     outside: Tree,
     victim: Vec<u8>,
@@ -122,10 +122,10 @@ enum Place {
     Journal,
 }
 
-/// Makes units out of the honest ones and a path.
+/// Forges units from genuine ones and a path.
 type Forge = fn(&[Value], &str) -> Vec<Value>;
 
-/// A record that no honest run writes.
+/// A record that Plume itself never writes.
 struct Forgery {
     what: String,
     units: Forge,

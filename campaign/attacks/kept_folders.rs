@@ -1,4 +1,4 @@
-//! A cave folder that the user keeps is an input: exporting and looking leave it as it is.
+//! A cave folder that the user keeps is an input: exports and previews leave it unchanged.
 
 use crate::attack::{Attack, Context};
 use crate::desk::Desk;
@@ -37,7 +37,7 @@ fn run(context: &mut Context) -> Tally {
         tally.enter("a kept folder", unchanged(&desk, command).map(|_| ()));
     }
     for image in ["textures/chunk_0_0_0_base_color.png", "textures/chunk_0_0_0_normal.png", "chunks/chunk_0_0_0.ply"] {
-        // `generate` is the command that makes damaged files again.
+        // `generate` is the command that remakes damaged files.
         for command in ["export c -t gazebo -o out", "measure c", "status c"] {
             tally.enter(&format!("{image} edited by hand"), edited(context, image, command));
         }
@@ -55,7 +55,7 @@ fn unchanged(desk: &Desk, command: &str) -> Result<String, String> {
     Ok(outcome.stdout + &outcome.stderr)
 }
 
-/// Work done by hand in the folder is neither written over nor passed on without a word.
+/// Files edited by hand in the folder are neither overwritten nor silently exported.
 fn edited(context: &Context, image: &str, command: &str) -> Result<(), String> {
     let desk = context.desk_with_cave();
     let other = image.replace("chunk_0_0_0", "chunk_0_1_0");
@@ -72,7 +72,7 @@ fn edited(context: &Context, image: &str, command: &str) -> Result<(), String> {
     if is_read && !is_named { Err(outcome.told("does not name it")) } else { Ok(()) }
 }
 
-/// A finished folder on a read-only mount serves as any other.
+/// A finished folder works from a read-only mount.
 fn read_only(context: &Context, tally: &mut Tally) {
     let desk = context.desk_with_cave();
     let shell = |script: &str, name: &str| desk.run_other("unshare", &["-m", "sh", "-c", script, name]);

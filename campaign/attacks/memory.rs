@@ -14,7 +14,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// Limits in MiB, from plenty to what the program alone takes.
+/// Limits in MiB, from ample to barely enough to load the program.
 const LIMITS: [u64; 14] = [1024, 512, 256, 192, 128, 96, 80, 64, 56, 48, 40, 36, 32, 28];
 
 const COMMANDS: [&[&str]; 7] = [

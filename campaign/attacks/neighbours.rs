@@ -32,7 +32,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// The user's files are there after a command as they were before it; so are they after the same with `--force`.
+/// The user's files survive a command unchanged, and the same command with `--force`.
 fn survives(desk: &Desk, words: &[&str]) -> Result<(), String> {
     let before = desk.tree().without("c");
     let outcome = desk.run(words);
@@ -102,7 +102,7 @@ const PLANTS: [Plant; 6] = [
     }),
 ];
 
-/// Files that the user has put into a package are there after `--force`.
+/// Files that the user has put into a package survive `--force`.
 fn added_files(context: &Context, tally: &mut Tally) {
     for target in ["obj", "gazebo"] {
         let desk = context.desk_with_cave();

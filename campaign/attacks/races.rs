@@ -1,4 +1,4 @@
-//! Several processes that write to one place at the same time.
+//! Several processes writing to the same output at once.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// One place that several write to.
+/// An output that several processes write to.
 struct Race {
     /// In the command line of a process, `#` is its number from 0, and `@` a target for each.
     line: &'static str,
@@ -23,7 +23,7 @@ struct Race {
     check: fn(&Desk) -> Result<(), String>,
 }
 
-/// Processes at most.
+/// Maximum number of processes.
 const MOST: usize = 3;
 /// Targets whose packages differ in every file.
 const THREE: [&str; MOST] = ["obj", "gazebo", "stl"];
@@ -33,7 +33,7 @@ fn run(context: &mut Context) -> Tally {
     for round in context.length.rounds(3, 12) {
         for race in races() {
             let count = 2 + round % (MOST - 1);
-            // Those that start together do not always meet where they write.
+            // Processes that start together do not always collide in their writes.
             let delay = Duration::from_micros(context.rng.below(1 + 15_000 * (round % 3)) as u64);
             let what = format!("{count} times `plume {}`, {} µs apart", race.line, delay.as_micros());
             tally.enter(&what, several(context, &race, count, delay));
@@ -54,7 +54,7 @@ fn several(context: &Context, race: &Race, count: usize, delay: Duration) -> Res
     let outcomes: Vec<Outcome> = running.into_iter().map(|run| run.wait()).collect();
     outcomes.iter().try_for_each(Outcome::decent)?;
     let done = outcomes.iter().filter(|outcome| outcome.is_done()).count();
-    // Of several packages each may be written by another process, so no process may succeed with all.
+    // Each package may be written by a different process, so it is possible that no process writes them all.
     if done == 0 && !race.line.contains("-t obj,stl") {
         return Err(outcomes[0].told("and no other one worked"));
     }
@@ -87,13 +87,13 @@ fn races() -> [Race; 12] {
     ]
 }
 
-/// A cave folder that holds what one process alone makes.
+/// A cave folder with the same content as one made by a single process.
 fn whole_cave(desk: &Desk) -> Result<(), String> {
     desk.run(&["measure", "new"]).done()?;
     desk.tree_of("c0").expect(&desk.tree_of("new"))
 }
 
-/// A picture as one process alone draws it.
+/// The same picture as a single process draws.
 fn picture(desk: &Desk) -> Result<(), String> {
     desk.run(&["preview", "c0", "-o", "alone.png"]).done()?;
     let [alone, raced] = ["alone.png", "plan.png"].map(|name| std::fs::read(desk.path(name)).ok());

@@ -17,7 +17,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// What the schema allows may take long; a campaign waits no longer.
+/// Time limit: valid recipes may take arbitrarily long.
 const LIMIT: Duration = Duration::from_secs(10);
 
 /// Recipes of a short campaign: of one key each, and of two.
@@ -172,7 +172,7 @@ fn key(property: &Value, path: &str, of: Option<&str>, count: Option<usize>) -> 
     Some(Key { path: path.to_owned(), of: of.map(str::to_owned), least, most, is_whole, count })
 }
 
-/// So that most recipes are made in a moment.
+/// Settings that keep most recipes fast.
 const SMALL: [&str; 4] = ["graph.nodes=4", "mesh.voxel_m=0.4", "texture.size_px=256", "lod.levels=1"];
 
 fn try_recipe(context: &Context, tally: &mut Tally, drawn: &[Drawn]) {
@@ -221,8 +221,7 @@ fn names(outcome: &Outcome, key: &str) -> Result<(), String> {
     if outcome.stderr.contains(key) { Ok(()) } else { Err(outcome.told("does not name the key")) }
 }
 
-/// Whether what was made is a cave: numbers that are numbers, a clean mesh, a package that is whole. Not, if that takes too
-/// long to find out.
+/// Checks that the result is a cave: finite numbers, a clean mesh, an intact package. Skipped if the check takes too long.
 fn whole(desk: &Desk, made: &Outcome) -> Result<bool, String> {
     let told: Value =
         serde_json::from_str(&made.stdout).map_err(|error| made.told(&format!("printed no JSON ({error})")))?;
@@ -245,10 +244,10 @@ fn whole(desk: &Desk, made: &Outcome) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Keys in results that are not numbers and may be null.
+/// Result keys that may be null.
 const NOTHING: [&str; 1] = [".graph.sampling"];
 
-/// Fails if there is a −0.0, or nothing where a number should be.
+/// Fails on −0.0, and on null where a number is expected.
 fn numbers(value: &Value, place: &str) -> Result<(), String> {
     match value {
         Value::Null if NOTHING.contains(&place) => Ok(()),

@@ -1,4 +1,4 @@
-//! Requests to end, and programs of recipes that outlive theirs.
+//! Signals, and external programs that outlive the run that started them.
 
 use std::fs;
 use std::path::Path;
@@ -22,9 +22,9 @@ pub const ATTACK: Attack = Attack {
 
 const SIGNALS: [(&str, Signal); 3] = [("INT", Signal::INT), ("TERM", Signal::TERM), ("HUP", Signal::HUP)];
 
-/// How long a run may take to end when asked.
+/// How long a run may take to stop after a signal.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// How long one may take before it is asked, on a machine that has much else to do.
+/// How long a run may take to get going on a busy machine.
 const START: Duration = Duration::from_secs(60);
 
 fn run(context: &mut Context) -> Tally {
@@ -90,7 +90,7 @@ const ROW: &str = r#"echo '{"nodes": [
 {"id": 2, "edges": [], "coordinates": {"x": 9, "y": 3, "z": 0}}]}'
 "#;
 
-/// The program, and what it has started, end with the run.
+/// The external program and its children end with the run.
 fn while_a_program_runs(context: &Context, tally: &mut Tally, (name, signal): (&str, Signal)) {
     let desk = desk(context, "sleep 600 & echo $! > child; echo $$ > own; mv own program; wait\n");
     let running = desk.call(&GRAPH).start();
@@ -109,7 +109,7 @@ fn while_a_program_runs(context: &Context, tally: &mut Tally, (name, signal): (&
     tally.enter(&format!("{name} while the program of a recipe runs"), held);
 }
 
-/// The number of a process that a script has noted.
+/// The process id that a script has written down.
 fn process(desk: &Desk, file: &str) -> Option<rustix::process::Pid> {
     let text = fs::read_to_string(desk.path("recipes").join(file)).ok()?;
     rustix::process::Pid::from_raw(text.trim().parse().ok()?)
@@ -136,7 +136,7 @@ fn grandchild(context: &Context, tally: &mut Tally) {
     tally.enter("a grandchild in a session of its own keeps standard output open", outcome.done());
 }
 
-/// A program of a recipe gets no environment variables that it does not need.
+/// An external program gets no environment variables beyond those it needs.
 fn environment(context: &Context, tally: &mut Tally) {
     let desk = desk(context, &format!("env > told\n{ROW}"));
     let outcome = desk.call(&GRAPH).under(&["env", "CLOUD_SECRET_KEY=xyzzy", "SSH_AUTH_SOCK=/xyzzy"]).run();

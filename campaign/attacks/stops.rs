@@ -1,4 +1,4 @@
-//! A kill at every call that gives, takes or removes a name.
+//! A kill at every system call that creates, renames or removes a file.
 
 use crate::attack::{Attack, Context};
 use crate::program::End;
@@ -15,7 +15,7 @@ pub const ATTACK: Attack = Attack {
 
 const CALLS: [&str; 9] = ["rename", "renameat", "renameat2", "link", "linkat", "unlink", "unlinkat", "mkdir", "rmdir"];
 
-/// Kills of each command before each call in a short campaign: the first, the last and one between.
+/// Kills per command and system call in a short campaign: at the first call, the last, and one in between.
 const FEW: usize = 3;
 
 fn run(context: &mut Context) -> Tally {
@@ -48,7 +48,7 @@ fn stop(context: &Context, tally: &mut Tally, scenario: &Scenario, reference: &R
     };
     let outcome = strace::inject(&desk, &scenario::strs(&scenario.words), point, "signal=KILL");
     if outcome.end == End::Code(0) {
-        // Another order of threads: the call was not made this time.
+        // Threads ran in a different order and the call was not made this time.
         return tally.set_apart("not reached");
     }
     tally.enter(&what, scenario.withstands(&desk, &outcome, reference));

@@ -1,4 +1,4 @@
-//! Inputs that never end or never begin, and an output that takes nothing.
+//! Inputs that never end or never start, and a full output device.
 
 use std::fs::OpenOptions;
 use std::time::Duration;
@@ -15,7 +15,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// No input of a few words takes longer to be refused.
+/// Time limit for refusing a short input.
 const LIMIT: Duration = Duration::from_secs(10);
 /// Address space of these runs, far more than the small cave takes.
 const MEMORY: &str = "--as=1500000000";
@@ -27,7 +27,7 @@ fn run(context: &mut Context) -> Tally {
     full(context, &mut tally);
     for (number, input) in INPUTS.iter().enumerate() {
         for (at, command) in READERS.iter().enumerate() {
-            // Each pair of a reader and an ending once in a while.
+            // Over time, each pair of a reader and a file extension.
             let endings: Vec<&str> = match context.length.is_long() {
                 true => ENDINGS.to_vec(),
                 false => vec![
@@ -46,7 +46,7 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// Commands that print results report if they cannot.
+/// Commands that print results report a failed write.
 fn full(context: &Context, tally: &mut Tally) {
     let commands = [
         "new",

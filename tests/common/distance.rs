@@ -20,12 +20,12 @@ impl Distances {
         Self(distances)
     }
 
-    /// The greatest.
+    /// The largest distance.
     pub fn greatest(&self) -> f64 {
         self.0.last().copied().unwrap_or(0.0)
     }
 
-    /// The one that a share of all does not exceed.
+    /// The distance that this fraction of all points does not exceed.
     pub fn quantile(&self, share: f64) -> f64 {
         self.0[((self.0.len() - 1) as f64 * share) as usize]
     }

@@ -7,7 +7,7 @@ use std::{fs, io};
 
 use plume::graph::Outside;
 
-/// Files by name, nothing else.
+/// Files by name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Files(pub BTreeMap<PathBuf, Vec<u8>>);
 
@@ -16,7 +16,7 @@ impl Files {
         [(name, bytes)].into_iter().collect()
     }
 
-    /// What is in a folder, by path from there; other than `bad`.
+    /// The files of a folder by relative path, except those in `bad`.
     pub fn folder(folder: &Path) -> Self {
         let mut files = Self::default();
         let mut folders = vec![folder.to_path_buf()];

@@ -1,4 +1,4 @@
-//! What every chunked mesh obeys, and fields to try it on.
+//! The invariants of every chunked mesh, and fields to check them on.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 pub mod distance;

@@ -1,8 +1,8 @@
-//! How near two passages come.
+//! The distance between two passages.
 
 use nalgebra::Point3;
 
-/// Distance of two segments by ternary search: slow, and unlike the generators' own way.
+/// Distance between two segments by ternary search: slow, and independent of the method of the generators.
 pub fn distance(first: [Point3<f64>; 2], second: [Point3<f64>; 2]) -> f64 {
     let at = |t: f64| first[0] + (first[1] - first[0]) * t;
     let (mut low, mut high) = (0.0, 1.0);

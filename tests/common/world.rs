@@ -34,7 +34,7 @@ const LOOP: &str = r#"{"plume": "", "nodes": [
     {"id": 4, "parent": 3, "edges": [], "coordinates": {"x": -4, "y": 10, "z": -1}, "radius": 4, "active": true}
 ]}"#;
 
-/// The first generator in every rock, and every other one in a rock, by turns: for laws too slow to ask of every pair.
+/// The first generator in every rock, and each other one in one rock, by turns: for laws that are too slow for every pair.
 pub fn kinds() -> Vec<(&'static GeneratorRow, &'static MaterialRow)> {
     let first = MATERIALS.iter().map(|rock| (GENERATORS.default_row(), rock));
     first.chain(GENERATORS.iter().skip(1).zip(MATERIALS.iter().cycle())).collect()

@@ -37,8 +37,8 @@ const ROWS: [(&str, &[&str], &str); 3] = [
     ),
 ];
 
-/// Runs the rows, or those whose number is given; `usd` is how fast a chunk is written as USD, `targets` how fast a package
-/// is by every target that needs nothing else, `graph` how fast graphs are laid out.
+/// Runs all rows, or those with the given numbers. `usd` times writing one chunk as USD, `targets` times a package of every
+/// target that needs no other program, and `graph` times the graph generators.
 pub fn run(chosen: &[String]) -> Result<()> {
     match chosen.first().map(String::as_str) {
         Some("usd") => return usd(),
@@ -73,7 +73,7 @@ fn usd() -> Result<()> {
 /// Runs of each target, of which the fastest counts.
 const RUNS: usize = 5;
 
-/// The default cave, once made.
+/// The default cave, generated once.
 fn targets() -> Result<()> {
     let plume = Plume::build(Profile::Release)?;
     let (cave, package) = ("target/bench-cave", "target/bench-package");
@@ -130,7 +130,7 @@ fn row(plume: &Plume, name: &str, arguments: &[&str], paper: &str) -> Result<()>
     fs::remove_dir_all(&folder).map_err(|error| error.to_string())
 }
 
-/// A number of a summary of `plume … --json`: `key` of a section, or of the whole if `section` is empty.
+/// A number from a `plume … --json` summary: `key` in `section`, or at the top level if `section` is empty.
 fn field(json: &str, section: &str, key: &str) -> f64 {
     let summary: Value = serde_json::from_str(json).unwrap_or_default();
     let section = if section.is_empty() { &summary } else { &summary[section] };

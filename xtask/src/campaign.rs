@@ -1,7 +1,7 @@
 //! `cargo xtask campaign [--minutes N] [--seed N] [ATTACK...]`: attacks on the built program.
 //!
-//! The attacks are in the crate `plume-campaign`; here is what they need: the program, foreign tools, fuzzers. Whatever
-//! cannot be had is named as skipped in the table.
+//! The attacks are in the crate `plume-campaign`; this file prepares the program, foreign tools and fuzzers. Whatever is not
+//! available is listed as skipped in the table.
 
 use std::process::Command;
 
@@ -9,11 +9,11 @@ use crate::plume::{Plume, Profile, cargo};
 use crate::tools::{Result, ensure_debian, root, run as run_program};
 use crate::venv::Environment;
 
-/// Fault injection, and another processor.
+/// Debian packages for fault injection and for emulating another processor.
 const DEBIAN: [&str; 2] = ["strace", "qemu-user"];
 const REQUIREMENTS: &str = "campaign/requirements.txt";
 
-/// Prepares and runs it; the table goes to stdout.
+/// Prepares and runs the campaign; the table goes to stdout.
 pub fn run(arguments: &[String]) -> Result<()> {
     let is_long = arguments.iter().any(|argument| argument == "--minutes");
     let profile = if is_long { Profile::Release } else { Profile::Dev };
@@ -42,8 +42,8 @@ fn tell(what: &str, result: Result<()>) {
     }
 }
 
-/// What `cargo fuzz` asks of the compiler, but for sanitizers of memory: `unsafe` is denied anyway, and without them a
-/// stable compiler will do.
+/// The compiler flags of `cargo fuzz` without memory sanitizers: `unsafe` is denied anyway, and without them a stable
+/// compiler will do.
 const COVERAGE: [&str; 6] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=4",
@@ -53,10 +53,10 @@ const COVERAGE: [&str; 6] = [
     "--cfg=fuzzing",
 ];
 
-/// Takes some minutes, too many for every change.
+/// Takes several minutes, too long for every change.
 fn build_fuzzers() -> Result<()> {
     eprintln!("building the fuzzers");
-    // With a target named, build scripts and macros are left without coverage.
+    // With an explicit target, build scripts and macros are compiled without coverage.
     let target = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let build = ["build", "--release", "--quiet", "--workspace", "--target", &target];
     let mut cargo = cargo();

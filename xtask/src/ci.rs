@@ -1,4 +1,4 @@
-//! `cargo xtask ci`: all that must hold before anything lands, and a table of the minutes that each step takes.
+//! `cargo xtask ci`: everything that must hold before a change lands, and a table of minutes per step.
 
 use std::process::Command;
 use std::thread::ScopedJoinHandle;
@@ -8,10 +8,10 @@ use crate::plume::cargo;
 use crate::tools::{Result, show};
 use crate::{campaign, interop, test};
 
-/// The steps; the table is printed also when one of them fails.
+/// Runs all steps. The table is printed even if a step fails.
 pub fn run(_arguments: &[String]) -> Result<()> {
     let mut table = Table::default();
-    // Foreign programs come over the network while the compiler has the cores.
+    // Foreign programs are downloaded while the compiler keeps the cores busy.
     let outcome = std::thread::scope(|scope| steps(&mut table, scope.spawn(interop::prepare)));
     table.print();
     outcome
@@ -33,7 +33,7 @@ fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()
     table.step("interop", || interop::run(&[]))
 }
 
-/// Whether the documentation has no warnings, and whether each crate for users of the library holds the files that it needs.
+/// Checks that the documentation has no warnings and that every public crate can be packaged.
 fn documentation_and_packages() -> Result<()> {
     let mut documentation = cargo();
     documentation.args(["doc", "--workspace", "--lib", "--no-deps", "--exclude", "plume-python", "--quiet"]);

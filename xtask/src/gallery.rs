@@ -14,10 +14,10 @@ const DENSITY: &str = "texture.density_px_per_m=100";
 /// The viewpoint: the start pose of each sample that shows most.
 const SPAWNS: [usize; SAMPLES.len()] = [0, 2, 0, 0];
 
-/// A recipe whose graph a program makes.
+/// The recipe with an external graph program.
 const PROGRAM: &str = "examples/external/decline.toml";
 
-/// Makes the pictures.
+/// Renders the pictures.
 pub fn run(_arguments: &[String]) -> Result<()> {
     let plume = Plume::build(Profile::Release)?;
     for (name, spawn) in SAMPLES.iter().zip(SPAWNS) {

@@ -1,9 +1,9 @@
 //! `cargo xtask interop [--all | PACKAGE_DIR...]`: opens packages with readers that are not ours.
 //!
-//! Without a folder, a small made-up scene is checked, then with faults that the readers must notice (a reader that cannot
-//! say no is worth nothing), then sample caves for every target, and small caves for what needs no large one. The default
-//! cave comes every time, another by turns; `--all` takes every sample. A reader whose program cannot be had is skipped
-//! loudly, and fails the run where the environment variable `CI` is set.
+//! Without a folder, the checks open a small synthetic scene, then copies with injected faults that the readers must notice
+//! (a reader that accepts everything proves nothing), then sample caves for every target, and small caves where size does
+//! not matter. The default cave is always among the samples, the others by turns; `--all` takes every sample. A reader
+//! whose program is not available is skipped with a message, and fails the run if the variable `CI` is set.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ pub fn prepare() {
     graph::CHECKS.iter().for_each(|check| drop(check.prepare()));
 }
 
-/// In one call, because each call refreshes the package index first.
+/// Installs them in one call, because each call refreshes the package index first.
 fn debian() -> Vec<&'static str> {
     let graph = graph::CHECKS.iter().flat_map(|check| check.debian);
     let lists = [&gazebo::DEBIAN[..], &gltf::DEBIAN, &urdf::DEBIAN, &blender::DEBIAN, &assimp::DEBIAN];
@@ -81,7 +81,7 @@ fn check_samples(names: &[&str]) -> Result<()> {
     println!("samples: {}", names.join(", "));
     let readers = ready(|_| true, &tally);
     let scene = write_scene()?;
-    // The longest come first, so that none of them runs alone at the end.
+    // The longest checks start first, so that none of them runs alone at the end.
     let mut checks = checks_of_graphs(&tally)?;
     let mut opened = Opened::default();
     checks.extend(checks_of_small_things(&readers, &plume, &targets, &scene, &mut opened)?);
@@ -92,7 +92,7 @@ fn check_samples(names: &[&str]) -> Result<()> {
         checks.extend(packages.iter().flat_map(|package| checks_of_export(&readers, package)));
         let before = tally.failures();
         tally.run(std::mem::take(&mut checks));
-        // A cave that is good gives its gigabytes back.
+        // Frees the gigabytes of a cave that has passed.
         if tally.failures() == before {
             std::fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         }
@@ -101,7 +101,7 @@ fn check_samples(names: &[&str]) -> Result<()> {
     tally.result()
 }
 
-/// What no large cave is needed for: the made-up scene, its faults, and small caves.
+/// Checks that need no large cave: the synthetic scene, its injected faults, and small caves.
 fn checks_of_small_things(
     readers: &[&'static Reader],
     plume: &Plume,
@@ -141,13 +141,13 @@ fn checks_of_graphs(tally: &Tally) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// A program that is not ours and opens what we export.
+/// A foreign program that opens our packages.
 struct Reader {
     name: &'static str,
     of: Kind,
     /// Installs the program, or reports what is missing.
     prepare: fn() -> Result<()>,
-    /// What to run on a package; it ends with a summary on stdout, or fails.
+    /// The command to run on a package. It prints a summary or fails.
     command: fn(&Path) -> Result<Command>,
 }
 
@@ -236,7 +236,7 @@ fn files_of(folder: &Path) -> impl Iterator<Item = PathBuf> {
     std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()))
 }
 
-/// Those of the readers that are wanted and whose programs are there; the others are skipped.
+/// The requested readers whose programs are available; the others are skipped.
 fn ready(is_wanted: impl Fn(&Reader) -> bool, tally: &Tally) -> Vec<&'static Reader> {
     let mut ready = Vec::new();
     for reader in READERS.iter().filter(|reader| is_wanted(reader)) {
@@ -284,7 +284,7 @@ impl Opened {
         }
     }
 
-    /// Whether every check that the row of a target names has opened a package of it, where the reader can be had.
+    /// Fails unless every check that a target's row names has opened a package of that target, if its reader is available.
     fn are_those_of(&self, targets: &[Target], readers: &[&'static Reader]) -> Result<String> {
         let named = targets.iter().flat_map(|target| target.checks().map(move |check| (target.name(), check)));
         for (target, check) in named.clone() {
@@ -306,7 +306,7 @@ fn target_of(package: &Path) -> Option<String> {
     name.split(['_', '-', '.']).next().map(str::to_owned)
 }
 
-/// Of a package of a cave, more can be asked than of one of the made-up scene.
+/// Adds the checks that apply to packages of caves but not to the synthetic scene.
 fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
     let mut checks = checks_of(readers, package);
     let mut also = |who, ask: fn(&Path) -> Result<String>| {
@@ -325,7 +325,7 @@ fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
     checks
 }
 
-/// Writes the made-up scene for every target, and the marker.
+/// Writes the synthetic scene for every target, and the marker.
 pub fn write_scene() -> Result<PathBuf> {
     let scene = target_folder().join("sample");
     let writer = Profile::Dev.example("sample_package")?;
@@ -333,13 +333,13 @@ pub fn write_scene() -> Result<PathBuf> {
     Ok(scene)
 }
 
-/// Whether a package of the made-up scene is opened by itself. Those of USD are in the tests of the Python package, and in
-/// the one for MuJoCo nothing moves.
+/// Whether a package of the synthetic scene is opened on its own. The tests of the Python package cover USD, and the MuJoCo
+/// scene has nothing that moves.
 fn opens_alone(package: &Path) -> bool {
     matches!(Kind::of(package), Some(Kind::Gazebo | Kind::Gltf | Kind::Unity | Kind::Fbx | Kind::Urdf))
 }
 
-/// A sample, for every target; the cave is next to the package for MuJoCo, for its route.
+/// Exports a sample for every target. The cave folder stays next to the MuJoCo package, which needs its route.
 fn export_cave(plume: &Plume, targets: &[Target], name: &str) -> Result<Vec<PathBuf>> {
     let (recipe, output) = (format!("samples/{name}.toml"), format!("target/interop/{name}"));
     let cave = format!("{output}/mujoco.cave");
@@ -351,7 +351,7 @@ fn export_cave(plume: &Plume, targets: &[Target], name: &str) -> Result<Vec<Path
     Ok(packages)
 }
 
-/// A cave of few convex pieces, because the validators of USD take long over each.
+/// A cave with few convex pieces, because the USD validators are slow on each.
 fn export_pieces(plume: &Plume, targets: &[Target]) -> Result<Vec<PathBuf>> {
     let output = "target/interop/pieces";
     let targets: Vec<&str> = targets.iter().filter(|target| target.has_pieces()).map(Target::name).collect();

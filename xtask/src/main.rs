@@ -1,4 +1,4 @@
-//! `cargo xtask COMMAND`: what the project does to itself. Standard library only, so it builds in a second.
+//! `cargo xtask COMMAND`: the routine tasks of the project. Few dependencies, so that it builds in seconds.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a task talks to whoever started it")]
 
 use std::process::ExitCode;

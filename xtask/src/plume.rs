@@ -9,9 +9,9 @@ use crate::venv::Environment;
 /// How it is compiled.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
-    /// As the tests are, so that nothing is compiled twice: optimised, but with the checks of a debug build.
+    /// Like the tests, so that nothing is compiled twice: optimised, but with debug assertions.
     Dev,
-    /// As users have it.
+    /// Like the binary that users install.
     Release,
 }
 
@@ -30,15 +30,15 @@ impl Profile {
         })
     }
 
-    /// Builds all programs of the workspace and gives the place of one. Of the whole workspace, because the features of a
-    /// dependency follow from what is built together, and others would mean to compile it again.
+    /// Builds all binaries of the workspace and returns the path of one. Cargo unifies features over everything it builds at
+    /// once, so building only one would compile its dependencies again with other features.
     pub fn program(self, name: &str) -> Result<PathBuf> {
         eprintln!("building {name}");
         run(cargo().args(["build", "--workspace", "--bins", "--quiet"]).args(self.arguments()))?;
         Ok(self.folder().join(name))
     }
 
-    /// The same with an example.
+    /// Likewise for an example.
     pub fn example(self, name: &str) -> Result<PathBuf> {
         eprintln!("building {name}");
         run(cargo().args(["build", "--workspace", "--example", name, "--quiet"]).args(self.arguments()))?;
@@ -62,7 +62,7 @@ impl Plume {
         let environment = Self::python()?;
         eprintln!("building the Python package");
         let mut maturin = Command::new(environment.program("maturin"));
-        // Of the features, those that the rest of the workspace is built with.
+        // The features that the rest of the workspace is built with.
         let develop = ["develop", "--locked", "--quiet", "--features", "plume-exporters/default"];
         let maturin = maturin.args(develop).args(profile.arguments()).current_dir(root());
         // Maturin looks for the environment of the user first.
@@ -70,7 +70,7 @@ impl Plume {
         Ok(Self { program: environment.program("plume") })
     }
 
-    /// What builds the Python package.
+    /// The tool that builds the Python package.
     pub fn python() -> Result<Environment> {
         Environment::of_project()?.with(&["python/requirements.txt"])
     }
@@ -80,7 +80,7 @@ impl Plume {
         &self.program
     }
 
-    /// Runs it in the workspace, its progress visible.
+    /// Runs it in the workspace with visible output.
     pub fn show(&self, arguments: &[&str]) -> Result<()> {
         let status = Command::new(&self.program).args(arguments).current_dir(root()).status();
         match status {
@@ -90,7 +90,7 @@ impl Plume {
         }
     }
 
-    /// Runs it in the workspace and gives its stdout.
+    /// Runs it in the workspace and returns its stdout.
     pub fn output(&self, arguments: &[&str]) -> Result<String> {
         run(Command::new(&self.program).args(arguments).current_dir(root()))
     }

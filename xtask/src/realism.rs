@@ -1,4 +1,4 @@
-//! `cargo xtask realism [SEEDS]`: how like real caves the graphs of every generator are, as the tables of the README.
+//! `cargo xtask realism [SEEDS]`: how closely the graphs of every generator resemble real caves, as tables for the README.
 
 use crate::plume::cargo;
 use crate::tools::Result;

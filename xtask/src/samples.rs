@@ -6,10 +6,10 @@ use std::process::Command;
 
 use crate::tools::{Result, root, run};
 
-/// Recipes that are made completely: meshed, textured and exported.
+/// Recipes that run through every stage: meshed, textured and exported.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
 
-/// The default cave, and one of the others by the hash of the commit: all of them in turn, and the same for the same commit.
+/// The default cave and one other, chosen by the hash of the commit, so that all have their turn over time.
 pub fn by_turns() -> Result<[&'static str; 2]> {
     let [default, others @ ..] = SAMPLES;
     let commit = run(Command::new("git").args(["rev-parse", "HEAD"]).current_dir(root()))?;

@@ -1,4 +1,4 @@
-//! The table of targets, as `plume list targets --json` has it: which targets a task is about follows from their facts.
+//! The table of targets from `plume list targets --json`. Tasks choose their targets by the facts in it.
 
 use serde_json::Value;
 
@@ -19,12 +19,12 @@ impl Target {
         Ok(rows.iter().map(|row| Self { row: row.clone() }).collect())
     }
 
-    /// What the user types.
+    /// Its name on the command line.
     pub fn name(&self) -> &str {
         self.row["target"].as_str().unwrap_or_default()
     }
 
-    /// Whether its packages need nothing but the target: no name of a format.
+    /// Whether the target needs no format argument.
     pub fn is_complete(&self) -> bool {
         !self.is("needs_format")
     }

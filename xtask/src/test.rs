@@ -1,4 +1,4 @@
-//! `cargo xtask test`: all tests that need cargo and python3 alone.
+//! `cargo xtask test`: all tests that need only cargo and python3.
 
 use std::process::Command;
 
@@ -10,8 +10,8 @@ use crate::tools::{Result, root, show};
 const CAVE: &str = "target/test-cave";
 const SMALL: [&str; 4] = ["--set", "graph.nodes=20", "--set", "texture.size_px=256"];
 
-/// Runs the tests of the workspace and of the Python package, drops a ball into caves and drives robots through others with
-/// physics engines that are not ours.
+/// Runs the tests of the workspace and of the Python package, then drops balls and drives robots in caves with foreign
+/// physics engines.
 pub fn run(arguments: &[String]) -> Result<()> {
     rust(arguments)?;
     python()?;
@@ -55,7 +55,7 @@ pub fn simulators() -> Result<()> {
     interop::urdf::drive(&plume, CAVE)
 }
 
-/// The validators of the newest USD are among the tests; this is the oldest.
+/// Checks with the oldest supported USD; the tests include the newest.
 fn read_with_another_usd(plume: &Plume) -> Result<()> {
     let package = format!("{CAVE}/isaac");
     let export = ["export", "--target", "isaac", "--force", "--output", &package];
@@ -63,7 +63,7 @@ fn read_with_another_usd(plume: &Plume) -> Result<()> {
     interop::only("usd-old", package.as_ref())
 }
 
-/// The formats that have no simulator to open them.
+/// Checks the formats that no simulator opens.
 fn read_meshes(plume: &Plume) -> Result<()> {
     let shelf = format!("{CAVE}/formats");
     let export = ["export", "--target", "obj,ply,stl", "--force", "--output", &shelf];
@@ -71,7 +71,7 @@ fn read_meshes(plume: &Plume) -> Result<()> {
     interop::only("trimesh", shelf.as_ref())
 }
 
-/// The complete default cave; its images are small, since its shape does not depend on them.
+/// Generates the default cave with small images, since its shape does not depend on them.
 fn drive_through(plume: &Plume) -> Result<()> {
     let (package, cave) = (format!("{CAVE}/mujoco"), format!("{CAVE}/mujoco.cave"));
     let places = ["--output", &package, "--keep", &cave];

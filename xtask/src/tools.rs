@@ -1,9 +1,9 @@
-//! Programs that are not ours: finding, installing and running them.
+//! Finding, installing and running foreign programs.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Errors are for a human to read, once.
+/// Errors are read by a person, never matched on.
 pub type Result<T> = std::result::Result<T, String>;
 
 /// The folder of the workspace.
@@ -33,7 +33,7 @@ pub fn show(command: &mut Command) -> Result<()> {
     }
 }
 
-/// Installs the missing ones of these Debian packages, if this is a Debian and we may.
+/// Installs the missing ones of these Debian packages, if this is Debian and we have the permission.
 pub fn ensure_debian(packages: &[&str]) -> Result<()> {
     let missing: Vec<&str> = packages.iter().copied().filter(|package| !is_installed(package)).collect();
     if missing.is_empty() {

@@ -13,17 +13,17 @@ const VERSIONS: [u32; 2] = [11, 15];
 pub struct Environment(PathBuf);
 
 impl Environment {
-    /// `.venv`, made when needed: the one of the README.
+    /// `.venv`, the environment of the README, created on demand.
     pub fn of_project() -> Result<Self> {
         Self(root().join(".venv")).made()
     }
 
-    /// One for all readers that get on with each other, made when needed.
+    /// The environment shared by all readers whose dependencies are compatible, created on demand.
     pub fn of_readers() -> Result<Self> {
         Self::apart("readers")
     }
 
-    /// One below `target`, made when needed.
+    /// An environment below `target`, created on demand.
     pub fn apart(name: &str) -> Result<Self> {
         Self(root().join("target/venvs").join(name)).made()
     }
@@ -41,8 +41,8 @@ impl Environment {
         }
     }
 
-    /// Installs what these files of the workspace list. A copy of each list stays in the environment, so that nothing is
-    /// asked of the network twice.
+    /// Installs what these requirements files list. A copy of each list stays in the environment, so that nothing is
+    /// downloaded twice.
     pub fn with(self, requirements: &[&str]) -> Result<Self> {
         let lists = requirements.iter().map(|file| List::read(&self.0, file)).collect::<Result<Vec<_>>>()?;
         let missing: Vec<&List> = lists.iter().filter(|list| !list.is_installed()).collect();
@@ -65,7 +65,7 @@ impl Environment {
             return Ok(self);
         }
         eprintln!("making {}", self.0.display());
-        // What is there is broken, or of a Python that has gone.
+        // The environment is broken, or its Python is gone.
         let _ = fs::remove_dir_all(&self.0);
         let base = base()?;
         let made = run(Command::new(&base).args(["-m", "venv"]).arg(&self.0));
@@ -73,7 +73,7 @@ impl Environment {
         Ok(self)
     }
 
-    /// Debian splits ensurepip off; but a pip outside can install one into an environment that has none.
+    /// Debian packages ensurepip separately, but a pip outside can install pip into an environment that has none.
     fn without_ensurepip(&self, base: &Path) -> Result<String> {
         let _ = fs::remove_dir_all(&self.0);
         run(Command::new(base).args(["-m", "venv", "--without-pip"]).arg(&self.0))?;
@@ -81,12 +81,12 @@ impl Environment {
     }
 }
 
-/// What an environment is to hold.
+/// A requirements file of an environment.
 struct List {
     name: String,
     file: PathBuf,
     wanted: String,
-    /// A copy of the list, once it is installed.
+    /// The copy that marks the list as installed.
     stamp: PathBuf,
 }
 

@@ -1,4 +1,4 @@
-//! What libassimp writes for us, opened by readers that are not assimp's.
+//! Files written through libassimp, opened by readers other than assimp.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,10 +11,10 @@ use crate::venv::Environment;
 
 pub(super) const DEBIAN: [&str; 1] = ["libassimp5"];
 
-/// Formats that a reader is there for.
+/// Formats that have an independent reader.
 const TARGETS: [&str; 2] = ["assimp:collada", "assimp:obj"];
 
-/// Whether assimp has written it, by the target in its manifest: other targets write OBJ as well.
+/// Whether assimp wrote the package. Read from its manifest, because other targets write OBJ as well.
 pub(super) fn is_package(package: &Path) -> bool {
     let manifest = std::fs::read(package.join("manifest.json")).unwrap_or_default();
     let manifest: Value = serde_json::from_slice(&manifest).unwrap_or_default();
@@ -40,8 +40,8 @@ pub(super) fn compare(package: &Path) -> Result<Command> {
     Ok(command)
 }
 
-/// A small cave in each format, with the GLB of the same next to them. None without libassimp: then the reader is skipped,
-/// too.
+/// Exports a small cave in each format, and as GLB for comparison. Exports nothing without libassimp; the reader is then
+/// skipped as well.
 pub(super) fn export(plume: &Plume) -> Result<Vec<PathBuf>> {
     if install().is_err() {
         return Ok(Vec::new());

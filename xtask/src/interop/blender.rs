@@ -7,7 +7,7 @@ use super::formats;
 use crate::tools::{Result, ensure_debian, run};
 use crate::venv::Environment;
 
-/// What its module needs of the system, though it opens no window.
+/// System libraries that the module links to, although it opens no window.
 pub(super) const DEBIAN: [&str; 10] = [
     "libgl1",
     "libgomp1",
@@ -31,7 +31,7 @@ fn environment() -> Result<Environment> {
     environment.with(&["tests/interop/formats/requirements-blender.txt"])
 }
 
-/// Gets it: 1.5 GB.
+/// Installs it: 1.5 GB.
 pub(super) fn make() -> Result<()> {
     ensure_debian(&DEBIAN)?;
     environment().map(drop)

@@ -1,4 +1,4 @@
-//! Faults put into good packages: which reader must notice each, and in which words.
+//! Faults injected into intact packages: which check must notice each, and with which message.
 
 use std::fs;
 use std::io;
@@ -8,7 +8,7 @@ use super::Reader;
 use super::queue::Check;
 use crate::tools::Result;
 
-/// A check for every fault of the table that one of the readers must notice.
+/// One check per fault of the table that any of these readers must notice.
 pub(super) fn checks(readers: &[&'static Reader], scene: &Path) -> Vec<Check> {
     let reader_of = |fault: &Fault| readers.iter().find(|reader| reader.name == fault.reader).copied();
     let known = FAULTS.iter().enumerate().filter_map(|(number, fault)| Some((number, fault, reader_of(fault)?)));
@@ -24,7 +24,7 @@ struct Fault {
     name: &'static str,
     reader: &'static str,
     message: &'static str,
-    /// File of the made-up scene that is rewritten.
+    /// File of the synthetic scene to rewrite.
     file: &'static str,
     rewrite: fn(Vec<u8>) -> Option<Vec<u8>>,
 }
@@ -42,7 +42,7 @@ impl Fault {
         Ok(format!("noticed {}", self.name))
     }
 
-    /// A copy of the package with one file rewritten, or removed if nothing is left of it.
+    /// Copies the package with one file rewritten, or removed if the rewrite leaves it empty.
     fn copy(&self, scene: &Path, folder: &Path) -> io::Result<PathBuf> {
         let (target, file) = self.file.split_once('/').expect("it starts with the target");
         let package = folder.join(target);

@@ -1,4 +1,4 @@
-//! What readers of many formats see of one thing: of the marker, whose truth is known, or of all packages of a cave.
+//! Readers of many formats compare what they see: of the marker, whose geometry is known, or of all packages of a cave.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,7 +8,7 @@ use crate::targets::Target;
 use crate::tools::{Result, ensure_debian, root};
 use crate::venv::Environment;
 
-/// Formats that any program opens and that no other reader is for.
+/// Common formats without a dedicated reader.
 const COMMON: [&str; 3] = ["obj", "ply", "stl"];
 
 /// Checks that open the packages of many targets together.
@@ -41,7 +41,7 @@ fn environment() -> Result<Environment> {
         .with(&["tests/interop/mujoco/requirements.txt", "tests/interop/formats/requirements.txt"])
 }
 
-/// Gets the readers that share one Python.
+/// Installs the readers that share one Python environment.
 pub(super) fn make() -> Result<()> {
     environment().map(drop)
 }
@@ -51,12 +51,12 @@ pub(super) fn python() -> Option<PathBuf> {
     environment().ok().map(|environment| environment.python())
 }
 
-/// Opens the marker with all of them.
+/// Opens the marker with every reader.
 pub(super) fn orient(sample: &Path) -> Result<Command> {
     Ok(script(&environment()?, "orientation.py", sample))
 }
 
-/// Opens all packages of a cave with trimesh and its like.
+/// Opens all packages of a cave with trimesh and similar libraries.
 pub(super) fn open(folder: &Path) -> Result<Command> {
     Ok(script(&environment()?, "meshes.py", folder))
 }
@@ -65,7 +65,7 @@ fn assimp() -> Result<Environment> {
     Environment::of_readers()?.with(&["tests/interop/formats/requirements-assimp.txt"])
 }
 
-/// Gets assimp, the importer of many engines and tools.
+/// Installs assimp, the importer of many engines and tools.
 pub(super) fn make_assimp() -> Result<()> {
     ensure_debian(&super::assimp::DEBIAN)?;
     assimp().map(drop)
@@ -76,7 +76,7 @@ pub(super) fn open_in_assimp(folder: &Path) -> Result<Command> {
     Ok(script(&assimp()?, "assimp.py", folder))
 }
 
-/// A script on a folder.
+/// Runs a script on a folder.
 pub(super) fn script(environment: &Environment, name: &str, folder: &Path) -> Command {
     let mut command = Command::new(environment.python());
     command.arg(root().join("tests/interop/formats").join(name)).arg(folder);

@@ -26,7 +26,7 @@ pub(super) fn make() -> Result<()> {
     let mut configure = Command::new("cmake");
     configure.arg("-S").arg(source).arg("-B").arg(&build).arg("-DCMAKE_BUILD_TYPE=Release");
     if run(&mut configure).is_err() && build.exists() {
-        // A checkout that was moved or copied takes a cache along that names its old place.
+        // The CMake cache of a checkout that was moved or copied names its old path.
         std::fs::remove_dir_all(&build).map_err(|error| error.to_string())?;
         run(&mut configure)?;
     }

@@ -49,7 +49,7 @@ fn files(package: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Where the scripts are.
+/// Folder of the scripts.
 pub(super) fn folder() -> PathBuf {
     root().join("tests/interop/gltf")
 }

@@ -1,4 +1,4 @@
-//! Programs for graphs and caves: how they read our files, and we theirs.
+//! Programs for graphs and cave surveys: they read our files, and we read theirs.
 
 use std::path::PathBuf;
 use std::process::Command;

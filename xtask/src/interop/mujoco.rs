@@ -11,7 +11,7 @@ fn environment() -> Result<Environment> {
     Environment::of_project()?.with(&["tests/interop/mujoco/requirements.txt"])
 }
 
-/// Gets it.
+/// Installs it.
 pub fn make() -> Result<()> {
     environment().map(drop)
 }

@@ -13,14 +13,14 @@ pub(super) fn is_page(folder: &Path) -> bool {
     holds(folder, &["html"])
 }
 
-/// Opens the page and plays with it.
+/// Opens the page and exercises its controls.
 pub(super) fn open(folder: &Path) -> Result<Command> {
     let mut command = Command::new("node");
     command.arg(gltf::folder().join("page.mjs")).arg(folder);
     Ok(command)
 }
 
-/// The page of the first sample, in a separate folder.
+/// Writes the page of the first sample to a separate folder.
 pub(super) fn write(plume: &Plume) -> Result<PathBuf> {
     let folder = root().join("target/interop/page");
     fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
@@ -36,7 +36,7 @@ const FAULTS: [(&str, &str, &str); 4] = [
     ("place.z > cut", "false", "cutting it open changes"),
 ];
 
-/// Puts each of these faults into the page and opens it.
+/// Opens the page with each of these faults injected.
 pub(super) fn check_faults(folder: &Path) -> Result<String> {
     let page = fs::read_to_string(folder.join("cave.html")).map_err(|error| error.to_string())?;
     let faulty = root().join("target/interop/page-with-faults");

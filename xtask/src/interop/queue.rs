@@ -1,4 +1,4 @@
-//! Checks side by side: most readers keep one core busy.
+//! Parallel checks: most readers keep only one core busy.
 
 use std::collections::VecDeque;
 use std::sync::Mutex;
@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use crate::tools::Result;
 
-/// A check of a package; its result is a summary, or what is wrong.
+/// A check of a package. Returns a summary, or what is wrong.
 pub(super) struct Check {
     who: &'static str,
     ask: Box<dyn FnOnce() -> Result<String> + Send>,
@@ -51,7 +51,7 @@ impl Tally {
         }
     }
 
-    /// A reader that cannot be had fails the run where the environment variable `CI` is set.
+    /// A reader that is not available fails the run if the environment variable `CI` is set.
     pub(super) fn skip(&self, who: &str, missing: &str) {
         self.failures.fetch_add(usize::from(std::env::var_os("CI").is_some()), Ordering::Relaxed);
         println!("SKIPPED {who:<10} {missing}");

@@ -1,4 +1,4 @@
-//! Readers of what Unity reads. Unity itself is not to be had.
+//! Readers of the formats that Unity reads. Unity itself needs a licence and is not run.
 
 use std::path::Path;
 use std::process::Command;
@@ -20,7 +20,7 @@ pub(super) fn check(package: &Path) -> Result<Command> {
     Ok(command)
 }
 
-/// What is wrong with a package of the made-up scene must be noticed.
+/// The readers must notice faults injected into a package of the synthetic scene.
 pub(super) fn check_faults(scene: &Path) -> Result<String> {
     let mut pytest = Command::new(environment()?.python());
     run(pytest

@@ -42,8 +42,8 @@ pub(super) fn open_in_yourdfpy(package: &Path) -> Result<Command> {
     Ok(script(&environment()?, "open_yourdfpy.py", package))
 }
 
-/// Drives a Husky through the default cave, once on the triangles and once on the convex pieces. The cave and a picture of each
-/// drive stay in `folder` of the workspace.
+/// Drives a Husky through the default cave, once on the triangles and once on the convex pieces. The cave and a picture of
+/// each drive stay in `folder` of the workspace.
 pub fn drive(plume: &Plume, folder: &str) -> Result<()> {
     let cave = format!("{folder}/husky-cave");
     for collision in ["triangles", "pieces"] {
@@ -57,7 +57,7 @@ pub fn drive(plume: &Plume, folder: &str) -> Result<()> {
     Ok(())
 }
 
-/// What is wrong with a package must stop the Husky.
+/// Injected faults of a package must stop the Husky.
 pub(super) fn check_faults() -> Result<String> {
     let mut pytest = Command::new(super::usd::environment()?.python());
     run(pytest.args(["-m", "pytest", "--quiet", "tests/interop/urdf/test_drive.py"]).current_dir(root()))

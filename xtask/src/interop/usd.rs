@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::tools::{Result, root, run};
 use crate::venv::Environment;
 
-/// The variable by which a person agrees to the licence of ovphysx.
+/// Environment variable that accepts the licence of ovphysx.
 const TERMS: &str = "PLUME_OMNIVERSE_TERMS";
 
 /// The environment with the newest reader and the Python package.
@@ -19,12 +19,12 @@ pub fn old_environment() -> Result<Environment> {
     Environment::apart("usd-old")?.with(&["tests/interop/usd/requirements-old.txt"])
 }
 
-/// Another physics engine, under an open licence.
+/// A second physics engine, under an open licence.
 fn newton_environment() -> Result<Environment> {
     Environment::of_readers()?.with(&["tests/interop/usd/requirements-newton.txt"])
 }
 
-/// Whether a person has agreed to the licence of the engine of Isaac Sim: nobody gets it unasked.
+/// Whether the user has accepted the licence of Isaac Sim's physics engine; it is never installed without.
 pub(super) fn has_agreed() -> bool {
     std::env::var(TERMS).as_deref() == Ok("accepted")
 }
