@@ -21,11 +21,11 @@ use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow, target};
 use serde_json::{Value, json};
 
-#[path = "../tests/sample/lent.rs"]
+#[path = "../tests/it/sample/lent.rs"]
 mod lent;
-#[path = "../tests/sample/marker.rs"]
+#[path = "../tests/it/sample/marker.rs"]
 mod marker;
-#[path = "../tests/sample/mod.rs"]
+#[path = "../tests/it/sample/mod.rs"]
 mod sample;
 
 type Lent = Option<Arc<dyn Library>>;

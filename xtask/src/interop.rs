@@ -11,7 +11,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use crate::plume::{Plume, Profile};
-use crate::samples::{self, SAMPLES};
+use crate::samples::{self, SAMPLES, Sample};
 use crate::targets::Target;
 use crate::tools::{self, Result, ensure_debian, root};
 use crate::venv::Environment;
@@ -37,7 +37,7 @@ pub use gltf::shoot;
 pub fn run(arguments: &[String]) -> Result<()> {
     match arguments {
         [] => check_samples(&samples::by_turns()?),
-        [all] if all == "--all" => check_samples(&SAMPLES),
+        [all] if all == "--all" => check_samples(&SAMPLES.map(Sample::fine)),
         packages => check_packages(&packages.iter().map(PathBuf::from).collect::<Vec<_>>()),
     }
 }
@@ -75,19 +75,19 @@ fn check_packages(packages: &[PathBuf]) -> Result<()> {
     tally.result()
 }
 
-fn check_samples(names: &[&str]) -> Result<()> {
+fn check_samples(samples: &[Sample]) -> Result<()> {
     let (tally, plume) = (Tally::default(), Plume::package(Profile::Dev)?);
     let targets = Target::all(&plume)?;
-    println!("samples: {}", names.join(", "));
+    println!("samples: {}", samples.iter().map(|sample| sample.name).collect::<Vec<_>>().join(", "));
     let readers = ready(|_| true, &tally);
     let scene = write_scene()?;
     // The longest checks start first, so that none of them runs alone at the end.
     let mut checks = checks_of_graphs(&tally)?;
     let mut opened = Opened::default();
     checks.extend(checks_of_small_things(&readers, &plume, &targets, &scene, &mut opened)?);
-    for name in names {
-        let folder = target_folder().join(name);
-        let packages = export_cave(&plume, &targets, name)?;
+    for sample in samples {
+        let folder = target_folder().join(sample.name);
+        let packages = export_cave(&plume, &targets, sample)?;
         opened.add(&readers, &packages);
         checks.extend(packages.iter().flat_map(|package| checks_of_export(&readers, package)));
         let before = tally.failures();
@@ -340,12 +340,14 @@ fn opens_alone(package: &Path) -> bool {
 }
 
 /// Exports a sample for every target. The cave folder stays next to the MuJoCo package, which needs its route.
-fn export_cave(plume: &Plume, targets: &[Target], name: &str) -> Result<Vec<PathBuf>> {
+fn export_cave(plume: &Plume, targets: &[Target], sample: &Sample) -> Result<Vec<PathBuf>> {
+    let name = sample.name;
     let (recipe, output) = (format!("samples/{name}.toml"), format!("target/interop/{name}"));
     let cave = format!("{output}/mujoco.cave");
     let names: Vec<&str> = targets.iter().filter(|target| target.is_complete()).map(Target::name).collect();
     let list = names.join(",");
-    plume.output(&["export", &recipe, "--target", &list, "--output", &output, "--keep", &cave, "--force"])?;
+    let export = ["export", &recipe, "--target", &list, "--output", &output, "--keep", &cave, "--force"];
+    plume.output(&[&export[..], sample.settings].concat())?;
     let mut packages: Vec<PathBuf> = names.iter().map(|target| root().join(&output).join(target)).collect();
     packages.push(root().join(&output));
     Ok(packages)

@@ -9,13 +9,34 @@ use crate::tools::{Result, root, run};
 /// Recipes that run through every stage: meshed, textured and exported.
 pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
 
-/// The default cave and one other, chosen by the hash of the commit, so that all have their turn over time.
-pub fn by_turns() -> Result<[&'static str; 2]> {
+/// A sample as it is exported for interop checks.
+#[derive(Clone, Copy)]
+pub struct Sample {
+    /// Name of the recipe.
+    pub name: &'static str,
+    /// Arguments in addition to the recipe.
+    pub settings: &'static [&'static str],
+}
+
+impl Sample {
+    /// At its own density of texels.
+    pub fn fine(name: &'static str) -> Self {
+        Self { name, settings: &[] }
+    }
+
+    /// With small images, which take a fraction of the time to bake, write and decode.
+    fn coarse(name: &'static str) -> Self {
+        Self { name, settings: &["--set", "texture.density_px_per_m=20"] }
+    }
+}
+
+/// The default cave, and one other with coarse images, chosen by the hash of the commit so that all have their turn.
+pub fn by_turns() -> Result<[Sample; 2]> {
     let [default, others @ ..] = SAMPLES;
     let commit = run(Command::new("git").args(["rev-parse", "HEAD"]).current_dir(root()))?;
     let turn = commit.bytes().fold(0, |sum, byte| sum + usize::from(byte)) % others.len();
     println!("commit {commit}: it is the turn of the sample {}; `--all` takes every one", others[turn]);
-    Ok([default, others[turn]])
+    Ok([Sample::fine(default), Sample::coarse(others[turn])])
 }
 
 /// The recipes among the samples, relative to the workspace, in order.

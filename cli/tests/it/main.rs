@@ -1,0 +1,12 @@
+//! The integration tests of the command line.
+//!
+//! One program, because every further one would be linked and would wait for its slowest test alone.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod cave_folder;
+mod cli;
+mod command;
+mod external;
+mod handover;
+mod measure;
+mod nothing_lost;

@@ -1,0 +1,33 @@
+//! The integration tests of the exporters.
+//!
+//! One program, because every further one would be linked and would wait for its slowest test alone.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+#[path = "sample/changed.rs"]
+mod changed;
+mod check_formats;
+mod check_laws;
+mod fbx_reads_back;
+#[path = "sample/forge.rs"]
+mod forge;
+mod gazebo_package;
+mod glb_package;
+mod gltf_meshopt;
+mod gltf_package;
+mod hostile_archives;
+mod laws;
+#[path = "sample/ledger.rs"]
+mod ledger;
+#[path = "sample/levels.rs"]
+mod levels;
+mod meshes_read_back;
+mod mujoco_package;
+mod places;
+mod sample;
+#[path = "sample/told.rs"]
+mod told;
+#[path = "sample/touched.rs"]
+mod touched;
+mod unity_package;
+mod unreal_package;
+mod urdf_package;

@@ -1,0 +1,76 @@
+//! The lists in the README match the tables.
+
+use std::fs;
+use std::path::Path;
+
+use plume::generators::{GENERATORS, GeneratorRow};
+use plume::material::MATERIALS;
+use plume_exporters::{TARGETS, TargetRow};
+
+/// Rewrites the lists instead of comparing them.
+const RENEW: &str = "UPDATE_README=1 cargo test --test it readme";
+
+#[test]
+fn its_lists_are_those_of_the_tables() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
+    let text = fs::read_to_string(&path).expect("the README can be read");
+    let lists = [("targets", targets()), ("pieces", pieces()), ("rocks", rocks()), ("generators", generators(&text))];
+    let renewed = lists.iter().fold(text.clone(), |text, (name, list)| with_list(&text, name, list));
+    if std::env::var_os("UPDATE_README").is_some() {
+        return fs::write(&path, renewed).expect("the README can be written");
+    }
+    let stale = text.lines().zip(renewed.lines()).find(|(old, new)| old != new);
+    assert!(text == renewed, "the README is out of date, renew it by `{RENEW}`: {stale:#?}");
+}
+
+/// The text with the list between `<!-- NAME -->` and `<!-- end -->` replaced.
+fn with_list(text: &str, name: &str, list: &str) -> String {
+    let marker = format!("<!-- {name} -->");
+    let (before, rest) = text.split_once(&marker).unwrap_or_else(|| panic!("the README has no {marker}"));
+    let (_, after) = rest.split_once("<!-- end -->").unwrap_or_else(|| panic!("{marker} has no <!-- end -->"));
+    format!("{before}{marker}{list}<!-- end -->{after}")
+}
+
+fn table(head: [&str; 3], rows: impl Iterator<Item = [String; 3]>) -> String {
+    let lines = rows.map(|cells| format!("| {} |\n", cells.join(" | "))).collect::<String>();
+    format!("\n\n| {} |\n|---|---|---|\n{lines}\n", head.join(" | "))
+}
+
+fn targets() -> String {
+    let row = |row: &TargetRow| [format!("`{}`", row.usage()), row.contents.to_owned(), row.tested_by.to_owned()];
+    table(["target", "what is written", "opened in the tests by"], TARGETS.iter().map(row))
+}
+
+fn pieces() -> String {
+    let names = TARGETS.iter().filter(|row| row.has_pieces).map(|row| format!("`{}`", row.name));
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn rocks() -> String {
+    let rows = MATERIALS.iter().map(|row| format!("| `{}` | {} |\n", row.name, row.summary));
+    format!("\n\n| rock | shape and colour |\n|---|---|\n{}\n", rows.collect::<String>())
+}
+
+fn generators(readme: &str) -> String {
+    let row = |row: &GeneratorRow| [format!("`{}`", row.name), row.source.to_owned(), sample(row, readme)];
+    table(["generator", "based on", "sample and plan"], GENERATORS.iter().map(row))
+}
+
+/// A link to the sample, as its picture unless the README shows that already.
+fn sample(row: &GeneratorRow, readme: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    assert!(!row.sample.is_empty(), "the row of `{}` in generators/lib.rs lacks `.based_on(SOURCE, SAMPLE)`", row.name);
+    let (recipe, picture) = (format!("{}.toml", row.sample), format!("{}.png", row.sample));
+    for file in [&recipe, &picture] {
+        assert!(
+            root.join(file).is_file(),
+            "`{file}` is not there, which the row of `{}` in generators/lib.rs names; `cargo xtask gallery` draws pictures",
+            row.name
+        );
+    }
+    let name = Path::new(row.sample).file_name().and_then(|name| name.to_str()).unwrap_or(row.name);
+    match readme.contains(&format!("| ![]({picture}) |")) {
+        true => format!("[`{name}`]({recipe})"),
+        false => format!("[![]({picture})]({recipe})"),
+    }
+}
