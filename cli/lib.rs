@@ -20,8 +20,9 @@ mod status;
 mod summary;
 
 use std::ffi::OsString;
+use std::num::NonZero;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
@@ -197,9 +198,23 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
 /// Starts the thread pool, with one thread per core if `count` is 0. If the system refuses, this thread works alone. A pool
 /// that exists already, as in a host program, stays.
 fn start_threads(count: usize) {
-    if rayon::ThreadPoolBuilder::new().num_threads(count).build_global().is_err() {
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
-    }
+    let threads = if count > 0 { count } else { std::thread::available_parallelism().map_or(1, NonZero::get) };
+    let pool = rayon::ThreadPoolBuilder::new();
+    // Asked first, because a program whose global pool has failed to start can have none any more.
+    let pool = if can_start(threads) { pool.num_threads(count) } else { pool.num_threads(1).use_current_thread() };
+    let _ = pool.build_global();
+}
+
+/// Whether this many threads can run at once.
+fn can_start(count: usize) -> bool {
+    let gate = Mutex::new(());
+    let closed = gate.lock();
+    std::thread::scope(|scope| {
+        let wait = || drop(gate.lock());
+        let all = (0..count).all(|_| std::thread::Builder::new().spawn_scoped(scope, wait).is_ok());
+        drop(closed);
+        all
+    })
 }
 
 /// Prints the help or the version, or what is wrong with the command line.
