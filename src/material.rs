@@ -20,6 +20,7 @@
 
 mod basalt;
 mod color;
+mod drilled;
 mod floor;
 mod limestone;
 mod look;
@@ -29,6 +30,7 @@ mod site;
 
 pub use basalt::Basalt;
 pub use color::Shades;
+pub use drilled::{Drilled, Lithology};
 pub use floor::Debris;
 pub use limestone::Limestone;
 pub use look::Look;
@@ -94,7 +96,11 @@ pub static MATERIALS: Registry<MaterialRow> = Registry::new(&[
     ),
     MaterialRow::new::<Basalt>(
         "basalt",
-        "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash and slabs",
+        "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash, ropes and slabs",
+    ),
+    MaterialRow::new::<Drilled>(
+        "drilled",
+        "mine: granite, ore or coal, blasted along joints and drill holes; half barrels, muck",
     ),
 ]);
 

@@ -50,8 +50,8 @@ mod vector;
 
 pub use fearless_simd::Simd;
 
-pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets};
-pub use gradient::Source;
+pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets, hollows};
+pub use gradient::{LACUNARITY, Source};
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};
 pub use vector::{Vec3, mix, soft_max, soft_min, vec3};
 

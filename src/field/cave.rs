@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::index::Index;
 use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
-use super::{Aabb, Field, Region, Surface, Texel, ball_round};
+use super::{Aabb, Field, MAX_OFFSET_M, Region, Surface, Texel, ball_round};
 use crate::material::{
     BLOCK, DomainWarp, Footprint, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, SurfaceSamples,
 };
@@ -111,7 +111,7 @@ fn furthest_wander_m(domain_warp: DomainWarp) -> f32 {
 const MARGIN_M: f32 = 0.1;
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
 /// Cosine of the largest angle from the mesh normal that a normal map can hold.
-const LEAST_COSINE: f32 = 0.2;
+const LEAST_COSINE: f32 = 0.5;
 
 #[inline(always)]
 fn survey_values<S: Simd>(simd: S, near: &[&Capsule], domain_warp: DomainWarp, sites: &mut Sites) {
@@ -207,7 +207,33 @@ impl Field for CaveField {
     }
 }
 
+/// Points moved along their normals, metres.
+fn moved(points: &[[f32; 3]], normals: &[[f32; 3]], offsets_m: &[f32]) -> Vec<[f32; 3]> {
+    let along = |((point, normal), offset_m): ((&[f32; 3], &[f32; 3]), &f32)| {
+        std::array::from_fn(|axis| point[axis] + normal[axis] * offset_m)
+    };
+    points.iter().zip(normals).zip(offsets_m).map(along).collect()
+}
+
 impl Surface for CaveField {
+    fn offsets(&self, bounds: Aabb<f32>, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [f32]) {
+        let within = |offset_m: f32| offset_m.clamp(-MAX_OFFSET_M, MAX_OFFSET_M);
+        let mut at_mesh = vec![0.0; points.len()];
+        self.distances(bounds, points, &mut at_mesh);
+        // The field rises by about a metre a metre; the secant through two of its values knows better.
+        for (offset_m, value) in out.iter_mut().zip(&at_mesh) {
+            *offset_m = within(*value);
+        }
+        let mut beyond = vec![0.0; points.len()];
+        self.distances(bounds.padded(MAX_OFFSET_M), &moved(points, normals, out), &mut beyond);
+        for (offset_m, (start, end)) in out.iter_mut().zip(at_mesh.iter().zip(&beyond)) {
+            let fall = start - end;
+            if fall * *offset_m > 0.25 * *offset_m * *offset_m {
+                *offset_m = within(*offset_m * start / fall);
+            }
+        }
+    }
+
     fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         let domain_warp = self.material.domain_warp();
         let mut surface_samples = SurfaceSamples::default();

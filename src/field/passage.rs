@@ -6,7 +6,7 @@
 use std::array::from_fn;
 
 use super::Aabb;
-use crate::material::{BLOCK, DomainWarp, Sites, Stored};
+use crate::material::{BLOCK, DomainWarp, Sites, Stored, SurfaceSamples};
 use crate::noise::{Lanes, Real, Source, Vec3, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -152,6 +152,8 @@ pub(super) struct Capsule {
     /// Width over height at both ends.
     squash: [f32; 2],
     square: f32,
+    /// Unit vector down the passage; 0 in a room.
+    flow: [f32; 3],
     /// Share of the rock's domain warp that applies to it, 0–1.
     warp_weight: f32,
 }
@@ -189,6 +191,7 @@ impl Capsule {
             drop: profiles.map(|profile| profile.drop),
             squash: profiles.map(|profile| profile.half_width / profile.half_height),
             square: profiles[0].square.min(profiles[1].square),
+            flow: downstream(span.into()),
             warp_weight: warp_weight(profiles, domain_warp),
         }
     }
@@ -242,6 +245,17 @@ impl Capsule {
 
     /// Allowance for rounding and for the softened centre of a section.
     const ROUNDING_M: f32 = 0.02;
+}
+
+/// The direction of flow along an edge of a graph: down, or towards the lower station of two at the same height, which is
+/// the one nearer to where most generators begin.
+fn downstream(span: [f32; 3]) -> [f32; 3] {
+    let length = span.iter().map(|c| c * c).sum::<f32>().sqrt();
+    if length < 1e-3 {
+        return [0.0; 3];
+    }
+    let sign = if span[2] < 0.0 { 1.0 } else { -1.0 };
+    span.map(|c| c * sign / length)
 }
 
 /// The share of the domain warp that keeps every axis in air: a passage is pushed aside by at most [`SWAY`] of its half
@@ -305,6 +319,7 @@ struct Sums<T> {
     height: T,
     up: T,
     half_width: T,
+    flow: [T; 3],
 }
 
 impl<T> Sums<T> {
@@ -317,7 +332,7 @@ impl<T> Sums<T> {
         T: Real<S>,
     {
         let zero = T::zero(simd);
-        Self { weight: zero, height: zero, up: zero, half_width: zero + Self::FAINT }
+        Self { weight: zero, height: zero, up: zero, half_width: zero + Self::FAINT, flow: [zero; 3] }
     }
 
     #[inline(always)]
@@ -350,6 +365,10 @@ impl<T> Sums<T> {
         self.height = self.height + weight * height;
         self.up = self.up + weight * (rise / round);
         self.half_width = self.half_width + weight * half_width;
+        let constant_weight = T::constant(weight.value());
+        for (sum, along) in self.flow.iter_mut().zip(capsule.flow) {
+            *sum = *sum + constant_weight * along;
+        }
     }
 
     #[inline(always)]
@@ -362,6 +381,9 @@ impl<T> Sums<T> {
         sites.height.store(at, self.height / total);
         sites.up.store(at, self.up / total);
         sites.half_width.store(at, self.half_width / total);
+        for (sum, to) in self.flow.into_iter().zip(&mut sites.flow) {
+            SurfaceSamples::put::<S>(to, at, sum.value() / total.value());
+        }
     }
 }
 

@@ -6,11 +6,11 @@
 
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
-use super::rock::{Detail, Form, Paint, Rock, Wall, level_lot};
+use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::Rubble;
 use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Real, Value, Vec3, cells_3d, facets, mix};
+use crate::noise::{Real, Value, Vec3, cells_3d, facets, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -70,6 +70,29 @@ impl Basalt {
         ledges + rolls + lines + creases - bench
     }
 
+    /// Ropes of pahoehoe, 0 in the creases between them and about 0.7 on top. They lie across the flow, so noise stretched
+    /// along each of four directions is blended by the angle to the flow.
+    #[inline(always)]
+    fn ropes<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+        let (n, flow) = (site.source, site.flow);
+        let p = n.warp(55, site.point, 0.9, 0.22);
+        // Sine and cosine of twice the azimuth: ropes are the same up and down the flow.
+        let cosine = flow.x.squared() - flow.y.squared();
+        let sine = flow.x * flow.y * 2.0;
+        let diagonal = std::f32::consts::FRAC_1_SQRT_2;
+        let directions =
+            [(cosine, 1.0, 0.0), (sine, diagonal, diagonal), (-cosine, 0.0, 1.0), (-sine, -diagonal, diagonal)];
+        let mut ropes = T::zero(site.simd());
+        for (likeness, x, y) in directions {
+            let share = likeness.at_least(0.0).squared();
+            if share.value().simd_gt(0.0).any_true() {
+                let at = vec3((p.x * x + p.y * y) * (1.0 / 0.16), (p.y * x - p.x * y) * (1.0 / 0.80), p.z * 0.5);
+                ropes = ropes + n.noise(56, at).soft_abs(0.05) * share;
+            }
+        }
+        ropes
+    }
+
     #[inline(always)]
     fn spalled<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
         let n = site.source;
@@ -86,8 +109,13 @@ impl Basalt {
     }
 }
 
-const SLABS: Rubble = Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.2 };
-const BLOCKS: Rubble = Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.15 };
+/// Distance between vesicles, metres.
+const VESICLE_M: f32 = 0.045;
+
+const SLABS: Rubble =
+    Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.2, fillet: 0.2 };
+const BLOCKS: Rubble =
+    Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.15, fillet: 0.2 };
 
 impl Rock for Basalt {
     fn domain_warp(&self) -> DomainWarp {
@@ -120,21 +148,29 @@ impl Rock for Basalt {
             let patch = n.noise(40, p.scaled(1.0 / 1.7));
             let drip = (patch + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
             let drops = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
-            let cell = cells_3d(n.warp(43, p, 0.6, 0.10).scaled(1.0 / 1.5), n.layer(44));
-            let crack = footprint.line(cell.edge * 1.5, 0.035) * patch.step(0.30, -0.30);
+            // The lining was pulled apart while it was still soft, so cracks wind, and neither branch nor cross.
+            let torn = n.noise(44, n.warp(43, p, 0.6, 0.10).stretched(0.55, 0.55, 0.30)) * 1.3;
+            let crack = footprint.line(torn, 0.03) * patch.step(0.30, -0.10);
             let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
             let rims = saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
-            let grain = n.fbm(47, p.stretched(5.0, 5.0, 9.0), footprint.octaves(0.2, 3), 0.52) * 0.018;
+            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.2, 0.52) * 0.018;
             let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * footprint.keep(0.05));
-            let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.02;
+            let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.03;
             detail.recess = fine * (-spall + 1.0);
             detail.crack = crack * (-spall + 1.0);
+        }
+        let share = footprint.keep(VESICLE_M * 0.6);
+        let frothy = n.noise(52, p.scaled(1.0 / 1.2)).step(-0.05, 0.30) * (spall * 0.7 + 0.3) * share;
+        if frothy.value().simd_gt(0.0).any_true() {
+            let away = cells_3d(p.scaled(1.0 / VESICLE_M), n.layer(53)).distance;
+            let vesicle = (-away * (1.0 / 0.42) + 1.0).at_least(0.0);
+            detail.recess = detail.recess + vesicle * frothy * 0.009;
         }
         if spall.value().simd_gt(0.0).any_true() {
             let w = n.warp(20, p, 0.9, 0.10);
             let edges = cells_3d(Self::joints(w), n.layer(22)).edge;
             let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * footprint.keep(0.17));
-            let rough = n.fbm(50, p.scaled(6.0), footprint.octaves(0.17, 3), 0.55);
+            let rough = footprint.fbm(n, 50, p, 0.17, 0.55);
             let split = rough.step(-0.30, 0.40);
             detail.recess = detail.recess + (chips + rough * 0.022) * spall;
             detail.crack = detail.crack + footprint.line(edges * 0.44, 0.028) * split * spall;
@@ -156,6 +192,22 @@ impl Rock for Basalt {
     }
 
     #[inline(always)]
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
+        let strewn = self.debris().detail(site, floor, footprint);
+        let ropy = site.source.noise(54, site.point.scaled(1.0 / 3.0)).step(-0.05, 0.20) * (-floor.stone + 1.0);
+        if ropy.value().simd_le(0.0).all_true() {
+            return strewn;
+        }
+        let height =
+            floor.height + Self::ropes(site) * 0.05 + footprint.fbm(site.source, 37, site.point, 0.11, 0.55) * 0.006;
+        Floor {
+            height: mix(strewn.height, height, ropy),
+            stone: mix(strewn.stone, T::splat(site.simd(), 0.8), ropy),
+            tint: mix(strewn.tint, T::splat(site.simd(), 0.3), ropy),
+        }
+    }
+
+    #[inline(always)]
     fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let tone = Tone::of(form, site, footprint);
         let dry = Self::wall_color(form, site, look, &tone);
@@ -164,7 +216,7 @@ impl Rock for Basalt {
         let color = color.tinted([0.118, 0.104, 0.090], dust).lit(tone.shade(form));
         let film = tone.film(form, look, form.floor * 0.25);
         let glazed = (-form.state + 1.0) * (-form.floor + 1.0) * tone.patch.step(-0.1, 0.4);
-        let dry = glazed * -0.30 + tone.fine * 0.08 + 0.86;
+        let dry = glazed * -0.30 + form.relief * 0.08 - tone.fine * 0.05 + 0.84;
         Paint {
             color: color.lit(film * -0.45 + 1.0),
             roughness: mix(dry, Value::splat(site.simd(), 0.22), film),
@@ -197,7 +249,10 @@ impl Basalt {
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let ash = ramp((tone.fine + tone.broad * 0.4).step(-0.6, 0.8), [0.045, 0.040, 0.037], [0.105, 0.090, 0.078]);
-        ash.under(ramp(form.tint, [0.040, 0.038, 0.037], [0.120, 0.105, 0.092]), form.stone * 0.8)
+        let light = tone.fine * 0.5 - form.relief * 0.5 + tone.broad * 0.3;
+        let ash = ramp(light.step(-0.7, 0.8), [0.034, 0.031, 0.029], [0.110, 0.095, 0.083]);
+        let stone = ramp(form.tint, [0.032, 0.031, 0.031], [0.140, 0.122, 0.107]);
+        let dusty = (form.relief + 0.5).within(0.1, 0.9) * 0.6;
+        ash.under(stone.under(ash, dusty), form.stone)
     }
 }

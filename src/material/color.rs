@@ -63,7 +63,7 @@ impl Shades {
         let film = tone.film(form, look, Value::zero(simd));
         Paint {
             color: color.lit(film * -0.45 + 1.0),
-            roughness: mix(tone.fine * 0.08 + 0.86, Value::splat(simd, 0.22), film),
+            roughness: mix(form.relief * 0.08 + 0.84, Value::splat(simd, 0.22), film),
             film,
             pool: Value::zero(simd),
         }
@@ -93,7 +93,7 @@ impl<S: Simd> Tone<S> {
     pub fn of(form: &Form<S>, site: &Site<Value<S>>, footprint: Footprint) -> Self {
         let (p, n) = (form.point, site.source);
         let grain = n.noise(61, p.scaled(55.0)) * footprint.keep(0.018) * 0.8;
-        let fine = n.fbm(62, p.scaled(9.0), footprint.octaves(0.11, 3), 0.66) * 0.75;
+        let fine = footprint.fbm(n, 62, p, 0.11, 0.66) * 0.4 - form.relief * 0.35;
         let streak = n.noise(63, p.stretched(3.2, 3.2, 0.28)) * 0.6
             + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3
             + n.noise(65, p.scaled(1.0 / 2.8)) * 0.9;

@@ -35,8 +35,8 @@ impl Debris {
         swell_m: 3.0,
         sunk_m: 0.0,
         stones: [
-            Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.3 },
-            Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.3 },
+            Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.3, fillet: 0.2 },
+            Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.3, fillet: 0.2 },
         ],
         amount: 0.0,
         more: 0.05,
@@ -142,7 +142,7 @@ fn bent<S: Simd, T: Real<S>>(site: &Site<T>) -> Vec3<T> {
     site.source.warp(35, site.point, 0.8, 0.14)
 }
 
-/// Gravel of two sizes on a floor with its larger stones; fine grain, and ripples on bare ground.
+/// Gravel on a floor with its larger stones; grain, and ripples on bare ground.
 #[inline(always)]
 fn strewn<S: Simd, T: Real<S>>(
     site: &Site<T>,
@@ -155,27 +155,32 @@ fn strewn<S: Simd, T: Real<S>>(
     let at = bent(site);
     let mut gravel = Floor { height: zero, stone: zero, tint: zero };
     for rubble in GRAVEL {
-        // Stones of fewer than eight texels would be specks.
-        let share = footprint.keep(rubble.cell_m * 0.25);
+        // Stones of fewer than four texels would be specks.
+        let share = footprint.keep(rubble.cell_m * 0.5);
         if share > 0.0 {
-            let stones = rubble.stones(site, at, [zero, zero + 0.1], &density);
-            let height = stones.height * (share * 0.22 * rubble.cell_m);
+            let stones = rubble.stones(site, at, [zero, zero + 0.05], &density);
+            let height = stones.height * (share * HEIGHT_PER_CELL * rubble.cell_m);
             gravel = higher(gravel, Floor { height, stone: stones.stone * share, ..stones });
         }
     }
-    let grain = n.fbm(37, p.scaled(5.5), footprint.octaves(0.18, 3), 0.55);
+    let grain = footprint.fbm(n, 37, p, 0.18, 0.60);
     let ripple = n.noise(39, vec3(p.x * 2.2 + p.y * 1.4, p.y * 6.0 - p.x * 3.8, zero));
     let bare = -floor.stone + 1.0;
     let on_stone = floor.stone.value().simd_gt(0.3);
     Floor {
-        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (floor.stone * 0.008 + 0.017),
-        stone: floor.stone.max(gravel.stone * 0.7),
+        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (gravel.stone * -0.008 + 0.016),
+        stone: floor.stone.max(gravel.stone),
         tint: T::pick(on_stone, floor.tint, gravel.tint),
     }
 }
 
-/// Pebbles: rounded, of two sizes.
-const GRAVEL: [Rubble; 2] = [
-    Rubble { layer: 33, cell_m: 0.21, rise: [0.3, 0.7], tilt: 0.8, flank: 4.0, rounding: 0.6 },
-    Rubble { layer: 34, cell_m: 0.09, rise: [0.3, 0.7], tilt: 0.8, flank: 4.0, rounding: 0.6 },
+/// Height of a gravel stone of the least [`Rubble::rise`], relative to its cell. Tuned.
+const HEIGHT_PER_CELL: f32 = 0.22;
+
+/// Gravel from cobbles down to what fine textures just show: angular chips among rounded pebbles.
+const GRAVEL: [Rubble; 4] = [
+    Rubble { layer: 33, cell_m: 0.21, rise: [0.3, 0.7], tilt: 0.8, flank: 4.0, rounding: 0.35, fillet: 0.10 },
+    Rubble { layer: 34, cell_m: 0.09, rise: [0.3, 0.7], tilt: 0.9, flank: 4.0, rounding: 0.25, fillet: 0.08 },
+    Rubble { layer: 28, cell_m: 0.042, rise: [0.4, 0.6], tilt: 0.9, flank: 3.5, rounding: 0.20, fillet: 0.08 },
+    Rubble { layer: 29, cell_m: 0.019, rise: [0.4, 0.6], tilt: 0.8, flank: 3.5, rounding: 0.20, fillet: 0.08 },
 ];

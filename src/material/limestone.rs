@@ -5,11 +5,11 @@
 
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
-use super::rock::{Detail, Form, Paint, Rock, Wall, level_lot};
+use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::Rubble;
 use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Real, Value, cells_3d, inlined, mix, vec3};
+use crate::noise::{Real, Value, cells_2d, cells_3d, facets, hollows, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -70,6 +70,8 @@ struct Bed<T> {
     parting: T,
     /// Prominence of the beds here, 0–1.
     show: T,
+    /// Where the joints of the bed lie, relative to their spacing.
+    joints: [T; 2],
 }
 
 impl Limestone {
@@ -92,25 +94,61 @@ impl Limestone {
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
         let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.42, 1.0));
         let show = n.noise(13, p.stretched(0.25, 0.25, 0.5)).step(-0.55, 0.15) * 0.65 + 0.35;
-        Bed { hardness, rest: rest_here, parting: lot(index, 15).squared(), show }
+        Bed {
+            hardness,
+            rest: rest_here,
+            parting: lot(index, 15).squared(),
+            show,
+            joints: [lot(index, 52), lot(index, 53)],
+        }
+    }
+
+    /// Coordinates across and along the joints, metres.
+    #[inline(always)]
+    fn jointed<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> [T; 2] {
+        let p = site.point;
+        let azimuth = self.joint_azimuth_deg.to_radians();
+        let (sine, cosine) = (libm::sinf(azimuth), libm::cosf(azimuth));
+        [p.x * -sine + p.y * cosine, p.x * cosine + p.y * sine]
+    }
+
+    /// Distance to the nearest crack, metres. Cracks follow the two sets of joints, and end at the partings of their bed,
+    /// where those of the next one are offset.
+    #[inline(always)]
+    fn crack_distance<S: Simd, T: Real<S>>(&self, site: &Site<T>, bed: &Bed<T>) -> T {
+        /// Mean distances between the cracks of a set, metres.
+        const SPACING_M: [f32; 2] = [0.9, 1.5];
+        let (p, n) = (site.point, site.source);
+        let [across, along] = self.jointed(site);
+        let bend = n.noise(43, p.scaled(1.6)) * 0.06;
+        let distance = inlined!(|at: T, set: usize| {
+            let (_, place) = ((at + bend) * (1.0 / SPACING_M[set]) + bed.joints[set]).split();
+            let off = (place - 0.5) * SPACING_M[set];
+            off.max(-off)
+        });
+        distance(across, 0).min(distance(along, 1))
     }
 
     /// 0 on a joint, about ±1 away from it.
     #[inline(always)]
     fn joints<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> T {
         let (p, n) = (site.point, site.source);
-        let azimuth = self.joint_azimuth_deg.to_radians();
-        let (sine, cosine) = (libm::sinf(azimuth), libm::cosf(azimuth));
-        let across = p.x * -sine + p.y * cosine;
-        let along = p.x * cosine + p.y * sine;
+        let [across, along] = self.jointed(site);
         let bend = n.noise(16, p.scaled(0.5)) * 0.12;
         let at = vec3(across * (1.0 / 2.6) + bend, along * (1.0 / 11.0), p.z * 0.125);
         n.noise(17, at)
     }
 }
 
-const BLOCKS: Rubble = Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.8, flank: 5.0, rounding: 0.3 };
-const COBBLES: Rubble = Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.6, flank: 2.4, rounding: 0.3 };
+const BLOCKS: Rubble =
+    Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.8, flank: 5.0, rounding: 0.3, fillet: 0.2 };
+const COBBLES: Rubble =
+    Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.6, flank: 2.4, rounding: 0.3, fillet: 0.2 };
+
+/// Mean width of the plates into which drying mud cracks, metres.
+const PLATE_M: f32 = 0.15;
+/// How much steeper scallops are on their upstream side (Curl 1974). Tuned.
+const SCALLOP_SKEW: f32 = 0.55;
 
 impl Rock for Limestone {
     fn domain_warp(&self) -> DomainWarp {
@@ -151,20 +189,28 @@ impl Rock for Limestone {
             let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
             let groove = footprint.line((bed.rest - 0.86) * self.bed_m, 0.09) * open * (bed.parting * 0.05 + 0.012);
             let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.25, 0.15);
-            let scallop = cells_3d(n.warp(41, p, 0.5, 0.05).stretched(2.6, 3.3, 3.7), n.layer(42)).distance;
-            let scallops = (-scallop.squared() + 0.30) * scalloped * 0.11;
-            let net = cells_3d(n.warp(43, p, 0.7, 0.08).stretched(1.0 / 0.7, 1.0 / 0.45, 1.0 / 1.3), n.layer(44)).edge;
-            // Interrupted: the mask is about as long as an edge of the network.
-            let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.12, 0.60);
-            let crack = footprint.line(net * 0.7, 0.022) * cracked;
-            let grain = n.fbm(46, p.scaled(4.5), footprint.octaves(0.22, 4), 0.54) * 0.020;
+            let drift = [site.flow.x.value(), site.flow.y.value(), site.flow.z.value()].map(
+                #[inline(always)]
+                |along| along * SCALLOP_SKEW,
+            );
+            let at = n.warp(41, p, 0.5, 0.05).stretched(1.0 / 0.30, 1.0 / 0.30, 1.0 / 0.24);
+            let scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * scalloped * 0.075;
+            let broken = (-scalloped + 1.0) * (0.014 * footprint.keep(0.14));
+            let mut chips = T::zero(site.simd());
+            if broken.value().simd_gt(0.0).any_true() {
+                chips = facets(p.turned().scaled(1.0 / 0.14), 1.0, n.layer(57)) * broken;
+            }
+            // Interrupted: the mask is about as long as a bed is thick.
+            let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.05, 0.50);
+            let crack = footprint.line(self.crack_distance(site, &bed), 0.018) * cracked;
+            let grain = footprint.fbm(n, 46, p, 0.22, 0.54) * 0.020;
             let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
-            detail.recess = (scallops + groove + grain + ribs + crack * 0.015) * (-flow + 1.0);
+            detail.recess = (scallops + groove + chips + grain + ribs + crack * 0.015) * (-flow + 1.0);
             detail.crack = crack * (-flow + 1.0);
         }
         if flow.value().simd_gt(0.0).any_true() {
             let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)) * (0.005 * footprint.keep(0.04));
-            let grain = n.fbm(49, p.stretched(9.0, 9.0, 5.0), footprint.octaves(0.11, 2), 0.5) * 0.005;
+            let grain = footprint.fbm(n, 49, p.stretched(1.0, 1.0, 0.55), 0.11, 0.5) * 0.005;
             let flutes = n.noise(51, p.stretched(7.0, 7.0, 0.7)).soft_abs(0.05) * (-0.03 * footprint.keep(0.10));
             detail.recess = detail.recess + (gours * 0.5 + flutes + grain) * flow;
         }
@@ -185,6 +231,21 @@ impl Rock for Limestone {
     }
 
     #[inline(always)]
+    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
+        let strewn = self.debris().detail(site, floor, footprint);
+        let (p, n) = (site.point, site.source);
+        let dried = n.noise(54, p.scaled(1.0 / 2.5)).step(0.0, 0.25) * (-strewn.stone + 1.0);
+        if dried.value().simd_le(0.0).all_true() {
+            return strewn;
+        }
+        let edge = cells_2d(n.warp(55, p, 0.12, 0.02).scaled(1.0 / PLATE_M), n.layer(56)).edge * PLATE_M;
+        let crack = footprint.line(edge, 0.014);
+        // Plates of mud curl up at their rims as they dry.
+        let curl = (-edge * (1.0 / 0.045) + 1.0).at_least(0.0).squared() * 0.006;
+        Floor { height: strewn.height + (curl - crack * 0.018) * dried, ..strewn }
+    }
+
+    #[inline(always)]
     fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let tone = Tone::of(form, site, footprint);
         let wall = Self::wall_color(form, site, look, &tone);
@@ -195,7 +256,7 @@ impl Rock for Limestone {
         let pool = level.step(0.0, 0.012) * form.floor * (look.humidity * 10.0).min(1.0);
         let film = tone.film(form, look, form.state * -0.45 + form.floor * 0.6);
         let film = film.max(damp * 0.5).max(pool);
-        let dry = tone.fine * 0.10 - form.state * 0.25 + 0.80;
+        let dry = form.relief * 0.09 - tone.fine * 0.06 - form.state * 0.25 + 0.80;
         let color = color.lit(film * -0.50 + 1.0);
         Paint {
             color: vec3(color.x, color.y * (film * -0.02 + 1.0), color.z * (film * -0.06 + 1.0)),
@@ -228,15 +289,16 @@ impl Limestone {
             .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
             .under(flowstone, form.state * 0.9)
             .lit(form.crack * -0.55 + 1.0)
-            .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * 0.6)
-            .tinted([0.150, 0.100, 0.060], tide * 0.65)
+            .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * (form.relief * 0.35 + 0.5))
+            .tinted([0.150, 0.100, 0.060], tide * (form.relief * 0.40 + 0.45))
     }
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let mud =
-            ramp((tone.fine * 0.8 + tone.broad * 0.4).step(-0.6, 0.7), [0.115, 0.080, 0.052], [0.215, 0.160, 0.110]);
-        let stone = ramp(form.tint, [0.170, 0.140, 0.105], [0.300, 0.255, 0.200]);
-        mud.under(stone.under(mud, Value::splat(form.stone.0.token(), 0.45)), form.stone)
+        let light = tone.fine * 0.5 - form.relief * 0.5 + tone.broad * 0.3;
+        let mud = ramp(light.step(-0.7, 0.8), [0.085, 0.060, 0.040], [0.225, 0.170, 0.118]);
+        let stone = ramp(form.tint, [0.130, 0.112, 0.090], [0.370, 0.325, 0.262]);
+        let dusty = (form.relief + 0.5).within(0.1, 0.9) * 0.6;
+        mud.under(stone.under(mud, dusty), form.stone)
     }
 }

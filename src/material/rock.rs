@@ -14,6 +14,8 @@ pub const RECESS_M: f32 = 0.75;
 pub const PROTRUSION: f32 = 0.25;
 /// Width of the fillet between wall and floor, in metres.
 const FILLET_M: f32 = 0.24;
+/// How far above the floor sediment can lie on the foot of a wall, in metres of the field.
+const SKIRT_M: f32 = 0.45;
 /// Width of the darker zone along the corner between wall and floor, in metres.
 const CORNER_M: f32 = 1.0;
 /// Steepness of the field over the floor; below 1 because flanks of stones are steep.
@@ -74,6 +76,8 @@ pub struct Form<S: Simd> {
     pub height: Value<S>,
     /// Depth in a hollow, about −1 to 1.
     pub cavity: Value<S>,
+    /// Depth in a hollow of the finest relief: −1 on an edge, 1 in a gap.
+    pub relief: Value<S>,
     /// See [`Wall::state`].
     pub state: Value<S>,
     /// See [`Wall::band`].
@@ -86,6 +90,11 @@ pub struct Form<S: Simd> {
     pub stone: Value<S>,
     /// See [`Floor::tint`].
     pub tint: Value<S>,
+}
+
+impl<S: Simd> Form<S> {
+    /// Depth of a hollow with a [`Form::relief`] of 1, in metres. Tuned.
+    const RELIEF_M: f32 = 0.014;
 }
 
 /// Colour and gloss.
@@ -219,7 +228,7 @@ fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
 #[inline(always)]
 fn carve_here<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> Carved<T> {
     let lowest_wall = site.wall.value() - RECESS_M;
-    let floor_hidden = site.floor_at_most().simd_le(lowest_wall - FILLET_M);
+    let floor_hidden = site.floor_at_most().simd_le(lowest_wall - SKIRT_M);
     if floor_hidden.all_true() {
         let wall = rock.wall(site);
         let field = wall_field(site, &wall);
@@ -278,41 +287,57 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
 fn surface<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>, footprint: Footprint) -> (Jet<S>, Jet<S>, Form<S>) {
     let zero = Jet::zero(site.simd());
     let carved = carve(rock, site);
+    let sediment = sediment(&carved);
     let none = Wall { recess: zero, cavity: zero, state: zero, band: zero };
-    let mut fine_wall = (none, Detail::none(site.simd()), zero);
-    if let Some((wall, field)) = carved.wall {
-        let detail = rock.wall_detail(site, &wall, footprint);
-        fine_wall = (wall, detail, field - detail.recess);
+    let (mut wall, mut detail) = (none, Detail::none(site.simd()));
+    if let Some((coarse, _)) = carved.wall {
+        (wall, detail) = (coarse, rock.wall_detail(site, &coarse, footprint));
     }
     let bare = Floor { height: zero, stone: zero, tint: zero };
-    let mut fine_floor = (bare, zero);
-    if let Some((floor, _)) = carved.floor {
-        let floor = rock.floor_detail(site, &floor, footprint);
-        fine_floor = (floor, floor_field(site, &floor));
+    let (mut floor, mut raised) = (bare, zero);
+    if let Some((coarse, _)) = carved.floor {
+        floor = rock.floor_detail(site, &coarse, footprint);
+        raised = floor.height - coarse.height;
     }
-    let ((wall, detail, at_wall), (floor, over_floor)) = (fine_wall, fine_floor);
-    let (field, share) = match (carved.wall.is_some(), carved.floor.is_some()) {
-        (true, true) => (soft_max(at_wall, over_floor, FILLET_M), (over_floor - at_wall).step(-0.06, 0.06)),
-        (true, false) => (at_wall, zero),
-        (false, _) => (over_floor, Jet::splat(site.simd(), 1.0)),
-    };
+    let share = Jet::constant(sediment.0);
+    let field = carved.field + raised * FLOOR_STEEPNESS * share - detail.recess * (-share + 1.0);
     let value = inlined!(|number: Jet<S>| Value(number.value));
-    let hollow_wall = value(wall.cavity * 2.0 + detail.recess * 9.0);
+    let share = sediment;
+    // A wall that the floor covers is absent or not, as its neighbours in the vector have it.
+    let covered = share.0.simd_ge(1.0);
+    let uncovered = inlined!(|number: Jet<S>| Value::pick(covered, Value::zero(site.simd()), value(number)));
+    let hollow_wall = uncovered(wall.cavity * 2.0 + detail.recess * 9.0);
     let hollow_floor = value(floor.height * -2.0 + 0.15);
-    let share = value(share);
+    let deep_wall = uncovered(detail.recess) * (1.0 / Form::<S>::RELIEF_M);
+    let deep_floor = (-value(raised) + 0.5 * Form::<S>::RELIEF_M) * (1.0 / Form::<S>::RELIEF_M);
     let form = Form {
         point: Vec3 { x: value(site.point.x), y: value(site.point.y), z: value(site.point.z) },
         upward: share,
         height: value(site.height),
-        cavity: hollow_wall + (hollow_floor - hollow_wall) * share,
+        cavity: mix(hollow_wall, hollow_floor, share),
+        relief: mix(deep_wall, deep_floor, share).within(-1.0, 1.0),
         state: value(wall.state) * (-share + 1.0),
-        band: value(wall.band),
+        band: uncovered(wall.band),
         crack: value(detail.crack) * (-share + 1.0),
         floor: share,
         stone: value(floor.stone) * share,
         tint: value(floor.tint),
     };
     (carved.field, field, form)
+}
+
+/// How much of a surface is sediment: 1 on the floor, 0 on the wall. Sediment also lies on the foot of the wall where that
+/// is not too steep.
+#[inline(always)]
+fn sediment<S: Simd>(carved: &Carved<Jet<S>>) -> Value<S> {
+    let simd = carved.field.value.token();
+    let (Some((_, wall)), Some((_, floor))) = (&carved.wall, &carved.floor) else {
+        return Value::splat(simd, f32::from(u8::from(carved.wall.is_none())));
+    };
+    let [x, y, z] = carved.field.gradient;
+    let level = Value::<S>(-z / (x * x + y * y + z * z).max(1e-12).sqrt()).step(0.50, 0.85);
+    let lower = Value(floor.value - wall.value);
+    (lower + level * (SKIRT_M - 0.12)).step(-0.06, 0.06)
 }
 
 #[inline(always)]
@@ -391,7 +416,7 @@ pub(super) fn level_lot<S: Simd, T: Real<S>>(level: Ints<S>, salt: i32) -> T {
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
-    use crate::material::{Basalt, Ground, Limestone};
+    use crate::material::{Basalt, Drilled, Ground, Limestone};
     use crate::noise::Source;
 
     /// A block along a line from the axis of a passage through its wall and down to its floor.
@@ -439,6 +464,7 @@ mod tests {
     #[test]
     fn rocks_are_the_same_on_every_width() {
         widths_agree(&Basalt::default());
+        widths_agree(&Drilled::default());
         widths_agree(&Limestone::default());
     }
 }

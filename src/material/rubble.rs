@@ -21,12 +21,12 @@ pub struct Rubble {
     pub flank: f32,
     /// Width of the rounding between top and flank: small for slabs, large for pebbles.
     pub rounding: f32,
+    /// Width of the fillet of sediment around a stone.
+    pub fillet: f32,
 }
 
 /// Depth of the ground below the sediment where there is no stone.
 const SUNK: f32 = 0.35;
-/// Width of the fillet of sediment around a stone.
-const FILLET: f32 = 0.25;
 
 impl Rubble {
     /// Height over the sediment and, per stone, its tint. `density` is the share of cells with a stone, at most 1. `ragged`
@@ -52,7 +52,7 @@ impl Rubble {
         let flank = (cell.edge + ragged * 0.09 - gap) * self.flank;
         let over = soft_min(top, flank, self.rounding) - drift;
         let sediment = T::zero(site.simd());
-        Floor { height: soft_max(over, sediment, FILLET), stone: over.step(-0.02, 0.30), tint: lot(2) }
+        Floor { height: soft_max(over, sediment, self.fillet), stone: over.step(-0.02, 0.30), tint: lot(2) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Position of points relative to the cave: the input of a rock.
 
-use crate::noise::{Jet, Lanes, Real, Source, Value, Vec3, inlined, vec3};
+use crate::noise::{Jet, LACUNARITY, Lanes, Real, Source, Value, Vec3, inlined, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -62,6 +62,8 @@ pub struct Sites {
     pub up: Channel,
     /// Half the width of the passage, metres.
     pub half_width: Channel,
+    /// Direction in which water or lava flows: a unit vector in a passage, shorter where several meet, 0 in rooms.
+    pub flow: [[f32; BLOCK]; 3],
     /// The floor.
     pub ground: Ground,
     /// The noise of the rock.
@@ -78,6 +80,7 @@ impl Sites {
             height: Channel::ZERO,
             up: Channel::ZERO,
             half_width: Channel::ZERO,
+            flow: [[0.0; BLOCK]; 3],
             ground,
             source,
         }
@@ -103,6 +106,7 @@ impl Sites {
             height: T::load(simd, &self.height, at),
             up: T::load(simd, &self.up, at),
             half_width: T::load(simd, &self.half_width, at),
+            flow: T::constants(simd, &self.flow, at),
             ground: self.ground,
             source: self.source,
         }
@@ -122,6 +126,8 @@ pub struct Site<T> {
     pub up: T,
     /// Half the width of the passage.
     pub half_width: T,
+    /// Direction of flow, without a gradient.
+    pub flow: Vec3<T>,
     /// The floor.
     pub ground: Ground,
     /// The noise.
@@ -145,6 +151,12 @@ pub trait Stored<S: Simd>: Real<S> {
     fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self>;
     /// Reads lanes from `at` on.
     fn load(simd: S, channel: &Channel, at: usize) -> Self;
+    /// Reads the lanes of a vector from `at` on, as constants in space.
+    #[inline(always)]
+    fn constants(simd: S, vector: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self> {
+        let axis = inlined!(|i: usize| Self::constant(lanes(simd, &vector[i], at)));
+        vec3(axis(0), axis(1), axis(2))
+    }
     /// Writes lanes from `at` on.
     fn store(self, channel: &mut Channel, at: usize);
 }
@@ -264,16 +276,27 @@ impl Footprint {
         (distance_m * (1.0 / drawn_m)).bump() * (half_width_m / drawn_m)
     }
 
-    /// How many octaves from `wavelength_m` downwards can be kept, at most `most` and at least one.
-    pub fn octaves(self, wavelength_m: f32, most: u32) -> u32 {
-        let mut finest = wavelength_m / 2.0;
-        let mut octaves = 1;
-        while octaves < most && finest > 2.0 * self.texel_m {
-            finest /= 2.0;
-            octaves += 1;
-        }
-        octaves
+    /// Noise of wavelength `wavelength_m` and of all shorter ones that texels can show; each octave is `gain` as high as the
+    /// one before. `at` is in metres, possibly stretched.
+    #[inline(always)]
+    pub fn fbm<S: Simd, T: Real<S>>(self, source: Source, layer: u32, at: Vec3<T>, wavelength_m: f32, gain: f32) -> T {
+        source.octaves(layer, at.scaled(1.0 / wavelength_m), self.amplitudes(wavelength_m, gain))
     }
+
+    /// Amplitudes of successive octaves, down to [`Footprint::FINEST_M`].
+    fn amplitudes(self, wavelength_m: f32, gain: f32) -> [f32; Self::OCTAVES] {
+        let (mut wavelength_m, mut amplitude) = (wavelength_m, 1.0);
+        std::array::from_fn(|_| {
+            let kept = if wavelength_m < Self::FINEST_M { 0.0 } else { amplitude * self.keep(wavelength_m) };
+            (wavelength_m, amplitude) = (wavelength_m / LACUNARITY, amplitude * gain);
+            kept
+        })
+    }
+
+    /// Most octaves of [`Footprint::fbm`].
+    const OCTAVES: usize = 8;
+    /// Finest wavelength of rock, metres.
+    const FINEST_M: f32 = 0.004;
 }
 
 #[cfg(test)]

@@ -59,6 +59,17 @@ pub fn cells_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
     )
 }
 
+/// Hollows with cusps between them: the smallest over feature points of the squared distance, skewed along `drift` so that
+/// each hollow is steeper on the side where `drift` comes from. 0 at the bottom, about 0.6 on a cusp.
+#[inline(always)]
+pub fn hollows<S: Simd, T: Real<S>>(at: Vec3<T>, drift: [Lanes<S>; 3], salt: i32) -> T {
+    let simd = at.x.value().token();
+    simd.vectorize(
+        #[inline(always)]
+        || hollows_here(at, drift, salt),
+    )
+}
+
 /// Soft facets, about ±1: a blend of one plane per cell of size 1, tilted at most by `tilt` along each axis.
 #[inline(always)]
 pub fn facets<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
@@ -73,6 +84,7 @@ pub fn facets<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
 struct Block<S: Simd> {
     place: [Lanes<S>; 3],
     index: [Ints<S>; 3],
+    salt: i32,
 }
 
 /// Feature points lie in the middle 80 % of their cells.
@@ -88,8 +100,9 @@ impl<S: Simd> Block<S> {
             index: [
                 fx.to_int::<Ints<S>>() * PRIMES[0],
                 fy.to_int::<Ints<S>>() * PRIMES[1],
-                (fz.to_int::<Ints<S>>() * PRIMES[2]) ^ salt,
+                fz.to_int::<Ints<S>>() * PRIMES[2],
             ],
+            salt,
         }
     }
 
@@ -97,7 +110,8 @@ impl<S: Simd> Block<S> {
     #[inline(always)]
     fn cell(&self, offset: [i32; 3]) -> (Ints<S>, [Lanes<S>; 3]) {
         let shifted = inlined!(|i: usize| self.index[i] + offset[i].wrapping_mul(PRIMES[i]));
-        let h = hash::<S>(shifted(0), shifted(1), shifted(2));
+        // Salted after the shift, so that a cell has the same hash in the block of each of its neighbours.
+        let h = hash::<S>(shifted(0), shifted(1), shifted(2) ^ self.salt);
         let away = inlined!(|i: usize, shift: u32| {
             let corner = offset[i] as f32 + (1.0 - JITTER_3D) / 2.0;
             self.place[i] - ten_bits::<S>(h, shift) * (JITTER_3D / 1023.0) - corner
@@ -153,6 +167,23 @@ fn find_3d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell3<T> {
         distance: T::chain_3(distance, unit, at),
         edge: T::chain_3(edge, [between[0] / length, between[1] / length, between[2] / length], at),
     }
+}
+
+#[inline(always)]
+fn hollows_here<S: Simd, T: Real<S>>(at: Vec3<T>, drift: [Lanes<S>; 3], salt: i32) -> T {
+    let block = Block::around(at, salt);
+    let far = Lanes::<S>::splat(at.x.value().token(), 9.0);
+    let (mut least, mut slope) = (far, [far; 3]);
+    for i in 0..27 {
+        let (_, away) = block.cell(neighbour(i));
+        let (squared, skew) = (dot::<S>(away, away), dot::<S>(away, drift) + 1.0);
+        let depth = squared * skew;
+        let lower = depth.simd_lt(least);
+        let along = inlined!(|axis: usize| away[axis] * skew * 2.0 + squared * drift[axis]);
+        least = lower.select(depth, least);
+        slope = choose::<S, 3>(lower, [along(0), along(1), along(2)], slope);
+    }
+    T::chain_3(least, slope, at)
 }
 
 #[inline(always)]

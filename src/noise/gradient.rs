@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 /// Scales to a standard deviation of 0.31, with nearly all values within ±1.
 const GAIN: f32 = 1.6;
 /// Frequency ratio of successive octaves, off 2 so that their lattices drift apart.
-const LACUNARITY: f32 = 2.03;
+pub const LACUNARITY: f32 = 2.03;
 
 /// A source of noise with independent layers.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +45,21 @@ impl Source {
         for _ in 1..octaves {
             sum = sum + self.noise(layer, at) * amplitude;
             amplitude *= gain;
+            at = next_octave(at);
+        }
+        sum
+    }
+
+    /// Sum of octaves of [`Source::noise`] with these amplitudes; octaves after the last that is not 0 are not evaluated.
+    #[inline(always)]
+    pub fn octaves<S: Simd, T: Real<S>, const N: usize>(self, layer: u32, at: Vec3<T>, amplitudes: [f32; N]) -> T {
+        let mut sum = T::zero(at.x.value().token());
+        let mut at = at;
+        for amplitude in amplitudes {
+            if amplitude == 0.0 {
+                break;
+            }
+            sum = sum + self.noise(layer, at) * amplitude;
             at = next_octave(at);
         }
         sum

@@ -101,6 +101,7 @@ struct Batch {
     frames: Vec<Frame>,
     points: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
+    offsets_m: Vec<f32>,
     texels: Vec<Texel>,
 }
 
@@ -116,6 +117,7 @@ impl Batch {
         self.points.extend(self.frames.iter().map(|frame| frame.position));
         self.normals.clear();
         self.normals.extend(self.frames.iter().map(Frame::unit_normal));
+        self.project(baker.surface);
         self.texels.clear();
         self.texels.resize(samples.len(), Texel::default());
         let texel_m = 1.0 / baker.textured.texels_per_m;
@@ -123,16 +125,29 @@ impl Batch {
         baker.surface.texels(bounds, texel_m, &self.points, &self.normals, &mut self.texels);
     }
 
+    /// Moves the points from the mesh to the wall.
+    fn project(&mut self, surface: &dyn Surface) {
+        self.offsets_m.clear();
+        self.offsets_m.resize(self.points.len(), 0.0);
+        let bounds = Aabb::from_points(self.points.iter().copied()).expect("a batch has texels");
+        surface.offsets(bounds, &self.points, &self.normals, &mut self.offsets_m);
+        for ((point, normal), offset_m) in self.points.iter_mut().zip(&self.normals).zip(&self.offsets_m) {
+            *point = std::array::from_fn(|axis| point[axis] + normal[axis] * offset_m);
+        }
+    }
+
     fn paint(&self, baker: &Baker, samples: &[TexelSample], pixels: &mut Pixels) {
-        for ((sample, frame), texel) in samples.iter().zip(&self.frames).zip(&self.texels) {
+        let texels = self.texels.iter().zip(&self.offsets_m);
+        for ((sample, frame), (texel, offset_m)) in samples.iter().zip(&self.frames).zip(texels) {
             let roughness = byte(texel.roughness);
+            let height_m = texel.height_m + offset_m;
             pixels.set(
                 sample,
                 Pixel {
                     color: texel.color.map(|c| baker.srgb.encode(c)),
                     normal: frame.tangent_normal(texel.normal).map(|c| byte(0.5 * c + 0.5)),
                     orm: [byte(texel.occlusion), roughness, 0],
-                    height: word(0.5 * (texel.height_m / HEIGHT_AMPLITUDE_M).clamp(-1.0, 1.0) + 0.5),
+                    height: word(0.5 * (height_m / HEIGHT_AMPLITUDE_M).clamp(-1.0, 1.0) + 0.5),
                 },
             );
         }
