@@ -212,20 +212,22 @@ impl Drilled {
     ) -> Color<S> {
         let (p, n) = (form.point, site.source);
         let light = tone.broad * 0.3 + tone.fine * 0.5;
-        let bent = n.warp(68, p, 2.5, 0.5);
+        let bent = n.warp(68, p, 2.5, 0.35);
+        // Muck is mixed, so no vein runs through it.
+        let whole = -form.floor + 1.0;
         match self.lithology {
             Lithology::Granite => {
                 let crystals = n.noise(71, p.scaled(1.0 / 0.022)) * footprint.keep(0.022);
                 let pale = crystals.step(0.15, 0.45) * 0.5;
                 let dark = (-crystals).step(0.20, 0.50) * 0.6;
-                let vein = footprint.line(n.noise(72, bent.scaled(0.35)) * 1.6, 0.05);
+                let vein = footprint.line(n.noise(72, bent.scaled(0.16)) * 4.0, 0.05) * whole;
                 ramp(light.step(-0.8, 0.8), [0.130, 0.128, 0.124], [0.300, 0.285, 0.270])
                     .tinted([0.420, 0.370, 0.335], pale)
                     .tinted([0.045, 0.043, 0.042], dark)
                     .tinted([0.470, 0.440, 0.410], vein * 0.8)
             }
             Lithology::Ore => {
-                let quartz = footprint.line(n.noise(72, bent.stretched(0.5, 0.5, 0.9)) * 1.0, 0.06);
+                let quartz = footprint.line(n.noise(72, bent.stretched(0.20, 0.20, 0.35)) * 3.0, 0.08) * whole;
                 let sulphide = (n.noise(73, bent.scaled(1.4)) + quartz * 0.5 + tone.fine * 0.5).step(0.35, 0.60);
                 ramp(light.step(-0.8, 0.8), [0.060, 0.060, 0.062], [0.165, 0.160, 0.158])
                     .tinted([0.260, 0.150, 0.055], sulphide * 0.65)
