@@ -247,8 +247,8 @@ impl Capsule {
     const ROUNDING_M: f32 = 0.02;
 }
 
-/// The direction of flow along an edge of a graph: down, or towards the lower station of two at the same height, which is
-/// the one nearer to where most generators begin.
+/// The direction of flow along an edge of a graph: downhill; between stations at the same height, towards the one with the
+/// lower id, which is nearer to where most generators begin.
 fn downstream(span: [f32; 3]) -> [f32; 3] {
     let length = span.iter().map(|c| c * c).sum::<f32>().sqrt();
     if length < 1e-3 {
