@@ -53,10 +53,17 @@ fn call(line: &str) -> Option<(&str, &str)> {
     call.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_').then_some((thread, call))
 }
 
-/// Runs a command while `what` (`signal=KILL`, `error=EIO`) happens at a point.
-pub fn inject(desk: &Desk, words: &[&str], point: &Point, what: &str) -> Outcome {
+/// Runs a command while `what` (`signal=KILL`, `error=EIO`) happens at a point. Also returns whether the run came that far: how
+/// often a thread makes a call depends on how soon others are done.
+pub fn inject(desk: &Desk, words: &[&str], point: &Point, what: &str) -> (Outcome, bool) {
     let Point { call, number } = point;
-    let filter = format!("inject={call}:{what}:when={number}");
-    let none = format!("trace={call}");
-    desk.call(words).under(&["strace", "-f", "-qq", "-o", "/dev/null", "-e", &none, "-e", &filter]).run()
+    let trace = desk.path("tmp/injected");
+    let [calls, fault] = [format!("trace={call}"), format!("inject={call}:{what}:when={number}")];
+    let prefix = ["strace", "-f", "-qq", "-e", &calls, "-e", &fault, "-o", &trace.to_string_lossy()].map(str::to_owned);
+    let outcome = desk.call(words).under(&prefix).run();
+    let reached =
+        fs::read_to_string(&trace).is_ok_and(|text| text.contains("(INJECTED)") || text.contains("killed by"));
+    // What withstands a fault is judged by all that it leaves, so nothing else may lie there.
+    let _ = fs::remove_file(trace);
+    (outcome, reached)
 }

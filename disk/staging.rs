@@ -128,7 +128,7 @@ fn remove_if_abandoned(folder: &Path) {
             // Without the lock the folder cannot be known to be abandoned, so it stays.
             if marker.try_lock().is_ok() {
                 put_back(folder);
-                drop(marker);
+                // Still locked: a run that is marking this folder now must not take it for its own.
                 let _ = fs::remove_dir_all(folder);
             }
         }

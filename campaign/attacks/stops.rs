@@ -1,7 +1,6 @@
 //! A kill at every system call that creates, renames or removes a file.
 
 use crate::attack::{Attack, Context};
-use crate::program::End;
 use crate::scenario::{self, Reference, Scenario};
 use crate::strace::{self, Point};
 use crate::tally::Tally;
@@ -46,8 +45,8 @@ fn stop(context: &Context, tally: &mut Tally, scenario: &Scenario, reference: &R
         Ok(desk) => desk,
         Err(fault) => return tally.enter(&what, Err(fault)),
     };
-    let outcome = strace::inject(&desk, &scenario::strs(&scenario.words), point, "signal=KILL");
-    if outcome.end == End::Code(0) {
+    let (outcome, reached) = strace::inject(&desk, &scenario::strs(&scenario.words), point, "signal=KILL");
+    if !reached && outcome.is_done() {
         // Threads ran in a different order and the call was not made this time.
         return tally.set_apart("not reached");
     }
