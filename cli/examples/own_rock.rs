@@ -1,11 +1,11 @@
-//! The `plume` command with a rock of its own: rock salt, whose thin beds dissolve at different rates.
+//! The `plume` command with a rock of its own: gypsum, whose thin beds dissolve at different rates.
 //!
 //! Two formulas suffice, for the whole and for the wall; floor, fine detail and colour have defaults. They are compiled once
 //! for each width of vector that processors have.
 //!
 //! ```text
-//! cargo run --release --example own_rock -- preview --set rock.kind=salt --view inside --output salt.png
-//! cargo run --release --example own_rock -- export --set rock.kind=salt --target glb --output salt
+//! cargo run --release --example own_rock -- preview --set rock.kind=gypsum --view inside --output gypsum.png
+//! cargo run --release --example own_rock -- export --set rock.kind=gypsum --target glb --output gypsum
 //! ```
 
 use std::error::Error;
@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 /// Settings of the rock.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct Salt {
+pub struct Gypsum {
     /// Thickness of two beds together, in metres.
     #[schemars(range(min = 1.0, max = 5.0))]
     bed_m: f32,
@@ -29,13 +29,13 @@ pub struct Salt {
     relief_m: f32,
 }
 
-impl Default for Salt {
+impl Default for Gypsum {
     fn default() -> Self {
         Self { bed_m: 1.6, relief_m: 0.2 }
     }
 }
 
-impl Rock for Salt {
+impl Rock for Gypsum {
     fn domain_warp(&self) -> DomainWarp {
         DomainWarp { length_m: [7.0, 2.5], reach_m: [0.5, 0.1] }
     }
@@ -54,7 +54,7 @@ impl Rock for Salt {
 
 /// Before any recipe is read. Raise the revision whenever the formulas change: cave folders are then remade.
 pub fn register() -> Result<(), RegisterError> {
-    MATERIALS.register(MaterialRow::new::<Salt>("salt", "rock salt: thin folded beds, hard and soft").revised(1))
+    MATERIALS.register(MaterialRow::new::<Gypsum>("gypsum", "gypsum: thin folded beds, hard and soft").revised(1))
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {

@@ -61,7 +61,7 @@ fn a_registered_rock_and_target_work_in_commands() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).into_os_string().into_string().unwrap();
     let (cave, cloud) = (path("cave"), path("cloud"));
-    let settings = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.size_px=256", "rock.kind=salt", "rock.bed_m=2"];
+    let settings = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.size_px=256", "rock.kind=gypsum", "rock.bed_m=2"];
     let export = |options: &[&str]| {
         let set = settings.iter().flat_map(|pair| ["--set", *pair]);
         let words = ["export", "--target", "xyz", "--output", &cloud, "--keep", &cave, "--force"];
@@ -71,7 +71,7 @@ fn a_registered_rock_and_target_work_in_commands() {
 
     own_rock::register().unwrap();
     own_target::register().unwrap();
-    assert_eq!(own_rock::register(), Err(RegisterError::Taken("salt")));
+    assert_eq!(own_rock::register(), Err(RegisterError::Taken("gypsum")));
     assert_eq!(own_target::register(), Err(RegisterError::Taken("xyz")));
     assert_eq!(export(&[]), 0);
     assert!(check(cloud.as_ref()).unwrap().is_whole());
@@ -84,10 +84,10 @@ fn a_registered_rock_and_target_work_in_commands() {
 
 #[test]
 fn a_revised_rock_is_another_version() {
-    let row = |name| MaterialRow::new::<own_rock::Salt>(name, "rock salt");
-    MATERIALS.register(row("salt-1")).unwrap();
-    MATERIALS.register(row("salt-2").revised(2)).unwrap();
+    let row = |name| MaterialRow::new::<own_rock::Gypsum>(name, "gypsum");
+    MATERIALS.register(row("gypsum-1")).unwrap();
+    MATERIALS.register(row("gypsum-2").revised(2)).unwrap();
     let version = |kind: &str| Recipe::from_overrides(&[format!("rock.kind={kind}")]).unwrap().version();
-    assert_eq!(version("salt-1"), plume::VERSION);
-    assert_eq!(version("salt-2"), format!("{} revision 2", plume::VERSION));
+    assert_eq!(version("gypsum-1"), plume::VERSION);
+    assert_eq!(version("gypsum-2"), format!("{} revision 2", plume::VERSION));
 }
