@@ -173,7 +173,7 @@ impl Export {
 
 /// Whether no second run could finish the work either, so that nothing is kept for one.
 fn is_hopeless(error: &CliError) -> bool {
-    matches!(error, CliError::Pipeline(PipelineError::Grid(_) | PipelineError::Empty))
+    matches!(error, CliError::Pipeline(PipelineError::Grid(_) | PipelineError::TooLarge { .. } | PipelineError::Empty))
 }
 
 /// The folder in which the cave is made. A hidden one is removed once the packages are complete and stays after a kill, so

@@ -1,20 +1,13 @@
 //! Encodings of images.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 /// How an image is encoded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageFormat {
-    /// Lossless, fast filters.
-    #[default]
-    Png,
-    /// Quality 90, no chroma subsampling.
-    #[serde(rename = "jpg")]
-    Jpeg,
     /// Lossless.
-    #[serde(rename = "webp")]
+    Png,
+    /// Lossy.
+    Jpeg,
+    /// Lossless here.
     WebP,
 }
 

@@ -13,8 +13,7 @@ use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, Unit};
-use crate::texture::{HEIGHT_AMPLITUDE_M, TextureSettings};
-use plume_exporters::ImageFormat;
+use crate::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureSettings};
 use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
@@ -59,14 +58,8 @@ impl<'a> FolderChunks<'a> {
 
     /// Images are read by the exporters; their hashes are verified here.
     fn verify_images(&self, name: &str) -> Result<(), io::Error> {
-        let images = store::IMAGES;
-        let height = images.height.filter(|_| self.settings.height);
-        [images.base_color, images.normal, images.orm, images.roughness].into_iter().chain(height).try_for_each(
-            |image| {
-                let path = store::image_path(name, image, self.settings.format);
-                self.folder.verify(&path).map_err(io::Error::other)
-            },
-        )
+        let verify = |(image, format)| self.folder.verify(&store::image_path(name, image, format));
+        store::IMAGES.zip(self.settings.formats()).into_iter().try_for_each(verify).map_err(io::Error::other)
     }
 
     fn lods(&self, index: usize) -> Result<Vec<scene::Lod>, io::Error> {
@@ -77,14 +70,14 @@ impl<'a> FolderChunks<'a> {
         self.lods[index].iter().enumerate().map(lod).collect()
     }
 
-    fn height(&self, name: &str, image: &str) -> scene::Height {
-        let image = self.image(name, image, ImageFormat::Png);
-        scene::Height { image, amplitude_m: HEIGHT_AMPLITUDE_M }
-    }
-
-    fn image(&self, name: &str, image: &str, format: ImageFormat) -> scene::Image {
-        let path = self.folder.root().join(store::image_path(name, image, format));
-        scene::Image { path, format }
+    fn material(&self, name: &str) -> scene::Material {
+        let image = |(image, format)| {
+            let path = self.folder.root().join(store::image_path(name, image, format));
+            scene::Image { path, format }
+        };
+        let Maps { base_color, normal, orm, roughness, height } = store::IMAGES.zip(self.settings.formats()).map(image);
+        let height = height.map(|image| scene::Height { image, amplitude_m: HEIGHT_AMPLITUDE_M });
+        scene::Material { base_color, normal, orm, roughness, height }
     }
 }
 
@@ -113,13 +106,7 @@ impl Chunks for FolderChunks<'_> {
             visual: self.read(&store::textured_path(name))?,
             lods: self.lods(index)?,
             collision: self.read(&store::collision_path(name))?,
-            material: scene::Material {
-                base_color: self.image(name, store::IMAGES.base_color, self.settings.format),
-                normal: self.image(name, store::IMAGES.normal, self.settings.format),
-                orm: self.image(name, store::IMAGES.orm, self.settings.format),
-                roughness: self.image(name, store::IMAGES.roughness, self.settings.format),
-                height: store::IMAGES.height.filter(|_| self.settings.height).map(|image| self.height(name, image)),
-            },
+            material: self.material(name),
         })
     }
 }

@@ -166,7 +166,7 @@ pub fn make<'a>(
         (false, true) => Other::Renew,
         (false, false) => Other::Refuse,
     };
-    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, other, observer)?;
+    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, last, other, observer)?;
     done(Stage::Graph, &pipeline);
     let stages: &[Stage] = match last {
         Stage::Graph => &[],

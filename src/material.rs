@@ -1,8 +1,8 @@
 //! What the rock looks like, in shape and colour.
 //!
 //! A rock is a file with a settings struct that implements [`Rock`] and a row in [`MATERIALS`]. The field evaluates it
-//! through [`Material`], a block of points at a time: first the relief (shape, part of the geometry), then the skin (finer
-//! shape, colour, roughness, occlusion).
+//! through [`Material`], a block of points at a time: first the coarse surface (shape, part of the geometry; see
+//! [`Coarse`]), then what is finer (detail, colour, roughness, occlusion).
 //!
 //! The rocks are layered regimes rather than one noise: two states of the wall with sharp borders between them, steps
 //! independent of the axis of the passage, a separate floor, and colour that follows from form. All were tuned by eye under
@@ -19,6 +19,7 @@
 //! ```
 
 mod basalt;
+mod coarse;
 mod color;
 mod drilled;
 mod floor;
@@ -26,16 +27,20 @@ mod limestone;
 mod look;
 mod rock;
 mod rubble;
+mod salt;
 mod site;
 
 pub use basalt::Basalt;
+pub use coarse::{CHANNELS, Coarse, CoarseBlock, CoarseTone, JETS, MARKS, OVERSHOOT};
 pub use color::Shades;
 pub use drilled::{Drilled, Lithology};
-pub use floor::Debris;
+pub use floor::{Debris, Sediment};
 pub use limestone::Limestone;
 pub use look::Look;
 pub use rock::{Detail, Floor, Form, JUMP_M, PROTRUSION, Paint, RECESS_M, Rock, STEEPEST, Wall};
 pub use rubble::Rubble;
+pub use salt::Salt;
+pub(crate) use site::by_axis;
 pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSamples};
 
 use std::sync::Arc;
@@ -62,13 +67,15 @@ pub trait Material: std::fmt::Debug + Send + Sync {
     fn distances(&self, sites: &Sites, out: &mut [f32]);
     /// Gradients of [`Material::distances`].
     fn gradients(&self, sites: &Sites, out: &mut [[f32; 3]]);
-    /// The appearance of the wall at the sites. `normals` are unit normals of the mesh there, into the air.
+    /// The coarse surface at the sites.
+    fn coarse(&self, sites: &Sites, out: &mut CoarseBlock);
+    /// The appearance of a coarse surface. `normals` are unit normals of the mesh there, into the air.
     fn surface_samples(
         &self,
-        sites: &Sites,
+        block: &CoarseBlock,
         look: &Look,
         footprint: Footprint,
-        normals: &[[f32; 3]],
+        normals: &[[f32; BLOCK]; 3],
         out: &mut SurfaceSamples,
     );
 }
@@ -93,14 +100,21 @@ pub static MATERIALS: Registry<MaterialRow> = Registry::new(&[
     MaterialRow::new::<Limestone>(
         "limestone",
         "karst: dipping beds, joints, solution pockets and scallops, flowstone; mud and cobbles",
-    ),
+    )
+    .revised(1),
     MaterialRow::new::<Basalt>(
         "basalt",
         "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash, ropes and slabs",
-    ),
+    )
+    .revised(1),
     MaterialRow::new::<Drilled>(
         "drilled",
         "mine: granite, ore or coal, blasted along joints and drill holes; half barrels, muck",
+    )
+    .revised(1),
+    MaterialRow::new::<Salt>(
+        "salt",
+        "mine: folded bands of rock salt, cut by machine; arcs of picks, crystals, crushed salt",
     ),
 ]);
 

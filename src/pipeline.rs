@@ -5,6 +5,7 @@
 
 mod error;
 mod maps;
+mod needs;
 mod outside;
 mod pieces;
 mod program;
@@ -17,6 +18,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 pub use self::error::PipelineError;
+pub use self::needs::Needs;
 pub use self::outside::{Disk, Machine};
 pub use self::status::{StageStatus, State};
 use crate::field::{Aabb, CaveField};
@@ -90,20 +92,24 @@ pub struct Pipeline<'a> {
 }
 
 impl<'a> Pipeline<'a> {
-    /// Makes or reads the graph and writes recipe and graph into the folder. `given` replaces the recipe's own graph.
+    /// Makes or reads the graph and writes recipe and graph into the folder. `given` replaces the recipe's own graph, `last`
+    /// is the stage up to which the cave will be made.
     ///
     /// # Errors
-    /// If the graph is impossible, or the folder contains something that must not be replaced.
+    /// If the graph is impossible, the cave would be larger than its recipe allows, or the folder contains something that
+    /// must not be replaced.
     pub fn start(
         recipe: &'a Recipe,
         given: Option<Graph>,
         folder: &'a CaveFolder,
+        last: Stage,
         other: Other,
         observer: &'a dyn Observer,
     ) -> Result<Self, PipelineError> {
         observer.begin(Stage::Graph, 1);
         let is_given = given.is_some();
         let pipeline = Self::plan(recipe, given, folder, observer)?;
+        Needs::estimate(recipe, &pipeline.graph).refuse_excess(recipe, last)?;
         if other == Other::Refuse {
             pipeline.refuse_other_cave()?;
         }

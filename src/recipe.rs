@@ -5,6 +5,7 @@
 
 mod check;
 mod fault;
+mod output;
 mod print;
 mod read;
 mod schema;
@@ -19,6 +20,7 @@ use serde_json::{Map, Value, json};
 
 pub use self::check::did_you_mean;
 pub use self::fault::{Fault, Faults, Origin};
+pub use self::output::OutputSettings;
 pub use self::read::MAX_BYTES;
 pub use self::schema::editor_schema;
 pub use self::world::WorldSettings;
@@ -39,7 +41,7 @@ use plume_graph::realism::RealismSettings;
 ///
 /// let recipe = Recipe::from_overrides(&["graph.nodes=12".to_owned()])?;
 /// let coarse = recipe.with("mesh.voxel_m", 0.5)?;
-/// assert_eq!((recipe.mesh().voxel_m, coarse.mesh().voxel_m), (0.2, 0.5));
+/// assert_eq!((recipe.mesh().voxel_m, coarse.mesh().voxel_m), (0.12, 0.5));
 /// assert_eq!(coarse.to_json()["mesh"]["voxel_m"], 0.5);
 /// # Ok::<(), plume::recipe::Faults>(())
 /// ```
@@ -62,6 +64,7 @@ pub struct Recipe {
     lod: LodSettings,
     pieces: PieceSettings,
     world: WorldSettings,
+    output: OutputSettings,
     resolved: Value,
     /// What it was read from.
     draft: read::Draft,
@@ -115,6 +118,7 @@ impl Recipe {
             lod: typed(&resolved, "lod", &draft)?,
             pieces: typed(&resolved, "pieces", &draft)?,
             world: typed(&resolved, "world", &draft)?,
+            output: typed(&resolved, "output", &draft)?,
             resolved,
             draft,
         })
@@ -200,6 +204,11 @@ impl Recipe {
     /// Light, friction, gravity.
     pub fn world(&self) -> &WorldSettings {
         &self.world
+    }
+
+    /// Limits on what is written.
+    pub fn output(&self) -> &OutputSettings {
+        &self.output
     }
 
     /// The recipe as commented TOML that reads back as itself.

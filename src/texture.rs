@@ -9,6 +9,7 @@ pub mod bake;
 mod chart;
 mod charts;
 pub mod encode;
+mod frames;
 mod lod;
 mod maps;
 mod owners;
@@ -28,7 +29,7 @@ use crate::field::Surface;
 use crate::mesh::Mesh;
 pub use lod::{Level, LodSettings, levels};
 pub use maps::{HEIGHT_AMPLITUDE_M, Maps};
-pub use settings::TextureSettings;
+pub use settings::{MapFormats, TextureSettings};
 
 /// A chunk ready for a renderer. Its vertices are those of the mesh, copied along seams.
 #[derive(Clone, Debug, Default, PartialEq)]

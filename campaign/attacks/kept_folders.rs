@@ -36,7 +36,7 @@ fn run(context: &mut Context) -> Tally {
         let desk = context.desk_with_cave();
         tally.enter("a kept folder", unchanged(&desk, command).map(|_| ()));
     }
-    for image in ["textures/chunk_0_0_0_base_color.png", "textures/chunk_0_0_0_normal.png", "chunks/chunk_0_0_0.ply"] {
+    for image in ["textures/chunk_0_0_0_base_color.jpg", "textures/chunk_0_0_0_normal.png", "chunks/chunk_0_0_0.ply"] {
         // `generate` is the command that remakes damaged files.
         for command in ["export c -t gazebo -o out", "measure c", "status c"] {
             tally.enter(&format!("{image} edited by hand"), edited(context, image, command));

@@ -5,7 +5,7 @@
 //! <name>_world.xml    the cave without options, for the user's models
 //! <name>_rover.xml    the cave with the rover at the first start pose
 //! rover.xml           the rover alone
-//! assets/             meshes (.msh) and textures
+//! assets/             meshes (.msh) and textures (.png, all that MuJoCo reads; JPEG is decoded)
 //! README.md
 //! ```
 //! Names begin with that of the scene, and the included file sets no option, so that nothing clashes with the user's model.
@@ -44,7 +44,7 @@ pub const ROW: TargetRow = TargetRow {
     tested_by: "MuJoCo 4 compiles every model without a warning; 1,000 balls come to rest inside; 10,000 rays end at the \
         wall within the tolerance; the rover drives 20 m",
     checks: &["compile", "balls", "rays", "orient"],
-    images: &[ImageFormat::Png],
+    images: &ImageFormat::COMMON,
     is_single_file: false,
     has_pieces: true,
     bundles: &[Bundle::Mjz],

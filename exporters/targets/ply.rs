@@ -5,8 +5,7 @@
 //! <name>.ply, or chunks/<chunk>.ply
 //! README.md
 //! ```
-//! Colours are sampled from the base colour image at the vertices; detail finer than the distance of vertices is lost. For
-//! PNG they are the same bytes everywhere; for JPEG they depend on the decoder.
+//! Colours are sampled from the base colour image at the vertices; detail finer than the distance of vertices is lost.
 //!
 //! Labels are those of target `isaac`: a face that faces up or down within 45° is floor or ceiling, the others are wall. The
 //! label of a vertex follows from its normal.

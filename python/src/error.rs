@@ -48,7 +48,11 @@ fn class(error: &CaveError) -> &'static str {
         ) => "StorageError",
         CaveError::Usage { .. }
         | CaveError::Pipeline(
-            PipelineError::Generate(_) | PipelineError::GraphFile(_) | PipelineError::Grid(_) | PipelineError::Empty,
+            PipelineError::Generate(_)
+            | PipelineError::GraphFile(_)
+            | PipelineError::Grid(_)
+            | PipelineError::TooLarge { .. }
+            | PipelineError::Empty,
         )
         | CaveError::Export(
             ExportError::UnknownTarget { .. } | ExportError::Settings { .. } | ExportError::TooLarge { .. },

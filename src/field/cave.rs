@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use super::index::Index;
+use super::lattice::{self, Lattice, Run};
 use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
-use super::{Aabb, Field, MAX_OFFSET_M, Region, Surface, Texel, ball_round};
+use super::{Aabb, Columns, Field, MAX_OFFSET_M, Region, Surface, Texel, ball_round};
 use crate::material::{
-    BLOCK, DomainWarp, Footprint, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites, SurfaceSamples,
+    BLOCK, CHANNELS, CoarseBlock, DomainWarp, Footprint, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites,
+    SurfaceSamples, by_axis,
 };
 use crate::noise::{Jet, Source, Value, dispatched};
 use fearless_simd::Simd;
@@ -95,6 +97,55 @@ impl CaveField {
             visit(n * BLOCK, &felt, &mut sites);
         }
     }
+
+    /// Passes on the coarse surface, block by block.
+    fn coarse_blocks(
+        &self,
+        bounds: Aabb<f32>,
+        points: &[[f32; 3]],
+        block: &mut CoarseBlock,
+        mut visit: impl FnMut(usize, &CoarseBlock),
+    ) {
+        let domain_warp = self.material.domain_warp();
+        self.blocks(bounds, points, |start, capsules, sites| {
+            dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
+            self.material.coarse(sites, block);
+            visit(start, block);
+        });
+    }
+
+    /// Appends the coarse surface at positions near each other.
+    fn coarse_records(&self) -> impl FnMut(&[[f32; 3]], &mut Vec<[f32; CHANNELS]>) {
+        let mut block = CoarseBlock::new(self.ground, self.source);
+        move |positions, records| {
+            let bounds = Aabb::from_points(positions.iter().copied()).expect("there are positions");
+            self.coarse_blocks(bounds, positions, &mut block, |_, block| {
+                records.extend((0..block.count).map(|lane| block.record(lane)));
+            });
+        }
+    }
+
+    /// The texels of a block, as many as it has points. `samples` is overwritten.
+    fn paint(
+        &self,
+        texel_m: f32,
+        block: &CoarseBlock,
+        normals: &[[f32; BLOCK]; 3],
+        samples: &mut SurfaceSamples,
+        texels: &mut [Texel],
+    ) {
+        self.material.surface_samples(block, &self.look, Footprint { texel_m }, normals, samples);
+        texels.iter_mut().enumerate().for_each(|(lane, texel)| *texel = texel_of(samples, lane));
+    }
+
+    /// Moves points along their normals to the wall without detail, and tells how far, in metres.
+    fn on_wall(&self, lattice: &mut Lattice, points: Columns, normals: Columns) -> ([Vec<f32>; 3], Vec<f32>) {
+        let runs = lattice.runs(points, self.coarse_records());
+        let fields = lattice.fields(&runs, points);
+        let offsets_m = dispatched!(simd => offsets_m(simd, &fields, normals));
+        let moved = [0, 1, 2].map(|axis| dispatched!(simd => moved(simd, points[axis], normals[axis], &offsets_m)));
+        (moved, offsets_m)
+    }
 }
 
 /// Edge of the cells whose points are evaluated together, in metres. Tuned.
@@ -110,8 +161,6 @@ fn furthest_wander_m(domain_warp: DomainWarp) -> f32 {
 /// An upper bound of how far the fillet between wall and floor, and all rounding, can move the surface; metres.
 const MARGIN_M: f32 = 0.1;
 const UP: [f32; 3] = [0.0, 0.0, 1.0];
-/// Cosine of the largest angle from the mesh normal that a normal map can hold.
-const LEAST_COSINE: f32 = 0.5;
 
 #[inline(always)]
 fn survey_values<S: Simd>(simd: S, near: &[&Capsule], domain_warp: DomainWarp, sites: &mut Sites) {
@@ -133,26 +182,15 @@ fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     (length > 1e-6).then(|| v.map(|c| c / length))
 }
 
-/// Gradient magnitude of the field. Where it is nearly zero the distance is meaningless.
-fn steepness(gradient: [f32; 3]) -> f32 {
-    const LEAST: f32 = 0.25;
-    gradient.iter().map(|c| c * c).sum::<f32>().sqrt().max(LEAST)
-}
-
-/// The texel of one lane, with its normal limited to the allowed angle from that of the mesh.
-fn texel_of(surface_samples: &SurfaceSamples, lane: usize, mesh_normal: [f32; 3]) -> Texel {
+/// The texel of one lane.
+fn texel_of(samples: &SurfaceSamples, lane: usize) -> Texel {
     let of = |channels: &[[f32; BLOCK]; 3]| channels.each_ref().map(|channel| channel[lane]);
-    let gradient = of(&surface_samples.gradient);
-    let normal = unit(gradient.map(|c| -c)).unwrap_or(mesh_normal);
-    let cosine: f32 = (0..3).map(|i| normal[i] * mesh_normal[i]).sum();
-    let lacking = (LEAST_COSINE - cosine).max(0.0);
-    let leaning = std::array::from_fn(|i| normal[i] + lacking * mesh_normal[i]);
     Texel {
-        color: of(&surface_samples.color),
-        normal: unit(leaning).unwrap_or(mesh_normal),
-        roughness: surface_samples.roughness[lane],
-        occlusion: surface_samples.occlusion[lane],
-        height_m: surface_samples.value[lane] / steepness(gradient),
+        color: of(&samples.color),
+        normal: of(&samples.normal),
+        roughness: samples.roughness[lane],
+        occlusion: samples.occlusion[lane],
+        height_m: samples.height_m[lane],
     }
 }
 
@@ -207,43 +245,131 @@ impl Field for CaveField {
     }
 }
 
-/// Points moved along their normals, metres.
-fn moved(points: &[[f32; 3]], normals: &[[f32; 3]], offsets_m: &[f32]) -> Vec<[f32; 3]> {
-    let along = |((point, normal), offset_m): ((&[f32; 3], &[f32; 3]), &f32)| {
-        std::array::from_fn(|axis| point[axis] + normal[axis] * offset_m)
-    };
-    points.iter().zip(normals).zip(offsets_m).map(along).collect()
-}
-
 impl Surface for CaveField {
-    fn offsets(&self, bounds: Aabb<f32>, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [f32]) {
-        let within = |offset_m: f32| offset_m.clamp(-MAX_OFFSET_M, MAX_OFFSET_M);
-        let mut at_mesh = vec![0.0; points.len()];
-        self.distances(bounds, points, &mut at_mesh);
-        // The field rises by about a metre a metre; the secant through two of its values knows better.
-        for (offset_m, value) in out.iter_mut().zip(&at_mesh) {
-            *offset_m = within(*value);
-        }
-        let mut beyond = vec![0.0; points.len()];
-        self.distances(bounds.padded(MAX_OFFSET_M), &moved(points, normals, out), &mut beyond);
-        for (offset_m, (start, end)) in out.iter_mut().zip(at_mesh.iter().zip(&beyond)) {
-            let fall = start - end;
-            if fall * *offset_m > 0.25 * *offset_m * *offset_m {
-                *offset_m = within(*offset_m * start / fall);
-            }
-        }
+    fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
+        let mut block = CoarseBlock::new(self.ground, self.source);
+        let mut samples = SurfaceSamples::default();
+        self.coarse_blocks(bounds, points, &mut block, |start, block| {
+            let range = start..start + block.count;
+            self.paint(texel_m, block, &by_axis(&normals[range.clone()]), &mut samples, &mut out[range]);
+        });
     }
 
-    fn texels(&self, bounds: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
-        let domain_warp = self.material.domain_warp();
-        let mut surface_samples = SurfaceSamples::default();
-        self.blocks(bounds, points, |start, capsules, sites| {
-            dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
-            let normals = &normals[start..start + sites.count];
-            self.material.surface_samples(sites, &self.look, Footprint { texel_m }, normals, &mut surface_samples);
-            for (lane, texel) in out[start..start + sites.count].iter_mut().enumerate() {
-                *texel = texel_of(&surface_samples, lane, normals[lane]);
+    fn dense_texels(&self, texel_m: f32, points: Columns, normals: Columns, out: &mut [Texel]) {
+        let mut lattice = Lattice::new(texel_m);
+        let (on_wall, offsets_m) = self.on_wall(&mut lattice, points, normals);
+        let mut runs = lattice.runs(on_wall.each_ref().map(Vec::as_slice), self.coarse_records());
+        // Points in one cell share its nodes.
+        runs.sort_unstable();
+        let on_wall = on_wall.each_ref().map(|column| in_order(&runs, column));
+        let normals = normals.map(|column| in_order(&runs, column));
+        let mut block = CoarseBlock::new(self.ground, self.source);
+        let mut samples = SurfaceSamples::default();
+        let mut texels = vec![Texel::default(); out.len()];
+        for ((n, texels), runs) in texels.chunks_mut(BLOCK).enumerate().zip(lattice::blocks(&runs)) {
+            let range = n * BLOCK..n * BLOCK + texels.len();
+            block.place(on_wall.each_ref().map(|column| &column[range.clone()]));
+            lattice.fill(&runs, &mut block);
+            let mut upright = [[0.0; BLOCK]; 3];
+            for (to, from) in upright.iter_mut().zip(&normals) {
+                to[..texels.len()].copy_from_slice(&from[range.clone()]);
             }
-        });
+            self.paint(texel_m, &block, &upright, &mut samples, texels);
+        }
+        let mut rest = &texels[..];
+        for run in &runs {
+            let (here, after) = rest.split_at(run.len as usize);
+            out[run.range()].copy_from_slice(here);
+            rest = after;
+        }
+        out.iter_mut().zip(&offsets_m).for_each(|(texel, offset_m)| texel.height_m += offset_m);
+    }
+}
+
+/// How far along a unit normal the wall is, by Newton's method from the field and its gradient; metres.
+#[inline(always)]
+fn offsets_m<S: Simd>(_simd: S, [value, x, y, z]: &[Vec<f32>; 4], normals: Columns) -> Vec<f32> {
+    /// Where the wall leans further, the step would lead to another part of it. Tuned.
+    const LEAST_FALL: f32 = 0.25;
+    let len = normals[0].len();
+    let (value, x, y, z) = (&value[..len], &x[..len], &y[..len], &z[..len]);
+    let [nx, ny, nz] = normals.map(|column| &column[..len]);
+    let mut offsets_m = vec![0.0; len];
+    for (at, offset_m) in offsets_m.iter_mut().enumerate() {
+        let fall = -(x[at] * nx[at] + y[at] * ny[at] + z[at] * nz[at]);
+        *offset_m = (value[at] / fall.max(LEAST_FALL)).clamp(-MAX_OFFSET_M, MAX_OFFSET_M);
+    }
+    offsets_m
+}
+
+/// One coordinate of points moved along their normals.
+#[inline(always)]
+fn moved<S: Simd>(_simd: S, points: &[f32], normals: &[f32], offsets_m: &[f32]) -> Vec<f32> {
+    points.iter().zip(normals).zip(offsets_m).map(|((point, normal), offset_m)| point + normal * offset_m).collect()
+}
+
+/// A column in the order of these runs.
+fn in_order(runs: &[Run], column: &[f32]) -> Vec<f32> {
+    let mut ordered = Vec::with_capacity(column.len());
+    for run in runs {
+        ordered.extend_from_slice(&column[run.range()]);
+    }
+    ordered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::MATERIALS;
+    use nalgebra::Point3;
+    use plume_graph::{Node, StationId};
+
+    /// A passage in every rock.
+    fn caves() -> impl Iterator<Item = CaveField> {
+        MATERIALS.iter().map(|row| {
+            let node = |id, x| Node {
+                id,
+                parent: None,
+                position: Point3::new(x, 0.0, 0.0),
+                radius: 1.2,
+                active: false,
+                level: 0,
+                section: None,
+            };
+            let graph = Graph { nodes: vec![node(0, 0.0), node(1, 12.0)], edges: StationId::pairs([[0, 1]]) };
+            let rock = (row.read)(serde_json::json!({})).expect("an empty object is valid");
+            CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), 3)
+        })
+    }
+
+    /// Points up to 8 cm from the wall, on both sides.
+    fn near_wall(field: &CaveField) -> Vec<[f32; 3]> {
+        // Roberts's sequence, which fills a box evenly.
+        let place = |n: u32| [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|step| (f64::from(n) * step).fract() as f32);
+        let points: Vec<[f32; 3]> =
+            (0..20_000).map(place).map(|[x, y, z]| [2.0 + 8.0 * x, 6.0 * y - 3.0, 5.0 * z - 2.5]).collect();
+        let values = field.distances_at(&points);
+        points.into_iter().zip(values).filter(|(_, value)| value.abs() < 0.08).map(|(point, _)| point).collect()
+    }
+
+    #[test]
+    fn texels_are_taken_at_the_wall() {
+        for field in caves() {
+            let points = near_wall(&field);
+            let normals = field.normals_at(&points);
+            let columns = |rows: &[[f32; 3]]| [0, 1, 2].map(|axis| rows.iter().map(|row| row[axis]).collect());
+            let [at, up]: [[Vec<f32>; 3]; 2] = [columns(&points), columns(&normals)];
+            let [at, up] = [&at, &up].map(|columns| columns.each_ref().map(Vec::as_slice));
+            let mut lattice = Lattice::new(0.0078);
+            let (moved, _) = field.on_wall(&mut lattice, at, up);
+            let moved: Vec<[f32; 3]> = (0..points.len()).map(|n| [0, 1, 2].map(|axis| moved[axis][n])).collect();
+            let median_m = |points: &[[f32; 3]]| {
+                let mut off_m: Vec<f32> = field.scattered(points).into_iter().map(f32::abs).collect();
+                off_m.sort_by(f32::total_cmp);
+                off_m[off_m.len() / 2]
+            };
+            assert!(points.len() > 300 && median_m(&points) > 0.02, "{} points", points.len());
+            assert!(median_m(&moved) < 0.005, "{} m from the wall", median_m(&moved));
+        }
     }
 }

@@ -4,13 +4,14 @@
 //! Second state: spall, where the lining has fallen off and exposes the fractured flow behind it. The floor is ash with
 //! angular slabs (after Larson, *Illustrated Glossary of Lava Tube Features*, 1993).
 
+use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::Rubble;
 use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Real, Value, Vec3, cells_3d, facets, mix, vec3};
+use crate::noise::{Jet, Real, Value, Vec3, cells_3d, facets, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -57,17 +58,14 @@ impl Basalt {
         let (p, n) = (site.point, site.source);
         let per_m = 1.0 / self.ledge_m;
         let ledge_level = site.height * per_m + n.noise(10, p.scaled(1.0 / 3.2)) * 0.55;
-        let ledges = Self::levels(ledge_level, n.layer(11), 0.45, 0.52, 0.26);
+        let ledges = Self::levels(ledge_level, n.layer(11), 0.58, 0.52, 0.26);
         let roll_level = site.height * (1.8 * per_m) + n.noise(12, p.scaled(1.0 / 2.3)) * 1.1;
         let rolling = (n.noise(13, p.scaled(0.5)) + 0.35).within(0.0, 1.0);
         let rolls = Self::levels(roll_level, n.layer(14), 0.30, 0.17, 0.14) * rolling;
         let lines = n.noise(15, p.stretched(0.55, 0.55, 2.4)) * 0.06;
         let bench = (n.noise(16, p.scaled(0.25)) * 0.35 + 0.22).at_least(0.0);
-        let bench = bench * site.height.step(0.95, 0.35);
-        // Long creases that show in raking light.
-        let crease = n.noise(17, p.turned().stretched(0.16, 0.62, 0.62)).soft_abs(0.05);
-        let creases = (crease * -2.2 + 1.0).at_least(0.0).squared() * -0.22;
-        ledges + rolls + lines + creases - bench
+        let bench = bench * (site.height + n.noise(18, p.scaled(1.0 / 1.1)) * 0.08).step(0.80, 0.50);
+        ledges + rolls + lines - bench
     }
 
     /// Ropes of pahoehoe, 0 in the creases between them and about 0.7 on top. They lie across the flow, so noise stretched
@@ -96,10 +94,16 @@ impl Basalt {
     #[inline(always)]
     fn spalled<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
         let n = site.source;
-        let w = n.warp(20, site.point, 0.9, 0.10);
+        let w = Self::shattered(site);
         let large = facets(w.stretched(1.0 / 1.3, 1.0 / 1.3, 1.0 / 0.95), 1.1, n.layer(21));
         let small = facets(Self::joints(w), 1.1, n.layer(22));
-        large * 0.25 + small * 0.055 + 0.24
+        large * 0.25 + small * 0.08 + 0.24
+    }
+
+    /// The point, displaced so that no edge of a fracture block is straight.
+    #[inline(always)]
+    fn shattered<S: Simd, T: Real<S>>(site: &Site<T>) -> Vec3<T> {
+        site.source.warp(20, site.point, 0.9, 0.10)
     }
 
     /// Coordinates of the smaller fracture blocks.
@@ -113,9 +117,9 @@ impl Basalt {
 const VESICLE_M: f32 = 0.045;
 
 const SLABS: Rubble =
-    Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 0.7, flank: 5.0, rounding: 0.2, fillet: 0.2 };
+    Rubble { layer: 31, cell_m: 1.25, rise: [0.35, 0.65], tilt: 1.2, flank: 7.0, rounding: 0.10, fillet: 0.10 };
 const BLOCKS: Rubble =
-    Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.5, flank: 2.4, rounding: 0.15, fillet: 0.2 };
+    Rubble { layer: 32, cell_m: 0.55, rise: [0.15, 0.4], tilt: 0.8, flank: 3.2, rounding: 0.10, fillet: 0.10 };
 
 impl Rock for Basalt {
     fn domain_warp(&self) -> DomainWarp {
@@ -128,7 +132,7 @@ impl Rock for Basalt {
         let ceiling = site.up.step(0.15, 0.75);
         let patches = n.noise(1, p.scaled(1.0 / 5.5)) + n.noise(2, p.scaled(1.0 / 1.9)) * 0.35;
         let spall = (patches + ceiling * 0.35 + self.spall).step(-0.05, 0.25);
-        let undulation = n.fbm(3, p.scaled(1.0 / 3.0), 3, 0.574) * 0.36;
+        let undulation = n.fbm(3, p.scaled(1.0 / 3.0), 2, 0.574) * 0.26;
         let mut form = T::zero(site.simd());
         if spall.value().simd_lt(1.0).any_true() {
             form = form + self.lining(site) * (-spall + 1.0);
@@ -140,40 +144,63 @@ impl Rock for Basalt {
         Wall { recess, cavity: form, state: spall, band: T::zero(site.simd()) }
     }
 
+    /// Distance from the middle of a pull-apart crack, metres. The lining was pulled apart while it was still soft, so cracks
+    /// wind, and neither branch nor cross.
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
-        let (p, n, spall) = (site.point, site.source, wall.state);
+    fn level<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> T {
+        let (p, n) = (site.point, site.source);
+        n.noise(44, n.warp(43, p, 0.6, 0.10).stretched(0.55, 0.55, 0.30)) * 1.3
+    }
+
+    #[inline(always)]
+    fn marks<S: Simd>(&self, site: &Site<Value<S>>) -> [Value<S>; MARKS] {
+        let (p, n) = (site.point, site.source);
+        let patch = n.noise(40, p.scaled(1.0 / 1.7));
+        let rims = (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8);
+        let frothy = n.noise(52, p.scaled(1.0 / 1.2)).step(-0.05, 0.30);
+        let oxidation = n.noise(66, p.stretched(0.32, 0.32, 1.1));
+        let bloom = n.noise(67, p.scaled(1.25));
+        let ropy = n.noise(54, p.scaled(1.0 / 3.0)).step(-0.05, 0.20);
+        let shattered = Self::shattered(site);
+        let shift = [shattered.x - p.x, shattered.y - p.y, shattered.z - p.z];
+        [patch, rims, frothy, oxidation, bloom, ropy, shift[0], shift[1], shift[2], n.noise(45, p.scaled(0.9)) * 1.5]
+    }
+
+    #[inline(always)]
+    fn wall_detail<S: Simd>(&self, coarse: &Coarse<S>, footprint: Footprint) -> Detail<S> {
+        let (site, spall) = (&coarse.site, coarse.wall.state);
+        let (p, n) = (site.point, site.source);
+        let [patch, rims, frothy, _, _, _, dx, dy, dz, bend] = coarse.marks;
         let mut detail = Detail::none(site.simd());
-        if spall.value().simd_lt(1.0).any_true() {
-            let patch = n.noise(40, p.scaled(1.0 / 1.7));
-            let drip = (patch + site.up.step(0.15, 0.75) * 0.4 + 0.15).within(0.0, 1.0);
+        if spall.0.simd_lt(1.0).any_true() {
+            let ceiling = Value(site.up.value).step(0.15, 0.75);
+            let drip = (patch + ceiling * 0.4 + 0.15).within(0.0, 1.0);
             let drops = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
-            // The lining was pulled apart while it was still soft, so cracks wind, and neither branch nor cross.
-            let torn = n.noise(44, n.warp(43, p, 0.6, 0.10).stretched(0.55, 0.55, 0.30)) * 1.3;
-            let crack = footprint.line(torn, 0.03) * patch.step(0.30, -0.10);
-            let (_, saw) = (site.height * 13.0 + n.noise(45, p.scaled(0.9)) * 1.5).split();
-            let rims = saw * (-saw + 1.0) * (n.noise(46, p.scaled(1.1)) + 0.2).within(0.0, 0.8) * -0.040;
+            let crack = footprint.line(coarse.level, 0.02) * patch.step(0.05, -0.30);
+            let (_, saw) = (site.height * 13.0 + Jet::constant(bend.0)).split();
+            let rims = saw * (-saw + 1.0) * (rims * -0.040);
             let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.2, 0.52) * 0.018;
             let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * footprint.keep(0.05));
-            let fine = rims + lines + grain + (drops.squared() - 0.3) * drip * 0.030 + crack * 0.03;
+            let fine = rims + lines + grain + (drops.squared() - 0.3) * (drip * 0.030) + crack * 0.03;
             detail.recess = fine * (-spall + 1.0);
-            detail.crack = crack * (-spall + 1.0);
+            detail.crack = Value(crack.value) * (-spall + 1.0);
         }
-        let share = footprint.keep(VESICLE_M * 0.6);
-        let frothy = n.noise(52, p.scaled(1.0 / 1.2)).step(-0.05, 0.30) * (spall * 0.7 + 0.3) * share;
-        if frothy.value().simd_gt(0.0).any_true() {
+        let frothy = frothy * (spall * 0.7 + 0.3) * footprint.keep(VESICLE_M * 0.6);
+        if frothy.0.simd_gt(0.0).any_true() {
             let away = cells_3d(p.scaled(1.0 / VESICLE_M), n.layer(53)).distance;
             let vesicle = (-away * (1.0 / 0.42) + 1.0).at_least(0.0);
-            detail.recess = detail.recess + vesicle * frothy * 0.009;
+            detail.recess = detail.recess + vesicle * (frothy * 0.009);
         }
-        if spall.value().simd_gt(0.0).any_true() {
-            let w = n.warp(20, p, 0.9, 0.10);
+        if spall.0.simd_gt(0.0).any_true() {
+            let shift = inlined!(|by: Value<S>| Jet::constant(by.0));
+            let w = vec3(p.x + shift(dx), p.y + shift(dy), p.z + shift(dz));
             let edges = cells_3d(Self::joints(w), n.layer(22)).edge;
             let chips = facets(w.scaled(1.0 / 0.17), 1.1, n.layer(49)) * (0.032 * footprint.keep(0.17));
             let rough = footprint.fbm(n, 50, p, 0.17, 0.55);
-            let split = rough.step(-0.30, 0.40);
+            let split = Value(rough.value).step(-0.30, 0.40);
             detail.recess = detail.recess + (chips + rough * 0.022) * spall;
-            detail.crack = detail.crack + footprint.line(edges * 0.44, 0.028) * split * spall;
+            let crack = footprint.line(Value(edges.value) * 0.44, 0.028);
+            detail.crack = detail.crack + crack * split * spall;
         }
         detail
     }
@@ -192,9 +219,11 @@ impl Rock for Basalt {
     }
 
     #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
-        let strewn = self.debris().detail(site, floor, footprint);
-        let ropy = site.source.noise(54, site.point.scaled(1.0 / 3.0)).step(-0.05, 0.20) * (-floor.stone + 1.0);
+    fn floor_detail<S: Simd>(&self, coarse: &Coarse<S>, floor: &Floor<Jet<S>>, footprint: Footprint) -> Floor<Jet<S>> {
+        let site = &coarse.site;
+        let strewn = self.debris().detail(coarse, floor, footprint);
+        let [_, _, _, _, _, ropy, ..] = coarse.marks;
+        let ropy = (-floor.stone + 1.0) * ropy;
         if ropy.value().simd_le(0.0).all_true() {
             return strewn;
         }
@@ -202,24 +231,24 @@ impl Rock for Basalt {
             floor.height + Self::ropes(site) * 0.05 + footprint.fbm(site.source, 37, site.point, 0.11, 0.55) * 0.006;
         Floor {
             height: mix(strewn.height, height, ropy),
-            stone: mix(strewn.stone, T::splat(site.simd(), 0.8), ropy),
-            tint: mix(strewn.tint, T::splat(site.simd(), 0.3), ropy),
+            stone: mix(strewn.stone, Jet::splat(site.simd(), 0.8), ropy),
+            tint: mix(strewn.tint, Jet::splat(site.simd(), 0.3), ropy),
         }
     }
 
     #[inline(always)]
     fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let tone = Tone::of(form, site, footprint);
-        let dry = Self::wall_color(form, site, look, &tone);
+        let dry = Self::wall_color(form, look, &tone);
         let color = dry.under(Self::floor_color(form, &tone), form.floor);
         let dust = form.upward.step(0.55, 0.95) * (tone.broad * 0.4 + 0.55).within(0.0, 1.0) * 0.30;
         let color = color.tinted([0.118, 0.104, 0.090], dust).lit(tone.shade(form));
-        let film = tone.film(form, look, form.floor * 0.25);
+        let film = tone.film(form, look, form.floor * 0.21 + 0.04);
         let glazed = (-form.state + 1.0) * (-form.floor + 1.0) * tone.patch.step(-0.1, 0.4);
-        let dry = glazed * -0.30 + form.relief * 0.08 - tone.fine * 0.05 + 0.84;
+        let dry = tone.dry_roughness(form, glazed * -0.28 + 0.80);
         Paint {
             color: color.lit(film * -0.45 + 1.0),
-            roughness: mix(dry, Value::splat(site.simd(), 0.22), film),
+            roughness: mix(dry, tone.wet_roughness(form), film),
             film,
             pool: Value::zero(site.simd()),
         }
@@ -228,31 +257,33 @@ impl Rock for Basalt {
 
 impl Basalt {
     #[inline(always)]
-    fn wall_color<S: Simd>(form: &Form<S>, site: &Site<Value<S>>, look: &Look, tone: &Tone<S>) -> Color<S> {
-        let (p, n) = (form.point, site.source);
+    fn wall_color<S: Simd>(form: &Form<S>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let lining =
             ramp((tone.broad + tone.fine * 0.35).step(-0.6, 0.8), [0.028, 0.027, 0.027], [0.085, 0.080, 0.076]);
         let spall = ramp((tone.broad + tone.fine * 0.5).step(-0.5, 0.7), [0.060, 0.054, 0.050], [0.135, 0.118, 0.103]);
         // Oxidation follows the flow levels.
-        let level = n.noise(66, p.stretched(0.32, 0.32, 1.1));
-        let red = (level + tone.fine * 0.55 + form.cavity * 0.2).step(0.30, 0.50);
-        let ochre = (tone.patch + tone.fine * 0.4 + level * -0.5).step(0.40, 0.70);
-        let bloom = (n.noise(67, p.scaled(1.25)) + tone.fine * 0.5 + tone.streak * 0.25).step(0.42, 0.72)
-            * form.cavity.step(-0.1, 0.5);
+        let [_, _, _, level, bloom, ..] = form.marks;
+        let red = (level + tone.fine * 0.8 + form.cavity * 0.2).step(0.38, 0.58);
+        // Air reached the back of the lining through its broken edge.
+        let edge = form.state * (-form.state + 1.0) * 4.0;
+        let ochre = (tone.streak + tone.fine * 0.6 + level * -0.4).step(0.55, 0.75) * tone.side;
+        // Sulphates crystallise where water evaporates: in cracks, and in hollows of the roof.
+        let roof = form.upward.step(0.1, -0.6);
+        let bloom = (bloom + tone.fine * 0.6 + form.relief * 0.35 + form.crack * 0.3).step(0.55, 0.75) * roof;
         lining
             .under(spall, form.state * 0.8)
-            .tinted([0.150, 0.052, 0.026], red * (form.state * 0.6 + 0.4) * (0.38 * look.stain))
-            .tinted([0.160, 0.100, 0.045], ochre * (0.35 * look.stain))
-            .tinted([0.340, 0.310, 0.260], bloom * (0.24 * look.stain))
+            .tinted([0.150, 0.052, 0.026], red * (edge * 0.6 + form.state * 0.25 + 0.15) * (0.55 * look.stain))
+            .tinted([0.160, 0.100, 0.045], ochre * (0.25 * look.stain))
+            .tinted([0.340, 0.310, 0.260], bloom * (0.35 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
     }
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let light = tone.fine * 0.5 - form.relief * 0.5 + tone.broad * 0.3;
-        let ash = ramp(light.step(-0.7, 0.8), [0.034, 0.031, 0.029], [0.110, 0.095, 0.083]);
+        let light = tone.ground(form);
+        let ash = ramp(light.step(-0.5, 0.6), [0.028, 0.026, 0.024], [0.118, 0.102, 0.089]);
         let stone = ramp(form.tint, [0.032, 0.031, 0.031], [0.140, 0.122, 0.107]);
-        let dusty = (form.relief + 0.5).within(0.1, 0.9) * 0.6;
+        let dusty = form.dust() * 0.6;
         ash.under(stone.under(ash, dusty), form.stone)
     }
 }

@@ -63,7 +63,7 @@ impl Shades {
         let film = tone.film(form, look, Value::zero(simd));
         Paint {
             color: color.lit(film * -0.45 + 1.0),
-            roughness: mix(form.relief * 0.08 + 0.84, Value::splat(simd, 0.22), film),
+            roughness: mix(tone.dry_roughness(form, Value::splat(simd, 0.80)), tone.wet_roughness(form), film),
             film,
             pool: Value::zero(simd),
         }
@@ -92,19 +92,23 @@ impl<S: Simd> Tone<S> {
     #[inline(always)]
     pub fn of(form: &Form<S>, site: &Site<Value<S>>, footprint: Footprint) -> Self {
         let (p, n) = (form.point, site.source);
-        let grain = n.noise(61, p.scaled(55.0)) * footprint.keep(0.018) * 0.8;
+        let grain = n.noise(61, p.scaled(1.0 / 0.014)) * footprint.keep_noise(0.014);
         let fine = footprint.fbm(n, 62, p, 0.11, 0.66) * 0.4 - form.relief * 0.35;
-        let streak = n.noise(63, p.stretched(3.2, 3.2, 0.28)) * 0.6
-            + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3
-            + n.noise(65, p.scaled(1.0 / 2.8)) * 0.9;
+        let streak = form.tone.streak + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3;
         Self {
             fine: fine + grain * 0.25 - form.cavity.within(-1.0, 1.0) * 0.18,
-            broad: n.fbm(69, p.scaled(1.1), 3, 0.57),
+            broad: form.tone.broad,
             grain,
             streak,
-            patch: n.noise(70, p.scaled(0.5)),
+            patch: form.tone.patch,
             side: -form.upward.max(-form.upward) + 1.0,
         }
+    }
+
+    /// Lightness of loose ground, about ±1: hollows are dark.
+    #[inline(always)]
+    pub fn ground(&self, form: &Form<S>) -> Value<S> {
+        self.fine * 0.40 - form.relief * 0.45 + self.broad * 0.40
     }
 
     /// Irregular dirt, more in hollows.
@@ -114,11 +118,26 @@ impl<S: Simd> Tone<S> {
         hollow * (self.fine * 0.22 + self.grain * 0.14 + 1.0)
     }
 
-    /// Film of water, 0–1; reduced by `repelled`.
+    /// Film of water, 0–1; reduced by `repelled`. The share of the wall under a film is 0.6 times the humidity.
     #[inline(always)]
     pub fn film(&self, form: &Form<S>, look: &Look, repelled: Value<S>) -> Value<S> {
-        let threshold = look.humidity - 0.40;
-        let wet = (self.streak + form.cavity * 0.35 - repelled + threshold).step(0.15, 0.55);
-        wet * (self.side * 0.65 + 0.35) * (look.humidity * 10.0).min(1.0)
+        // Quantile of the wetness: fitted to its distribution over the walls of all rocks.
+        let driest_wet = 0.86 - 0.93 * look.humidity.sqrt();
+        let wetness = self.streak + form.cavity * 0.35 - repelled;
+        let wet = (wetness - driest_wet).step(-0.13, 0.07);
+        wet * (self.side * 0.35 + 0.65) * (look.humidity * 10.0).min(1.0)
+    }
+
+    /// Roughness of dry rock: crests are worn, hollows hold dust, and each stone has its own.
+    #[inline(always)]
+    pub fn dry_roughness(&self, form: &Form<S>, mean: Value<S>) -> Value<S> {
+        let stone = (form.tint - 0.5) * form.stone * 0.16;
+        (mean + form.relief * 0.34 - self.fine * 0.30 + stone).within(0.42, 1.0)
+    }
+
+    /// Roughness of rock under a full film: crests stick out of it.
+    #[inline(always)]
+    pub fn wet_roughness(&self, form: &Form<S>) -> Value<S> {
+        (self.fine * 0.05 - form.relief * 0.07 + 0.20).within(0.08, 0.34)
     }
 }

@@ -6,13 +6,14 @@
 //!
 //! Not promised: holes follow the floor and the middle of the roof, not a drilling plan.
 
+use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
 use super::rock::{Detail, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::Rubble;
 use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Real, Value, facets, inlined, mix, vec3};
+use crate::noise::{Jet, Real, Value, facets, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -95,29 +96,28 @@ impl Drilled {
             let bend = n.noise(layer, p.scaled(1.0 / 3.0)) * 0.12;
             let (index, rest) = (turned.along(normal) * (1.0 / (self.joint_m * SPACINGS[set])) + bend).split();
             let lot = inlined!(|index| level_lot::<S, T>(index, n.layer(layer + 1)));
-            recess = recess + (mix(lot(index), lot(index + 1), rest.step(0.82, 1.0)) - 0.5) * 0.24;
+            recess = recess + (mix(lot(index), lot(index + 1), rest.step(0.83, 1.0)) - 0.5) * 0.24;
         }
         recess
     }
 
-    /// 1 on the axis of a half barrel, 0 outside.
+    /// 1 on the axis of a half barrel, 0 outside. `drift` is how far holes deviate, `seen` is positive where half of the hole
+    /// may remain.
     #[inline(always)]
-    fn barrels<S: Simd, T: Real<S>>(&self, site: &Site<T>, footprint: Footprint) -> T {
-        let n = site.source;
+    fn barrels<S: Simd>(&self, site: &Site<Jet<S>>, [drift, seen]: [Value<S>; 2], footprint: Footprint) -> Jet<S> {
         let roof = site.up.value().simd_gt(0.62);
         let sideways = (-site.up.squared() + 1.0).at_least(0.0).sqrt() * site.half_width;
-        let around = T::pick(roof, sideways, site.height);
-        let drift = n.noise(43, site.point.scaled(0.25)) * 0.12;
-        let (index, place) = ((around + drift) * (1.0 / self.hole_m)).split();
-        let seen = level_lot::<S, T>(index, n.layer(44)) * 0.7 - 0.35 + n.noise(45, site.point.scaled(0.4));
+        let around = Jet::pick(roof, sideways, site.height);
+        let (index, place) = ((around + Jet::constant(drift.0)) * (1.0 / self.hole_m)).split();
+        let seen = level_lot::<S, Value<S>>(index, site.source.layer(44)) * 0.7 - 0.35 + seen;
         footprint.line((place - 0.5) * self.hole_m, HOLE_RADIUS_M) * seen.step(-0.02, 0.10)
     }
 }
 
 const LUMPS: Rubble =
-    Rubble { layer: 31, cell_m: 0.9, rise: [0.30, 0.70], tilt: 1.0, flank: 4.0, rounding: 0.12, fillet: 0.15 };
+    Rubble { layer: 31, cell_m: 0.9, rise: [0.30, 0.70], tilt: 1.2, flank: 4.2, rounding: 0.08, fillet: 0.10 };
 const MUCK: Rubble =
-    Rubble { layer: 32, cell_m: 0.42, rise: [0.20, 0.45], tilt: 0.9, flank: 2.6, rounding: 0.12, fillet: 0.12 };
+    Rubble { layer: 32, cell_m: 0.42, rise: [0.20, 0.45], tilt: 1.0, flank: 2.3, rounding: 0.08, fillet: 0.10 };
 
 impl Rock for Drilled {
     fn domain_warp(&self) -> DomainWarp {
@@ -130,25 +130,47 @@ impl Rock for Drilled {
         let patches = n.noise(1, p.scaled(1.0 / 4.0)) + n.noise(2, p.scaled(1.0 / 1.5)) * 0.3;
         let ceiling = site.up.step(0.2, 0.8);
         let broken = (patches + self.overbreak + ceiling * 0.15).step(-0.08, 0.22);
-        let faces = self.blocks(site) + facets(p.scaled(1.0 / 0.9).turned(), 1.0, n.layer(4)) * 0.09;
-        let trimmed = facets(p.scaled(1.0 / 1.6), 0.8, n.layer(5)) * 0.05;
+        let small = facets(p.scaled(1.0 / 0.45), 1.0, n.layer(6)) * 0.04;
+        let faces = self.blocks(site) + facets(p.scaled(1.0 / 0.9).turned(), 1.0, n.layer(4)) * 0.13 + small;
+        let trimmed = facets(p.scaled(1.0 / 1.1), 0.9, n.layer(5)) * 0.06 + small * 0.4;
         let form = mix(trimmed, faces + 0.10, broken);
         Wall { recess: form * self.relief, cavity: form, state: broken, band: T::zero(site.simd()) }
     }
 
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
-        let (p, n, broken) = (site.point, site.source, wall.state);
+    fn marks<S: Simd>(&self, site: &Site<Value<S>>) -> [Value<S>; MARKS] {
+        let (p, n) = (site.point, site.source);
+        let none = Value::zero(site.simd());
         let w = n.warp(40, p, 0.7, 0.06);
-        let chips = facets(w.scaled(1.0 / 0.26), 1.1, n.layer(41)) * (0.022 * footprint.keep(0.26));
+        let drift = n.noise(43, p.scaled(0.25)) * 0.12;
+        let seen = n.noise(45, p.scaled(0.4));
+        let rust = n.noise(66, p.stretched(0.6, 0.6, 0.25));
+        let lime = n.noise(67, p.stretched(1.6, 1.6, 0.25));
+        let bent = n.warp(68, p, 2.5, 0.35);
+        let [vein, other] = match self.lithology {
+            Lithology::Granite => [n.noise(72, bent.scaled(0.16)) * 4.0, none],
+            Lithology::Ore => [n.noise(72, bent.stretched(0.20, 0.20, 0.35)) * 3.0, n.noise(73, bent.scaled(1.4))],
+            Lithology::Coal => [bent.z * (1.0 / 0.55) + n.noise(74, p.scaled(0.2)) * 0.5, none],
+        };
+        [w.x - p.x, w.y - p.y, w.z - p.z, drift, seen, rust, lime, vein, other, none]
+    }
+
+    #[inline(always)]
+    fn wall_detail<S: Simd>(&self, coarse: &Coarse<S>, footprint: Footprint) -> Detail<S> {
+        let (site, broken) = (&coarse.site, coarse.wall.state);
+        let (p, n) = (site.point, site.source);
+        let [dx, dy, dz, drift, seen, ..] = coarse.marks;
+        let shift = inlined!(|by: Value<S>| Jet::constant(by.0));
+        let w = vec3(p.x + shift(dx), p.y + shift(dy), p.z + shift(dz));
+        let chips = facets(w.scaled(1.0 / 0.26), 1.1, n.layer(41)) * (0.030 * footprint.keep(0.26));
         let splinters = facets(w.turned().scaled(1.0 / 0.085), 1.1, n.layer(42)) * (0.010 * footprint.keep(0.085));
-        let grain = footprint.fbm(n, 46, p, 0.16, 0.60) * 0.009;
+        let grain = footprint.fbm(n, 46, p, 0.16, 0.64) * 0.010;
         let mut recess = (chips + splinters) * (broken * 0.6 + 0.4) + grain;
-        let mut crack = T::zero(site.simd());
-        if broken.value().simd_lt(1.0).any_true() {
-            let barrel = self.barrels(site, footprint) * (-broken + 1.0);
+        let mut crack = Value::zero(site.simd());
+        if broken.0.simd_lt(1.0).any_true() {
+            let barrel = self.barrels(site, [drift, seen], footprint) * (-broken + 1.0);
             recess = recess * (-barrel + 1.0) + barrel * (HOLE_RADIUS_M * 0.8);
-            crack = barrel * 0.25;
+            crack = Value(barrel.value) * 0.25;
         }
         Detail { recess: recess * self.relief.min(1.0), crack }
     }
@@ -170,9 +192,9 @@ impl Rock for Drilled {
     fn paint<S: Simd>(&self, form: &Form<S>, site: &Site<Value<S>>, look: &Look, footprint: Footprint) -> Paint<S> {
         let tone = Tone::of(form, site, footprint);
         let rock = self.rock_color(form, site, footprint, &tone);
-        let (p, n) = (form.point, site.source);
-        let rust = (tone.streak + tone.fine * 0.5 + n.noise(66, p.stretched(0.6, 0.6, 0.25)) * 0.6).step(0.45, 0.85);
-        let lime = (n.noise(67, p.stretched(1.6, 1.6, 0.25)) + tone.fine * 0.4 - form.cavity * 0.2).step(0.50, 0.80);
+        let [_, _, _, _, _, rust, lime, ..] = form.marks;
+        let rust = (tone.streak + tone.fine * 0.5 + rust * 0.6).step(0.45, 0.85);
+        let lime = (lime + tone.fine * 0.4 - form.cavity * 0.2).step(0.50, 0.80);
         let wall = rock
             .tinted([0.190, 0.085, 0.032], rust * tone.side * (0.45 * look.stain))
             .tinted([0.430, 0.410, 0.375], lime * tone.side * (0.35 * look.stain))
@@ -182,10 +204,10 @@ impl Rock for Drilled {
         let wall = wall.under(Self::fines(form, &tone, rock), dust);
         let color = wall.under(Self::muck(form, &tone, rock), form.floor).lit(tone.shade(form));
         let film = tone.film(form, look, form.floor * 0.15);
-        let dry = form.relief * 0.08 - tone.fine * 0.05 + self.dry_roughness();
+        let dry = tone.dry_roughness(form, Value::splat(site.simd(), self.mean_roughness()));
         Paint {
             color: color.lit(film * -0.45 + 1.0),
-            roughness: mix(dry, Value::splat(site.simd(), 0.20), film),
+            roughness: mix(dry, tone.wet_roughness(form), film),
             film,
             pool: Value::zero(site.simd()),
         }
@@ -193,7 +215,7 @@ impl Rock for Drilled {
 }
 
 impl Drilled {
-    fn dry_roughness(&self) -> f32 {
+    fn mean_roughness(&self) -> f32 {
         match self.lithology {
             Lithology::Granite => 0.82,
             Lithology::Ore => 0.76,
@@ -212,30 +234,29 @@ impl Drilled {
     ) -> Color<S> {
         let (p, n) = (form.point, site.source);
         let light = tone.broad * 0.3 + tone.fine * 0.5;
-        let bent = n.warp(68, p, 2.5, 0.35);
+        let [_, _, _, _, _, _, _, vein, other, _] = form.marks;
         // Muck is mixed, so no vein runs through it.
         let whole = -form.floor + 1.0;
         match self.lithology {
             Lithology::Granite => {
-                let crystals = n.noise(71, p.scaled(1.0 / 0.022)) * footprint.keep(0.022);
-                let pale = crystals.step(0.15, 0.45) * 0.5;
-                let dark = (-crystals).step(0.20, 0.50) * 0.6;
-                let vein = footprint.line(n.noise(72, bent.scaled(0.16)) * 4.0, 0.05) * whole;
+                let crystals = n.noise(71, p.scaled(1.0 / 0.022)) * footprint.keep_noise(0.022);
+                let pale = crystals.step(0.15, 0.45) * 0.32;
+                let dark = (-crystals).step(0.20, 0.50) * 0.42;
+                let vein = footprint.line(vein, 0.05) * whole;
                 ramp(light.step(-0.8, 0.8), [0.130, 0.128, 0.124], [0.300, 0.285, 0.270])
                     .tinted([0.420, 0.370, 0.335], pale)
                     .tinted([0.045, 0.043, 0.042], dark)
                     .tinted([0.470, 0.440, 0.410], vein * 0.8)
             }
             Lithology::Ore => {
-                let quartz = footprint.line(n.noise(72, bent.stretched(0.20, 0.20, 0.35)) * 3.0, 0.08) * whole;
-                let sulphide = (n.noise(73, bent.scaled(1.4)) + quartz * 0.5 + tone.fine * 0.5).step(0.35, 0.60);
+                let quartz = footprint.line(vein, 0.08) * whole;
+                let sulphide = (other + quartz * 0.5 + tone.fine * 0.5).step(0.35, 0.60);
                 ramp(light.step(-0.8, 0.8), [0.060, 0.060, 0.062], [0.165, 0.160, 0.158])
                     .tinted([0.260, 0.150, 0.055], sulphide * 0.65)
                     .tinted([0.540, 0.520, 0.490], quartz * 0.85)
             }
             Lithology::Coal => {
-                let level = bent.z * (1.0 / 0.55) + n.noise(74, p.scaled(0.2)) * 0.5;
-                let (index, _) = level.split();
+                let (index, _) = vein.split();
                 let mudstone = level_lot::<S, Value<S>>(index, n.layer(75)).step(0.70, 0.72);
                 let bright = n.noise(76, p.stretched(1.5, 1.5, 30.0)) * footprint.keep(0.033);
                 ramp((light + bright * 0.8).step(-0.8, 0.8), [0.012, 0.012, 0.013], [0.048, 0.047, 0.047])
@@ -247,7 +268,7 @@ impl Drilled {
     /// Dust and mud: rock ground fine, lighter where it is dry.
     #[inline(always)]
     fn fines<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
-        let light = tone.fine * 0.5 - form.relief * 0.5 + tone.broad * 0.3;
+        let light = tone.ground(form);
         let ground = ramp(light.step(-0.7, 0.8), [0.070, 0.062, 0.054], [0.200, 0.182, 0.162]);
         ground.under(rock, Value::splat(form.relief.0.token(), 0.35))
     }
@@ -257,7 +278,7 @@ impl Drilled {
     fn muck<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
         let fines = Self::fines(form, tone, rock);
         let stone = rock.lit(form.tint * 0.9 + 0.55);
-        let dusty = (form.relief + 0.5).within(0.1, 0.9) * 0.5;
+        let dusty = form.dust() * 0.5;
         fines.under(stone.under(fines, dusty), form.stone)
     }
 }

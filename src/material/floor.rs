@@ -1,9 +1,10 @@
 //! The floor of a rock: sediment with stones of two sizes and gravel.
 
+use super::coarse::Coarse;
 use super::rock::Floor;
 use super::rubble::{Rubble, higher};
 use super::site::{Footprint, Ground, Site};
-use crate::noise::{Lanes, Real, Value, Vec3, vec3};
+use crate::noise::{Jet, Lanes, Mask, Real, Value, Vec3, inlined, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -47,9 +48,8 @@ impl Debris {
 
     /// The shape of the floor, with no wavelength below 0.4 m.
     #[inline(always)]
-    pub fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Floor<T> {
-        let sediment = Sediment::of(site, self.swell_m);
-        let edges = [sediment.ragged, sediment.drift];
+    pub fn floor<S: Simd, T: Real<S>>(&self, site: &Site<T>, sediment: &Sediment<T>) -> Floor<T> {
+        let edges = [sediment.ragged, sediment.roll.within(-1.0, 1.0) * 0.30 + 0.05];
         let [large, small] = self.stones;
         let large = large.stones(
             site,
@@ -72,9 +72,10 @@ impl Debris {
 
     /// The floor with gravel and grain.
     #[inline(always)]
-    pub fn detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
+    pub fn detail<S: Simd>(&self, coarse: &Coarse<S>, floor: &Floor<Jet<S>>, footprint: Footprint) -> Floor<Jet<S>> {
+        let site = &coarse.site;
         strewn(
-            site,
+            coarse,
             floor,
             footprint,
             #[inline(always)]
@@ -106,76 +107,89 @@ fn stone_height<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
 
 /// The ground around stones, and the coordinates of stones.
 #[derive(Clone, Copy, Debug)]
-struct Sediment<T> {
-    /// See [`bent`].
-    at: Vec3<T>,
+pub struct Sediment<T> {
+    /// The point, displaced so that no edge of a stone is straight.
+    pub at: Vec3<T>,
     /// Roughens the edges of stones, about ±1.
-    ragged: T,
-    /// How high sediment is banked up against the stones.
-    drift: T,
-    /// Height of the sediment above the plane of the floor, about ±1.
-    roll: T,
+    pub ragged: T,
+    /// Undulation of the sediment, about ±1; it is banked up against stones where it is high.
+    pub roll: T,
 }
 
 impl<T> Sediment<T> {
     /// The sediment at a site, undulating with the wavelength `length_m`.
     #[inline(always)]
-    fn of<S: Simd>(site: &Site<T>, length_m: f32) -> Self
+    pub fn of<S: Simd>(site: &Site<T>, length_m: f32) -> Self
     where
         T: Real<S>,
     {
         let (p, n) = (site.point, site.source);
         let flat = vec3(p.x, p.y, T::zero(site.simd()));
-        let roll = n.fbm(36, flat.scaled(1.0 / length_m), 2, 0.54);
         Self {
-            at: bent(site),
+            at: n.warp(35, p, 0.8, 0.14),
             ragged: n.noise(38, flat.scaled(4.2)),
-            drift: roll.within(-1.0, 1.0) * 0.30 + 0.05,
-            roll,
+            roll: n.fbm(36, flat.scaled(1.0 / length_m), 2, 0.54),
+        }
+    }
+
+    /// Another sediment where the mask holds.
+    #[inline(always)]
+    pub fn unless<S: Simd>(self, mask: Mask<S>, other: &Self) -> Self
+    where
+        T: Real<S>,
+    {
+        let pick = inlined!(|here: T, there: T| T::pick(mask, there, here));
+        Self {
+            at: vec3(pick(self.at.x, other.at.x), pick(self.at.y, other.at.y), pick(self.at.z, other.at.z)),
+            ragged: pick(self.ragged, other.ragged),
+            roll: pick(self.roll, other.roll),
         }
     }
 }
 
-/// The point, displaced so that no edge of a stone is straight.
-#[inline(always)]
-fn bent<S: Simd, T: Real<S>>(site: &Site<T>) -> Vec3<T> {
-    site.source.warp(35, site.point, 0.8, 0.14)
-}
-
 /// Gravel on a floor with its larger stones; grain, and ripples on bare ground.
 #[inline(always)]
-fn strewn<S: Simd, T: Real<S>>(
-    site: &Site<T>,
-    floor: &Floor<T>,
+fn strewn<S: Simd>(
+    coarse: &Coarse<S>,
+    floor: &Floor<Jet<S>>,
     footprint: Footprint,
-    density: impl Fn([Lanes<S>; 2]) -> T,
-) -> Floor<T> {
+    density: impl Fn([Lanes<S>; 2]) -> Jet<S>,
+) -> Floor<Jet<S>> {
+    let Coarse { site, sediment, .. } = coarse;
     let (p, n) = (site.point, site.source);
-    let zero = T::zero(site.simd());
-    let at = bent(site);
+    let zero = Jet::zero(site.simd());
     let mut gravel = Floor { height: zero, stone: zero, tint: zero };
     for rubble in GRAVEL {
         // Stones of fewer than four texels would be specks.
         let share = footprint.keep(rubble.cell_m * 0.5);
         if share > 0.0 {
-            let stones = rubble.stones(site, at, [zero, zero + 0.05], &density);
+            // Small stones lie everywhere, since nothing moves all of them to the walls.
+            let stones = rubble.stones(
+                site,
+                sediment.at,
+                [zero, zero + 0.05],
+                #[inline(always)]
+                |centre| density(centre) + (SPREAD_M / rubble.cell_m - 1.0).clamp(0.0, 0.35),
+            );
             let height = stones.height * (share * HEIGHT_PER_CELL * rubble.cell_m);
             gravel = higher(gravel, Floor { height, stone: stones.stone * share, ..stones });
         }
     }
-    let grain = footprint.fbm(n, 37, p, 0.18, 0.60);
+    let grain = footprint.fbm(n, 37, p, 0.18, 0.58);
     let ripple = n.noise(39, vec3(p.x * 2.2 + p.y * 1.4, p.y * 6.0 - p.x * 3.8, zero));
     let bare = -floor.stone + 1.0;
     let on_stone = floor.stone.value().simd_gt(0.3);
     Floor {
-        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (gravel.stone * -0.008 + 0.016),
+        height: floor.height + (gravel.height + ripple * 0.008) * bare + grain * (gravel.stone * -0.005 + 0.011),
         stone: floor.stone.max(gravel.stone),
-        tint: T::pick(on_stone, floor.tint, gravel.tint),
+        tint: Jet::pick(on_stone, floor.tint, gravel.tint),
     }
 }
 
+/// Size of cell below which stones also lie where larger ones do not. Tuned.
+const SPREAD_M: f32 = 0.05;
 /// Height of a gravel stone of the least [`Rubble::rise`], relative to its cell. Tuned.
-const HEIGHT_PER_CELL: f32 = 0.22;
+const HEIGHT_PER_CELL: f32 = 0.19;
 
 /// Gravel from cobbles down to what fine textures just show: angular chips among rounded pebbles.
 const GRAVEL: [Rubble; 4] = [

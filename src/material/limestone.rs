@@ -3,13 +3,14 @@
 //! First state: bedded rock, stepped along one dip through the whole cave, with solution pockets, joints and scallops
 //! (Curl 1974). Second state: flowstone, draped by gravity. The floor is mud with puddles and embedded cobbles.
 
+use super::coarse::{Coarse, MARKS};
 use super::color::{Color, Tone, ramp};
 use super::floor::Debris;
 use super::rock::{Detail, Floor, Form, Paint, Rock, Wall, level_lot};
 use super::rubble::Rubble;
 use super::site::{Footprint, Site};
 use super::{DomainWarp, Look};
-use crate::noise::{Real, Value, cells_2d, cells_3d, facets, hollows, inlined, mix, vec3};
+use crate::noise::{Jet, Real, Source, Value, cells_2d, cells_3d, facets, hollows, inlined, mix, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use schemars::JsonSchema;
@@ -68,8 +69,6 @@ struct Bed<T> {
     rest: T,
     /// Openness of the parting above it, 0–1.
     parting: T,
-    /// Prominence of the beds here, 0–1.
-    show: T,
     /// Where the joints of the bed lie, relative to their spacing.
     joints: [T; 2],
 }
@@ -82,25 +81,16 @@ impl Limestone {
         [across * libm::cosf(azimuth), across * libm::sinf(azimuth), libm::cosf(dip)]
     }
 
+    /// The bed at this [`Rock::level`].
     #[inline(always)]
-    fn bed<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Bed<T> {
-        let (p, n) = (site.point, site.source);
-        let rise = p.along(self.pole()) * (1.0 / self.bed_m);
-        let level = rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06;
+    fn bed<S: Simd, T: Real<S>>(n: Source, level: T) -> Bed<T> {
         let (index, rest) = level.split();
         let lot = inlined!(|index, layer| level_lot::<S, T>(index, n.layer(layer)));
         // Each bed begins at an individual height, so that partings are unevenly spaced.
         let edge = lot(index, 14) * 0.28 - 0.14;
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
-        let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.42, 1.0));
-        let show = n.noise(13, p.stretched(0.25, 0.25, 0.5)).step(-0.55, 0.15) * 0.65 + 0.35;
-        Bed {
-            hardness,
-            rest: rest_here,
-            parting: lot(index, 15).squared(),
-            show,
-            joints: [lot(index, 52), lot(index, 53)],
-        }
+        let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.52, 1.0));
+        Bed { hardness, rest: rest_here, parting: lot(index, 15).squared(), joints: [lot(index, 52), lot(index, 53)] }
     }
 
     /// Coordinates across and along the joints, metres.
@@ -115,18 +105,29 @@ impl Limestone {
     /// Distance to the nearest crack, metres. Cracks follow the two sets of joints, and end at the partings of their bed,
     /// where those of the next one are offset.
     #[inline(always)]
-    fn crack_distance<S: Simd, T: Real<S>>(&self, site: &Site<T>, bed: &Bed<T>) -> T {
+    fn crack_distance<S: Simd>(&self, site: &Site<Jet<S>>, bend: Value<S>, bed: &Bed<Jet<S>>) -> Jet<S> {
         /// Mean distances between the cracks of a set, metres.
         const SPACING_M: [f32; 2] = [0.9, 1.5];
-        let (p, n) = (site.point, site.source);
         let [across, along] = self.jointed(site);
-        let bend = n.noise(43, p.scaled(1.6)) * 0.06;
-        let distance = inlined!(|at: T, set: usize| {
+        let bend = Jet::constant(bend.0);
+        let distance = inlined!(|at: Jet<S>, set: usize| {
             let (_, place) = ((at + bend) * (1.0 / SPACING_M[set]) + bed.joints[set]).split();
             let off = (place - 0.5) * SPACING_M[set];
             off.max(-off)
         });
         distance(across, 0).min(distance(along, 1))
+    }
+
+    /// Recess by running water: a notch along the foot of the walls, with an overhang, where a stream stood at that height for
+    /// long; and a channel along the middle of the roof, made by the same water when it filled the passage.
+    #[inline(always)]
+    fn carved<S: Simd, T: Real<S>>(site: &Site<T>) -> T {
+        let (p, n) = (site.point, site.source);
+        let level = site.height - n.noise(18, p.scaled(1.0 / 9.0)) * 0.45;
+        let notch =
+            level.step(0.25, 0.75) * level.step(1.10, 0.82) * n.noise(19, p.scaled(1.0 / 6.0)).step(-0.20, 0.15);
+        let channel = ((-site.up + 1.0) * (1.0 / 0.10)).bump() * n.noise(20, p.scaled(1.0 / 7.0)).step(-0.05, 0.20);
+        notch * 0.30 + channel * 0.38
     }
 
     /// 0 on a joint, about ±1 away from it.
@@ -141,9 +142,9 @@ impl Limestone {
 }
 
 const BLOCKS: Rubble =
-    Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 0.8, flank: 5.0, rounding: 0.3, fillet: 0.2 };
+    Rubble { layer: 31, cell_m: 1.2, rise: [0.35, 0.65], tilt: 1.2, flank: 5.5, rounding: 0.12, fillet: 0.10 };
 const COBBLES: Rubble =
-    Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.6, flank: 2.4, rounding: 0.3, fillet: 0.2 };
+    Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.8, flank: 2.6, rounding: 0.15, fillet: 0.12 };
 
 /// Mean width of the plates into which drying mud cracks, metres.
 const PLATE_M: f32 = 0.15;
@@ -159,60 +160,84 @@ impl Rock for Limestone {
     fn wall<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> Wall<T> {
         let (p, n) = (site.point, site.source);
         let ceiling = site.up.step(0.2, 0.8);
-        let undulation = n.fbm(1, p.scaled(1.0 / 3.6), 2, 0.54) * 0.30;
-        let bed = self.bed(site);
+        let undulation = n.fbm(1, p.scaled(1.0 / 3.6), 2, 0.54) * 0.24;
+        let bed = Self::bed(n, self.level(site));
+        let show = n.noise(13, p.stretched(0.25, 0.25, 0.5)).step(-0.60, 0.05) * 0.55 + 0.45;
         let belly = bed.rest * (-bed.rest + 1.0) * 0.16;
-        let beds = ((bed.hardness - 0.5) * 0.66 - belly) * bed.show;
+        let beds = ((bed.hardness - 0.5) * 0.66 - belly) * show;
         let pocket = cells_3d(n.warp(2, p, 1.5, 0.2).stretched(1.0 / 2.0, 1.0 / 1.5, 1.0 / 1.3), n.layer(3));
         let pocket = (-pocket.distance.squared() + 0.30) * (ceiling * 0.28 + 0.24);
         let fissure = self.joints(site);
         let joint = (fissure * 5.0).bump() * (ceiling * 0.55 + 0.16);
         // Water comes out of joints and runs down, so flowstone forms only near joints.
         let cover = (fissure * 3.0).bump() * 0.9 - 0.40 - ceiling * 0.5 + n.noise(5, p.stretched(1.0, 1.0, 0.2)) * 0.4;
-        let flow = (cover + self.flowstone).step(0.0, 0.40) * site.height.step(0.0, 0.5);
+        let flow = (cover + self.flowstone).step(0.0, 0.42) * site.height.step(0.0, 0.5);
         let rock = beds + pocket + joint;
-        let mut form = rock;
+        let carved = Self::carved(site);
+        let mut form = rock + carved;
         if flow.value().simd_gt(0.0).any_true() {
             let curtain = n.noise(6, p.stretched(2.2, 2.2, 0.30)).soft_abs(0.06) * -0.15;
             let drape = curtain + n.noise(7, p.stretched(2.5, 2.5, 0.7)) * 0.04 - 0.10;
-            form = mix(rock, drape + beds * 0.25, flow);
+            form = mix(form, drape + beds * 0.25, flow);
         }
         Wall { recess: (undulation + form) * self.relief, cavity: rock, state: flow, band: bed.hardness }
     }
 
     #[inline(always)]
-    fn wall_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, wall: &Wall<T>, footprint: Footprint) -> Detail<T> {
-        let (p, n, flow) = (site.point, site.source, wall.state);
+    fn level<S: Simd, T: Real<S>>(&self, site: &Site<T>) -> T {
+        let (p, n) = (site.point, site.source);
+        let rise = p.along(self.pole()) * (1.0 / self.bed_m);
+        rise + n.noise(10, p.scaled(0.25)) * 0.22 + n.noise(11, p.scaled(1.0 / 1.2)) * 0.06
+    }
+
+    #[inline(always)]
+    fn marks<S: Simd>(&self, site: &Site<Value<S>>) -> [Value<S>; MARKS] {
+        let (p, n) = (site.point, site.source);
+        let none = Value::zero(site.simd());
+        let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
+        let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.25, 0.15);
+        // Interrupted: the mask is about as long as a bed is thick.
+        let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.05, 0.50);
+        let bend = n.noise(43, p.scaled(1.6)) * 0.06;
+        let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
+        let calcite = n.noise(67, p.scaled(1.0 / 1.3));
+        let dried = n.noise(54, p.scaled(1.0 / 2.5)).step(0.0, 0.25);
+        [open, scalloped, cracked, bend, curtain, calcite, dried, none, none, none]
+    }
+
+    #[inline(always)]
+    fn wall_detail<S: Simd>(&self, coarse: &Coarse<S>, footprint: Footprint) -> Detail<S> {
+        let (site, flow) = (&coarse.site, coarse.wall.state);
+        let (p, n) = (site.point, site.source);
         let mut detail = Detail::none(site.simd());
-        if flow.value().simd_lt(1.0).any_true() {
-            let bed = self.bed(site);
-            let open = n.noise(50, p.stretched(0.7, 0.7, 1.4)).step(-0.25, 0.45);
-            let groove = footprint.line((bed.rest - 0.86) * self.bed_m, 0.09) * open * (bed.parting * 0.05 + 0.012);
-            let scalloped = n.noise(40, p.scaled(1.0 / 3.4)).step(-0.25, 0.15);
-            let drift = [site.flow.x.value(), site.flow.y.value(), site.flow.z.value()].map(
-                #[inline(always)]
-                |along| along * SCALLOP_SKEW,
-            );
-            let at = n.warp(41, p, 0.5, 0.05).stretched(1.0 / 0.30, 1.0 / 0.30, 1.0 / 0.24);
-            let scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * scalloped * 0.075;
+        if flow.0.simd_lt(1.0).any_true() {
+            let [open, scalloped, cracked, bend, ..] = coarse.marks;
+            let bed = Self::bed(n, coarse.level);
+            let parting = footprint.line((bed.rest - 0.86) * self.bed_m, 0.05) * open;
+            let groove = parting * (bed.parting * 0.05 + 0.012);
+            let mut scallops = Jet::zero(site.simd());
+            if scalloped.0.simd_gt(0.0).any_true() {
+                let drift = inlined!(|along: Jet<S>| along.value() * SCALLOP_SKEW);
+                let drift = [drift(site.flow.x), drift(site.flow.y), drift(site.flow.z)];
+                let at = p.stretched(1.0 / 0.30, 1.0 / 0.30, 1.0 / 0.24);
+                scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * (scalloped * 0.075);
+            }
             let broken = (-scalloped + 1.0) * (0.014 * footprint.keep(0.14));
-            let mut chips = T::zero(site.simd());
-            if broken.value().simd_gt(0.0).any_true() {
+            let mut chips = Jet::zero(site.simd());
+            if broken.0.simd_gt(0.0).any_true() {
                 chips = facets(p.turned().scaled(1.0 / 0.14), 1.0, n.layer(57)) * broken;
             }
-            // Interrupted: the mask is about as long as a bed is thick.
-            let cracked = n.noise(45, p.scaled(1.0 / 0.9)).step(0.05, 0.50);
-            let crack = footprint.line(self.crack_distance(site, &bed), 0.018) * cracked;
-            let grain = footprint.fbm(n, 46, p, 0.22, 0.54) * 0.020;
+            let crack = footprint.line(self.crack_distance(site, bend, &bed), 0.018) * cracked;
+            let grain = footprint.fbm(n, 46, p, 0.22, 0.60) * 0.020;
             let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
             detail.recess = (scallops + groove + chips + grain + ribs + crack * 0.015) * (-flow + 1.0);
-            detail.crack = crack * (-flow + 1.0);
+            detail.crack = Value(crack.value).max(Value((parting * bed.parting).value)) * (-flow + 1.0);
         }
-        if flow.value().simd_gt(0.0).any_true() {
-            let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)) * (0.005 * footprint.keep(0.04));
+        if flow.0.simd_gt(0.0).any_true() {
+            let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)).soft_abs(0.06) * (-0.014 * footprint.keep(0.04));
             let grain = footprint.fbm(n, 49, p.stretched(1.0, 1.0, 0.55), 0.11, 0.5) * 0.005;
             let flutes = n.noise(51, p.stretched(7.0, 7.0, 0.7)).soft_abs(0.05) * (-0.03 * footprint.keep(0.10));
-            detail.recess = detail.recess + (gours * 0.5 + flutes + grain) * flow;
+            detail.recess = detail.recess + (gours + flutes + grain) * flow;
         }
         detail
     }
@@ -231,10 +256,11 @@ impl Rock for Limestone {
     }
 
     #[inline(always)]
-    fn floor_detail<S: Simd, T: Real<S>>(&self, site: &Site<T>, floor: &Floor<T>, footprint: Footprint) -> Floor<T> {
-        let strewn = self.debris().detail(site, floor, footprint);
-        let (p, n) = (site.point, site.source);
-        let dried = n.noise(54, p.scaled(1.0 / 2.5)).step(0.0, 0.25) * (-strewn.stone + 1.0);
+    fn floor_detail<S: Simd>(&self, coarse: &Coarse<S>, floor: &Floor<Jet<S>>, footprint: Footprint) -> Floor<Jet<S>> {
+        let strewn = self.debris().detail(coarse, floor, footprint);
+        let (p, n) = (coarse.site.point, coarse.site.source);
+        let [_, _, _, _, _, _, dried, ..] = coarse.marks;
+        let dried = (-strewn.stone + 1.0) * dried;
         if dried.value().simd_le(0.0).all_true() {
             return strewn;
         }
@@ -242,7 +268,7 @@ impl Rock for Limestone {
         let crack = footprint.line(edge, 0.014);
         // Plates of mud curl up at their rims as they dry.
         let curl = (-edge * (1.0 / 0.045) + 1.0).at_least(0.0).squared() * 0.006;
-        Floor { height: strewn.height + (curl - crack * 0.018) * dried, ..strewn }
+        Floor { height: strewn.height + (curl - crack * 0.007) * dried, ..strewn }
     }
 
     #[inline(always)]
@@ -254,13 +280,13 @@ impl Rock for Limestone {
         let level = tone.patch * 0.06 + (look.humidity * 0.12 - 0.09) - form.height;
         let damp = (level + 0.05).step(0.0, 0.06) * form.floor;
         let pool = level.step(0.0, 0.012) * form.floor * (look.humidity * 10.0).min(1.0);
-        let film = tone.film(form, look, form.state * -0.45 + form.floor * 0.6);
+        let film = tone.film(form, look, form.state * -0.10 + form.floor * 0.6);
         let film = film.max(damp * 0.5).max(pool);
-        let dry = form.relief * 0.09 - tone.fine * 0.06 - form.state * 0.25 + 0.80;
+        let dry = tone.dry_roughness(form, form.state * -0.22 + 0.78);
         let color = color.lit(film * -0.50 + 1.0);
         Paint {
             color: vec3(color.x, color.y * (film * -0.02 + 1.0), color.z * (film * -0.06 + 1.0)),
-            roughness: mix(dry, pool * -0.10 + 0.20, film),
+            roughness: mix(dry, mix(tone.wet_roughness(form), Value::splat(site.simd(), 0.10), pool), film),
             film,
             pool,
         }
@@ -273,32 +299,32 @@ impl Limestone {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
         // Each bed has its own grey; broad patches only vary it.
-        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.45 + tone.broad * 0.30 - form.cavity * 0.25;
+        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.55 + tone.broad * 0.15 - form.cavity * 0.25;
         let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
         let marl = form.band.step(0.60, 0.80) * 0.7;
-        let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.12, 0.60) * side;
-        let curtain = n.noise(66, p.stretched(2.2, 2.2, 0.35));
-        let manganese = (curtain + tone.fine * 0.5 + tone.patch * 0.3 + form.cavity * 0.5).step(0.36, 0.80);
-        let calcite = (n.noise(67, p.scaled(1.0 / 1.3)) + tone.fine * 0.7 - form.cavity * 0.5).step(0.40, 0.90);
-        let banding = tone.streak + n.noise(68, p.stretched(4.0, 4.0, 18.0)) * 0.3;
+        let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.38, 0.66) * side;
+        let [_, _, _, _, curtain, calcite, ..] = form.marks;
+        let manganese = (curtain + tone.fine * 0.7 + form.relief * 0.25 + form.cavity * 0.4).step(0.48, 0.72);
+        let calcite = (calcite + tone.fine * 0.8 - form.cavity * 0.5).step(0.52, 0.76);
+        let banding = tone.streak + n.noise(68, p.stretched(11.0, 11.0, 1.2)) * 0.3;
         let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
-        let tide = (tone.broad * 0.3 + 0.55 - form.height).step(0.0, 0.25);
+        let tide = (tone.broad * 0.25 + tone.fine * 0.12 + 0.75 - form.height).step(0.0, 0.12);
         rock.under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
             .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
-            .under(flowstone, form.state * 0.9)
+            .under(flowstone, (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9)
             .lit(form.crack * -0.55 + 1.0)
             .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * (form.relief * 0.35 + 0.5))
-            .tinted([0.150, 0.100, 0.060], tide * (form.relief * 0.40 + 0.45))
+            .tinted([0.135, 0.092, 0.056], tide * (form.relief * 0.35 + 0.62))
     }
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        let light = tone.fine * 0.5 - form.relief * 0.5 + tone.broad * 0.3;
+        let light = tone.ground(form);
         let mud = ramp(light.step(-0.7, 0.8), [0.085, 0.060, 0.040], [0.225, 0.170, 0.118]);
-        let stone = ramp(form.tint, [0.130, 0.112, 0.090], [0.370, 0.325, 0.262]);
-        let dusty = (form.relief + 0.5).within(0.1, 0.9) * 0.6;
+        let stone = ramp(form.tint, [0.105, 0.088, 0.068], [0.350, 0.300, 0.235]);
+        let dusty = form.dust() * 0.8;
         mud.under(stone.under(mud, dusty), form.stone)
     }
 }

@@ -89,12 +89,7 @@ impl Sites {
     /// Stores at most [`BLOCK`] points; padding repeats the last.
     pub fn place(&mut self, points: &[[f32; 3]]) {
         self.count = points.len();
-        for lane in 0..BLOCK {
-            let point = points[lane.min(points.len() - 1)];
-            for (axis, coordinate) in point.into_iter().enumerate() {
-                self.point[axis][lane] = coordinate;
-            }
-        }
+        self.point = by_axis(points);
     }
 
     /// The lanes from `at` on.
@@ -111,6 +106,12 @@ impl Sites {
             source: self.source,
         }
     }
+}
+
+/// Coordinates of a block of points; padding repeats the last.
+pub(crate) fn by_axis(points: &[[f32; 3]]) -> [[f32; BLOCK]; 3] {
+    let last = points.len() - 1;
+    std::array::from_fn(|axis| std::array::from_fn(|lane| points[lane.min(last)][axis]))
 }
 
 /// One site per lane; see [`Sites`] for the meaning of the fields.
@@ -145,6 +146,25 @@ impl<T> Site<T> {
     }
 }
 
+impl<S: Simd> Site<Jet<S>> {
+    /// The site without gradients.
+    #[inline(always)]
+    pub fn values(&self) -> Site<Value<S>> {
+        let value = inlined!(|number: Jet<S>| Value(number.value));
+        let vector = inlined!(|v: Vec3<Jet<S>>| vec3(value(v.x), value(v.y), value(v.z)));
+        Site {
+            point: vector(self.point),
+            wall: value(self.wall),
+            height: value(self.height),
+            up: value(self.up),
+            half_width: value(self.half_width),
+            flow: vector(self.flow),
+            ground: self.ground,
+            source: self.source,
+        }
+    }
+}
+
 /// A number that can be stored in a [`Channel`].
 pub trait Stored<S: Simd>: Real<S> {
     /// The coordinates from `at` on, as variables of space.
@@ -161,8 +181,19 @@ pub trait Stored<S: Simd>: Real<S> {
     fn store(self, channel: &mut Channel, at: usize);
 }
 
+/// Coordinates from lane `at` on, as variables of space.
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, from: &[f32; BLOCK], at: usize) -> Lanes<S> {
+pub(super) fn variables<S: Simd, const N: usize>(simd: S, point: &[[f32; N]; 3], at: usize) -> Vec3<Jet<S>> {
+    let one = inlined!(|here: bool| Lanes::<S>::splat(simd, f32::from(u8::from(here))));
+    let axis = inlined!(|i: usize| Jet {
+        value: lanes(simd, &point[i], at),
+        gradient: [one(i == 0), one(i == 1), one(i == 2)],
+    });
+    vec3(axis(0), axis(1), axis(2))
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, from: &[f32], at: usize) -> Lanes<S> {
     Lanes::<S>::from_slice(simd, &from[at..at + Lanes::<S>::LEN])
 }
 
@@ -192,12 +223,7 @@ impl<S: Simd> Stored<S> for Value<S> {
 impl<S: Simd> Stored<S> for Jet<S> {
     #[inline(always)]
     fn point(simd: S, point: &[[f32; BLOCK]; 3], at: usize) -> Vec3<Self> {
-        let one = inlined!(|here: bool| Lanes::<S>::splat(simd, f32::from(u8::from(here))));
-        let axis = inlined!(|i: usize| Jet {
-            value: lanes(simd, &point[i], at),
-            gradient: [one(i == 0), one(i == 1), one(i == 2)],
-        });
-        vec3(axis(0), axis(1), axis(2))
+        variables(simd, point, at)
     }
 
     #[inline(always)]
@@ -221,10 +247,10 @@ impl<S: Simd> Stored<S> for Jet<S> {
 /// The appearance of the wall at every site of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceSamples {
-    /// The field with all detail, metres.
-    pub value: [f32; BLOCK],
-    /// Its gradient.
-    pub gradient: [[f32; BLOCK]; 3],
+    /// Distance of the wall with all detail from the site, metres; positive towards the air. First-order estimate.
+    pub height_m: [f32; BLOCK],
+    /// Unit normal of the wall with all detail, into the air.
+    pub normal: [[f32; BLOCK]; 3],
     /// Base colour, linear RGB.
     pub color: [[f32; BLOCK]; 3],
     /// Perceptual roughness.
@@ -236,8 +262,8 @@ pub struct SurfaceSamples {
 impl Default for SurfaceSamples {
     fn default() -> Self {
         Self {
-            value: [0.0; BLOCK],
-            gradient: [[0.0; BLOCK]; 3],
+            height_m: [0.0; BLOCK],
+            normal: [[0.0; BLOCK]; 3],
             color: [[0.0; BLOCK]; 3],
             roughness: [0.0; BLOCK],
             occlusion: [0.0; BLOCK],
@@ -261,9 +287,15 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// Weight of a layer with this wavelength: 1 from three texels on, 0 below two (Nyquist).
+    /// Weight of a layer with this wavelength: 1 from two and a half texels on, 0 below two (Nyquist). Tuned: with a wider
+    /// ramp maps lack a quarter of the contrast that texels can show, with a narrower one noise is mostly alias.
     pub fn keep(self, wavelength_m: f32) -> f32 {
-        (wavelength_m / self.texel_m - 2.0).clamp(0.0, 1.0)
+        (2.0 * (wavelength_m / self.texel_m - 2.0)).clamp(0.0, 1.0)
+    }
+
+    /// Weight of noise whose lattice has this spacing: most of its power is at one and a half times that wavelength.
+    pub fn keep_noise(self, spacing_m: f32) -> f32 {
+        self.keep(1.5 * spacing_m)
     }
 
     /// A line where `distance_m` is 0, fading out at `half_width_m`: its full width at half maximum is at least two texels,
@@ -287,7 +319,7 @@ impl Footprint {
     fn amplitudes(self, wavelength_m: f32, gain: f32) -> [f32; Self::OCTAVES] {
         let (mut wavelength_m, mut amplitude) = (wavelength_m, 1.0);
         std::array::from_fn(|_| {
-            let kept = if wavelength_m < Self::FINEST_M { 0.0 } else { amplitude * self.keep(wavelength_m) };
+            let kept = if wavelength_m < Self::FINEST_M { 0.0 } else { amplitude * self.keep_noise(wavelength_m) };
             (wavelength_m, amplitude) = (wavelength_m / LACUNARITY, amplitude * gain);
             kept
         })

@@ -203,7 +203,7 @@ mod tests {
         assert!(matches!(endless, GridError::Empty { axis: 'z', .. }));
         let far = refuse(bounds([-9e3; 3], [0.0; 3]), plain());
         assert!(matches!(far, GridError::TooFar { .. }));
-        let narrow = refuse(cave, MeshSettings { chunk_m: [1.0; 3], ..plain() });
+        let narrow = refuse(cave, MeshSettings { voxel_m: 0.2, chunk_m: [1.0; 3], ..plain() });
         assert!(matches!(narrow, GridError::NarrowChunk { cells: 5, .. }));
         let divided = refuse(cave, MeshSettings { divisions: Some([1, 1, 99]), ..plain() });
         assert!(matches!(divided, GridError::NarrowChunk { axis: 'z', .. }));

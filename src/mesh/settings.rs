@@ -29,10 +29,10 @@ pub struct MeshSettings {
 impl Default for MeshSettings {
     fn default() -> Self {
         Self {
-            voxel_m: 0.2,
+            voxel_m: 0.12,
             chunk_m: [16.0; 3],
             divisions: None,
-            simplify_error_m: 0.02,
+            simplify_error_m: 0.012,
             max_triangles: 0,
             collision_error_m: 0.05,
         }

@@ -169,6 +169,9 @@ fn find_3d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell3<T> {
     }
 }
 
+/// How flat a hollow can be at most where it is drawn out, so that none is lower than its feature point. Tuned.
+const LEAST_SKEW: f32 = 0.3;
+
 #[inline(always)]
 fn hollows_here<S: Simd, T: Real<S>>(at: Vec3<T>, drift: [Lanes<S>; 3], salt: i32) -> T {
     let block = Block::around(at, salt);
@@ -177,9 +180,11 @@ fn hollows_here<S: Simd, T: Real<S>>(at: Vec3<T>, drift: [Lanes<S>; 3], salt: i3
     for i in 0..27 {
         let (_, away) = block.cell(neighbour(i));
         let (squared, skew) = (dot::<S>(away, away), dot::<S>(away, drift) + 1.0);
+        let skewed = skew.simd_gt(LEAST_SKEW);
+        let skew = skew.max(LEAST_SKEW);
         let depth = squared * skew;
         let lower = depth.simd_lt(least);
-        let along = inlined!(|axis: usize| away[axis] * skew * 2.0 + squared * drift[axis]);
+        let along = inlined!(|axis: usize| away[axis] * skew * 2.0 + skewed.select(squared * drift[axis], far * 0.0));
         least = lower.select(depth, least);
         slope = choose::<S, 3>(lower, [along(0), along(1), along(2)], slope);
     }
@@ -197,9 +202,10 @@ fn facets_here<S: Simd, T: Real<S>>(at: Vec3<T>, tilt: f32, salt: i32) -> T {
         let t = (-dot::<S>(away, away) * (1.0 / 1.5) + 1.0).max(0.0);
         let (t2, h2) = (t * t, h * 0x1657_33b1);
         let (t4, h2) = (t2 * t2, h2 ^ (h2 >> 13));
-        // The twelfth power: with twice that, the wall has handles on a lattice of 0.2 m.
-        let weight = t4 * t4 * t4;
-        let weight_slope = t4 * t4 * t2 * t * (12.0 * -2.0 / 1.5);
+        // The 14th power: lower ones round the edges between facets, higher ones are too sharp for the lattice of textures.
+        let t12 = t4 * t4 * t4;
+        let weight = t12 * t2;
+        let weight_slope = t12 * t * (14.0 * -2.0 / 1.5);
         let tilted = inlined!(|shift: u32| (ten_bits::<S>(h2, shift) * (2.0 / 1023.0) - 1.0) * tilt);
         let plane = [tilted(0), tilted(10), tilted(20)];
         let rise = ten_bits::<S>(h2 * 0x05eb_ca6b, 21) * (2.0 / 1023.0) - 1.0;
@@ -260,18 +266,19 @@ fn find_2d<S: Simd, T: Real<S>>(at: Vec3<T>, salt: i32) -> Cell2<S, T> {
 /// Distance to the nearest line halfway between the nearest point and another, and its slope.
 #[inline(always)]
 fn nearest_bisector<S: Simd>(points: &[[Lanes<S>; 2]; 9], first: [Lanes<S>; 2]) -> (Lanes<S>, [Lanes<S>; 2]) {
-    let far = Lanes::<S>::splat(first[0].token(), 9.0);
-    let (mut edge, mut slope) = (far, [far; 2]);
+    let one = Lanes::<S>::splat(first[0].token(), 1.0);
+    // The distance to a line is `excess / (2 length)`: compared by squares, so that only the nearest takes a root.
+    let (mut excess, mut squared, mut across) = (one * 9.0, one, [one; 2]);
     for point in points {
         let n = [point[0] - first[0], point[1] - first[1]];
-        let squared = n[0] * n[0] + n[1] * n[1];
-        let length = squared.max(1e-12).sqrt();
-        let reach = ((point[0] + first[0]) * n[0] + (point[1] + first[1]) * n[1]) * 0.5 / length;
-        let itself = squared.simd_lt(1e-9);
-        let d = itself.select(far, reach);
-        let nearer = d.simd_lt(edge);
-        edge = nearer.select(d, edge);
-        slope = choose::<S, 2>(nearer, [n[0] / length, n[1] / length], slope);
+        let length_squared = n[0] * n[0] + n[1] * n[1];
+        let further = (point[0] + first[0]) * n[0] + (point[1] + first[1]) * n[1];
+        let another = length_squared.simd_ge(1e-9);
+        let nearer = (further * further * squared).simd_lt(excess * excess * length_squared) & another;
+        excess = nearer.select(further, excess);
+        squared = nearer.select(length_squared, squared);
+        across = choose::<S, 2>(nearer, n, across);
     }
-    (edge, slope)
+    let length = squared.sqrt();
+    (excess * 0.5 / length, [across[0] / length, across[1] / length])
 }

@@ -330,6 +330,16 @@ impl<S: Simd> Sub<f32> for Jet<S> {
     }
 }
 
+/// By a number that is constant in space.
+impl<S: Simd> Mul<Value<S>> for Jet<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Value<S>) -> Self {
+        let [x, y, z] = self.gradient;
+        Self { value: self.value * other.0, gradient: [x * other.0, y * other.0, z * other.0] }
+    }
+}
+
 impl<S: Simd> Mul<f32> for Jet<S> {
     type Output = Self;
     #[inline(always)]

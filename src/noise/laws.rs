@@ -32,6 +32,10 @@ primitive!(Noise, 0.0, |at| Source::new(1).noise(2, at));
 primitive!(Fbm, 0.0, |at| Source::new(1).fbm(2, at, 4, 0.5));
 primitive!(Ridged, 0.02, |at| Source::new(1).ridged(2, at.scaled(0.5), 2, 0.5));
 primitive!(Facets, 0.01, |at| facets(at, 1.1, SALT));
+primitive!(Hollows, 0.03, |at| {
+    let drift = Lanes::<S>::splat(at.x.value().token(), 0.5);
+    hollows(at, [drift, drift * 0.4, -drift * 0.4], SALT)
+});
 primitive!(Distance3, 0.02, |at| cells_3d(at, SALT).distance);
 primitive!(Edge3, 0.04, |at| cells_3d(at, SALT).edge);
 primitive!(Edge2, 0.04, |at| cells_2d(at, SALT).edge);
@@ -111,6 +115,7 @@ macro_rules! for_every_primitive {
         $law::<Fbm>();
         $law::<Ridged>();
         $law::<Facets>();
+        $law::<Hollows>();
         $law::<Distance3>();
         $law::<Edge3>();
         $law::<Edge2>();
@@ -165,4 +170,9 @@ fn noise_varies_over_space_as_that_of_the_crate_noise() {
         let theirs = correlation(|at| noise::NoiseFn::get(&other, at.map(f64::from)), step);
         assert!((ours - theirs).abs() < 0.03, "{step}: {ours} instead of {theirs}");
     }
+}
+
+#[test]
+fn no_hollow_is_below_its_feature_point() {
+    assert!(points(4000).all(|at| dispatched!(simd => value::<Hollows, _>(simd, at)) >= 0.0));
 }

@@ -25,6 +25,18 @@ pub enum PipelineError {
     /// No grid of chunks fits.
     #[error("mesh: {0}")]
     Grid(#[from] GridError),
+    /// The cave would be larger than its recipe allows.
+    #[error("{what} need about {needed_gb} GB on the disk, but the limit is {limit_gb} GB")]
+    TooLarge {
+        /// What needs the space, with the settings that determine it.
+        what: String,
+        /// The space that it needs, in gigabytes.
+        needed_gb: f64,
+        /// The limit, in gigabytes.
+        limit_gb: f64,
+        /// How to need less.
+        remedy: String,
+    },
     /// The folder holds another cave.
     #[error("{}: holds another cave (its {stage} differs)", path.display())]
     OtherCave {

@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 
-use super::WorldSettings;
+use super::{OutputSettings, WorldSettings};
 use crate::field::PassageSettings;
 use crate::material::{Look, MATERIALS};
 use crate::mesh::{MeshSettings, PieceSettings};
@@ -87,6 +87,7 @@ fn whole(graph: Value, rock: Value) -> Value {
             "lod": schema_of::<LodSettings>(),
             "pieces": schema_of::<PieceSettings>(),
             "world": schema_of::<WorldSettings>(),
+            "output": schema_of::<OutputSettings>(),
         }
     })
 }

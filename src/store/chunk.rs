@@ -72,8 +72,8 @@ pub fn write_textured(
     settings: &TextureSettings,
     lod: &LodSettings,
 ) -> Result<Written, ChunkError> {
-    let images = Maps { height: IMAGES.height.filter(|_| settings.height), ..IMAGES };
-    let mut sinks = images.try_map(|image| folder.create(&image_path(name, image, settings.format)))?;
+    let create = |(image, format)| folder.create(&image_path(name, image, format));
+    let mut sinks = IMAGES.zip(settings.formats()).try_map(create)?;
     let textured = texture::texture(mesh, surface, settings, sinks.as_mut()).map_err(|error| match error {
         TextureError::Write(source) => StoreError::io(&folder.root().join("textures").join(name), source).into(),
         source => ChunkError::Texture { chunk: name.to_owned(), source },

@@ -10,6 +10,7 @@ use super::facts::Facts;
 use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
 use crate::mesh::ChunkIndex;
+use crate::texture::MapFormats;
 use plume_exporters::ImageFormat;
 use plume_graph::echo::shown;
 
@@ -150,9 +151,8 @@ pub fn lod_path(name: &str, level: usize) -> String {
     format!("textures/{name}_lod{level}.ply")
 }
 
-/// Path of an image of a chunk; heights are always PNG.
+/// Path of an image of a chunk.
 pub fn image_path(name: &str, image: &str, format: ImageFormat) -> String {
-    let format = if Some(image) == IMAGES.height { ImageFormat::Png } else { format };
     format!("textures/{name}_{image}.{}", format.extension())
 }
 
@@ -162,11 +162,10 @@ pub fn pieces_path(name: &str) -> String {
 }
 
 fn is_texture_path(name: &str, path: &str) -> bool {
-    let images = [IMAGES.base_color, IMAGES.normal, IMAGES.orm, IMAGES.roughness].into_iter().chain(IMAGES.height);
-    let is_image = |image: &str| ImageFormat::ALL.into_iter().any(|format| image_path(name, image, format) == path);
+    let images = MapFormats::ALL.into_iter().flat_map(|formats| IMAGES.zip(formats.each()));
     path == textured_path(name)
         || (1..=MOST_LODS).any(|level| lod_path(name, level) == path)
-        || images.into_iter().any(is_image)
+        || images.into_iter().any(|(image, format)| image_path(name, image, format) == path)
 }
 
 #[cfg(test)]
@@ -201,6 +200,7 @@ mod tests {
         for (stage, name, path) in [
             ("texture", "chunk_9_9_9", "/abs/victim"),
             ("texture", "chunk_9_9_9", "../victim"),
+            ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_height.jpg"),
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_1.ply"),
             ("texture", "chunk_0_0_0", "textures/../textures/chunk_0_0_0.ply"),
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_lod01.ply"),

@@ -4,40 +4,43 @@
 //! memory is bounded by the width of the atlas, not its area.
 
 use std::io::{self, Write};
+use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::encode::{Channels, MapWriter};
-use super::owners::{NONE, Strips};
-use super::patch::{Frame, Patch};
+use super::frames::Frames;
+use super::owners::{NONE, Shown, Strips};
+use super::patch::Patch;
+use super::settings::MapFormats;
 use super::srgb::SrgbTable;
 use super::{HEIGHT_AMPLITUDE_M, Maps, Textured};
-use crate::field::{Aabb, Surface, Texel};
-use plume_exporters::ImageFormat;
+use crate::field::{Columns, Surface, Texel};
 
-/// Size of the squares of texels that are sampled together, so that nearby passages are searched once; also the rows of a
-/// strip. Tuned.
-const TILE_PX: u32 = 32;
+/// Width and height of the tiles of texels that are sampled together, so that they share what varies slowly; a strip is as
+/// high as a tile, without the texels beyond it that it repeats. Tuned.
+const TILE_PX: [u32; 2] = [256, 64];
 /// Strips in flight. A constant, so that memory does not depend on the machine.
-const STRIPS_AT_ONCE: u32 = 16;
+const STRIPS_AT_ONCE: u32 = 8;
 
 /// Bakes `surface` onto `textured` and writes the maps to `sinks`.
 ///
-/// Texels within two texels of a chart extend its rim along the plane of the nearest triangle; the others repeat the nearest
-/// texel of their row, so that no mip level mixes in a background.
+/// Texels within two texels of a chart extend its rim along the plane of the nearest triangle; those within eight repeat the
+/// nearest texel of that rim, so that the first four mip levels mix hardly any of another chart; the others repeat the nearest
+/// texel of their row, so that no level mixes in a background.
 ///
 /// # Errors
 /// If a sink fails.
 pub fn bake<W: Write + Send>(
     textured: &Textured,
     surface: &dyn Surface,
-    format: ImageFormat,
+    formats: MapFormats,
     sinks: Maps<W>,
 ) -> io::Result<()> {
-    let strips = Strips::new(textured, TILE_PX);
+    let strips = Strips::new(textured, TILE_PX[1]);
     let wants_height = sinks.height.is_some();
     let baker = Baker { textured, surface, strips: &strips, srgb: SrgbTable::new(), wants_height };
-    let mut writers = Writers::new(sinks, textured.size_px, format)?;
+    let mut writers = Writers::new(sinks, textured.size_px, formats)?;
     let top_down: Vec<u32> = (0..strips.count()).rev().collect();
     for batch in top_down.chunks(STRIPS_AT_ONCE as usize) {
         let baked: Vec<Maps<Vec<u8>>> = batch.par_iter().map(|&strip| baker.strip(strip)).collect();
@@ -57,98 +60,85 @@ struct Baker<'a> {
 impl Baker<'_> {
     /// The pixels of a strip, top row first.
     fn strip(&self, strip: u32) -> Maps<Vec<u8>> {
-        let rows = self.strips.rows(strip, self.textured.size_px);
-        let owners = self.strips.owners(self.textured, strip);
+        let shown = self.strips.shown(self.textured, strip);
         let width = self.textured.size_px as usize;
-        let mut pixels = Pixels::new(width, rows.len());
-        let mut batch = Batch::default();
-        for left in (0..width).step_by(TILE_PX as usize) {
-            let columns = left..(left + TILE_PX as usize).min(width);
-            let mut tile = vec![];
-            for row in 0..rows.len() {
-                tile.extend(columns.clone().filter_map(|x| {
-                    let owner = owners[row * width + x];
-                    (owner != NONE).then_some(TexelSample { owner, x: x as u32, row: row as u32 })
-                }));
-            }
-            // Charts that meet in a tile may be far apart in the cave.
-            tile.sort_by_key(|sample| self.textured.charts[sample.owner as usize]);
-            for samples in tile.chunk_by(|a, b| self.chart(a) == self.chart(b)) {
-                batch.look(self, samples, rows.start);
-                batch.paint(self, samples, &mut pixels);
-            }
+        let mut pixels = Pixels::new(width, shown.rows.len(), self.wants_height);
+        let mut tile = Tile::default();
+        for left in (0..width).step_by(TILE_PX[0] as usize) {
+            let columns = left..(left + TILE_PX[0] as usize).min(width);
+            tile.place(self.textured, &shown, columns);
+            tile.sample(self);
+            tile.paint(&self.srgb, &mut pixels);
         }
-        pixels.fill_background(&owners);
-        pixels.into_maps(self.wants_height)
-    }
-
-    fn chart(&self, sample: &TexelSample) -> u32 {
-        self.textured.charts[sample.owner as usize]
+        pixels.repeat_rims(&shown.sources);
+        pixels.fill_background(&shown.sources);
+        let rows = self.strips.rows(strip, self.textured.size_px);
+        pixels.of_rows((shown.rows.end - rows.end) as usize, rows.len())
     }
 }
 
-/// A texel to sample: `row` counts from the bottom of its strip.
-#[derive(Clone, Copy)]
-struct TexelSample {
-    owner: u32,
+/// Consecutive texels of a row that show one triangle.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    /// Column of the first.
     x: u32,
+    /// Row, from the lowest of [`Shown`].
     row: u32,
+    /// Number of texels.
+    len: u32,
 }
 
-/// Texels of one chart in one tile.
+/// The texels of a tile.
 #[derive(Default)]
-struct Batch {
-    frames: Vec<Frame>,
-    points: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    offsets_m: Vec<f32>,
+struct Tile {
+    spans: Vec<Span>,
+    frames: Frames,
     texels: Vec<Texel>,
 }
 
-impl Batch {
-    fn look(&mut self, baker: &Baker, samples: &[TexelSample], first_row: i32) {
+impl Tile {
+    /// The texels in some columns of a strip.
+    fn place(&mut self, textured: &Textured, Shown { rows, triangles, .. }: &Shown, columns: Range<usize>) {
+        self.spans.clear();
         self.frames.clear();
-        for run in samples.chunk_by(|a, b| a.owner == b.owner) {
-            let patch = Patch::new(baker.textured, run[0].owner);
-            let frame = |sample: &TexelSample| patch.frame(sample.x as i32, first_row + sample.row as i32);
-            self.frames.extend(run.iter().map(frame));
+        let width = textured.size_px as usize;
+        for row in 0..rows.len() {
+            let triangles = &triangles[row * width..][columns.clone()];
+            let mut x = columns.start as u32;
+            for run in triangles.chunk_by(|a, b| a == b) {
+                let (triangle, len) = (run[0], run.len() as u32);
+                if triangle != NONE {
+                    self.spans.push(Span { x, row: row as u32, len });
+                    let patch = Patch::new(textured, triangle);
+                    self.frames.extend(&patch, x as i32, rows.start + row as i32, len);
+                }
+                x += len;
+            }
         }
-        self.points.clear();
-        self.points.extend(self.frames.iter().map(|frame| frame.position));
-        self.normals.clear();
-        self.normals.extend(self.frames.iter().map(Frame::unit_normal));
-        self.project(baker.surface);
+    }
+
+    fn sample(&mut self, baker: &Baker) {
         self.texels.clear();
-        self.texels.resize(samples.len(), Texel::default());
+        self.texels.resize(self.frames.signs.len(), Texel::default());
         let texel_m = 1.0 / baker.textured.texels_per_m;
-        let bounds = Aabb::from_points(self.points.iter().copied()).expect("a batch has texels");
-        baker.surface.texels(bounds, texel_m, &self.points, &self.normals, &mut self.texels);
+        let normals = self.frames.unit_normals();
+        let [positions, normals] =
+            [&self.frames.positions, &normals].map(|columns| columns.each_ref().map(Vec::as_slice));
+        baker.surface.dense_texels(texel_m, positions, normals, &mut self.texels);
     }
 
-    /// Moves the points from the mesh to the wall.
-    fn project(&mut self, surface: &dyn Surface) {
-        self.offsets_m.clear();
-        self.offsets_m.resize(self.points.len(), 0.0);
-        let bounds = Aabb::from_points(self.points.iter().copied()).expect("a batch has texels");
-        surface.offsets(bounds, &self.points, &self.normals, &mut self.offsets_m);
-        for ((point, normal), offset_m) in self.points.iter_mut().zip(&self.normals).zip(&self.offsets_m) {
-            *point = std::array::from_fn(|axis| point[axis] + normal[axis] * offset_m);
-        }
-    }
-
-    fn paint(&self, baker: &Baker, samples: &[TexelSample], pixels: &mut Pixels) {
-        let texels = self.texels.iter().zip(&self.offsets_m);
-        for ((sample, frame), (texel, offset_m)) in samples.iter().zip(&self.frames).zip(texels) {
-            let roughness = byte(texel.roughness);
-            let height_m = texel.height_m + offset_m;
+    fn paint(&self, srgb: &SrgbTable, pixels: &mut Pixels) {
+        let normals = [0, 1, 2].map(|axis| self.texels.iter().map(|texel| texel.normal[axis]).collect());
+        let normals = self.frames.tangent_normals(&normals);
+        let mut start = 0;
+        for span in &self.spans {
+            let range = start..start + span.len as usize;
+            start = range.end;
             pixels.set(
-                sample,
-                Pixel {
-                    color: texel.color.map(|c| baker.srgb.encode(c)),
-                    normal: frame.tangent_normal(texel.normal).map(|c| byte(0.5 * c + 0.5)),
-                    orm: [byte(texel.occlusion), roughness, 0],
-                    height: word(0.5 * (height_m / HEIGHT_AMPLITUDE_M).clamp(-1.0, 1.0) + 0.5),
-                },
+                span,
+                srgb,
+                &self.texels[range.clone()],
+                normals.each_ref().map(|column| &column[range.clone()]),
             );
         }
     }
@@ -164,98 +154,135 @@ fn word(value: f32) -> u16 {
     (value * 65_535.0 + 0.5) as u16
 }
 
-#[derive(Clone, Copy)]
-struct Pixel {
-    color: [u8; 3],
-    normal: [u8; 3],
-    orm: [u8; 3],
-    height: u16,
-}
-
-/// The colour of rows without charts.
-const BLANK: Pixel = Pixel { color: [128; 3], normal: [128, 128, 255], orm: [255, 255, 0], height: 1 << 15 };
-
-/// A strip of pixels, lowest row first.
+/// The pixels of a strip, top row first.
 struct Pixels {
     width: usize,
-    pixels: Vec<Pixel>,
+    rows: usize,
+    maps: Maps<Vec<u8>>,
 }
 
 impl Pixels {
-    fn new(width: usize, rows: usize) -> Self {
-        Self { width, pixels: vec![BLANK; width * rows] }
+    /// Pixels in the colour of rows without charts.
+    fn new(width: usize, rows: usize, wants_height: bool) -> Self {
+        let blank = |pixel: &[u8]| pixel.repeat(width * rows);
+        let maps = Maps {
+            base_color: blank(&[128; 3]),
+            normal: blank(&[128, 128, 255]),
+            orm: blank(&[255, 255, 0]),
+            roughness: blank(&[255]),
+            height: wants_height.then(|| blank(&[128, 0])),
+        };
+        Self { width, rows, maps }
     }
 
-    fn set(&mut self, sample: &TexelSample, pixel: Pixel) {
-        self.pixels[sample.row as usize * self.width + sample.x as usize] = pixel;
+    fn set(&mut self, span: &Span, srgb: &SrgbTable, texels: &[Texel], normals: Columns) {
+        let start = (self.rows - 1 - span.row as usize) * self.width + span.x as usize;
+        let range = start..start + texels.len();
+        let [x, y, z] = normals;
+        let Maps { base_color, normal, orm, roughness, height } = &mut self.maps;
+        for (to, texel) in base_color.as_chunks_mut().0[range.clone()].iter_mut().zip(texels) {
+            *to = texel.color.map(|c| srgb.encode(c));
+        }
+        for (i, to) in normal.as_chunks_mut().0[range.clone()].iter_mut().enumerate() {
+            *to = [x[i], y[i], z[i]].map(|c| byte(0.5 * c + 0.5));
+        }
+        for (to, texel) in orm.as_chunks_mut().0[range.clone()].iter_mut().zip(texels) {
+            *to = [byte(texel.occlusion), byte(texel.roughness), 0];
+        }
+        for (to, texel) in roughness[range.clone()].iter_mut().zip(texels) {
+            *to = byte(texel.roughness);
+        }
+        if let Some(height) = height {
+            for (to, texel) in height.as_chunks_mut().0[range].iter_mut().zip(texels) {
+                let share = 0.5 * (texel.height_m / HEIGHT_AMPLITUDE_M).clamp(-1.0, 1.0) + 0.5;
+                *to = word(share).to_be_bytes();
+            }
+        }
     }
 
-    /// Fills every free texel with the nearest pixel of its row.
-    fn fill_background(&mut self, owners: &[u32]) {
-        let rows = self.pixels.chunks_mut(self.width).zip(owners.chunks(self.width));
-        for (row, owners) in rows {
+    /// Copies the pixels that others repeat. Rows of `sources` are from the bottom, like those that they tell.
+    fn repeat_rims(&mut self, sources: &[u32]) {
+        let width = self.width;
+        let pixel = |texel: usize| (self.rows - 1 - texel / width) * width + texel % width;
+        let repeated =
+            sources.iter().enumerate().filter(|(texel, source)| **source != NONE && **source as usize != *texel);
+        let pairs: Vec<[usize; 2]> = repeated.map(|(texel, source)| [pixel(*source as usize), pixel(texel)]).collect();
+        pairs.into_iter().for_each(|[from, to]| self.repeat(from, to..to + 1));
+    }
+
+    /// Fills every free texel with the nearest pixel of its row. Rows of `sources` are from the bottom.
+    fn fill_background(&mut self, sources: &[u32]) {
+        for (row, sources) in sources.chunks(self.width).rev().enumerate() {
+            let taken = (0..).zip(sources).filter(|(_, source)| **source != NONE).map(|(x, _): (usize, _)| x);
+            let mut start = 0;
             let mut left = None;
-            for (x, _) in owners.iter().enumerate().filter(|&(_, &owner)| owner != NONE) {
-                fill_gap(row, left, Some(x));
-                left = Some(x);
+            for x in taken {
+                if x > start {
+                    self.fill_gap(row, start..x, left, Some(x));
+                }
+                (start, left) = (x + 1, Some(x));
             }
-            fill_gap(row, left, None);
+            self.fill_gap(row, start..self.width, left, None);
         }
     }
 
-    fn into_maps(self, wants_height: bool) -> Maps<Vec<u8>> {
-        Maps {
-            base_color: self.channels(|pixel| pixel.color),
-            normal: self.channels(|pixel| pixel.normal),
-            orm: self.channels(|pixel| pixel.orm),
-            roughness: self.channels(|pixel| [pixel.orm[1]]),
-            height: wants_height.then(|| self.channels(|pixel| pixel.height.to_be_bytes())),
+    /// Fills the pixels of a gap from those beside it.
+    fn fill_gap(&mut self, row: usize, gap: Range<usize>, left: Option<usize>, right: Option<usize>) {
+        let middle = match (left, right) {
+            (None, _) => gap.start,
+            (_, None) => gap.end,
+            _ => gap.start + gap.len().div_ceil(2),
+        };
+        let first = row * self.width;
+        for (pixel, gap) in [(left, gap.start..middle), (right, middle..gap.end)] {
+            let Some(pixel) = pixel else { continue };
+            self.repeat(first + pixel, first + gap.start..first + gap.end);
         }
     }
 
-    /// One map, top row first.
-    fn channels<const N: usize>(&self, of: impl Fn(&Pixel) -> [u8; N]) -> Vec<u8> {
-        let mut bytes = vec![0; self.pixels.len() * N];
-        let rows = self.pixels.chunks(self.width).rev();
-        for (row, out) in rows.zip(bytes.chunks_mut(self.width * N)) {
-            for (pixel, out) in row.iter().zip(out.chunks_exact_mut(N)) {
-                out.copy_from_slice(&of(pixel));
-            }
+    /// Copies a pixel to others.
+    fn repeat(&mut self, pixel: usize, to: Range<usize>) {
+        let Maps { base_color, normal, orm, roughness, height } = &mut self.maps;
+        repeat::<3>(base_color, pixel, to.clone());
+        repeat::<3>(normal, pixel, to.clone());
+        repeat::<3>(orm, pixel, to.clone());
+        repeat::<1>(roughness, pixel, to.clone());
+        if let Some(height) = height {
+            repeat::<2>(height, pixel, to);
         }
-        bytes
+    }
+
+    /// The maps of some rows, from `first` on.
+    fn of_rows(self, first: usize, rows: usize) -> Maps<Vec<u8>> {
+        let texels = first * self.width..(first + rows) * self.width;
+        let bytes = CHANNELS.map(Channels::bytes);
+        self.maps.zip(bytes).map(|(map, bytes)| map[texels.start * bytes..texels.end * bytes].to_vec())
     }
 }
 
-/// Fills the pixels between two columns that have one, or between one and the border.
-fn fill_gap(row: &mut [Pixel], left: Option<usize>, right: Option<usize>) {
-    let (start, end) = (left.map_or(0, |x| x + 1), right.unwrap_or(row.len()));
-    let middle = match (left, right) {
-        (None, _) => start,
-        (_, None) => end,
-        _ => start + (end - start).div_ceil(2),
-    };
-    if let Some(pixel) = left.map(|x| row[x]) {
-        row[start..middle].fill(pixel);
-    }
-    if let Some(pixel) = right.map(|x| row[x]) {
-        row[middle..end].fill(pixel);
-    }
+/// Copies a pixel of `N` bytes to others.
+fn repeat<const N: usize>(map: &mut [u8], pixel: usize, to: Range<usize>) {
+    let (pixels, _) = map.as_chunks_mut::<N>();
+    let value = pixels[pixel];
+    pixels[to].fill(value);
 }
+
+/// The channels of each map.
+const CHANNELS: Maps<Channels> = Maps {
+    base_color: Channels::Srgb,
+    normal: Channels::LinearRgb,
+    orm: Channels::LinearRgb,
+    roughness: Channels::Grey,
+    height: Some(Channels::Grey16),
+};
 
 /// The encoders.
 struct Writers<W: Write>(Maps<MapWriter<W>>);
 
 impl<W: Write + Send> Writers<W> {
-    fn new(sinks: Maps<W>, size_px: u32, format: ImageFormat) -> io::Result<Self> {
-        let start = |sink, channels| MapWriter::new(sink, channels, size_px, format);
-        let start_height = |sink| MapWriter::new(sink, Channels::Grey16, size_px, ImageFormat::Png);
-        Ok(Self(Maps {
-            base_color: start(sinks.base_color, Channels::Srgb)?,
-            normal: start(sinks.normal, Channels::LinearRgb)?,
-            orm: start(sinks.orm, Channels::LinearRgb)?,
-            roughness: start(sinks.roughness, Channels::Grey)?,
-            height: sinks.height.map(start_height).transpose()?,
-        }))
+    fn new(sinks: Maps<W>, size_px: u32, formats: MapFormats) -> io::Result<Self> {
+        let start = |((sink, channels), format)| MapWriter::new(sink, channels, size_px, format);
+        Ok(Self(sinks.zip(CHANNELS).zip(formats.each()).try_map(start)?))
     }
 
     /// Appends strips, each map on a separate thread.

@@ -91,6 +91,10 @@ impl Scale {
         Self { steps_per_quantum: texels_per_m * f64::from(SUBTEXELS) / f64::from(QUANTA_PER_M) }
     }
 
+    pub fn texels_per_m(self) -> f32 {
+        (self.steps_per_quantum * f64::from(QUANTA_PER_M) / f64::from(SUBTEXELS)) as f32
+    }
+
     fn steps(self, quanta: i32) -> i32 {
         (f64::from(quanta) * self.steps_per_quantum + 0.5).floor() as i32
     }

@@ -4,13 +4,14 @@ use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
 use image_webp::{ColorType as WebpColor, WebPEncoder};
-use jpeg_encoder::{ColorType as JpgColor, Encoder as JpgEncoder, SamplingFactor};
 use png::{BitDepth, Compression, Encoder as PngEncoder, Filter, SrgbRenderingIntent, StreamWriter};
 
 use plume_exporters::ImageFormat;
 
-/// JPG quality: artefacts below what normal maps show on rock.
-const JPG_QUALITY: u8 = 90;
+use self::jpg::JpgStream;
+
+mod jpg;
+
 /// Bytes of compressed data per PNG chunk.
 const PNG_CHUNK: usize = 1 << 16;
 
@@ -40,12 +41,13 @@ impl Channels {
 
 /// A square map being written, top row first. The bytes depend only on the pixels, not on how they are passed.
 ///
-/// PNG streams; JPG and WebP keep the pixels until [`MapWriter::finish`].
+/// PNG and JPG stream; WebP keeps the pixels until [`MapWriter::finish`].
 pub struct MapWriter<W: Write>(Inner<W>);
 
 enum Inner<W: Write> {
     Png { sink: W, stream: Box<StreamWriter<'static, Spill>>, spill: Spill },
-    Whole { sink: W, picture: Picture, encode: fn(W, Picture) -> io::Result<()> },
+    Jpg { sink: W, stream: JpgStream, spill: Spill },
+    WebP { sink: W, picture: Picture },
 }
 
 impl<W: Write> MapWriter<W> {
@@ -60,8 +62,11 @@ impl<W: Write> MapWriter<W> {
                 let stream = Box::new(png_stream(spill.clone(), channels, size_px)?);
                 Inner::Png { sink, stream, spill }
             }
-            ImageFormat::Jpeg => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_jpg },
-            ImageFormat::WebP => Inner::Whole { sink, picture: Picture::new(channels, size_px), encode: encode_webp },
+            ImageFormat::Jpeg => {
+                let spill = Spill::default();
+                Inner::Jpg { sink, stream: JpgStream::new(spill.clone(), channels, size_px)?, spill }
+            }
+            ImageFormat::WebP => Inner::WebP { sink, picture: Picture::new(channels, size_px) },
         };
         Ok(Self(inner))
     }
@@ -76,7 +81,11 @@ impl<W: Write> MapWriter<W> {
                 stream.write_all(bytes)?;
                 spill.pour(sink)
             }
-            Inner::Whole { picture, .. } => {
+            Inner::Jpg { sink, stream, spill } => {
+                stream.write(bytes)?;
+                spill.pour(sink)
+            }
+            Inner::WebP { picture, .. } => {
                 picture.pixels.extend_from_slice(bytes);
                 Ok(())
             }
@@ -93,7 +102,11 @@ impl<W: Write> MapWriter<W> {
                 stream.finish()?;
                 spill.pour(&mut sink)
             }
-            Inner::Whole { sink, picture, encode } => encode(sink, picture),
+            Inner::Jpg { mut sink, stream, spill } => {
+                stream.finish()?;
+                spill.pour(&mut sink)
+            }
+            Inner::WebP { sink, picture } => encode_webp(sink, picture),
         }
     }
 }
@@ -112,19 +125,15 @@ impl Picture {
     }
 }
 
-fn encode_jpg<W: Write>(sink: W, Picture { pixels, channels, size_px }: Picture) -> io::Result<()> {
-    let mut encoder = JpgEncoder::new(sink, JPG_QUALITY);
-    encoder.set_sampling_factor(SamplingFactor::F_1_1);
-    let color = if channels == Channels::Grey { JpgColor::Luma } else { JpgColor::Rgb };
-    encoder.encode(&pixels, size_px as u16, size_px as u16, color).map_err(io::Error::other)
-}
-
 fn encode_webp<W: Write>(sink: W, Picture { pixels, channels, size_px }: Picture) -> io::Result<()> {
+    if pixels.len() != size_px as usize * size_px as usize * channels.bytes() {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
     let color = if channels == Channels::Grey { WebpColor::L8 } else { WebpColor::Rgb8 };
     WebPEncoder::new(sink).encode(&pixels, size_px, size_px, color).map_err(io::Error::other)
 }
 
-/// A buffer of compressed bytes for a sink: the stream of `png` requires a `'static` writer.
+/// A buffer of compressed bytes for a sink: the stream of `png` and the thread of a JPG require a `'static` writer.
 #[derive(Clone, Default)]
 struct Spill(Arc<Mutex<Vec<u8>>>);
 

@@ -33,6 +33,28 @@ impl<T> Maps<T> {
         Maps { base_color, normal, orm, roughness, height: height.as_mut() }
     }
 
+    /// Pairs of the items of two; the height only where both have one.
+    pub fn zip<U>(self, other: Maps<U>) -> Maps<(T, U)> {
+        Maps {
+            base_color: (self.base_color, other.base_color),
+            normal: (self.normal, other.normal),
+            orm: (self.orm, other.orm),
+            roughness: (self.roughness, other.roughness),
+            height: self.height.zip(other.height),
+        }
+    }
+
+    /// Maps each item.
+    pub fn map<U>(self, mut make: impl FnMut(T) -> U) -> Maps<U> {
+        Maps {
+            base_color: make(self.base_color),
+            normal: make(self.normal),
+            orm: make(self.orm),
+            roughness: make(self.roughness),
+            height: self.height.map(make),
+        }
+    }
+
     /// Maps each item.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The triangle shown at each texel of a strip of the atlas.
+//! What each texel of a strip of the atlas shows.
 
 use std::ops::Range;
 
@@ -11,6 +11,18 @@ use plume_graph::Rows;
 pub(super) const NONE: u32 = u32::MAX;
 /// Rings of texels around a chart that extend its rim: the reach of bilinear lookups and the first mip level.
 const RINGS: usize = 2;
+/// Rings of texels around those that repeat the nearest of them, for the mip levels down to the fourth.
+const REPEATED_RINGS: usize = 6;
+
+/// What the texels of a strip show.
+pub(super) struct Shown {
+    /// Rows from the bottom of the atlas: those of the strip, and beyond it those with texels that it repeats.
+    pub rows: Range<i32>,
+    /// The triangle at each texel of these rows that is to be sampled, row by row from the lowest; [`NONE`] at the others.
+    pub triangles: Vec<u32>,
+    /// The texel of these rows that each of them repeats: itself where it has a triangle, [`NONE`] in the background.
+    pub sources: Vec<u32>,
+}
 
 /// The triangles of the atlas by horizontal strip.
 pub(super) struct Strips {
@@ -36,14 +48,15 @@ impl Strips {
         start as i32..(start + self.rows_per_strip).min(size_px) as i32
     }
 
-    /// The triangle shown at each texel of a strip, row by row from its lowest, [`NONE`] for background.
+    /// What the texels of a strip show.
     ///
     /// A texel shows the triangle that contains its centre, otherwise the first that touches it; then charts grow by
-    /// [`RINGS`] texels.
-    pub fn owners(&self, textured: &Textured, strip: u32) -> Vec<u32> {
-        let halo = RINGS as i32;
-        let rows = self.rows(strip, textured.size_px);
-        let mut picture = Picture::new(rows.start - halo..rows.end + halo, textured.size_px);
+    /// [`RINGS`] texels, and their rims are repeated in [`REPEATED_RINGS`] more.
+    pub fn shown(&self, textured: &Textured, strip: u32) -> Shown {
+        let strip_rows = self.rows(strip, textured.size_px);
+        let (rings, repeated) = (RINGS as i32, REPEATED_RINGS as i32);
+        let rows = strip_rows.start - repeated..strip_rows.end + repeated;
+        let mut picture = Picture::new(rows.start - rings..rows.end + rings, textured.size_px);
         for &t in &self.triangles[strip as usize] {
             picture.cover(&corners(textured, t), t);
         }
@@ -53,14 +66,30 @@ impl Strips {
         for _ in 0..RINGS {
             picture.grow();
         }
-        picture.into_rows(rows)
+        let mut triangles = picture.into_rows(rows.clone());
+        let itself = |(texel, triangle): (u32, &u32)| if *triangle == NONE { NONE } else { texel };
+        let owners = (0..).zip(&triangles).map(itself).collect();
+        let mut picture = Picture { rows: rows.clone(), width: textured.size_px as usize, owners };
+        for _ in 0..REPEATED_RINGS {
+            picture.grow();
+        }
+        let sources = picture.owners;
+        let beyond = REPEATED_RINGS * textured.size_px as usize;
+        let within = beyond..triangles.len() - beyond;
+        let mut needed = vec![false; triangles.len()];
+        for source in sources[within].iter().filter(|source| **source != NONE) {
+            needed[*source as usize] = true;
+        }
+        triangles.iter_mut().zip(needed).filter(|(_, needed)| !needed).for_each(|(triangle, _)| *triangle = NONE);
+        Shown { rows, triangles, sources }
     }
 }
 
 fn strips_near(textured: &Textured, triangle: u32, rows: u32, count: u32) -> Range<u32> {
     let ys = corners(textured, triangle).map(|c| c[1].div_euclid(SUBTEXELS));
-    let low = ys.into_iter().fold(i32::MAX, i32::min) - RINGS as i32;
-    let high = ys.into_iter().fold(i32::MIN, i32::max) + RINGS as i32;
+    let reach = (RINGS + REPEATED_RINGS) as i32;
+    let low = ys.into_iter().fold(i32::MAX, i32::min) - reach;
+    let high = ys.into_iter().fold(i32::MIN, i32::max) + reach;
     low.max(0) as u32 / rows..(high as u32 / rows + 1).min(count)
 }
 
@@ -104,22 +133,11 @@ impl Picture {
     /// Assigns free texels to the owner of a neighbour: horizontal before vertical before diagonal.
     fn grow(&mut self) {
         let before = self.owners.clone();
-        let (width, height) = (self.width as isize, self.rows.len() as isize);
-        for y in 0..height {
-            for x in 0..width {
-                let at = (y * width + x) as usize;
-                if before[at] != NONE {
-                    continue;
-                }
-                let neighbour = |&(dx, dy): &(isize, isize)| {
-                    let inside = (0..width).contains(&(x + dx)) && (0..height).contains(&(y + dy));
-                    let owner = inside.then(|| before[((y + dy) * width + x + dx) as usize]);
-                    owner.filter(|&owner| owner != NONE)
-                };
-                if let Some(owner) = AROUND.iter().find_map(neighbour) {
-                    self.owners[at] = owner;
-                }
-            }
+        let outside = vec![NONE; self.width];
+        let rows: Vec<&[u32]> = before.chunks(self.width).collect();
+        for (y, owners) in self.owners.chunks_mut(self.width).enumerate() {
+            let beside = |row: Option<usize>| row.and_then(|row| rows.get(row)).copied().unwrap_or(&outside);
+            grow_row(beside(y.checked_sub(1)), rows[y], beside(Some(y + 1)), owners);
         }
     }
 
@@ -131,4 +149,18 @@ impl Picture {
     }
 }
 
-const AROUND: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+/// Assigns the free texels of a row, given the rows below and above it.
+fn grow_row(below: &[u32], row: &[u32], above: &[u32], owners: &mut [u32]) {
+    let taken = |x: usize| (below[x] & row[x] & above[x]) != NONE;
+    let last = row.len() - 1;
+    for x in 0..row.len() {
+        let (left, right) = (x.saturating_sub(1), (x + 1).min(last));
+        if row[x] != NONE || !(taken(left) || taken(x) || taken(right)) {
+            continue;
+        }
+        let around = [row[left], row[right], below[x], above[x], below[left], below[right], above[left], above[right]];
+        if let Some(owner) = around.into_iter().find(|&owner| owner != NONE) {
+            owners[x] = owner;
+        }
+    }
+}

@@ -9,15 +9,20 @@ use super::chart::{Chart, Scale};
 use super::raster::{self, SUBTEXELS};
 use crate::mesh::Mesh;
 
-/// Minimum number of texels between two charts, in both directions, excluding all texels touched by either of them.
-pub const GUTTER_PX: u32 = 4;
+/// Minimum number of texels between two charts at a density, in both directions, excluding all texels touched by either of
+/// them: an eighth of a metre, so that mip levels of eight texels a metre and more mix hardly any of another chart. Coarse
+/// atlases have at least what bilinear lookups need.
+pub fn gutter_px(texels_per_m: f32) -> u32 {
+    2 * ((texels_per_m / 16.0).round() as u32).clamp(2, 8)
+}
+
 /// Cells along the side of the grid; larger atlases get larger cells. Tuned: finer packs hardly better and slower.
 const GRID: u32 = 1024;
 
 /// The lower left texel of each chart in a square of `size_px`, or `None` if they do not fit.
 pub(super) fn pack(mesh: &Mesh, charts: &[Chart], scale: Scale, size_px: u32) -> Option<Vec<[u32; 2]>> {
     let cell_px = size_px.div_ceil(GRID);
-    let gutter = GUTTER_PX.div_ceil(cell_px);
+    let gutter = gutter_px(scale.texels_per_m()).div_ceil(cell_px);
     let grid_size = size_px / cell_px;
     let stamps: Vec<Stamp> = charts.iter().map(|chart| Stamp::new(mesh, chart, scale, cell_px, gutter)).collect();
     if stamps.iter().map(|stamp| stamp.area).sum::<u64>() > u64::from(grid_size).pow(2) {

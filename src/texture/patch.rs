@@ -11,20 +11,27 @@ const REACH: f32 = 1.0;
 pub(super) struct Patch {
     corners: Corners,
     inverse_area: f32,
-    positions: [[f32; 3]; 3],
-    normals: [[f32; 3]; 3],
-    tangents: [[f32; 3]; 3],
-    sign: f32,
-}
-
-/// Position and frame at a texel, cave frame. Normal and tangent are interpolated, not unit, as in a shader.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
-    pub position: [f32; 3],
-    pub normal: [f32; 3],
-    pub tangent: [f32; 3],
+    pub positions: [[f32; 3]; 3],
+    pub normals: [[f32; 3]; 3],
+    pub tangents: [[f32; 3]; 3],
     /// Sign of the bitangent.
     pub sign: f32,
+}
+
+/// Barycentric weights of a texel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights {
+    /// For its position, on the plane of the triangle.
+    pub plane: [f32; 3],
+    /// For its attributes: those of the nearest point of the triangle.
+    pub nearest: [f32; 3],
+}
+
+impl Weights {
+    /// Interpolates an attribute of the corners.
+    pub fn mix(&self, a: f32, b: f32, c: f32) -> f32 {
+        self.nearest[0] * a + self.nearest[1] * b + self.nearest[2] * c
+    }
 }
 
 /// A triangle's corners on the lattice of the rasteriser; exact.
@@ -49,21 +56,15 @@ impl Patch {
         }
     }
 
-    /// The frame at the centre of a texel, which may lie outside.
-    pub fn frame(&self, x: i32, y: i32) -> Frame {
-        let weights = self.weights(x, y);
-        let least = weights[0].min(weights[1]).min(weights[2]);
-        let nearest = if least < 0.0 { clamped(weights) } else { weights };
-        Frame {
-            position: self.position(if least < -REACH { nearest } else { weights }),
-            normal: mix(nearest, self.normals),
-            tangent: mix(nearest, self.tangents),
-            sign: self.sign,
-        }
+    /// The weights at the centre of a texel, which may lie outside.
+    pub fn weights(&self, x: i32, y: i32) -> Weights {
+        let plane = self.barycentric(x, y);
+        let least = plane[0].min(plane[1]).min(plane[2]);
+        let nearest = if least < 0.0 { clamped(plane) } else { plane };
+        Weights { plane: if least < -REACH { nearest } else { plane }, nearest }
     }
 
-    /// Barycentric weights.
-    fn weights(&self, x: i32, y: i32) -> [f32; 3] {
+    fn barycentric(&self, x: i32, y: i32) -> [f32; 3] {
         if self.inverse_area == 0.0 {
             return [1.0 / 3.0; 3];
         }
@@ -73,51 +74,10 @@ impl Patch {
         let third = (a[0] * b[1] - a[1] * b[0]) as f32 * self.inverse_area;
         [1.0 - second - third, second, third]
     }
-
-    /// Interpolates differences from the first corner, which preserves `f32` precision far from the origin.
-    fn position(&self, weights: [f32; 3]) -> [f32; 3] {
-        let [a, b, c] = self.positions;
-        [0, 1, 2].map(|k| a[k] + (weights[1] * (b[k] - a[k]) + weights[2] * (c[k] - a[k])))
-    }
 }
 
 fn clamped(weights: [f32; 3]) -> [f32; 3] {
     let inside = weights.map(|w| w.max(0.0));
     let sum = inside[0] + inside[1] + inside[2];
     inside.map(|w| w / sum)
-}
-
-fn mix(weights: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
-    [0, 1, 2].map(|k| weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k])
-}
-
-impl Frame {
-    /// `normal` (unit, cave frame) in the tangent space of this frame: the unit vector from which a shader reconstructs it
-    /// by `normalize(x * t + y * b + z * n)` with `b = w * cross(n, t)`. Never below the surface.
-    pub fn tangent_normal(&self, normal: [f32; 3]) -> [f32; 3] {
-        let (n, t) = (self.normal, self.tangent);
-        let b = cross(n, t).map(|c| c * self.sign);
-        let rows = [cross(b, n), cross(n, t), cross(t, b)];
-        let sign = if dot(t, rows[0]) < 0.0 { -1.0 } else { 1.0 };
-        let [x, y, z] = rows.map(|row| sign * dot(normal, row));
-        unit_or([x, y, z.max(0.0)], [0.0, 0.0, 1.0])
-    }
-
-    /// The interpolated normal at unit length.
-    pub fn unit_normal(&self) -> [f32; 3] {
-        unit_or(self.normal, [0.0, 0.0, 1.0])
-    }
-}
-
-fn unit_or(vector: [f32; 3], fallback: [f32; 3]) -> [f32; 3] {
-    let length = dot(vector, vector).sqrt();
-    if length > 0.0 { vector.map(|c| c / length) } else { fallback }
-}
-
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

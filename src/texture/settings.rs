@@ -4,6 +4,8 @@ use plume_exporters::ImageFormat;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Maps;
+
 /// Largest side of a map in pixels: the limit of common renderers.
 pub const MAX_SIZE_PX: u32 = 16_384;
 
@@ -19,16 +21,57 @@ pub struct TextureSettings {
     /// `density_px_per_m`.
     #[schemars(range(min = 256, max = 16384))]
     pub size_px: Option<u32>,
-    /// File format of the maps. Every target supports PNG. JPG is smaller and lossy. WebP is lossless, overall as large as PNG
-    /// (colours a third smaller, normals larger), and supported only by glTF. JPG and WebP need each whole map in memory.
-    pub format: ImageFormat,
+    /// File formats of the maps: `mixed`, JPG for the base colour, which loses nothing that can be seen, and PNG for the
+    /// rest; or one format for all of them. PNG is lossless; JPG is half as large, and its normals are off by up to 15°;
+    /// WebP is lossless, overall as large as PNG (colours a third smaller, normals larger), supported only by glTF, and
+    /// needs each whole map in memory.
+    pub format: MapFormats,
     /// Whether to also bake a height map, a 16-bit PNG, for renderers with displacement.
     pub height: bool,
 }
 
 impl Default for TextureSettings {
     fn default() -> Self {
-        Self { density_px_per_m: 80.0, size_px: None, format: ImageFormat::Png, height: false }
+        Self { density_px_per_m: 128.0, size_px: None, format: MapFormats::default(), height: false }
+    }
+}
+
+/// File formats of the maps of a chunk. Height maps are always PNG.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MapFormats {
+    /// JPEG for the base colour, PNG for the rest.
+    #[default]
+    Mixed,
+    /// PNG for all.
+    Png,
+    /// JPEG for all.
+    #[serde(rename = "jpg")]
+    Jpeg,
+    /// WebP for all.
+    #[serde(rename = "webp")]
+    WebP,
+}
+
+impl MapFormats {
+    /// All choices.
+    pub const ALL: [Self; 4] = [Self::Mixed, Self::Png, Self::Jpeg, Self::WebP];
+
+    /// The format of each map.
+    pub fn each(self) -> Maps<ImageFormat> {
+        let maps = |base_color, rest| Maps {
+            base_color,
+            normal: rest,
+            orm: rest,
+            roughness: rest,
+            height: Some(ImageFormat::Png),
+        };
+        match self {
+            Self::Mixed => maps(ImageFormat::Jpeg, ImageFormat::Png),
+            Self::Png => maps(ImageFormat::Png, ImageFormat::Png),
+            Self::Jpeg => maps(ImageFormat::Jpeg, ImageFormat::Jpeg),
+            Self::WebP => maps(ImageFormat::WebP, ImageFormat::WebP),
+        }
     }
 }
 
@@ -45,5 +88,11 @@ impl TextureSettings {
     /// The scale of these settings.
     pub fn resolution(&self) -> Resolution {
         self.size_px.map_or(Resolution::TexelsPerM(self.density_px_per_m), Resolution::SizePx)
+    }
+
+    /// The format of each map that these settings ask for.
+    pub fn formats(&self) -> Maps<ImageFormat> {
+        let each = self.format.each();
+        Maps { height: each.height.filter(|_| self.height), ..each }
     }
 }

@@ -1,17 +1,61 @@
 //! MikkTSpace tangents (Mikkelsen 2008), the common standard of renderers for normal maps.
 
+use std::collections::BTreeMap;
+
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};
 
 use super::unwrap::Unwrapped;
 use crate::mesh::Mesh;
+use rustc_hash::FxHashMap;
 
 /// Tangents of all vertices: unit vectors along growing u, with the sign of the bitangent
 /// `w * cross(normal, tangent)` as the fourth component. Vertices whose corners disagree are split in `cut`.
 pub fn tangents(mesh: &Mesh, cut: &mut Unwrapped) -> Vec<[f32; 4]> {
     let mut corners = Corners { mesh, cut, tangents: vec![[[0.0; 4]; 3]; cut.triangles.len()] };
     generate_tangents(&mut corners).expect("the error type has no value");
-    let per_corner = corners.tangents;
+    let mut per_corner = corners.tangents;
+    agree_in_fans(&cut.triangles, &mut per_corner);
     split(cut, &per_corner)
+}
+
+/// Gives the corners of a vertex one tangent if their triangles share edges and have the same sign: MikkTSpace rarely
+/// separates such triangles, and then a vertex would be stored twice without need.
+fn agree_in_fans(triangles: &[[u32; 3]], per_corner: &mut [[[f32; 4]; 3]]) {
+    let mut first: FxHashMap<u32, [f32; 4]> = FxHashMap::default();
+    let mut mixed: BTreeMap<u32, Vec<[usize; 2]>> = BTreeMap::new();
+    for (triangle, tangents) in triangles.iter().zip(&*per_corner) {
+        for (vertex, tangent) in triangle.iter().zip(tangents) {
+            if first.entry(*vertex).or_insert(*tangent) != tangent {
+                mixed.insert(*vertex, vec![]);
+            }
+        }
+    }
+    for (number, triangle) in triangles.iter().enumerate() {
+        for (corner, vertex) in triangle.iter().enumerate() {
+            if let Some(corners) = mixed.get_mut(vertex) {
+                corners.push([number, corner]);
+            }
+        }
+    }
+    for (vertex, mut rest) in mixed {
+        while let Some([number, corner]) = rest.pop() {
+            let tangent = per_corner[number][corner];
+            let mut fan = vec![number];
+            while let Some(at) = rest.iter().position(|[other, corner]| {
+                let shares_edge = |known: &usize| share_edge(triangles[*known], triangles[*other], vertex);
+                per_corner[*other][*corner][3] == tangent[3] && fan.iter().any(shares_edge)
+            }) {
+                let [other, corner] = rest.swap_remove(at);
+                per_corner[other][corner] = tangent;
+                fan.push(other);
+            }
+        }
+    }
+}
+
+/// Whether two triangles at a vertex have another one in common.
+fn share_edge(one: [u32; 3], other: [u32; 3], vertex: u32) -> bool {
+    one.iter().any(|corner| *corner != vertex && other.contains(corner))
 }
 
 /// One tangent per vertex; a vertex with several is split.

@@ -1,14 +1,14 @@
 //! Unwraps a chunk: every triangle gets its own place in a square, all at one density.
 //!
 //! Charts are orthographic projections along six axes: every part of the wall of a cave approximately faces one of them, so
-//! no optimisation is needed and the cost is linear. Promised: no two charts are nearer than [`GUTTER_PX`] texels, no texel
+//! no optimisation is needed and the cost is linear. Promised: no two charts are nearer than [`gutter_px`], no texel
 //! centre has triangles of two charts, one density for all. Not promised: minimum stretch or waste.
 
 use super::TextureError;
 use super::adjacency::neighbours;
 use super::chart::{Chart, Scale, seen_area};
 use super::charts::charts;
-pub use super::pack::GUTTER_PX;
+pub use super::pack::gutter_px;
 use super::pack::pack;
 use super::raster::SUBTEXELS;
 use super::settings::{MAX_SIZE_PX, Resolution};

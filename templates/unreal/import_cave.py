@@ -56,6 +56,9 @@ def main(root: str | None) -> None:
     meshes = {}
     for chunk in scene["chunks"]:
         textures = {role: import_texture(path, role, root) for role, path in chunk["textures"].items()}
+        # Where smaller mip levels average normals away, rock becomes rougher instead of glittering.
+        green = unreal.CompositeTextureMode.CTM_NORMAL_ROUGHNESS_TO_GREEN
+        change(textures["orm"], composite_texture=textures["normal"], composite_texture_mode=green)
         material = material or make_material(f"{root}/Materials/M_{name}", textures, rock)
         instance = make_instance(f"{root}/Materials/MI_{chunk['name']}", textures, material)
         meshes[chunk["name"]] = mesh = import_chunk(chunk, f"{root}/Meshes/SM_{chunk['name']}", scene["nanite"])

@@ -14,14 +14,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("material", &["noise"]),
     ("field", &["material", "noise"]),
     ("mesh", &["field"]),
-    ("texture", &["field", "mesh"]),
+    ("texture", &["field", "mesh", "noise"]),
     ("placement", &["field"]),
     ("preview", &["field", "material", "mesh", "placement"]),
     ("recipe", &["field", "material", "mesh", "texture"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture"]),
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "placement"]),
-    ("pipeline", &["field", "mesh", "preview", "recipe", "store"]),
+    ("pipeline", &["field", "mesh", "preview", "recipe", "store", "texture"]),
     ("cave", &["assemble", "pipeline", "preset", "preview", "recipe", "store"]),
 ];
 

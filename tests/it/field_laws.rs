@@ -146,6 +146,78 @@ proptest! {
     }
 }
 
+/// Texels of points near the wall by [`Surface::dense_texels`].
+fn dense_texels(field: &CaveField, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]]) -> Vec<Texel> {
+    let columns = |rows: &[[f32; 3]]| [0, 1, 2].map(|axis| rows.iter().map(|row| row[axis]).collect::<Vec<f32>>());
+    let [points, normals] = [columns(points), columns(normals)];
+    let mut out = vec![Texel::default(); points[0].len()];
+    let [points, normals] = [&points, &normals].map(|columns| columns.each_ref().map(Vec::as_slice));
+    field.dense_texels(texel_m, points, normals, &mut out);
+    out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn dense_texels_do_not_depend_on_the_batch(split in 1_usize..150, texel_m in 0.003_f32..0.06) {
+        for field in caves() {
+            let points = near_wall(&field, 3000);
+            let normals = field.normals_at(&points);
+            let whole = dense_texels(&field, texel_m, &points, &normals);
+            for start in (0..points.len()).step_by(split).take(4) {
+                let part = start..(start + split).min(points.len());
+                let texels = dense_texels(&field, texel_m, &points[part.clone()], &normals[part.clone()]);
+                prop_assert_eq!(&texels[..], &whole[part]);
+            }
+        }
+    }
+}
+
+/// Points moved along the normals of the field until they are on the wall without detail.
+fn on_wall(field: &CaveField, mut points: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    for _ in 0..8 {
+        let (values, normals) = (field.distances_at(&points), field.normals_at(&points));
+        for ((point, value), normal) in points.iter_mut().zip(values).zip(normals) {
+            *point = std::array::from_fn(|axis| point[axis] + 0.6 * value * normal[axis]);
+        }
+    }
+    let values = field.distances_at(&points);
+    points.into_iter().zip(values).filter(|(_, value)| value.abs() < 1e-3).map(|(point, _)| point).collect()
+}
+
+/// What varies slowly is interpolated in dense texels: that is hard to see.
+#[test]
+fn dense_texels_are_close_to_the_surface() {
+    let share = |mut numbers: Vec<f32>, share: f32| {
+        numbers.sort_by(f32::total_cmp);
+        numbers[(share * (numbers.len() - 1) as f32) as usize]
+    };
+    let mut faults = vec![];
+    for (number, field) in caves().into_iter().enumerate() {
+        let points = on_wall(&field, near_wall(&field, 6000));
+        let normals = field.normals_at(&points);
+        let exact = texels(&field, around(&points), &points);
+        let dense = dense_texels(&field, 0.007, &points, &normals);
+        let pairs = || exact.iter().zip(&dense);
+        let cosine = |(a, b): (&Texel, &Texel)| (0..3).map(|i| a.normal[i] * b.normal[i]).sum::<f32>();
+        let angles_deg: Vec<f32> = pairs().map(|pair| cosine(pair).clamp(-1.0, 1.0).acos().to_degrees()).collect();
+        let colors: Vec<f32> = pairs().map(|(a, b)| (a.color[1] - b.color[1]).abs() / a.color[1].max(0.01)).collect();
+        let heights_m: Vec<f32> = pairs().map(|(a, b)| (a.height_m - b.height_m).abs()).collect();
+        for (what, numbers, half, most) in [
+            ("degrees", angles_deg, 1.5, 6.0),
+            ("of a colour", colors, 0.01, 0.06),
+            ("metres", heights_m, 0.0005, 0.0015),
+        ] {
+            let found = [0.5, 0.9].map(|part| share(numbers.clone(), part));
+            if found[0] >= half || found[1] >= most {
+                faults.push(format!("cave {number}: {found:?} {what} off"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
 #[test]
 fn regions_are_useful() {
     for field in caves() {
@@ -344,6 +416,38 @@ fn seed_changes_the_rock_and_look_does_not() {
     assert_ne!(one.distances_at(&points), other.distances_at(&points));
     let bounds = around(&points);
     assert_ne!(texels(&one, bounds, &points), texels(&same, bounds, &points));
+}
+
+/// The share of walls that glisten follows the humidity, in every rock.
+#[test]
+fn humidity_is_even_in_effect() {
+    const ROUGHNESS_OF_WET_ROCK: f32 = 0.35;
+    for row in MATERIALS.iter() {
+        let mut walls = 0;
+        let mut wet = [0; 5];
+        for seed in 0..10 {
+            let humid = |humidity| {
+                let rock = (row.read)(json!({})).expect("an empty object is valid");
+                let look = Look { humidity, ..Look::default() };
+                CaveField::new(&graph(), &PassageSettings::default(), rock, look, seed)
+            };
+            let dry = humid(0.0);
+            let points = near_wall(&dry, 30_000);
+            let normals = dry.normals_at(&points);
+            let steep = points.iter().zip(normals).filter(|(_, normal)| normal[2].abs() < 0.5);
+            let points: Vec<[f32; 3]> =
+                steep.map(|(point, _)| *point).filter(|point| point[2] - dry.floor_z(*point) > 0.6).collect();
+            walls += points.len();
+            for (n, wet) in wet.iter_mut().enumerate() {
+                let texels = texels(&humid(n as f32 / 4.0), around(&points), &points);
+                *wet += texels.iter().filter(|texel| texel.roughness < ROUGHNESS_OF_WET_ROCK).count();
+            }
+        }
+        let shares = wet.map(|wet| 100 * wet / walls);
+        for (share, wanted) in shares.into_iter().zip([0, 15, 30, 45, 60]) {
+            assert!(share.abs_diff(wanted) <= 5, "{}: {shares:?} % of {walls} places are wet", row.name);
+        }
+    }
 }
 
 #[test]

@@ -172,7 +172,7 @@ fn simplification_keeps_to_its_error() {
     let (field, bounds) = ladder(2, 0.6, 9);
     let full = weld(visuals(&chunks(&field, bounds, &whole(0.2, 16.0))));
     for error_m in [0.01, 0.02, 0.1] {
-        let settings = MeshSettings { simplify_error_m: error_m, ..MeshSettings::default() };
+        let settings = MeshSettings { simplify_error_m: error_m, ..whole(0.2, 16.0) };
         let made = chunks(&field, bounds, &settings);
         assert!(made.iter().all(|chunk| chunk.visual_error_m <= error_m));
         let simple = weld(visuals(&made));

@@ -34,7 +34,9 @@ impl Cave {
         let graph = small(generator, nodes, seed);
         let rock = (material.read)(json!({})).unwrap();
         let field = CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), seed);
-        let mesh = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };
+        // Coarser than the default, which takes three times as long.
+        let mesh =
+            MeshSettings { voxel_m: 0.2, simplify_error_m: 0.02, chunk_m: [chunk_m; 3], ..MeshSettings::default() };
         let walls: Vec<Mesh> = chunks(&field, field.bounds(), &mesh).into_iter().map(|chunk| chunk.visual).collect();
         let settings = PieceSettings::default();
         let of_chunk = |index: usize| pieces(&walls[index], &others(&walls, index), &settings);

@@ -6,7 +6,8 @@ use crate::texture_support::{Gradient, bubble, cross, dot, rough_passage, spiral
 use image::RgbImage;
 use plume::exporters::ImageFormat;
 use plume::mesh::Mesh;
-use plume::texture::settings::TextureSettings;
+use plume::texture::encode::{Channels, MapWriter};
+use plume::texture::settings::{MapFormats, TextureSettings};
 use plume::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureError, Textured, texture};
 
 const UPRIGHT: Gradient = Gradient { tilt: [0.0; 3] };
@@ -18,8 +19,9 @@ fn bake(mesh: &Mesh, surface: &Gradient, settings: &TextureSettings) -> (Texture
     (textured, maps)
 }
 
+/// Maps without loss.
 fn of_size(size_px: u32) -> TextureSettings {
-    TextureSettings { size_px: Some(size_px), ..TextureSettings::default() }
+    TextureSettings { size_px: Some(size_px), format: MapFormats::Png, ..TextureSettings::default() }
 }
 
 fn picture(bytes: &[u8]) -> RgbImage {
@@ -177,11 +179,7 @@ fn halved(picture: &RgbImage) -> RgbImage {
 
 /// Largest difference between the sampled image at the vertices and the colour of the wall there, in 8-bit steps.
 fn worst_at_vertices(textured: &Textured, colors: &RgbImage) -> f64 {
-    let differences = textured.positions.iter().zip(&textured.uvs).flat_map(|(&p, &uv)| {
-        let (found, wall) = (bilinear(colors, uv), Gradient::color_at(p).map(to_srgb));
-        [0, 1, 2].map(|k| (found[k] - wall[k]).abs())
-    });
-    differences.fold(0.0, f64::max)
+    (0..textured.positions.len()).map(|vertex| off_at(textured, colors, vertex)).fold(0.0, f64::max)
 }
 
 #[test]
@@ -197,6 +195,41 @@ fn charts_and_chunks_agree_at_their_seams() {
     }
 }
 
+/// At the default density, where gutters are widest. Seen along its axis, a chart ends where the next one begins somewhere else
+/// in the atlas.
+#[test]
+fn mip_levels_mix_hardly_any_of_another_chart() {
+    let mesh = rough_passage(60, 60, 4.0, 3);
+    let settings = TextureSettings { format: MapFormats::Png, ..TextureSettings::default() };
+    let (textured, maps) = bake(&mesh, &UPRIGHT, &settings);
+    let mut colors = picture(&maps.base_color);
+    for most in [[0.6, 1.2], [0.9, 2.0], [1.3, 10.0], [2.5, 60.0]] {
+        colors = halved(&colors);
+        let mut codes = off_at_seams(&textured, &colors);
+        codes.sort_by(f64::total_cmp);
+        let found = [0.5, 0.99].map(|share| codes[(share * (codes.len() - 1) as f64) as usize]);
+        assert!(
+            codes.len() > 1000 && found[0] < most[0] && found[1] < most[1],
+            "{found:?} codes off, {most:?} allowed"
+        );
+    }
+}
+
+/// Differences between the sampled image at the seams of charts and the colour of the wall there, in 8-bit steps.
+fn off_at_seams(textured: &Textured, colors: &RgbImage) -> Vec<f64> {
+    let mut copies = vec![0; textured.positions.len()];
+    textured.source.iter().for_each(|&vertex| copies[vertex as usize] += 1);
+    let at_seams = textured.source.iter().enumerate().filter(|(_, vertex)| copies[**vertex as usize] > 1);
+    at_seams.map(|(copy, _)| off_at(textured, colors, copy)).collect()
+}
+
+/// Largest difference of a channel between the sampled image at a vertex and the colour of the wall there, in 8-bit steps.
+fn off_at(textured: &Textured, colors: &RgbImage, vertex: usize) -> f64 {
+    let found = bilinear(colors, textured.uvs[vertex]);
+    let wall = Gradient::color_at(textured.positions[vertex]).map(to_srgb);
+    (0..3).map(|k| (found[k] - wall[k]).abs()).fold(0.0, f64::max)
+}
+
 fn halves(mesh: &Mesh) -> [Mesh; 2] {
     let half = mesh.triangles.len() / 2;
     [&mesh.triangles[..half], &mesh.triangles[half..]]
@@ -206,7 +239,7 @@ fn halves(mesh: &Mesh) -> [Mesh; 2] {
 #[test]
 fn bytes_do_not_depend_on_threads() {
     let mesh = rough_passage(60, 30, 8.0, 3);
-    for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP] {
+    for format in MapFormats::ALL {
         let settings = TextureSettings { format, height: true, ..of_size(700) };
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -222,7 +255,7 @@ fn bytes_do_not_depend_on_threads() {
 fn jpg_shows_the_same_picture() {
     let mesh = rough_passage(60, 30, 8.0, 3);
     let (_, png) = bake(&mesh, &LEANING, &of_size(512));
-    let (_, jpg) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::Jpeg, ..of_size(512) });
+    let (_, jpg) = bake(&mesh, &LEANING, &TextureSettings { format: MapFormats::Jpeg, ..of_size(512) });
     assert!(jpg.normal.starts_with(&[0xFF, 0xD8]));
     for (png, jpg) in [(png.base_color, jpg.base_color), (png.normal, jpg.normal), (png.orm, jpg.orm)] {
         let (png, jpg) = (picture(&png), picture(&jpg));
@@ -233,10 +266,49 @@ fn jpg_shows_the_same_picture() {
 }
 
 #[test]
+fn by_default_only_the_colour_is_lossy() {
+    let mesh = rough_passage(60, 30, 8.0, 3);
+    let (_, png) = bake(&mesh, &LEANING, &of_size(512));
+    let (_, mixed) = bake(&mesh, &LEANING, &TextureSettings { format: MapFormats::default(), ..of_size(512) });
+    assert!(mixed.base_color.starts_with(&[0xFF, 0xD8]));
+    assert!([mixed.normal, mixed.orm, mixed.roughness] == [png.normal, png.orm, png.roughness]);
+    let (png, jpg) = (picture(&png.base_color), picture(&mixed.base_color));
+    let worst = png.iter().zip(jpg.iter()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(worst < Some(32), "{worst:?} codes off");
+}
+
+/// A side that is no multiple of a block, passed in pieces that are no multiple of a row.
+#[test]
+fn a_jpg_written_in_pieces_is_that_of_the_whole() {
+    for (channels, color) in
+        [(Channels::Srgb, jpeg_encoder::ColorType::Rgb), (Channels::Grey, jpeg_encoder::ColorType::Luma)]
+    {
+        let pixels: Vec<u8> = (0..300 * 300 * channels.bytes()).map(|byte| (byte * byte / 977) as u8).collect();
+        let (mut whole, mut pieces) = (Vec::new(), Vec::new());
+        let mut encoder = jpeg_encoder::Encoder::new(&mut whole, 95);
+        encoder.set_sampling_factor(jpeg_encoder::SamplingFactor::F_1_1);
+        encoder.encode(&pixels, 300, 300, color).unwrap();
+        let mut writer = MapWriter::new(&mut pieces, channels, 300, ImageFormat::Jpeg).unwrap();
+        pixels.chunks(1234).for_each(|piece| writer.write(piece).unwrap());
+        writer.finish().unwrap();
+        assert!(pieces == whole, "{channels:?}");
+    }
+}
+
+#[test]
+fn a_map_without_all_its_pixels_is_an_error() {
+    for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP] {
+        let mut writer = MapWriter::new(Vec::new(), Channels::Srgb, 300, format).unwrap();
+        writer.write(&[7; 300 * 3 * 299]).unwrap();
+        assert!(writer.finish().is_err(), "{format:?}");
+    }
+}
+
+#[test]
 fn webp_shows_every_pixel() {
     let mesh = rough_passage(60, 30, 8.0, 3);
     let (_, png) = bake(&mesh, &LEANING, &of_size(512));
-    let (_, webp) = bake(&mesh, &LEANING, &TextureSettings { format: ImageFormat::WebP, ..of_size(512) });
+    let (_, webp) = bake(&mesh, &LEANING, &TextureSettings { format: MapFormats::WebP, ..of_size(512) });
     assert!(webp.base_color.starts_with(b"RIFF"));
     assert!(png.into_iter().map(|map| picture(&map)).eq(webp.into_iter().map(|map| picture(&map))));
 }

@@ -6,7 +6,7 @@ use crate::texture_support::{bubble, cross, dot, rough_passage, spiral, sub};
 use plume::mesh::Mesh;
 use plume::texture::TextureError;
 use plume::texture::settings::Resolution;
-use plume::texture::unwrap::{GUTTER_PX, Unwrapped, unwrap};
+use plume::texture::unwrap::{Unwrapped, gutter_px, unwrap};
 use proptest::prelude::*;
 
 fn meshes() -> Vec<(&'static str, Mesh)> {
@@ -71,7 +71,7 @@ fn no_texel_has_two_triangles_and_charts_keep_their_distance() {
         let chart = |owner: &Option<u32>| owner.map(|t| cut.charts[t as usize]);
         let charts: Vec<_> = owners(cut).iter().map(chart).collect();
         let size = cut.size_px as usize;
-        let gutter = GUTTER_PX as usize;
+        let gutter = gutter_px(cut.texels_per_m) as usize;
         for y in 0..size - gutter {
             for x in gutter..size - gutter {
                 let at = y * size + x;

@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::tools::{Result, root, run};
 
 /// Recipes that run through every stage: meshed, textured and exported.
-pub const SAMPLES: [&str; 4] = ["cave", "lava-tube", "mine", "original"];
+pub const SAMPLES: [&str; 5] = ["cave", "lava-tube", "mine", "salt-mine", "original"];
 
 /// A sample as it is exported for interop checks.
 #[derive(Clone, Copy)]

@@ -199,13 +199,13 @@ fn an_export_from_a_finished_folder_writes_nothing_there() {
 #[test]
 fn a_changed_file_is_named_and_stays() {
     let desk = cave();
-    let image = "cave/textures/chunk_0_0_0_base_color.png";
+    let image = "cave/textures/chunk_0_0_0_base_color.jpg";
     assert!(desk.path(image).exists());
     let whole = fs::read(desk.path(image)).unwrap();
     fs::write(desk.path(image), "painted by hand").unwrap();
     assert_snapshot!("changed_file", refused(&desk, COMMANDS[2]));
-    for command in [&["generate", "cave"][..], &["generate", "cave", "--set", "texture.format=jpg"]] {
-        assert!(refused(&desk, command).contains("chunk_0_0_0_base_color.png"));
+    for command in [&["generate", "cave"][..], &["generate", "cave", "--set", "texture.format=png"]] {
+        assert!(refused(&desk, command).contains("chunk_0_0_0_base_color.jpg"));
     }
     assert_eq!(fs::read(desk.path(image)).unwrap(), b"painted by hand");
     works(&desk, &["generate", "cave", "--force"]);

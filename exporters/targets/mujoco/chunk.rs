@@ -9,8 +9,9 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 use crate::error::ExportError;
-use crate::format::msh;
+use crate::format::{msh, pixels};
 use crate::frame::micro;
+use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{ByZone, Chunk, Image, Mesh, Piece, Scene};
 use crate::slope;
@@ -105,15 +106,19 @@ fn part(mesh: &Mesh, faces: &[u32]) -> Mesh {
     part
 }
 
-/// Writes the visual mesh of a chunk and its images.
+/// Writes the visual mesh of a chunk and its images, as PNG.
 ///
 /// # Errors
-/// [`ExportError::UnfitImage`] for images that are not PNG; those of the package.
+/// [`ExportError::UnfitImage`] for images that are neither PNG nor JPEG; those of the package.
 pub fn write_files(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
     let name = &chunk.name;
     chunk.material.refuse_unless(super::ROW.name, super::ROW.images)?;
     for (role, image) in images(chunk) {
-        out.copy(&format!("assets/{name}_{role}.png"), &image.path)?;
+        let path = format!("assets/{name}_{role}.png");
+        match image.format {
+            ImageFormat::Png => out.copy(&path, &image.path)?,
+            _ => out.write(&path, |file| pixels::remap(image, file, |pixel| pixel))?,
+        }
     }
     out.write(&format!("assets/{name}.msh"), |file| Ok(msh::write_visual(file, &chunk.visual)?))
 }

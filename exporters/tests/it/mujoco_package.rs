@@ -238,22 +238,43 @@ fn a_failed_archive_leaves_nothing_behind() {
 }
 
 #[test]
+fn jpeg_images_are_written_as_png() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let jpg = folder.path().join("rock.jpg");
+    fs::write(&jpg, include_bytes!("data/rock.jpg")).unwrap();
+    let as_jpeg = |_, mut chunk: Chunk| {
+        chunk.material.base_color = Image { path: jpg.clone(), format: ImageFormat::Jpeg };
+        Ok(chunk)
+    };
+    let jpegs = Changed { inner: &chamber, change: as_jpeg };
+    let mut package = Memory::default();
+    let scene = Scene { chunks: &jpegs, ..chamber.scene() };
+    Mujoco(MujocoSettings::default()).export(&scene, &mut package).unwrap();
+    let written = &package.bytes["assets/chunk_0_0_0_base_color.png"];
+    assert_eq!(image::guess_format(written).unwrap(), image::ImageFormat::Png);
+    assert!(image::load_from_memory(written).unwrap().into_rgb8() == image::open(&jpg).unwrap().into_rgb8());
+    let normal = fs::read(folder.path().join("0_normal.png")).unwrap();
+    assert!(package.bytes["assets/chunk_0_0_0_normal.png"] == normal, "PNG is copied");
+}
+
+#[test]
 fn impossible_exports_are_refused_with_a_message() {
     let folder = tempfile::tempdir().unwrap();
     let chamber = sample::Chamber::new(folder.path()).unwrap();
-    let jpeg = |_, mut chunk: Chunk| {
-        chunk.material.base_color = Image { path: "0_base_color.jpg".into(), format: ImageFormat::Jpeg };
+    let webp = |_, mut chunk: Chunk| {
+        chunk.material.base_color = Image { path: "0_base_color.webp".into(), format: ImageFormat::WebP };
         Ok(chunk)
     };
-    let jpegs = Changed { inner: &chamber, change: jpeg };
-    let scene = Scene { chunks: &jpegs, ..chamber.scene() };
+    let webps = Changed { inner: &chamber, change: webp };
+    let scene = Scene { chunks: &webps, ..chamber.scene() };
     let image = Mujoco(MujocoSettings::default()).export(&scene, &mut Memory::default()).unwrap_err();
     let called_rover = Scene { name: "rover".to_owned(), ..chamber.scene() };
     let name = Mujoco(MujocoSettings::default()).export(&called_rover, &mut Memory::default()).unwrap_err();
     let option = |table| target("mujoco").unwrap().build(table, None).err().unwrap();
     let errors = [image, name, option(json!({ "collision": "hulls" })), option(json!({ "lights": -1 }))];
     insta::assert_snapshot!(errors.iter().map(told).collect::<Vec<_>>().join("\n"), @r"
-    usage: target `mujoco` supports only PNG images: 0_base_color.jpg (hint: make the cave with another image format: `--set texture.format=png`)
+    usage: target `mujoco` supports only PNG and JPEG images: 0_base_color.webp (hint: make the cave with another image format: `--set texture.format=png`)
     system: scene `rover`: its name is the rover's
     usage: settings of target `mujoco`: unknown variant `hulls`, expected one of `pieces`, `flex`, `floor_field`
     usage: settings of target `mujoco`: invalid value: integer `-1`, expected u32

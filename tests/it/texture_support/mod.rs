@@ -1,5 +1,8 @@
 //! Meshes and surfaces with known answers.
 
+pub mod baked;
+pub mod bands;
+
 use plume::field::{Aabb, Surface, Texel};
 use plume::mesh::{Mesh, QUANTA_PER_M};
 
