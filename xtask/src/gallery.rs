@@ -1,5 +1,5 @@
-//! `cargo xtask gallery`: the picture beside each sample recipe, as three.js shows its GLB, or the plan where the sample is
-//! about a generator.
+//! `cargo xtask gallery`: the picture beside each sample recipe. A path tracer shows the exported package with the settings of
+//! the recipe, so a picture shows what users get; samples about a generator have a plan instead.
 
 use std::path::{Path, PathBuf};
 
@@ -8,23 +8,27 @@ use crate::plume::{Plume, Profile};
 use crate::samples::{self, SAMPLES};
 use crate::tools::{Result, root};
 
-/// Finer than the default, since the camera stands a metre from the wall; much finer fills the memory of the browser.
-const DENSITY: &str = "texture.density_px_per_m=100";
-
-/// The viewpoint: the start pose of each sample that shows most.
-const SPAWNS: [usize; SAMPLES.len()] = [0, 2, 0, 0];
+/// A picture: the sample, the start pose where the camera is, and the name of the file.
+const SCENES: [(&str, usize, &str); 6] = [
+    ("cave", 3, "cave"),
+    ("cave", 1, "keyhole"),
+    ("lava-tube", 1, "lava-tube"),
+    ("mine", 0, "mine"),
+    ("salt-mine", 0, "salt-mine"),
+    ("original", 0, "original"),
+];
 
 /// The recipe with an external graph program.
 const PROGRAM: &str = "examples/external/decline.toml";
 
 /// Renders the pictures.
 pub fn run(_arguments: &[String]) -> Result<()> {
-    let plume = Plume::build(Profile::Release)?;
-    for (name, spawn) in SAMPLES.iter().zip(SPAWNS) {
-        let (recipe, output) = (format!("samples/{name}.toml"), format!("target/gallery/{name}"));
-        plume.output(&["export", &recipe, "--target", "glb", "--output", &output, "--force", "--set", DENSITY])?;
-        let picture = root().join(format!("samples/{name}.png"));
-        println!("{}", interop::shoot(&root().join(output), &picture, spawn)?);
+    let plume = Plume::build(Profile::Dev)?;
+    for (sample, spawn, name) in SCENES {
+        let (recipe, output) = (format!("samples/{sample}.toml"), format!("target/gallery/{sample}"));
+        plume.output(&["export", &recipe, "--target", "glb", "--output", &output, "--force"])?;
+        let picture = root().join(format!("samples/{name}.jpg"));
+        println!("{}", interop::picture(&root().join(output), &picture, spawn)?);
     }
     plans(&plume)?;
     let inside = ["preview", "samples/cave.toml", "--view", "inside", "--size", "960x540"];

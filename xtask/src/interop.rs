@@ -31,7 +31,7 @@ mod unity;
 pub mod urdf;
 pub mod usd;
 
-pub use gltf::shoot;
+pub use blender::picture;
 
 /// The task.
 pub fn run(arguments: &[String]) -> Result<()> {

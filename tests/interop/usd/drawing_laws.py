@@ -1,15 +1,17 @@
 """What a stage of ours must be to look right, and no validator asks: maps, texture coordinates, camera."""
 
+from pathlib import PurePosixPath
+
 import numpy as np
 import package as packages
 from pxr import UsdGeom, UsdShade
 
-# Input of the surface, channel, end of the file name, colour space.
+# Input of the surface, channel, end of the file name without its extension, colour space.
 MAPS = {
-    "diffuseColor": ("rgb", "_base_color.png", "sRGB"),
-    "normal": ("rgb", "_normal.png", "raw"),
-    "roughness": ("g", "_orm.png", "raw"),
-    "occlusion": ("r", "_orm.png", "raw"),
+    "diffuseColor": ("rgb", "_base_color", "sRGB"),
+    "normal": ("rgb", "_normal", "raw"),
+    "roughness": ("g", "_orm", "raw"),
+    "occlusion": ("r", "_orm", "raw"),
 }
 
 
@@ -23,7 +25,7 @@ def rock_has_maps(stage):
             continue
         for name, wanted in MAPS.items():
             found = map_of(surface.GetInput(name))
-            if found[0] != wanted[0] or not found[1].endswith(wanted[1]) or found[2] != wanted[2]:
+            if found[0] != wanted[0] or not PurePosixPath(found[1]).stem.endswith(wanted[1]) or found[2] != wanted[2]:
                 yield f"{mesh.GetPath()} has {name} from {found}, not {wanted}"
 
 

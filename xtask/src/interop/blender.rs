@@ -37,6 +37,13 @@ pub(super) fn make() -> Result<()> {
     environment().map(drop)
 }
 
+/// Renders a package of glTF from one of its start poses.
+pub fn picture(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
+    make()?;
+    let mut command = formats::script(&environment()?, "picture.py", package);
+    run(command.arg(picture).arg(spawn.to_string()))
+}
+
 /// Opens the marker, or all packages of a cave.
 pub(super) fn open(folder: &Path) -> Result<Command> {
     Ok(formats::script(&environment()?, "blender.py", folder))

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::files_of;
-use crate::tools::{Result, ensure_debian, ensure_npm, root, run};
+use crate::tools::{Result, ensure_debian, ensure_npm, root};
 
 pub(super) const DEBIAN: [&str; 1] = ["chromium"];
 
@@ -25,20 +25,9 @@ pub(super) fn make_browser() -> Result<()> {
 
 /// The picture is next to the package: `<package>.png`.
 pub(super) fn draw(package: &Path) -> Result<Command> {
-    Ok(shot(package, &package.with_extension("png"), 0))
-}
-
-/// Takes a picture of a package of glTF or FBX from one of its spawn poses.
-pub fn shoot(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
-    make_browser()?;
-    run(&mut shot(package, picture, spawn))
-}
-
-fn shot(package: &Path, picture: &Path, spawn: usize) -> Command {
     let mut command = Command::new("node");
-    command.arg(folder().join("shot.mjs")).arg(package).arg("--out").arg(picture);
-    command.arg("--spawn").arg(spawn.to_string());
-    command
+    command.arg(folder().join("shot.mjs")).arg(package).arg("--out").arg(package.with_extension("png"));
+    Ok(command)
 }
 
 fn files(package: &Path) -> Vec<PathBuf> {
