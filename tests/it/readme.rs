@@ -60,14 +60,15 @@ fn generators(readme: &str) -> String {
 fn sample(row: &GeneratorRow, readme: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     assert!(!row.sample.is_empty(), "the row of `{}` in generators/lib.rs lacks `.based_on(SOURCE, SAMPLE)`", row.name);
-    let (recipe, picture) = (format!("{}.toml", row.sample), format!("{}.png", row.sample));
-    for file in [&recipe, &picture] {
-        assert!(
-            root.join(file).is_file(),
-            "`{file}` is not there, which the row of `{}` in generators/lib.rs names; `cargo xtask gallery` draws pictures",
-            row.name
-        );
-    }
+    let recipe = format!("{}.toml", row.sample);
+    let picture = ["png", "jpg"].map(|extension| format!("{}.{extension}", row.sample));
+    let picture = picture.into_iter().find(|file| root.join(file).is_file());
+    assert!(
+        root.join(&recipe).is_file() && picture.is_some(),
+        "`{recipe}` or its picture is not there, which the row of `{}` in generators/lib.rs names; `cargo xtask gallery` draws pictures",
+        row.name
+    );
+    let picture = picture.unwrap_or_default();
     let name = Path::new(row.sample).file_name().and_then(|name| name.to_str()).unwrap_or(row.name);
     match readme.contains(&format!("| ![]({picture}) |")) {
         true => format!("[`{name}`]({recipe})"),
