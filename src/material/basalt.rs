@@ -175,15 +175,19 @@ impl Rock for Basalt {
         if spall.0.simd_lt(1.0).any_true() {
             let ceiling = Value(site.up.value).step(0.15, 0.75);
             let drip = (patch + ceiling * 0.4 + 0.15).within(0.0, 1.0);
-            let drops = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42)).distance;
+            let cells = cells_3d(p.stretched(7.5, 7.5, 3.6), n.layer(42));
+            let drops = cells.distance;
+            // The glaze crazed as it cooled, except where it still dripped.
+            let crazed = footprint.line(cells.edge * (1.0 / 5.5), 0.006) * rims.step(0.15, 0.55) * (-drip + 1.0);
             let crack = footprint.line(coarse.level, 0.02) * patch.step(0.05, -0.30);
             let (_, saw) = (site.height * 13.0 + Jet::constant(bend.0)).split();
-            let rims = saw * (-saw + 1.0) * (rims * -0.040);
-            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.2, 0.52) * 0.018;
-            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * footprint.keep(0.05));
-            let fine = rims + lines + grain + (drops.squared() - 0.3) * (drip * 0.030) + crack * 0.03;
+            let rim = saw * (-saw + 1.0) * (rims * -0.040);
+            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.1, 0.58) * 0.008;
+            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.016 * footprint.keep(0.05));
+            let drops = (drops.squared() - 0.3) * (drip * 0.030);
+            let fine = rim + lines + grain + drops + crazed * 0.006 + crack * 0.03;
             detail.recess = fine * (-spall + 1.0);
-            detail.crack = Value(crack.value) * (-spall + 1.0);
+            detail.crack = Value(crack.value).max(Value(crazed.value)) * (-spall + 1.0);
         }
         let frothy = frothy * (spall * 0.7 + 0.3) * footprint.keep(VESICLE_M * 0.6);
         if frothy.0.simd_gt(0.0).any_true() {

@@ -20,6 +20,8 @@ pub struct Coarse<S: Simd> {
     pub wall: Wall<Value<S>>,
     /// The sediment on the floor.
     pub sediment: Sediment<Jet<S>>,
+    /// See [`super::Debris::patch`].
+    pub patch: Value<S>,
     /// See [`super::Rock::level`].
     pub level: Jet<S>,
     /// Variations that every rock has.
@@ -58,7 +60,7 @@ pub const MARKS: usize = 10;
 /// Quantities with a gradient.
 pub const JETS: usize = 9;
 /// Quantities without.
-pub const SCALARS: usize = 12 + MARKS;
+pub const SCALARS: usize = 13 + MARKS;
 /// Numbers that describe the coarse surface at a point: each jet as its value and its three derivatives, then the scalars.
 pub const CHANNELS: usize = 4 * JETS + SCALARS;
 
@@ -124,7 +126,7 @@ impl CoarseBlock {
     /// Writes the coarse surface from lane `at` on.
     #[inline(always)]
     pub(super) fn store<S: Simd>(&mut self, at: usize, coarse: &Coarse<S>) {
-        let Coarse { site, field, wall_field, wall, sediment, level, tone, marks } = coarse;
+        let Coarse { site, field, wall_field, wall, sediment, patch, level, tone, marks } = coarse;
         let bent = [sediment.at.x - site.point.x, sediment.at.y - site.point.y];
         let jets =
             [*field, *wall_field, site.height, site.up, bent[0], bent[1], sediment.ragged, sediment.roll, *level];
@@ -147,8 +149,9 @@ impl CoarseBlock {
         for (n, scalar) in tone.into_iter().enumerate() {
             self.put::<S>(4 * JETS + 9 + n, at, scalar.0);
         }
+        self.put::<S>(4 * JETS + 12, at, patch.0);
         for (n, scalar) in marks.iter().enumerate() {
-            self.put::<S>(4 * JETS + 12 + n, at, scalar.0);
+            self.put::<S>(4 * JETS + 13 + n, at, scalar.0);
         }
     }
 
@@ -179,11 +182,12 @@ impl CoarseBlock {
             wall_field: jet(1),
             wall: Wall { recess: scalar(0), cavity: scalar(1), state: scalar(2), band: scalar(3) },
             sediment: Sediment { at: vec3(point.x + jet(4), point.y + jet(5), point.z), ragged: jet(6), roll: jet(7) },
+            patch: scalar(12),
             level: jet(8),
             tone: CoarseTone { streak: scalar(9), broad: scalar(10), patch: scalar(11) },
             marks: std::array::from_fn(
                 #[inline(always)]
-                |n| scalar(12 + n),
+                |n| scalar(13 + n),
             ),
         }
     }

@@ -4,7 +4,7 @@ use super::coarse::Coarse;
 use super::rock::Floor;
 use super::rubble::{Rubble, higher};
 use super::site::{Footprint, Ground, Site};
-use crate::noise::{Jet, Lanes, Mask, Real, Value, Vec3, inlined, vec3};
+use crate::noise::{Jet, Lanes, Mask, Real, Source, Value, Vec3, inlined, vec3};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -56,14 +56,14 @@ impl Debris {
             sediment.at,
             edges,
             #[inline(always)]
-            |c| self.density(site, c) * 0.75 + self.more,
+            |c| self.density(site, self.patch(site.source, c)) * 0.75 + self.more,
         );
         let small = small.stones(
             site,
             sediment.at.shifted(3.3, 1.7, 0.0),
             edges,
             #[inline(always)]
-            |c| self.density(site, c) + self.more,
+            |c| self.density(site, self.patch(site.source, c)) + self.more,
         );
         let stones = higher(large, small);
         let roll = sediment.roll * (0.09 * site.ground.natural);
@@ -73,22 +73,24 @@ impl Debris {
     /// The floor with gravel and grain.
     #[inline(always)]
     pub fn detail<S: Simd>(&self, coarse: &Coarse<S>, floor: &Floor<Jet<S>>, footprint: Footprint) -> Floor<Jet<S>> {
-        let site = &coarse.site;
-        strewn(
-            coarse,
-            floor,
-            footprint,
+        // Gravel is so small that its patch is the same all over a stone.
+        strewn(coarse, floor, footprint, self.density(&coarse.site, coarse.patch) * 0.8 + 0.30)
+    }
+
+    /// How stony the ground is, about ±1, in patches.
+    #[inline(always)]
+    pub fn patch<S: Simd>(&self, source: Source, at: [Lanes<S>; 2]) -> Value<S> {
+        let [x, y] = at.map(
             #[inline(always)]
-            |c| self.density(site, c) * 0.8 + 0.30,
-        )
+            |x| Value::<S>(x * self.patches_per_m),
+        );
+        source.noise(30, vec3(x, y, Value::zero(x.0.token())))
     }
 
     #[inline(always)]
-    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, centre: [Lanes<S>; 2]) -> T {
-        let [x, y] = [Value::<S>(centre[0] * self.patches_per_m), Value(centre[1] * self.patches_per_m)];
-        let lane = site.source.noise(30, vec3(x, y, Value::zero(site.simd())));
+    fn density<S: Simd, T: Real<S>>(&self, site: &Site<T>, patch: Value<S>) -> T {
         let amount = self.amount - 0.3 * (1.0 - site.ground.natural);
-        bank(site) * self.bank + T::constant(lane.0 * self.patches) + amount
+        bank(site) * self.bank + T::constant(patch.0 * self.patches) + amount
     }
 }
 
@@ -149,12 +151,7 @@ impl<T> Sediment<T> {
 
 /// Gravel on a floor with its larger stones; grain, and ripples on bare ground.
 #[inline(always)]
-fn strewn<S: Simd>(
-    coarse: &Coarse<S>,
-    floor: &Floor<Jet<S>>,
-    footprint: Footprint,
-    density: impl Fn([Lanes<S>; 2]) -> Jet<S>,
-) -> Floor<Jet<S>> {
+fn strewn<S: Simd>(coarse: &Coarse<S>, floor: &Floor<Jet<S>>, footprint: Footprint, density: Jet<S>) -> Floor<Jet<S>> {
     let Coarse { site, sediment, .. } = coarse;
     let (p, n) = (site.point, site.source);
     let zero = Jet::zero(site.simd());
@@ -169,7 +166,7 @@ fn strewn<S: Simd>(
                 sediment.at,
                 [zero, zero + 0.05],
                 #[inline(always)]
-                |centre| density(centre) + (SPREAD_M / rubble.cell_m - 1.0).clamp(0.0, 0.35),
+                |_| density + (SPREAD_M / rubble.cell_m - 1.0).clamp(0.0, 0.35),
             );
             let height = stones.height * (share * HEIGHT_PER_CELL * rubble.cell_m);
             gravel = higher(gravel, Floor { height, stone: stones.stone * share, ..stones });

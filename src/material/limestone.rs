@@ -71,6 +71,8 @@ struct Bed<T> {
     parting: T,
     /// Where the joints of the bed lie, relative to their spacing.
     joints: [T; 2],
+    /// How clearly its laminae show, 0–1.
+    platy: T,
 }
 
 impl Limestone {
@@ -90,7 +92,13 @@ impl Limestone {
         let edge = lot(index, 14) * 0.28 - 0.14;
         let rest_here = rest - edge * (rest * (-rest + 1.0) * 4.0);
         let hardness = mix(lot(index, 12), lot(index + 1, 12), rest_here.step(0.52, 1.0));
-        Bed { hardness, rest: rest_here, parting: lot(index, 15).squared(), joints: [lot(index, 52), lot(index, 53)] }
+        Bed {
+            hardness,
+            rest: rest_here,
+            parting: lot(index, 15).squared(),
+            joints: [lot(index, 52), lot(index, 53)],
+            platy: lot(index, 58).step(0.35, 0.75),
+        }
     }
 
     /// Coordinates across and along the joints, metres.
@@ -116,6 +124,15 @@ impl Limestone {
             off.max(-off)
         });
         distance(across, 0).min(distance(along, 1))
+    }
+
+    /// 1 in the seams between the laminae of a bed, which are unevenly thick and do not all show.
+    #[inline(always)]
+    fn laminae<S: Simd>(&self, n: Source, level: Jet<S>, bed: &Bed<Jet<S>>, footprint: Footprint) -> Jet<S> {
+        let (index, rest) = (level * (self.bed_m / LAMINA_M)).split();
+        let lot = inlined!(|layer: u32| level_lot::<S, Jet<S>>(index, n.layer(layer)));
+        let seam = (rest - lot(59) * 0.7 - 0.15) * LAMINA_M;
+        footprint.line(seam, 0.009) * (lot(60) * bed.platy)
     }
 
     /// Recess by running water: a notch along the foot of the walls, with an overhang, where a stream stood at that height for
@@ -146,6 +163,8 @@ const BLOCKS: Rubble =
 const COBBLES: Rubble =
     Rubble { layer: 32, cell_m: 0.5, rise: [0.15, 0.4], tilt: 0.8, flank: 2.6, rounding: 0.15, fillet: 0.12 };
 
+/// Mean thickness of laminae, metres.
+const LAMINA_M: f32 = 0.075;
 /// Mean width of the plates into which drying mud cracks, metres.
 const PLATE_M: f32 = 0.15;
 /// How much steeper scallops are on their upstream side (Curl 1974). Tuned.
@@ -213,25 +232,30 @@ impl Rock for Limestone {
         if flow.0.simd_lt(1.0).any_true() {
             let [open, scalloped, cracked, bend, ..] = coarse.marks;
             let bed = Self::bed(n, coarse.level);
-            let parting = footprint.line((bed.rest - 0.86) * self.bed_m, 0.05) * open;
+            let grain = footprint.fbm(n, 46, p, 0.11, 0.64) * 0.011;
+            // Seams weather unevenly.
+            let ragged = coarse.level + grain * (0.8 / self.bed_m);
+            let parting = footprint.line((bed.rest - 0.86) * self.bed_m + grain * 0.8, 0.032) * open;
             let groove = parting * (bed.parting * 0.05 + 0.012);
+            let laminae = self.laminae(n, ragged, &bed, footprint) * (open * 0.6 + 0.4);
             let mut scallops = Jet::zero(site.simd());
             if scalloped.0.simd_gt(0.0).any_true() {
                 let drift = inlined!(|along: Jet<S>| along.value() * SCALLOP_SKEW);
                 let drift = [drift(site.flow.x), drift(site.flow.y), drift(site.flow.z)];
                 let at = p.stretched(1.0 / 0.30, 1.0 / 0.30, 1.0 / 0.24);
-                scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * (scalloped * 0.075);
+                scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * (scalloped * 0.085);
             }
-            let broken = (-scalloped + 1.0) * (0.014 * footprint.keep(0.14));
+            let broken = (-scalloped + 1.0) * (0.032 * footprint.keep(0.14));
             let mut chips = Jet::zero(site.simd());
             if broken.0.simd_gt(0.0).any_true() {
                 chips = facets(p.turned().scaled(1.0 / 0.14), 1.0, n.layer(57)) * broken;
             }
             let crack = footprint.line(self.crack_distance(site, bend, &bed), 0.018) * cracked;
-            let grain = footprint.fbm(n, 46, p, 0.22, 0.60) * 0.020;
-            let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.022;
-            detail.recess = (scallops + groove + chips + grain + ribs + crack * 0.015) * (-flow + 1.0);
-            detail.crack = Value(crack.value).max(Value((parting * bed.parting).value)) * (-flow + 1.0);
+            let ribs = n.ridged(47, p.stretched(2.2, 2.2, 3.2), 2, 0.54) * -0.026;
+            let open = groove + laminae * 0.007 + crack * 0.015;
+            detail.recess = (scallops + open + chips + grain + ribs) * (-flow + 1.0);
+            let dark = Value((parting * bed.parting).value).max(Value(laminae.value) * 0.5);
+            detail.crack = Value(crack.value).max(dark) * (-flow + 1.0);
         }
         if flow.0.simd_gt(0.0).any_true() {
             let gours = n.noise(48, p.stretched(5.0, 5.0, 26.0)).soft_abs(0.06) * (-0.014 * footprint.keep(0.04));
@@ -299,23 +323,31 @@ impl Limestone {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
         // Each bed has its own grey; broad patches only vary it.
-        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.55 + tone.broad * 0.15 - form.cavity * 0.25;
+        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.65 + tone.broad * 0.15 - form.cavity * 0.25;
         let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
         let marl = form.band.step(0.60, 0.80) * 0.7;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.38, 0.66) * side;
         let [_, _, _, _, curtain, calcite, ..] = form.marks;
-        let manganese = (curtain + tone.fine * 0.7 + form.relief * 0.25 + form.cavity * 0.4).step(0.48, 0.72);
-        let calcite = (calcite + tone.fine * 0.8 - form.cavity * 0.5).step(0.52, 0.76);
-        let banding = tone.streak + n.noise(68, p.stretched(11.0, 11.0, 1.2)) * 0.3;
-        let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
-        let tide = (tone.broad * 0.25 + tone.fine * 0.12 + 0.75 - form.height).step(0.0, 0.12);
-        rock.under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
+        let manganese = (curtain + tone.fine * 0.8 + form.relief * 0.25 + form.cavity * 0.4).step(0.50, 0.66);
+        let calcite = (calcite + tone.fine * 0.9 - form.cavity * 0.5).step(0.54, 0.70);
+        let tide = (tone.broad * 0.25 + tone.fine * 0.18 + 0.75 - form.height).step(0.0, 0.06);
+        let mut color = rock
+            .under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
-            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
-            .under(flowstone, (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9)
+            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain));
+        let flow = (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9;
+        if flow.0.simd_gt(0.0).any_true() {
+            let banding = tone.streak + n.noise(68, p.stretched(11.0, 11.0, 1.2)) * 0.3;
+            let flowstone = ramp(banding.step(-0.1, 0.7), [0.470, 0.395, 0.285], [0.370, 0.245, 0.125]);
+            color = color.under(flowstone, flow);
+        }
+        color
             .lit(form.crack * -0.55 + 1.0)
-            .tinted([0.200, 0.145, 0.090], form.upward.step(0.6, 0.95) * (form.relief * 0.35 + 0.5))
+            .tinted(
+                [0.200, 0.145, 0.090],
+                (form.upward + tone.fine * 0.20).step(0.66, 0.90) * (form.relief * 0.35 + 0.5),
+            )
             .tinted([0.135, 0.092, 0.056], tide * (form.relief * 0.35 + 0.62))
     }
 

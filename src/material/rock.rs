@@ -304,6 +304,7 @@ fn coarse<S: Simd, R: Rock>(rock: &R, site: &Site<Jet<S>>) -> Coarse<S> {
         wall_field: at_wall,
         wall: wall.values(),
         sediment,
+        patch: rock.debris().patch(site.source, [site.point.x.value, site.point.y.value]),
         level: rock.level(site),
         tone: CoarseTone::of(&still),
         marks: rock.marks(&still),

@@ -273,8 +273,8 @@ fn nearest_bisector<S: Simd>(points: &[[Lanes<S>; 2]; 9], first: [Lanes<S>; 2]) 
         let n = [point[0] - first[0], point[1] - first[1]];
         let length_squared = n[0] * n[0] + n[1] * n[1];
         let further = (point[0] + first[0]) * n[0] + (point[1] + first[1]) * n[1];
-        let another = length_squared.simd_ge(1e-9);
-        let nearer = (further * further * squared).simd_lt(excess * excess * length_squared) & another;
+        // Never holds for the nearest itself: both sides are 0.
+        let nearer = (further * further * squared).simd_lt(excess * excess * length_squared);
         excess = nearer.select(further, excess);
         squared = nearer.select(length_squared, squared);
         across = choose::<S, 2>(nearer, n, across);

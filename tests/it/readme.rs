@@ -1,4 +1,4 @@
-//! The lists in the README match the tables.
+//! The README: its lists match the tables, and links lead somewhere.
 
 use std::fs;
 use std::path::Path;
@@ -21,6 +21,21 @@ fn its_lists_are_those_of_the_tables() {
     }
     let stale = text.lines().zip(renewed.lines()).find(|(old, new)| old != new);
     assert!(text == renewed, "the README is out of date, renew it by `{RENEW}`: {stale:#?}");
+}
+
+#[test]
+fn links_lead_to_files() {
+    const PAGES: [&str; 5] =
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "samples/README.md", "docs/decisions/README.md"];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for page in PAGES.map(|page| root.join(page)) {
+        let text = fs::read_to_string(&page).expect("the page can be read");
+        let folder = page.parent().expect("a page is in a folder");
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        let files = links.filter(|link| !link.is_empty() && !link.contains("://"));
+        let lost: Vec<&str> = files.filter(|file| !folder.join(file).exists()).collect();
+        assert!(lost.is_empty(), "{} links to {lost:?}, which is not there", page.display());
+    }
 }
 
 /// The text with the list between `<!-- NAME -->` and `<!-- end -->` replaced.

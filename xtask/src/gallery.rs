@@ -30,6 +30,8 @@ pub fn run(_arguments: &[String]) -> Result<()> {
         let picture = root().join(format!("samples/{name}.jpg"));
         println!("{}", interop::picture(&root().join(output), &picture, spawn)?);
     }
+    let pictures = SCENES.map(|(_, _, name)| root().join(format!("samples/{name}.jpg")));
+    println!("{}", interop::contrast(&pictures)?);
     plans(&plume)?;
     let inside = ["preview", "samples/cave.toml", "--view", "inside", "--size", "960x540"];
     plume.output(&[&inside[..], &["--output", "samples/inside.png"]].concat()).map(drop)

@@ -31,7 +31,7 @@ mod unity;
 pub mod urdf;
 pub mod usd;
 
-pub use blender::picture;
+pub use blender::{contrast, picture};
 
 /// The task.
 pub fn run(arguments: &[String]) -> Result<()> {

@@ -1,10 +1,10 @@
 //! Blender as a Python module.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::formats;
-use crate::tools::{Result, ensure_debian, run};
+use crate::tools::{Result, ensure_debian, root, run};
 use crate::venv::Environment;
 
 /// System libraries that the module links to, although it opens no window.
@@ -42,6 +42,15 @@ pub fn picture(package: &Path, picture: &Path, spawn: usize) -> Result<String> {
     make()?;
     let mut command = formats::script(&environment()?, "picture.py", package);
     run(command.arg(picture).arg(spawn.to_string()))
+}
+
+/// Measures the contrast of pictures, a line each.
+///
+/// # Errors
+/// If one is flat or blurred.
+pub fn contrast(pictures: &[PathBuf]) -> Result<String> {
+    let mut command = Command::new(environment()?.python());
+    run(command.arg(root().join("tests/interop/formats/contrast.py")).args(pictures))
 }
 
 /// Opens the marker, or all packages of a cave.
