@@ -29,6 +29,7 @@ mod rock;
 mod rubble;
 mod salt;
 mod site;
+mod surface;
 
 pub use basalt::Basalt;
 pub use coarse::{CHANNELS, Coarse, CoarseBlock, CoarseTone, JETS, MARKS, OVERSHOOT};

@@ -232,7 +232,7 @@ impl Rock for Basalt {
             return strewn;
         }
         let height =
-            floor.height + Self::ropes(site) * 0.06 + footprint.fbm(site.source, 37, site.point, 0.11, 0.60) * 0.010;
+            floor.height + Self::ropes(site) * 0.05 + footprint.fbm(site.source, 37, site.point, 0.11, 0.60) * 0.010;
         Floor {
             height: mix(strewn.height, height, ropy),
             stone: mix(strewn.stone, Jet::splat(site.simd(), 0.8), ropy),

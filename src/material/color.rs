@@ -132,7 +132,7 @@ impl<S: Simd> Tone<S> {
     #[inline(always)]
     pub fn dry_roughness(&self, form: &Form<S>, mean: Value<S>) -> Value<S> {
         let stone = (form.tint - 0.5) * form.stone * 0.16;
-        (mean + form.relief * 0.40 - self.fine * 0.34 + stone).within(0.42, 1.0)
+        (mean + form.relief * 0.34 - self.fine * 0.30 + stone).within(0.42, 1.0)
     }
 
     /// Roughness of rock under a full film: crests stick out of it.
