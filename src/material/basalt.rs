@@ -182,10 +182,10 @@ impl Rock for Basalt {
             let crack = footprint.line(coarse.level, 0.02) * patch.step(0.05, -0.30);
             let (_, saw) = (site.height * 13.0 + Jet::constant(bend.0)).split();
             let rim = saw * (-saw + 1.0) * (rims * -0.040);
-            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.1, 0.58) * 0.008;
-            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.016 * footprint.keep(0.05));
+            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.2, 0.52) * 0.018;
+            let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * footprint.keep(0.05));
             let drops = (drops.squared() - 0.3) * (drip * 0.030);
-            let fine = rim + lines + grain + drops + crazed * 0.006 + crack * 0.03;
+            let fine = rim + lines + grain + drops + crazed * 0.004 + crack * 0.03;
             detail.recess = fine * (-spall + 1.0);
             detail.crack = Value(crack.value).max(Value(crazed.value)) * (-spall + 1.0);
         }
