@@ -18,7 +18,7 @@ import unreal
 PACKAGE = Path(__file__).resolve().parent
 TAG = "plume"  # Marks our actors, which the next run replaces.
 #: Half the height of the capsule of a PlayerStart, whose origin is its centre.
-PLAYER_START_CM = 92.0
+HALF_PLAYER_CM = 92.0
 #: Tolerance between the bounds of an imported mesh and those in scene.json. Wrong units or axes are off by metres.
 BOX_TOLERANCE_CM = 10.0
 
@@ -140,8 +140,7 @@ def make_instance(place: str, textures: dict[str, Any], material: unreal.Materia
     library.set_material_instance_parent(instance, material)
     for role, texture in textures.items():
         library.set_material_instance_texture_parameter_value(instance, role, texture)
-        is_set = library.get_material_instance_texture_parameter_value(instance, role) == texture
-        check(is_set, f"{place} does not take {role}")
+        check(library.get_material_instance_texture_parameter_value(instance, role) == texture, f"{place} lacks {role}")
     library.update_material_instance(instance)
     return instance
 
@@ -211,8 +210,7 @@ def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.Stati
     for pose in scene["spawns"]:
         x, y, z = pose["location_cm"]
         turn = unreal.Rotator(**pose["rotation_deg"])
-        start = spawn(unreal.PlayerStart, pose["name"], [x, y, z + PLAYER_START_CM], turn)
-        change(start, player_start_tag=pose["name"])
+        change(spawn(unreal.PlayerStart, pose["name"], [x, y, z + HALF_PLAYER_CM], turn), player_start_tag=pose["name"])
     for light in scene["lights"]:
         add_light(light)
     check(unreal.get_editor_subsystem(unreal.LevelEditorSubsystem).save_current_level(), f"{place} was not saved")
