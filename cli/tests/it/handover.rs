@@ -2,8 +2,8 @@
 #![cfg(unix)]
 
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
-use std::process::Output;
+use std::path::Path;
+use std::process::{Command, Output};
 
 use crate::command;
 use command::Desk;
@@ -13,10 +13,16 @@ const EXPORT: [&str; 5] = ["export", "--target", "gltf,isaac", "--output", "out"
 
 /// A program in the place of a Python.
 fn interpreter(desk: &Desk, text: &str) -> String {
-    desk.file("python", &format!("#!/bin/sh\n{text}\n"));
+    desk.file("python.sh", &format!("#!/bin/sh\n{text}\n"));
     let path = desk.path("python");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    install(&desk.path("python.sh"), &path);
     path.to_str().unwrap().to_owned()
+}
+
+/// Copies a program. Another process does so: a file that this one has open for writing may pass to a child that another test
+/// starts at that moment, and until the child runs its own program, ours is busy.
+fn install(from: &Path, to: &Path) {
+    assert!(Command::new("install").args(["-m", "755"]).args([from, to]).status().unwrap().success());
 }
 
 /// Exit code and stderr, without the place of the desk and the version.
@@ -44,9 +50,9 @@ fn every_searched_place_is_reported() {
     let desk = Desk::new();
     // Away from the workspace, which may have a `.venv` that fits.
     let program = desk.path("plume");
-    fs::copy(env!("CARGO_BIN_EXE_plume"), &program).unwrap();
+    install(env!("CARGO_BIN_EXE_plume").as_ref(), &program);
     fs::create_dir(desk.path(".venv")).unwrap();
-    let mut command = std::process::Command::new(program);
+    let mut command = Command::new(program);
     command.args(EXPORT).current_dir(desk.path("")).env_remove("PLUME_PYTHON").env("PATH", "");
     let output =
         command.env("VIRTUAL_ENV", desk.path("active")).env("CONDA_PREFIX", desk.path("conda")).output().unwrap();
