@@ -182,7 +182,7 @@ impl Rock for Basalt {
             let crack = footprint.line(coarse.level, 0.02) * patch.step(0.05, -0.30);
             let (_, saw) = (site.height * 13.0 + Jet::constant(bend.0)).split();
             let rim = saw * (-saw + 1.0) * (rims * -0.040);
-            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.2, 0.52) * 0.018;
+            let grain = footprint.fbm(n, 47, p.stretched(1.0, 1.0, 1.8), 0.2, 0.56) * 0.019;
             let lines = n.noise(48, p.stretched(1.5, 1.5, 19.0)) * (0.014 * footprint.keep(0.05));
             let drops = (drops.squared() - 0.3) * (drip * 0.030);
             let fine = rim + lines + grain + drops + crazed * 0.004 + crack * 0.03;
@@ -263,7 +263,7 @@ impl Basalt {
     #[inline(always)]
     fn wall_color<S: Simd>(form: &Form<S>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let lining =
-            ramp((tone.broad + tone.fine * 0.35).step(-0.6, 0.8), [0.028, 0.027, 0.027], [0.085, 0.080, 0.076]);
+            ramp((tone.broad + tone.fine * 0.42).step(-0.7, 0.9), [0.024, 0.023, 0.023], [0.105, 0.099, 0.094]);
         let spall = ramp((tone.broad + tone.fine * 0.5).step(-0.5, 0.7), [0.060, 0.054, 0.050], [0.135, 0.118, 0.103]);
         // Oxidation follows the flow levels.
         let [_, _, _, level, bloom, ..] = form.marks;

@@ -93,7 +93,7 @@ impl<S: Simd> Tone<S> {
     pub fn of(form: &Form<S>, site: &Site<Value<S>>, footprint: Footprint) -> Self {
         let (p, n) = (form.point, site.source);
         let grain = n.noise(61, p.scaled(1.0 / 0.014)) * footprint.keep_noise(0.014);
-        let fine = footprint.fbm(n, 62, p, 0.11, 0.66) * 0.4 - form.relief * 0.35;
+        let fine = footprint.fbm(n, 62, p, 0.13, 0.64) * 0.46 - form.relief * 0.36;
         let streak = form.tone.streak + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3;
         Self {
             fine: fine + grain * 0.25 - form.cavity.within(-1.0, 1.0) * 0.18,
@@ -115,14 +115,14 @@ impl<S: Simd> Tone<S> {
     #[inline(always)]
     pub fn shade(&self, form: &Form<S>) -> Value<S> {
         let hollow = form.cavity.step(0.0, 0.9) * -0.45 + 1.0;
-        hollow * (self.fine * 0.22 + self.grain * 0.14 + 1.0)
+        hollow * (self.fine * 0.28 + self.grain * 0.14 + 1.0)
     }
 
     /// Film of water, 0–1; reduced by `repelled`. The share of the wall under a film is 0.6 times the humidity.
     #[inline(always)]
     pub fn film(&self, form: &Form<S>, look: &Look, repelled: Value<S>) -> Value<S> {
         // Quantile of the wetness: fitted to its distribution over the walls of all rocks.
-        let driest_wet = 0.86 - 0.93 * look.humidity.sqrt();
+        let driest_wet = 0.85 - 0.93 * look.humidity.sqrt();
         let wetness = self.streak + form.cavity * 0.35 - repelled;
         let wet = (wetness - driest_wet).step(-0.13, 0.07);
         wet * (self.side * 0.35 + 0.65) * (look.humidity * 10.0).min(1.0)

@@ -198,7 +198,7 @@ impl Rock for Drilled {
         let wall = rock
             .tinted([0.190, 0.085, 0.032], rust * tone.side * (0.45 * look.stain))
             .tinted([0.430, 0.410, 0.375], lime * tone.side * (0.35 * look.stain))
-            .lit(form.crack * -0.5 + 1.0);
+            .lit(form.crack * -0.45 + 1.0);
         // Dust of drilling and blasting settles on ledges.
         let dust = form.upward.step(0.45, 0.9) * (tone.broad * 0.3 + 0.5);
         let wall = wall.under(Self::fines(form, &tone, rock), dust);
@@ -233,7 +233,7 @@ impl Drilled {
         tone: &Tone<S>,
     ) -> Color<S> {
         let (p, n) = (form.point, site.source);
-        let light = tone.broad * 0.3 + tone.fine * 0.5;
+        let light = tone.broad * 0.25 + tone.fine * 0.4;
         let [_, _, _, _, _, _, _, vein, other, _] = form.marks;
         // Muck is mixed, so no vein runs through it.
         let whole = -form.floor + 1.0;
@@ -278,7 +278,7 @@ impl Drilled {
     fn muck<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
         let fines = Self::fines(form, tone, rock);
         let stone = rock.lit(form.tint * 0.9 + 0.55);
-        let dusty = form.dust() * 0.5;
+        let dusty = form.dust() * 0.4;
         fines.under(stone.under(fines, dusty), form.stone)
     }
 }

@@ -232,7 +232,7 @@ impl Rock for Limestone {
         if flow.0.simd_lt(1.0).any_true() {
             let [open, scalloped, cracked, bend, ..] = coarse.marks;
             let bed = Self::bed(n, coarse.level);
-            let grain = footprint.fbm(n, 46, p, 0.11, 0.64) * 0.011;
+            let grain = footprint.fbm(n, 46, p, 0.13, 0.62) * 0.015;
             // Seams weather unevenly.
             let ragged = coarse.level + grain * (0.8 / self.bed_m);
             let parting = footprint.line((bed.rest - 0.86) * self.bed_m + grain * 0.8, 0.032) * open;
@@ -243,9 +243,9 @@ impl Rock for Limestone {
                 let drift = inlined!(|along: Jet<S>| along.value() * SCALLOP_SKEW);
                 let drift = [drift(site.flow.x), drift(site.flow.y), drift(site.flow.z)];
                 let at = p.stretched(1.0 / 0.30, 1.0 / 0.30, 1.0 / 0.24);
-                scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * (scalloped * 0.085);
+                scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * (scalloped * 0.095);
             }
-            let broken = (-scalloped + 1.0) * (0.019 * footprint.keep(0.14));
+            let broken = (-scalloped + 1.0) * (0.022 * footprint.keep(0.14));
             let mut chips = Jet::zero(site.simd());
             if broken.0.simd_gt(0.0).any_true() {
                 chips = facets(p.turned().scaled(1.0 / 0.14), 1.0, n.layer(57)) * broken;
@@ -329,13 +329,17 @@ impl Limestone {
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.38, 0.66) * side;
         let [_, _, _, _, curtain, calcite, ..] = form.marks;
         let manganese = (curtain + tone.fine * 0.8 + form.relief * 0.25 + form.cavity * 0.4).step(0.50, 0.66);
+        // Clay that a film of water drew together into spots and worms as it dried (vermiculations).
+        let spots = (n.noise(69, p.scaled(1.0 / 0.09)) + form.relief * 0.15).step(0.12, 0.24);
+        let clay = spots * tone.patch.step(0.0, 0.3) * (-form.state + 1.0);
         let calcite = (calcite + tone.fine * 0.9 - form.cavity * 0.5).step(0.54, 0.70);
         let tide = (tone.broad * 0.25 + tone.fine * 0.18 + 0.75 - form.height).step(0.0, 0.06);
         let mut color = rock
             .under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
-            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain));
+            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
+            .tinted([0.120, 0.085, 0.056], clay * (0.60 * look.stain));
         let flow = (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9;
         if flow.0.simd_gt(0.0).any_true() {
             let banding = tone.streak + n.noise(68, p.stretched(11.0, 11.0, 1.2)) * 0.3;
@@ -356,7 +360,7 @@ impl Limestone {
         let light = tone.ground(form);
         let mud = ramp(light.step(-0.7, 0.8), [0.085, 0.060, 0.040], [0.225, 0.170, 0.118]);
         let stone = ramp(form.tint, [0.105, 0.088, 0.068], [0.350, 0.300, 0.235]);
-        let dusty = form.dust() * 0.8;
+        let dusty = form.dust() * 0.65;
         mud.under(stone.under(mud, dusty), form.stone)
     }
 }
