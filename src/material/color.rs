@@ -93,7 +93,7 @@ impl<S: Simd> Tone<S> {
     pub fn of(form: &Form<S>, site: &Site<Value<S>>, footprint: Footprint) -> Self {
         let (p, n) = (form.point, site.source);
         let grain = n.noise(61, p.scaled(1.0 / 0.014)) * footprint.keep_noise(0.014);
-        let fine = footprint.fbm(n, 62, p, 0.13, 0.64) * 0.46 - form.relief * 0.36;
+        let fine = footprint.fbm(n, 62, p, 0.13, 0.62) * 0.52 - form.relief * 0.36;
         let streak = form.tone.streak + n.noise(64, p.stretched(9.0, 9.0, 0.6)) * 0.3;
         Self {
             fine: fine + grain * 0.25 - form.cavity.within(-1.0, 1.0) * 0.18,

@@ -232,7 +232,7 @@ impl Rock for Limestone {
         if flow.0.simd_lt(1.0).any_true() {
             let [open, scalloped, cracked, bend, ..] = coarse.marks;
             let bed = Self::bed(n, coarse.level);
-            let grain = footprint.fbm(n, 46, p, 0.13, 0.62) * 0.015;
+            let grain = footprint.fbm(n, 46, p, 0.13, 0.58) * 0.017;
             // Seams weather unevenly.
             let ragged = coarse.level + grain * (0.8 / self.bed_m);
             let parting = footprint.line((bed.rest - 0.86) * self.bed_m + grain * 0.8, 0.032) * open;
@@ -359,7 +359,7 @@ impl Limestone {
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let light = tone.ground(form);
         let mud = ramp(light.step(-0.7, 0.8), [0.085, 0.060, 0.040], [0.225, 0.170, 0.118]);
-        let stone = ramp(form.tint, [0.105, 0.088, 0.068], [0.350, 0.300, 0.235]);
+        let stone = ramp(form.tint, [0.095, 0.080, 0.062], [0.360, 0.309, 0.242]);
         let dusty = form.dust() * 0.65;
         mud.under(stone.under(mud, dusty), form.stone)
     }

@@ -262,7 +262,7 @@ fn along_wall<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3]) -> [Lanes<S>; 
 /// Variance of the slopes that a texel averages, per metre of its size. Tuned on wet rock at 128 texels a metre: with more,
 /// wet rock does not glisten from near; with less, the smaller mip levels of its maps, which average normals and roughness
 /// apart, glitter more.
-const AVERAGED_SLOPES_PER_M: f32 = 0.13;
+const AVERAGED_SLOPES_PER_M: f32 = 0.145;
 /// Most of that variance, for coarse textures.
 const MOST_AVERAGED_SLOPES: f32 = 0.01;
 
