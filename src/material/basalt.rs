@@ -263,8 +263,9 @@ impl Basalt {
     #[inline(always)]
     fn wall_color<S: Simd>(form: &Form<S>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let lining =
-            ramp((tone.broad + tone.fine * 0.42).step(-0.7, 0.9), [0.024, 0.023, 0.023], [0.105, 0.099, 0.094]);
-        let spall = ramp((tone.broad + tone.fine * 0.5).step(-0.5, 0.7), [0.060, 0.054, 0.050], [0.135, 0.118, 0.103]);
+            ramp((tone.broad * 0.55 + tone.fine * 0.62).step(-0.7, 0.8), [0.024, 0.023, 0.023], [0.105, 0.099, 0.094]);
+        let spall =
+            ramp((tone.broad * 0.45 + tone.fine * 0.65).step(-0.6, 0.7), [0.060, 0.054, 0.050], [0.135, 0.118, 0.103]);
         // Oxidation follows the flow levels.
         let [_, _, _, level, bloom, ..] = form.marks;
         let red = (level + tone.fine * 0.8 + form.cavity * 0.2).step(0.38, 0.58);
@@ -286,7 +287,7 @@ impl Basalt {
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let light = tone.ground(form);
         let ash = ramp(light.step(-0.5, 0.6), [0.028, 0.026, 0.024], [0.118, 0.102, 0.089]);
-        let stone = ramp(form.tint, [0.032, 0.031, 0.031], [0.140, 0.122, 0.107]);
+        let stone = ramp(tone.stone(form), [0.032, 0.031, 0.031], [0.140, 0.122, 0.107]);
         let dusty = form.dust() * 0.6;
         ash.under(stone.under(ash, dusty), form.stone)
     }

@@ -233,15 +233,15 @@ impl Drilled {
         tone: &Tone<S>,
     ) -> Color<S> {
         let (p, n) = (form.point, site.source);
-        let light = tone.broad * 0.25 + tone.fine * 0.4;
+        let light = tone.broad * 0.10 + tone.fine * 0.40;
         let [_, _, _, _, _, _, _, vein, other, _] = form.marks;
         // Muck is mixed, so no vein runs through it.
         let whole = -form.floor + 1.0;
         match self.lithology {
             Lithology::Granite => {
                 let crystals = n.noise(71, p.scaled(1.0 / 0.022)) * footprint.keep_noise(0.022);
-                let pale = crystals.step(0.15, 0.45) * 0.32;
-                let dark = (-crystals).step(0.20, 0.50) * 0.42;
+                let pale = crystals.step(0.08, 0.30) * 0.36;
+                let dark = (-crystals).step(0.14, 0.36) * 0.46;
                 let vein = footprint.line(vein, 0.05) * whole;
                 ramp(light.step(-0.8, 0.8), [0.130, 0.128, 0.124], [0.300, 0.285, 0.270])
                     .tinted([0.420, 0.370, 0.335], pale)
@@ -269,7 +269,7 @@ impl Drilled {
     #[inline(always)]
     fn fines<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
         let light = tone.ground(form);
-        let ground = ramp(light.step(-0.7, 0.8), [0.070, 0.062, 0.054], [0.200, 0.182, 0.162]);
+        let ground = ramp(light.step(-0.7, 0.8), [0.062, 0.055, 0.048], [0.160, 0.146, 0.130]);
         ground.under(rock, Value::splat(form.relief.0.token(), 0.35))
     }
 
@@ -277,7 +277,7 @@ impl Drilled {
     #[inline(always)]
     fn muck<S: Simd>(form: &Form<S>, tone: &Tone<S>, rock: Color<S>) -> Color<S> {
         let fines = Self::fines(form, tone, rock);
-        let stone = rock.lit(form.tint * 0.9 + 0.55);
+        let stone = rock.lit(form.tint * 1.2 + 0.50);
         let dusty = form.dust() * 0.4;
         fines.under(stone.under(fines, dusty), form.stone)
     }

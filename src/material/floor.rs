@@ -73,8 +73,9 @@ impl Debris {
     /// The floor with gravel and grain.
     #[inline(always)]
     pub fn detail<S: Simd>(&self, coarse: &Coarse<S>, floor: &Floor<Jet<S>>, footprint: Footprint) -> Floor<Jet<S>> {
-        // Gravel is so small that its patch is the same all over a stone.
-        strewn(coarse, floor, footprint, self.density(&coarse.site, coarse.patch) * 0.8 + 0.30)
+        // Gravel is so small that its patch is the same all over a stone. Water gathers it in hollows.
+        let lenses = coarse.sediment.ragged * 0.22 - coarse.sediment.roll * 0.30;
+        strewn(coarse, floor, footprint, self.density(&coarse.site, coarse.patch) * 0.8 + lenses + 0.30)
     }
 
     /// How stony the ground is, about ±1, in patches.

@@ -329,17 +329,19 @@ impl Limestone {
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.38, 0.66) * side;
         let [_, _, _, _, curtain, calcite, ..] = form.marks;
         let manganese = (curtain + tone.fine * 0.8 + form.relief * 0.25 + form.cavity * 0.4).step(0.50, 0.66);
-        // Clay that a film of water drew together into spots and worms as it dried (vermiculations).
-        let spots = (n.noise(69, p.scaled(1.0 / 0.09)) + form.relief * 0.15).step(0.12, 0.24);
-        let clay = spots * tone.patch.step(0.0, 0.3) * (-form.state + 1.0);
         let calcite = (calcite + tone.fine * 0.9 - form.cavity * 0.5).step(0.54, 0.70);
         let tide = (tone.broad * 0.25 + tone.fine * 0.18 + 0.75 - form.height).step(0.0, 0.06);
         let mut color = rock
             .under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
             .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
             .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
-            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain))
-            .tinted([0.120, 0.085, 0.056], clay * (0.60 * look.stain));
+            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain));
+        let clayey = tone.patch.step(0.0, 0.3) * (-form.state + 1.0);
+        if clayey.0.simd_gt(0.0).any_true() {
+            // Clay that a film of water drew together into spots and worms as it dried (vermiculations).
+            let spots = (n.noise(69, p.scaled(1.0 / 0.09)) + form.relief * 0.15).step(0.12, 0.24);
+            color = color.tinted([0.120, 0.085, 0.056], spots * clayey * (0.60 * look.stain));
+        }
         let flow = (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9;
         if flow.0.simd_gt(0.0).any_true() {
             let banding = tone.streak + n.noise(68, p.stretched(11.0, 11.0, 1.2)) * 0.3;
@@ -359,7 +361,7 @@ impl Limestone {
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let light = tone.ground(form);
         let mud = ramp(light.step(-0.7, 0.8), [0.085, 0.060, 0.040], [0.225, 0.170, 0.118]);
-        let stone = ramp(form.tint, [0.095, 0.080, 0.062], [0.360, 0.309, 0.242]);
+        let stone = ramp(tone.stone(form), [0.095, 0.080, 0.062], [0.360, 0.309, 0.242]);
         let dusty = form.dust() * 0.65;
         mud.under(stone.under(mud, dusty), form.stone)
     }

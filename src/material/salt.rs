@@ -160,7 +160,9 @@ impl Rock for Salt {
         let tone = Tone::of(form, site, footprint);
         let (p, n) = (form.point, site.source);
         let crystal = n.noise(71, p.scaled(1.0 / 0.02)) * footprint.keep_noise(0.02);
-        let banded = self.banded(form, site, footprint, &tone).lit(crystal * 0.22 + 1.0);
+        let banded = self
+            .banded(form, site, footprint, &tone)
+            .lit((crystal.step(0.10, 0.26) - (-crystal).step(0.14, 0.30)) * 0.16 + 1.0);
         let [_, crust, ..] = form.marks;
         let crust = (crust + tone.streak * 0.3 + tone.fine * 0.4 + form.relief * 0.2).step(0.48, 0.62);
         let wall = banded
@@ -187,7 +189,7 @@ impl Salt {
         let (p, n) = (form.point, site.source);
         let [level, ..] = form.marks;
         let (index, rest) = (level + tone.fine * 0.03).split();
-        let edge = rest.step(1.0 - 0.03 / self.band_m, 1.0);
+        let edge = rest.step(1.0 - 0.012 / self.band_m, 1.0);
         let lot = |layer: u32| {
             let of = |index| level_lot::<S, Value<S>>(index, n.layer(layer));
             mix(of(index), of(index + 1), edge)
@@ -205,14 +207,14 @@ impl Salt {
     /// Salt crushed fine: dust on ledges and on the floor.
     #[inline(always)]
     fn crushed<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
-        ramp(tone.ground(form).step(-0.7, 0.8), [0.290, 0.278, 0.262], [0.580, 0.560, 0.528])
+        ramp(tone.ground(form).step(-0.7, 0.8), [0.210, 0.199, 0.185], [0.480, 0.460, 0.430])
     }
 
     /// Lumps between crushed salt.
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let crushed = Self::crushed(form, tone);
-        let lump = ramp(form.tint, [0.260, 0.235, 0.205], [0.600, 0.580, 0.550]);
+        let lump = ramp(tone.stone(form), [0.170, 0.145, 0.118], [0.680, 0.660, 0.630]);
         let dusty = form.dust() * 0.6;
         crushed.under(lump.under(crushed, dusty), form.stone)
     }
