@@ -134,11 +134,11 @@ impl<S: Simd> Tone<S> {
         wet * (self.side * 0.35 + 0.65) * (look.humidity * 10.0).min(1.0)
     }
 
-    /// Roughness of dry rock: crests are worn, hollows hold dust, and each stone has its own.
+    /// Roughness of dry rock: crests are worn, hollows hold dust, grains differ, and each stone has its own.
     #[inline(always)]
     pub fn dry_roughness(&self, form: &Form<S>, mean: Value<S>) -> Value<S> {
         let stone = (form.tint - 0.5) * form.stone * 0.16;
-        (mean + form.relief * 0.34 - self.fine * 0.30 + stone).within(0.42, 1.0)
+        (mean + form.relief * 0.34 - self.fine * 0.30 - self.grain * 0.22 + stone).within(0.42, 1.0)
     }
 
     /// Roughness of rock under a full film: crests stick out of it.

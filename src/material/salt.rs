@@ -127,7 +127,7 @@ impl Rock for Salt {
         let (site, spalled) = (&coarse.site, coarse.wall.state);
         let (p, n) = (site.point, site.source);
         let [_, _, worn, ..] = coarse.marks;
-        let grain = footprint.fbm(n, 46, p, 0.16, 0.64) * 0.010;
+        let grain = footprint.fbm(n, 46, p, 0.16, 0.66) * 0.0106;
         let mut recess = grain;
         if spalled.0.simd_gt(0.0).any_true() {
             let crystals = facets(p.turned().scaled(1.0 / 0.09), 1.1, n.layer(41)) * (0.011 * footprint.keep(0.09));

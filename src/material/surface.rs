@@ -147,7 +147,7 @@ fn drowned<S: Simd>(fine: [Lanes<S>; 3], shape: [Lanes<S>; 3], paint: &Paint<S>)
     let level = [0.0, 0.0, -FLOOR_STEEPNESS];
     let mut out = fine;
     for i in 0..3 {
-        let filmed = fine[i] + (shape[i] - fine[i]) * paint.film.0 * 0.45;
+        let filmed = fine[i] + (shape[i] - fine[i]) * paint.film.0 * 0.55;
         out[i] = filmed + (-filmed + level[i]) * paint.pool.0;
     }
     out

@@ -106,12 +106,16 @@ fn rock_has_contrast_down_to_a_centimetre() {
     each_zone(|baked, zone, name| {
         let sampled = Sampled::new(baked, zone);
         for (quantity, shown_at_16_mm, field_at_8_mm) in
-            [(Quantity::Albedo, 0.05, 0.03), (Quantity::Normal, 0.07, 0.06)]
+            [(Quantity::Albedo, 0.05, 0.03), (Quantity::Normal, 0.08, 0.06)]
         {
             let shown = sampled.shown(quantity, Band(0.016));
             assert!(shown > shown_at_16_mm, "{name}: {shown:.4} {quantity:?} at 16 mm");
             let field = sampled.in_field(quantity, Band(0.008));
             assert!(field > field_at_8_mm, "{name}: {field:.4} {quantity:?} at 8 mm");
+        }
+        for band in [Band(0.016), Band(0.032)] {
+            let shown = sampled.shown(Quantity::Roughness, band);
+            assert!(shown > 0.02, "{name}: {shown:.4} roughness in {band:?}");
         }
     });
 }
