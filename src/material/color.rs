@@ -108,13 +108,13 @@ impl<S: Simd> Tone<S> {
     /// Lightness of loose ground, about ±1: hollows are dark.
     #[inline(always)]
     pub fn ground(&self, form: &Form<S>) -> Value<S> {
-        self.fine * 0.40 + self.grain * 0.15 - form.relief * 0.45 + self.broad * 0.40
+        self.fine * 0.40 + self.grain * 0.26 - form.relief * 0.45 + self.broad * 0.40
     }
 
     /// Lightness of stones, about 0 to 1: each has its own, and is mottled.
     #[inline(always)]
     pub fn stone(&self, form: &Form<S>) -> Value<S> {
-        (form.tint + self.fine * 0.30 + self.grain * 0.12).within(0.0, 1.2)
+        (form.tint + self.fine * 0.30 + self.grain * 0.20).within(0.0, 1.2)
     }
 
     /// Irregular dirt, more in hollows.

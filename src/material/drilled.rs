@@ -164,7 +164,7 @@ impl Rock for Drilled {
         let w = vec3(p.x + shift(dx), p.y + shift(dy), p.z + shift(dz));
         let chips = facets(w.scaled(1.0 / 0.26), 1.1, n.layer(41)) * (0.030 * footprint.keep(0.26));
         let splinters = facets(w.turned().scaled(1.0 / 0.085), 1.1, n.layer(42)) * (0.012 * footprint.keep(0.085));
-        let grain = footprint.fbm(n, 46, p, 0.16, 0.70) * 0.0127;
+        let grain = footprint.fbm(n, 46, p, 0.14, 0.66) * 0.0134;
         let mut recess = (chips + splinters) * (broken * 0.6 + 0.4) + grain;
         let mut crack = Value::zero(site.simd());
         if broken.0.simd_lt(1.0).any_true() {
