@@ -263,9 +263,9 @@ impl Basalt {
     #[inline(always)]
     fn wall_color<S: Simd>(form: &Form<S>, look: &Look, tone: &Tone<S>) -> Color<S> {
         let lining =
-            ramp((tone.broad * 0.55 + tone.fine * 0.62).step(-0.7, 0.8), [0.024, 0.023, 0.023], [0.105, 0.099, 0.094]);
+            ramp((tone.broad * 0.55 + tone.fine * 0.62).step(-0.6, 0.65), [0.021, 0.020, 0.020], [0.115, 0.108, 0.103]);
         let spall =
-            ramp((tone.broad * 0.45 + tone.fine * 0.65).step(-0.6, 0.7), [0.060, 0.054, 0.050], [0.135, 0.118, 0.103]);
+            ramp((tone.broad * 0.45 + tone.fine * 0.65).step(-0.55, 0.6), [0.046, 0.041, 0.038], [0.150, 0.131, 0.115]);
         // Oxidation follows the flow levels.
         let [_, _, _, level, bloom, ..] = form.marks;
         let red = (level + tone.fine * 0.8 + form.cavity * 0.2).step(0.38, 0.58);
@@ -277,17 +277,17 @@ impl Basalt {
         let bloom = (bloom + tone.fine * 0.6 + form.relief * 0.35 + form.crack * 0.3).step(0.55, 0.75) * roof;
         lining
             .under(spall, form.state * 0.8)
-            .tinted([0.150, 0.052, 0.026], red * (edge * 0.6 + form.state * 0.25 + 0.15) * (0.55 * look.stain))
+            .tinted([0.150, 0.052, 0.026], red * (edge * 0.6 + form.state * 0.25 + 0.15) * (0.68 * look.stain))
             .tinted([0.160, 0.100, 0.045], ochre * (0.25 * look.stain))
-            .tinted([0.340, 0.310, 0.260], bloom * (0.35 * look.stain))
+            .tinted([0.340, 0.310, 0.260], bloom * (0.50 * look.stain))
             .lit(form.crack * -0.65 + 1.0)
     }
 
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let light = tone.ground(form);
-        let ash = ramp(light.step(-0.5, 0.6), [0.028, 0.026, 0.024], [0.118, 0.102, 0.089]);
-        let stone = ramp(tone.stone(form), [0.032, 0.031, 0.031], [0.140, 0.122, 0.107]);
+        let ash = ramp(light.step(-0.5, 0.6), [0.023, 0.021, 0.020], [0.112, 0.097, 0.085]);
+        let stone = ramp(tone.stone(form), [0.027, 0.026, 0.026], [0.175, 0.153, 0.134]);
         let dusty = form.dust() * 0.6;
         ash.under(stone.under(ash, dusty), form.stone)
     }

@@ -108,7 +108,7 @@ impl<S: Simd> Tone<S> {
     /// Lightness of loose ground, about ±1: hollows are dark.
     #[inline(always)]
     pub fn ground(&self, form: &Form<S>) -> Value<S> {
-        self.fine * 0.40 + self.grain * 0.26 - form.relief * 0.45 + self.broad * 0.40
+        self.fine * 0.50 + self.grain * 0.26 - form.relief * 0.45 + self.broad * 0.40
     }
 
     /// Lightness of stones, about 0 to 1: each has its own, and is mottled.

@@ -323,8 +323,8 @@ impl Limestone {
         let (p, n) = (form.point, site.source);
         let side = tone.side;
         // Each bed has its own grey; broad patches only vary it.
-        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.65 + tone.broad * 0.15 - form.cavity * 0.25;
-        let rock = ramp(shade.step(-0.8, 0.8), [0.160, 0.138, 0.110], [0.355, 0.312, 0.248]);
+        let shade = (form.band - 0.5) * -1.2 + tone.fine * 0.82 + tone.broad * 0.15 - form.cavity * 0.30;
+        let rock = ramp(shade.step(-0.7, 0.75), [0.140, 0.120, 0.095], [0.370, 0.326, 0.260]);
         let marl = form.band.step(0.60, 0.80) * 0.7;
         let iron = (tone.streak + tone.fine * 0.7 + form.cavity * 0.3).step(0.38, 0.66) * side;
         let [_, _, _, _, curtain, calcite, ..] = form.marks;
@@ -332,15 +332,15 @@ impl Limestone {
         let calcite = (calcite + tone.fine * 0.9 - form.cavity * 0.5).step(0.54, 0.70);
         let tide = (tone.broad * 0.25 + tone.fine * 0.18 + 0.75 - form.height).step(0.0, 0.06);
         let mut color = rock
-            .under(rock.lit(Value::splat(site.simd(), 0.66)), marl)
-            .tinted([0.300, 0.165, 0.065], iron * (0.55 * look.stain))
-            .tinted([0.075, 0.066, 0.058], manganese * (0.38 * look.stain))
-            .tinted([0.520, 0.475, 0.390], calcite * (0.30 * look.stain));
+            .under(rock.lit(Value::splat(site.simd(), 0.58)), marl)
+            .tinted([0.300, 0.165, 0.065], iron * (0.70 * look.stain))
+            .tinted([0.070, 0.062, 0.055], manganese * (0.56 * look.stain))
+            .tinted([0.520, 0.475, 0.390], calcite * (0.45 * look.stain));
         let clayey = tone.patch.step(0.0, 0.3) * (-form.state + 1.0);
         if clayey.0.simd_gt(0.0).any_true() {
             // Clay that a film of water drew together into spots and worms as it dried (vermiculations).
             let spots = (n.noise(69, p.scaled(1.0 / 0.09)) + form.relief * 0.15).step(0.12, 0.24);
-            color = color.tinted([0.120, 0.085, 0.056], spots * clayey * (0.60 * look.stain));
+            color = color.tinted([0.120, 0.085, 0.056], spots * clayey * (0.76 * look.stain));
         }
         let flow = (form.state + tone.fine * 0.12).step(0.22, 0.45) * 0.9;
         if flow.0.simd_gt(0.0).any_true() {
@@ -360,8 +360,8 @@ impl Limestone {
     #[inline(always)]
     fn floor_color<S: Simd>(form: &Form<S>, tone: &Tone<S>) -> Color<S> {
         let light = tone.ground(form);
-        let mud = ramp(light.step(-0.7, 0.8), [0.085, 0.060, 0.040], [0.225, 0.170, 0.118]);
-        let stone = ramp(tone.stone(form), [0.095, 0.080, 0.062], [0.360, 0.309, 0.242]);
+        let mud = ramp(light.step(-0.7, 0.8), [0.075, 0.053, 0.035], [0.225, 0.170, 0.118]);
+        let stone = ramp(tone.stone(form), [0.085, 0.071, 0.055], [0.385, 0.331, 0.260]);
         let dusty = form.dust() * 0.65;
         mud.under(stone.under(mud, dusty), form.stone)
     }
