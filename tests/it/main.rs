@@ -16,6 +16,7 @@ mod layer_laws;
 mod lod_laws;
 mod mesh_laws;
 mod piece_laws;
+mod preview_contrast;
 mod preview_laws;
 mod readme;
 mod size_laws;
