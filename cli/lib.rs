@@ -114,13 +114,15 @@ impl Source {
 enum Command {
     /// Make a cave and export it for simulators
     Export(export::Export),
-    /// Make a cave folder: graph, plan and profile, mesh and textures
+    /// Make a cave folder: graph, plan and profile, mesh, things and textures
     Generate(generate::Generate),
     /// Make or update the graph of a cave folder; import and export graphs
     Graph(graph::GraphCommand),
     /// Make the graph and the mesh of a cave folder
     Mesh(generate::Generate),
-    /// Make the graph, the mesh and the textures of a cave folder
+    /// Make the graph, the mesh and the things (stones, dripstone) of a cave folder
+    Things(generate::Generate),
+    /// Make the graph, the mesh, the things and the textures of a cave folder
     Texture(generate::Generate),
     /// Make the graph, the mesh and the convex pieces of a cave folder
     Pieces(generate::Generate),
@@ -250,6 +252,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Generate(stage) | Command::Texture(stage) => stage.run(Stage::Texture, console),
         Command::Graph(graph) => graph.run(console),
         Command::Mesh(stage) => stage.run(Stage::Mesh, console),
+        Command::Things(stage) => stage.run(Stage::Things, console),
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
         Command::Preview(preview) => preview.run(console),
         Command::New(new) => new.run(console),

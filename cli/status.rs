@@ -82,6 +82,8 @@ fn units(stage: Stage, count: usize) -> String {
     match (stage, count) {
         (Stage::Graph, _) => "1 graph".to_owned(),
         (Stage::Preview, _) => "plan and profile".to_owned(),
+        (Stage::Things, 0 | 1) => "shapes alone".to_owned(),
+        (Stage::Things, _) => format!("shapes, {} chunks", count - 1),
         (_, 1) => "1 chunk".to_owned(),
         _ => format!("{count} chunks"),
     }

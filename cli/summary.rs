@@ -12,7 +12,7 @@ use super::fault::CliError;
 use super::progress::Console;
 use plume::cave::{Exported, Order};
 use plume::pipeline::Pipeline;
-use plume::store::{CaveFolder, Facts, MeshFacts, Stage, Unit};
+use plume::store::{CaveFolder, Facts, MeshFacts, Stage, Unit, WHOLE_CAVE};
 use plume_graph::Graph;
 
 /// Numbers gathered while the stages run.
@@ -35,6 +35,7 @@ impl Summary {
             Stage::Graph => self.graph(pipeline.graph()),
             Stage::Preview => self.preview(&pipeline.units(Stage::Preview)),
             Stage::Mesh => self.mesh(&pipeline.walls()),
+            Stage::Things => self.things(&pipeline.units(Stage::Things)),
             Stage::Texture => self.texture(&pipeline.units(Stage::Texture)),
             Stage::Pieces => self.pieces(&pipeline.units(Stage::Pieces)),
         }
@@ -64,6 +65,15 @@ impl Summary {
         });
         let text = format!("{chunks} chunks  {triangles:.0} triangles  {area_m2:.0} m²");
         self.stage("mesh", &text, numbers);
+    }
+
+    fn things(&mut self, units: &[Unit]) {
+        let count = |unit: &Unit| if let Facts::Things(facts) = &unit.facts { facts.things } else { 0 };
+        let (whole, chunks): (Vec<&Unit>, Vec<&Unit>) = units.iter().partition(|unit| unit.name == WHOLE_CAVE);
+        let sum = |units: &[&Unit]| units.iter().map(|unit| count(unit)).sum::<usize>();
+        let (shapes, things) = (sum(&whole), sum(&chunks));
+        let text = format!("{things} stones and dripstones of {shapes} shapes");
+        self.stage("things", &text, json!({"things": things, "shapes": shapes}));
     }
 
     fn texture(&mut self, units: &[Unit]) {
@@ -102,7 +112,7 @@ impl Summary {
 
     /// A cave folder was made.
     pub fn place(&mut self, what: &str, path: &Path, folder: &CaveFolder) {
-        let stages = [Stage::Graph, Stage::Preview, Stage::Mesh, Stage::Texture, Stage::Pieces];
+        let stages = [Stage::Graph, Stage::Preview, Stage::Mesh, Stage::Things, Stage::Texture, Stage::Pieces];
         let units = stages.into_iter().flat_map(|stage| folder.units(stage));
         let files: usize = units.map(|unit| unit.files.len()).sum();
         self.stage(

@@ -97,15 +97,29 @@ impl dyn Package + '_ {
         Ok(())
     }
 
-    /// Copies an image of a chunk into `textures/` below `folder`, which is empty or ends with a slash; returns its path
-    /// relative to `folder`.
+    /// Copies an image of a material into `textures/` below `folder`, which is empty or ends with a slash, unless it is there;
+    /// returns its path relative to `folder`.
     ///
     /// # Errors
     /// As [`copy`](#method.copy).
-    pub fn texture(&mut self, folder: &str, chunk: &str, role: &str, image: &Image) -> Result<String, ExportError> {
-        let file = format!("textures/{chunk}_{role}.{}", image.format.extension());
-        self.copy(&format!("{folder}{file}"), &image.path)?;
+    pub fn texture(&mut self, folder: &str, material: &str, role: &str, image: &Image) -> Result<String, ExportError> {
+        let file = format!("textures/{material}_{role}.{}", image.format.extension());
+        self.share(&format!("{folder}{file}"), image)?;
         Ok(file)
+    }
+
+    /// Copies an image to `path`, unless another chunk with the same material has done so.
+    ///
+    /// # Errors
+    /// As [`copy`](#method.copy).
+    pub fn share(&mut self, path: &str, image: &Image) -> Result<(), ExportError> {
+        let there = self.files().0.get(path).and_then(|entry| entry.source.as_ref());
+        if there == Some(&image.path) { Ok(()) } else { self.copy(path, &image.path) }
+    }
+
+    /// Whether a file has been written.
+    pub fn has(&mut self, path: &str) -> bool {
+        self.files().0.contains_key(path)
     }
 
     /// Writes a text.

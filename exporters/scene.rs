@@ -80,6 +80,9 @@ impl Scene<'_> {
         if !names::is_safe(&chunk.name) {
             return Err(fault("name", "is not `[a-z][a-z0-9_]*`"));
         }
+        if !names::is_safe(&chunk.material.name) {
+            return Err(fault("material", "has a name that is not `[a-z][a-z0-9_]*`"));
+        }
         chunk.visual.check(Part::Visual).map_err(|text| fault("visual mesh", text))?;
         for lod in &chunk.lods {
             lod.mesh.check(Part::Visual).map_err(|text| fault("coarser visual mesh", text))?;
@@ -146,6 +149,8 @@ pub trait Chunks: Sync {
 pub struct Chunk {
     /// Safe name, unique in the scene, e.g. `chunk_0_2_1`.
     pub name: String,
+    /// What it consists of.
+    pub content: Content,
     /// The visual mesh in full detail.
     pub visual: Mesh,
     /// Coarser levels of detail with the same material, for distant cameras; may be empty. Vertices on the border of a chunk
@@ -155,6 +160,15 @@ pub struct Chunk {
     pub collision: Mesh,
     /// Material of the visual mesh.
     pub material: Material,
+}
+
+/// What a chunk consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// The wall, which continues in its neighbours.
+    Wall,
+    /// Closed bodies on the wall, each with one convex piece.
+    Things,
 }
 
 impl Chunk {
@@ -303,6 +317,9 @@ enum Part {
 /// Metallic-roughness material. Images are files already encoded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
+    /// Safe name of its images, such as that of the chunk. Chunks with the same name have the same images, which are written
+    /// once.
+    pub name: String,
     /// Base colour, sRGB.
     pub base_color: Image,
     /// Tangent-space normals, +Y up (OpenGL), linear.

@@ -201,7 +201,7 @@ fn write_chunk(
     for (role, image) in
         [("base_color", &chunk.material.base_color), ("normal", &chunk.material.normal), ("orm", &chunk.material.orm)]
     {
-        let file = out.texture("chunks/", &chunk.name, role, image)?;
+        let file = out.texture("chunks/", &chunk.material.name, role, image)?;
         textures.insert(role.to_owned(), format!("./{file}").into());
     }
     let mut spec = json!({ "path": path, "textures": textures, "zones": zones });

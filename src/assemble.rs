@@ -1,19 +1,24 @@
 //! From a cave folder to a scene: chunks, images, lamps and start poses for the exporters.
 
+mod dressing;
+
 use std::collections::BTreeMap;
 use std::io;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Point3};
-use plume_exporters::scene::{self, ByZone, Chunks, Light, Scene};
+use plume_exporters::scene::{self, ByZone, Chunks, Content, Light, Scene};
 
+use self::dressing::Dressing;
 use crate::field::Field;
 use crate::mesh;
 use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
-use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, Unit};
+use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, Unit, WHOLE_CAVE};
 use crate::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureSettings};
+use crate::things::Thing;
 use plume_graph::Graph;
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
@@ -27,6 +32,10 @@ const LAMP_COLOR: [f64; 3] = [1.0, 0.86, 0.68];
 pub struct FolderChunks<'a> {
     folder: &'a CaveFolder,
     names: Vec<String>,
+    /// The chunks that have things, after which their things are chunks of their own.
+    dressed: Vec<String>,
+    prototypes: OnceLock<Option<Dressing>>,
+    rock: &'a str,
     /// The coarser levels of each chunk.
     lods: Vec<Vec<LodFacts>>,
     settings: &'a TextureSettings,
@@ -35,19 +44,24 @@ pub struct FolderChunks<'a> {
 
 impl<'a> FolderChunks<'a> {
     /// The chunks of `walls`. Once `stop` is set no more are loaded: an export ends with [`io::ErrorKind::Interrupted`].
-    pub fn new(folder: &'a CaveFolder, walls: &[Unit], settings: &'a TextureSettings, stop: &'a AtomicBool) -> Self {
+    pub fn new(folder: &'a CaveFolder, walls: &[Unit], recipe: &'a Recipe, stop: &'a AtomicBool) -> Self {
         let levels = |unit: Unit| match unit.facts {
             Facts::Texture(facts) => Some((unit.name, facts.lods)),
             _ => None,
         };
         let mut textured: BTreeMap<String, Vec<LodFacts>> =
             folder.units(Stage::Texture).into_iter().filter_map(levels).collect();
+        let things = folder.units(Stage::Things).into_iter();
+        let dressed = things.filter(|unit| unit.name != WHOLE_CAVE && !unit.files.is_empty()).map(|unit| unit.name);
         let lods = |wall: &Unit| textured.remove(&wall.name).unwrap_or_default();
         Self {
             folder,
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
+            dressed: dressed.filter(|name| walls.iter().any(|wall| wall.name == *name)).collect(),
+            prototypes: OnceLock::new(),
+            rock: recipe.rock_name(),
             lods: walls.iter().map(lods).collect(),
-            settings,
+            settings: recipe.texture(),
             stop,
         }
     }
@@ -77,20 +91,55 @@ impl<'a> FolderChunks<'a> {
         };
         let Maps { base_color, normal, orm, roughness, height } = store::IMAGES.zip(self.settings.formats()).map(image);
         let height = height.map(|image| scene::Height { image, amplitude_m: HEIGHT_AMPLITUDE_M });
-        scene::Material { base_color, normal, orm, roughness, height }
+        scene::Material { name: name.to_owned(), base_color, normal, orm, roughness, height }
+    }
+}
+
+impl FolderChunks<'_> {
+    /// The prototypes, read when first needed.
+    fn dressing(&self) -> Result<&Dressing, io::Error> {
+        let missing = || io::Error::other("there are things, but no prototypes of them");
+        if let Some(dressing) = self.prototypes.get() {
+            return dressing.as_ref().ok_or_else(missing);
+        }
+        let prototypes = store::read_prototypes(self.folder, self.rock).map_err(io::Error::other)?;
+        self.prototypes.get_or_init(|| prototypes.map(Dressing::new)).as_ref().ok_or_else(missing)
+    }
+
+    fn things(&self, index: usize) -> Result<Vec<Thing>, io::Error> {
+        store::read_things(self.folder, &self.dressed[index - self.names.len()]).map_err(io::Error::other)
+    }
+
+    fn load_things(&self, index: usize) -> Result<scene::Chunk, io::Error> {
+        self.verify_images(store::PROTOTYPES)?;
+        let name = self.dressed[index - self.names.len()].replace("chunk_", "things_");
+        let (dressing, things) = (self.dressing()?, self.things(index)?);
+        let (visual, lods) = dressing.levels(&things);
+        Ok(scene::Chunk {
+            name,
+            content: Content::Things,
+            visual,
+            lods,
+            collision: dressing.collision(&things),
+            material: self.material(store::PROTOTYPES),
+        })
     }
 }
 
 impl Chunks for FolderChunks<'_> {
     fn len(&self) -> usize {
-        self.names.len()
+        self.names.len() + self.dressed.len()
     }
 
     fn neighbors(&self, index: usize) -> Vec<usize> {
-        (0..self.len()).filter(|&other| store::adjacent(&self.names[index], &self.names[other])).collect()
+        let Some(own) = self.names.get(index) else { return Vec::new() };
+        (0..self.names.len()).filter(|&other| store::adjacent(own, &self.names[other])).collect()
     }
 
     fn pieces(&self, index: usize) -> Result<Vec<scene::Piece>, io::Error> {
+        if index >= self.names.len() {
+            return Ok(self.dressing()?.pieces(&self.things(index)?));
+        }
         let pieces = store::read_pieces(self.folder, &self.names[index]).map_err(io::Error::other)?;
         Ok(pieces.into_iter().map(scene_piece).collect())
     }
@@ -99,10 +148,14 @@ impl Chunks for FolderChunks<'_> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(io::Error::new(io::ErrorKind::Interrupted, "interrupted"));
         }
+        if index >= self.names.len() {
+            return self.load_things(index);
+        }
         let name = &self.names[index];
         self.verify_images(name)?;
         Ok(scene::Chunk {
             name: name.clone(),
+            content: Content::Wall,
             visual: self.read(&store::textured_path(name))?,
             lods: self.lods(index)?,
             collision: self.read(&store::collision_path(name))?,

@@ -126,7 +126,7 @@ impl Cave {
 
     /// Its chunks, loaded one at a time until `stop` is set.
     pub fn chunks<'a>(&'a self, stop: &'a AtomicBool) -> FolderChunks<'a> {
-        FolderChunks::new(&self.folder, &self.walls, self.recipe.texture(), stop)
+        FolderChunks::new(&self.folder, &self.walls, &self.recipe, stop)
     }
 
     /// The names of its chunks, in their order.
@@ -172,7 +172,8 @@ pub fn make<'a>(
         Stage::Graph => &[],
         Stage::Preview => &[Stage::Preview],
         Stage::Mesh => &[Stage::Preview, Stage::Mesh],
-        Stage::Texture => &[Stage::Preview, Stage::Mesh, Stage::Texture],
+        Stage::Things => &[Stage::Preview, Stage::Mesh, Stage::Things],
+        Stage::Texture => &[Stage::Preview, Stage::Mesh, Stage::Things, Stage::Texture],
         Stage::Pieces => &[Stage::Preview, Stage::Mesh, Stage::Pieces],
     };
     for &stage in stages {

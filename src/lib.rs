@@ -52,6 +52,8 @@ pub mod preview;
 pub mod store;
 #[doc(hidden)]
 pub mod texture;
+#[doc(hidden)]
+pub mod things;
 
 pub use plume_exporters as exporters;
 pub use plume_generators as generators;

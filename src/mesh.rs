@@ -45,6 +45,7 @@ mod smooth;
 pub use chunk::{ChunkMeshes, chunk};
 pub(crate) use collapse::{CollapsePolicy, Collapser, StopCriterion};
 pub(crate) use collapse_mesh::{Collapse, CollapseMesh};
+pub(crate) use collide::hull;
 pub use collide::{MOST_CORNERS, Piece, PieceMeasures, PieceReport, PieceSettings, Zone, measure_pieces, pieces};
 pub use grid::{ChunkIndex, Grid, GridError};
 pub(crate) use hausdorff::HausdorffBound;

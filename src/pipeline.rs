@@ -10,6 +10,7 @@ mod outside;
 mod pieces;
 mod program;
 mod status;
+mod things;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -88,6 +89,7 @@ pub struct Pipeline<'a> {
     preview_fingerprint: String,
     mesh_fingerprint: String,
     texture_fingerprint: String,
+    things_fingerprint: String,
     pieces_fingerprint: String,
 }
 
@@ -148,6 +150,7 @@ impl<'a> Pipeline<'a> {
         let mesh_fingerprint = sha256(shape.as_bytes());
         let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
+        let things_fingerprint = sha256([texture_fingerprint.as_str(), &section(&["things"])].concat().as_bytes());
         let pieces_fingerprint = sha256([mesh_fingerprint.as_str(), &section(&["pieces"])].concat().as_bytes());
         Ok(Self {
             recipe,
@@ -158,6 +161,7 @@ impl<'a> Pipeline<'a> {
             preview_fingerprint,
             mesh_fingerprint,
             texture_fingerprint,
+            things_fingerprint,
             pieces_fingerprint,
         })
     }
@@ -181,6 +185,7 @@ impl<'a> Pipeline<'a> {
             Stage::Graph => Ok(()),
             Stage::Preview => self.preview(),
             Stage::Mesh => self.mesh(),
+            Stage::Things => self.things(),
             Stage::Texture => self.texture(),
             Stage::Pieces => self.pieces(),
         }
@@ -254,11 +259,12 @@ impl<'a> Pipeline<'a> {
         &self.graph_fingerprint
     }
 
-    /// Whether every wall is textured. Texturing starts after the last mesh.
+    /// Whether every wall is textured and has its things. Texturing starts after the last mesh.
     pub fn is_finished(&self) -> bool {
         let textured = self.units(Stage::Texture);
         let walls = self.walls();
-        !walls.is_empty() && walls.iter().all(|wall| textured.iter().any(|unit| unit.name == wall.name))
+        let is_textured = |wall: &Unit| textured.iter().any(|unit| unit.name == wall.name);
+        !walls.is_empty() && walls.iter().all(is_textured) && self.has_things()
     }
 
     fn fingerprint(&self, stage: Stage) -> &str {
@@ -266,6 +272,7 @@ impl<'a> Pipeline<'a> {
             Stage::Graph => &self.graph_fingerprint,
             Stage::Preview => &self.preview_fingerprint,
             Stage::Mesh => &self.mesh_fingerprint,
+            Stage::Things => &self.things_fingerprint,
             Stage::Texture => &self.texture_fingerprint,
             Stage::Pieces => &self.pieces_fingerprint,
         }

@@ -28,6 +28,7 @@ use crate::field::PassageSettings;
 use crate::material::{Look, MATERIALS, Material};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
+use crate::things::ThingSettings;
 use plume_graph::Generator;
 use plume_graph::realism::RealismSettings;
 
@@ -60,6 +61,7 @@ pub struct Recipe {
     rock: Arc<dyn Material>,
     look: Look,
     mesh: MeshSettings,
+    things: ThingSettings,
     texture: TextureSettings,
     lod: LodSettings,
     pieces: PieceSettings,
@@ -114,6 +116,7 @@ impl Recipe {
             rock,
             look: typed(&resolved, "look", &draft)?,
             mesh: typed(&resolved, "mesh", &draft)?,
+            things: typed(&resolved, "things", &draft)?,
             texture: typed(&resolved, "texture", &draft)?,
             lod: typed(&resolved, "lod", &draft)?,
             pieces: typed(&resolved, "pieces", &draft)?,
@@ -164,7 +167,7 @@ impl Recipe {
 
     /// The version of what makes walls and images: that of Plume, and the revision of the rock if it has one.
     pub fn version(&self) -> String {
-        let row = self.resolved["rock"]["kind"].as_str().and_then(|kind| MATERIALS.find(kind));
+        let row = MATERIALS.find(self.rock_name());
         match row.map_or(0, |row| row.revision) {
             0 => crate::VERSION.to_owned(),
             revision => format!("{} revision {revision}", crate::VERSION),
@@ -184,6 +187,16 @@ impl Recipe {
     /// Mesh settings.
     pub fn mesh(&self) -> &MeshSettings {
         &self.mesh
+    }
+
+    /// Stones and dripstone.
+    pub fn things(&self) -> &ThingSettings {
+        &self.things
+    }
+
+    /// Name of the rock.
+    pub fn rock_name(&self) -> &str {
+        self.resolved["rock"]["kind"].as_str().unwrap_or_default()
     }
 
     /// Texture settings.

@@ -8,7 +8,8 @@
 //! ├─ profile.png      and from the side
 //! ├─ chunks/          the wall, one PLY per chunk
 //! ├─ collision/       the same with fewer triangles
-//! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk
+//! ├─ things/          stones and dripstone: kind, shape, size and pose of each, per chunk
+//! ├─ textures/        the unwrapped wall in levels of detail (PLY) and its images, per chunk; and the shapes of things
 //! ├─ pieces/          convex pieces of the rock behind the wall, if a target needs them
 //! └─ manifest.json    what is finished: SHA-256 of every file
 //! ```
@@ -28,8 +29,10 @@ mod facts;
 mod file;
 mod piece;
 pub mod ply;
+mod prototype;
 mod records;
 mod temporary;
+mod thing;
 mod unit;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,15 +47,17 @@ use rayon::prelude::*;
 
 pub use self::chunk::{ChunkError, IMAGES, Written, read_mesh, read_ply, write_mesh, write_textured};
 pub use self::error::StoreError;
-pub use self::facts::{Facts, GraphFacts, LodFacts, MeshFacts, PieceFacts, TextureFacts};
+pub use self::facts::{Facts, GraphFacts, LodFacts, MeshFacts, PieceFacts, TextureFacts, ThingFacts};
 use self::file::FileState;
 pub use self::file::{FileRecord, Sink};
 pub use self::piece::{read_pieces, write_pieces};
+pub use self::prototype::{Prototypes, read_prototypes};
 use self::records::Event;
 pub use self::temporary::TemporaryFolder;
+pub use self::thing::{read_things, write_things};
 pub use self::unit::{
-    Stage, Unit, WHOLE_CAVE, adjacent, chunk_name, collision_path, image_path, lod_path, pieces_path, textured_path,
-    wall_path,
+    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_name, collision_path, image_path, lod_path, pieces_path,
+    textured_path, things_path, wall_path,
 };
 
 const MANIFEST: &str = "manifest.json";

@@ -103,7 +103,7 @@ impl Assimp {
             // Its GLB reader does not support EXT_texture_webp, and would drop the images.
             chunk.material.refuse_unless(ROW.name, ROW.images)?;
             for (image_path, image) in image_files(&chunk) {
-                out.copy(image_path_in(folder, &image_path).as_str(), &image.path)?;
+                out.share(&image_path_in(folder, &image_path), image)?;
             }
             layout.add_chunk(&chunk, &[])?.1.write(&mut payload)?;
             triangles += chunk.visual.triangles();

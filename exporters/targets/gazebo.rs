@@ -187,21 +187,22 @@ impl ZoneText {
 
 fn write_visual(model: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<Part, ExportError> {
     let name = &chunk.name;
-    let texture = |role, image: &Image| format!("{name}_{role}.{}", image.format.extension());
+    let material = &chunk.material;
+    let texture = |role, image: &Image| format!("{}_{role}.{}", material.name, image.format.extension());
     let part = Part {
         name: name.clone(),
-        base_color: texture("base_color", &chunk.material.base_color),
-        normal: texture("normal", &chunk.material.normal),
-        roughness: texture("roughness", &chunk.material.roughness),
+        base_color: texture("base_color", &material.base_color),
+        normal: texture("normal", &material.normal),
+        roughness: texture("roughness", &material.roughness),
         collisions: Vec::new(),
     };
     let textures = format!("{model}/materials/textures");
     for (file, image) in [
-        (&part.base_color, &chunk.material.base_color),
-        (&part.normal, &chunk.material.normal),
-        (&part.roughness, &chunk.material.roughness),
+        (&part.base_color, &material.base_color),
+        (&part.normal, &material.normal),
+        (&part.roughness, &material.roughness),
     ] {
-        out.copy(&format!("{textures}/{file}"), &image.path)?;
+        out.share(&format!("{textures}/{file}"), image)?;
     }
     let from_meshes = |file: &str| format!("../materials/textures/{file}");
     let maps = obj::Maps {

@@ -141,7 +141,7 @@ impl Documents {
             entry = entry.with_levels(chunk);
         }
         for (path, image) in image_files(chunk) {
-            out.copy(&path, &image.path)?;
+            out.share(&path, image)?;
         }
         Ok(entry)
     }

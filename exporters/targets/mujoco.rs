@@ -24,7 +24,7 @@ use crate::error::ExportError;
 use crate::frame::{self, Axes, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Light, Scene, Zone};
+use crate::scene::{Content, Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;
@@ -127,7 +127,7 @@ impl Target for Mujoco {
             let chunk = scene.chunk(index)?;
             visual_triangles += chunk.visual.triangles();
             chunk::write_files(&chunk, out)?;
-            chunks.push(chunk.name);
+            chunks.push(chunk::Names { chunk: chunk.name, material: chunk.material.name });
         }
         let name = &scene.name;
         let texts = self.values(scene);
@@ -173,7 +173,7 @@ impl Mujoco {
         path: &str,
         options: &str,
         scene: &Scene,
-        chunks: &[String],
+        chunks: &[chunk::Names],
         out: &mut dyn Package,
     ) -> Result<u64, ExportError> {
         let template = include_str!("../templates/mujoco/world.xml.jinja");
@@ -184,6 +184,9 @@ impl Mujoco {
             for (index, chunk) in chunks.iter().enumerate() {
                 let rock = self.rock(scene, index)?;
                 triangles += rock.triangles();
+                if !chunks[..index].iter().any(|before| before.material == chunk.material) {
+                    chunk::write_material(file, scene, &chunk.material)?;
+                }
                 chunk::write_elements(file, scene, chunk, &rock)?;
             }
             Ok(writeln!(file, "</mujoco>")?)
@@ -195,7 +198,13 @@ impl Mujoco {
         Ok(match self.0.collision {
             Collision::Pieces => Rock::Pieces(scene.pieces(index)?),
             Collision::Flex => Rock::Flex(scene.chunk(index)?.collision),
-            Collision::FloorField => Rock::Field(Field::new(&scene.chunk(index)?.visual, self.0.field_spacing_m)),
+            Collision::FloorField => {
+                let chunk = scene.chunk(index)?;
+                match chunk.content {
+                    Content::Wall => Rock::Field(Field::new(&chunk.visual, self.0.field_spacing_m)),
+                    Content::Things => Rock::Pieces(scene.pieces(index)?),
+                }
+            }
         })
     }
 

@@ -162,7 +162,7 @@ impl<'a> ObjFiles<'a> {
     }
 
     fn add_material(&mut self, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
-        let mut copy = |role, image| out.texture(self.stem.folder, &chunk.name, role, image);
+        let mut copy = |role, image| out.texture(self.stem.folder, &chunk.material.name, role, image);
         let base_color = copy("base_color", &chunk.material.base_color)?;
         let normal = copy("normal", &chunk.material.normal)?;
         let roughness = copy("roughness", &chunk.material.roughness)?;

@@ -154,16 +154,18 @@ impl Unreal {
 }
 
 fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, ExportError> {
-    let path = |role: &str, extension: &str| format!("textures/{}_{role}.{extension}", chunk.name);
     let material = &chunk.material;
+    let path = |role: &str, extension: &str| format!("textures/{}_{role}.{extension}", material.name);
     let textures = Textures {
         base_color: path("base_color", material.base_color.format.extension()),
         normal: path("normal", "png"),
         orm: path("orm", material.orm.format.extension()),
     };
-    out.copy(&textures.base_color, &material.base_color.path)?;
-    out.write(&textures.normal, |file| pixels::remap(&material.normal, file, |[r, g, b]| [r, 255 - g, b]))?;
-    out.copy(&textures.orm, &material.orm.path)?;
+    out.share(&textures.base_color, &material.base_color)?;
+    if !out.has(&textures.normal) {
+        out.write(&textures.normal, |file| pixels::remap(&material.normal, file, |[r, g, b]| [r, 255 - g, b]))?;
+    }
+    out.share(&textures.orm, &material.orm)?;
     Ok(textures)
 }
 

@@ -156,7 +156,7 @@ fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(
     let name = &chunk.name;
     chunk.material.refuse_unless(ROW.name, ROW.images)?;
     let meshes = format!("{package}/meshes");
-    let mut copy = |role, image| out.texture(&format!("{meshes}/"), name, role, image);
+    let mut copy = |role, image| out.texture(&format!("{meshes}/"), &chunk.material.name, role, image);
     let base_color = copy("base_color", &chunk.material.base_color)?;
     let normal = copy("normal", &chunk.material.normal)?;
     let roughness = copy("roughness", &chunk.material.roughness)?;

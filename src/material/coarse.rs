@@ -59,6 +59,9 @@ pub const MARKS: usize = 10;
 
 /// Quantities with a gradient.
 pub const JETS: usize = 9;
+/// Which of them are the fields.
+const FIELD: usize = 0;
+const WALL_FIELD: usize = 1;
 /// Quantities without.
 pub const SCALARS: usize = 13 + MARKS;
 /// Numbers that describe the coarse surface at a point: each jet as its value and its three derivatives, then the scalars.
@@ -109,6 +112,19 @@ impl CoarseBlock {
     #[inline(always)]
     pub fn put<S: Simd>(&mut self, channel: usize, at: usize, lanes: Lanes<S>) {
         lanes.store_slice(&mut self.channels[channel][at..at + Lanes::<S>::LEN]);
+    }
+
+    /// Replaces the shape of the wall by a surface through the points with these normals, into the air. Detail and colour
+    /// remain.
+    pub fn shape_as(&mut self, normals: &[[f32; BLOCK]; 3]) {
+        for field in [FIELD, WALL_FIELD] {
+            self.channels[4 * field][..BLOCK].fill(0.0);
+            for (axis, normal) in normals.iter().enumerate() {
+                for (slope, normal) in self.channels[4 * field + 1 + axis].iter_mut().zip(normal) {
+                    *slope = -normal;
+                }
+            }
+        }
     }
 
     /// Repeats the last point in the padding.

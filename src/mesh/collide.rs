@@ -23,6 +23,7 @@ mod settings;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::hull::hull;
 pub use self::report::{PieceMeasures, PieceReport, measure_pieces};
 use self::rock_mass::RockMass;
 pub use self::settings::PieceSettings;

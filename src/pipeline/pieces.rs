@@ -39,7 +39,7 @@ impl Pipeline<'_> {
     }
 
     /// The wall of a chunk, and those of its neighbours, from all `walls`.
-    fn with_neighbours(&self, name: &str, walls: &[Unit]) -> Result<(Mesh, Vec<Mesh>), StoreError> {
+    pub(super) fn with_neighbours(&self, name: &str, walls: &[Unit]) -> Result<(Mesh, Vec<Mesh>), StoreError> {
         let mesh = store::read_mesh(self.folder, name)?;
         let around = walls.iter().filter(|other| store::adjacent(name, &other.name));
         let around: Result<Vec<_>, _> = around.map(|other| store::read_mesh(self.folder, &other.name)).collect();

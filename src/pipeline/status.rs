@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::{Pipeline, PipelineError};
 use crate::mesh::Grid;
-use crate::store::{Stage, chunk_name};
+use crate::store::{Stage, WHOLE_CAVE, chunk_name};
 
 /// Progress of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -55,9 +55,14 @@ impl Pipeline<'_> {
         }
         let walls = || self.walls().into_iter().map(|unit| unit.name).collect();
         let walls: Option<Vec<String>> = (mesh.state == State::Done).then(walls);
+        let with_prototypes = |mut walls: Vec<String>| {
+            walls.push(WHOLE_CAVE.to_owned());
+            walls
+        };
+        let things = self.stage_status(Stage::Things, walls.clone().map(with_prototypes))?;
         let texture = self.stage_status(Stage::Texture, walls.clone())?;
         let pieces = self.stage_status(Stage::Pieces, walls)?;
-        Ok(vec![graph, preview, mesh, texture, pieces])
+        Ok(vec![graph, preview, mesh, things, texture, pieces])
     }
 
     fn stage_status(&self, stage: Stage, wanted: Option<Vec<String>>) -> Result<StageStatus, PipelineError> {

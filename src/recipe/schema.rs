@@ -8,6 +8,7 @@ use crate::field::PassageSettings;
 use crate::material::{Look, MATERIALS};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
+use crate::things::ThingSettings;
 use plume_generators::GENERATORS;
 use plume_graph::realism::RealismSettings;
 
@@ -83,6 +84,7 @@ fn whole(graph: Value, rock: Value) -> Value {
             "rock": rock,
             "look": schema_of::<Look>(),
             "mesh": schema_of::<MeshSettings>(),
+            "things": schema_of::<ThingSettings>(),
             "texture": schema_of::<TextureSettings>(),
             "lod": schema_of::<LodSettings>(),
             "pieces": schema_of::<PieceSettings>(),

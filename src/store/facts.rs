@@ -22,6 +22,8 @@ pub enum Facts {
     Preview {},
     /// Of a chunk.
     Mesh(MeshFacts),
+    /// Of the things in a chunk, or of their prototypes.
+    Things(ThingFacts),
     /// Of a textured chunk.
     Texture(TextureFacts),
     /// Of the rock behind a chunk.
@@ -35,6 +37,7 @@ impl Facts {
             Stage::Graph => Self::Graph(read(facts)),
             Stage::Preview => Self::Preview {},
             Stage::Mesh => Self::Mesh(read(facts)),
+            Stage::Things => Self::Things(read(facts)),
             Stage::Texture => Self::Texture(read(facts)),
             Stage::Pieces => Self::Pieces(read(facts)),
         }
@@ -127,6 +130,17 @@ impl From<&Level> for LodFacts {
     }
 }
 
+/// What the unit of the things in a chunk says, or that of the prototypes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ThingFacts {
+    /// The number of things, or of prototypes.
+    pub things: usize,
+    /// The coarser levels of the prototypes, the finest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lods: Vec<LodFacts>,
+}
+
 /// What the unit of the convex pieces of a chunk says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -160,6 +174,7 @@ mod tests {
                     "lods": [{"triangles": 754, "error_m": 0.21701033413410187}],
                 }),
             ),
+            (Stage::Things, json!({"things": 340})),
             (Stage::Pieces, json!({"pieces": 12})),
         ] {
             assert_eq!(read_and_written(stage, facts.clone()), facts.to_string());

@@ -16,6 +16,8 @@ use plume_graph::echo::shown;
 
 /// The name of units that are made once for the whole cave.
 pub const WHOLE_CAVE: &str = "cave";
+/// The name of meshes and images of the prototypes of things.
+pub const PROTOTYPES: &str = "things";
 /// Maximum number of levels.
 const MOST_LODS: usize = 99;
 
@@ -29,6 +31,8 @@ pub enum Stage {
     Preview,
     /// Triangles.
     Mesh,
+    /// Stones and dripstone.
+    Things,
     /// Images.
     Texture,
     /// Convex pieces, made if a target needs them.
@@ -42,6 +46,7 @@ impl Stage {
             Self::Graph => "graph",
             Self::Preview => "preview",
             Self::Mesh => "mesh",
+            Self::Things => "things",
             Self::Texture => "texture",
             Self::Pieces => "pieces",
         }
@@ -51,6 +56,7 @@ impl Stage {
     fn has_unit(self, name: &str) -> bool {
         match self {
             Self::Graph | Self::Preview => name == WHOLE_CAVE,
+            Self::Things => name == WHOLE_CAVE || is_chunk_name(name),
             Self::Mesh | Self::Texture | Self::Pieces => is_chunk_name(name),
         }
     }
@@ -61,6 +67,8 @@ impl Stage {
             Self::Graph => [RECIPE, GRAPH].contains(&path),
             Self::Preview => [PLAN, PROFILE].contains(&path),
             Self::Mesh => [wall_path(name), collision_path(name)].iter().any(|own| own == path),
+            Self::Things if name == WHOLE_CAVE => is_texture_path(PROTOTYPES, path),
+            Self::Things => path == things_path(name),
             Self::Texture => is_texture_path(name, path),
             Self::Pieces => path == pieces_path(name),
         }
@@ -156,6 +164,11 @@ pub fn image_path(name: &str, image: &str, format: ImageFormat) -> String {
     format!("textures/{name}_{image}.{}", format.extension())
 }
 
+/// Path of the things of a chunk.
+pub fn things_path(name: &str) -> String {
+    format!("things/{name}.json")
+}
+
 /// Path of the convex pieces of a chunk.
 pub fn pieces_path(name: &str) -> String {
     format!("pieces/{name}.ply")
@@ -190,6 +203,9 @@ mod tests {
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_base_color.webp"),
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_height.png"),
             ("pieces", "chunk_0_0_0", "pieces/chunk_0_0_0.ply"),
+            ("things", "chunk_0_0_0", "things/chunk_0_0_0.json"),
+            ("things", "cave", "textures/things_orm.png"),
+            ("things", "cave", "textures/things_lod1.ply"),
         ] {
             assert_eq!(refusal(stage, name, path), None);
         }
@@ -204,6 +220,10 @@ mod tests {
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_1.ply"),
             ("texture", "chunk_0_0_0", "textures/../textures/chunk_0_0_0.ply"),
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_lod01.ply"),
+            ("things", "cave", "things/cave.json"),
+            ("things", "chunk_0_0_0", "textures/things.ply"),
+            ("things", "chunk_0_0_0", "things/chunk_0_0_1.json"),
+            ("things", "../victim", "things/../victim.json"),
             ("mesh", "../../out/x", "chunks/../../out/x.ply"),
             ("mesh", "chunk_0_0_00", "chunks/chunk_0_0_00.ply"),
             ("mesh", "chunk_0_0", "chunks/chunk_0_0.ply"),

@@ -15,13 +15,14 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("field", &["material", "noise"]),
     ("mesh", &["field"]),
     ("texture", &["field", "mesh", "noise"]),
+    ("things", &["field", "material", "mesh", "noise"]),
     ("placement", &["field"]),
     ("preview", &["field", "material", "mesh", "placement"]),
-    ("recipe", &["field", "material", "mesh", "texture"]),
+    ("recipe", &["field", "material", "mesh", "texture", "things"]),
     ("preset", &[]),
-    ("store", &["field", "mesh", "texture"]),
-    ("assemble", &["field", "mesh", "recipe", "store", "texture", "placement"]),
-    ("pipeline", &["field", "mesh", "preview", "recipe", "store", "texture"]),
+    ("store", &["field", "mesh", "texture", "things"]),
+    ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
+    ("pipeline", &["field", "material", "mesh", "preview", "recipe", "store", "texture", "things"]),
     ("cave", &["assemble", "pipeline", "preset", "preview", "recipe", "store"]),
 ];
 

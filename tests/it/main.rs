@@ -26,3 +26,4 @@ mod texture_bake;
 mod texture_laws;
 mod texture_support;
 mod texture_unwrap;
+mod thing_laws;

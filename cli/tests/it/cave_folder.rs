@@ -11,7 +11,7 @@ use crate::command;
 use command::{Desk, SMALL};
 use plume::assemble::FolderChunks;
 use plume::store::{CaveFolder, Stage, Unit};
-use plume::texture::TextureSettings;
+use plume::Recipe;
 use plume_disk::sealed::{sha256, unseal};
 use plume_exporters::scene::{Chunks, Mesh};
 
@@ -138,8 +138,8 @@ fn a_scene_has_the_levels_of_its_folder_over_the_same_vertices() {
     let folder = CaveFolder::open(&desk.path("cave")).unwrap();
     let walls: Vec<Unit> = folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty()).collect();
     let stop = AtomicBool::new(false);
-    let settings = TextureSettings::default();
-    let chunks = FolderChunks::new(&folder, &walls, &settings, &stop);
+    let recipe = Recipe::from_overrides(&[]).unwrap();
+    let chunks = FolderChunks::new(&folder, &walls, &recipe, &stop);
     let mut levels = 0;
     for chunk in (0..chunks.len()).map(|index| chunks.load(index).unwrap()) {
         let full = vertices(&chunk.visual);

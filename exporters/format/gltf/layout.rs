@@ -1,10 +1,12 @@
 //! The JSON: nodes, meshes and levels of detail.
 
+use std::collections::BTreeMap;
+
 use gltf_json::extras::RawValue;
 use gltf_json::mesh::Primitive;
 use gltf_json::texture::{MagFilter, MinFilter, Sampler};
 use gltf_json::validation::Checked::Valid;
-use gltf_json::{Asset, Buffer, Index, Material, Mesh, Node, Root, Scene as GltfScene};
+use gltf_json::{Asset, Buffer, Index, Material, Mesh, Node, Root, Scene as GltfScene, Texture};
 use nalgebra::{Point3, distance};
 use serde_json::{Value, json};
 
@@ -24,6 +26,8 @@ pub struct Layout {
     pub(super) style: Style,
     /// The buffer that is being filled.
     pub(super) open: Index<Buffer>,
+    /// The textures by name, since chunks may share them.
+    pub(super) textures: BTreeMap<String, Index<Texture>>,
 }
 
 /// Indices of a chunk in its document.
@@ -52,7 +56,7 @@ impl Layout {
             min_filter: Some(Valid(MinFilter::LinearMipmapLinear)),
             ..Sampler::default()
         });
-        Self { root, style, open: Index::new(0) }
+        Self { root, style, open: Index::new(0), textures: BTreeMap::new() }
     }
 
     /// Adds a node with the visual mesh, its material and its images, with a child node for each convex piece.

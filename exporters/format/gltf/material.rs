@@ -26,7 +26,7 @@ impl Layout {
     ) -> Result<Index<Material>, ExportError> {
         let mut textures = Vec::new();
         for (role, image) in images(&chunk.material) {
-            textures.push(self.texture(&chunk.name, role, image, payload)?);
+            textures.push(self.texture(&chunk.material.name, role, image, payload)?);
         }
         let [base_color, normal, orm] = textures[..] else { unreachable!("there are three images") };
         Ok(self.root.push(Material {
@@ -56,28 +56,33 @@ impl Layout {
 
     fn texture<'a>(
         &mut self,
-        chunk: &str,
+        material: &str,
         role: &str,
         image: &'a Image,
         payload: &mut Payload<'a>,
     ) -> Result<Index<Texture>, ExportError> {
-        let name = format!("{chunk}_{role}");
-        let source = self.image(&name, chunk, role, image, payload)?;
+        let name = format!("{material}_{role}");
+        if let Some(texture) = self.textures.get(&name) {
+            return Ok(*texture);
+        }
+        let source = self.image(&name, material, role, image, payload)?;
         let mut texture =
-            Texture { name: Some(name), sampler: Some(Index::new(0)), source, extensions: None, extras: None };
+            Texture { name: Some(name.clone()), sampler: Some(Index::new(0)), source, extensions: None, extras: None };
         if image.format == ImageFormat::WebP {
             self.require_extension("EXT_texture_webp");
             texture.source = Index::new(NO_SOURCE);
             let others = &mut texture.extensions.get_or_insert_default().others;
             others.insert("EXT_texture_webp".to_owned(), json!({ "source": source }));
         }
-        Ok(self.root.push(texture))
+        let texture = self.root.push(texture);
+        self.textures.insert(name, texture);
+        Ok(texture)
     }
 
     fn image<'a>(
         &mut self,
         name: &str,
-        chunk: &str,
+        material: &str,
         role: &str,
         image: &'a Image,
         payload: &mut Payload<'a>,
@@ -88,7 +93,7 @@ impl Layout {
                 payload.push_image(image, bytes);
                 (Some(self.view(bytes)), None)
             }
-            Place::Beside => (None, Some(image_file(chunk, role, image))),
+            Place::Beside => (None, Some(image_file(material, role, image))),
         };
         let mime_type = Some(MimeType(image.format.media_type().to_owned()));
         Ok(self.root.push(gltf_json::Image {
@@ -106,13 +111,13 @@ fn images(material: &scene::Material) -> [(&'static str, &Image); 3] {
     [("base_color", &material.base_color), ("normal", &material.normal), ("orm", &material.orm)]
 }
 
-fn image_file(chunk: &str, role: &str, image: &Image) -> String {
-    format!("textures/{chunk}_{role}.{}", image.format.extension())
+fn image_file(material: &str, role: &str, image: &Image) -> String {
+    format!("textures/{material}_{role}.{}", image.format.extension())
 }
 
 /// The images of a chunk with the files in which [`Place::Beside`] looks for them.
 pub fn image_files(chunk: &Chunk) -> [(String, &Image); 3] {
-    images(&chunk.material).map(|(role, image)| (image_file(&chunk.name, role, image), image))
+    images(&chunk.material).map(|(role, image)| (image_file(&chunk.material.name, role, image), image))
 }
 
 fn info(index: Index<Texture>) -> Info {

@@ -111,11 +111,12 @@ fn part(mesh: &Mesh, faces: &[u32]) -> Mesh {
 /// # Errors
 /// [`ExportError::UnfitImage`] for images that are neither PNG nor JPEG; those of the package.
 pub fn write_files(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
-    let name = &chunk.name;
+    let (name, material) = (&chunk.name, &chunk.material.name);
     chunk.material.refuse_unless(super::ROW.name, super::ROW.images)?;
     for (role, image) in images(chunk) {
-        let path = format!("assets/{name}_{role}.png");
+        let path = format!("assets/{material}_{role}.png");
         match image.format {
+            _ if out.has(&path) => {}
             ImageFormat::Png => out.copy(&path, &image.path)?,
             _ => out.write(&path, |file| pixels::remap(image, file, |pixel| pixel))?,
         }
@@ -128,28 +129,47 @@ fn images(chunk: &Chunk) -> [(&'static str, &Image); 3] {
     [("base_color", &material.base_color), ("normal", &material.normal), ("orm", &material.orm)]
 }
 
-/// Writes the elements of the chunk called `chunk`.
+/// Writes the elements of a material: its images and their use.
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_elements(file: &mut dyn Write, scene: &Scene, chunk: &str, rock: &Rock) -> io::Result<()> {
-    let name = format!("{}_{chunk}", scene.name);
+pub fn write_material(file: &mut dyn Write, scene: &Scene, material: &str) -> io::Result<()> {
+    let name = format!("{}_{material}", scene.name);
     writeln!(file, "  <asset>")?;
     for (role, space) in [("base_color", "sRGB"), ("normal", "linear"), ("orm", "linear")] {
-        let path = format!("assets/{chunk}_{role}.png");
+        let path = format!("assets/{material}_{role}.png");
         writeln!(file, r#"    <texture name="{name}_{role}" type="2d" colorspace="{space}" file="{path}"/>"#)?;
     }
     writeln!(file, r#"    <material name="{name}" specular="0" shininess="0">"#)?;
     for (role, image) in [("rgb", "base_color"), ("normal", "normal"), ("orm", "orm")] {
         writeln!(file, r#"      <layer role="{role}" texture="{name}_{image}"/>"#)?;
     }
-    writeln!(file, "    </material>")?;
+    writeln!(file, "    </material>\n  </asset>")
+}
+
+/// Names of a chunk and of its material.
+pub struct Names {
+    /// Its own.
+    pub chunk: String,
+    /// That of its material.
+    pub material: String,
+}
+
+/// Writes the elements of a chunk without its material.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_elements(file: &mut dyn Write, scene: &Scene, names: &Names, rock: &Rock) -> io::Result<()> {
+    let Names { chunk, material } = names;
+    let name = format!("{}_{chunk}", scene.name);
+    let scene_name = &scene.name;
+    writeln!(file, "  <asset>")?;
     writeln!(file, r#"    <mesh name="{name}" file="assets/{chunk}.msh" inertia="shell"/>"#)?;
     rock.write_assets(file, &name)?;
     // A frame, not a body: geoms of the world body cost no time in a step.
     writeln!(file, "  </asset>\n  <worldbody>\n    <frame name=\"{name}\">")?;
-    let scene_name = &scene.name;
-    writeln!(file, r#"      <geom name="{name}" class="{scene_name}_visual" mesh="{name}" material="{name}"/>"#)?;
+    let material = format!("{scene_name}_{material}");
+    writeln!(file, r#"      <geom name="{name}" class="{scene_name}_visual" mesh="{name}" material="{material}"/>"#)?;
     rock.write_geoms(file, scene_name, &name)?;
     writeln!(file, "    </frame>\n  </worldbody>")?;
     rock.write_flexes(file, scene.friction, &name)

@@ -65,17 +65,29 @@ pub fn write(chunk: &Chunk, assets: &mut Assets) -> Result<Textures, ExportError
 }
 
 fn copy(chunk: &Chunk, kind: Kind, image: &Image, assets: &mut Assets) -> Result<Texture, ExportError> {
-    let file = format!("{}_{}.{}", chunk.name, kind.name(), image.format.extension());
+    let file = format!("{}_{}.{}", chunk.material.name, kind.name(), image.format.extension());
+    if let Some(texture) = written(&file, assets) {
+        return Ok(texture);
+    }
     assets.out.copy(&in_package(&file), &image.path)?;
     import(chunk, kind, pixels::size(image)?, file, assets)
 }
 
 fn write_mask(chunk: &Chunk, orm: &Image, assets: &mut Assets) -> Result<Texture, ExportError> {
-    let file = format!("{}_{}.png", chunk.name, Kind::Mask.name());
+    let file = format!("{}_{}.png", chunk.material.name, Kind::Mask.name());
+    if let Some(texture) = written(&file, assets) {
+        return Ok(texture);
+    }
     assets.out.write(&in_package(&file), |file| {
         pixels::remap(orm, file, |[occlusion, roughness, metalness]| [metalness, occlusion, 0, 255 - roughness])
     })?;
     import(chunk, Kind::Mask, pixels::size(orm)?, file, assets)
+}
+
+/// The texture that another chunk with the same material has written.
+fn written(file: &str, assets: &mut Assets) -> Option<Texture> {
+    let path = in_package(file);
+    assets.out.has(&path).then(|| Texture { guid: assets.guid(&path), file: file.to_owned() })
 }
 
 fn import(

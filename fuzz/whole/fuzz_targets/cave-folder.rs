@@ -17,7 +17,7 @@ libfuzzer_sys::fuzz_target!(|text: &str| {
     put("manifest.json", &sealed::seal(manifest));
     put("journal.jsonl", &journal.lines().map(line).collect::<String>());
     let Ok(cave) = CaveFolder::open(folder.path()) else { return };
-    for stage in [Stage::Graph, Stage::Preview, Stage::Mesh, Stage::Texture, Stage::Pieces] {
+    for stage in [Stage::Graph, Stage::Preview, Stage::Mesh, Stage::Things, Stage::Texture, Stage::Pieces] {
         for unit in cave.units(stage) {
             assert!(unit.files.iter().all(|file| stays_inside(&file.path)), "{unit:?}");
         }

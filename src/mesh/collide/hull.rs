@@ -10,15 +10,15 @@ type Point = Vector3<i64>;
 
 /// A closed convex surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Hull {
+pub(crate) struct Hull {
     /// Which of the points are its corners.
-    pub(super) corners: Vec<u32>,
+    pub(crate) corners: Vec<u32>,
     /// Its triangles, counter-clockwise from outside, as indices into `corners`.
-    pub(super) faces: Vec<[u32; 3]>,
+    pub(crate) faces: Vec<[u32; 3]>,
 }
 
 /// The hull of points that are not coplanar.
-pub(super) fn hull(points: &[[i32; 3]]) -> Option<Hull> {
+pub(crate) fn hull(points: &[[i32; 3]]) -> Option<Hull> {
     let first = *points.first()?;
     let points: Vec<Point> =
         points.iter().map(|p| Vector3::from_fn(|i, _| i64::from(p[i]) - i64::from(first[i]))).collect();

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Vector3};
 use plume_exporters::ImageFormat;
-use plume_exporters::scene::{ByZone, Chunk, Chunks, Image, Material, Mesh, Piece, Scene, Zone};
+use plume_exporters::scene::{ByZone, Chunk, Chunks, Content, Image, Material, Mesh, Piece, Scene, Zone};
 use serde_json::{Value, json};
 
 use crate::sample::write_png;
@@ -142,10 +142,12 @@ impl Chunks for Marker {
     fn load(&self, index: usize) -> io::Result<Chunk> {
         Ok(Chunk {
             name: format!("marker_{index}"),
+            content: Content::Wall,
             visual: self.changed(visual(CHUNKS[index], index == 1)),
             lods: Vec::new(),
             collision: self.changed(solids(CHUNKS[index])),
             material: Material {
+                name: format!("marker_{index}"),
                 base_color: self.image("base_color"),
                 normal: self.image("normal"),
                 orm: self.image("orm"),

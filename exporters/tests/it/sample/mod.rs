@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use plume_exporters::ImageFormat;
-use plume_exporters::scene::{ByZone, Chunk, Chunks, Image, Light, Lod, Material, Mesh, Piece, Scene, Zone};
+use plume_exporters::scene::{ByZone, Chunk, Chunks, Content, Image, Light, Lod, Material, Mesh, Piece, Scene, Zone};
 
 /// Half the length of the chamber along x, metres.
 const REACH_M: f64 = 6.0;
@@ -95,10 +95,12 @@ impl Chunks for Chamber {
             Mesh { positions: visual.positions.clone(), indices: visual.indices.clone(), ..Mesh::default() };
         Ok(Chunk {
             name: format!("chunk_{index}_0_0"),
+            content: Content::Wall,
             visual,
             lods: vec![Lod { mesh: mesh(index, COARSE), error_m: coarse_error_m(index) }],
             collision,
             material: Material {
+                name: format!("chunk_{index}_0_0"),
                 base_color: self.image(index, "base_color"),
                 normal: self.image(index, "normal"),
                 orm: self.image(index, "orm"),

@@ -1,0 +1,108 @@
+//! The things of a chunk as one mesh: copies of the prototypes, moved to their places.
+
+use nalgebra::{Point3, Vector3};
+use plume_exporters::scene::{Lod, Mesh, Piece, Zone};
+
+use crate::store::Prototypes;
+use crate::store::ply::PlyMesh;
+use crate::things::{Prototype, Thing};
+
+/// The prototypes, cut apart at every level of detail.
+pub struct Dressing {
+    prototypes: Prototypes,
+    /// Triangles by level and prototype.
+    cuts: Vec<Vec<Vec<[u32; 3]>>>,
+}
+
+/// Widths in metres under which a thing starts with the second and with the third level of detail. Tuned: a triangle of any
+/// thing is a few centimetres wide.
+const SMALL_M: [f64; 2] = [0.36, 0.14];
+
+impl Dressing {
+    /// Cuts the prototypes apart.
+    pub fn new(prototypes: Prototypes) -> Self {
+        let cut = |level: &PlyMesh| prototypes.library.cut(&level.positions, &level.triangles);
+        Self { cuts: prototypes.levels.iter().map(cut).collect(), prototypes }
+    }
+
+    /// Each thing with the index of its prototype.
+    fn known<'a>(&'a self, things: &'a [Thing]) -> impl Iterator<Item = (usize, &'a Prototype, &'a Thing)> {
+        things.iter().filter_map(|thing| {
+            let all = &self.prototypes.library.prototypes;
+            let index = all.iter().position(|own| own.name == thing.prototype)?;
+            Some((index, &all[index], thing))
+        })
+    }
+
+    /// Full detail, and the coarser levels.
+    pub fn levels(&self, things: &[Thing]) -> (Mesh, Vec<Lod>) {
+        let coarser = (1..self.cuts.len()).map(|level| {
+            let (mesh, error_m) = self.level(things, level);
+            Lod { mesh, error_m }
+        });
+        let lods = coarser.collect();
+        (self.level(things, 0).0, lods)
+    }
+
+    /// All things, this many levels coarser than at their best.
+    fn level(&self, things: &[Thing], coarser: usize) -> (Mesh, f32) {
+        let (mut mesh, mut error_m) = (Mesh::default(), 0.0_f64);
+        for (index, prototype, thing) in self.known(things) {
+            let width_m = prototype.width_m() * thing.scale;
+            let finest = SMALL_M.iter().filter(|limit| width_m < **limit).count();
+            let level = (finest + coarser).min(self.cuts.len() - 1);
+            append(&mut mesh, &self.prototypes.levels[level], &self.cuts[level][index], prototype, thing);
+            error_m = error_m.max(self.prototypes.errors_m[level] * thing.scale);
+        }
+        (mesh, error_m as f32)
+    }
+
+    /// The hulls of all things as one mesh.
+    pub fn collision(&self, things: &[Thing]) -> Mesh {
+        let mut all = Mesh::default();
+        for Piece { mesh, .. } in self.pieces(things) {
+            let first = all.positions.len() as u32;
+            all.positions.extend(mesh.positions);
+            all.indices.extend(mesh.indices.iter().map(|corner| corner + first));
+        }
+        all
+    }
+
+    /// The hull of each thing.
+    pub fn pieces(&self, things: &[Thing]) -> Vec<Piece> {
+        let piece = |(_, prototype, thing): (usize, &Prototype, &Thing)| {
+            let place = |corner: &Point3<f64>| (thing.pose * (corner * thing.scale)).map(|c| c as f32).into();
+            let mesh = Mesh {
+                positions: prototype.hull.corners.iter().map(place).collect(),
+                indices: prototype.hull.faces.iter().flatten().copied().collect(),
+                ..Mesh::default()
+            };
+            Piece { mesh, zone: if prototype.row.place.is_loose() { Zone::Floor } else { Zone::Wall } }
+        };
+        self.known(things).map(piece).collect()
+    }
+}
+
+/// Appends these triangles of all prototypes at the place of a thing.
+fn append(mesh: &mut Mesh, from: &PlyMesh, triangles: &[[u32; 3]], prototype: &Prototype, thing: &Thing) {
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let first = mesh.positions.len() as u32;
+    let turned = |v: [f32; 3]| -> [f32; 3] {
+        let turned: Vector3<f64> = thing.pose.rotation * Vector3::from(v.map(f64::from));
+        turned.map(|c| c as f32).into()
+    };
+    for vertex in used.iter().map(|&vertex| vertex as usize) {
+        let local = (Point3::from(from.positions[vertex].map(f64::from)) - prototype.origin) * thing.scale;
+        let at: Point3<f64> = thing.pose * Point3::from(local);
+        mesh.positions.push(at.map(|c| c as f32).into());
+        mesh.normals.push(turned(from.normals[vertex]));
+        mesh.uvs.push(from.uvs[vertex]);
+        let [x, y, z, sign] = from.tangents[vertex];
+        let [x, y, z] = turned([x, y, z]);
+        mesh.tangents.push([x, y, z, sign]);
+    }
+    let name = |vertex: &u32| used.binary_search(vertex).expect("it is used") as u32 + first;
+    mesh.indices.extend(triangles.iter().flatten().map(name));
+}

@@ -1,0 +1,94 @@
+//! Stones and dripstone: first the prototypes, then the things of every chunk.
+
+use std::sync::Arc;
+
+use super::{Pipeline, PipelineError};
+use crate::field::CaveField;
+use crate::material::Material;
+use crate::mesh::{ChunkIndex, Grid};
+use crate::recipe::Recipe;
+use crate::store::{self, Facts, PROTOTYPES, Stage, ThingFacts, Unit, WHOLE_CAVE, chunk_name};
+use crate::texture::{LodSettings, TextureSettings};
+use crate::things::{self, Dress, Library, Setting, Shelf};
+use plume_graph::Aabb;
+
+/// Texels per metre on the shelf relative to those on the wall: most stones are as much larger there as prototypes are small.
+const TEXEL_RATIO: f32 = 2.0;
+/// Coarser levels of a prototype.
+const LEVELS: LodSettings = LodSettings { levels: 3, reduction: 2.0 };
+
+impl Pipeline<'_> {
+    /// Makes the prototypes and the things of all chunks.
+    ///
+    /// # Errors
+    /// If the meshes are missing, the disk fails, or the observer stops.
+    pub fn things(&self) -> Result<(), PipelineError> {
+        let field = self.field();
+        self.unit(Stage::Things, WHOLE_CAVE, || self.prototypes())?;
+        let library = library(self.recipe, self.folder)?;
+        let grid = Grid::new(field.bounds(), self.recipe.mesh())?;
+        let walls: Vec<Unit> = self.walls();
+        self.each(Stage::Things, &walls, |wall| {
+            self.unit(Stage::Things, &wall.name, || self.things_of(&wall.name, &walls, &grid, &field, &library))
+        })
+    }
+
+    fn prototypes(&self) -> Result<Made, PipelineError> {
+        if self.recipe.things().cover <= 0.0 {
+            return Ok((Vec::new(), Facts::Things(ThingFacts::default())));
+        }
+        let material = |setting| rock_with(self.recipe, setting);
+        let rock = self.recipe.rock_name();
+        let dress = Dress { rock, material: &material, look: self.recipe.look(), seed: self.recipe.seed() };
+        let shelf = Shelf::new(&dress);
+        let texture = self.recipe.texture();
+        let texture = TextureSettings { density_px_per_m: TEXEL_RATIO * texture.density_px_per_m, ..texture.clone() };
+        let mesh = things::shelf_mesh(&shelf);
+        let written = store::write_textured(self.folder, PROTOTYPES, &mesh, &shelf, &texture, &LEVELS)?;
+        let lods = written.levels.iter().map(Into::into).collect();
+        Ok((written.files, Facts::Things(ThingFacts { things: shelf.len(), lods })))
+    }
+
+    fn things_of(
+        &self,
+        name: &str,
+        walls: &[Unit],
+        grid: &Grid,
+        field: &CaveField,
+        library: &Library,
+    ) -> Result<Made, PipelineError> {
+        let (recipe, graph) = (self.recipe, &self.graph);
+        let (settings, rock, seed) = (recipe.things(), recipe.rock_name(), recipe.seed());
+        let setting = Setting { library, settings, rock, field, graph, seed };
+        let (wall, around) = self.with_neighbours(name, walls)?;
+        let index = grid.indices().find(|index| chunk_name(*index) == name).unwrap_or(ChunkIndex([0; 3]));
+        let Aabb { min, max } = grid.chunk_bounds(index);
+        let bounds = Aabb { min: min.map(f64::from), max: max.map(f64::from) };
+        let things = things::place(&setting, bounds, std::iter::once(&wall).chain(&around));
+        let facts = Facts::Things(ThingFacts { things: things.len(), lods: Vec::new() });
+        match things.is_empty() {
+            true => Ok((Vec::new(), facts)),
+            false => Ok((vec![store::write_things(self.folder, name, &things)?], facts)),
+        }
+    }
+
+    /// Whether every wall has its things.
+    pub fn has_things(&self) -> bool {
+        let made = self.units(Stage::Things);
+        let is_made = |name: &str| made.iter().any(|unit| unit.name == name);
+        is_made(WHOLE_CAVE) && self.walls().iter().all(|wall| is_made(&wall.name))
+    }
+}
+
+type Made = (Vec<store::FileRecord>, Facts);
+
+/// The prototypes in a cave folder; none if it has no things.
+fn library(recipe: &Recipe, folder: &store::CaveFolder) -> Result<Library, PipelineError> {
+    Ok(store::read_prototypes(folder, recipe.rock_name())?.map(|prototypes| prototypes.library).unwrap_or_default())
+}
+
+/// The rock with one setting replaced.
+fn rock_with(recipe: &Recipe, setting: Option<(&'static str, f64)>) -> Arc<dyn Material> {
+    let changed = setting.and_then(|(key, value)| recipe.with(&format!("rock.{key}"), value).ok());
+    Arc::clone(changed.as_ref().unwrap_or(recipe).rock())
+}

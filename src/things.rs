@@ -1,0 +1,51 @@
+//! Things that lie, stand and hang in a cave: stones and dripstone.
+//!
+//! A [`KindRow`] says what a thing looks like, how large it is and where it occurs. Its shapes are meshed once, all together
+//! on one [`Shelf`], into a [`Library`] of prototypes that share a set of images. [`place`] then finds the things of a chunk:
+//! each is a prototype, a size and a pose.
+//!
+//! Promised: a chunk's things follow from the walls of the chunk and its neighbours, the field and the graph, in any order
+//! and on any number of threads. Stones rest on the triangles of the wall with their centre of mass between three supports.
+//! Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the corridor. Not promised:
+//! stones on stones, or the same things for other sizes of chunks, whose triangles differ by millimetres.
+
+mod dripstone;
+mod ground;
+mod kind;
+mod library;
+mod place;
+mod rest;
+mod settings;
+mod shelf;
+mod stone;
+
+pub use kind::{Hang, KINDS, KindRow, Place, Scatter, Shape, Shapes};
+pub use library::{Body, Library, Prototype, shelf_mesh};
+pub use place::{Setting, place};
+pub use settings::ThingSettings;
+
+pub use shelf::{Dress, Shelf};
+
+use nalgebra::Isometry3;
+use serde::{Deserialize, Serialize};
+
+/// Height of a step that wheels take, in metres: the corridor is free of anything higher.
+pub const WHEEL_M: f64 = 0.05;
+
+/// A thing in a cave.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Thing {
+    /// Its identity, which does not depend on the other things.
+    pub id: u64,
+    /// Its [`KindRow::name`].
+    pub kind: String,
+    /// The [name](Prototype::name) of its prototype.
+    pub prototype: String,
+    /// Its size relative to the prototype.
+    pub scale: f64,
+    /// From the frame of the prototype to that of the cave.
+    pub pose: Isometry3<f64>,
+    /// How deep it was sunk into what it rests on, in metres.
+    pub embedding_m: f64,
+}

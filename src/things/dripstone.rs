@@ -1,0 +1,120 @@
+//! Dripstone as bodies of revolution. Stalactites hang from the origin and reach a little above it, into the rock;
+//! stalagmites and columns stand on it and reach a little below.
+//!
+//! Stalactites have the shape to which all of them grow: in units of its own, a height of ¾ r^(4/3) − r^(2/3) − ⅓ ln r above
+//! the tip at radius r (Short, Baygents and Goldstein, *Stalactite growth as a free-boundary problem*, 2005).
+
+use plume_graph::rng::Rng;
+
+use super::kind::Shape;
+
+/// Length of a stalactite in metres.
+const LENGTH_M: f32 = 0.40;
+/// Radius of the tip in metres: that of a straw (Curl, *Minimum diameter stalactites*, 1972) at the median length.
+const TIP_M: f32 = 0.012;
+/// How far roots and feet reach into the rock, in metres.
+const ROOT_M: f32 = 0.04;
+/// Height of a stalagmite in metres.
+const HEIGHT_M: f32 = 0.36;
+/// Height of a column in metres.
+const COLUMN_M: f32 = 0.80;
+/// Knots of a profile.
+const KNOTS: usize = 64;
+
+/// Radius by height at evenly spaced knots.
+struct Profile {
+    low_m: f32,
+    high_m: f32,
+    radius_m: [f32; KNOTS],
+}
+
+impl Profile {
+    fn new(low_m: f32, high_m: f32, radius_m: impl Fn(f32) -> f32) -> Self {
+        let height = |knot: usize| low_m + (high_m - low_m) * knot as f32 / (KNOTS - 1) as f32;
+        Self { low_m, high_m, radius_m: std::array::from_fn(|knot| radius_m(height(knot))) }
+    }
+
+    /// Distance to the surface, from the distance along the radius and the slope of the profile.
+    fn distance(&self, [x, y, z]: [f32; 3]) -> f32 {
+        let span = (self.high_m - self.low_m) / (KNOTS - 1) as f32;
+        let place = ((z - self.low_m) / span).clamp(0.0, (KNOTS - 1) as f32 - 0.001);
+        let knot = place as usize;
+        let (below, above) = (self.radius_m[knot], self.radius_m[knot + 1]);
+        let radius = below + (above - below) * (place - knot as f32);
+        let slope = (above - below) / span;
+        let aside = (radius - (x * x + y * y).sqrt()) / (1.0 + slope * slope).sqrt();
+        aside.min(z - self.low_m).min(self.high_m - z)
+    }
+
+    /// As a shape whose axis wanders by up to `wander_m`, and that is ribbed.
+    fn shape(self, rng: &mut Rng, wander_m: f32, ribs: f32) -> Shape {
+        let [phase, turn] = [0, 1].map(|_| rng.between(0.0, std::f64::consts::TAU) as f32);
+        let (sine, cosine) = (libm::sinf(turn), libm::cosf(turn));
+        Box::new(move |[x, y, z]| {
+            // Zero at the origin, where the thing is attached.
+            let aside = wander_m * (libm::sinf(z * 9.0 + phase) - libm::sinf(phase));
+            let rib = ribs * libm::sinf(z * 95.0 + phase + 2.0 * libm::sinf(z * 31.0));
+            self.distance([x - aside * cosine, y - aside * sine, z]) + rib
+        })
+    }
+}
+
+/// Radius of a stalactite in units of its own, this high above the lowest point of the curve.
+fn universal_radius(height: f64) -> f64 {
+    let curve = |r: f64| 0.75 * libm::pow(r, 4.0 / 3.0) - libm::pow(r, 2.0 / 3.0) - libm::log(r) / 3.0 + 0.25;
+    let (mut low, mut high) = (1.0, 1e6);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if curve(middle) < height { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// A stalactite; the longer it is in units of its own, the slimmer.
+pub fn stalactite(rng: &mut Rng) -> Shape {
+    let units = libm::exp(rng.between(libm::log(900.0), libm::log(9000.0)));
+    hanging(rng, units, 0.008)
+}
+
+/// A drip of lava: blunt, since it freezes as it falls.
+pub fn lavacicle(rng: &mut Rng) -> Shape {
+    let units = rng.between(120.0, 500.0);
+    hanging(rng, units, 0.012)
+}
+
+fn hanging(rng: &mut Rng, units: f64, wander_m: f32) -> Shape {
+    let unit_m = f64::from(LENGTH_M) / units;
+    let radius = |z: f32| {
+        let above_tip_m = (z + LENGTH_M).max(0.0);
+        let tip_m = TIP_M * (above_tip_m / TIP_M).min(1.0).sqrt();
+        tip_m.max((universal_radius(f64::from(above_tip_m) / unit_m) * unit_m) as f32)
+    };
+    let profile = Profile::new(-LENGTH_M, ROOT_M, |z| radius(z.min(0.0)) + z.max(0.0) * 0.8);
+    profile.shape(rng, wander_m, 0.0016)
+}
+
+/// A stalagmite: a flared foot, nearly even sides, and a dome that the drops flatten.
+pub fn stalagmite(rng: &mut Rng) -> Shape {
+    let top_m = HEIGHT_M * rng.between(0.09, 0.22) as f32;
+    let flare = rng.between(0.5, 1.3) as f32;
+    let taper = rng.between(0.15, 0.6) as f32;
+    let profile = Profile::new(-ROOT_M, HEIGHT_M, |z| {
+        let share = (z / HEIGHT_M).clamp(0.0, 1.0);
+        let side = top_m * (1.0 + taper * (1.0 - share) + flare * libm::expf(-share / 0.13));
+        let dome = ((HEIGHT_M - z) / (0.8 * top_m)).clamp(0.0, 1.0);
+        side * (dome * (2.0 - dome)).sqrt()
+    });
+    profile.shape(rng, 0.006, 0.0022)
+}
+
+/// A column, wider at both ends.
+pub fn column(rng: &mut Rng) -> Shape {
+    let waist_m = COLUMN_M * rng.between(0.05, 0.10) as f32;
+    let profile = Profile::new(-ROOT_M, COLUMN_M, |z| {
+        let share = (z / COLUMN_M).clamp(0.0, 1.0);
+        waist_m * (1.0 + 0.9 * libm::expf(-share / 0.08) + 1.6 * libm::expf((share - 1.0) / 0.10))
+    });
+    let stand = profile.shape(rng, 0.008, 0.0025);
+    // Centred on the shelf, on which there is no room for the whole height on one side.
+    Box::new(move |[x, y, z]| stand([x, y, z + COLUMN_M / 2.0]))
+}

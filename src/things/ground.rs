@@ -1,0 +1,123 @@
+//! The walls around a chunk, for vertical rays.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::mesh::Mesh;
+use plume_graph::Aabb;
+
+/// Side of the columns by which triangles are found, in metres.
+const COLUMN_M: f64 = 0.5;
+
+/// The triangles of walls, sorted by where they are on the map.
+pub struct Walls {
+    triangles: Vec<Facet>,
+    columns: BTreeMap<[i32; 2], Vec<u32>>,
+}
+
+/// A triangle of a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Facet {
+    /// Its corners in metres.
+    pub corners: [Point3<f64>; 3],
+    /// Unit normal, into the air.
+    pub normal: Vector3<f64>,
+}
+
+/// Where a vertical ray meets a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Height in metres.
+    pub z: f64,
+    /// Unit normal there, into the air.
+    pub normal: Vector3<f64>,
+}
+
+impl Walls {
+    /// The triangles of these walls that are in `bounds`, or partly.
+    pub fn new<'a>(walls: impl Iterator<Item = &'a Mesh>, bounds: Aabb<f64>) -> Self {
+        let mut all = Self { triangles: Vec::new(), columns: BTreeMap::new() };
+        for wall in walls {
+            for triangle in &wall.triangles {
+                let corners = triangle.map(|vertex| Point3::from(wall.position_m(vertex).map(f64::from)));
+                let around = Aabb::from_points(corners.map(<[f64; 3]>::from)).expect("there are three");
+                if around.intersects(&bounds) {
+                    all.push(corners, &around);
+                }
+            }
+        }
+        all
+    }
+
+    fn push(&mut self, corners: [Point3<f64>; 3], around: &Aabb<f64>) {
+        let [a, b, c] = corners;
+        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { return };
+        let number = self.triangles.len() as u32;
+        self.triangles.push(Facet { corners, normal });
+        let [low, high] = [column(around.min), column(around.max)];
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                self.columns.entry([x, y]).or_default().push(number);
+            }
+        }
+    }
+
+    /// All walls straight above and below a point of the map, from below.
+    pub fn hits(&self, x: f64, y: f64) -> Vec<Hit> {
+        let near = self.columns.get(&column([x, y, 0.0])).map_or(&[][..], Vec::as_slice);
+        let hit = |number: &u32| {
+            let facet = &self.triangles[*number as usize];
+            facet.height(x, y).map(|z| Hit { z, normal: facet.normal })
+        };
+        let mut hits: Vec<Hit> = near.iter().filter_map(hit).collect();
+        hits.sort_by(|a, b| a.z.total_cmp(&b.z));
+        // On an edge there are two.
+        hits.dedup_by(|a, b| a.z - b.z < 1e-6 && a.normal.z * b.normal.z > 0.0);
+        hits
+    }
+
+    /// The triangles that may be within `reach_m` of a point, and face upwards.
+    pub fn floor_near(&self, at: Point3<f64>, reach_m: f64) -> Vec<Facet> {
+        let reach = Vector3::repeat(reach_m);
+        let around = Aabb { min: (at - reach).into(), max: (at + reach).into() };
+        let [low, high] = [column(around.min), column(around.max)];
+        let mut near: Vec<u32> = (low[0]..=high[0])
+            .flat_map(|x| (low[1]..=high[1]).map(move |y| [x, y]))
+            .filter_map(|column| self.columns.get(&column))
+            .flatten()
+            .copied()
+            .collect();
+        near.sort_unstable();
+        near.dedup();
+        let facets = near.into_iter().map(|number| self.triangles[number as usize]);
+        let touches = |facet: &Facet| {
+            let own = Aabb::from_points(facet.corners.map(<[f64; 3]>::from)).expect("there are three");
+            facet.normal.z > 0.0 && own.intersects(&around)
+        };
+        facets.filter(touches).collect()
+    }
+}
+
+impl Facet {
+    /// Its height at a point of the map, if it is above or below it.
+    pub fn height(&self, x: f64, y: f64) -> Option<f64> {
+        let [a, b, c] = self.corners;
+        let beside = |axis: usize, at: f64| {
+            let [a, b, c] = [a[axis], b[axis], c[axis]];
+            at < a.min(b).min(c) || at > a.max(b).max(c)
+        };
+        if beside(0, x) || beside(1, y) {
+            return None;
+        }
+        let side = |p: Point3<f64>, q: Point3<f64>| (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x);
+        let (ab, bc, ca) = (side(a, b), side(b, c), side(c, a));
+        let is_inside = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+        let area = ab + bc + ca;
+        (is_inside && area != 0.0).then(|| (a.z * bc + b.z * ca + c.z * ab) / area)
+    }
+}
+
+fn column([x, y, _]: [f64; 3]) -> [i32; 2] {
+    [x, y].map(|c| (c / COLUMN_M).floor() as i32)
+}

@@ -1,0 +1,179 @@
+//! The prototypes: the meshes of all shapes, cut apart.
+
+use nalgebra::{Point3, Vector3};
+
+use super::kind::KindRow;
+use super::shelf::{Shelf, middle_of, slot_at, slots};
+use crate::mesh::{self, Grid, MOST_CORNERS, Mesh, MeshSettings, QUANTA_PER_M};
+
+/// Edge of a voxel of the shelf in metres: a stone is 15 wide.
+const VOXEL_M: f32 = 0.02;
+/// How far simplification may move the surface of a shape, in metres.
+const SIMPLIFY_ERROR_M: f32 = 0.003;
+
+/// The mesh of all shapes on a shelf, closed and manifold.
+pub fn shelf_mesh(shelf: &Shelf) -> Mesh {
+    let settings = MeshSettings {
+        voxel_m: VOXEL_M,
+        divisions: Some([1, 1, 1]),
+        simplify_error_m: SIMPLIFY_ERROR_M,
+        collision_error_m: 1.0,
+        ..MeshSettings::default()
+    };
+    let grid = Grid::new(shelf.bounds(), &settings).expect("a shelf is not empty, and its cells are not few");
+    let index = grid.indices().next().expect("there is one chunk");
+    mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default()
+}
+
+/// A closed convex body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Corners in metres.
+    pub corners: Vec<Point3<f64>>,
+    /// Triangles, counter-clockwise from outside.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Body {
+    /// The convex hull of the outermost points in [`MOST_CORNERS`] directions; `None` if they are coplanar.
+    ///
+    /// It is within the hull of all points, and as large as that for bodies with few corners.
+    fn around(points: &[[i32; 3]]) -> Option<Self> {
+        let extent = |axis: usize| {
+            let along = points.iter().map(|point| point[axis]);
+            Some(f64::from(along.clone().max()? - along.min()?).max(1.0))
+        };
+        let extents = [extent(0)?, extent(1)?, extent(2)?];
+        // Directions even on the ellipsoid of the body, or a slab would have corners on its faces only.
+        let outermost = (0..MOST_CORNERS).filter_map(|number| {
+            let direction = spiral(number, MOST_CORNERS);
+            let along = |point: &[i32; 3]| (0..3).map(|i| direction[i] * f64::from(point[i]) / extents[i]).sum::<f64>();
+            points.iter().copied().max_by(|a, b| along(a).total_cmp(&along(b)))
+        });
+        let mut outermost: Vec<[i32; 3]> = outermost.collect();
+        outermost.sort_unstable();
+        outermost.dedup();
+        let hull = mesh::hull(&outermost)?;
+        let metres =
+            |corner: &u32| Point3::from(outermost[*corner as usize].map(|q| f64::from(q) / f64::from(QUANTA_PER_M)));
+        Some(Self { corners: hull.corners.iter().map(metres).collect(), faces: hull.faces })
+    }
+}
+
+/// Directions spread evenly over the sphere along a spiral (Swinbank and Purser 2006).
+fn spiral(number: usize, count: usize) -> [f64; 3] {
+    /// The golden angle.
+    const TURN_RAD: f64 = 2.399_963_229_728_653;
+    let z = 1.0 - (2.0 * number as f64 + 1.0) / count as f64;
+    let (across, around) = ((1.0 - z * z).sqrt(), TURN_RAD * number as f64);
+    [across * libm::cos(around), across * libm::sin(around), z]
+}
+
+/// Points on the shelf, by slot, in quanta.
+fn by_slot(vertices: &[[f32; 3]], slots: usize) -> Vec<Vec<[i32; 3]>> {
+    let mut points = vec![Vec::new(); slots];
+    for vertex in vertices {
+        if let Some(points) = slot_at(*vertex).and_then(|slot| points.get_mut(slot)) {
+            points.push(vertex.map(|c| (c * QUANTA_PER_M as f32) as i32));
+        }
+    }
+    points
+}
+
+/// A shape of a kind.
+#[derive(Clone, Debug)]
+pub struct Prototype {
+    /// Safe name, such as `boulder_3`.
+    pub name: String,
+    /// The kind for which it was made.
+    pub row: &'static KindRow,
+    /// Its slot on the shelf.
+    pub slot: usize,
+    /// The origin on the shelf: the centre of mass of a stone, the point of attachment of dripstone; metres.
+    pub origin: Point3<f64>,
+    /// A convex hull with at most [`MOST_CORNERS`] corners, relative to the origin.
+    pub hull: Body,
+    /// Volume of the hull in cubic metres.
+    pub volume_m3: f64,
+    /// Extent of the hull along x, y and z in metres.
+    pub size_m: Vector3<f64>,
+}
+
+/// The prototypes of a rock.
+#[derive(Clone, Debug, Default)]
+pub struct Library {
+    /// In the order of the slots of the shelf.
+    pub prototypes: Vec<Prototype>,
+}
+
+impl Library {
+    /// The prototypes of this rock, given the vertices of their meshes on the shelf in metres.
+    pub fn new(rock: &str, vertices: &[[f32; 3]]) -> Self {
+        let slots: Vec<(&'static KindRow, u32)> = slots(rock).map(|(row, _, number)| (row, number)).collect();
+        let points = by_slot(vertices, slots.len());
+        let made = slots.into_iter().zip(&points).enumerate();
+        let prototypes = made.filter_map(|(slot, ((row, number), points))| {
+            Some(Prototype::new(row, number, slot, Body::around(points)?))
+        });
+        Self { prototypes: prototypes.collect() }
+    }
+
+    /// The prototypes of a kind.
+    pub fn of(&self, row: &KindRow) -> &[Prototype] {
+        let start = self.prototypes.iter().position(|prototype| prototype.row.name == row.model());
+        let all = &self.prototypes[start.unwrap_or(self.prototypes.len())..];
+        &all[..all.iter().take_while(|prototype| prototype.row.name == row.model()).count()]
+    }
+
+    /// The triangles of each prototype, of those of a mesh with these vertices; in the order of the prototypes.
+    pub fn cut(&self, vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<Vec<[u32; 3]>> {
+        let slots = self.prototypes.iter().map(|prototype| prototype.slot + 1).max().unwrap_or_default();
+        let mut by_slot: Vec<Vec<[u32; 3]>> = vec![Vec::new(); slots];
+        for triangle in triangles {
+            if let Some(own) = slot_at(vertices[triangle[0] as usize]).and_then(|slot| by_slot.get_mut(slot)) {
+                own.push(*triangle);
+            }
+        }
+        self.prototypes.iter().map(|prototype| std::mem::take(&mut by_slot[prototype.slot])).collect()
+    }
+}
+
+impl Prototype {
+    fn new(row: &'static KindRow, number: u32, slot: usize, on_shelf: Body) -> Self {
+        let (volume_m3, centre) = centre_of_mass(&on_shelf.corners, &on_shelf.faces);
+        let origin = if row.place.is_loose() { centre } else { middle_of(slot).map(f64::from).into() };
+        let corners: Vec<Point3<f64>> = on_shelf.corners.iter().map(|corner| (corner - origin).into()).collect();
+        let extent = |axis: usize| {
+            let along = corners.iter().map(|corner| corner[axis]);
+            along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+        };
+        let size_m = Vector3::new(extent(0), extent(1), extent(2));
+        Self {
+            name: format!("{}_{number}", row.name),
+            row,
+            slot,
+            origin,
+            hull: Body { corners, faces: on_shelf.faces },
+            volume_m3,
+            size_m,
+        }
+    }
+
+    /// Mean of its width and depth in metres.
+    pub fn width_m(&self) -> f64 {
+        0.5 * (self.size_m.x + self.size_m.y)
+    }
+}
+
+/// Volume and centre of mass of a closed surface.
+fn centre_of_mass(corners: &[Point3<f64>], faces: &[[u32; 3]]) -> (f64, Point3<f64>) {
+    let first = corners[0];
+    let (mut volume, mut moment) = (0.0, Vector3::zeros());
+    for face in faces {
+        let [a, b, c] = face.map(|corner| corners[corner as usize] - first);
+        let tetrahedron = a.dot(&b.cross(&c)) / 6.0;
+        volume += tetrahedron;
+        moment += (a + b + c) * (tetrahedron / 4.0);
+    }
+    (volume, first + moment / volume)
+}

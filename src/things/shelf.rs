@@ -1,0 +1,292 @@
+//! All shapes side by side, as a field to be meshed and a surface to be baked.
+
+use std::sync::Arc;
+
+use super::kind::{KINDS, KindRow, Shape, Shapes};
+use crate::field::{Aabb, Field, Region, Surface, Texel};
+use crate::material::{BLOCK, CoarseBlock, Footprint, Ground, Look, Material, Sites, SurfaceSamples, by_axis};
+use crate::noise::{Lanes, Source, Value, Vec3, dispatched};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use plume_graph::rng::Rng;
+use plume_graph::seed::{salt, stream};
+
+/// Side of the cube that each shape has for itself, in metres.
+pub(super) const CELL_M: f32 = 1.0;
+/// Shapes in a row of the shelf.
+pub(super) const ROW: usize = 8;
+/// How far noise roughens a shape, in metres. Tuned.
+const ROUGH_M: f32 = 0.006;
+/// Distance from the surface beyond which there is no noise, in metres: it could not move the surface.
+const NEAR_M: f32 = 0.04;
+/// Wavelength of that noise in metres.
+const ROUGH_LENGTH_M: f32 = 0.06;
+/// Lipschitz constant of a shape with its noise. Tuned: `prototypes_are_closed` holds for twice as many shapes.
+const STEEPEST: f32 = 1.8;
+/// Largest distance from the middle of a cell at which a shape may be, in metres.
+const REACH_M: f32 = 0.46;
+/// Upward component of the normal from which on dust lies on a stone, and at which there is most of it. Tuned.
+const DUSTY: [f32; 2] = [0.45, 0.9];
+/// How far below the middle of a stone the floor has soiled it, in metres: from nothing to most. Tuned.
+const SOILED_M: [f32; 2] = [0.03, 0.10];
+/// Most of the colour of the floor on a stone. Tuned.
+const MOST_DUST: f32 = 0.7;
+
+/// What the shapes are made of.
+pub struct Dress<'a> {
+    /// Name of the rock.
+    pub rock: &'a str,
+    /// The rock with one setting replaced, or as it is.
+    pub material: &'a dyn Fn(Option<(&'static str, f64)>) -> Arc<dyn Material>,
+    /// Its look.
+    pub look: &'a Look,
+    /// The seed of the cave.
+    pub seed: u64,
+}
+
+/// All shapes that occur in a rock.
+pub struct Shelf {
+    slots: Vec<Slot>,
+    look: Look,
+    source: Source,
+}
+
+/// A shape on the shelf.
+struct Slot {
+    shape: Shape,
+    material: Arc<dyn Material>,
+    is_loose: bool,
+}
+
+impl Shelf {
+    /// The shelf of this rock. The shapes are the same for every seed.
+    pub fn new(dress: &Dress) -> Self {
+        let slot = |(row, make, number): (&'static KindRow, fn(&mut Rng) -> Shape, u32)| {
+            let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
+            Slot { shape: make(&mut rng), material: (dress.material)(row.rock_setting), is_loose: row.place.is_loose() }
+        };
+        Self {
+            slots: slots(dress.rock).map(slot).collect(),
+            look: dress.look.clone(),
+            source: Source::new(salt(dress.seed, "things")),
+        }
+    }
+
+    /// Number of shapes.
+    pub fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.slots.is_empty()
+    }
+
+    /// The box of all shapes.
+    pub fn bounds(&self) -> Aabb<f32> {
+        let rows = self.slots.len().div_ceil(ROW);
+        Aabb { min: [0.0; 3], max: [ROW as f32 * CELL_M, rows as f32 * CELL_M, CELL_M] }
+    }
+
+    /// The slot at a point, and the point relative to its middle.
+    fn local(&self, point: [f32; 3]) -> Option<(&Slot, [f32; 3])> {
+        let slot = self.slots.get(slot_at(point)?)?;
+        let middle = middle_of(slot_at(point)?);
+        Some((slot, std::array::from_fn(|axis| point[axis] - middle[axis])))
+    }
+
+    /// The field without noise.
+    fn plain(&self, point: [f32; 3]) -> f32 {
+        let Some((slot, local)) = self.local(point) else { return -CELL_M };
+        let beyond = local.iter().fold(0.0, |most: f32, c| most.max(c.abs() - REACH_M));
+        // Within reach of the next shape there is only air.
+        if beyond > 0.0 { -0.04 - beyond } else { (slot.shape)(local) }
+    }
+}
+
+/// The kind of each slot, what makes its shape, and the number of that.
+pub(super) fn slots(rock: &str) -> impl Iterator<Item = (&'static KindRow, fn(&mut Rng) -> Shape, u32)> + use<'_> {
+    let rows = KINDS.iter().filter(move |row| row.is_in(rock));
+    let own = rows.filter_map(|row| match row.shapes {
+        Shapes::Own { count, make } => Some((row, make, count)),
+        Shapes::Of(_) => None,
+    });
+    own.flat_map(|(row, make, count)| (0..count).map(move |number| (row, make, number)))
+}
+
+/// The slot of a point in the box of the shelf.
+pub(super) fn slot_at(point: [f32; 3]) -> Option<usize> {
+    let [x, y, z] = point.map(|c| (c / CELL_M).floor() as i32);
+    let is_inside = (0..ROW as i32).contains(&x) && y >= 0 && z == 0;
+    is_inside.then(|| y as usize * ROW + x as usize)
+}
+
+/// The middle of a slot, which is the origin of its shape.
+pub(super) fn middle_of(slot: usize) -> [f32; 3] {
+    [(slot % ROW) as f32 + 0.5, (slot / ROW) as f32 + 0.5, 0.5].map(|c| c * CELL_M)
+}
+
+impl Field for Shelf {
+    fn region(&self, bounds: Aabb<f32>) -> Region {
+        let (centre, radius_m) =
+            (bounds.center(), 0.5 * libm::sqrtf(bounds.size().map(|side| side * side).iter().sum()));
+        // Between cells the field jumps, from air to air.
+        let cell = |corner: [f32; 3], inwards: f32| corner.map(|c| ((c + inwards) / CELL_M).floor());
+        let crosses = cell(bounds.min, 1e-3) != cell(bounds.max, -1e-3);
+        let value = self.plain(centre);
+        match value {
+            deep if !crosses && deep < -radius_m * STEEPEST - ROUGH_M => Region::Air,
+            high if !crosses && high > radius_m * STEEPEST + ROUGH_M => Region::Rock,
+            _ => Region::Mixed,
+        }
+    }
+
+    fn distances(&self, _: Aabb<f32>, points: &[[f32; 3]], out: &mut [f32]) {
+        for (out, &point) in out.iter_mut().zip(points) {
+            *out = self.plain(point);
+        }
+        let near: Vec<usize> = (0..out.len()).filter(|&n| out[n].abs() < NEAR_M).collect();
+        let points: Vec<[f32; 3]> = near.iter().map(|&n| points[n]).collect();
+        for (n, rough) in near.into_iter().zip(roughness(self.source, &points, ROUGH_LENGTH_M)) {
+            out[n] += ROUGH_M * rough.clamp(-1.0, 1.0);
+        }
+    }
+
+    fn normals(&self, bounds: Aabb<f32>, points: &[[f32; 3]], out: &mut [[f32; 3]]) {
+        /// Step of the central differences.
+        const STEP_M: f32 = 1.0 / 256.0;
+        let moved = |axis: usize, by: f32| -> Vec<f32> {
+            let points: Vec<[f32; 3]> = points
+                .iter()
+                .map(|point| {
+                    let mut moved = *point;
+                    moved[axis] += by;
+                    moved
+                })
+                .collect();
+            let mut values = vec![0.0; points.len()];
+            self.distances(bounds, &points, &mut values);
+            values
+        };
+        let sides = [0, 1, 2].map(|axis| [moved(axis, -STEP_M), moved(axis, STEP_M)]);
+        for (n, out) in out.iter_mut().enumerate() {
+            let descent = sides.each_ref().map(|[low, high]| low[n] - high[n]);
+            let length = descent.iter().map(|c| c * c).sum::<f32>().sqrt();
+            *out = if length > 0.0 { descent.map(|c| c / length) } else { [0.0, 0.0, 1.0] };
+        }
+    }
+}
+
+/// Noise of this wavelength at points.
+pub(super) fn roughness(source: Source, points: &[[f32; 3]], wavelength_m: f32) -> Vec<f32> {
+    let mut out = vec![0.0; points.len()];
+    for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
+        let columns = by_axis(points);
+        let mut block = [0.0; BLOCK];
+        dispatched!(simd => block_roughness(simd, source, &columns, wavelength_m, &mut block));
+        out.copy_from_slice(&block[..out.len()]);
+    }
+    out
+}
+
+#[inline(always)]
+fn block_roughness<S: Simd>(
+    simd: S,
+    source: Source,
+    at: &[[f32; BLOCK]; 3],
+    wavelength_m: f32,
+    out: &mut [f32; BLOCK],
+) {
+    for lane in (0..BLOCK).step_by(Lanes::<S>::LEN) {
+        let lanes = lane..lane + Lanes::<S>::LEN;
+        let [x, y, z] = at.each_ref().map(
+            #[inline(always)]
+            |column| Value::<S>(Lanes::<S>::from_slice(simd, &column[lanes.clone()])),
+        );
+        let noise = source.fbm(90, Vec3 { x, y, z }.scaled(1.0 / wavelength_m), 2, 0.5);
+        noise.0.store_slice(&mut out[lanes]);
+    }
+}
+
+impl Surface for Shelf {
+    fn texels(&self, _: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
+        let mut block = CoarseBlock::new(GROUND, self.source);
+        let slot = |at: usize| slot_at(points[at]).filter(|&slot| slot < self.slots.len());
+        let mut start = 0;
+        while start < points.len() {
+            let end =
+                (start..points.len().min(start + BLOCK)).take_while(|&at| slot(at) == slot(start)).count() + start;
+            let range = start..end;
+            if let Some(slot) = slot(start) {
+                let at = [&points[range.clone()], &normals[range.clone()]];
+                self.paint(slot, texel_m, at, &mut block, &mut out[range]);
+            }
+            start = end;
+        }
+    }
+}
+
+/// The floor on which the dust of stones is computed: it is bare.
+const GROUND: Ground = Ground { roughness_m: 0.0, natural: 0.0 };
+
+impl Shelf {
+    /// The surface of at most [`BLOCK`] points of a slot, with their normals: that of the wall, on stones soiled by the floor.
+    fn paint(&self, slot: usize, texel_m: f32, at: [&[[f32; 3]]; 2], block: &mut CoarseBlock, out: &mut [Texel]) {
+        let [points, normals] = at;
+        let (material, footprint) = (&*self.slots[slot].material, Footprint { texel_m });
+        let (mut wall, mut floor) = (SurfaceSamples::default(), SurfaceSamples::default());
+        let columns = by_axis(normals);
+        material.coarse(&on_wall(points, normals, self.source), block);
+        block.shape_as(&columns);
+        material.surface_samples(block, &self.look, footprint, &columns, &mut wall);
+        let soil = |n: usize| if self.slots[slot].is_loose { soil(points[n], normals[n]) } else { 0.0 };
+        if (0..points.len()).any(|n| soil(n) > 0.0) {
+            material.coarse(&on_floor(points, self.source), block);
+            material.surface_samples(block, &self.look, footprint, &columns, &mut floor);
+        }
+        for (lane, texel) in out.iter_mut().enumerate() {
+            let soil = soil(lane);
+            let mixed = |wall: f32, floor: f32| wall + (floor - wall) * soil;
+            *texel = Texel {
+                color: std::array::from_fn(|channel| mixed(wall.color[channel][lane], floor.color[channel][lane])),
+                normal: wall.normal.map(|column| column[lane]),
+                roughness: mixed(wall.roughness[lane], floor.roughness[lane]),
+                occlusion: wall.occlusion[lane],
+                height_m: 0.0,
+            };
+        }
+    }
+}
+
+/// Share of the floor's colour at a point of a stone: where dust has settled, and where the floor is near.
+fn soil(point: [f32; 3], normal: [f32; 3]) -> f32 {
+    let between = |[low, high]: [f32; 2], x: f32| ((x - low) / (high - low)).clamp(0.0, 1.0);
+    let below_middle_m = 0.5 * CELL_M - point[2].rem_euclid(CELL_M);
+    MOST_DUST * between(DUSTY, normal[2]).max(between(SOILED_M, below_middle_m))
+}
+
+/// Sites on the wall of a wide passage, high above its floor.
+fn on_wall(points: &[[f32; 3]], normals: &[[f32; 3]], source: Source) -> Sites {
+    let mut sites = Sites::new(GROUND, source);
+    sites.place(points);
+    let columns = by_axis(normals);
+    for (gradient, normal) in sites.wall.gradient.iter_mut().zip(columns) {
+        *gradient = normal.map(|c| -c);
+    }
+    sites.height.value.fill(3.0);
+    sites.height.gradient[2].fill(1.0);
+    sites.half_width.value.fill(2.0);
+    sites
+}
+
+/// Sites on the floor of a wide passage.
+fn on_floor(points: &[[f32; 3]], source: Source) -> Sites {
+    let mut sites = Sites::new(GROUND, source);
+    sites.place(points);
+    sites.wall.value.fill(-2.0);
+    sites.wall.gradient[2].fill(1.0);
+    sites.height.gradient[2].fill(1.0);
+    sites.up.value.fill(-1.0);
+    sites.half_width.value.fill(2.0);
+    sites
+}

@@ -1,0 +1,66 @@
+//! Stones as intersections of half-spaces, with worn edges.
+//!
+//! Breakdown splits along bedding and two sets of joints, so a block starts as a skewed box; the corners and edges that
+//! break off in the fall are further planes (Palmer, *Cave Geology*, 2007, on breakdown).
+
+use nalgebra::Vector3;
+use plume_graph::rng::Rng;
+
+use super::kind::Shape;
+
+/// Half the width of a prototype in metres.
+const HALF_M: f64 = 0.15;
+/// Width over which edges are worn, in metres. Tuned.
+const WORN_M: f32 = 0.012;
+
+/// An angular block.
+pub fn block(rng: &mut Rng) -> Shape {
+    let half = Vector3::new(HALF_M, HALF_M * rng.between(0.62, 0.95), HALF_M * rng.between(0.42, 0.8));
+    broken(rng, half, 0.24, 9)
+}
+
+/// A flat piece of a bed or of lining.
+pub fn slab(rng: &mut Rng) -> Shape {
+    let half = Vector3::new(HALF_M, HALF_M * rng.between(0.6, 0.95), HALF_M * rng.between(0.16, 0.26));
+    broken(rng, half, 0.08, 6)
+}
+
+/// A box whose faces lean by up to `skew`, with this many corners and edges broken off.
+fn broken(rng: &mut Rng, half: Vector3<f64>, skew: f64, breaks: usize) -> Shape {
+    let mut planes = Vec::new();
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut normal = Vector3::from_fn(|_, _| rng.between(-skew, skew));
+            normal[axis] = sign;
+            planes.push((normal.normalize(), half[axis]));
+        }
+    }
+    for _ in 0..breaks {
+        let normal = direction(rng);
+        // The support of the box in this direction, of which a break takes off a part.
+        let corner = normal.abs().dot(&half);
+        let smooth = normal.component_mul(&half).norm();
+        planes.push((normal, smooth + (corner - smooth) * rng.between(0.05, 0.6)));
+    }
+    let planes: Vec<([f32; 3], f32)> =
+        planes.into_iter().map(|(normal, offset)| (normal.map(|c| c as f32).into(), offset as f32)).collect();
+    Box::new(move |point| {
+        planes.iter().fold(f32::INFINITY, |inside, (normal, offset)| {
+            let along = normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2];
+            worn_min(inside, offset - along)
+        })
+    })
+}
+
+/// A direction, evenly distributed.
+fn direction(rng: &mut Rng) -> Vector3<f64> {
+    let (z, around) = (rng.between(-1.0, 1.0), rng.between(0.0, std::f64::consts::TAU));
+    let across = (1.0 - z * z).sqrt();
+    Vector3::new(across * libm::cos(around), across * libm::sin(around), z)
+}
+
+/// The smaller of two distances, rounded where they are nearly equal.
+fn worn_min(a: f32, b: f32) -> f32 {
+    let near = (WORN_M - (a - b).abs()).max(0.0) / WORN_M;
+    a.min(b) - near * near * WORN_M / 4.0
+}

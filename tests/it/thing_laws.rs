@@ -1,0 +1,250 @@
+//! The laws of things, in every rock and in the caves of every generator.
+
+use std::collections::BTreeMap;
+
+use crate::common::assert_whole;
+use crate::common::distance::corners;
+use crate::common::world::{kinds, small};
+use nalgebra::{Point3, Vector3};
+use plume::Recipe;
+use plume::field::{CaveField, PassageSettings};
+use plume::graph::{Aabb, Graph};
+use plume::material::{Look, MATERIALS};
+use plume::mesh::measure::Report;
+use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
+use plume::things::{
+    Dress, KINDS, Library, Place, Prototype, Setting, Shelf, Thing, ThingSettings, WHEEL_M, place, shelf_mesh,
+};
+
+/// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
+const TOUCH_M: f64 = 0.005;
+
+fn shelf(rock: &str) -> Shelf {
+    let plain = Recipe::from_overrides(&[format!("rock.kind={rock}")]).unwrap();
+    let material = |setting: Option<(&'static str, f64)>| match setting {
+        Some((key, value)) => plain.with(&format!("rock.{key}"), value).unwrap().rock().clone(),
+        None => plain.rock().clone(),
+    };
+    Shelf::new(&Dress { rock, material: &material, look: &Look::default(), seed: 7 })
+}
+
+fn library(rock: &str) -> (Mesh, Library) {
+    let mesh = shelf_mesh(&shelf(rock));
+    let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+    let library = Library::new(rock, &vertices);
+    (mesh, library)
+}
+
+/// A cave with its walls and its things, chunk by chunk.
+struct Cave {
+    name: String,
+    graph: Graph,
+    field: CaveField,
+    library: Library,
+    rock: &'static str,
+    walls: Vec<(Aabb<f64>, Mesh)>,
+    settings: ThingSettings,
+}
+
+impl Cave {
+    fn new(name: String, graph: Graph, rock: &'static str, chunk_m: f32) -> Self {
+        let material = (MATERIALS.find(rock).unwrap().read)(serde_json::json!({})).unwrap();
+        let field = CaveField::new(&graph, &PassageSettings::default(), material, Look::default(), 7);
+        let mesh = MeshSettings { chunk_m: [chunk_m; 3], ..MeshSettings::default() };
+        let grid = Grid::new(field.bounds(), &mesh).unwrap();
+        let bounds = |index| {
+            let Aabb { min, max } = grid.chunk_bounds(index);
+            Aabb { min: min.map(f64::from), max: max.map(f64::from) }
+        };
+        let made = grid.indices().filter_map(|index| Some((bounds(index), chunk(&field, &grid, index, &mesh)?.visual)));
+        let walls = made.collect();
+        Self { name, graph, field, library: library(rock).1, rock, walls, settings: ThingSettings::default() }
+    }
+
+    fn setting(&self) -> Setting<'_> {
+        let Self { graph, field, library, rock, settings, .. } = self;
+        Setting { library, settings, rock, field, graph, seed: 7 }
+    }
+
+    fn things(&self) -> Vec<Thing> {
+        let all = || self.walls.iter().map(|(_, wall)| wall);
+        self.walls.iter().flat_map(|(bounds, _)| place(&self.setting(), *bounds, all())).collect()
+    }
+
+    fn prototype(&self, thing: &Thing) -> &Prototype {
+        self.library.prototypes.iter().find(|prototype| prototype.name == thing.prototype).expect(&self.name)
+    }
+
+    /// Points on the hull of a thing.
+    fn hull(&self, thing: &Thing) -> Vec<Point3<f64>> {
+        let hull = &self.prototype(thing).hull;
+        let at = |corner: &Point3<f64>| thing.pose * (corner * thing.scale);
+        let corners: Vec<Point3<f64>> = hull.corners.iter().map(at).collect();
+        let faces = hull.faces.iter().map(|face| face.map(|corner| corners[corner as usize].coords));
+        faces.flat_map(|[a, b, c]| [a, b, c, (a + b + c) / 3.0, (a + b) / 2.0]).map(Point3::from).collect()
+    }
+
+    fn is_loose(&self, thing: &Thing) -> bool {
+        matches!(KINDS.find(&thing.kind).unwrap().place, Place::Floor(_))
+    }
+}
+
+/// Every generator, and every rock.
+fn caves() -> Vec<Cave> {
+    let named = kinds().into_iter().zip(1..);
+    named
+        .map(|((generator, rock), seed)| {
+            let name = format!("{} in {}, seed {seed}", generator.name, rock.name);
+            Cave::new(name, small(generator, 5, seed), rock.name, 16.0)
+        })
+        .collect()
+}
+
+/// Height of the floor that is nearest above or below a point, found by going through every triangle.
+fn floor_under(walls: &[Mesh], at: Point3<f64>, reach_m: f64) -> Option<f64> {
+    let heights = walls.iter().flat_map(|wall| {
+        wall.triangles.iter().filter_map(|&triangle| {
+            let [a, b, c] = corners(wall, triangle);
+            let side = |p: Vector3<f64>, q: Vector3<f64>| (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x);
+            let (ab, bc, ca) = (side(a, b), side(b, c), side(c, a));
+            let is_floor = ab > 0.0 && bc > 0.0 && ca > 0.0;
+            is_floor.then(|| (a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca))
+        })
+    });
+    heights.filter(|z| (z - at.z).abs() < reach_m).min_by(|a, b| (a - at.z).abs().total_cmp(&(b - at.z).abs()))
+}
+
+/// The triangles near a thing.
+fn near(cave: &Cave, thing: &Thing, reach_m: f64) -> Vec<Mesh> {
+    let at = thing.pose.translation.vector;
+    let is_near = |wall: &Mesh, triangle: [u32; 3]| {
+        let own = corners(wall, triangle);
+        (0..2).all(|axis| {
+            let along = own.map(|corner| corner[axis]);
+            let (low, high) =
+                (along.iter().copied().fold(f64::MAX, f64::min), along.iter().copied().fold(f64::MIN, f64::max));
+            low - reach_m < at[axis] && at[axis] < high + reach_m
+        })
+    };
+    let of_wall = |(_, wall): &(Aabb<f64>, Mesh)| Mesh {
+        triangles: wall.triangles.iter().copied().filter(|&triangle| is_near(wall, triangle)).collect(),
+        ..wall.clone()
+    };
+    cave.walls.iter().map(of_wall).filter(|wall| !wall.triangles.is_empty()).collect()
+}
+
+#[test]
+fn prototypes_are_closed_bodies_of_few_corners() {
+    for rock in MATERIALS.iter() {
+        let (mesh, library) = library(rock.name);
+        assert_whole(&mesh);
+        let report = Report::of(&mesh);
+        assert!(report.is_clean() && report.volume_m3 < 0.0, "{}: {report:#?}", rock.name);
+        assert_eq!(report.components, library.prototypes.len(), "{}", rock.name);
+        assert_eq!(report.genus, 0, "{}", rock.name);
+        for prototype in &library.prototypes {
+            let corners = prototype.hull.corners.len();
+            assert!((8..=MOST_CORNERS).contains(&corners), "{}: {corners} corners", prototype.name);
+            assert!(prototype.volume_m3 > 0.0, "{}", prototype.name);
+        }
+    }
+}
+
+#[test]
+fn things_keep_the_laws() {
+    for cave in caves() {
+        let things = cave.things();
+        assert!(things.len() > 10, "{}: {} things", cave.name, things.len());
+        assert_they_touch(&cave, &things);
+        assert_the_corridor_is_free(&cave, &things);
+        assert_dripstone_is_attached(&cave, &things);
+        let mut ids: Vec<u64> = things.iter().map(|thing| thing.id).collect();
+        ids.sort_unstable();
+        assert!(ids.windows(2).all(|pair| pair[0] != pair[1]), "{}: two things with one identity", cave.name);
+    }
+}
+
+/// The lowest gap between a stone and the floor, before it is sunk, is nothing.
+fn assert_they_touch(cave: &Cave, things: &[Thing]) {
+    // Going through every triangle takes long.
+    for thing in things.iter().filter(|thing| cave.is_loose(thing)).step_by(7) {
+        let reach_m = cave.prototype(thing).size_m.norm() * thing.scale;
+        let walls = near(cave, thing, reach_m);
+        let gap = |at: &Point3<f64>| Some(at.z + thing.embedding_m - floor_under(&walls, *at, reach_m)?);
+        let least = cave.hull(thing).iter().filter_map(gap).reduce(f64::min).expect("a stone is over a floor");
+        assert!(least.abs() < TOUCH_M + 0.02 * reach_m, "{}: {least} m under {thing:?}", cave.name);
+    }
+}
+
+/// Nothing on the way along the passages is higher than a wheel can take.
+fn assert_the_corridor_is_free(cave: &Cave, things: &[Thing]) {
+    let half_m = cave.settings.corridor_m / 2.0;
+    for thing in things.iter().filter(|thing| thing.kind != "stalactite" && thing.kind != "lavacicle") {
+        let hull = cave.hull(thing);
+        let low = hull.iter().map(|at| at.z).fold(f64::MAX, f64::min);
+        let high = hull.iter().map(|at| at.z).fold(f64::MIN, f64::max);
+        // A tilted stone stands higher than one that lies flat.
+        if high - low < 1.6 * WHEEL_M {
+            continue;
+        }
+        for [a, b] in cave.graph.edges.iter().map(|edge| edge.map(|station| cave.graph[station].position)) {
+            for at in &hull {
+                let along = b - a;
+                let flat = along.xy().norm_squared().max(1e-9);
+                let share = ((at - a).xy().dot(&along.xy()) / flat).clamp(0.0, 1.0);
+                let nearest = a + along * share;
+                let is_on_the_way = (at - nearest).xy().norm() < 0.9 * half_m && (at.z - nearest.z).abs() < 3.0;
+                assert!(!is_on_the_way, "{}: {thing:?} is in the way at {at}", cave.name);
+            }
+        }
+    }
+}
+
+/// Roots are in the rock, and stalagmites stand below stalactites.
+fn assert_dripstone_is_attached(cave: &Cave, things: &[Thing]) {
+    let hanging: Vec<&Thing> =
+        things.iter().filter(|thing| ["stalactite", "lavacicle"].contains(&&*thing.kind)).collect();
+    let roots: Vec<[f32; 3]> = hanging
+        .iter()
+        .map(|thing| {
+            let top = cave.hull(thing).into_iter().max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+            let axis = thing.pose.translation.vector;
+            [axis.x as f32, axis.y as f32, top.z as f32]
+        })
+        .collect();
+    let in_the_air = cave.field.scattered(&roots).iter().filter(|value| **value < -0.03).count();
+    assert!(in_the_air * 50 <= hanging.len(), "{}: {in_the_air} of {} roots are in the air", cave.name, hanging.len());
+    for stalagmite in things.iter().filter(|thing| thing.kind == "stalagmite") {
+        let foot = stalagmite.pose.translation.vector;
+        let is_above = |thing: &&&Thing| {
+            let tip = thing.pose.translation.vector;
+            (tip - foot).xy().norm() < 1e-9 && tip.z > foot.z
+        };
+        assert!(hanging.iter().any(|thing| is_above(&thing)), "{}: nothing drips on {stalagmite:?}", cave.name);
+    }
+}
+
+#[test]
+fn things_hardly_depend_on_the_size_of_chunks() {
+    let graph = small(plume::generators::GENERATORS.default_row(), 8, 3);
+    let of = |chunk_m: f32| -> BTreeMap<(u64, String), Thing> {
+        let cave = Cave::new(format!("chunks of {chunk_m} m"), graph.clone(), "limestone", chunk_m);
+        cave.things().into_iter().map(|thing| ((thing.id, thing.kind.clone()), thing)).collect()
+    };
+    let (one, other) = (of(16.0), of(7.0));
+    let same = one.iter().filter(|(id, thing)| {
+        let twin = other.get(*id);
+        twin.is_some_and(|twin| (twin.pose.translation.vector - thing.pose.translation.vector).norm() < 0.03)
+    });
+    let share = same.count() as f64 / one.len().max(other.len()) as f64;
+    assert!(one.len() > 100 && share > 0.95, "{share} of {} and {}", one.len(), other.len());
+}
+
+#[test]
+fn no_cover_is_no_things() {
+    let mut cave =
+        Cave::new("bare".to_owned(), small(plume::generators::GENERATORS.default_row(), 4, 3), "limestone", 16.0);
+    assert!(!cave.things().is_empty());
+    cave.settings.cover = 0.0;
+    assert!(cave.things().is_empty());
+}
