@@ -132,7 +132,7 @@ enum Command {
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
-    /// List targets, generators, formats, materials, presets and views
+    /// List targets, generators, formats, materials, things, presets and views
     List(list::List),
     /// Check that a package is intact and refers to nothing outside itself
     Check(check::Check),

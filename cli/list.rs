@@ -12,9 +12,10 @@ use plume::generators::GENERATORS;
 use plume::material::MATERIALS;
 use plume::preset::PRESETS;
 use plume::preview::VIEWS;
+use plume::things::KINDS;
 use plume_survey::{FORMATS, FormatRow};
 
-/// Lists targets, generators, formats, materials, presets and views.
+/// Lists targets, generators, formats, materials, things, presets and views.
 #[derive(Args)]
 pub struct List {
     /// Which table [default: all]
@@ -27,6 +28,7 @@ enum Table {
     Generators,
     Formats,
     Materials,
+    Things,
     Presets,
     Views,
 }
@@ -56,6 +58,7 @@ impl List {
             (Table::Generators, GENERATORS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Formats, FORMATS.iter().map(|row| Row::new(row.name, &format_summary(row))).collect()),
             (Table::Materials, MATERIALS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
+            (Table::Things, KINDS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Presets, PRESETS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Views, VIEWS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
         ];

@@ -26,6 +26,7 @@ pub mod error;
 pub mod format;
 pub mod frame;
 mod image_format;
+pub mod instances;
 pub mod manifest;
 #[doc(hidden)]
 pub mod names;

@@ -19,6 +19,7 @@ pub use self::archive::Archive;
 pub use self::folder::Folder;
 use crate::bundle::Bundle;
 use crate::error::ExportError;
+use crate::instances;
 use crate::manifest::Manifest;
 use crate::manifest::recorder::RecordingChunks;
 use crate::package::{Files, MANIFEST, Package};
@@ -98,7 +99,9 @@ pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Packag
     };
     let license = template::fill(LICENSE, include_str!("templates/package/LICENSE.md.jinja"), &values);
     out.text(LICENSE, &license)?;
-    let manifest = Manifest::new(name, target, scene, &recording.facts(scene)?, out);
+    let facts = recording.facts(scene)?;
+    instances::write(scene, out)?;
+    let manifest = Manifest::new(name, target, scene, &facts, out);
     out.text(MANIFEST, &manifest.to_text()?)?;
     Ok(summary)
 }

@@ -142,6 +142,14 @@ pub trait Chunks: Sync {
     /// # Errors
     /// When they cannot be read.
     fn pieces(&self, index: usize) -> Result<Vec<Piece>, std::io::Error>;
+
+    /// The things of a chunk, in the order of its pieces; none unless it [consists](Content) of things.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    fn instances(&self, _index: usize) -> Result<Vec<Instance>, std::io::Error> {
+        Ok(Vec::new())
+    }
 }
 
 /// A part of the world.
@@ -197,6 +205,27 @@ pub struct Piece {
     pub mesh: Mesh,
     /// The zone of the wall that it covers.
     pub zone: Zone,
+}
+
+/// A thing: a copy of a prototype. Ground truth, since its triangles are in the mesh of its chunk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instance {
+    /// Its identity, unique in the scene.
+    pub id: u64,
+    /// What it is, such as `boulder`.
+    pub class: String,
+    /// Safe name of its prototype.
+    pub prototype: String,
+    /// The name of its chunk.
+    pub chunk: String,
+    /// From the frame of the prototype, in which it stands upright, to that of the scene.
+    pub pose: Isometry3<f64>,
+    /// Its size relative to the prototype.
+    pub scale: f64,
+    /// Mass in kilograms.
+    pub mass_kg: f64,
+    /// How deep it lies in the ground, in metres.
+    pub embedding_m: f64,
 }
 
 /// A zone of the wall.

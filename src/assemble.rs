@@ -106,17 +106,20 @@ impl FolderChunks<'_> {
         self.prototypes.get_or_init(|| prototypes.map(Dressing::new)).as_ref().ok_or_else(missing)
     }
 
+    fn things_name(&self, index: usize) -> String {
+        self.dressed[index - self.names.len()].replace("chunk_", "things_")
+    }
+
     fn things(&self, index: usize) -> Result<Vec<Thing>, io::Error> {
         store::read_things(self.folder, &self.dressed[index - self.names.len()]).map_err(io::Error::other)
     }
 
     fn load_things(&self, index: usize) -> Result<scene::Chunk, io::Error> {
         self.verify_images(store::PROTOTYPES)?;
-        let name = self.dressed[index - self.names.len()].replace("chunk_", "things_");
         let (dressing, things) = (self.dressing()?, self.things(index)?);
         let (visual, lods) = dressing.levels(&things);
         Ok(scene::Chunk {
-            name,
+            name: self.things_name(index),
             content: Content::Things,
             visual,
             lods,
@@ -142,6 +145,13 @@ impl Chunks for FolderChunks<'_> {
         }
         let pieces = store::read_pieces(self.folder, &self.names[index]).map_err(io::Error::other)?;
         Ok(pieces.into_iter().map(scene_piece).collect())
+    }
+
+    fn instances(&self, index: usize) -> Result<Vec<scene::Instance>, io::Error> {
+        if index < self.names.len() {
+            return Ok(Vec::new());
+        }
+        Ok(self.dressing()?.instances(&self.things_name(index), &self.things(index)?))
     }
 
     fn load(&self, index: usize) -> Result<scene::Chunk, io::Error> {

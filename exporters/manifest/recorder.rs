@@ -4,7 +4,7 @@ use std::io;
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::ExportError;
-use crate::scene::{Chunk, Chunks, Material, Piece, Scene};
+use crate::scene::{Chunk, Chunks, Instance, Material, Piece, Scene};
 
 use super::LodEntry;
 
@@ -90,6 +90,10 @@ impl Chunks for RecordingChunks<'_> {
 
     fn neighbors(&self, index: usize) -> Vec<usize> {
         self.inner.neighbors(index)
+    }
+
+    fn instances(&self, index: usize) -> io::Result<Vec<Instance>> {
+        self.inner.instances(index)
     }
 
     fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {

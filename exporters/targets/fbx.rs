@@ -224,7 +224,8 @@ impl Fbx {
 }
 
 fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Result<Maps, ExportError> {
-    let mut copy = |role, image| out.texture("", &chunk.material.name, role, image).map(|path| format!("{to_package}{path}"));
+    let mut copy =
+        |role, image| out.texture("", &chunk.material.name, role, image).map(|path| format!("{to_package}{path}"));
     let material = &chunk.material;
     Ok(Maps {
         base_color: copy("base_color", &material.base_color)?,

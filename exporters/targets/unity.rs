@@ -34,8 +34,11 @@ use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{Axes, Up, micro};
 use crate::image_format::ImageFormat;
+use crate::instances::INSTANCES;
+use crate::package::MANIFEST;
 use crate::package::{Package, pretty};
-use crate::scene::{Chunk, Mesh, Piece, Scene, Zone};
+use crate::place::LICENSE;
+use crate::scene::{Chunk, Content, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 use asset::{Assets, Importer};
@@ -106,6 +109,7 @@ impl Target for Unity {
             prefab: Prefab::new(&scene.name),
             friction: Vec::new(),
             triangles: [0, 0],
+            has_things: false,
         };
         (0..scene.chunks.len()).try_for_each(|index| writer.write_chunk(index))?;
         let [visual_triangles, collision_triangles] = writer.triangles;
@@ -152,6 +156,7 @@ struct Writer<'a> {
     prefab: Prefab,
     friction: Vec<(Zone, Guid)>,
     triangles: [u64; 2],
+    has_things: bool,
 }
 
 impl Writer<'_> {
@@ -172,6 +177,7 @@ impl Writer<'_> {
                 self.add_colliders(group, &chunk.name, zone, &of_zone, model)?;
             }
         }
+        self.has_things |= chunk.content == Content::Things;
         self.triangles[0] += chunk.visual.triangles();
         self.triangles[1] += shapes.iter().map(|shape| shape.mesh.triangles()).sum::<u64>();
         Ok(())
@@ -260,7 +266,7 @@ impl Writer<'_> {
         self.assets.text("package.json", &manifest(scene, name)?, Importer::Manifest)?;
         let readme = self.readme(name);
         self.assets.text("README.md", &readme, Importer::Text)?;
-        self.assets.finish()
+        self.assets.finish(if self.has_things { &[LICENSE, INSTANCES, MANIFEST] } else { &[LICENSE, MANIFEST] })
     }
 
     fn readme(&self, package: &str) -> String {

@@ -275,6 +275,21 @@ class Cave:
     def lights(self) -> list[Light]:
         """The lamps along the passages; none if the recipe says `world.lights = false`."""
 
+    @property
+    def things(self) -> list[dict[str, Any]]:
+        """The stones and dripstone of the cave, as in the `instances.json` of every package.
+
+        Returns:
+            One dict per thing: `id`, `class` (such as "boulder"), `prototype`, `chunk`, `position` (m),
+            `orientation_wxyz`, `scale`, `mass_kg`, `embedding_m` and `movable`. None if the recipe says `things.cover = 0`.
+
+        Raises:
+            StorageError: A file of the cave is missing or was changed.
+
+        >>> all(thing["mass_kg"] > 0 for thing in cave.things)
+        True
+        """
+
     def distance(self, points: ArrayLike) -> NDArray[np.float32]:
         """Approximate signed distance to the wall, sampled from the field that the walls are made from.
 

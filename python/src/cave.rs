@@ -131,6 +131,27 @@ impl Cave {
         Ok(self.placement(py)?.lights.iter().map(Light::of).collect())
     }
 
+    /// The stones and dripstone of the cave, as in the `instances.json` of every package.
+    ///
+    /// Returns:
+    ///     One dict per thing: `id`, `class` (such as "boulder"), `prototype`, `chunk`, `position` (m),
+    ///     `orientation_wxyz`, `scale`, `mass_kg`, `embedding_m` and `movable`. None if the recipe says `things.cover = 0`.
+    ///
+    /// Raises:
+    ///     StorageError: A file of the cave is missing or was changed.
+    ///
+    /// >>> all(thing["mass_kg"] > 0 for thing in cave.things)
+    /// True
+    #[getter]
+    fn things<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let cave = self.open(py)?;
+        let things = work::run(py, None, |watch| {
+            let chunks = cave.chunks(watch.stop());
+            Ok(plume_exporters::instances::list(&cave.scene(&chunks))?)
+        })?;
+        json::to_python(py, &things.into())
+    }
+
     /// Approximate signed distance to the wall, sampled from the field that the walls are made from.
     ///
     /// Negative in air, zero on the wall, positive in rock, so its sign tells free space. It is a distance only near the

@@ -1,7 +1,7 @@
 //! The things of a chunk as one mesh: copies of the prototypes, moved to their places.
 
 use nalgebra::{Point3, Vector3};
-use plume_exporters::scene::{Lod, Mesh, Piece, Zone};
+use plume_exporters::scene::{Instance, Lod, Mesh, Piece, Zone};
 
 use crate::store::Prototypes;
 use crate::store::ply::PlyMesh;
@@ -14,6 +14,8 @@ pub struct Dressing {
     cuts: Vec<Vec<Vec<[u32; 3]>>>,
 }
 
+/// Density of rock: granite and solid limestone have about the same.
+const ROCK_KG_M3: f64 = 2650.0;
 /// Widths in metres under which a thing starts with the second and with the third level of detail. Tuned: a triangle of any
 /// thing is a few centimetres wide.
 const SMALL_M: [f64; 2] = [0.36, 0.14];
@@ -66,6 +68,21 @@ impl Dressing {
             all.indices.extend(mesh.indices.iter().map(|corner| corner + first));
         }
         all
+    }
+
+    /// What each thing is, and where.
+    pub fn instances(&self, chunk: &str, things: &[Thing]) -> Vec<Instance> {
+        let instance = |(_, prototype, thing): (usize, &Prototype, &Thing)| Instance {
+            id: thing.id,
+            class: thing.kind.clone(),
+            prototype: thing.prototype.clone(),
+            chunk: chunk.to_owned(),
+            pose: thing.pose,
+            scale: thing.scale,
+            mass_kg: ROCK_KG_M3 * prototype.volume_m3 * thing.scale * thing.scale * thing.scale,
+            embedding_m: thing.embedding_m,
+        };
+        self.known(things).map(instance).collect()
     }
 
     /// The hull of each thing.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::MATERIALS;
+use plume::things::{KINDS, KindRow};
 use plume_exporters::{TARGETS, TargetRow};
 
 /// Rewrites the lists instead of comparing them.
@@ -14,7 +15,13 @@ const RENEW: &str = "UPDATE_README=1 cargo test --test it readme";
 fn its_lists_are_those_of_the_tables() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
     let text = fs::read_to_string(&path).expect("the README can be read");
-    let lists = [("targets", targets()), ("pieces", pieces()), ("rocks", rocks()), ("generators", generators(&text))];
+    let lists = [
+        ("targets", targets()),
+        ("pieces", pieces()),
+        ("rocks", rocks()),
+        ("things", things()),
+        ("generators", generators(&text)),
+    ];
     let renewed = lists.iter().fold(text.clone(), |text, (name, list)| with_list(&text, name, list));
     if std::env::var_os("UPDATE_README").is_some() {
         return fs::write(&path, renewed).expect("the README can be written");
@@ -64,6 +71,15 @@ fn pieces() -> String {
 fn rocks() -> String {
     let rows = MATERIALS.iter().map(|row| format!("| `{}` | {} |\n", row.name, row.summary));
     format!("\n\n| rock | shape and colour |\n|---|---|\n{}\n", rows.collect::<String>())
+}
+
+fn things() -> String {
+    let rock = |row: &KindRow| match row.rocks {
+        [] => "all".to_owned(),
+        rocks => rocks.iter().map(|rock| format!("`{rock}`")).collect::<Vec<_>>().join(", "),
+    };
+    let row = |row: &KindRow| [format!("`{}`", row.name), row.summary.to_owned(), rock(row)];
+    table(["thing", "what it is", "in the rocks"], KINDS.iter().map(row))
 }
 
 fn generators(readme: &str) -> String {

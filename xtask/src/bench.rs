@@ -47,7 +47,7 @@ pub fn run(chosen: &[String]) -> Result<()> {
         _ => {}
     }
     let plume = Plume::build(Profile::Release)?;
-    println!("row | graph | mesh | texture | sum, CPU s | floor (PNG), CPU s | ratio | peak MB | paper, wall");
+    println!("row | graph | mesh | things | texture | sum, CPU s | floor (PNG), CPU s | ratio | peak MB | paper, wall");
     for (number, (name, arguments, paper)) in ROWS.iter().enumerate() {
         if chosen.is_empty() || chosen.contains(&(number + 1).to_string()) {
             row(&plume, name, arguments, paper)?;
@@ -117,14 +117,14 @@ fn row(plume: &Plume, name: &str, arguments: &[&str], paper: &str) -> Result<()>
     let all: Vec<&str> = generate.iter().chain(arguments).copied().collect();
     let summary = plume.output(&all)?;
     let number = |section: &str, key: &str| field(&summary, section, key);
-    let stages = ["graph", "mesh", "texture"].map(|stage| number(stage, "cpu_s"));
+    let stages = ["graph", "mesh", "things", "texture"].map(|stage| number(stage, "cpu_s"));
     let sum: f64 = stages.iter().sum();
     let floor = run_program(Command::new(Profile::Release.example("png_floor")?).arg(&folder))?;
     let floor: f64 = floor.trim().parse().map_err(|_| "png_floor printed no number")?;
     let peak = number("", "peak_memory_bytes") / 1e6;
-    let [graph, mesh, texture] = stages;
+    let [graph, mesh, things, texture] = stages;
     println!(
-        "{name} | {graph:.2} | {mesh:.1} | {texture:.1} | {sum:.1} | {floor:.1} | {:.1} | {peak:.0} | {paper}",
+        "{name} | {graph:.2} | {mesh:.1} | {things:.1} | {texture:.1} | {sum:.1} | {floor:.1} | {:.1} | {peak:.0} | {paper}",
         sum / floor
     );
     fs::remove_dir_all(&folder).map_err(|error| error.to_string())

@@ -7,8 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::identity::Guid;
 use crate::error::ExportError;
-use crate::package::{MANIFEST, Package};
-use crate::place::LICENSE;
+use crate::package::Package;
 use crate::template;
 
 /// The importer of a file.
@@ -86,11 +85,11 @@ impl<'a> Assets<'a> {
         Ok(guid)
     }
 
-    /// Writes the `.meta` of every folder and of files added by the sink, which depend on all others: the last step.
+    /// Writes the `.meta` of every folder and of the files that are added `later`, which depend on all others: the last step.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn finish(mut self) -> Result<(), ExportError> {
+    pub fn finish(mut self, later: &[&str]) -> Result<(), ExportError> {
         let contents: BTreeMap<String, String> =
             self.out.files().0.iter().map(|(path, entry)| (path.clone(), entry.sha256.clone())).collect();
         let folders: BTreeSet<&str> = contents.keys().flat_map(|path| parents(path)).collect();
@@ -98,7 +97,7 @@ impl<'a> Assets<'a> {
             let guid = Guid::new(&self.name, folder, &digest(&contents, &format!("{folder}/")));
             self.write_meta(folder, guid, Importer::Folder)?;
         }
-        ADDED_LATER.iter().try_for_each(|path| {
+        later.iter().try_for_each(|path| {
             let guid = Guid::new(&self.name, path, &digest(&contents, ""));
             self.write_meta(path, guid, Importer::Text)
         })
@@ -115,9 +114,6 @@ impl<'a> Assets<'a> {
         self.out.text(&path, &template::fill(&path, include_str!("../../templates/unity/asset.meta.jinja"), &values))
     }
 }
-
-/// Top-level files that are added to a package after the target.
-const ADDED_LATER: [&str; 2] = [LICENSE, MANIFEST];
 
 /// The parent folders of a file.
 fn parents(path: &str) -> impl Iterator<Item = &str> {

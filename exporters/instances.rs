@@ -1,0 +1,56 @@
+//! The things of a scene as ground truth: `instances.json`, a JSON object with one thing a line.
+
+use serde_json::{Value, json};
+
+use crate::error::ExportError;
+use crate::package::Package;
+use crate::scene::{Instance, Scene};
+
+/// Name of the file.
+pub const INSTANCES: &str = "instances.json";
+
+/// Writes the file, if the scene has things.
+///
+/// # Errors
+/// If the things of a chunk cannot be read; those of the package.
+pub fn write(scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
+    let things: Vec<String> = list(scene)?.iter().map(Value::to_string).collect();
+    if things.is_empty() {
+        return Ok(());
+    }
+    out.write(INSTANCES, |file| {
+        let (generator, frame) = (json!(scene.generator), json!("right-handed, Z up, metres"));
+        writeln!(file, r#"{{"generator": {generator}, "frame": {frame}, "things": ["#)?;
+        Ok(writeln!(file, "{}\n]}}", things.join(",\n"))?)
+    })
+}
+
+/// The things of a scene as JSON objects.
+///
+/// # Errors
+/// If the things of a chunk cannot be read.
+pub fn list(scene: &Scene) -> Result<Vec<Value>, ExportError> {
+    let mut things = Vec::new();
+    for index in 0..scene.chunks.len() {
+        let loaded = scene.chunks.instances(index);
+        let loaded = loaded.map_err(|source| ExportError::Load { scene: scene.name.clone(), index, source })?;
+        things.extend(loaded.iter().map(entry));
+    }
+    Ok(things)
+}
+
+fn entry(thing: &Instance) -> Value {
+    let turn = thing.pose.rotation.quaternion();
+    json!({
+        "id": format!("{:016x}", thing.id),
+        "class": thing.class,
+        "prototype": thing.prototype,
+        "chunk": thing.chunk,
+        "position": thing.pose.translation.vector.as_slice(),
+        "orientation_wxyz": [turn.w, turn.i, turn.j, turn.k],
+        "scale": thing.scale,
+        "mass_kg": thing.mass_kg,
+        "embedding_m": thing.embedding_m,
+        "movable": false,
+    })
+}
