@@ -39,8 +39,8 @@ pub const ROW: TargetRow = TargetRow {
     opened_by: "Gazebo Sim Harmonic and later",
     contents: "model and world (SDF 1.9), an OBJ per chunk, PBR maps, collision meshes, lamps, start pose",
     tested_by: "libsdformat with unknown elements as errors; Gazebo's own physics (ign-physics, dartsim) drops a ball; \
-        pybullet drops a ball onto the concave triangles",
-    checks: &["gazebo", "pybullet", "trimesh", "orient"],
+        pybullet drops a ball onto the concave triangles, and lets go of every loose stone: 95 of 100 stay",
+    checks: &["gazebo", "pybullet", "rest", "trimesh", "orient"],
     images: &ImageFormat::COMMON,
     is_single_file: false,
     has_pieces: true,

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use plume_exporters::ImageFormat;
 
+use super::things::TEXEL_RATIO;
 use super::{PipelineError, station_bounds};
 use crate::field::Reach;
 use crate::mesh::{ChunkIndex, Grid};
@@ -25,6 +26,9 @@ const GUTTERS_PX_PER_M: f64 = 23.0;
 /// samples.
 const MESH_BYTES_PER_M2: f64 = 560.0;
 const MESH_POWER: f64 = -0.7;
+/// Bytes of the meshes of all shapes of things, and their area in square metres. Measured on limestone, which has most.
+const SHAPE_BYTES: f64 = 0.7e6;
+const SHAPES_M2: f64 = 4.7;
 /// Distance between points at which a passage is sampled for the chunks that it crosses, in metres.
 const STEP_M: f64 = 2.0;
 
@@ -52,6 +56,11 @@ impl Needs {
             Resolution::SizePx(size_px) => chunks as f64 * squared(f64::from(size_px)),
             Resolution::TexelsPerM(density) => (area_m2 * px_per_m2(f64::from(density))).min(most_px),
         };
+        let (shape_bytes, shape_px) = match recipe.things().cover > 0.0 {
+            true => (SHAPE_BYTES, SHAPES_M2 * px_per_m2(f64::from(TEXEL_RATIO * recipe.texture().density_px_per_m))),
+            false => (0.0, 0.0),
+        };
+        let (mesh_bytes, px) = (mesh_bytes + shape_bytes, px + shape_px);
         Self { area_m2, chunks, mesh_bytes, map_bytes: px * bytes_per_px(recipe) }
     }
 

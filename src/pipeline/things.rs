@@ -13,7 +13,7 @@ use crate::things::{self, Dress, Library, Setting, Shelf};
 use plume_graph::Aabb;
 
 /// Texels per metre on the shelf relative to those on the wall: most stones are as much larger there as prototypes are small.
-const TEXEL_RATIO: f32 = 2.0;
+pub(super) const TEXEL_RATIO: f32 = 2.0;
 /// Coarser levels of a prototype.
 const LEVELS: LodSettings = LodSettings { levels: 3, reduction: 2.0 };
 
@@ -42,7 +42,8 @@ impl Pipeline<'_> {
         let dress = Dress { rock, material: &material, look: self.recipe.look(), seed: self.recipe.seed() };
         let shelf = Shelf::new(&dress);
         let texture = self.recipe.texture();
-        let texture = TextureSettings { density_px_per_m: TEXEL_RATIO * texture.density_px_per_m, ..texture.clone() };
+        let density_px_per_m = TEXEL_RATIO * texture.density_px_per_m;
+        let texture = TextureSettings { density_px_per_m, size_px: None, ..texture.clone() };
         let mesh = things::shelf_mesh(&shelf);
         let written = store::write_textured(self.folder, PROTOTYPES, &mesh, &shelf, &texture, &LEVELS)?;
         let lods = written.levels.iter().map(Into::into).collect();

@@ -35,38 +35,66 @@ pub struct Body {
 }
 
 impl Body {
-    /// The convex hull of the outermost points in [`MOST_CORNERS`] directions; `None` if they are coplanar.
+    /// A convex hull of points with at most [`MOST_CORNERS`] corners; `None` if they are coplanar.
     ///
-    /// It is within the hull of all points, and as large as that for bodies with few corners.
+    /// Starts with the outermost points in a few directions, and takes in the point that is furthest outside until there are
+    /// enough. All corners are points, so it is within the hull of all.
     fn around(points: &[[i32; 3]]) -> Option<Self> {
-        let extent = |axis: usize| {
-            let along = points.iter().map(|point| point[axis]);
-            Some(f64::from(along.clone().max()? - along.min()?).max(1.0))
-        };
-        let extents = [extent(0)?, extent(1)?, extent(2)?];
-        // Directions even on the ellipsoid of the body, or a slab would have corners on its faces only.
-        let outermost = (0..MOST_CORNERS).filter_map(|number| {
-            let direction = spiral(number, MOST_CORNERS);
-            let along = |point: &[i32; 3]| (0..3).map(|i| direction[i] * f64::from(point[i]) / extents[i]).sum::<f64>();
-            points.iter().copied().max_by(|a, b| along(a).total_cmp(&along(b)))
-        });
-        let mut outermost: Vec<[i32; 3]> = outermost.collect();
-        outermost.sort_unstable();
-        outermost.dedup();
-        let hull = mesh::hull(&outermost)?;
-        let metres =
-            |corner: &u32| Point3::from(outermost[*corner as usize].map(|q| f64::from(q) / f64::from(QUANTA_PER_M)));
-        Some(Self { corners: hull.corners.iter().map(metres).collect(), faces: hull.faces })
+        let along = |direction: [i32; 3], point: &[i32; 3]| (0..3).map(|i| direction[i] * point[i]).sum::<i32>();
+        let outermost = |direction| points.iter().copied().max_by_key(|point| along(direction, point));
+        let mut corners: Vec<[i32; 3]> = STARTS.into_iter().filter_map(outermost).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        loop {
+            let hull = mesh::hull(&corners)?;
+            corners = hull.corners.iter().map(|corner| corners[*corner as usize]).collect();
+            match furthest_outside(points, &corners, &hull.faces) {
+                Some(next) if corners.len() < MOST_CORNERS => corners.push(next),
+                _ => return Some(Self { corners: corners.into_iter().map(metres).collect(), faces: hull.faces }),
+            }
+        }
     }
 }
 
-/// Directions spread evenly over the sphere along a spiral (Swinbank and Purser 2006).
-fn spiral(number: usize, count: usize) -> [f64; 3] {
-    /// The golden angle.
-    const TURN_RAD: f64 = 2.399_963_229_728_653;
-    let z = 1.0 - (2.0 * number as f64 + 1.0) / count as f64;
-    let (across, around) = ((1.0 - z * z).sqrt(), TURN_RAD * number as f64);
-    [across * libm::cos(around), across * libm::sin(around), z]
+/// Towards the faces and the corners of a cube.
+const STARTS: [[i32; 3]; 14] = [
+    [1, 0, 0],
+    [-1, 0, 0],
+    [0, 1, 0],
+    [0, -1, 0],
+    [0, 0, 1],
+    [0, 0, -1],
+    [1, 1, 1],
+    [1, 1, -1],
+    [1, -1, 1],
+    [1, -1, -1],
+    [-1, 1, 1],
+    [-1, 1, -1],
+    [-1, -1, 1],
+    [-1, -1, -1],
+];
+
+/// The point that is furthest outside of a convex surface, if one is.
+fn furthest_outside(points: &[[i32; 3]], corners: &[[i32; 3]], faces: &[[u32; 3]]) -> Option<[i32; 3]> {
+    let planes: Vec<(Vector3<f64>, f64)> = faces
+        .iter()
+        .map(|face| {
+            let [a, b, c] = face.map(|corner| Vector3::from(corners[corner as usize].map(f64::from)));
+            let normal = (b - a).cross(&(c - a)).normalize();
+            (normal, normal.dot(&a))
+        })
+        .collect();
+    let outside = |point: &[i32; 3]| {
+        let at = Vector3::from(point.map(f64::from));
+        planes.iter().map(|(normal, offset)| normal.dot(&at) - offset).fold(f64::NEG_INFINITY, f64::max)
+    };
+    // Less than a quantum is rounding.
+    let far = points.iter().map(|point| (outside(point), *point)).filter(|(distance, _)| *distance > 1.0);
+    far.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
+}
+
+fn metres(point: [i32; 3]) -> Point3<f64> {
+    point.map(|q| f64::from(q) / f64::from(QUANTA_PER_M)).into()
 }
 
 /// Points on the shelf, by slot, in quanta.

@@ -161,8 +161,9 @@ impl Reader {
     }
 }
 
-static READERS: [Reader; 24] = [
+static READERS: [Reader; 25] = [
     Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
+    Reader { name: "rest", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::let_go_of_stones },
     Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
     Reader { name: "validator", of: Kind::Gltf, prepare: gltf::make, command: gltf::validate },
     Reader { name: "three", of: Kind::Gltf, prepare: gltf::make_browser, command: gltf::draw },

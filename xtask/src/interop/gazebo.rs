@@ -50,6 +50,12 @@ pub(super) fn drop_balls(package: &Path) -> Result<Command> {
     Ok(command)
 }
 
+pub(super) fn let_go_of_stones(package: &Path) -> Result<Command> {
+    let mut command = Command::new(bullet()?.python());
+    command.arg(root().join("tests/interop/rest_pybullet.py")).arg(package);
+    Ok(command)
+}
+
 pub(super) fn bullet() -> Result<Environment> {
     Environment::of_project()?.with(&[REQUIREMENTS])
 }
