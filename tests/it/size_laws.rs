@@ -69,7 +69,7 @@ fn too_large_a_cave_is_refused_before_work() {
     meshes with voxels of 0.12 m and textures of 500 px/m on about 22,000 m² of wall need about 18 GB on the disk, but the limit is 2 GB
      hint: lower texture.density_px_per_m to 155, or raise output.max_gb
     meshes with voxels of 0.12 m and textures of 16384 px in about 100 chunks on about 22,000 m² of wall need about 64 GB on the disk, but the limit is 2 GB
-     hint: lower texture.size_px to 2859, or raise output.max_gb
+     hint: lower texture.size_px to 2858, or raise output.max_gb
     meshes with voxels of 0.05 m and textures of 80 px/m on about 22,000 m² of wall need about 0.68 GB on the disk, but the limit is 0.01 GB
      hint: raise mesh.voxel_m, make a smaller cave, or raise output.max_gb
     ");
