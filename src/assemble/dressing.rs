@@ -14,6 +14,8 @@ pub struct Dressing {
     cuts: Vec<Vec<Vec<[u32; 3]>>>,
 }
 
+/// A level with a larger share of the triangles of the previous one is not worth its bytes. Tuned.
+const MOST_SHARE: f64 = 0.8;
 /// Density of rock: granite and solid limestone have about the same.
 const ROCK_KG_M3: f64 = 2650.0;
 /// Widths in metres under which a thing starts with the second and with the third level of detail. Tuned: a triangle of any
@@ -38,12 +40,17 @@ impl Dressing {
 
     /// Full detail, and the coarser levels.
     pub fn levels(&self, things: &[Thing]) -> (Mesh, Vec<Lod>) {
-        let coarser = (1..self.cuts.len()).map(|level| {
+        let (full, _) = self.level(things, 0);
+        let mut lods: Vec<Lod> = Vec::new();
+        for level in 1..self.cuts.len() {
             let (mesh, error_m) = self.level(things, level);
-            Lod { mesh, error_m }
-        });
-        let lods = coarser.collect();
-        (self.level(things, 0).0, lods)
+            let finer = lods.last().map_or(&full, |lod| &lod.mesh);
+            // Small things have no coarser level from some point on.
+            if mesh.triangles() as f64 <= MOST_SHARE * finer.triangles() as f64 {
+                lods.push(Lod { mesh, error_m });
+            }
+        }
+        (full, lods)
     }
 
     /// All things, this many levels coarser than at their best.

@@ -22,6 +22,6 @@ pub struct ThingSettings {
 
 impl Default for ThingSettings {
     fn default() -> Self {
-        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.3, headroom_m: 2.0 }
+        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.8, headroom_m: 2.0 }
     }
 }

@@ -28,11 +28,11 @@ MARGIN_M = 0.0005
 
 
 def main(package):
-    if not (package / "instances.json").is_file():
-        print("Bullet: no things")
+    meshes = next((package / "models").glob("*/meshes"))
+    if not any(meshes.glob("things_*_collision.obj")):
+        print("Bullet: no things, or in convex pieces only")
         return
     things = json.loads((package / "instances.json").read_text(encoding="utf-8"))["things"]
-    meshes = next((package / "models").glob("*/meshes"))
     with connected():
         p.setGravity(0, 0, -9.81)
         p.setPhysicsEngineParameter(fixedTimeStep=STEP_S, enableSAT=1)

@@ -225,13 +225,16 @@ def images_are_written_as_relative_paths(package, root):
             yield f"{prim.GetPath()} names {path.path}, which does not exist"
 
 
+BESIDE = {"README.md", "LICENSE.md", "manifest.json", "instances.json"}
+
+
 def every_file_is_used(package, root):
     if root.suffix == ".usdz":
         return
     layers, assets, _ = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(str(root)))
     used = {PurePosixPath(path) for path in [layer.realPath for layer in layers] + list(assets)}
     for file in sorted(package.resolve().rglob("*")):
-        if file.is_file() and file not in used and file.name not in {"README.md", "LICENSE.md", "manifest.json"}:
+        if file.is_file() and file not in used and file.name not in BESIDE:
             yield f"{file.name} is used by nothing"
 
 
