@@ -73,13 +73,13 @@ fn universal_radius(height: f64) -> f64 {
 /// A stalactite; the longer it is in units of its own, the slimmer.
 pub fn stalactite(rng: &mut Rng) -> Shape {
     let units = libm::exp(rng.between(libm::log(900.0), libm::log(9000.0)));
-    hanging(rng, units, 0.008)
+    hanging(rng, units, 0.004)
 }
 
 /// A drip of lava: blunt, since it freezes as it falls.
 pub fn lavacicle(rng: &mut Rng) -> Shape {
     let units = rng.between(120.0, 500.0);
-    hanging(rng, units, 0.012)
+    hanging(rng, units, 0.006)
 }
 
 fn hanging(rng: &mut Rng, units: f64, wander_m: f32) -> Shape {
@@ -93,10 +93,11 @@ fn hanging(rng: &mut Rng, units: f64, wander_m: f32) -> Shape {
     profile.shape(rng, wander_m, 0.0016)
 }
 
-/// A stalagmite: a flared foot, nearly even sides, and a dome that the drops flatten.
+/// A stalagmite: a slightly flared foot, nearly even sides, and a dome that the drops flatten. It collides as its convex hull,
+/// which a wider foot would take into the open.
 pub fn stalagmite(rng: &mut Rng) -> Shape {
     let top_m = HEIGHT_M * rng.between(0.09, 0.22) as f32;
-    let flare = rng.between(0.5, 1.3) as f32;
+    let flare = rng.between(0.1, 0.35) as f32;
     let taper = rng.between(0.15, 0.6) as f32;
     let profile = Profile::new(-ROOT_M, HEIGHT_M, |z| {
         let share = (z / HEIGHT_M).clamp(0.0, 1.0);
@@ -107,12 +108,12 @@ pub fn stalagmite(rng: &mut Rng) -> Shape {
     profile.shape(rng, 0.006, 0.0022)
 }
 
-/// A column, wider at both ends.
+/// A column, slightly wider at both ends, for the same reason.
 pub fn column(rng: &mut Rng) -> Shape {
     let waist_m = COLUMN_M * rng.between(0.05, 0.10) as f32;
     let profile = Profile::new(-ROOT_M, COLUMN_M, |z| {
         let share = (z / COLUMN_M).clamp(0.0, 1.0);
-        waist_m * (1.0 + 0.9 * libm::expf(-share / 0.08) + 1.6 * libm::expf((share - 1.0) / 0.10))
+        waist_m * (1.0 + 0.2 * libm::expf(-share / 0.08) + 0.3 * libm::expf((share - 1.0) / 0.10))
     });
     let stand = profile.shape(rng, 0.008, 0.0025);
     // Centred on the shelf, on which there is no room for the whole height on one side.

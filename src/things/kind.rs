@@ -121,7 +121,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         rocks: &["limestone"],
         rock_setting: Some(("flowstone", 0.6)),
         shapes: Shapes::Own { count: 4, make: dripstone::stalactite },
-        place: Place::Ceiling(Hang { median_m: 0.16, sigma: 0.8, longest_m: 1.6, per_m2: 22.0, dripping: 0.45 }),
+        place: Place::Ceiling(Hang { median_m: 0.16, sigma: 0.8, longest_m: 1.2, per_m2: 22.0, dripping: 0.45 }),
     },
     KindRow {
         name: "stalagmite",

@@ -385,8 +385,8 @@ impl<'a> Site<'a> {
     }
 }
 
-/// Tallest column in metres: a taller one would be a stretched prototype.
-const MOST_COLUMN_M: f64 = 4.0;
+/// Tallest column in metres: the hull of a taller one would be too far in the open.
+const MOST_COLUMN_M: f64 = 2.0;
 /// Least width of a stalagmite in metres (Curl, *Minimum diameter stalagmites*, 1973).
 const LEAST_STALAGMITE_M: f64 = 0.03;
 

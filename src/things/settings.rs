@@ -11,7 +11,7 @@ pub struct ThingSettings {
     /// Amount of dripstone; 1 is natural, 0 none.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub dripstone: f64,
-    /// Width of the way along the passages in which nothing is higher than a wheel can take (5 cm), in metres. 0 leaves no way
+    /// Width of the way along the passages in which nothing is higher than a wheel can take (2.5 cm), in metres. 0 leaves no way
     /// free.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub corridor_m: f64,
@@ -22,6 +22,6 @@ pub struct ThingSettings {
 
 impl Default for ThingSettings {
     fn default() -> Self {
-        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.8, headroom_m: 2.0 }
+        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.5, headroom_m: 2.0 }
     }
 }

@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use crate::command;
 use command::{Desk, SMALL};
+use plume::Recipe;
 use plume::assemble::FolderChunks;
 use plume::store::{CaveFolder, Stage, Unit};
-use plume::Recipe;
 use plume_disk::sealed::{sha256, unseal};
 use plume_exporters::scene::{Chunks, Mesh};
 
