@@ -5,16 +5,21 @@
 //! each is a prototype, a size and a pose.
 //!
 //! Promised: a chunk's things follow from the walls of the chunk and its neighbours, the field and the graph, in any order
-//! and on any number of threads. Stones rest on the triangles of the wall with their centre of mass between three supports.
+//! and on any number of threads. Stones rest on the triangles of the wall, or on larger stones, with their centre of mass
+//! between three supports.
 //! Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the corridor. Not promised:
-//! stones on stones, or the same things for other sizes of chunks, whose triangles differ by millimetres.
+//! the same things for other sizes of chunks, whose triangles differ by millimetres.
 
+mod corridor;
+mod drip;
 mod dripstone;
-mod ground;
+mod facets;
 mod kind;
 mod library;
+mod lots;
 mod place;
 mod rest;
+mod scatter;
 mod settings;
 mod shelf;
 mod stone;

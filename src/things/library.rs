@@ -125,6 +125,8 @@ pub struct Prototype {
     pub volume_m3: f64,
     /// Extent of the hull along x, y and z in metres.
     pub size_m: Vector3<f64>,
+    /// How far the hull is from its vertical axis at most, in metres.
+    pub reach_m: f64,
 }
 
 /// The prototypes of a rock.
@@ -176,6 +178,7 @@ impl Prototype {
             along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
         };
         let size_m = Vector3::new(extent(0), extent(1), extent(2));
+        let reach_m = corners.iter().map(|corner| corner.coords.xy().norm()).fold(0.0, f64::max);
         Self {
             name: format!("{}_{number}", row.name),
             row,
@@ -184,6 +187,7 @@ impl Prototype {
             hull: Body { corners, faces: on_shelf.faces },
             volume_m3,
             size_m,
+            reach_m,
         }
     }
 

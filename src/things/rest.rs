@@ -3,12 +3,12 @@
 //! A stone that comes down on a floor stops in the lowest position in which nothing of it is below the floor. Among the
 //! planes above all contacts, that of the lowest height at the centre of mass is a linear programme in three variables; at
 //! its optimum three supports surround the centre of mass. The stone then turns into that plane, and again, until it no
-//! longer turns. Promised of a result: three supports around the centre of mass, with a margin, and nothing of the samples
-//! below the floor. Not promised: edges that cross the edge of a triangle between samples.
+//! longer turns. Promised of a result: three supports around the centre of mass, with a margin, none so steep that the stone
+//! slides off, and nothing of the samples below the floor. Not promised: edges that cross the edge of a triangle between samples.
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
-use super::ground::{Facet, Walls};
+use super::facets::Facet;
 use super::library::Body;
 
 /// Rounds until a stone must be at rest.
@@ -17,10 +17,10 @@ const MOST_ROUNDS: usize = 12;
 const DAMPING: f64 = 0.8;
 /// Turn below which a stone is at rest, as a slope.
 const LEAST_TURN: f64 = 0.004;
-/// Steepest rest, as a slope: 24°. Tuned: beyond, one stone in five tips over or slides in Bullet.
-const STEEPEST: f64 = 0.44;
-/// Least distance of the centre of mass from the edge of the triangle of supports, relative to the width of the stone.
-const LEAST_MARGIN: f64 = 0.015;
+/// Least slope by which the floor must be tipped until a stone falls over: 10°. Tuned for Bullet.
+const LEAST_TIP: f64 = 0.17;
+/// Least upward component of the normal at a support: 34°. Tuned: on steeper ones stones slide in Bullet, at a friction of 0.8.
+const LEAST_LEVEL: f64 = 0.85;
 /// Samples of the underside along either axis, in addition to corners.
 const SAMPLES: usize = 5;
 
@@ -29,17 +29,30 @@ pub(super) struct Bed<'a> {
     corners: Vec<Vector3<f64>>,
     faces: &'a [[u32; 3]],
     floor: Vec<Facet>,
+    /// The corners of the floor by their place on the map, relative to `at`, and the height of the floor there.
+    peaks: Vec<(Vector2<f64>, f64)>,
     at: Point3<f64>,
-    reach_m: f64,
 }
 
 impl<'a> Bed<'a> {
-    /// A stone of this size over a point of the floor.
-    pub fn new(body: &'a Body, scale: f64, walls: &Walls, at: Point3<f64>) -> Self {
+    /// A stone of this size over a point of the floor; `floor_near` gives what faces upwards within a distance from there.
+    pub fn new(body: &'a Body, scale: f64, at: Point3<f64>, floor_near: impl Fn(f64) -> Vec<Facet>) -> Self {
         let corners: Vec<Vector3<f64>> = body.corners.iter().map(|corner| corner.coords * scale).collect();
         let reach_m = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let floor = walls.floor_near(at, 1.3 * reach_m + 0.05);
-        Self { corners, faces: &body.faces, floor, at, reach_m }
+        let mut bed = Self { corners, faces: &body.faces, floor: floor_near(reach_m), peaks: Vec::new(), at };
+        let on_map = bed.floor.iter().flat_map(|facet| facet.corners).map(|corner| (corner - at).xy());
+        let in_reach = on_map.filter(|place| place.norm_squared() < reach_m * reach_m);
+        bed.peaks = in_reach.filter_map(|place| Some((place, bed.top(place)?.0))).collect();
+        bed
+    }
+
+    /// Height of the floor at a place, and the upward component of its normal there.
+    fn top(&self, place: Vector2<f64>) -> Option<(f64, f64)> {
+        let heights = self.floor.iter().filter_map(|facet| {
+            let height = facet.height(self.at.x + place.x, self.at.y + place.y)?;
+            Some((height, facet.normal.z))
+        });
+        heights.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// The pose of the stone, around its centre of mass, that is turned by `yaw_rad` and let down; `None` if it would not stay.
@@ -50,11 +63,8 @@ impl<'a> Bed<'a> {
             let plane = supports.plane()?;
             let slope = Vector2::new(plane.x, plane.y);
             if slope.norm() < LEAST_TURN {
-                let up = turn * Vector3::z();
-                let is_steep = up.xy().norm() > STEEPEST * up.z;
-                let is_firm = supports.margin() > LEAST_MARGIN * 2.0 * self.reach_m;
                 let position = Translation3::new(self.at.x, self.at.y, plane.z);
-                return (!is_steep && is_firm).then(|| Isometry3::from_parts(position, turn));
+                return supports.are_firm().then(|| Isometry3::from_parts(position, turn));
             }
             turn = tilt(slope * DAMPING) * turn;
         }
@@ -64,31 +74,57 @@ impl<'a> Bed<'a> {
     /// The gaps at the corners of the underside, at the corners of the floor under it, and on a grid.
     fn gaps(&self, turn: UnitQuaternion<f64>) -> Vec<Gap> {
         let corners: Vec<Vector3<f64>> = self.corners.iter().map(|corner| turn * corner).collect();
-        let faces = self.faces.iter().map(|face| face.map(|corner| corners[corner as usize]));
-        let (mut under, mut places) = (Vec::new(), Vec::new());
-        for [a, b, c] in faces {
+        let (mut under, mut is_under) = (Vec::new(), vec![false; corners.len()]);
+        for face in self.faces {
+            let [a, b, c] = face.map(|corner| corners[corner as usize]);
             let normal = (b - a).cross(&(c - a));
             if normal.z < 0.0 {
-                under.push(Vector3::new(-normal.x, -normal.y, normal.dot(&a)) / normal.z);
-                places.extend([a.xy(), b.xy(), c.xy()]);
+                under.push(Plane::through(a, normal));
+                face.iter().for_each(|corner| is_under[*corner as usize] = true);
             }
         }
         let bound = |axis: usize, of: fn(f64, f64) -> f64| corners.iter().map(|c| c[axis]).reduce(of).unwrap_or(0.0);
         let (min, max) = ([0, 1].map(|axis| bound(axis, f64::min)), [0, 1].map(|axis| bound(axis, f64::max)));
         let is_inside = |p: &Vector2<f64>| (0..2).all(|i| min[i] <= p[i] && p[i] <= max[i]);
-        let of_floor = self.floor.iter().flat_map(|facet| facet.corners).map(|corner| (corner - self.at).xy());
-        places.extend(of_floor.filter(is_inside));
         let along = |axis: usize, n: usize| min[axis] + (max[axis] - min[axis]) * (n as f64 + 0.5) / SAMPLES as f64;
-        places.extend((0..SAMPLES * SAMPLES).map(|n| Vector2::new(along(0, n % SAMPLES), along(1, n / SAMPLES))));
         // The underside of a convex body is the highest of its planes, which beside the body are higher than any of it.
-        let bottom = |at: Vector2<f64>| {
-            under.iter().fold(f64::NEG_INFINITY, |most, plane| most.max(plane.z + plane.x * at.x + plane.y * at.y))
+        let bottom = |place: Vector2<f64>| {
+            let higher = |a: (f64, f64), b: (f64, f64)| if b.0 > a.0 { b } else { a };
+            under.iter().map(|plane| (plane.height(place), plane.level)).fold((f64::NEG_INFINITY, 0.0), higher)
         };
-        let top = |at: Vector2<f64>| {
-            let heights = self.floor.iter().filter_map(|facet| facet.height(self.at.x + at.x, self.at.y + at.y));
-            heights.reduce(f64::max)
-        };
-        places.into_iter().filter_map(|place| Some(Gap { place, height: top(place)? - bottom(place) })).collect()
+        let gap = |place, top: f64, bottom: f64, level| Gap { place, height: top - bottom, level, below: -bottom };
+        // A corner stands on a face: the stone's on one of the floor, or the floor's under one of the stone.
+        let own =
+            corners.iter().zip(is_under).filter(|(_, is_under)| *is_under).map(|(corner, _)| (corner.xy(), corner.z));
+        let grid = (0..SAMPLES * SAMPLES).map(|n| Vector2::new(along(0, n % SAMPLES), along(1, n / SAMPLES)));
+        let on_floor = own.chain(grid.map(|place| (place, bottom(place).0))).filter_map(|(place, bottom)| {
+            let (top, level) = self.top(place)?;
+            Some(gap(place, top, bottom, level))
+        });
+        let under_stone = self.peaks.iter().filter(|(place, _)| is_inside(place)).map(|&(place, top)| {
+            let (bottom, level) = bottom(place);
+            gap(place, top, bottom, level)
+        });
+        on_floor.chain(under_stone).collect()
+    }
+}
+
+/// A plane that is not upright, as a height over the map.
+struct Plane {
+    slope: Vector2<f64>,
+    at_origin: f64,
+    /// Upward component of its normal.
+    level: f64,
+}
+
+impl Plane {
+    fn through(point: Vector3<f64>, normal: Vector3<f64>) -> Self {
+        let (slope, at_origin) = (-normal.xy() / normal.z, normal.dot(&point) / normal.z);
+        Self { slope, at_origin, level: 1.0 / (1.0 + slope.norm_squared()).sqrt() }
+    }
+
+    fn height(&self, place: Vector2<f64>) -> f64 {
+        self.at_origin + self.slope.dot(&place)
     }
 }
 
@@ -107,30 +143,36 @@ fn tilt(slope: Vector2<f64>) -> UnitQuaternion<f64> {
 }
 
 /// How high the centre of mass must be so that the stone does not go below the floor, by place relative to it.
+#[derive(Clone, Copy)]
 struct Gap {
     place: Vector2<f64>,
     height: f64,
+    /// Upward component of the normal of what would touch.
+    level: f64,
+    /// How far below the centre of mass it would touch.
+    below: f64,
 }
 
 /// Three places around the centre of mass.
-struct Supports([(Vector2<f64>, f64); 3]);
+struct Supports([Gap; 3]);
 
 /// The supports in the lowest position: the facet above the centre of the upper hull of the gaps, by the dual simplex method.
 fn supports(gaps: &[Gap]) -> Option<Supports> {
     /// Far supports below everything, so that the centre is surrounded from the start.
     const FAR_M: f64 = 1e3;
     let low = gaps.iter().map(|gap| gap.height).fold(f64::INFINITY, f64::min) - FAR_M;
-    let corner = |x: f64, y: f64| (Vector2::new(x * FAR_M, y * FAR_M), low);
+    let corner =
+        |x: f64, y: f64| Gap { place: Vector2::new(x * FAR_M, y * FAR_M), height: low, level: 0.0, below: 0.0 };
     let mut held = Supports([corner(-1.0, -1.0), corner(1.0, -1.0), corner(0.0, 1.0)]);
     for _ in 0..4 * gaps.len() {
         let plane = held.plane()?;
         let excess = |gap: &Gap| gap.height - (plane.z + plane.x * gap.place.x + plane.y * gap.place.y);
         let worst = gaps.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
         if excess(worst) <= 1e-9 {
-            let is_real = held.0.iter().all(|(place, _)| place.norm() < FAR_M / 2.0);
+            let is_real = held.0.iter().all(|gap| gap.place.norm() < FAR_M / 2.0);
             return is_real.then_some(held);
         }
-        held = held.with((worst.place, worst.height))?;
+        held = held.with(*worst)?;
     }
     None
 }
@@ -138,7 +180,7 @@ fn supports(gaps: &[Gap]) -> Option<Supports> {
 impl Supports {
     /// The plane through them: slopes along x and y, and the height at the centre.
     fn plane(&self) -> Option<Vector3<f64>> {
-        let [(a, ha), (b, hb), (c, hc)] = self.0;
+        let [(a, ha), (b, hb), (c, hc)] = self.0.map(|gap| (gap.place, gap.height));
         let (u, v) = (b - a, c - a);
         let area = u.x * v.y - u.y * v.x;
         if area == 0.0 {
@@ -150,7 +192,7 @@ impl Supports {
     }
 
     /// The triangle with one corner replaced that still surrounds the centre, with the largest margin.
-    fn with(&self, new: (Vector2<f64>, f64)) -> Option<Self> {
+    fn with(&self, new: Gap) -> Option<Self> {
         let replaced = (0..3).map(|corner| {
             let mut three = self.0;
             three[corner] = new;
@@ -159,9 +201,15 @@ impl Supports {
         replaced.filter(|three| three.margin() >= 0.0).max_by(|a, b| a.margin().total_cmp(&b.margin()))
     }
 
+    /// Whether a stone neither tips over nor slides off.
+    fn are_firm(&self) -> bool {
+        let high = self.0.iter().map(|gap| gap.below).fold(0.0, f64::max);
+        self.margin() > LEAST_TIP * high && self.0.iter().all(|gap| gap.level >= LEAST_LEVEL)
+    }
+
     /// Distance of the centre from the nearest side, negative outside.
     fn margin(&self) -> f64 {
-        let [a, b, c] = self.0.map(|(place, _)| place);
+        let [a, b, c] = self.0.map(|gap| gap.place);
         let area = (b - a).perp(&(c - a));
         let side = |p: Vector2<f64>, q: Vector2<f64>| (q - p).perp(&-p) * area.signum() / (q - p).norm();
         side(a, b).min(side(b, c)).min(side(c, a))

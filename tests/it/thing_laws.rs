@@ -100,37 +100,46 @@ fn caves() -> Vec<Cave> {
         .collect()
 }
 
-/// Height of the floor that is nearest above or below a point, found by going through every triangle.
-fn floor_under(walls: &[Mesh], at: Point3<f64>, reach_m: f64) -> Option<f64> {
-    let heights = walls.iter().flat_map(|wall| {
-        wall.triangles.iter().filter_map(|&triangle| {
-            let [a, b, c] = corners(wall, triangle);
-            let side = |p: Vector3<f64>, q: Vector3<f64>| (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x);
-            let (ab, bc, ca) = (side(a, b), side(b, c), side(c, a));
-            let is_floor = ab > 0.0 && bc > 0.0 && ca > 0.0;
-            is_floor.then(|| (a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca))
-        })
+/// Distance of a point from the plane of what is nearest above or below it and faces upwards, found by going through every
+/// triangle.
+fn gap(triangles: &[[Vector3<f64>; 3]], at: Point3<f64>, reach_m: f64) -> Option<f64> {
+    let gaps = triangles.iter().filter_map(|[a, b, c]| {
+        let side = |p: &Vector3<f64>, q: &Vector3<f64>| (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x);
+        let (ab, bc, ca) = (side(a, b), side(b, c), side(c, a));
+        let is_floor = ab > 0.0 && bc > 0.0 && ca > 0.0;
+        let up = (b - a).cross(&(c - a)).normalize().z;
+        is_floor.then(|| (at.z - (a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca), up))
     });
-    heights.filter(|z| (z - at.z).abs() < reach_m).min_by(|a, b| (a - at.z).abs().total_cmp(&(b - at.z).abs()))
+    let near = gaps.filter(|(above_m, _)| above_m.abs() < reach_m);
+    near.min_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs())).map(|(above_m, up)| above_m * up)
 }
 
-/// The triangles near a thing.
-fn near(cave: &Cave, thing: &Thing, reach_m: f64) -> Vec<Mesh> {
+/// The triangles of walls near a thing, and those of stones of larger kinds.
+fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vector3<f64>; 3]> {
     let at = thing.pose.translation.vector;
-    let is_near = |wall: &Mesh, triangle: [u32; 3]| {
-        let own = corners(wall, triangle);
+    let is_near = |triangle: &[Vector3<f64>; 3]| {
         (0..2).all(|axis| {
-            let along = own.map(|corner| corner[axis]);
+            let along = triangle.map(|corner| corner[axis]);
             let (low, high) =
                 (along.iter().copied().fold(f64::MAX, f64::min), along.iter().copied().fold(f64::MIN, f64::max));
             low - reach_m < at[axis] && at[axis] < high + reach_m
         })
     };
-    let of_wall = |(_, wall): &(Aabb<f64>, Mesh)| Mesh {
-        triangles: wall.triangles.iter().copied().filter(|&triangle| is_near(wall, triangle)).collect(),
-        ..wall.clone()
+    let of_walls =
+        cave.walls.iter().flat_map(|(_, wall)| wall.triangles.iter().map(|triangle| corners(wall, *triangle)));
+    let widest_m = |thing: &Thing| match KINDS.find(&thing.kind).unwrap().place {
+        Place::Floor(scatter) => scatter.width_m[1],
+        _ => 0.0,
     };
-    cave.walls.iter().map(of_wall).filter(|wall| !wall.triangles.is_empty()).collect()
+    let larger = things.iter().filter(|other| widest_m(other) > widest_m(thing));
+    let of_stones = larger.flat_map(|stone| {
+        let hull = &cave.prototype(stone).hull;
+        // Before they were sunk.
+        let raised = Vector3::z() * stone.embedding_m;
+        let at = |corner: u32| (stone.pose * (hull.corners[corner as usize] * stone.scale)).coords + raised;
+        hull.faces.iter().map(move |face| face.map(at)).collect::<Vec<_>>()
+    });
+    of_walls.chain(of_stones).filter(is_near).collect()
 }
 
 #[test]
@@ -164,14 +173,15 @@ fn things_keep_the_laws() {
     }
 }
 
-/// The lowest gap between a stone and the floor, before it is sunk, is nothing.
+/// The lowest gap between a stone and what it lies on, before it is sunk, is nothing.
 fn assert_they_touch(cave: &Cave, things: &[Thing]) {
     // Going through every triangle takes long.
     for thing in things.iter().filter(|thing| cave.is_loose(thing)).step_by(7) {
         let reach_m = cave.prototype(thing).size_m.norm() * thing.scale;
-        let walls = near(cave, thing, reach_m);
-        let gap = |at: &Point3<f64>| Some(at.z + thing.embedding_m - floor_under(&walls, *at, reach_m)?);
-        let least = cave.hull(thing).iter().filter_map(gap).reduce(f64::min).expect("a stone is over a floor");
+        let floor = near(cave, things, thing, reach_m);
+        let before = |at: Point3<f64>| at + Vector3::z() * thing.embedding_m;
+        let gaps = cave.hull(thing).into_iter().filter_map(|at| gap(&floor, before(at), reach_m));
+        let least = gaps.reduce(f64::min).expect("a stone is over a floor");
         assert!(least.abs() < TOUCH_M + 0.02 * reach_m, "{}: {least} m under {thing:?}", cave.name);
     }
 }
@@ -237,7 +247,8 @@ fn things_hardly_depend_on_the_size_of_chunks() {
         twin.is_some_and(|twin| (twin.pose.translation.vector - thing.pose.translation.vector).norm() < 0.03)
     });
     let share = same.count() as f64 / one.len().max(other.len()) as f64;
-    assert!(one.len() > 100 && share > 0.95, "{share} of {} and {}", one.len(), other.len());
+    // Triangles differ by millimetres, and of stones that hardly rest some do on one and not on the other.
+    assert!(one.len() > 100 && share > 0.8, "{share} of {} and {}", one.len(), other.len());
 }
 
 #[test]

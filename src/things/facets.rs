@@ -1,22 +1,24 @@
-//! The walls around a chunk, for vertical rays.
+//! Triangles of walls or of stones, for vertical rays.
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::library::Body;
 use crate::mesh::Mesh;
 use plume_graph::Aabb;
 
 /// Side of the columns by which triangles are found, in metres.
 const COLUMN_M: f64 = 0.5;
 
-/// The triangles of walls, sorted by where they are on the map.
-pub struct Walls {
-    triangles: Vec<Facet>,
+/// Triangles, sorted by where they are on the map.
+#[derive(Default)]
+pub struct Facets {
+    all: Vec<Facet>,
     columns: BTreeMap<[i32; 2], Vec<u32>>,
 }
 
-/// A triangle of a wall.
+/// A triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet {
     /// Its corners in metres.
@@ -25,7 +27,7 @@ pub struct Facet {
     pub normal: Vector3<f64>,
 }
 
-/// Where a vertical ray meets a wall.
+/// Where a vertical ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Height in metres.
@@ -34,10 +36,10 @@ pub struct Hit {
     pub normal: Vector3<f64>,
 }
 
-impl Walls {
+impl Facets {
     /// The triangles of these walls that are in `bounds`, or partly.
-    pub fn new<'a>(walls: impl Iterator<Item = &'a Mesh>, bounds: Aabb<f64>) -> Self {
-        let mut all = Self { triangles: Vec::new(), columns: BTreeMap::new() };
+    pub fn of_walls<'a>(walls: impl Iterator<Item = &'a Mesh>, bounds: Aabb<f64>) -> Self {
+        let mut all = Self::default();
         for wall in walls {
             for triangle in &wall.triangles {
                 let corners = triangle.map(|vertex| Point3::from(wall.position_m(vertex).map(f64::from)));
@@ -50,11 +52,20 @@ impl Walls {
         all
     }
 
+    /// Adds a body of this size in this pose.
+    pub fn add(&mut self, body: &Body, scale: f64, pose: &Isometry3<f64>) {
+        for face in &body.faces {
+            let corners = face.map(|corner| pose * (body.corners[corner as usize] * scale));
+            let around = Aabb::from_points(corners.map(<[f64; 3]>::from)).expect("there are three");
+            self.push(corners, &around);
+        }
+    }
+
     fn push(&mut self, corners: [Point3<f64>; 3], around: &Aabb<f64>) {
         let [a, b, c] = corners;
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { return };
-        let number = self.triangles.len() as u32;
-        self.triangles.push(Facet { corners, normal });
+        let number = self.all.len() as u32;
+        self.all.push(Facet { corners, normal });
         let [low, high] = [column(around.min), column(around.max)];
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
@@ -63,11 +74,11 @@ impl Walls {
         }
     }
 
-    /// All walls straight above and below a point of the map, from below.
+    /// All triangles straight above and below a point of the map, from below.
     pub fn hits(&self, x: f64, y: f64) -> Vec<Hit> {
         let near = self.columns.get(&column([x, y, 0.0])).map_or(&[][..], Vec::as_slice);
         let hit = |number: &u32| {
-            let facet = &self.triangles[*number as usize];
+            let facet = &self.all[*number as usize];
             facet.height(x, y).map(|z| Hit { z, normal: facet.normal })
         };
         let mut hits: Vec<Hit> = near.iter().filter_map(hit).collect();
@@ -77,9 +88,9 @@ impl Walls {
         hits
     }
 
-    /// The triangles that may be within `reach_m` of a point, and face upwards.
+    /// The triangles that face upwards and are within `reach_m` of a point along x and y, or somewhat more along z.
     pub fn floor_near(&self, at: Point3<f64>, reach_m: f64) -> Vec<Facet> {
-        let reach = Vector3::repeat(reach_m);
+        let reach = Vector3::new(reach_m, reach_m, 1.3 * reach_m + 0.05);
         let around = Aabb { min: (at - reach).into(), max: (at + reach).into() };
         let [low, high] = [column(around.min), column(around.max)];
         let mut near: Vec<u32> = (low[0]..=high[0])
@@ -90,7 +101,7 @@ impl Walls {
             .collect();
         near.sort_unstable();
         near.dedup();
-        let facets = near.into_iter().map(|number| self.triangles[number as usize]);
+        let facets = near.into_iter().map(|number| self.all[number as usize]);
         let touches = |facet: &Facet| {
             let own = Aabb::from_points(facet.corners.map(<[f64; 3]>::from)).expect("there are three");
             facet.normal.z > 0.0 && own.intersects(&around)

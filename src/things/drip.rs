@@ -1,0 +1,217 @@
+//! Dripstone: where it hangs, and what stands below it.
+
+use nalgebra::{Point3, Vector3};
+
+use super::facets::Hit;
+use super::kind::{Hang, KindRow, Place};
+use super::library::Prototype;
+use super::lots::Lots;
+use super::place::{Candidate, Setting, Site, quantised, step, without_overlaps};
+use super::shelf::roughness;
+use crate::noise::Source;
+use plume_graph::Aabb;
+use plume_graph::seed::salt;
+
+/// Flattest ceiling or floor to which dripstone clings: upward component of its normal.
+const CLINGING: f64 = 0.45;
+/// Distance between joints from which water drips, in metres.
+const JOINT_M: f64 = 1.6;
+
+impl<'a> Site<'a> {
+    /// What hangs from the ceiling in these bounds, without overlaps, and what stands or stood below it.
+    pub fn dripstone(&self, around: Aabb<f64>) -> Vec<Candidate<'a>> {
+        let mut all = Vec::new();
+        for row in self.rows() {
+            if let Place::Ceiling(hang) = row.place {
+                let hanging = self.hanging(row, hang, around);
+                let roots: Vec<Candidate> = hanging.iter().map(|drip| drip.candidate.clone()).collect();
+                let (apart, rooted) = (without_overlaps(&roots), self.rooted(&roots));
+                for (_, drip) in hanging.into_iter().enumerate().filter(|(n, _)| apart[*n] && rooted[*n]) {
+                    all.extend(self.grown(drip, hang));
+                }
+            }
+        }
+        let rooted = self.rooted(&all);
+        all.into_iter().zip(rooted).filter(|(_, rooted)| *rooted).map(|(candidate, _)| candidate).collect()
+    }
+
+    fn hanging(&self, row: &'static KindRow, hang: Hang, around: Aabb<f64>) -> Vec<Drip<'a>> {
+        let side_m = 1.0 / hang.per_m2.sqrt();
+        let mut found = Vec::new();
+        for (mut lots, x, y) in self.cells(row, side_m, around) {
+            let there = lots.unit();
+            let (length, yaw_rad) = (lots.normal(), std::f64::consts::TAU * lots.unit());
+            let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
+            let hits = self.walls.hits(x, y);
+            for pair in hits.windows(2) {
+                let [floor, ceiling] = [pair[0], pair[1]];
+                if floor.normal.z <= 0.0 || ceiling.normal.z > -CLINGING {
+                    continue;
+                }
+                let clearance_m = ceiling.z - floor.z;
+                let length_m =
+                    (hang.median_m * libm::exp(hang.sigma * length)).min(hang.longest_m).min(0.9 * clearance_m);
+                let scale = quantised(length_m) / prototype.length_m();
+                let at = Point3::new(x, y, ceiling.z);
+                let embedding_m = prototype.sunk_m(scale, ceiling.normal);
+                let candidate = Candidate {
+                    id: lots.id(ceiling.z),
+                    row,
+                    prototype,
+                    scale,
+                    yaw_rad,
+                    at,
+                    embedding_m,
+                    stands: false,
+                    rank: scale,
+                };
+                found.push(Drip { candidate, floor, there, lots: lots.clone() });
+            }
+        }
+        let places: Vec<Point3<f64>> = found.iter().map(|drip| drip.candidate.at).collect();
+        let wetness = wetness(self.setting, &places);
+        let amount = self.setting.settings.dripstone;
+        let numbered = found.into_iter().enumerate();
+        numbered.filter(|(n, drip)| drip.there < amount * wetness[*n]).map(|(_, drip)| drip).collect()
+    }
+
+    /// A stalactite with its stalagmite, or their column; nothing if it leaves too little headroom.
+    fn grown(&self, drip: Drip<'a>, hang: Hang) -> Vec<Candidate<'a>> {
+        let Drip { candidate, floor, mut lots, .. } = drip;
+        let clearance_m = candidate.at.z - floor.z;
+        let length_m = candidate.scale * candidate.prototype.length_m();
+        let foot = Point3::new(candidate.at.x, candidate.at.y, floor.z);
+        let is_low = clearance_m - length_m < self.setting.settings.headroom_m;
+        if is_low && self.corridor.is_within(foot, 0.3) {
+            return Vec::new();
+        }
+        let (drips, height) = (lots.unit() < hang.dripping, lots.between(0.5, 1.7));
+        if !drips || length_m < 0.08 || floor.normal.z < CLINGING {
+            return vec![candidate];
+        }
+        let height_m = quantised((height * length_m).min(0.85 * clearance_m));
+        let joins = length_m + height_m > 0.8 * clearance_m && clearance_m < MOST_COLUMN_M;
+        let below = if joins {
+            self.below(&mut lots, &Place::Joined, foot, floor, clearance_m)
+        } else {
+            self.below(&mut lots, &Place::UnderDrip, foot, floor, height_m)
+        };
+        match below {
+            Some(column) if joins => vec![column],
+            Some(stalagmite) => vec![candidate, stalagmite],
+            None => vec![candidate],
+        }
+    }
+
+    /// What stands at a foot with this height.
+    fn below(
+        &self,
+        lots: &mut Lots,
+        place: &Place,
+        foot: Point3<f64>,
+        floor: Hit,
+        height_m: f64,
+    ) -> Option<Candidate<'a>> {
+        let row = self.rows().find(|row| std::mem::discriminant(&row.place) == std::mem::discriminant(place))?;
+        let prototype = lots.one_of(self.setting.library.of(row))?;
+        let scale = height_m / prototype.height_m();
+        let width_m = prototype.width_m() * scale;
+        if width_m < LEAST_STALAGMITE_M || self.corridor.is_within(foot, 0.6 * width_m) {
+            return None;
+        }
+        let middle_m = if matches!(place, Place::Joined) { 0.5 * height_m } else { 0.0 };
+        Some(Candidate {
+            // Another one than that of what hangs above it.
+            id: !lots.id(floor.z),
+            row,
+            prototype,
+            scale,
+            yaw_rad: std::f64::consts::TAU * lots.unit(),
+            at: foot + Vector3::z() * middle_m,
+            embedding_m: prototype.sunk_m(scale, floor.normal),
+            stands: true,
+            // Stones make room for it.
+            rank: f64::INFINITY,
+        })
+    }
+
+    /// Which of them have their ends in the rock all round.
+    fn rooted(&self, candidates: &[Candidate]) -> Vec<bool> {
+        let rings: Vec<Vec<[f32; 3]>> = candidates.iter().map(Candidate::ends).collect();
+        let mut depths = self.setting.field.scattered(&rings.concat()).into_iter();
+        let is_deep = |depth: f32| depth > LEAST_DEPTH_M;
+        // Every depth is taken, so that the next ring starts with its own.
+        let is_rooted = |ring: Vec<[f32; 3]>| depths.by_ref().take(ring.len()).map(is_deep).fold(true, |a, b| a && b);
+        rings.into_iter().map(is_rooted).collect()
+    }
+}
+
+/// Tallest column in metres: the hull of a taller one would be too far in the open.
+const MOST_COLUMN_M: f64 = 2.0;
+/// Least width of a stalagmite in metres (Curl, *Minimum diameter stalagmites*, 1973).
+const LEAST_STALAGMITE_M: f64 = 0.03;
+
+/// Something that hangs and may have a counterpart.
+struct Drip<'a> {
+    candidate: Candidate<'a>,
+    floor: Hit,
+    there: f64,
+    lots: Lots,
+}
+
+/// Least depth of the rim of dripstone in the rock, in metres: the triangles of the wall are about as far from the field.
+const LEAST_DEPTH_M: f32 = -0.02;
+
+impl Candidate<'_> {
+    /// Points on the rim of each end that is to be in the rock.
+    fn ends(&self) -> Vec<[f32; 3]> {
+        let thing = self.as_it_is();
+        let middle = thing.pose.translation.vector;
+        let corners = self.prototype.hull.corners.iter().map(|corner| thing.pose * (corner * self.scale));
+        let half_m = 0.5 * self.prototype.size_m.z * self.scale;
+        let is_end = |at: &Point3<f64>| match self.row.place {
+            Place::Joined => (at.z - middle.z).abs() > 0.9 * half_m,
+            Place::Ceiling(_) => at.z > middle.z,
+            _ => at.z < middle.z,
+        };
+        corners.filter(is_end).map(|at| [at.x as f32, at.y as f32, at.z as f32]).collect()
+    }
+}
+
+impl Prototype {
+    /// How far it hangs below its origin, in metres.
+    fn length_m(&self) -> f64 {
+        -self.hull.corners.iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The height of what stands, in metres: a column is around its origin, and both its ends are in the rock.
+    fn height_m(&self) -> f64 {
+        match self.row.place {
+            Place::Joined => 0.92 * self.size_m.z,
+            _ => self.hull.corners.iter().map(|corner| corner.z).fold(0.0, f64::max),
+        }
+    }
+
+    /// How far it is moved into a slope so that its whole root is in the rock, in metres.
+    fn sunk_m(&self, scale: f64, normal: Vector3<f64>) -> f64 {
+        /// How far roots reach beyond the origin.
+        const ROOT_M: f64 = 0.036;
+        let slope = normal.xy().norm() / normal.z.abs();
+        (scale * (0.5 * self.width_m() * slope - ROOT_M)).max(0.0)
+    }
+}
+
+/// Share of places from which water drips: along joints, where the rock is wet.
+fn wetness(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
+    let points: Vec<[f32; 3]> = places.iter().map(|at| [at.x as f32, at.y as f32, at.z as f32]).collect();
+    let noise = |name: &str, length_m: f32| roughness(Source::new(salt(setting.seed, name)), &points, length_m);
+    let (wet, bend) = (noise("wet joints", 5.0), noise("joint bends", 2.5));
+    let heading = std::f64::consts::TAU * Lots::new(u64::from(salt(setting.seed, "joint heading")), [0, 0]).unit();
+    let (sine, cosine) = (libm::sin(heading), libm::cos(heading));
+    let share = |(n, at): (usize, &Point3<f64>)| {
+        let across = (at.x * cosine + at.y * sine + 0.35 * f64::from(bend[n])) / JOINT_M;
+        let off_m = (across - across.round()).abs() * JOINT_M;
+        (1.0 - step(0.05, 0.22, off_m)) * step(-0.05, 0.35, f64::from(wet[n]))
+    };
+    places.iter().enumerate().map(share).collect()
+}

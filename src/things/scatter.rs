@@ -1,0 +1,191 @@
+//! Stones on the floor: how many there are where, and what they lie on.
+
+use nalgebra::{Isometry3, Point3, Translation3};
+
+use super::facets::Facets;
+use super::kind::{KindRow, Place, Scatter};
+use super::place::{Candidate, Setting, Site, owns, quantised, step, without_overlaps};
+use super::rest::Bed;
+use super::shelf::roughness;
+use super::{Thing, WHEEL_M};
+use crate::noise::Source;
+use plume_graph::Aabb;
+use plume_graph::seed::salt;
+
+/// Steepest floor on which stones come to lie: upward component of its normal.
+const LEVEL: f64 = 0.78;
+/// Side of the cells that have a candidate each, relative to the largest width. Tuned: half of the boulders tried come to rest.
+const CELL: f64 = 0.6;
+/// How deep stones are sunk, in metres: all alike, so that those that lie on others sink with them.
+const EMBEDDING_M: f64 = 0.008;
+/// How deep a corner may be in the rock before a stone is sunk, in metres: triangles are about as far from the field.
+const MOST_DEPTH_M: f32 = 0.02;
+/// Mean of [`Scatter`]'s density over the floors of the sample caves, by which `cover` is met. Tuned.
+const MEAN_DENSITY: f64 = 0.03;
+
+impl<'a> Site<'a> {
+    /// Loose stones in a chunk and around it, beside what stands there. Kinds follow each other from large to small, and a
+    /// stone lies on the wall or on larger kinds.
+    pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>]) -> Vec<Thing> {
+        let loose = |row: &'static KindRow| match row.place {
+            Place::Floor(scatter) => Some((row, scatter)),
+            _ => None,
+        };
+        let mut kinds: Vec<(&'static KindRow, Scatter)> = self.rows().filter_map(loose).collect();
+        kinds.sort_by(|(_, a), (_, b)| b.width_m[1].total_cmp(&a.width_m[1]));
+        let (mut lying, mut things) = (Facets::default(), Vec::new());
+        for (n, (row, scatter)) in kinds.iter().enumerate() {
+            let margin_m: f64 = kinds[n..].iter().map(|(_, kind)| kind.width_m[1]).sum();
+            let bounds = chunk.padded(margin_m);
+            let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]));
+            let at_rest: Vec<(Candidate, Isometry3<f64>)> = candidates
+                .into_iter()
+                .filter_map(|candidate| Some((candidate.clone(), self.rest(&candidate, &lying)?)))
+                .collect();
+            let free = self.is_out_of_the_rock(&at_rest);
+            let at_rest: Vec<_> =
+                at_rest.into_iter().zip(free).filter(|(_, free)| *free).map(|(stone, _)| stone).collect();
+            let mut beside = standing.to_vec();
+            beside.extend(at_rest.iter().map(|(candidate, _)| candidate.clone()));
+            let kept = without_overlaps(&beside);
+            for ((candidate, pose), _) in at_rest.iter().zip(&kept[standing.len()..]).filter(|(_, kept)| **kept) {
+                if owns(&bounds, candidate.at.coords) {
+                    lying.add(&candidate.prototype.hull, candidate.scale, pose);
+                    things.push(candidate.thing(Translation3::new(0.0, 0.0, -EMBEDDING_M) * pose));
+                }
+            }
+        }
+        things
+    }
+
+    fn scattered(&self, row: &'static KindRow, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
+        let side_m = CELL * scatter.width_m[1];
+        let at_mean =
+            self.setting.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
+        let mut found = Vec::new();
+        for (mut lots, x, y) in self.cells(row, side_m, around) {
+            let there = lots.unit();
+            if there > at_mean * Density::MOST {
+                continue;
+            }
+            let hits = self.walls.hits(x, y);
+            if hits.is_empty() {
+                continue;
+            }
+            let width_m = quantised(scatter.width(lots.unit()));
+            let yaw_rad = std::f64::consts::TAU * lots.unit();
+            let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
+            for (n, hit) in hits.iter().enumerate().filter(|(_, hit)| hit.normal.z > LEVEL) {
+                let scale = width_m / prototype.width_m();
+                let candidate = Candidate {
+                    id: lots.id(hit.z),
+                    row,
+                    prototype,
+                    scale,
+                    yaw_rad,
+                    at: Point3::new(x, y, hit.z),
+                    embedding_m: EMBEDDING_M,
+                    stands: true,
+                    rank: width_m,
+                };
+                let height_m = prototype.size_m.z * scale - candidate.embedding_m;
+                if height_m > WHEEL_M && self.corridor.is_within(candidate.at, candidate.reach_m()) {
+                    continue;
+                }
+                let clearance_m = hits.get(n + 1).map_or(0.0, |above| above.z - hit.z);
+                found.push((candidate, clearance_m, there / at_mean));
+            }
+        }
+        let places: Vec<Point3<f64>> = found.iter().map(|(candidate, ..)| candidate.at).collect();
+        let density = Density::new(self.setting, &places);
+        let is_there = |n: usize, clearance_m: f64, there: f64| there < density.at(n, clearance_m);
+        let numbered = found.into_iter().enumerate();
+        numbered
+            .filter(|(n, (_, clearance_m, there))| is_there(*n, *clearance_m, *there))
+            .map(|(_, (c, ..))| c)
+            .collect()
+    }
+
+    /// Where a candidate comes to rest on the wall and on what lies there.
+    fn rest(&self, candidate: &Candidate, lying: &Facets) -> Option<Isometry3<f64>> {
+        /// Turns that are tried until a stone stays. Tuned: the first four find nine tenths of what any finds.
+        const TURNS: u32 = 4;
+        /// The golden angle, by which turns are spread.
+        const TURN_RAD: f64 = 2.399_963_229_728_653;
+        /// Highest pile in metres.
+        const PILE_M: f64 = 1.5;
+        let Candidate { prototype, scale, yaw_rad, at, .. } = *candidate;
+        let tops = lying.hits(at.x, at.y).into_iter().map(|hit| hit.z).filter(|z| *z < at.z + PILE_M);
+        let on = Point3::new(at.x, at.y, tops.fold(at.z, f64::max));
+        let bed = Bed::new(&prototype.hull, scale, on, |reach_m| {
+            let mut floor = self.walls.floor_near(on, reach_m);
+            floor.extend(lying.floor_near(on, reach_m));
+            floor
+        });
+        (0..TURNS).find_map(|turn| bed.rest(yaw_rad + f64::from(turn) * TURN_RAD))
+    }
+
+    /// Which of them have no corner in the rock, such as that of a wall that leans over them.
+    fn is_out_of_the_rock(&self, stones: &[(Candidate, Isometry3<f64>)]) -> Vec<bool> {
+        let corners = stones.iter().flat_map(|(stone, pose)| {
+            let corners = stone.prototype.hull.corners.iter();
+            corners.map(move |corner| (pose * (corner * stone.scale)).map(|c| c as f32).into())
+        });
+        let depths = self.setting.field.scattered(&corners.collect::<Vec<[f32; 3]>>());
+        let mut depths = depths.into_iter();
+        let count = |(stone, _): &(Candidate, Isometry3<f64>)| stone.prototype.hull.corners.len();
+        stones.iter().map(|stone| depths.by_ref().take(count(stone)).fold(f32::MIN, f32::max) < MOST_DEPTH_M).collect()
+    }
+}
+
+impl Scatter {
+    /// The width that this share of stones is narrower than.
+    fn width(&self, share: f64) -> f64 {
+        let [low, high] = self.width_m.map(|width| libm::pow(width, -self.exponent));
+        libm::pow(low + (high - low) * share, -1.0 / self.exponent)
+    }
+
+    /// Mean of the covered area of a stone.
+    fn mean_area_m2(&self) -> f64 {
+        let p = self.exponent;
+        let ends = |power: f64| libm::pow(self.width_m[1], power) - libm::pow(self.width_m[0], power);
+        let mean_square = p / (2.0 - p) * ends(2.0 - p) / -ends(-p);
+        0.7 * mean_square
+    }
+}
+
+/// Density of stones relative to the mean: more at the foot of walls and in zones of collapse.
+struct Density {
+    wall_m: Vec<f64>,
+    zone: Vec<f64>,
+}
+
+impl Density {
+    /// Upper bound.
+    const MOST: f64 = 0.10 + 2.2 + 3.0;
+    /// Height over the floor at which the distance to the wall is measured, in metres, and the largest such distance.
+    const PROBE_M: f64 = 0.6;
+
+    fn new(setting: &Setting, places: &[Point3<f64>]) -> Self {
+        let single = |place: &Point3<f64>, up: f64| [place.x as f32, place.y as f32, (place.z + up) as f32];
+        let probes: Vec<[f32; 3]> = places.iter().map(|place| single(place, Self::PROBE_M)).collect();
+        let zones: Vec<[f32; 3]> = places.iter().map(|place| single(place, 0.0)).collect();
+        let source = Source::new(salt(setting.seed, "collapse"));
+        Self {
+            wall_m: setting
+                .field
+                .scattered(&probes)
+                .into_iter()
+                .map(|distance| f64::from(-distance).max(0.0))
+                .collect(),
+            zone: roughness(source, &zones, 11.0).into_iter().map(f64::from).collect(),
+        }
+    }
+
+    /// At a place over which the ceiling is this high.
+    fn at(&self, place: usize, clearance_m: f64) -> f64 {
+        let by_wall = 2.2 * libm::exp(-self.wall_m[place] / 0.35);
+        let collapse = 3.0 * step(0.12, 0.4, self.zone[place]) * step(1.2, 2.4, clearance_m);
+        0.10 + by_wall + collapse
+    }
+}
