@@ -137,12 +137,8 @@ impl<'a> Site<'a> {
 
     /// Which of them have their ends in the rock all round.
     fn rooted(&self, candidates: &[Candidate]) -> Vec<bool> {
-        let rings: Vec<Vec<[f32; 3]>> = candidates.iter().map(Candidate::ends).collect();
-        let mut depths = self.setting.field.scattered(&rings.concat()).into_iter();
-        let is_deep = |depth: f32| depth > LEAST_DEPTH_M;
-        // Every depth is taken, so that the next ring starts with its own.
-        let is_rooted = |ring: Vec<[f32; 3]>| depths.by_ref().take(ring.len()).map(is_deep).fold(true, |a, b| a && b);
-        rings.into_iter().map(is_rooted).collect()
+        let depths = self.depths(candidates.iter().map(Candidate::ends).collect());
+        depths.iter().map(|ends| ends.iter().all(|depth| *depth > LEAST_DEPTH_M)).collect()
     }
 }
 

@@ -144,6 +144,12 @@ impl<'a> Site<'a> {
         KINDS.iter().filter(move |row| row.is_in(&rock))
     }
 
+    /// The depth in the rock of each point of each group, in metres.
+    pub fn depths(&self, groups: Vec<Vec<[f32; 3]>>) -> Vec<Vec<f32>> {
+        let mut depths = self.setting.field.scattered(&groups.concat()).into_iter();
+        groups.into_iter().map(|group| depths.by_ref().take(group.len()).collect()).collect()
+    }
+
     /// The place of the candidate of each cell of a grid of this kind.
     pub fn cells(
         &self,

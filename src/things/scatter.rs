@@ -127,14 +127,12 @@ impl<'a> Site<'a> {
 
     /// Which of them have no corner in the rock, such as that of a wall that leans over them.
     fn is_out_of_the_rock(&self, stones: &[(Candidate, Isometry3<f64>)]) -> Vec<bool> {
-        let corners = stones.iter().flat_map(|(stone, pose)| {
+        let corners = |(stone, pose): &(Candidate, Isometry3<f64>)| {
             let corners = stone.prototype.hull.corners.iter();
-            corners.map(move |corner| (pose * (corner * stone.scale)).map(|c| c as f32).into())
-        });
-        let depths = self.setting.field.scattered(&corners.collect::<Vec<[f32; 3]>>());
-        let mut depths = depths.into_iter();
-        let count = |(stone, _): &(Candidate, Isometry3<f64>)| stone.prototype.hull.corners.len();
-        stones.iter().map(|stone| depths.by_ref().take(count(stone)).fold(f32::MIN, f32::max) < MOST_DEPTH_M).collect()
+            corners.map(|corner| (pose * (corner * stone.scale)).map(|c| c as f32).into()).collect()
+        };
+        let depths = self.depths(stones.iter().map(corners).collect());
+        depths.iter().map(|corners| corners.iter().all(|depth| *depth < MOST_DEPTH_M)).collect()
     }
 }
 
