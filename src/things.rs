@@ -1,14 +1,13 @@
 //! Things that lie, stand and hang in a cave: stones and dripstone.
 //!
 //! A [`KindRow`] says what a thing looks like, how large it is and where it occurs. Its shapes are meshed once, all together
-//! on one [`Shelf`], into a [`Library`] of prototypes that share a set of images. [`place`] then finds the things of a chunk:
-//! each is a prototype, a size and a pose.
+//! on one [`Shelf`], into a [`Library`] of prototypes that share a set of images. [`place()`] then finds the things of a
+//! chunk: each is a prototype, a size and a pose.
 //!
 //! Promised: a chunk's things follow from the walls of the chunk and its neighbours, the field and the graph, in any order
 //! and on any number of threads. Stones rest on the triangles of the wall, or on larger stones, with their centre of mass
-//! between three supports.
-//! Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the corridor. Not promised:
-//! the same things for other sizes of chunks, whose triangles differ by millimetres.
+//! between three supports. Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the
+//! corridor. Not promised: the same things for other sizes of chunks, whose triangles differ by millimetres.
 
 mod corridor;
 mod drip;
