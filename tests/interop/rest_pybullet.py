@@ -43,11 +43,16 @@ def main(package):
         stones = [stone for chunk in chunks_of(things) for stone in let_go(meshes, chunk, things)]
         for _ in range(round(DURATION_S / STEP_S)):
             p.stepSimulation()
-        moved = np.array([np.linalg.norm(np.array(p.getBasePositionAndOrientation(body)[0]) - start) for body, start, _ in stones])
+        moved = np.array(
+            [np.linalg.norm(np.array(p.getBasePositionAndOrientation(body)[0]) - start) for body, start, _ in stones]
+        )
     widths = np.array([width for *_, width in stones])
     still, gone, lost = (moved < STILL * widths).mean(), (moved > GONE * widths).mean(), (moved > LOST_M).sum()
     said = f"{len(stones)} stones: {still:.1%} stay, {gone:.2%} roll, {lost} lost, half move less than {np.median(moved) * 1000:.1f} mm"
-    require(len(stones) == sum(thing["class"] in LOOSE for thing in things), f"{len(stones)} bodies for {len(things)} things")
+    require(
+        len(stones) == sum(thing["class"] in LOOSE for thing in things),
+        f"{len(stones)} bodies for {len(things)} things",
+    )
     require(still >= LEAST_STILL and gone <= MOST_GONE and lost == 0, said)
     print(f"Bullet, {said}")
 
