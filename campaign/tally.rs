@@ -14,7 +14,7 @@ pub struct Tally {
     pub failed: usize,
     /// The first failures, each with the command to reproduce it.
     pub failures: Vec<String>,
-    /// Inconclusive tries by outcome: `slow`, `aborted by the allocator`.
+    /// Inconclusive tries by outcome: `slow`, `aborted by the runtime`.
     pub apart: BTreeMap<&'static str, usize>,
     /// Tries skipped on this machine, with reasons.
     pub skipped: Vec<String>,

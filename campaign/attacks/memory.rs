@@ -9,7 +9,7 @@ use crate::tally::Tally;
 
 pub const ATTACK: Attack = Attack {
     name: "memory",
-    tries: "commands under falling limits of address space: they work, say what is missing, or the allocator aborts",
+    tries: "commands under falling limits of address space: they work, say what is missing, or the runtime aborts",
     share: 2,
     run,
 };
@@ -42,7 +42,7 @@ fn run(context: &mut Context) -> Tally {
             let limit = format!("--as={}", mebibytes << 20);
             let outcome = desk.call(&words).under(&["prlimit", &limit]).within(Duration::from_secs(60)).run();
             if is_abort(&outcome) {
-                tally.set_apart("aborted by the allocator");
+                tally.set_apart("aborted by the runtime");
                 continue;
             }
             tally.enter(&format!("{mebibytes} MiB of address space"), outcome.decent());
@@ -51,8 +51,12 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// An allocation that cannot fail otherwise, or a program that the system cannot even load.
+/// What the standard library says when it aborts: an allocation that cannot fail otherwise, and a thread that it started
+/// without room for the stack of its signal handler.
+const ABORTS: [&str; 2] = ["memory allocation of", "failed to allocate an alternative stack"];
+
+/// An abort of the standard library, or a program that the system cannot even load.
 fn is_abort(outcome: &Outcome) -> bool {
-    let is_allocator = outcome.end == End::Signal(ABORT) && outcome.stderr.contains("memory allocation of");
-    is_allocator || outcome.end == End::Code(127)
+    let is_runtime = outcome.end == End::Signal(ABORT) && ABORTS.iter().any(|abort| outcome.stderr.contains(abort));
+    is_runtime || outcome.end == End::Code(127)
 }
