@@ -6,12 +6,14 @@ assimp turns nothing: glTF is Y up, and of FBX it tells the axes and the unit th
 """
 
 import sys
+from ctypes import string_at
 from pathlib import Path
 
 import marker
 import numpy as np
 from impasse import load
 from impasse.constants import ProcessingStep
+from impasse.structs import ffi
 from packages import Z_UP_FROM_Y_UP, Reader, Triangles, is_drawn, joined, require, run
 
 import cave
@@ -58,19 +60,31 @@ def below(node, world_from_parent):
 
 
 def triangles(mesh, world_from_mesh):
-    turn = world_from_mesh[:3, :3]
+    turn, held = world_from_mesh[:3, :3], mesh.struct
 
-    def turned(vectors):
-        return np.array(vectors) @ turn.T if len(vectors) else None
+    def turned(pointer):
+        return vectors(pointer, held.mNumVertices) @ turn.T if pointer else None
 
-    normals, along, across = turned(mesh.normals), turned(mesh.tangents), turned(mesh.bitangents)
+    normals, along, across = turned(held.mNormals), turned(held.mTangents), turned(held.mBitangents)
     tangents = None
     if along is not None and across is not None:
         hand = np.sign(np.einsum("ij,ij->i", np.cross(normals, along), across))
         tangents = np.column_stack([along, hand])
-    uv = np.array(mesh.texture_coords[0])[:, :2] if mesh.texture_coords and mesh.texture_coords[0] is not None else None
-    points = turned(mesh.vertices) + world_from_mesh[:3, 3]
-    return Triangles.of_mesh(np.array(mesh.faces), points, normals, uv, tangents)
+    uv = vectors(held.mTextureCoords[0], held.mNumVertices)[:, :2] if held.mTextureCoords[0] else None
+    points = turned(held.mVertices) + world_from_mesh[:3, 3]
+    return Triangles.of_mesh(corners(held), points, normals, uv, tangents)
+
+
+def vectors(pointer, count):
+    """An array of assimp's, which impasse would read one number at a time."""
+    return np.frombuffer(ffi.buffer(pointer, 12 * count), np.float32).reshape(-1, 3)
+
+
+def corners(mesh):
+    """Every face has a block of memory of its own, and its address in the second half of its 16 bytes."""
+    faces = np.frombuffer(ffi.buffer(mesh.mFaces, 16 * mesh.mNumFaces), np.uint64).reshape(-1, 2)
+    require((faces[:, 0].astype(np.uint32) == 3).all(), "assimp left a face that is no triangle")
+    return np.frombuffer(b"".join(string_at(address, 12) for address in faces[:, 1].tolist()), np.uint32).reshape(-1, 3)
 
 
 def materials(path):
