@@ -27,8 +27,8 @@ const GUTTERS_PX_PER_M: f64 = 23.0;
 const MESH_BYTES_PER_M2: f64 = 560.0;
 const MESH_POWER: f64 = -0.7;
 /// Bytes of the meshes of all shapes of things, and their area in square metres. Measured on limestone, which has most.
-const SHAPE_BYTES: f64 = 0.7e6;
-const SHAPES_M2: f64 = 4.7;
+const SHAPE_BYTES: f64 = 0.9e6;
+const SHAPES_M2: f64 = 11.0;
 /// Distance between points at which a passage is sampled for the chunks that it crosses, in metres.
 const STEP_M: f64 = 2.0;
 

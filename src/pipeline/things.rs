@@ -12,8 +12,9 @@ use crate::texture::{LodSettings, TextureSettings};
 use crate::things::{self, Dress, Library, Setting, Shelf};
 use plume_graph::Aabb;
 
-/// Texels per metre on the shelf relative to those on the wall: most stones are as much larger there as prototypes are small.
-pub(super) const TEXEL_RATIO: f32 = 2.0;
+/// Texels per metre on the shelf relative to those on the wall, as the largest stones are about twice as large as their
+/// prototypes. Tuned.
+pub(super) const TEXEL_RATIO: f32 = 1.5;
 /// Coarser levels of a prototype.
 const LEVELS: LodSettings = LodSettings { levels: 3, reduction: 2.0 };
 

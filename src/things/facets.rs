@@ -88,10 +88,12 @@ impl Facets {
         hits
     }
 
-    /// The triangles that face upwards and are within `reach_m` of a point along x and y, or somewhat more along z.
-    pub fn floor_near(&self, at: Point3<f64>, reach_m: f64) -> Vec<Facet> {
-        let reach = Vector3::new(reach_m, reach_m, 1.3 * reach_m + 0.05);
-        let around = Aabb { min: (at - reach).into(), max: (at + reach).into() };
+    /// The triangles that face upwards and are within `reach_m` of a point along x and y, somewhat more below it, and
+    /// `above_m` above it.
+    pub fn floor_near(&self, at: Point3<f64>, reach_m: f64, above_m: f64) -> Vec<Facet> {
+        let down = Vector3::new(reach_m, reach_m, beyond_m(reach_m));
+        let up = Vector3::new(reach_m, reach_m, above_m);
+        let around = Aabb { min: (at - down).into(), max: (at + up).into() };
         let [low, high] = [column(around.min), column(around.max)];
         let mut near: Vec<u32> = (low[0]..=high[0])
             .flat_map(|x| (low[1]..=high[1]).map(move |y| [x, y]))
@@ -127,6 +129,11 @@ impl Facet {
         let area = ab + bc + ca;
         (is_inside && area != 0.0).then(|| (a.z * bc + b.z * ca + c.z * ab) / area)
     }
+}
+
+/// How far above and below a stone of this reach a floor can be on which it lies, in metres.
+pub fn beyond_m(reach_m: f64) -> f64 {
+    1.3 * reach_m + 0.05
 }
 
 fn column([x, y, _]: [f64; 3]) -> [i32; 2] {

@@ -104,7 +104,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         summary: "angular stones of 0.14-0.36 m",
         rocks: &[],
         rock_setting: None,
-        shapes: Shapes::Of("boulder"),
+        shapes: Shapes::Own { count: 6, make: stone::cobble },
         place: Place::Floor(Scatter { width_m: [0.14, 0.36], exponent: 2.2, share: 0.23 }),
     },
     KindRow {
@@ -112,7 +112,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         summary: "angular stones of 5-14 cm",
         rocks: &[],
         rock_setting: None,
-        shapes: Shapes::Of("boulder"),
+        shapes: Shapes::Of("cobble"),
         place: Place::Floor(Scatter { width_m: [0.05, 0.14], exponent: 2.4, share: 0.07 }),
     },
     KindRow {

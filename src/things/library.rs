@@ -35,10 +35,11 @@ pub struct Body {
 }
 
 impl Body {
-    /// A convex hull of points with at most [`MOST_CORNERS`] corners; `None` if they are coplanar.
+    /// A convex body with at most [`MOST_CORNERS`] corners, as far within the hull of the points as without; `None` if they are
+    /// coplanar.
     ///
-    /// Starts with the outermost points in a few directions, and takes in the point that is furthest outside until there are
-    /// enough. All corners are points, so it is within the hull of all.
+    /// Starts with the outermost points in a few directions, takes in the point that is furthest outside until there are enough,
+    /// and grows the hull of those.
     fn around(points: &[[i32; 3]]) -> Option<Self> {
         let along = |direction: [i32; 3], point: &[i32; 3]| (0..3).map(|i| direction[i] * point[i]).sum::<i32>();
         let outermost = |direction| points.iter().copied().max_by_key(|point| along(direction, point));
@@ -49,10 +50,37 @@ impl Body {
             let hull = mesh::hull(&corners)?;
             corners = hull.corners.iter().map(|corner| corners[*corner as usize]).collect();
             match furthest_outside(points, &corners, &hull.faces) {
-                Some(next) if corners.len() < MOST_CORNERS => corners.push(next),
-                _ => return Some(Self { corners: corners.into_iter().map(metres).collect(), faces: hull.faces }),
+                Some((_, next)) if corners.len() < MOST_CORNERS => corners.push(next),
+                Some((far, _)) => return Self::grown(&corners, 0.5 * far),
+                None => return Some(Self { corners: corners.into_iter().map(metres).collect(), faces: hull.faces }),
             }
         }
+    }
+
+    /// The hull of these corners, moved away from their mean by so many quanta.
+    fn grown(corners: &[[i32; 3]], by: f64) -> Option<Self> {
+        let sum = corners.iter().fold([0; 3], |sum, corner| [0, 1, 2].map(|axis| sum[axis] + i64::from(corner[axis])));
+        let mean = Vector3::from(sum.map(|sum| sum as f64 / corners.len() as f64));
+        let moved = |corner: &[i32; 3]| {
+            let at = Vector3::from(corner.map(f64::from));
+            <[i32; 3]>::from((at + (at - mean).normalize() * by).map(|c| c.round() as i32))
+        };
+        let corners: Vec<[i32; 3]> = corners.iter().map(moved).collect();
+        let hull = mesh::hull(&corners)?;
+        let corners = hull.corners.iter().map(|corner| metres(corners[*corner as usize])).collect();
+        Some(Self { corners, faces: hull.faces })
+    }
+
+    /// The corners of each edge.
+    pub fn edges(&self) -> impl Iterator<Item = [usize; 2]> {
+        let sides = self.faces.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
+        // Each edge is a side of two triangles, in opposite directions.
+        sides.filter(|[from, to]| from < to).map(|edge| edge.map(|corner| corner as usize))
+    }
+
+    /// The middle of each edge.
+    pub fn middles_of_edges(&self) -> impl Iterator<Item = Point3<f64>> {
+        self.edges().map(|[a, b]| nalgebra::center(&self.corners[a], &self.corners[b]))
     }
 }
 
@@ -74,8 +102,8 @@ const STARTS: [[i32; 3]; 14] = [
     [-1, -1, -1],
 ];
 
-/// The point that is furthest outside of a convex surface, if one is.
-fn furthest_outside(points: &[[i32; 3]], corners: &[[i32; 3]], faces: &[[u32; 3]]) -> Option<[i32; 3]> {
+/// The point that is furthest outside of a convex surface, if one is, and how far.
+fn furthest_outside(points: &[[i32; 3]], corners: &[[i32; 3]], faces: &[[u32; 3]]) -> Option<(f64, [i32; 3])> {
     let planes: Vec<(Vector3<f64>, f64)> = faces
         .iter()
         .map(|face| {
@@ -90,7 +118,7 @@ fn furthest_outside(points: &[[i32; 3]], corners: &[[i32; 3]], faces: &[[u32; 3]
     };
     // Less than a quantum is rounding.
     let far = points.iter().map(|point| (outside(point), *point)).filter(|(distance, _)| *distance > 1.0);
-    far.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
+    far.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 fn metres(point: [i32; 3]) -> Point3<f64> {

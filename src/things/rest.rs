@@ -21,13 +21,14 @@ const LEAST_TURN: f64 = 0.004;
 const LEAST_TIP: f64 = 0.17;
 /// Least upward component of the normal at a support: 34°. Tuned: on steeper ones stones slide in Bullet, at a friction of 0.8.
 const LEAST_LEVEL: f64 = 0.85;
-/// Samples of the underside along either axis, in addition to corners.
+/// Samples of the underside along either axis, in addition to those under corners and middles of edges.
 const SAMPLES: usize = 5;
 
 /// A stone over the floor on which it is to lie.
 pub(super) struct Bed<'a> {
     corners: Vec<Vector3<f64>>,
     faces: &'a [[u32; 3]],
+    edges: Vec<[usize; 2]>,
     floor: Vec<Facet>,
     /// The corners of the floor by their place on the map, relative to `at`, and the height of the floor there.
     peaks: Vec<(Vector2<f64>, f64)>,
@@ -39,7 +40,8 @@ impl<'a> Bed<'a> {
     pub fn new(body: &'a Body, scale: f64, at: Point3<f64>, floor_near: impl Fn(f64) -> Vec<Facet>) -> Self {
         let corners: Vec<Vector3<f64>> = body.corners.iter().map(|corner| corner.coords * scale).collect();
         let reach_m = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let mut bed = Self { corners, faces: &body.faces, floor: floor_near(reach_m), peaks: Vec::new(), at };
+        let (faces, edges) = (&body.faces, body.edges().collect());
+        let mut bed = Self { corners, faces, edges, floor: floor_near(reach_m), peaks: Vec::new(), at };
         let on_map = bed.floor.iter().flat_map(|facet| facet.corners).map(|corner| (corner - at).xy());
         let in_reach = on_map.filter(|place| place.norm_squared() < reach_m * reach_m);
         bed.peaks = in_reach.filter_map(|place| Some((place, bed.top(place)?.0))).collect();
@@ -71,18 +73,15 @@ impl<'a> Bed<'a> {
         None
     }
 
-    /// The gaps at the corners of the underside, at the corners of the floor under it, and on a grid.
+    /// The gaps under corners and middles of edges, over the corners of the floor, and on a grid.
     fn gaps(&self, turn: UnitQuaternion<f64>) -> Vec<Gap> {
         let corners: Vec<Vector3<f64>> = self.corners.iter().map(|corner| turn * corner).collect();
-        let (mut under, mut is_under) = (Vec::new(), vec![false; corners.len()]);
-        for face in self.faces {
+        let planes = self.faces.iter().filter_map(|face| {
             let [a, b, c] = face.map(|corner| corners[corner as usize]);
             let normal = (b - a).cross(&(c - a));
-            if normal.z < 0.0 {
-                under.push(Plane::through(a, normal));
-                face.iter().for_each(|corner| is_under[*corner as usize] = true);
-            }
-        }
+            (normal.z < 0.0).then(|| Plane::through(a, normal))
+        });
+        let under: Vec<Plane> = planes.collect();
         let bound = |axis: usize, of: fn(f64, f64) -> f64| corners.iter().map(|c| c[axis]).reduce(of).unwrap_or(0.0);
         let (min, max) = ([0, 1].map(|axis| bound(axis, f64::min)), [0, 1].map(|axis| bound(axis, f64::max)));
         let is_inside = |p: &Vector2<f64>| (0..2).all(|i| min[i] <= p[i] && p[i] <= max[i]);
@@ -94,12 +93,12 @@ impl<'a> Bed<'a> {
         };
         let gap = |place, top: f64, bottom: f64, level| Gap { place, height: top - bottom, level, below: -bottom };
         // A corner stands on a face: the stone's on one of the floor, or the floor's under one of the stone.
-        let own =
-            corners.iter().zip(is_under).filter(|(_, is_under)| *is_under).map(|(corner, _)| (corner.xy(), corner.z));
+        let middles = self.edges.iter().map(|[a, b]| 0.5 * (corners[*a] + corners[*b]));
+        let own = corners.iter().copied().chain(middles).map(|point| point.xy());
         let grid = (0..SAMPLES * SAMPLES).map(|n| Vector2::new(along(0, n % SAMPLES), along(1, n / SAMPLES)));
-        let on_floor = own.chain(grid.map(|place| (place, bottom(place).0))).filter_map(|(place, bottom)| {
+        let on_floor = own.chain(grid).filter_map(|place| {
             let (top, level) = self.top(place)?;
-            Some(gap(place, top, bottom, level))
+            Some(gap(place, top, bottom(place).0, level))
         });
         let under_stone = self.peaks.iter().filter(|(place, _)| is_inside(place)).map(|&(place, top)| {
             let (bottom, level) = bottom(place);

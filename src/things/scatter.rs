@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Translation3};
 
-use super::facets::Facets;
+use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Setting, Site, owns, quantised, step, without_overlaps};
 use super::rest::Bed;
@@ -18,7 +18,7 @@ const LEVEL: f64 = 0.78;
 const CELL: f64 = 0.6;
 /// How deep stones are sunk, in metres: all alike, so that those that lie on others sink with them.
 const EMBEDDING_M: f64 = 0.008;
-/// How deep a corner may be in the rock before a stone is sunk, in metres: triangles are about as far from the field.
+/// How deep a corner or an edge may be in the rock before a stone is sunk, in metres: triangles are about as far from the field.
 const MOST_DEPTH_M: f32 = 0.02;
 /// Mean of [`Scatter`]'s density over the floors of the sample caves, by which `cover` is met. Tuned.
 const MEAN_DENSITY: f64 = 0.03;
@@ -118,21 +118,23 @@ impl<'a> Site<'a> {
         let tops = lying.hits(at.x, at.y).into_iter().map(|hit| hit.z).filter(|z| *z < at.z + PILE_M);
         let on = Point3::new(at.x, at.y, tops.fold(at.z, f64::max));
         let bed = Bed::new(&prototype.hull, scale, on, |reach_m| {
-            let mut floor = self.walls.floor_near(on, reach_m);
-            floor.extend(lying.floor_near(on, reach_m));
+            let mut floor = self.walls.floor_near(on, reach_m, beyond_m(reach_m));
+            // Nor does a stone lie within the side of a much larger one.
+            floor.extend(lying.floor_near(on, reach_m, PILE_M));
             floor
         });
         (0..TURNS).find_map(|turn| bed.rest(yaw_rad + f64::from(turn) * TURN_RAD))
     }
 
-    /// Which of them have no corner in the rock, such as that of a wall that leans over them.
+    /// Which of them have no corner or edge in the rock, such as that of a wall that leans over them.
     fn is_out_of_the_rock(&self, stones: &[(Candidate, Isometry3<f64>)]) -> Vec<bool> {
-        let corners = |(stone, pose): &(Candidate, Isometry3<f64>)| {
-            let corners = stone.prototype.hull.corners.iter();
-            corners.map(|corner| (pose * (corner * stone.scale)).map(|c| c as f32).into()).collect()
+        let points = |(stone, pose): &(Candidate, Isometry3<f64>)| {
+            let hull = &stone.prototype.hull;
+            let points = hull.corners.iter().copied().chain(hull.middles_of_edges());
+            points.map(|point| (pose * (point * stone.scale)).map(|c| c as f32).into()).collect()
         };
-        let depths = self.depths(stones.iter().map(corners).collect());
-        depths.iter().map(|corners| corners.iter().all(|depth| *depth < MOST_DEPTH_M)).collect()
+        let depths = self.depths(stones.iter().map(points).collect());
+        depths.iter().map(|points| points.iter().all(|depth| *depth < MOST_DEPTH_M)).collect()
     }
 }
 

@@ -8,21 +8,33 @@ use plume_graph::rng::Rng;
 
 use super::kind::Shape;
 
-/// Half the width of a prototype in metres.
-const HALF_M: f64 = 0.15;
+/// Half the length of the prototypes in metres, in the middle of the range of their sizes, so that neither their images nor
+/// their edges are stretched by much.
+const BLOCK_M: f64 = 0.28;
+const COBBLE_M: f64 = 0.12;
+const SLAB_M: f64 = 0.24;
 /// Width over which edges are worn, in metres. Tuned.
 const WORN_M: f32 = 0.012;
 
 /// An angular block.
 pub fn block(rng: &mut Rng) -> Shape {
-    let half = Vector3::new(HALF_M, HALF_M * rng.between(0.62, 0.95), HALF_M * rng.between(0.42, 0.8));
-    broken(rng, half, 0.24, 9)
+    angular(rng, BLOCK_M)
+}
+
+/// An angular stone as large as a hand or a head.
+pub fn cobble(rng: &mut Rng) -> Shape {
+    angular(rng, COBBLE_M)
 }
 
 /// A flat piece of a bed or of lining.
 pub fn slab(rng: &mut Rng) -> Shape {
-    let half = Vector3::new(HALF_M, HALF_M * rng.between(0.6, 0.95), HALF_M * rng.between(0.16, 0.26));
+    let half = Vector3::new(SLAB_M, SLAB_M * rng.between(0.6, 0.95), SLAB_M * rng.between(0.16, 0.26));
     broken(rng, half, 0.08, 6)
+}
+
+fn angular(rng: &mut Rng, half_m: f64) -> Shape {
+    let half = Vector3::new(half_m, half_m * rng.between(0.62, 0.95), half_m * rng.between(0.42, 0.8));
+    broken(rng, half, 0.24, 6)
 }
 
 /// A box whose faces lean by up to `skew`, with this many corners and edges broken off.

@@ -13,7 +13,7 @@ use plume::material::{Look, MATERIALS};
 use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
 use plume::things::{
-    Dress, KINDS, Library, Place, Prototype, Setting, Shelf, Thing, ThingSettings, WHEEL_M, place, shelf_mesh,
+    Body, Dress, KINDS, Library, Place, Prototype, Setting, Shelf, Thing, ThingSettings, WHEEL_M, place, shelf_mesh,
 };
 
 /// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
@@ -157,6 +157,33 @@ fn prototypes_are_closed_bodies_of_few_corners() {
             assert!(prototype.volume_m3 > 0.0, "{}", prototype.name);
         }
     }
+}
+
+#[test]
+fn hulls_follow_the_stones() {
+    /// How far collision geometry may be from floors, as of the convex pieces of the wall.
+    const MOST_M: f64 = 0.02;
+    for rock in MATERIALS.iter() {
+        let (mesh, library) = library(rock.name);
+        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        let cut = library.cut(&vertices, &mesh.triangles);
+        for row in KINDS.iter().filter(|row| row.is_in(rock.name)) {
+            let Place::Floor(scatter) = row.place else { continue };
+            for prototype in library.of(row) {
+                let number = library.prototypes.iter().position(|other| other.name == prototype.name).unwrap();
+                let corners = cut[number].iter().flatten().map(|&vertex| vertices[vertex as usize].map(f64::from));
+                let outside = |point: [f64; 3]| outside_m(&prototype.hull, Point3::from(point) - prototype.origin);
+                let most_m = corners.map(outside).fold(0.0, f64::max) * scatter.width_m[1] / prototype.width_m();
+                assert!(most_m < MOST_M, "{} as {}: {most_m} m outside its hull", prototype.name, row.name);
+            }
+        }
+    }
+}
+
+/// How far a point is outside of the planes of a convex body, in metres.
+fn outside_m(body: &Body, point: Vector3<f64>) -> f64 {
+    let planes = body.faces.iter().map(|face| face.map(|corner| body.corners[corner as usize].coords));
+    planes.map(|[a, b, c]| (b - a).cross(&(c - a)).normalize().dot(&(point - a))).fold(f64::NEG_INFINITY, f64::max)
 }
 
 #[test]
