@@ -81,6 +81,12 @@ pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64
     (gltf_from_scene(scene_from_body.translation.vector.into()), rotation.coords.into())
 }
 
+/// A turn of the scene as one of the frame of glTF: x, y, z, w.
+pub fn gltf_rotation_from_scene(turn: &UnitQuaternion<f64>) -> [f64; 4] {
+    let [x, y, z] = gltf_from_scene([turn.i, turn.j, turn.k]);
+    [x, y, z, turn.w]
+}
+
 fn gltf_turn_from_scene() -> Matrix3<f64> {
     Matrix3::from([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(gltf_from_scene::<f64>))
 }

@@ -32,9 +32,7 @@ pub fn write(scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
 pub fn list(scene: &Scene) -> Result<Vec<Value>, ExportError> {
     let mut things = Vec::new();
     for index in 0..scene.chunks.len() {
-        let loaded = scene.chunks.instances(index);
-        let loaded = loaded.map_err(|source| ExportError::Load { scene: scene.name.clone(), index, source })?;
-        things.extend(loaded.iter().map(entry));
+        things.extend(scene.instances(index)?.iter().map(entry));
     }
     Ok(things)
 }

@@ -1,6 +1,8 @@
 //! Names that are safe everywhere: SDF and URDF elements, USD prims, glTF nodes and file names on every system; and those by
 //! which importers recognise the purpose of a mesh.
 
+use crate::scene::Instance;
+
 /// Whether `name` is `[a-z][a-z0-9_]*`, and not a device name of Windows.
 pub fn is_safe(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_lowercase())
@@ -33,6 +35,11 @@ pub fn level(chunk: &str, number: usize) -> String {
 /// Name of a convex piece of the mesh called `mesh`, by which Unreal recognises collision.
 pub fn convex_piece(mesh: &str, number: usize) -> String {
     format!("UCX_{mesh}_{number:02}")
+}
+
+/// Name of a thing.
+pub fn thing(thing: &Instance) -> String {
+    format!("{}_{:016x}", thing.class, thing.id)
 }
 
 fn is_safe_char(letter: char) -> bool {

@@ -108,6 +108,30 @@ impl Scene<'_> {
         Ok(pieces)
     }
 
+    /// The things of a chunk.
+    ///
+    /// # Errors
+    /// [`ExportError::Load`] if they cannot be read.
+    pub fn instances(&self, index: usize) -> Result<Vec<Instance>, ExportError> {
+        let load = |source| ExportError::Load { scene: self.name.clone(), index, source };
+        self.chunks.instances(index).map_err(load)
+    }
+
+    /// Loads the prototypes of all things and checks them.
+    ///
+    /// # Errors
+    /// [`ExportError::Load`] if they cannot be read, [`ExportError::BadScene`] if their arrays are inconsistent.
+    pub fn prototypes(&self) -> Result<Vec<Prototype>, ExportError> {
+        let load = |source| ExportError::Load { scene: self.name.clone(), index: self.chunks.len(), source };
+        let prototypes = self.chunks.prototypes().map_err(load)?;
+        for Prototype { name, levels, hull, .. } in &prototypes {
+            let fault = |text: &str| self.fault(format!("a mesh of prototype `{name}` {text}"));
+            levels.iter().try_for_each(|level| level.mesh.check(Part::Visual)).map_err(fault)?;
+            hull.check(Part::Collision).map_err(fault)?;
+        }
+        Ok(prototypes)
+    }
+
     /// The initial viewpoint: 1 m above the first start pose. +X points ahead, +Z is up.
     pub fn viewpoint(&self) -> Isometry3<f64> {
         self.spawns[0] * Translation3::new(0.0, 0.0, 1.0)
@@ -148,6 +172,14 @@ pub trait Chunks: Sync {
     /// # Errors
     /// When they cannot be read.
     fn instances(&self, _index: usize) -> Result<Vec<Instance>, std::io::Error> {
+        Ok(Vec::new())
+    }
+
+    /// The shapes of which the things of all chunks are copies.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    fn prototypes(&self) -> Result<Vec<Prototype>, std::io::Error> {
         Ok(Vec::new())
     }
 }
@@ -207,7 +239,36 @@ pub struct Piece {
     pub zone: Zone,
 }
 
-/// A thing: a copy of a prototype. Ground truth, since its triangles are in the mesh of its chunk.
+/// A shape of which there are copies, in its own frame, in which it stands upright.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prototype {
+    /// Safe name, unique in the scene.
+    pub name: String,
+    /// The visual mesh at every level of detail, the full one first, which is without error.
+    pub levels: Vec<Lod>,
+    /// A convex hull: positions and triangles only.
+    pub hull: Mesh,
+    /// The zone by which copies have their friction.
+    pub zone: Zone,
+    /// Material of the visual mesh.
+    pub material: Material,
+}
+
+impl Instance {
+    /// Its prototype among `prototypes`.
+    ///
+    /// # Errors
+    /// [`ExportError::BadScene`] if it is missing, or has no such level.
+    pub fn prototype_in<'a>(&self, prototypes: &'a [Prototype]) -> Result<&'a Prototype, ExportError> {
+        let known = prototypes.iter().find(|prototype| prototype.name == self.prototype);
+        known.filter(|prototype| self.level < prototype.levels.len()).ok_or_else(|| ExportError::BadScene {
+            scene: self.chunk.clone(),
+            fault: format!("level {} of prototype `{}` is missing", self.level, self.prototype),
+        })
+    }
+}
+
+/// A thing: a copy of a prototype. Its triangles are in the mesh of its chunk as well, for targets without copies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// Its identity, unique in the scene.
@@ -216,6 +277,8 @@ pub struct Instance {
     pub class: String,
     /// Safe name of its prototype.
     pub prototype: String,
+    /// The level of the prototype that it shows in full detail: small things have no finer one.
+    pub level: usize,
     /// The name of its chunk.
     pub chunk: String,
     /// From the frame of the prototype, in which it stands upright, to that of the scene.

@@ -21,22 +21,64 @@ def write_chunk(spec, arrays):
     stage.SetDefaultPrim(chunk.GetPrim())
     Usd.ModelAPI(chunk).SetKind(Kind.Tokens.component)
     label(chunk, ["cave"])
-    rock = define_rock(stage, spec["textures"])
-    visual = define_mesh(stage, "/Chunk/Visual")
-    UsdShade.MaterialBindingAPI.Apply(visual.GetPrim()).Bind(rock)
+    define_visual(stage, "/Chunk", spec, arrays)
+    if spec["zones"]:
+        UsdGeom.Scope.Define(stage, "/Chunk/Collision")
+    for zone in spec["zones"]:
+        define_zone(stage, f"/Chunk/Collision/{zone['name']}", zone)
+    for collider in spec["colliders"]:
+        define_collider(stage, f"/Chunk/{collider['name']}", collider, arrays)
+    save(stage)
+
+
+def write_prototypes(spec, arrays):
+    """A layer with the shapes of things, each with all that it needs, for instances to refer to."""
+    stage = new_stage(spec["path"])
+    stage.SetDefaultPrim(UsdGeom.Scope.Define(stage, "/Prototypes").GetPrim())
+    for prototype in spec["prototypes"]:
+        path = f"/Prototypes/{prototype['name']}"
+        UsdGeom.Xform.Define(stage, path)
+        define_visual(stage, path, prototype, arrays)
+        if prototype["collider"]:
+            define_collider(stage, f"{path}/Collision", prototype["collider"], arrays)
+    save(stage)
+
+
+def write_things(spec, arrays):
+    """A layer with the things of a chunk: instances of the prototypes, so that many share one mesh and one collider.
+
+    Not a PointInstancer: UsdPhysics does not look into one. A level of the chunk has each thing at its own level.
+    """
+    stage = new_stage(spec["path"])
+    chunk = UsdGeom.Xform.Define(stage, "/Chunk")
+    stage.SetDefaultPrim(chunk.GetPrim())
+    Usd.ModelAPI(chunk).SetKind(Kind.Tokens.component)
+    for zone in spec["zones"]:
+        define_zone(stage, f"/Chunk/{zone['name']}", zone)
+    for thing in spec["things"]:
+        define_thing(stage, thing)
     levels = chunk.GetPrim().GetVariantSets().AddVariantSet("LOD")
     for level in spec["levels"]:
-        levels.AddVariant(level["name"])
-        levels.SetVariantSelection(level["name"])
-        with levels.GetVariantEditContext():
-            fill_visual(visual, level, arrays)
-            visual.GetPrim().SetCustomDataByKey("plume:error_m", level["error_m"])
-    levels.SetVariantSelection(spec["levels"][0]["name"])
-    for zone in spec["zones"]:
-        define_zone(stage, zone)
-    for collider in spec["colliders"]:
-        define_collider(stage, collider, arrays)
+        levels.AddVariant(level)
+    levels.SetVariantSelection(spec["levels"][0])
+    # Below the stage, which would compose the chunk anew after each selection.
+    with Sdf.ChangeBlock():
+        for number, level in enumerate(spec["levels"]):
+            for thing in spec["things"]:
+                at = Sdf.Path(f"/Chunk{{LOD={level}}}{thing['zone']}/{thing['name']}")
+                selected = thing["levels"][min(number, len(thing["levels"]) - 1)]
+                Sdf.CreatePrimInLayer(stage.GetRootLayer(), at).variantSelections["LOD"] = selected
     save(stage)
+
+
+def define_thing(stage, spec):
+    thing = UsdGeom.Xform.Define(stage, f"/Chunk/{spec['zone']}/{spec['name']}")
+    place(thing, spec)
+    thing.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(spec["scale"]))
+    prim = thing.GetPrim()
+    prim.GetReferences().AddReference(spec["layer"], f"/Prototypes/{spec['prototype']}")
+    prim.SetInstanceable(True)
+    label(prim, [spec["class"]])
 
 
 def write_root(spec, arrays):
@@ -88,6 +130,21 @@ def save(stage):
     stage.GetRootLayer().Save()
 
 
+def define_visual(stage, root, spec, arrays):
+    """The visual mesh below `root` at every level of detail, and its material."""
+    rock = define_rock(stage, f"{root}/Looks", spec["textures"])
+    visual = define_mesh(stage, f"{root}/Visual")
+    UsdShade.MaterialBindingAPI.Apply(visual.GetPrim()).Bind(rock)
+    levels = stage.GetPrimAtPath(root).GetVariantSets().AddVariantSet("LOD")
+    for level in spec["levels"]:
+        levels.AddVariant(level["name"])
+        levels.SetVariantSelection(level["name"])
+        with levels.GetVariantEditContext():
+            fill_visual(visual, level, arrays)
+            visual.GetPrim().SetCustomDataByKey("plume:error_m", level["error_m"])
+    levels.SetVariantSelection(spec["levels"][0]["name"])
+
+
 def define_mesh(stage, path):
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
@@ -97,7 +154,7 @@ def define_mesh(stage, path):
 
 
 def fill_triangles(mesh, spec, arrays, shading):
-    key = spec["name"]
+    key = spec["arrays"]
     indices = Vt.IntArray.FromBuffer(arrays.pop(f"{key}.indices"))
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromBuffer(arrays.pop(f"{key}.points")))
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(indices) // 3, 3))
@@ -109,48 +166,51 @@ def fill_triangles(mesh, spec, arrays, shading):
 
 def fill_visual(mesh, spec, arrays):
     fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.vertex)
-    key = spec["name"]
+    key = spec["arrays"]
     st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.vertex)
     st.Set(Vt.Vec2fArray.FromBuffer(arrays.pop(f"{key}.st")))
     for part in spec["parts"]:
         faces = Vt.IntArray.FromBuffer(arrays.pop(f"{key}.{part}"))
         subset = UsdGeom.Subset.CreateGeomSubset(mesh, part, UsdGeom.Tokens.face, faces, "semantics")
         label(subset, [part])
-    UsdGeom.Subset.SetFamilyType(mesh, "semantics", UsdGeom.Tokens.partition)
+    if spec["parts"]:
+        UsdGeom.Subset.SetFamilyType(mesh, "semantics", UsdGeom.Tokens.partition)
 
 
-def define_zone(stage, spec):
-    """A zone of the wall, with its own friction."""
-    UsdGeom.Scope.Define(stage, "/Chunk/Collision")
-    zone = UsdGeom.Scope.Define(stage, f"/Chunk/Collision/{spec['name']}")
+def define_zone(stage, path, spec):
+    """A scope with its own friction, if it has one."""
+    zone = UsdGeom.Scope.Define(stage, path)
+    if spec["friction"] is None:
+        return
+    UsdGeom.Scope.Define(stage, "/Chunk/Looks")
     ground = define_ground(stage, f"/Chunk/Looks/{spec['name'].title()}", spec["friction"])
     bind_ground(zone, ground)
 
 
-def define_collider(stage, spec, arrays):
+def define_collider(stage, path, spec, arrays):
     """A collider: never rendered, and static because it has no rigid body."""
-    mesh = define_mesh(stage, f"/Chunk/{spec['name']}")
+    mesh = define_mesh(stage, path)
     fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.uniform)
     mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)
     UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
     UsdPhysics.MeshCollisionAPI.Apply(mesh.GetPrim()).CreateApproximationAttr(spec["approximation"])
 
 
-def define_rock(stage, textures):
-    UsdGeom.Scope.Define(stage, "/Chunk/Looks")
-    rock = UsdShade.Material.Define(stage, "/Chunk/Looks/Rock")
-    surface = shader(stage, "Surface", "UsdPreviewSurface")
-    reader = shader(stage, "Reader", "UsdPrimvarReader_float2")
+def define_rock(stage, looks, textures):
+    UsdGeom.Scope.Define(stage, looks)
+    rock = UsdShade.Material.Define(stage, f"{looks}/Rock")
+    surface = shader(rock, "Surface", "UsdPreviewSurface")
+    reader = shader(rock, "Reader", "UsdPrimvarReader_float2")
     reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
     st = reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
     types = Sdf.ValueTypeNames
-    color = texture(stage, "BaseColor", textures["base_color"], "sRGB", st)
+    color = texture(rock, "BaseColor", textures["base_color"], "sRGB", st)
     connect(surface, "diffuseColor", types.Color3f, color, "rgb", types.Float3)
-    bumps = texture(stage, "Normal", textures["normal"], "raw", st)
+    bumps = texture(rock, "Normal", textures["normal"], "raw", st)
     bumps.CreateInput("scale", types.Float4).Set(Gf.Vec4f(2, 2, 2, 1))
     bumps.CreateInput("bias", types.Float4).Set(Gf.Vec4f(-1, -1, -1, 0))
     connect(surface, "normal", types.Normal3f, bumps, "rgb", types.Float3)
-    orm = texture(stage, "OcclusionRoughness", textures["orm"], "raw", st)
+    orm = texture(rock, "OcclusionRoughness", textures["orm"], "raw", st)
     connect(surface, "occlusion", types.Float, orm, "r", types.Float)
     connect(surface, "roughness", types.Float, orm, "g", types.Float)
     surface.CreateInput("metallic", types.Float).Set(0.0)
@@ -158,14 +218,14 @@ def define_rock(stage, textures):
     return rock
 
 
-def shader(stage, name, identifier):
-    made = UsdShade.Shader.Define(stage, f"/Chunk/Looks/Rock/{name}")
+def shader(material, name, identifier):
+    made = UsdShade.Shader.Define(material.GetPrim().GetStage(), material.GetPath().AppendChild(name))
     made.CreateIdAttr(identifier)
     return made
 
 
-def texture(stage, name, file, color_space, st):
-    made = shader(stage, name, "UsdUVTexture")
+def texture(material, name, file, color_space, st):
+    made = shader(material, name, "UsdUVTexture")
     types = Sdf.ValueTypeNames
     made.CreateInput("file", types.Asset).Set(Sdf.AssetPath(file))
     made.CreateInput("sourceColorSpace", types.Token).Set(color_space)

@@ -3,6 +3,8 @@
 //! ```text
 //! <name>.usda                /World: chunks, friction, lights, start poses, a camera; /PhysicsScene: gravity
 //! chunks/<chunk>.usdc        /Chunk: visual mesh at every level of detail, material, collision mesh
+//! chunks/prototypes.usdc     /Prototypes: the shapes of things, each with levels of detail, a material and a convex hull
+//! chunks/things_*.usdc       /Chunk: instances of them (`instanceable`), labelled with their class
 //! chunks/textures/           images of the chunks
 //! ```
 //! Z up, metres, kilograms, right-handed; paths are relative, so the folder can be moved. Uses the schemas UsdGeom,
@@ -27,12 +29,14 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, Light, Mesh, Scene, Zone};
+use crate::scene::{ByZone, Chunk, Content, Light, Material, Mesh, Scene, Zone};
 use crate::{Summary, frame, slope, template};
 
 mod colliders;
+mod things;
 
 use colliders::Colliders;
+use things::Prototypes;
 
 /// The Python module that authors layers; [`Library::call`] runs its functions.
 pub const SCRIPT: &str = include_str!("stage.py");
@@ -170,9 +174,18 @@ pub fn write(
     scene.check()?;
     let scratch = out.scratch()?;
     let (mut payloads, mut triangles) = (Vec::new(), [0, 0]);
+    let prototypes = Prototypes::write(target, scene, contents, library, scratch.path(), out)?;
     for index in 0..scene.chunks.len() {
         let mut chunk = scene.chunk(index)?;
         chunk.material.refuse_unless(target, &IMAGES)?;
+        if chunk.content == Content::Things {
+            let things = scene.instances(index)?;
+            let (payload, colliding) = prototypes.write_chunk(&chunk, &things, library, scratch.path(), out)?;
+            triangles[0] += chunk.visual.triangles();
+            triangles[1] += colliding;
+            payloads.push(payload);
+            continue;
+        }
         let colliders = Colliders::of(scene, index, &mut chunk, contents.physics)?;
         triangles[0] += chunk.visual.triangles();
         triangles[1] += colliders.triangles();
@@ -197,20 +210,15 @@ fn write_chunk(
 ) -> Result<Value, ExportError> {
     let layer = format!("{}.usdc", chunk.name);
     let path = scratch.join(&layer);
-    let mut textures = serde_json::Map::new();
-    for (role, image) in
-        [("base_color", &chunk.material.base_color), ("normal", &chunk.material.normal), ("orm", &chunk.material.orm)]
-    {
-        let file = out.texture("chunks/", &chunk.material.name, role, image)?;
-        textures.insert(role.to_owned(), format!("./{file}").into());
-    }
+    let textures = textures(&chunk.material, out)?;
     let mut spec = json!({ "path": path, "textures": textures, "zones": zones });
     let mut arrays = Vec::new();
     let levels = std::iter::once((chunk.visual, 0.0)).chain(chunk.lods.into_iter().map(|lod| (lod.mesh, lod.error_m)));
     spec["levels"] = levels
         .enumerate()
         .map(|(level, (mesh, error_m))| {
-            let mut level = visual(format!("LOD{level}"), mesh, &mut arrays);
+            let name = format!("LOD{level}");
+            let mut level = visual(name.clone(), &name, mesh, &mut arrays);
             level["error_m"] = error_m.into();
             level
         })
@@ -223,22 +231,32 @@ fn write_chunk(
     Ok(json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }))
 }
 
-/// The description of a level of detail; its arrays go to `arrays`.
-fn visual(name: String, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
-    let extent = mesh.bounds();
-    let zones = slope::zones(&mesh);
-    let key = |array: &str| format!("{name}.{array}");
-    arrays.push((key("normals"), Array::Float3(std::mem::take(&mut mesh.normals))));
-    arrays.push((key("st"), Array::Float2(std::mem::take(&mut mesh.uvs))));
-    push_triangles(&name, mesh, arrays);
-    let parts = zones.into_iter().filter(|(_, faces)| !faces.is_empty()).map(|(zone, faces)| (zone.name(), faces));
-    let names: Vec<&str> = parts.map(|(part, faces)| (part, arrays.push((key(part), Array::Index(faces)))).0).collect();
-    json!({ "name": name, "extent": extent, "parts": names })
+/// Writes the images of a material; gives their files, as a layer of a chunk names them.
+fn textures(material: &Material, out: &mut dyn Package) -> Result<Value, ExportError> {
+    let mut textures = serde_json::Map::new();
+    for (role, image) in [("base_color", &material.base_color), ("normal", &material.normal), ("orm", &material.orm)] {
+        let file = out.texture("chunks/", &material.name, role, image)?;
+        textures.insert(role.to_owned(), format!("./{file}").into());
+    }
+    Ok(textures.into())
 }
 
-fn push_triangles(name: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {
-    arrays.push((format!("{name}.points"), Array::Float3(mesh.positions)));
-    arrays.push((format!("{name}.indices"), Array::Index(mesh.indices)));
+/// The description of a level of detail; its arrays go to `arrays`, under names that begin with `own`.
+fn visual(name: String, own: &str, mut mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
+    let extent = mesh.bounds();
+    let zones = slope::zones(&mesh);
+    let key = |array: &str| format!("{own}.{array}");
+    arrays.push((key("normals"), Array::Float3(std::mem::take(&mut mesh.normals))));
+    arrays.push((key("st"), Array::Float2(std::mem::take(&mut mesh.uvs))));
+    push_triangles(own, mesh, arrays);
+    let parts = zones.into_iter().filter(|(_, faces)| !faces.is_empty()).map(|(zone, faces)| (zone.name(), faces));
+    let names: Vec<&str> = parts.map(|(part, faces)| (part, arrays.push((key(part), Array::Index(faces)))).0).collect();
+    json!({ "name": name, "arrays": own, "extent": extent, "parts": names })
+}
+
+fn push_triangles(own: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {
+    arrays.push((format!("{own}.points"), Array::Float3(mesh.positions)));
+    arrays.push((format!("{own}.indices"), Array::Index(mesh.indices)));
 }
 
 fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Path) -> Value {
@@ -250,8 +268,8 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
         "generator": scene.generator,
         "recipe": scene.recipe,
         "chunks": payloads,
-        "spawns": scene.spawns.iter().map(pose).collect::<Vec<_>>(),
-        "camera": pose(&frame::camera_from_body(&view)),
+        "spawns": scene.spawns.iter().map(describe_pose).collect::<Vec<_>>(),
+        "camera": describe_pose(&frame::camera_from_body(&view)),
         "lights": [],
     });
     if contents.light_scale > 0.0 {
@@ -270,7 +288,7 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
     spec
 }
 
-fn pose(pose: &Isometry3<f64>) -> Value {
+fn describe_pose(pose: &Isometry3<f64>) -> Value {
     let turn = pose.rotation.quaternion();
     json!({ "position": pose.translation.vector.as_slice(), "orientation_wxyz": [turn.w, turn.i, turn.j, turn.k] })
 }

@@ -154,6 +154,14 @@ impl Chunks for FolderChunks<'_> {
         Ok(self.dressing()?.instances(&self.things_name(index), &self.things(index)?))
     }
 
+    fn prototypes(&self) -> Result<Vec<scene::Prototype>, io::Error> {
+        if self.dressed.is_empty() {
+            return Ok(Vec::new());
+        }
+        self.verify_images(store::PROTOTYPES)?;
+        Ok(self.dressing()?.prototypes(&self.material(store::PROTOTYPES)))
+    }
+
     fn load(&self, index: usize) -> Result<scene::Chunk, io::Error> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(io::Error::new(io::ErrorKind::Interrupted, "interrupted"));

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
 
+mod copies;
 mod geometry;
 pub mod glb;
 pub mod index;
@@ -18,6 +19,7 @@ mod meshopt;
 mod payload;
 mod readme;
 
+pub use copies::Copies;
 pub use geometry::buffer_file;
 pub use layout::{Layout, level_buffer};
 pub use material::image_files;

@@ -42,12 +42,12 @@ pub fn write_library(file: &mut dyn Write, library: &str) -> io::Result<()> {
     writeln!(file, "mtllib {library}")
 }
 
-/// Writes an object with normals and texture coordinates that uses the material `name`; `before` is the number of vertices
-/// already in the file.
+/// Writes an object with normals and texture coordinates that uses a material of the library; `before` is the number of
+/// vertices already in the file.
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_visual(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
+pub fn write_visual(file: &mut dyn Write, name: &str, material: &str, mesh: &Mesh, before: u64) -> io::Result<()> {
     writeln!(file, "o {name}")?;
     write_positions(file, mesh)?;
     let mut line = Vec::new();
@@ -57,7 +57,7 @@ pub fn write_visual(file: &mut dyn Write, name: &str, mesh: &Mesh, before: u64) 
     for normal in &mesh.normals {
         write_fixed(file, &mut line, "vn", normal, 10_000)?;
     }
-    writeln!(file, "usemtl {name}")?;
+    writeln!(file, "usemtl {material}")?;
     for [a, b, c] in corners(mesh, before) {
         writeln!(file, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}")?;
     }

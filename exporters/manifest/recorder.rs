@@ -4,7 +4,7 @@ use std::io;
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::ExportError;
-use crate::scene::{Chunk, Chunks, Instance, Material, Piece, Scene};
+use crate::scene::{Chunk, Chunks, Instance, Material, Piece, Prototype, Scene};
 
 use super::LodEntry;
 
@@ -94,6 +94,10 @@ impl Chunks for RecordingChunks<'_> {
 
     fn instances(&self, index: usize) -> io::Result<Vec<Instance>> {
         self.inner.instances(index)
+    }
+
+    fn prototypes(&self) -> io::Result<Vec<Prototype>> {
+        self.inner.prototypes()
     }
 
     fn pieces(&self, index: usize) -> io::Result<Vec<Piece>> {

@@ -61,9 +61,9 @@ impl Colliders {
     }
 }
 
-fn collider(name: String, approximation: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
+pub(super) fn collider(name: String, approximation: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
     let extent = mesh.bounds();
     arrays.push((format!("{name}.normals"), Array::Float3(slope::face_normals(&mesh))));
     push_triangles(&name, mesh, arrays);
-    json!({ "name": name, "approximation": approximation, "extent": extent })
+    json!({ "name": name, "arrays": name, "approximation": approximation, "extent": extent })
 }

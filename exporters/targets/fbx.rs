@@ -174,7 +174,7 @@ impl Fbx {
         let levels = self.levels(&chunk.chunk);
         let colliders = self.colliders(chunk, &levels[0].name);
         let name = &chunk.chunk.name;
-        document.add(&Part { name, levels, colliders, material: name, maps: &maps })
+        document.add(&Part { name, levels, colliders, material: &chunk.chunk.material.name, maps: &maps })
     }
 
     fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<Level<'a>> {

@@ -211,10 +211,12 @@ fn write_visual(model: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<Par
         roughness: &from_meshes(&part.roughness),
     };
     let library = format!("{name}.mtl");
-    out.write(&format!("{model}/meshes/{library}"), |file| Ok(obj::write_material(file, name, &maps)?))?;
+    out.write(&format!("{model}/meshes/{library}"), |file| {
+        Ok(obj::write_material(file, &chunk.material.name, &maps)?)
+    })?;
     out.write(&format!("{model}/meshes/{name}.obj"), |file| {
         obj::write_library(file, &library)?;
-        Ok(obj::write_visual(file, name, &chunk.visual, 0)?)
+        Ok(obj::write_visual(file, name, &chunk.material.name, &chunk.visual, 0)?)
     })?;
     Ok(part)
 }

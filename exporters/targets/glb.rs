@@ -19,11 +19,11 @@ use serde::{Deserialize, Serialize};
 use crate::collision::NamedCollision;
 use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
-use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, glb};
+use crate::format::gltf::{Compression, Copies, Layout, Payload, Place, Readme, Style, glb};
 use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Piece, Scene};
+use crate::scene::{Chunk, Content, Instance, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
@@ -83,6 +83,13 @@ pub struct Glb(
     pub GlbSettings,
 );
 
+/// A chunk with what it takes to write it.
+struct Part {
+    chunk: Chunk,
+    pieces: Vec<Piece>,
+    things: Vec<Instance>,
+}
+
 impl Target for Glb {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
@@ -113,36 +120,43 @@ impl Glb {
         Layout::new(scene, style)
     }
 
-    fn load(&self, scene: &Scene, index: usize) -> Result<(Chunk, Vec<Piece>), ExportError> {
+    fn copies(&self, scene: &Scene) -> Result<Copies, ExportError> {
+        Copies::of(scene, self.wants_pieces())
+    }
+
+    fn load(&self, scene: &Scene, index: usize) -> Result<Part, ExportError> {
         let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
-        Ok((scene.chunk(index)?, pieces))
+        Ok(Part { chunk: scene.chunk(index)?, pieces, things: scene.instances(index)? })
     }
 
     /// Adds a chunk to the plan; returns what is to be written to the file.
     fn add<'a>(
         &self,
         layout: &mut Layout,
-        chunk: &'a Chunk,
-        pieces: &[Piece],
+        Part { chunk, pieces, things }: &'a Part,
+        copies: &Copies,
     ) -> Result<[Payload<'a>; 2], ExportError> {
-        let (placed, full) = layout.add_chunk(chunk, pieces)?;
+        let (placed, full) = match chunk.content {
+            Content::Wall => layout.add_chunk(chunk, pieces)?,
+            Content::Things => layout.add_things(chunk, things, copies)?,
+        };
         let levels = if self.0.lods { layout.add_levels(chunk, &placed) } else { Payload::default() };
         Ok([full, levels])
     }
 
-    fn entry(&self, path: &str, chunk: &Chunk, pieces: &[Piece]) -> Entry {
+    fn entry(&self, path: &str, Part { chunk, pieces, .. }: &Part) -> Entry {
         let entry = Entry::new(path, chunk, pieces);
         if self.0.lods { entry.with_levels(chunk) } else { entry }
     }
 
     fn write_single(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
         let path = format!("{}.glb", scene.name);
-        let mut layout = self.layout(scene);
+        let (mut layout, copies) = (self.layout(scene), self.copies(scene)?);
         let mut entries = Vec::new();
         for index in 0..scene.chunks.len() {
-            let (chunk, pieces) = self.load(scene, index)?;
-            self.add(&mut layout, &chunk, &pieces)?;
-            entries.push(self.entry(&path, &chunk, &pieces));
+            let part = self.load(scene, index)?;
+            self.add(&mut layout, &part, &copies)?;
+            entries.push(self.entry(&path, &part));
         }
         if self.0.lights {
             layout.add_lights(&scene.lights);
@@ -152,8 +166,8 @@ impl Glb {
             glb::write_head(file, &path, &root)?;
             let mut again = self.layout(scene);
             for index in 0..scene.chunks.len() {
-                let (chunk, pieces) = self.load(scene, index)?;
-                self.add(&mut again, &chunk, &pieces)?.iter().try_for_each(|payload| payload.write(file))?;
+                let part = self.load(scene, index)?;
+                self.add(&mut again, &part, &copies)?.iter().try_for_each(|payload| payload.write(file))?;
             }
             Ok(())
         })?;
@@ -161,18 +175,18 @@ impl Glb {
     }
 
     fn write_chunks(&self, scene: &Scene, out: &mut dyn Package) -> Result<Vec<Entry>, ExportError> {
-        let mut entries = Vec::new();
+        let (mut entries, copies) = (Vec::new(), self.copies(scene)?);
         for index in 0..scene.chunks.len() {
-            let (chunk, pieces) = self.load(scene, index)?;
-            let path = format!("chunks/{}.glb", chunk.name);
+            let part = self.load(scene, index)?;
+            let path = format!("chunks/{}.glb", part.chunk.name);
             let mut layout = self.layout(scene);
-            let payloads = self.add(&mut layout, &chunk, &pieces)?;
+            let payloads = self.add(&mut layout, &part, &copies)?;
             let root = layout.finish();
             out.write(&path, |file| {
                 glb::write_head(file, &path, &root)?;
                 payloads.iter().try_for_each(|payload| payload.write(file))
             })?;
-            entries.push(self.entry(&path, &chunk, &pieces));
+            entries.push(self.entry(&path, &part));
         }
         Ok(entries)
     }

@@ -3,7 +3,8 @@
 //! ```text
 //! <name>.gltf                    every chunk in full detail: opens anywhere
 //! <name>_lods.gltf               the same with coarser levels (MSFT_lod), for readers that support it
-//! buffers/<chunk>.bin            vertices, triangles and convex pieces of a chunk
+//! buffers/<chunk>.bin            vertices, triangles and convex pieces of a chunk; of one of things, the prototypes that no
+//!                                chunk before it has
 //! buffers/<chunk>_lods.bin       its coarser levels
 //! textures/<chunk>_<role>.png    its images
 //! scene.json, README.md
@@ -18,11 +19,13 @@ use serde::{Deserialize, Serialize};
 use crate::collision::NamedCollision;
 use crate::error::ExportError;
 use crate::format::gltf::index::{self, Entry};
-use crate::format::gltf::{Compression, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer};
+use crate::format::gltf::{
+    Compression, Copies, Layout, Payload, Place, Readme, Style, buffer_file, image_files, level_buffer,
+};
 use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::{Package, pretty};
-use crate::scene::{Chunk, Piece, Scene};
+use crate::scene::{Chunk, Content, Instance, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
@@ -76,11 +79,12 @@ impl Target for Gltf {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
         let mut documents = self.documents(scene);
+        let copies = Copies::of(scene, self.wants_pieces())?;
         let mut entries = Vec::new();
         for index in 0..scene.chunks.len() {
             let pieces = if self.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
             let chunk = scene.chunk(index)?;
-            entries.push(documents.add(&chunk, &pieces, out)?);
+            entries.push(documents.add(&chunk, &pieces, &scene.instances(index)?, &copies, out)?);
         }
         if self.0.lights {
             documents.add_lights(scene);
@@ -128,12 +132,25 @@ struct Document {
 
 impl Documents {
     /// Adds a chunk to each document and writes its buffers and images.
-    fn add(&mut self, chunk: &Chunk, pieces: &[Piece], out: &mut dyn Package) -> Result<Entry, ExportError> {
-        let (_, payload) = self.full.layout.add_chunk(chunk, pieces)?;
-        write_buffer(&chunk.name, &payload, out)?;
+    fn add(
+        &mut self,
+        chunk: &Chunk,
+        pieces: &[Piece],
+        things: &[Instance],
+        copies: &Copies,
+        out: &mut dyn Package,
+    ) -> Result<Entry, ExportError> {
+        let add = |layout: &mut Layout| match chunk.content {
+            Content::Wall => layout.add_chunk(chunk, pieces),
+            Content::Things => layout.add_things(chunk, things, copies),
+        };
+        let (_, payload) = add(&mut self.full.layout)?;
+        if !payload.is_empty() {
+            write_buffer(&chunk.name, &payload, out)?;
+        }
         let mut entry = Entry::new(&self.full.path, chunk, pieces);
         if let Some(lods) = &mut self.lods {
-            let (placed, _) = lods.layout.add_chunk(chunk, pieces)?;
+            let (placed, _) = add(&mut lods.layout)?;
             let levels = lods.layout.add_levels(chunk, &placed);
             if !levels.is_empty() {
                 write_buffer(&level_buffer(&chunk.name), &levels, out)?;

@@ -1,7 +1,7 @@
 //! Target `obj`: Wavefront OBJ with MTL and images, Z up, metres: what nearly every 3D program opens.
 //!
 //! ```text
-//! <name>.obj, <name>.mtl, textures/            an object and a material per chunk
+//! <name>.obj, <name>.mtl, textures/            an object per chunk, and its material
 //! <name>_lod1.obj, …                           coarser levels, with `lods`
 //! <name>_collision.obj                         collision shapes, unless `collision = "none"`
 //! README.md
@@ -12,6 +12,7 @@
 //! A level of the whole cave has each chunk at that level, or at its coarsest; the borders of chunks are the same at every
 //! level.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 
 use minijinja::context;
@@ -25,7 +26,7 @@ use crate::format::obj::{self, Maps};
 use crate::frame::{Axes, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Mesh, Scene};
+use crate::scene::{Chunk, Material, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
@@ -113,6 +114,8 @@ struct ObjFiles<'a> {
     settings: &'a ObjSettings,
     stem: Stem,
     materials: TempFile,
+    /// Names of the materials so far, since chunks may share them.
+    known: BTreeSet<String>,
     /// Levels, full detail first. Each has the chunks so far at its level or at their coarsest.
     levels: Vec<ObjFile>,
     collision: Option<ObjFile>,
@@ -126,7 +129,14 @@ impl<'a> ObjFiles<'a> {
             SeparateCollision::None => None,
             _ => Some(ObjFile::create(&stem, "_collision.obj", comment)?),
         };
-        Ok(Self { settings, materials: stem.grow(".mtl")?, stem, levels: vec![full], collision })
+        Ok(Self {
+            settings,
+            materials: stem.grow(".mtl")?,
+            known: BTreeSet::new(),
+            stem,
+            levels: vec![full],
+            collision,
+        })
     }
 
     fn add_levels(&mut self, chunk: &Chunk) -> Result<(), ExportError> {
@@ -143,7 +153,7 @@ impl<'a> ObjFiles<'a> {
                 0 => &chunk.visual,
                 level => &lods[level - 1].mesh,
             };
-            obj::write_visual(&mut file.file, &chunk.name, mesh, file.vertices)?;
+            obj::write_visual(&mut file.file, &chunk.name, &chunk.material.name, mesh, file.vertices)?;
             file.vertices += mesh.positions.len() as u64;
         }
         Ok(())
@@ -161,16 +171,19 @@ impl<'a> ObjFiles<'a> {
         Ok(triangles)
     }
 
-    fn add_material(&mut self, chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
-        let mut copy = |role, image| out.texture(self.stem.folder, &chunk.material.name, role, image);
-        let base_color = copy("base_color", &chunk.material.base_color)?;
-        let normal = copy("normal", &chunk.material.normal)?;
-        let roughness = copy("roughness", &chunk.material.roughness)?;
+    fn add_material(&mut self, material: &Material, out: &mut dyn Package) -> Result<(), ExportError> {
+        if !self.known.insert(material.name.clone()) {
+            return Ok(());
+        }
+        let mut copy = |role, image| out.texture(self.stem.folder, &material.name, role, image);
+        let base_color = copy("base_color", &material.base_color)?;
+        let normal = copy("normal", &material.normal)?;
+        let roughness = copy("roughness", &material.roughness)?;
         let maps = Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
-        let height = chunk.material.height.as_ref();
+        let height = material.height.as_ref();
         let displacement =
             height.map(|height| Ok::<_, ExportError>((copy("height", &height.image)?, height.amplitude_m)));
-        obj::write_material(&mut self.materials, &chunk.name, &maps)?;
+        obj::write_material(&mut self.materials, &material.name, &maps)?;
         match displacement.transpose()? {
             Some((file, amplitude_m)) => Ok(obj::write_displacement(&mut self.materials, &file, amplitude_m)?),
             None => Ok(()),
@@ -187,7 +200,7 @@ impl ChunkFiles for ObjFiles<'_> {
         out: &mut dyn Package,
     ) -> Result<Triangles, ExportError> {
         chunk.material.refuse_unless(ROW.name, ROW.images)?;
-        self.add_material(chunk, out)?;
+        self.add_material(&chunk.material, out)?;
         self.add_levels(chunk)?;
         Ok([chunk.visual.triangles(), self.add_collision(scene, index, chunk)?])
     }

@@ -162,10 +162,10 @@ fn write_visual(package: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<(
     let roughness = copy("roughness", &chunk.material.roughness)?;
     let maps = obj::Maps { base_color: &base_color, normal: &normal, roughness: &roughness };
     let library = format!("{name}.mtl");
-    out.write(&format!("{meshes}/{library}"), |file| Ok(obj::write_material(file, name, &maps)?))?;
+    out.write(&format!("{meshes}/{library}"), |file| Ok(obj::write_material(file, &chunk.material.name, &maps)?))?;
     out.write(&format!("{meshes}/{name}.obj"), |file| {
         obj::write_library(file, &library)?;
-        Ok(obj::write_visual(file, name, &chunk.visual, 0)?)
+        Ok(obj::write_visual(file, name, &chunk.material.name, &chunk.visual, 0)?)
     })
 }
 

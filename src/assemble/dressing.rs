@@ -1,7 +1,7 @@
-//! The things of a chunk as one mesh: copies of the prototypes, moved to their places.
+//! The things of a chunk: copies of the prototypes, or one mesh of all of them.
 
-use nalgebra::{Point3, Vector3};
-use plume_exporters::scene::{Instance, Lod, Mesh, Piece, Zone};
+use nalgebra::{Isometry3, Point3, Vector3};
+use plume_exporters::scene::{self, Instance, Lod, Material, Mesh, Piece, Zone};
 
 use crate::store::Prototypes;
 use crate::store::ply::PlyMesh;
@@ -57,13 +57,42 @@ impl Dressing {
     fn level(&self, things: &[Thing], coarser: usize) -> (Mesh, f32) {
         let (mut mesh, mut error_m) = (Mesh::default(), 0.0_f64);
         for (index, prototype, thing) in self.known(things) {
-            let width_m = prototype.width_m() * thing.scale;
-            let finest = SMALL_M.iter().filter(|limit| width_m < **limit).count();
-            let level = (finest + coarser).min(self.cuts.len() - 1);
+            let level = (self.finest(prototype, thing) + coarser).min(self.cuts.len() - 1);
             append(&mut mesh, &self.prototypes.levels[level], &self.cuts[level][index], prototype, thing);
             error_m = error_m.max(self.prototypes.errors_m[level] * thing.scale);
         }
         (mesh, error_m as f32)
+    }
+
+    /// The level of the prototype that a thing shows in full detail.
+    fn finest(&self, prototype: &Prototype, thing: &Thing) -> usize {
+        let width_m = prototype.width_m() * thing.scale;
+        let finest = SMALL_M.iter().filter(|limit| width_m < **limit).count();
+        finest.min(self.cuts.len() - 1)
+    }
+
+    /// The prototypes, each in its own frame.
+    pub fn prototypes(&self, material: &Material) -> Vec<scene::Prototype> {
+        let all = self.prototypes.library.prototypes.iter().enumerate();
+        let one = |(index, prototype): (usize, &Prototype)| {
+            let as_made = Thing {
+                id: 0,
+                kind: prototype.row.name.to_owned(),
+                prototype: prototype.name.clone(),
+                scale: 1.0,
+                pose: Isometry3::identity(),
+                embedding_m: 0.0,
+            };
+            let level = |level: usize| {
+                let mut mesh = Mesh::default();
+                append(&mut mesh, &self.prototypes.levels[level], &self.cuts[level][index], prototype, &as_made);
+                Lod { mesh, error_m: self.prototypes.errors_m[level] as f32 }
+            };
+            let Piece { mesh: hull, zone } = piece(prototype, &as_made);
+            let levels = (0..self.cuts.len()).map(level).collect();
+            scene::Prototype { name: prototype.name.clone(), levels, hull, zone, material: material.clone() }
+        };
+        all.map(one).collect()
     }
 
     /// The hulls of all things as one mesh.
@@ -83,6 +112,7 @@ impl Dressing {
             id: thing.id,
             class: thing.kind.clone(),
             prototype: thing.prototype.clone(),
+            level: self.finest(prototype, thing),
             chunk: chunk.to_owned(),
             pose: thing.pose,
             scale: thing.scale,
@@ -94,17 +124,19 @@ impl Dressing {
 
     /// The hull of each thing.
     pub fn pieces(&self, things: &[Thing]) -> Vec<Piece> {
-        let piece = |(_, prototype, thing): (usize, &Prototype, &Thing)| {
-            let place = |corner: &Point3<f64>| (thing.pose * (corner * thing.scale)).map(|c| c as f32).into();
-            let mesh = Mesh {
-                positions: prototype.hull.corners.iter().map(place).collect(),
-                indices: prototype.hull.faces.iter().flatten().copied().collect(),
-                ..Mesh::default()
-            };
-            Piece { mesh, zone: if prototype.row.place.is_loose() { Zone::Floor } else { Zone::Wall } }
-        };
-        self.known(things).map(piece).collect()
+        self.known(things).map(|(_, prototype, thing)| piece(prototype, thing)).collect()
     }
+}
+
+/// The hull of a thing at its place.
+fn piece(prototype: &Prototype, thing: &Thing) -> Piece {
+    let place = |corner: &Point3<f64>| (thing.pose * (corner * thing.scale)).map(|c| c as f32).into();
+    let mesh = Mesh {
+        positions: prototype.hull.corners.iter().map(place).collect(),
+        indices: prototype.hull.faces.iter().flatten().copied().collect(),
+        ..Mesh::default()
+    };
+    Piece { mesh, zone: if prototype.row.place.is_loose() { Zone::Floor } else { Zone::Wall } }
 }
 
 /// Appends these triangles of all prototypes at the place of a thing.

@@ -1,5 +1,6 @@
 //! A file that is being written.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Cursor, Seek, SeekFrom, Write as _};
 use std::path::Path;
@@ -28,6 +29,8 @@ pub struct Document {
     nodes: Nodes<Window>,
     counts: Counts,
     links: Vec<Link>,
+    /// The materials by name, since parts may share them.
+    materials: BTreeMap<String, i64>,
     last_id: i64,
 }
 
@@ -53,6 +56,7 @@ impl Document {
             nodes: start().map_err(|error| told(path, error))?,
             counts: Counts::default(),
             links: Vec::new(),
+            materials: BTreeMap::new(),
             last_id: head::DOCUMENT,
         })
     }
@@ -194,6 +198,9 @@ impl Document {
     }
 
     fn add_material(&mut self, name: &str, maps: &Maps) -> Written<i64> {
+        if let Some(made) = self.materials.get(name) {
+            return Ok(*made);
+        }
         let material = self.object(Kind::Material, name, "", material::write)?;
         for (role, path, property) in [
             ("base_color", Some(&maps.base_color), "DiffuseColor"),
@@ -205,6 +212,7 @@ impl Document {
             let texture = self.add_texture(&format!("{name}_{role}"), path)?;
             self.link(texture, material, Some(property));
         }
+        self.materials.insert(name.to_owned(), material);
         Ok(material)
     }
 

@@ -28,12 +28,16 @@ pub struct Layout {
     pub(super) open: Index<Buffer>,
     /// The textures by name, since chunks may share them.
     pub(super) textures: BTreeMap<String, Index<Texture>>,
+    /// The materials by name, likewise.
+    pub(super) materials: BTreeMap<String, Index<Material>>,
+    /// The meshes of prototypes by name.
+    pub(super) shared: BTreeMap<String, Index<Mesh>>,
 }
 
 /// Indices of a chunk in its document.
 pub struct Placed {
-    node: Index<Node>,
-    material: Index<Material>,
+    pub(super) node: Index<Node>,
+    pub(super) material: Index<Material>,
 }
 
 impl Layout {
@@ -56,7 +60,14 @@ impl Layout {
             min_filter: Some(Valid(MinFilter::LinearMipmapLinear)),
             ..Sampler::default()
         });
-        Self { root, style, open: Index::new(0), textures: BTreeMap::new() }
+        Self {
+            root,
+            style,
+            open: Index::new(0),
+            textures: BTreeMap::new(),
+            materials: BTreeMap::new(),
+            shared: BTreeMap::new(),
+        }
     }
 
     /// Adds a node with the visual mesh, its material and its images, with a child node for each convex piece.
@@ -67,7 +78,7 @@ impl Layout {
         self.open_buffer(&chunk.name);
         let mut payload = Payload::default();
         let primitive = self.primitive(&chunk.visual, &VERTEX, &mut payload);
-        let material = self.material(chunk, &mut payload)?;
+        let material = self.material(&chunk.material, &mut payload)?;
         let mut node = self.node(chunk.name.clone(), Primitive { material: Some(material), ..primitive });
         let children: Vec<Index<Node>> = pieces
             .iter()
@@ -119,14 +130,18 @@ impl Layout {
 
     /// A node of a mesh of the same name.
     fn node(&mut self, name: String, primitive: Primitive) -> Node {
-        let mesh = self.root.push(Mesh {
+        let mesh = self.mesh(name.clone(), primitive);
+        Node { mesh: Some(mesh), name: Some(name), ..Node::default() }
+    }
+
+    pub(super) fn mesh(&mut self, name: String, primitive: Primitive) -> Index<Mesh> {
+        self.root.push(Mesh {
             extensions: None,
             extras: None,
-            name: Some(name.clone()),
+            name: Some(name),
             primitives: vec![primitive],
             weights: None,
-        });
-        Node { mesh: Some(mesh), name: Some(name), ..Node::default() }
+        })
     }
 
     pub(super) fn use_extension(&mut self, name: &str) {

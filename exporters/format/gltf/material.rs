@@ -21,16 +21,19 @@ const NO_SOURCE: u32 = u32::MAX;
 impl Layout {
     pub(super) fn material<'a>(
         &mut self,
-        chunk: &'a Chunk,
+        material: &'a scene::Material,
         payload: &mut Payload<'a>,
     ) -> Result<Index<Material>, ExportError> {
+        if let Some(made) = self.materials.get(&material.name) {
+            return Ok(*made);
+        }
         let mut textures = Vec::new();
-        for (role, image) in images(&chunk.material) {
-            textures.push(self.texture(&chunk.material.name, role, image, payload)?);
+        for (role, image) in images(material) {
+            textures.push(self.texture(&material.name, role, image, payload)?);
         }
         let [base_color, normal, orm] = textures[..] else { unreachable!("there are three images") };
-        Ok(self.root.push(Material {
-            name: Some(chunk.name.clone()),
+        let made = self.root.push(Material {
+            name: Some(material.name.clone()),
             pbr_metallic_roughness: PbrMetallicRoughness {
                 base_color_texture: Some(info(base_color)),
                 metallic_roughness_texture: Some(info(orm)),
@@ -51,7 +54,9 @@ impl Layout {
                 extras: None,
             }),
             ..Material::default()
-        }))
+        });
+        self.materials.insert(material.name.clone(), made);
+        Ok(made)
     }
 
     fn texture<'a>(

@@ -71,23 +71,27 @@ def numbers(rows, name, width, kind=np.float32):
 
 
 def materials(path):
-    """Number of materials in use; fails if images are missing or have the wrong colour space."""
+    """Number of materials in use that differ; fails if images are missing or have the wrong colour space.
+
+    In USD each prototype of things has a material of its own, all with the same images.
+    """
     if path.suffix in (".ply", ".stl"):
         return None
     found = {slot.material for thing in drawn() for slot in thing.material_slots}
     require(None not in found, f"{path.name}: a mesh has no material")
-    for material in found:
-        check_images(material, SPACES_OF_OBJ if path.suffix == ".obj" else SPACES, f"{path.name}: {material.name}")
-    return len(found)
+    spaces = SPACES_OF_OBJ if path.suffix == ".obj" else SPACES
+    return len({color_image(material, spaces, f"{path.name}: {material.name}") for material in found})
 
 
-def check_images(material, spaces, where):
+def color_image(material, spaces, where):
+    """Checks the images of a material; gives the one of its colour."""
     seen = dict(images(material))
     require(spaces.keys() <= seen.keys(), f"{where} has images for {sorted(seen)} only")
     for name, image in seen.items():
         require(image.size[0] > 0, f"{where}: {image.name} cannot be read")
         space = image.colorspace_settings.name
         require(space == spaces.get(name, "Non-Color"), f"{where}: the image of {name} is taken for {space}")
+    return seen["Base Color"]
 
 
 def images(material):

@@ -38,12 +38,9 @@ def materials(path):
     """How many there are; each has an image of its colour."""
     if path.suffix in (".ply", ".stl"):
         return None
-    found = [
-        mesh.visual.material
-        for mesh in trimesh.load_scene(path, process=False).geometry.values()
-        if mesh.visual.defined
-    ]
-    for material in found:
+    meshes = trimesh.load_scene(path, process=False).geometry.values()
+    found = {mesh.visual.material.name: mesh.visual.material for mesh in meshes if mesh.visual.defined}
+    for material in found.values():
         image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
         require(image is not None, f"{path.name}: material {material.name} has no image")
     return len(found)

@@ -79,8 +79,7 @@ function verify(report) {
     }
     if (mesh.maps.map && mesh.maps.map !== 'srgb') faults.push(`${mesh.name}: base colour is not sRGB`);
   }
-  for (const [name, triangles] of report.wanted) {
-    const found = report.meshes.find((mesh) => mesh.name === name)?.triangles;
+  for (const [name, triangles, found] of report.counted) {
     if (found !== triangles) faults.push(`${name} has ${found} triangles, and scene.json says ${triangles}`);
   }
   if (report.mean < 0.02) faults.push(`the picture is dark (mean ${report.mean.toFixed(4)})`);

@@ -96,14 +96,14 @@ def colliders_are_static_and_apart(stage):
         ):
             yield f"{mesh.GetPath()} does not collide"
         approximation = UsdPhysics.MeshCollisionAPI(prim).GetApproximationAttr().Get()
-        is_piece = prim.GetName() != "Collision"
+        is_piece = prim.GetName() != "Collision" or packages.is_of_instance(mesh)
         if approximation != (UsdPhysics.Tokens.convexHull if is_piece else UsdPhysics.Tokens.none):
             yield f"{mesh.GetPath()} is approximated by {approximation}"
         if is_piece and not is_convex(packages.triangles(mesh)):
             yield f"{mesh.GetPath()} is not convex"
         if mesh.GetPurposeAttr().Get() != UsdGeom.Tokens.guide:
             yield f"{mesh.GetPath()} is drawn"
-    for prim in stage.TraverseAll():
+    for prim in packages.prims(stage):
         if prim.HasAPI(UsdPhysics.RigidBodyAPI):
             yield f"{prim.GetPath()} is a rigid body"
 
@@ -121,6 +121,12 @@ def physics_is_whole(stage):
     if not colliders:
         return
     rough = {mesh.GetPath().GetPrefixes()[2] for mesh in colliders}
+    hard = {mesh.GetPrim().GetPrimInPrototype().GetPath().GetPrefixes()[0] for mesh in colliders}
+    for thing in packages.instances(stage):
+        if thing.GetPrototype().GetPath() in hard:
+            rough.add(thing.GetPath().GetPrefixes()[2])
+        else:
+            yield f"{thing.GetPath()} does not collide"
     if rough != {chunk.GetPath() for chunk in packages.chunks(stage)}:
         yield f"{len(rough)} of {len(packages.chunks(stage))} chunks collide"
     scenes = [UsdPhysics.Scene(prim) for prim in stage.TraverseAll() if prim.IsA(UsdPhysics.Scene)]
@@ -144,7 +150,13 @@ def the_cave_has_labels(stage):
     world = UsdSemantics.LabelsAPI(stage.GetPrimAtPath("/World"), "class").GetLabelsAttr().Get() or []
     if "cave" not in world:
         yield f"/World is labelled {list(world)}"
+    for thing in packages.instances(stage):
+        classes = UsdSemantics.LabelsAPI(thing, "class").GetLabelsAttr().Get() or []
+        if len(classes) != 1 or not thing.GetName().startswith(f"{classes[0]}_"):
+            yield f"{thing.GetPath()} is labelled {list(classes)}"
     for mesh in packages.meshes(stage, "Visual"):
+        if packages.is_of_instance(mesh):
+            continue
         labels = {}
         for subset in UsdGeom.Subset.GetAllGeomSubsets(mesh):
             label = UsdSemantics.LabelsAPI(subset, "class").GetLabelsAttr().Get() or [None]
@@ -214,7 +226,7 @@ def paths_are_relative_and_lead_somewhere(package, root):
 
 def images_are_written_as_relative_paths(package, root):
     stage = packages.open_stage(root)
-    for prim in stage.TraverseAll():
+    for prim in packages.prims(stage):
         image = UsdShade.Shader(prim).GetInput("file") if prim.IsA(UsdShade.Shader) else None
         if not image:
             continue
@@ -267,13 +279,16 @@ def payloads_stay_closed_and_open_alone(package, root):
 def levels_get_coarser(package, root):
     stage = packages.open_stage(root)
     for chunk in packages.chunks(stage):
-        faces = [count_faces(chunk.GetChild("Visual")) for _ in packages.levels_of(chunk)]
+        faces = [count_faces(chunk) for _ in packages.levels_of(chunk)]
         if not faces or 0 in faces or any(finer <= coarser for finer, coarser in pairwise(faces)):
             yield f"{chunk.GetPath()} has levels of {faces} faces"
 
 
-def count_faces(prim):
-    return len(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get() or []) if prim else 0
+def count_faces(chunk):
+    """Of the visual mesh of a chunk, and of those of its things."""
+    visual, things = chunk.GetChild("Visual"), [prim for prim in Usd.PrimRange(chunk) if prim.IsInstance()]
+    meshes = [visual] if visual else [thing.GetChild("Visual") for thing in things]
+    return sum(len(UsdGeom.Mesh(mesh).GetFaceVertexCountsAttr().Get() or []) for mesh in meshes)
 
 
 FILE_LAWS = [

@@ -23,7 +23,7 @@ DURATION_S = 3.0
 def verify(package):
     root = packages.root_layer(package)
     stage = packages.open_stage(root)
-    rock = np.concatenate([packages.triangles(mesh) for mesh in packages.colliders(stage)])
+    rock = packages.rock(stage)
     poses = packages.spawns(stage)
     with tempfile.TemporaryDirectory() as folder:
         layer = Path(folder) / "dropped.usda"

@@ -27,15 +27,42 @@ def open_stage(path, load=Usd.Stage.LoadAll):
     return Usd.Stage.Open(str(path), load)
 
 
+def prims(stage):
+    """Every prim, and those of one instance of each prototype."""
+    seen = set()
+    for prim in stage.TraverseAll():
+        yield prim
+        if prim.IsInstance() and prim.GetPrototype().GetPath() not in seen:
+            seen.add(prim.GetPrototype().GetPath())
+            yield from below(prim)
+
+
+def below(instance):
+    """The prims of an instance without itself."""
+    yield from list(Usd.PrimRange(instance, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)))[1:]
+
+
 def meshes(stage, name):
-    """Every mesh prim with this name."""
-    return [UsdGeom.Mesh(prim) for prim in stage.TraverseAll() if prim.IsA(UsdGeom.Mesh) and prim.GetName() == name]
+    """Every mesh prim with this name; of instances of one prototype only one."""
+    return [UsdGeom.Mesh(prim) for prim in prims(stage) if prim.IsA(UsdGeom.Mesh) and prim.GetName() == name]
 
 
 def colliders(stage):
-    """Every mesh that bodies touch: the collision mesh of each chunk, or its convex pieces."""
-    found = [UsdGeom.Mesh(prim) for prim in stage.TraverseAll() if prim.IsA(UsdGeom.Mesh)]
-    return [mesh for mesh in found if "Collision" in str(mesh.GetPath()).split("/")]
+    """Every mesh that bodies touch: the collision mesh of each chunk, or its convex pieces, and a hull of each prototype."""
+    return [UsdGeom.Mesh(prim) for prim in prims(stage) if is_collider(prim)]
+
+
+def is_collider(prim):
+    return prim.IsA(UsdGeom.Mesh) and "Collision" in str(prim.GetPath()).split("/")
+
+
+def instances(stage):
+    """The things, each an instance of a prototype."""
+    return [prim for prim in stage.TraverseAll() if prim.IsInstance()]
+
+
+def is_of_instance(mesh):
+    return mesh.GetPrim().IsInstanceProxy()
 
 
 def chunks(stage):
@@ -53,9 +80,22 @@ def levels_of(chunk):
 
 
 def triangles(mesh):
-    """Corners in metres, shape (triangle, corner, xyz)."""
+    """Corners in metres in the frame of the mesh, shape (triangle, corner, xyz)."""
     points = np.asarray(mesh.GetPointsAttr().Get() or [], dtype=np.float64).reshape(-1, 3)
     return points[np.asarray(mesh.GetFaceVertexIndicesAttr().Get() or [], dtype=np.int64).reshape(-1, 3)]
+
+
+def rock(stage):
+    """Corners of all colliders in metres in the frame of the stage, shape (triangle, corner, xyz)."""
+    places, hulls = UsdGeom.XformCache(), {}
+    found = [triangles(UsdGeom.Mesh(prim)) for prim in stage.TraverseAll() if is_collider(prim)]
+    for thing in instances(stage):
+        prototype = thing.GetPrototype().GetPath()
+        if prototype not in hulls:
+            hulls[prototype] = [triangles(UsdGeom.Mesh(prim)) for prim in below(thing) if is_collider(prim)]
+        world_from_thing = np.asarray(places.GetLocalToWorldTransform(thing))
+        found += [hull @ world_from_thing[:3, :3] + world_from_thing[3, :3] for hull in hulls[prototype]]
+    return np.concatenate(found)
 
 
 def spawns(stage):

@@ -31,14 +31,34 @@ def digest(root):
     seen, prims, values = hashlib.sha256(), 0, 0
     for chunk in [None, *packages.chunks(stage)]:
         for _ in packages.levels_of(chunk) if chunk else [None]:
-            for prim in Usd.PrimRange(chunk, Usd.TraverseInstanceProxies()) if chunk else stage.TraverseAll():
+            known = {}
+            for prim in Usd.PrimRange(chunk) if chunk else stage.TraverseAll():
                 prims += 1
-                seen.update(f"{prim.GetPath()} {prim.GetTypeName()} {prim.GetAppliedSchemas()}".encode())
-                for attribute in prim.GetAuthoredAttributes():
-                    values += 1
-                    seen.update(attribute.GetName().encode() + bits(attribute.Get()))
+                values += update(seen, prim, prim.GetPath())
+                if prim.IsInstance():
+                    seen.update(inside(prim, known))
     version = ".".join(str(part) for part in Usd.GetVersion()[1:])
     return f"USD {version}: {prims} prims, {values} values, SHA-256 {seen.hexdigest()[:16]}"
+
+
+def inside(instance, known):
+    """The digest of what is below an instance, which is the same for all of its prototype."""
+    prototype = instance.GetPrototype().GetPath()
+    if prototype not in known:
+        seen = hashlib.sha256()
+        for prim in packages.below(instance):
+            update(seen, prim, prim.GetPath().MakeRelativePath(instance.GetPath()))
+        known[prototype] = seen.digest()
+    return known[prototype]
+
+
+def update(seen, prim, path):
+    """Adds a prim to a digest; gives the number of its attributes."""
+    seen.update(f"{path} {prim.GetTypeName()} {prim.GetAppliedSchemas()}".encode())
+    attributes = prim.GetAuthoredAttributes()
+    for attribute in attributes:
+        seen.update(attribute.GetName().encode() + bits(attribute.Get()))
+    return len(attributes)
 
 
 def bits(value):

@@ -36,10 +36,11 @@ def verify(package):
     if messages:
         raise Failure("\n".join(sorted(set(messages))))
     visuals = packages.meshes(stage, "Visual")
-    faces = sum(len(mesh.GetFaceVertexCountsAttr().Get()) for mesh in visuals)
+    faces = sum(laws.count_faces(chunk) for chunk in packages.chunks(stage))
+    things = len(packages.instances(stage))
     version = ".".join(str(part) for part in Usd.GetVersion()[1:])
     prims = len(list(stage.TraverseAll()))
-    return f"USD {version}: {prims} prims, {len(visuals)} visual meshes, {faces} triangles, nothing that a validator refuses"
+    return f"USD {version}: {prims} prims, {len(visuals)} visual meshes, {things} things, {faces} triangles, nothing that a validator refuses"
 
 
 def levels(stage):

@@ -1,0 +1,105 @@
+//! Things: a layer with the prototypes, and a layer per chunk with instances of them.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::colliders::collider;
+use super::{Contents, Library, describe_pose, textures, visual};
+use crate::collision::Collision;
+use crate::error::ExportError;
+use crate::names;
+use crate::package::Package;
+use crate::scene::{ByZone, Chunk, Instance, Prototype, Scene, Zone};
+
+/// File of the layer with the prototypes, beside those of the chunks.
+const LAYER: &str = "prototypes.usdc";
+
+/// The prototypes of a stage, which its things refer to.
+pub(super) struct Prototypes {
+    all: Vec<Prototype>,
+    physics: Option<Collision>,
+    friction: ByZone,
+}
+
+impl Prototypes {
+    /// Writes their layer and images, if the scene has things.
+    pub fn write(
+        target: &'static str,
+        scene: &Scene,
+        contents: &Contents,
+        library: &dyn Library,
+        scratch: &Path,
+        out: &mut dyn Package,
+    ) -> Result<Self, ExportError> {
+        let made = Self { all: scene.prototypes()?, physics: contents.physics, friction: scene.friction };
+        if made.all.is_empty() {
+            return Ok(made);
+        }
+        let (path, mut arrays, mut prototypes) = (scratch.join(LAYER), Vec::new(), Vec::new());
+        for Prototype { name, levels, hull, material, .. } in &made.all {
+            material.refuse_unless(target, &super::IMAGES)?;
+            let mut described = Vec::new();
+            for (number, level) in levels.iter().enumerate() {
+                let own = format!("{name}.LOD{number}");
+                let mut level_spec = visual(format!("LOD{number}"), &own, level.mesh.clone(), &mut arrays);
+                level_spec["error_m"] = level.error_m.into();
+                // What a thing is says its class.
+                level_spec["parts"] = json!([]);
+                described.push(level_spec);
+            }
+            let hull =
+                made.physics.map(|_| collider(format!("{name}.Collision"), "convexHull", hull.clone(), &mut arrays));
+            let textures = textures(material, out)?;
+            prototypes.push(json!({ "name": name, "levels": described, "collider": hull, "textures": textures }));
+        }
+        library.call("write_prototypes", &json!({ "path": path, "prototypes": prototypes }), arrays)?;
+        out.copy(&format!("chunks/{LAYER}"), &path)?;
+        Ok(made)
+    }
+
+    /// Writes the layer of a chunk of things; returns its description for the root layer, and its collision triangles.
+    pub fn write_chunk(
+        &self,
+        chunk: &Chunk,
+        things: &[Instance],
+        library: &dyn Library,
+        scratch: &Path,
+        out: &mut dyn Package,
+    ) -> Result<(Value, u64), ExportError> {
+        let layer = format!("{}.usdc", chunk.name);
+        let path = scratch.join(&layer);
+        let (mut described, mut triangles) = (Vec::new(), 0);
+        for thing in things {
+            let prototype = thing.prototype_in(&self.all)?;
+            triangles += self.physics.map_or(0, |_| prototype.hull.triangles());
+            described.push(describe(thing, prototype));
+        }
+        let levels: Vec<String> = (0..=chunk.lods.len()).map(|level| format!("LOD{level}")).collect();
+        // Pieces have the friction of their zone.
+        let has_friction = self.physics == Some(Collision::Pieces);
+        let zone =
+            |zone: Zone| json!({ "name": zone.name(), "friction": has_friction.then(|| self.friction.of(zone)) });
+        let zones = Zone::ALL.into_iter().filter(|zone| described.iter().any(|thing| thing["zone"] == zone.name()));
+        let zones: Vec<Value> = zones.map(zone).collect();
+        let spec = json!({ "path": path, "zones": zones, "levels": levels, "things": described });
+        library.call("write_things", &spec, Vec::new())?;
+        out.copy(&format!("chunks/{layer}"), &path)?;
+        std::fs::remove_file(&path)?;
+        let extent = chunk.visual.bounds();
+        Ok((json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }), triangles))
+    }
+}
+
+fn describe(thing: &Instance, prototype: &Prototype) -> Value {
+    let levels: Vec<String> = (thing.level..prototype.levels.len()).map(|level| format!("LOD{level}")).collect();
+    let mut described = describe_pose(&thing.pose);
+    described["name"] = names::thing(thing).into();
+    described["class"] = thing.class.as_str().into();
+    described["prototype"] = prototype.name.as_str().into();
+    described["layer"] = format!("./{LAYER}").into();
+    described["zone"] = prototype.zone.name().into();
+    described["levels"] = levels.into();
+    described["scale"] = thing.scale.into();
+    described
+}
