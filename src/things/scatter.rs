@@ -40,7 +40,12 @@ impl<'a> Site<'a> {
             let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]));
             let at_rest: Vec<(Candidate, Isometry3<f64>)> = candidates
                 .into_iter()
-                .filter_map(|candidate| Some((candidate.clone(), self.rest(&candidate, &lying)?)))
+                .filter_map(|mut candidate| {
+                    let pose = self.rest(&candidate, &lying)?;
+                    // Of two floors over each other, stones may come to lie on one and the same boulder.
+                    candidate.at.z = pose.translation.z;
+                    Some((candidate, pose))
+                })
                 .collect();
             let free = self.is_out_of_the_rock(&at_rest);
             let at_rest: Vec<_> =

@@ -44,15 +44,19 @@ SPACES_OF_OBJ = {"Base Color": "sRGB", "Roughness": "sRGB"}
 def by_blender(path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     require("FINISHED" in IMPORTS[path.suffix](str(path)), f"Blender cannot import {path.name}")
-    return joined(map(triangles, drawn()))
+    return joined([triangles(thing.data, world_from_mesh) for thing, world_from_mesh in drawn()])
 
 
 def drawn():
-    return [thing for thing in bpy.data.objects if thing.type == "MESH" and is_drawn(thing.name)]
+    """The objects of the scene with their places; of instances, each of its copies."""
+    found = [
+        (instance.object.original, np.array(instance.matrix_world))
+        for instance in bpy.context.evaluated_depsgraph_get().object_instances
+    ]
+    return [(thing, place) for thing, place in found if thing.type == "MESH" and is_drawn(thing.name)]
 
 
-def triangles(thing):
-    mesh, world_from_mesh = thing.data, np.array(thing.matrix_world)
+def triangles(mesh, world_from_mesh):
     mesh.calc_loop_triangles()
     loops = numbers(mesh.loop_triangles, "loops", 3, np.int32)
     points = numbers(mesh.vertices, "co", 3)[numbers(mesh.loops, "vertex_index", 1, np.int32)[:, 0]]
@@ -77,7 +81,7 @@ def materials(path):
     """
     if path.suffix in (".ply", ".stl"):
         return None
-    found = {slot.material for thing in drawn() for slot in thing.material_slots}
+    found = {slot.material for thing, _ in drawn() for slot in thing.material_slots}
     require(None not in found, f"{path.name}: a mesh has no material")
     spaces = SPACES_OF_OBJ if path.suffix == ".obj" else SPACES
     return len({color_image(material, spaces, f"{path.name}: {material.name}") for material in found})
