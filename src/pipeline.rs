@@ -22,11 +22,13 @@ pub use self::error::PipelineError;
 pub use self::needs::Needs;
 pub use self::outside::{Disk, Machine};
 pub use self::status::{StageStatus, State};
+pub use self::things::stock;
 use crate::field::{Aabb, CaveField};
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
-use crate::preview::Subject;
+use crate::preview::{Furnishing, Subject};
 use crate::recipe::Recipe;
 use crate::store::{self, CaveFolder, Facts, FileRecord, MeshFacts, Stage, TextureFacts, Unit, chunk_name, sha256};
+use crate::things::{Library, Shelf};
 use plume_graph::{Graph, Outside};
 use plume_survey::{Import, Parts};
 
@@ -392,7 +394,19 @@ pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
 /// The cave as the subject of previews.
 pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -> Subject<'a> {
     let lamp_spacing_m = recipe.world().lights.then_some(recipe.world().light_spacing_m);
-    Subject { name: recipe.name(), graph, passage: recipe.passage(), field, lamp_spacing_m }
+    Subject { name: recipe.name(), graph, passage: recipe.passage(), field, lamp_spacing_m, furnishing: None }
+}
+
+/// What previews show with its things.
+pub fn furnished<'a>(
+    recipe: &'a Recipe,
+    graph: &'a Graph,
+    field: &'a CaveField,
+    (shelf, library): &'a (Shelf, Library),
+) -> Subject<'a> {
+    let setting = things::setting(recipe, graph, field, library);
+    let furnishing = Some(Furnishing { setting, shelf, mesh: recipe.mesh() });
+    Subject { furnishing, ..subject(recipe, graph, field) }
 }
 
 /// The text of the cave's graph file.

@@ -7,6 +7,7 @@
 //! functions of the platform. Not promised: that a preview looks like the cave in a simulator.
 
 mod flight;
+mod furnishing;
 mod image;
 mod inside;
 mod map;
@@ -22,6 +23,7 @@ use crate::field::{CaveField, PassageSettings};
 use plume_graph::Graph;
 
 pub use self::flight::Pace;
+pub use self::furnishing::Furnishing;
 pub use self::theme::Theme;
 
 /// A cave to be shown.
@@ -36,6 +38,8 @@ pub struct Subject<'a> {
     pub field: &'a CaveField,
     /// Distance between its lamps in metres; `None` without lamps.
     pub lamp_spacing_m: Option<f64>,
+    /// Its things; `None` to leave them out.
+    pub furnishing: Option<Furnishing<'a>>,
 }
 
 /// What to draw, and how.
@@ -144,6 +148,8 @@ pub struct ViewRow {
     pub size: Size,
     /// The options it uses in addition to the format.
     pub heeds: &'static [&'static str],
+    /// Whether it shows [`Subject::furnishing`].
+    pub shows_things: bool,
     draw: fn(&Subject, &Order, Size) -> Result<Drawn, PreviewError>,
 }
 
@@ -170,6 +176,7 @@ pub static VIEWS: &[ViewRow] = &[
         formats: &[Format::Png, Format::Svg],
         size: MAP,
         heeds: &["size", "theme"],
+        shows_things: true,
         draw: map::plan,
     },
     ViewRow {
@@ -178,6 +185,7 @@ pub static VIEWS: &[ViewRow] = &[
         formats: &[Format::Png, Format::Svg],
         size: Size { height: 640, ..MAP },
         heeds: &["size", "theme"],
+        shows_things: false,
         draw: map::profile,
     },
     ViewRow {
@@ -186,6 +194,7 @@ pub static VIEWS: &[ViewRow] = &[
         formats: &[Format::Png],
         size: Size { width: 960, height: 540 },
         heeds: &["size", "at", "look"],
+        shows_things: true,
         draw: inside::inside,
     },
     ViewRow {
@@ -194,6 +203,7 @@ pub static VIEWS: &[ViewRow] = &[
         formats: &[Format::Gif, Format::Png, Format::Frames],
         size: Size { width: 400, height: 225 },
         heeds: &["size", "fps", "seconds"],
+        shows_things: false,
         draw: flight::flight,
     },
     ViewRow {
@@ -202,6 +212,7 @@ pub static VIEWS: &[ViewRow] = &[
         formats: &[Format::Html],
         size: MAP,
         heeds: &[],
+        shows_things: true,
         draw: page::page,
     },
 ];

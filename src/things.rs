@@ -9,7 +9,9 @@
 //! between three supports. Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the
 //! corridor. Not promised: the same things for other sizes of chunks, whose triangles differ by millimetres.
 
+mod around;
 mod corridor;
+mod dressed;
 mod drip;
 mod dripstone;
 mod facets;
@@ -23,6 +25,8 @@ mod settings;
 mod shelf;
 mod stone;
 
+pub use around::place_in;
+pub use dressed::Dressed;
 pub use kind::{Hang, KINDS, KindRow, Place, Scatter, Shape, Shapes};
 pub use library::{Body, Library, Prototype, shelf_mesh};
 pub use place::{Setting, place};

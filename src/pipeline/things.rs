@@ -10,7 +10,7 @@ use crate::recipe::Recipe;
 use crate::store::{self, Facts, PROTOTYPES, Stage, ThingFacts, Unit, WHOLE_CAVE, chunk_name};
 use crate::texture::{LodSettings, TextureSettings};
 use crate::things::{self, Dress, Library, Setting, Shelf};
-use plume_graph::Aabb;
+use plume_graph::{Aabb, Graph};
 
 /// Texels per metre on the shelf relative to those on the wall, as the largest stones are about twice as large as their
 /// prototypes. Tuned.
@@ -38,10 +38,7 @@ impl Pipeline<'_> {
         if self.recipe.things().cover <= 0.0 {
             return Ok((Vec::new(), Facts::Things(ThingFacts::default())));
         }
-        let material = |setting| rock_with(self.recipe, setting);
-        let rock = self.recipe.rock_name();
-        let dress = Dress { rock, material: &material, look: self.recipe.look(), seed: self.recipe.seed() };
-        let shelf = Shelf::new(&dress);
+        let shelf = shelf(self.recipe);
         let texture = self.recipe.texture();
         let density_px_per_m = TEXEL_RATIO * texture.density_px_per_m;
         let texture = TextureSettings { density_px_per_m, size_px: None, ..texture.clone() };
@@ -59,9 +56,7 @@ impl Pipeline<'_> {
         field: &CaveField,
         library: &Library,
     ) -> Result<Made, PipelineError> {
-        let (recipe, graph) = (self.recipe, &self.graph);
-        let (settings, rock, seed) = (recipe.things(), recipe.rock_name(), recipe.seed());
-        let setting = Setting { library, settings, rock, field, graph, seed };
+        let setting = setting(self.recipe, &self.graph, field, library);
         let (wall, around) = self.with_neighbours(name, walls)?;
         let index = grid.indices().find(|index| chunk_name(*index) == name).unwrap_or(ChunkIndex([0; 3]));
         let Aabb { min, max } = grid.chunk_bounds(index);
@@ -87,6 +82,31 @@ type Made = (Vec<store::FileRecord>, Facts);
 /// The prototypes in a cave folder; none if it has no things.
 fn library(recipe: &Recipe, folder: &store::CaveFolder) -> Result<Library, PipelineError> {
     Ok(store::read_prototypes(folder, recipe.rock_name())?.map(|prototypes| prototypes.library).unwrap_or_default())
+}
+
+/// The shapes of the things of a recipe.
+fn shelf(recipe: &Recipe) -> Shelf {
+    let material = |setting| rock_with(recipe, setting);
+    Shelf::new(&Dress { rock: recipe.rock_name(), material: &material, look: recipe.look(), seed: recipe.seed() })
+}
+
+/// The shapes of the things of a recipe, and the prototypes made of them; `None` if it has no things.
+pub fn stock(recipe: &Recipe) -> Option<(Shelf, Library)> {
+    (recipe.things().cover > 0.0).then(|| {
+        let shelf = shelf(recipe);
+        let library = Library::of_shelf(recipe.rock_name(), &shelf);
+        (shelf, library)
+    })
+}
+
+/// What the things of a recipe follow from, beside its walls.
+pub(super) fn setting<'a>(
+    recipe: &'a Recipe,
+    graph: &'a Graph,
+    field: &'a CaveField,
+    library: &'a Library,
+) -> Setting<'a> {
+    Setting { library, settings: recipe.things(), rock: recipe.rock_name(), field, graph, seed: recipe.seed() }
 }
 
 /// The rock with one setting replaced.

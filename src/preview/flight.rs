@@ -62,7 +62,7 @@ pub fn flight(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, Pre
     let frames: Vec<Image> = poses
         .iter()
         .zip(exposures)
-        .map(|(&pose, exposure)| Ok(exposed(&lit(subject, pose, size, order.stop)?, size, exposure)))
+        .map(|(&pose, exposure)| Ok(exposed(&lit(subject.field, subject, pose, size, order.stop)?, size, exposure)))
         .collect::<Result<_, PreviewError>>()?;
     Ok(match order.format {
         Format::Frames => Drawn::Frames(frames.par_iter().map(Image::png).collect()),
@@ -83,7 +83,7 @@ fn poses(subject: &Subject, pace: Pace) -> Result<Vec<Pose>, PreviewError> {
 /// An exposure for each frame.
 fn exposures(subject: &Subject, order: &Order, poses: &[Pose], size: Size) -> Result<Vec<f32>, PreviewError> {
     let small = Size { width: size.width.div_ceil(SMALLER), height: size.height.div_ceil(SMALLER) };
-    let of = |pose: &Pose| Ok(mean_exposure(&lit(subject, *pose, small, order.stop)?));
+    let of = |pose: &Pose| Ok(mean_exposure(&lit(subject.field, subject, *pose, small, order.stop)?));
     let sharp = poses.iter().map(of).collect::<Result<Vec<f32>, PreviewError>>()?;
     let reach = (SLOWNESS_S * f64::from(order.pace.fps)) as usize;
     let level = |frame: usize| {

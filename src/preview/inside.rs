@@ -23,8 +23,9 @@ use self::light::{Lamp, Sight};
 use self::march::{Approach, BRISK, CAREFUL, FAR_M};
 pub use self::tone::exposure as mean_exposure;
 use super::image::Image;
-use super::{Drawn, Order, PreviewError, Size, Subject};
-use crate::field::{Aabb, CaveField, Field, Surface, Texel};
+use super::{Drawn, Furnishing, Order, PreviewError, Size, Subject};
+use crate::field::{Aabb, Field, Surface, Texel};
+use crate::things::Dressed;
 
 /// Pixels along the edge of a cone.
 const CONE: usize = 8;
@@ -37,8 +38,23 @@ const ONE_SURFACE: f32 = 1.1;
 
 /// The picture from a pose.
 pub fn inside(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
-    let light = lit(subject, pose(subject, order)?, size, order.stop)?;
+    let pose = pose(subject, order)?;
+    let light = match &subject.furnishing {
+        None => lit(subject.field, subject, pose, size, order.stop)?,
+        Some(furnishing) => {
+            let things = furnishing.things_in(around(pose.eye), order.stop)?;
+            let Furnishing { setting, shelf, .. } = furnishing;
+            lit(&Dressed::new(setting.field, shelf, setting.library, &things), subject, pose, size, order.stop)?
+        }
+    };
     Ok(Drawn::File(exposed(&light, size, mean_exposure(&light)).png()))
+}
+
+/// Where things are shown: at the end of it, a cobble is a pixel or two wide.
+fn around(eye: [f32; 3]) -> Aabb<f64> {
+    /// Distance in metres. Tuned: nearly all that a camera in a passage sees.
+    const SHOWN_M: f64 = 18.0;
+    Aabb::from(eye.map(f64::from)).padded(SHOWN_M)
 }
 
 /// The requested pose, or one that shows most.
@@ -62,10 +78,15 @@ pub fn exposed(light: &[[f32; 3]], size: Size, exposure: f32) -> Image {
     Image { size, rgb: light.iter().flat_map(|&light| tone::pixel(light, exposure)).collect() }
 }
 
-/// The light at every pixel, rows from the top.
-pub fn lit(subject: &Subject, pose: Pose, size: Size, stop: &AtomicBool) -> Result<Vec<[f32; 3]>, PreviewError> {
+/// The light at every pixel, rows from the top: `scenery` is the cave, with its things or without.
+pub fn lit<F: Field + Surface>(
+    scenery: &F,
+    subject: &Subject,
+    pose: Pose,
+    size: Size,
+    stop: &AtomicBool,
+) -> Result<Vec<[f32; 3]>, PreviewError> {
     let camera = Camera::new(pose, size);
-    let field = subject.field;
     let mut lamps = light::lamps(subject, pose.eye);
     lamps.push(light::headlamp(&camera));
     let edge = CONE * SQUARE;
@@ -75,7 +96,7 @@ pub fn lit(subject: &Subject, pose: Pose, size: Size, stop: &AtomicBool) -> Resu
         .into_par_iter()
         .map(|square| {
             let corner = [square % across * edge, square / across * edge];
-            (!stop.load(Ordering::Relaxed)).then(|| square_of(field, &lamps, &camera, size, corner))
+            (!stop.load(Ordering::Relaxed)).then(|| square_of(scenery, &lamps, &camera, size, corner))
         })
         .collect();
     let mut light = vec![[0.0; 3]; width * height];
@@ -90,7 +111,13 @@ struct Pixel {
     rgb: [f32; 3],
 }
 
-fn square_of(field: &CaveField, lamps: &[Lamp], camera: &Camera, size: Size, corner: [usize; 2]) -> Vec<Pixel> {
+fn square_of<F: Field + Surface>(
+    field: &F,
+    lamps: &[Lamp],
+    camera: &Camera,
+    size: Size,
+    corner: [usize; 2],
+) -> Vec<Pixel> {
     let corners: Vec<[usize; 2]> = (0..SQUARE * SQUARE)
         .map(|cone| [corner[0] + cone % SQUARE * CONE, corner[1] + cone / SQUARE * CONE])
         .filter(|[x, y]| *x < size.width as usize && *y < size.height as usize)
@@ -103,8 +130,8 @@ fn square_of(field: &CaveField, lamps: &[Lamp], camera: &Camera, size: Size, cor
     corners.iter().zip(starts).flat_map(|(&corner, start)| cone_of(field, lamps, camera, size, corner, start)).collect()
 }
 
-fn cone_of(
-    field: &CaveField,
+fn cone_of<F: Field + Surface>(
+    field: &F,
     lamps: &[Lamp],
     camera: &Camera,
     size: Size,
@@ -128,7 +155,13 @@ fn cone_of(
 }
 
 /// The surface where these rays hit it.
-fn sights(field: &CaveField, camera: &Camera, rays: &[Ray], ends: &[f32], hits: &[usize]) -> Vec<Sight> {
+fn sights<F: Field + Surface>(
+    field: &F,
+    camera: &Camera,
+    rays: &[Ray],
+    ends: &[f32],
+    hits: &[usize],
+) -> Vec<Sight> {
     let points: Vec<[f32; 3]> = hits.iter().map(|&ray| rays[ray].at(ends[ray])).collect();
     let mean_m = hits.iter().map(|&ray| ends[ray]).sum::<f32>() / hits.len() as f32;
     let texels = texels(field, &points, mean_m * camera.pixel);
@@ -141,7 +174,7 @@ fn sights(field: &CaveField, camera: &Camera, rays: &[Ray], ends: &[f32], hits: 
 }
 
 /// The wall at nearby points, at least one, with the detail for pixels of this size.
-fn texels(field: &CaveField, points: &[[f32; 3]], texel_m: f32) -> Vec<Texel> {
+fn texels<F: Field + Surface>(field: &F, points: &[[f32; 3]], texel_m: f32) -> Vec<Texel> {
     let bounds = Aabb::from_points(points.iter().copied()).expect("there is a point");
     let normals = field.normals_at(points);
     let mut texels = vec![Texel::default(); points.len()];

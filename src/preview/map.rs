@@ -11,12 +11,14 @@ mod frame;
 mod furniture;
 mod marks;
 mod sheet;
+mod stones;
 mod thin;
 
 use self::frame::{Area, Frame};
 use self::furniture::Furniture;
 use self::marks::Marks;
 use self::sheet::{Panel, Sheet, SheetStation};
+use self::stones::Stones;
 use super::image::Image;
 use super::svg::{Anchor, PaperPoint, Svg};
 use super::theme::{Palette, class_color, elevation_class};
@@ -28,14 +30,17 @@ const MOST_STEPS: usize = 8;
 
 /// The map seen from above.
 pub fn plan(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
-    Ok(file(&drawing(subject, order, size, &Sheet::plan(subject)), order.format, size))
+    let sheet = Sheet::plan(subject);
+    let px_per_m = Frame::of(&Area::of(size), &sheet)[0].px_per_m;
+    let stones = Stones::of(subject, px_per_m, order.stop)?;
+    Ok(file(&drawing(subject, order, size, &sheet, &stones), order.format, size))
 }
 
 /// The map seen from the side.
 pub fn profile(subject: &Subject, order: &Order, size: Size) -> Result<Drawn, PreviewError> {
     let area = Area::of(size);
     let sheet = Sheet::profile(subject, area.height() / area.width());
-    Ok(file(&drawing(subject, order, size, &sheet), order.format, size))
+    Ok(file(&drawing(subject, order, size, &sheet, &Stones::default()), order.format, size))
 }
 
 fn file(svg: &str, format: Format, size: Size) -> Drawn {
@@ -45,7 +50,7 @@ fn file(svg: &str, format: Format, size: Size) -> Drawn {
     }
 }
 
-fn drawing(subject: &Subject, order: &Order, size: Size, sheet: &Sheet) -> String {
+fn drawing(subject: &Subject, order: &Order, size: Size, sheet: &Sheet, stones: &Stones) -> String {
     let palette = order.theme.palette();
     let svg = Svg::new(size, &format!("{} of {}", sheet.what, subject.name), palette.paper);
     let mut furniture = Furniture { svg, palette, area: Area::of(size) };
@@ -57,6 +62,7 @@ fn drawing(subject: &Subject, order: &Order, size: Size, sheet: &Sheet) -> Strin
             furniture.heights(sheet, frame);
         }
         draw_panel(&mut furniture.svg, palette, sheet, panel, frame);
+        stones.draw(&mut furniture.svg, palette, panel, frame);
         marks.draw(&mut furniture.svg, palette, sheet, panel, frame);
         label(&mut furniture, panel, frame);
     }

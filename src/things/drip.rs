@@ -70,7 +70,7 @@ impl<'a> Site<'a> {
         }
         let places: Vec<Point3<f64>> = found.iter().map(|drip| drip.candidate.at).collect();
         let wetness = wetness(self.setting, &places);
-        let amount = self.setting.settings.dripstone;
+        let amount = self.settings.dripstone;
         let numbered = found.into_iter().enumerate();
         numbered.filter(|(n, drip)| drip.there < amount * wetness[*n]).map(|(_, drip)| drip).collect()
     }
@@ -81,7 +81,7 @@ impl<'a> Site<'a> {
         let clearance_m = candidate.at.z - floor.z;
         let length_m = candidate.scale * candidate.prototype.length_m();
         let foot = Point3::new(candidate.at.x, candidate.at.y, floor.z);
-        let is_low = clearance_m - length_m < self.setting.settings.headroom_m;
+        let is_low = clearance_m - length_m < self.settings.headroom_m;
         if is_low && self.corridor.is_within(foot, 0.3) {
             return Vec::new();
         }

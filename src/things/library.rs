@@ -165,6 +165,13 @@ pub struct Library {
 }
 
 impl Library {
+    /// The prototypes on a shelf of this rock.
+    pub fn of_shelf(rock: &str, shelf: &Shelf) -> Self {
+        let mesh = shelf_mesh(shelf);
+        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        Self::new(rock, &vertices)
+    }
+
     /// The prototypes of this rock, given the vertices of their meshes on the shelf in metres.
     pub fn new(rock: &str, vertices: &[[f32; 3]]) -> Self {
         let slots: Vec<(&'static KindRow, u32)> = slots(rock).map(|(row, _, number)| (row, number)).collect();
@@ -174,6 +181,11 @@ impl Library {
             Some(Prototype::new(row, number, slot, Body::around(points)?))
         });
         Self { prototypes: prototypes.collect() }
+    }
+
+    /// The prototype of this name.
+    pub fn named(&self, name: &str) -> Option<&Prototype> {
+        self.prototypes.iter().find(|prototype| prototype.name == name)
     }
 
     /// The prototypes of a kind.

@@ -21,11 +21,12 @@ use plume_graph::seed::salt;
 use plume_graph::{Aabb, Graph};
 
 /// How far around a chunk its things depend on, in metres.
-const MARGIN_M: f64 = 4.0;
+pub(super) const MARGIN_M: f64 = 4.0;
 /// Ratio of successive sizes, so that few meshes serve a cave in targets that do not scale them.
 const SIZE_STEP: f64 = 1.189_207_115_002_721;
 
 /// What the things of a cave follow from, beside its walls.
+#[derive(Clone, Copy)]
 pub struct Setting<'a> {
     /// The prototypes.
     pub library: &'a Library,
@@ -43,12 +44,13 @@ pub struct Setting<'a> {
 
 /// The things whose origins are in `chunk`, given its wall and those of its neighbours; sorted by identity.
 pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item = &'a Mesh>) -> Vec<Thing> {
-    if setting.settings.cover <= 0.0 {
+    let settings = setting.settings.hardened();
+    if settings.cover <= 0.0 {
         return Vec::new();
     }
     let around = chunk.padded(MARGIN_M);
-    let corridor = Corridor::new(setting.graph, setting.settings.corridor_m, around);
-    let site = Site { setting, corridor, walls: Facets::of_walls(walls, around.padded(1.0)) };
+    let corridor = Corridor::new(setting.graph, settings.corridor_m, around);
+    let site = Site { setting, settings, corridor, walls: Facets::of_walls(walls, around.padded(1.0)) };
     let (standing, hanging): (Vec<Candidate>, Vec<Candidate>) =
         site.dripstone(around).into_iter().partition(|candidate| candidate.stands);
     let kept = without_overlaps(&standing);
@@ -134,6 +136,8 @@ pub(super) fn without_overlaps(candidates: &[Candidate]) -> Vec<bool> {
 /// Where things are placed.
 pub(super) struct Site<'a> {
     pub setting: &'a Setting<'a>,
+    /// With the difficulty in the others.
+    pub settings: ThingSettings,
     pub corridor: Corridor,
     pub walls: Facets,
 }

@@ -28,7 +28,7 @@ impl<'a> Site<'a> {
     /// stone lies on the wall or on larger kinds.
     pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>]) -> Vec<Thing> {
         let loose = |row: &'static KindRow| match row.place {
-            Place::Floor(scatter) => Some((row, scatter)),
+            Place::Floor(scatter) => Some((row, scatter.hardened(self.setting.settings.difficulty))),
             _ => None,
         };
         let mut kinds: Vec<(&'static KindRow, Scatter)> = self.rows().filter_map(loose).collect();
@@ -66,7 +66,7 @@ impl<'a> Site<'a> {
     fn scattered(&self, row: &'static KindRow, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
         let at_mean =
-            self.setting.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
+            self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
         let mut found = Vec::new();
         for (mut lots, x, y) in self.cells(row, side_m, around) {
             let there = lots.unit();
@@ -152,10 +152,17 @@ impl Scatter {
 
     /// Mean of the covered area of a stone.
     fn mean_area_m2(&self) -> f64 {
-        let p = self.exponent;
-        let ends = |power: f64| libm::pow(self.width_m[1], power) - libm::pow(self.width_m[0], power);
-        let mean_square = p / (2.0 - p) * ends(2.0 - p) / -ends(-p);
-        0.7 * mean_square
+        /// Samples of the distribution. The closed form has a pole at an exponent of 2.
+        const SAMPLES: u32 = 256;
+        let area = |n: u32| libm::pow(self.width((f64::from(n) + 0.5) / f64::from(SAMPLES)), 2.0);
+        0.7 * (0..SAMPLES).map(area).sum::<f64>() / f64::from(SAMPLES)
+    }
+
+    /// With more of the large stones.
+    fn hardened(self, difficulty: f64) -> Self {
+        /// Share of the exponent that is lost at most. Tuned: half of the boulders are then wider than 0.6 m.
+        const MOST: f64 = 0.4;
+        Self { exponent: self.exponent * (1.0 - MOST * difficulty), ..self }
     }
 }
 

@@ -18,10 +18,27 @@ pub struct ThingSettings {
     /// Headroom over that way under what hangs from the ceiling, in metres.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub headroom_m: f64,
+    /// How much harder than set the floor is to drive on, for curricula: 0 as set; towards 1, stones cover more of it (40 %), more
+    /// of them are large, and the way that is kept free narrows to nothing, with its headroom.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub difficulty: f64,
+}
+
+/// Largest share of the floor that stones cover.
+const MOST_COVER: f64 = 0.4;
+
+impl ThingSettings {
+    /// With the difficulty in the cover, the corridor and its headroom. No cover remains no cover.
+    pub(super) fn hardened(&self) -> Self {
+        let easy = 1.0 - self.difficulty;
+        let cover = if self.cover > 0.0 { self.cover * easy + MOST_COVER * self.difficulty } else { 0.0 };
+        let (corridor_m, headroom_m) = (self.corridor_m * easy, self.headroom_m * easy);
+        Self { cover, corridor_m, headroom_m, ..self.clone() }
+    }
 }
 
 impl Default for ThingSettings {
     fn default() -> Self {
-        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.5, headroom_m: 2.0 }
+        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.5, headroom_m: 2.0, difficulty: 0.0 }
     }
 }

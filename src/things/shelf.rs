@@ -88,6 +88,13 @@ impl Shelf {
         Aabb { min: [0.0; 3], max: [ROW as f32 * CELL_M, rows as f32 * CELL_M, CELL_M] }
     }
 
+    /// The depth of a point in the shape that is in the slot of `origin`, without noise; `None` outside of its slot.
+    pub(super) fn shape_at(&self, origin: [f32; 3], point: [f32; 3]) -> Option<f32> {
+        let (slot, local) = self.local(origin).map(|(slot, _)| slot).zip(self.local(point).map(|(_, local)| local))?;
+        let is_within = slot_at(origin) == slot_at(point) && local.iter().all(|c| c.abs() < REACH_M);
+        is_within.then(|| (slot.shape)(local))
+    }
+
     /// The slot at a point, and the point relative to its middle.
     fn local(&self, point: [f32; 3]) -> Option<(&Slot, [f32; 3])> {
         let slot = self.slots.get(slot_at(point)?)?;

@@ -17,7 +17,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("texture", &["field", "mesh", "noise"]),
     ("things", &["field", "material", "mesh", "noise"]),
     ("placement", &["field"]),
-    ("preview", &["field", "material", "mesh", "placement"]),
+    ("preview", &["field", "material", "mesh", "placement", "things"]),
     ("recipe", &["field", "material", "mesh", "texture", "things"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture", "things"]),

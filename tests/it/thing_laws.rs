@@ -29,10 +29,8 @@ fn shelf(rock: &str) -> Shelf {
 }
 
 fn library(rock: &str) -> (Mesh, Library) {
-    let mesh = shelf_mesh(&shelf(rock));
-    let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
-    let library = Library::new(rock, &vertices);
-    (mesh, library)
+    let shelf = shelf(rock);
+    (shelf_mesh(&shelf), Library::of_shelf(rock, &shelf))
 }
 
 /// A cave with its walls and its things, chunk by chunk.
@@ -72,7 +70,7 @@ impl Cave {
     }
 
     fn prototype(&self, thing: &Thing) -> &Prototype {
-        self.library.prototypes.iter().find(|prototype| prototype.name == thing.prototype).expect(&self.name)
+        self.library.named(&thing.prototype).expect(&self.name)
     }
 
     /// Points on the hull of a thing.
@@ -285,4 +283,36 @@ fn no_cover_is_no_things() {
     assert!(!cave.things().is_empty());
     cave.settings.cover = 0.0;
     assert!(cave.things().is_empty());
+}
+
+#[test]
+fn difficulty_brings_more_and_larger_stones_and_closes_the_way() {
+    let mut cave =
+        Cave::new("harder".to_owned(), small(plume::generators::GENERATORS.default_row(), 6, 3), "limestone", 16.0);
+    let mut before = [0.0; 3];
+    for difficulty in [0.0, 0.5, 1.0] {
+        cave.settings.difficulty = difficulty;
+        let things = cave.things();
+        let stones: Vec<&Thing> = things.iter().filter(|thing| cave.is_loose(thing)).collect();
+        let width_m = |thing: &Thing| cave.prototype(thing).width_m() * thing.scale;
+        let area_m2: f64 = stones.iter().map(|stone| width_m(stone) * width_m(stone)).sum();
+        let boulders = || stones.iter().filter(|stone| stone.kind == "boulder");
+        let mean_m = boulders().map(|stone| width_m(stone)).sum::<f64>() / boulders().count() as f64;
+        let in_the_way = stones.iter().filter(|stone| width_m(stone) > 0.1 && is_on_the_axis(&cave, stone)).count();
+        let now = [area_m2, mean_m, in_the_way as f64];
+        assert!(now.iter().zip(before).all(|(now, before)| *now >= before), "{difficulty}: {now:?} after {before:?}");
+        before = now;
+    }
+    assert!(before[2] > 5.0, "only {} stones in the way", before[2]);
+}
+
+/// Whether a thing is within half a metre of the middle of a passage.
+fn is_on_the_axis(cave: &Cave, thing: &Thing) -> bool {
+    let at = thing.pose.translation.vector.xy();
+    cave.graph.edges.iter().any(|edge| {
+        let [a, b] = edge.map(|station| cave.graph[station].position.coords.xy());
+        let along = b - a;
+        let share = ((at - a).dot(&along) / along.norm_squared().max(1e-9)).clamp(0.0, 1.0);
+        (at - a - along * share).norm() < 0.5
+    })
 }

@@ -103,7 +103,7 @@ impl Frame {
 }
 
 /// The convex hull of points (Andrew's monotone chain).
-fn hull(mut points: Vec<PaperPoint>) -> Vec<PaperPoint> {
+pub fn hull(mut points: Vec<PaperPoint>) -> Vec<PaperPoint> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup();
     let mut hull = chain(points.iter());

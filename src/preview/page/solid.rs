@@ -3,13 +3,15 @@
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use nalgebra::Point3;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::packed;
 use crate::field::Reach;
 use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings, QUANTA_PER_M};
-use crate::preview::{PreviewError, Subject};
+use crate::preview::{Furnishing, PreviewError, Subject};
+use crate::things::{self, Library, Thing};
 use plume_graph::{Aabb, StationId};
 
 /// Number of triangles before simplification. Tuned: about a second on two cores.
@@ -54,7 +56,13 @@ impl Solid {
             Ok(mesh::chunk(subject.field, &grid, index, &settings).map(|meshes| meshes.visual))
         };
         let chunks = indices.par_iter().map(chunk).collect::<Result<Vec<Option<Mesh>>, _>>()?;
-        Ok(Some(Self { chunks: chunks.into_iter().flatten().collect() }))
+        let mut chunks: Vec<Mesh> = chunks.into_iter().flatten().collect();
+        if let Some(Furnishing { setting, .. }) = &subject.furnishing {
+            let Aabb { min, max } = subject.field.bounds();
+            let everywhere = Aabb { min: min.map(f64::from), max: max.map(f64::from) };
+            chunks.push(hulls(setting.library, &things::place(setting, everywhere, chunks.iter())));
+        }
+        Ok(Some(Self { chunks }))
     }
 
     /// As arrays: positions in steps from a corner, normals in 127ths.
@@ -89,6 +97,30 @@ impl Solid {
         };
         self.chunks.iter().zip(starts).flat_map(moved)
     }
+}
+
+/// The convex hulls of all things that are large enough to be seen, with flat faces.
+fn hulls(library: &Library, things: &[Thing]) -> Mesh {
+    /// Narrowest thing in metres.
+    const LEAST_M: f64 = 0.2;
+    let mut all = Mesh::default();
+    for thing in things {
+        let Some(prototype) = library.named(&thing.prototype) else { continue };
+        if prototype.size_m.max() * thing.scale < LEAST_M {
+            continue;
+        }
+        for face in &prototype.hull.faces {
+            let corners = face.map(|corner| thing.pose * (prototype.hull.corners[corner as usize] * thing.scale));
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(&(c - a)).normalize().map(|c| c as f32);
+            let first = all.positions.len() as u32;
+            let quanta = |at: Point3<f64>| <[f64; 3]>::from(at).map(|c| (c * f64::from(QUANTA_PER_M)).round() as i32);
+            all.positions.extend(corners.map(quanta));
+            all.normals.extend([<[f32; 3]>::from(normal); 3]);
+            all.triangles.push([first, first + 1, first + 2]);
+        }
+    }
+    all
 }
 
 /// Approximate area of the wall: every passage as a tube.
