@@ -1,4 +1,4 @@
-//! Things that lie, stand and hang in a cave: stones and dripstone.
+//! Things that lie, stand and hang in a cave: stones, dripstone and the equipment of mines.
 //!
 //! A [`KindRow`] says what a thing looks like, how large it is and where it occurs. Its shapes are meshed once, all together
 //! on one [`Shelf`], into a [`Library`] of prototypes that share a set of images. [`place()`] then finds the things of a
@@ -9,11 +9,13 @@
 //! between three supports. Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the
 //! corridor. Not promised: the same things for other sizes of chunks, whose triangles differ by millimetres.
 
+mod along;
 mod around;
 mod corridor;
 mod dressed;
 mod drip;
 mod dripstone;
+mod equipment;
 mod facets;
 mod kind;
 mod library;
@@ -23,14 +25,18 @@ mod rest;
 mod scatter;
 mod settings;
 mod shelf;
+mod solid;
 mod stone;
+mod substance;
 
 pub use around::place_in;
 pub use dressed::Dressed;
-pub use kind::{Hang, KINDS, KindRow, Place, Scatter, Shape, Shapes};
+pub use kind::{Along, Fit, Hang, KINDS, KindRow, Place, Scatter, Shape, Shapes};
 pub use library::{Body, Library, Prototype, shelf_mesh};
 pub use place::{Setting, place};
 pub use settings::ThingSettings;
+pub use solid::Solid;
+pub use substance::Substance;
 
 pub use shelf::{Dress, Shelf};
 

@@ -66,6 +66,9 @@ impl Dressing {
 
     /// The level of the prototype that a thing shows in full detail.
     fn finest(&self, prototype: &Prototype, thing: &Thing) -> usize {
+        if prototype.row.is_solid() {
+            return 0;
+        }
         let width_m = prototype.width_m() * thing.scale;
         let finest = SMALL_M.iter().filter(|limit| width_m < **limit).count();
         finest.min(self.cuts.len() - 1)

@@ -155,13 +155,7 @@ fn cone_of<F: Field + Surface>(
 }
 
 /// The surface where these rays hit it.
-fn sights<F: Field + Surface>(
-    field: &F,
-    camera: &Camera,
-    rays: &[Ray],
-    ends: &[f32],
-    hits: &[usize],
-) -> Vec<Sight> {
+fn sights<F: Field + Surface>(field: &F, camera: &Camera, rays: &[Ray], ends: &[f32], hits: &[usize]) -> Vec<Sight> {
     let points: Vec<[f32; 3]> = hits.iter().map(|&ray| rays[ray].at(ends[ray])).collect();
     let mean_m = hits.iter().map(|&ray| ends[ray]).sum::<f32>() / hits.len() as f32;
     let texels = texels(field, &points, mean_m * camera.pixel);

@@ -4,8 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::place::{MARGIN_M, Setting, owns, place};
 use super::Thing;
+use super::along::ASIDE_M;
+use super::place::{MARGIN_M, Setting, owns, place};
 use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings};
 use plume_graph::Aabb;
 
@@ -17,7 +18,7 @@ pub fn place_in(setting: &Setting, mesh: &MeshSettings, bounds: Aabb<f64>, stop:
         let Aabb { min, max } = grid.chunk_bounds(index);
         Aabb { min: min.map(f64::from), max: max.map(f64::from) }
     };
-    let reach = bounds.padded(MARGIN_M + 1.0);
+    let reach = bounds.padded(MARGIN_M + ASIDE_M);
     let needed: Vec<ChunkIndex> = grid.indices().filter(|index| of(*index).intersects(&reach)).collect();
     let wall = |&index: &ChunkIndex| {
         let meshes = (!stop.load(Ordering::Relaxed)).then(|| mesh::chunk(setting.field, &grid, index, mesh))?;

@@ -1,13 +1,13 @@
 //! A cave with its things as one field and one surface, for pictures without meshes of things.
 //!
-//! Promised: the surface of a thing is that of its prototype but for the finest roughness, which only its normals have. Not
-//! promised: distances in the air beyond [`BEYOND_M`] from every thing, which are cut there.
+//! Promised: the surface of a thing is that of its prototype but for the finest roughness, which only its normals have; that of
+//! a solid is its convex hull. Not promised: distances in the air beyond [`BEYOND_M`] from every thing, which are cut there.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use rustc_hash::FxHashMap;
 
 use super::shelf::Shelf;
-use super::{Library, Thing};
+use super::{Library, Prototype, Shapes, Thing};
 use crate::field::{Aabb, CaveField, Field, Region, Surface, Texel};
 
 /// Distance from every thing up to which it is looked for, in metres.
@@ -33,11 +33,25 @@ struct Placed {
     origin: Vector3<f32>,
     /// The ball around `at` that it is in.
     reach_m: f32,
+    /// The planes of the hull of a solid, which has no field; empty for all else.
+    planes: Vec<Plane>,
+}
+
+/// A plane on the shelf.
+struct Plane {
+    normal: Vector3<f32>,
+    point: Vector3<f32>,
 }
 
 impl Placed {
     fn on_shelf(&self, point: [f32; 3]) -> [f32; 3] {
         (self.origin + self.shelf_from_cave * (Vector3::from(point) - self.at) / self.scale).into()
+    }
+
+    /// Its depth below the surface at a point, and the plane to which it is least; of a solid.
+    fn least_depth(&self, on_shelf: [f32; 3]) -> Option<(f32, &Plane)> {
+        let depth = |plane: &Plane| plane.normal.dot(&(plane.point - Vector3::from(on_shelf)));
+        self.planes.iter().map(|plane| (depth(plane), plane)).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Upper bound of the depth of a point in it, negative outside.
@@ -52,7 +66,9 @@ impl<'a> Dressed<'a> {
         let placed = things.iter().filter_map(|thing| {
             let prototype = library.named(&thing.prototype)?;
             let reach_m = prototype.hull.corners.iter().map(|corner| corner.coords.norm()).fold(0.0, f64::max);
+            let is_solid = matches!(prototype.row.shapes, Shapes::Solid { .. });
             Some(Placed {
+                planes: if is_solid { planes(prototype) } else { Vec::new() },
                 at: thing.pose.translation.vector.cast(),
                 shelf_from_cave: thing.pose.rotation.inverse().cast(),
                 scale: thing.scale as f32,
@@ -83,7 +99,9 @@ impl<'a> Dressed<'a> {
             if thing.most_depth_m(point) <= best.0 {
                 continue;
             }
-            let depth_m = match self.shelf.shape_at(thing.origin.into(), thing.on_shelf(point)) {
+            let on_shelf = thing.on_shelf(point);
+            let of_solid = thing.least_depth(on_shelf).map(|(depth_m, _)| depth_m);
+            let depth_m = match of_solid.or_else(|| self.shelf.shape_at(thing.origin.into(), on_shelf)) {
                 Some(depth_m) => depth_m * thing.scale,
                 None => thing.most_depth_m(point),
             };
@@ -94,7 +112,15 @@ impl<'a> Dressed<'a> {
         best
     }
 
-    /// The things that are nearer than the wall at points with these depths in the wall, each with its points.
+    fn normals_of(&self, thing: &Placed, on_shelf: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        if thing.planes.is_empty() {
+            return self.shelf.normals_at(on_shelf);
+        }
+        let of_face = |&point: &[f32; 3]| thing.least_depth(point).map_or([0.0; 3], |(_, plane)| plane.normal.into());
+        on_shelf.iter().map(of_face).collect()
+    }
+
+    /// The things that are nearer than the wall at points, each with its points.
     fn before_the_wall(&self, points: &[[f32; 3]]) -> Vec<(&Placed, Vec<usize>)> {
         let walls = self.cave.distances_at(points);
         let mut groups: Vec<(&Placed, Vec<usize>)> = Vec::new();
@@ -137,7 +163,7 @@ impl Field for Dressed<'_> {
         self.cave.normals(bounds, points, out);
         for (thing, group) in self.before_the_wall(points) {
             let on_shelf: Vec<[f32; 3]> = group.iter().map(|&n| thing.on_shelf(points[n])).collect();
-            for (n, normal) in group.into_iter().zip(self.shelf.normals_at(&on_shelf)) {
+            for (n, normal) in group.into_iter().zip(self.normals_of(thing, &on_shelf)) {
                 out[n] = turned(thing, normal);
             }
         }
@@ -159,6 +185,15 @@ impl Surface for Dressed<'_> {
             }
         }
     }
+}
+
+fn planes(prototype: &Prototype) -> Vec<Plane> {
+    let corner = |corner: u32| (prototype.hull.corners[corner as usize] + prototype.origin.coords).coords.cast();
+    let plane = |face: &[u32; 3]| {
+        let [a, b, c]: [Vector3<f32>; 3] = face.map(corner);
+        Some(Plane { normal: (b - a).cross(&(c - a)).try_normalize(0.0)?, point: a })
+    };
+    prototype.hull.faces.iter().filter_map(plane).collect()
 }
 
 /// A direction on the shelf as one in the cave.

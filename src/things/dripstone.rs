@@ -4,9 +4,12 @@
 //! Stalactites have the shape to which all of them grow: in units of its own, a height of ¾ r^(4/3) − r^(2/3) − ⅓ ln r above
 //! the tip at radius r (Short, Baygents and Goldstein, *Stalactite growth as a free-boundary problem*, 2005).
 
+use nalgebra::Point3;
 use plume_graph::rng::Rng;
 
 use super::kind::Shape;
+use super::solid::Solid;
+use super::substance::CALCITE;
 
 /// Length of a stalactite in metres.
 const LENGTH_M: f32 = 0.40;
@@ -91,6 +94,19 @@ fn hanging(rng: &mut Rng, units: f64, wander_m: f32) -> Shape {
     };
     let profile = Profile::new(-LENGTH_M, ROOT_M, |z| radius(z.min(0.0)) + z.max(0.0) * 0.8);
     profile.shape(rng, wander_m, 0.0016)
+}
+
+/// Soda straws that hang from one joint, which is along x: tubes as wide as a drop (Curl 1972).
+pub fn straws(rng: &mut Rng) -> Solid {
+    /// Radius of a straw in metres.
+    const STRAW_M: f64 = 0.002_55;
+    let straw = |n: u32, rng: &mut Rng| {
+        let place = [0.02 * f64::from(n) - 0.07, rng.between(-0.006, 0.006)];
+        let length_m = f64::from(LENGTH_M) * if n == 3 { 1.0 } else { libm::exp(rng.between(-2.0, -0.1)) };
+        let end = |z: f64| Point3::new(place[0], place[1], z);
+        Solid::tube(&[end(-length_m), end(f64::from(ROOT_M))], STRAW_M, 6, &CALCITE)
+    };
+    (1..8).fold(straw(0, rng), |all, n| all.and(straw(n, rng)))
 }
 
 /// A stalagmite: a slightly flared foot, nearly even sides, and a dome that the drops flatten. It collides as its convex hull,

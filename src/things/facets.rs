@@ -1,4 +1,4 @@
-//! Triangles of walls or of stones, for vertical rays.
+//! Triangles of walls or of stones, for rays.
 
 use std::collections::BTreeMap;
 
@@ -88,12 +88,20 @@ impl Facets {
         hits
     }
 
-    /// The triangles that face upwards and are within `reach_m` of a point along x and y, somewhat more below it, and
-    /// `above_m` above it.
-    pub fn floor_near(&self, at: Point3<f64>, reach_m: f64, above_m: f64) -> Vec<Facet> {
-        let down = Vector3::new(reach_m, reach_m, beyond_m(reach_m));
-        let up = Vector3::new(reach_m, reach_m, above_m);
-        let around = Aabb { min: (at - down).into(), max: (at + up).into() };
+    /// Height of the highest floor below a point.
+    pub fn floor_below(&self, at: Point3<f64>) -> Option<f64> {
+        self.hits(at.x, at.y).into_iter().rev().find(|hit| hit.z < at.z && hit.normal.z > 0.0).map(|hit| hit.z)
+    }
+
+    /// Distance along a level direction to the first triangle, if it is within `reach_m`.
+    pub fn ray(&self, from: Point3<f64>, way: Vector3<f64>, reach_m: f64) -> Option<f64> {
+        let along = Aabb::from_points([from, from + way * reach_m].map(<[f64; 3]>::from)).expect("there are two");
+        let near = self.in_columns(&along).into_iter().filter_map(|facet| facet.distance_m(from, way));
+        near.filter(|distance| *distance < reach_m).reduce(f64::min)
+    }
+
+    /// The triangles in the columns of a box, each once.
+    fn in_columns(&self, around: &Aabb<f64>) -> Vec<Facet> {
         let [low, high] = [column(around.min), column(around.max)];
         let mut near: Vec<u32> = (low[0]..=high[0])
             .flat_map(|x| (low[1]..=high[1]).map(move |y| [x, y]))
@@ -103,16 +111,41 @@ impl Facets {
             .collect();
         near.sort_unstable();
         near.dedup();
-        let facets = near.into_iter().map(|number| self.all[number as usize]);
+        near.into_iter().map(|number| self.all[number as usize]).collect()
+    }
+
+    /// The triangles that face upwards and are within `reach_m` of a point along x and y, somewhat more below it, and
+    /// `above_m` above it.
+    pub fn floor_near(&self, at: Point3<f64>, reach_m: f64, above_m: f64) -> Vec<Facet> {
+        let down = Vector3::new(reach_m, reach_m, beyond_m(reach_m));
+        let up = Vector3::new(reach_m, reach_m, above_m);
+        let around = Aabb { min: (at - down).into(), max: (at + up).into() };
         let touches = |facet: &Facet| {
             let own = Aabb::from_points(facet.corners.map(<[f64; 3]>::from)).expect("there are three");
             facet.normal.z > 0.0 && own.intersects(&around)
         };
-        facets.filter(touches).collect()
+        self.in_columns(&around).into_iter().filter(touches).collect()
     }
 }
 
 impl Facet {
+    /// Distance along a direction at which it is met, not from behind (Möller and Trumbore 1997).
+    fn distance_m(&self, from: Point3<f64>, way: Vector3<f64>) -> Option<f64> {
+        let [a, b, c] = self.corners;
+        let (ab, ac) = (b - a, c - a);
+        let across = way.cross(&ac);
+        let volume = ab.dot(&across);
+        if volume <= 0.0 {
+            return None;
+        }
+        let to = from - a;
+        let u = to.dot(&across) / volume;
+        let turned = to.cross(&ab);
+        let v = way.dot(&turned) / volume;
+        let distance = ac.dot(&turned) / volume;
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0).then_some(distance)
+    }
+
     /// Its height at a point of the map, if it is above or below it.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let [a, b, c] = self.corners;

@@ -3,7 +3,8 @@
 use plume_graph::rng::Rng;
 use plume_registry::{Named, Registry};
 
-use super::{dripstone, stone};
+use super::solid::Solid;
+use super::{dripstone, equipment, stone};
 
 /// The signed distance to the surface of a body, positive inside, in metres; the body is within 0.45 m of the origin.
 pub type Shape = Box<dyn Fn([f32; 3]) -> f32 + Send + Sync>;
@@ -35,6 +36,13 @@ pub enum Shapes {
         /// Makes a shape.
         make: fn(&mut Rng) -> Shape,
     },
+    /// Solids of its own, too fine for a voxel: how many, and what makes one.
+    Solid {
+        /// Number of different shapes.
+        count: u32,
+        /// Makes a shape, within 2.1 m of the origin.
+        make: fn(&mut Rng) -> Solid,
+    },
     /// Those of another kind in the same rocks, in another size.
     Of(&'static str),
 }
@@ -50,6 +58,44 @@ pub enum Place {
     UnderDrip,
     /// Where what hangs and what stands would meet.
     Joined,
+    /// Built in along the passages.
+    Along(Along),
+}
+
+/// What is built in along the passages, in stretches.
+#[derive(Clone, Copy, Debug)]
+pub struct Along {
+    /// How it is fitted to the passage.
+    pub fit: Fit,
+    /// Distance between two of them along the passage, at most, in metres.
+    pub spacing_m: f64,
+    /// What names the stretches that have it: kinds with one name and range occur together.
+    pub stretch: &'static str,
+    /// Which passages have it: a range of the number from 0 to 1 that varies along them by that name.
+    pub range: [f64; 2],
+}
+
+/// How something is fitted to a passage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fit {
+    /// Two at a time, from the floor to under a beam.
+    Post,
+    /// Across the passage under the roof.
+    Beam,
+    /// In rows into the roof.
+    Roof,
+    /// A pair along the floor, beside the way.
+    Rail,
+    /// Under the rails.
+    Sleeper,
+    /// In pieces along the right wall, 1.6 m above the floor.
+    RightWall,
+    /// In pieces along the left wall, 1.7 m above the floor.
+    LeftWall,
+    /// In pieces under the roof, on the left.
+    UnderRoof,
+    /// On the floor at the left wall.
+    FootOfWall,
 }
 
 /// Sizes and density of loose stones.
@@ -124,6 +170,14 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         place: Place::Ceiling(Hang { median_m: 0.16, sigma: 0.8, longest_m: 1.2, per_m2: 22.0, dripping: 0.45 }),
     },
     KindRow {
+        name: "straws",
+        summary: "rows of soda straws, half a centimetre wide (Curl 1972)",
+        rocks: &["limestone"],
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 2, make: dripstone::straws },
+        place: Place::Ceiling(Hang { median_m: 0.3, sigma: 0.2, longest_m: 0.5, per_m2: 8.0, dripping: 0.0 }),
+    },
+    KindRow {
         name: "stalagmite",
         summary: "dripstone that stands below a stalactite",
         rocks: &["limestone"],
@@ -147,9 +201,98 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         shapes: Shapes::Own { count: 3, make: dripstone::lavacicle },
         place: Place::Ceiling(Hang { median_m: 0.055, sigma: 0.5, longest_m: 0.25, per_m2: 30.0, dripping: 0.0 }),
     },
+    KindRow {
+        name: "post",
+        summary: "round timber posts that carry the beams of sets, 1.2-1.8 m apart",
+        rocks: &["drilled"],
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 2, make: equipment::post },
+        place: Place::Along(TIMBER.with(Fit::Post)),
+    },
+    KindRow {
+        name: "beam",
+        summary: "squared beams of timber sets, under the roof",
+        rocks: &["drilled"],
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::cap },
+        place: Place::Along(TIMBER.with(Fit::Beam)),
+    },
+    KindRow {
+        name: "rock_bolt",
+        summary: "plates and nuts of rock bolts in the roof, 1.2 m apart",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::bolt },
+        place: Place::Along(Along { fit: Fit::Roof, spacing_m: 1.2, stretch: "timber", range: [0.25, 1.0] }),
+    },
+    KindRow {
+        name: "sleeper",
+        summary: "sleepers under rails of 0.6 m gauge",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::sleeper },
+        place: Place::Along(Along { fit: Fit::Sleeper, spacing_m: 0.7, stretch: "track", range: [0.0, 0.6] }),
+    },
+    KindRow {
+        name: "rail",
+        summary: "rails of 0.6 m gauge, beside the way",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::rail },
+        place: Place::Along(Along { fit: Fit::Rail, spacing_m: 1.95, stretch: "track", range: [0.0, 0.6] }),
+    },
+    KindRow {
+        name: "pipe",
+        summary: "water pipes along the wall, 1.6 m above the floor",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::pipe },
+        place: Place::Along(Along { fit: Fit::RightWall, spacing_m: 1.95, stretch: "pipe", range: [0.0, 0.7] }),
+    },
+    KindRow {
+        name: "cable",
+        summary: "cables that sag between hooks along the wall, 1.7 m above the floor",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::cable },
+        place: Place::Along(Along { fit: Fit::LeftWall, spacing_m: 1.95, stretch: "cable", range: [0.0, 0.75] }),
+    },
+    KindRow {
+        name: "duct",
+        summary: "ventilation ducts of 0.6 m under the roof",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::duct },
+        place: Place::Along(Along { fit: Fit::UnderRoof, spacing_m: 1.95, stretch: "duct", range: [0.0, 0.4] }),
+    },
+    KindRow {
+        name: "drum",
+        summary: "steel drums of 200 litres at the foot of walls",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::drum },
+        place: Place::Along(Along { fit: Fit::FootOfWall, spacing_m: 9.0, stretch: "drum", range: [0.0, 0.3] }),
+    },
 ]);
 
+/// The rocks of mines.
+const MINES: &[&str] = &["drilled", "salt"];
+
+/// Timber sets: their spacing is common practice, their share a choice. Where there are none, the roof is bolted.
+const TIMBER: Along = Along { fit: Fit::Post, spacing_m: 1.8, stretch: "timber", range: [0.0, 0.25] };
+
+impl Along {
+    const fn with(self, fit: Fit) -> Self {
+        Self { fit, ..self }
+    }
+}
+
 impl Place {
+    /// Whether they are built in.
+    pub fn is_built(&self) -> bool {
+        matches!(self, Self::Along(_))
+    }
+
     /// Whether things lie loose, so that they are placed by their centre of mass.
     pub fn is_loose(&self) -> bool {
         matches!(self, Self::Floor(_))
@@ -160,9 +303,14 @@ impl KindRow {
     /// The kind whose shapes it has.
     pub fn model(&self) -> &str {
         match self.shapes {
-            Shapes::Own { .. } => self.name,
+            Shapes::Own { .. } | Shapes::Solid { .. } => self.name,
             Shapes::Of(other) => other,
         }
+    }
+
+    /// Whether its shapes are made of few triangles, all of which count.
+    pub fn is_solid(&self) -> bool {
+        matches!(self.shapes, Shapes::Solid { .. })
     }
 
     /// Whether it occurs in this rock.

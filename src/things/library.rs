@@ -22,7 +22,9 @@ pub fn shelf_mesh(shelf: &Shelf) -> Mesh {
     };
     let grid = Grid::new(shelf.bounds(), &settings).expect("a shelf is not empty, and its cells are not few");
     let index = grid.indices().next().expect("there is one chunk");
-    mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default()
+    let mut mesh = mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default();
+    shelf.add_solids(&mut mesh);
+    mesh
 }
 
 /// A closed convex body.
@@ -174,12 +176,11 @@ impl Library {
 
     /// The prototypes of this rock, given the vertices of their meshes on the shelf in metres.
     pub fn new(rock: &str, vertices: &[[f32; 3]]) -> Self {
-        let slots: Vec<(&'static KindRow, u32)> = slots(rock).map(|(row, _, number)| (row, number)).collect();
-        let points = by_slot(vertices, slots.len());
-        let made = slots.into_iter().zip(&points).enumerate();
-        let prototypes = made.filter_map(|(slot, ((row, number), points))| {
-            Some(Prototype::new(row, number, slot, Body::around(points)?))
-        });
+        let slots: Vec<(usize, &'static KindRow, u32)> = slots(rock).collect();
+        let points = by_slot(vertices, slots.iter().map(|(slot, ..)| slot + 1).max().unwrap_or_default());
+        let made = slots.into_iter();
+        let prototypes = made
+            .filter_map(|(slot, row, number)| Some(Prototype::new(row, number, slot, Body::around(&points[slot])?)));
         Self { prototypes: prototypes.collect() }
     }
 

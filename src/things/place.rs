@@ -8,6 +8,7 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
+use super::along::ASIDE_M;
 use super::corridor::Corridor;
 use super::facets::Facets;
 use super::kind::{KINDS, KindRow};
@@ -50,12 +51,16 @@ pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item 
     }
     let around = chunk.padded(MARGIN_M);
     let corridor = Corridor::new(setting.graph, settings.corridor_m, around);
-    let site = Site { setting, settings, corridor, walls: Facets::of_walls(walls, around.padded(1.0)) };
+    let site = Site { setting, settings, corridor, walls: Facets::of_walls(walls, around.padded(ASIDE_M)) };
     let (standing, hanging): (Vec<Candidate>, Vec<Candidate>) =
         site.dripstone(around).into_iter().partition(|candidate| candidate.stands);
     let kept = without_overlaps(&standing);
     let standing: Vec<Candidate> = standing.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(c, _)| c).collect();
-    let mut things = site.stones(chunk, &standing);
+    let built = site.built(around);
+    let mut in_the_way = standing.clone();
+    in_the_way.extend(built.iter().map(|built| &built.candidate).filter(|candidate| candidate.stands).cloned());
+    let mut things = site.stones(chunk, &in_the_way);
+    things.extend(built.iter().map(|built| built.candidate.thing(built.pose)));
     things.extend(standing.iter().chain(&hanging).map(Candidate::as_it_is));
     things.retain(|thing| owns(&chunk, thing.pose.translation.vector));
     things.sort_by_key(|thing| thing.id);

@@ -134,11 +134,15 @@ pub(super) fn about_z(angle_rad: f64) -> UnitQuaternion<f64> {
 
 /// The turn that brings the level plane into one of this slope.
 fn tilt(slope: Vector2<f64>) -> UnitQuaternion<f64> {
-    let normal = Vector3::new(-slope.x, -slope.y, 1.0).normalize();
+    turn(Vector3::z(), Vector3::new(-slope.x, -slope.y, 1.0).normalize())
+}
+
+/// The shortest turn from one direction to another that is not its opposite.
+pub(super) fn turn(from: Vector3<f64>, to: Vector3<f64>) -> UnitQuaternion<f64> {
     // The half-way vector gives the quaternion without an angle.
-    let half = (normal + Vector3::z()).normalize();
-    let axis = Vector3::z().cross(&half);
-    UnitQuaternion::new_normalize(Quaternion::new(half.z, axis.x, axis.y, axis.z))
+    let half = (to + from).normalize();
+    let axis = from.cross(&half);
+    UnitQuaternion::new_normalize(Quaternion::new(from.dot(&half), axis.x, axis.y, axis.z))
 }
 
 /// How high the centre of mass must be so that the stone does not go below the floor, by place relative to it.

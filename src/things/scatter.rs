@@ -65,8 +65,7 @@ impl<'a> Site<'a> {
 
     fn scattered(&self, row: &'static KindRow, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
-        let at_mean =
-            self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
+        let at_mean = self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
         let mut found = Vec::new();
         for (mut lots, x, y) in self.cells(row, side_m, around) {
             let there = lots.unit();

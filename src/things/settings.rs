@@ -1,16 +1,19 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Stones and dripstone: things of their own in every package, with collision shapes.
+/// Stones, dripstone and the equipment of mines: things of their own in every package, with collision shapes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct ThingSettings {
-    /// Share of the floor that stones cover. 0 leaves out all things, dripstone too.
+    /// Share of the floor that stones cover. 0 leaves out all things, dripstone and equipment too.
     #[schemars(range(min = 0.0, max = 0.4))]
     pub cover: f64,
     /// Amount of dripstone; 1 is natural, 0 none.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub dripstone: f64,
+    /// Amount of timber, bolts, rails, pipes and other equipment in mines; 1 is that of a working mine, 0 none.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub sets: f64,
     /// Width of the way along the passages in which nothing is higher than a wheel can take (2.5 cm), in metres. 0 leaves no way
     /// free.
     #[schemars(range(min = 0.0, max = 5.0))]
@@ -39,6 +42,6 @@ impl ThingSettings {
 
 impl Default for ThingSettings {
     fn default() -> Self {
-        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.5, headroom_m: 2.0, difficulty: 0.0 }
+        Self { cover: 0.06, dripstone: 1.0, sets: 1.0, corridor_m: 1.5, headroom_m: 2.0, difficulty: 0.0 }
     }
 }

@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
+use nalgebra::{Point3, Vector3};
+
 use super::kind::{KINDS, KindRow, Shape, Shapes};
+use super::solid::Solid;
 use crate::field::{Aabb, Field, Region, Surface, Texel};
 use crate::material::{BLOCK, CoarseBlock, Footprint, Ground, Look, Material, Sites, SurfaceSamples, by_axis};
+use crate::mesh::{Mesh, QUANTA_PER_M};
 use crate::noise::{Lanes, Source, Value, Vec3, dispatched};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -15,6 +19,14 @@ use plume_graph::seed::{salt, stream};
 pub(super) const CELL_M: f32 = 1.0;
 /// Shapes in a row of the shelf.
 pub(super) const ROW: usize = 8;
+/// The first slot of solids.
+const SOLIDS: usize = 1 << 10;
+/// Side of the cube that each solid has for itself, in metres: those cubes are in the second layer.
+const HALL_M: f32 = 4.4;
+/// Solids in a row.
+const HALLS: usize = 4;
+/// Height from which on the slots are those of solids, in metres.
+const SOLIDS_M: f32 = 0.5 * HALL_M;
 /// How far noise roughens a shape, in metres. Tuned.
 const ROUGH_M: f32 = 0.006;
 /// Distance from the surface beyond which there is no noise, in metres: it could not move the surface.
@@ -47,6 +59,9 @@ pub struct Dress<'a> {
 /// All shapes that occur in a rock.
 pub struct Shelf {
     slots: Vec<Slot>,
+    solids: Vec<Solid>,
+    /// The rock as it is.
+    material: Arc<dyn Material>,
     look: Look,
     source: Source,
 }
@@ -61,12 +76,21 @@ struct Slot {
 impl Shelf {
     /// The shelf of this rock. The shapes are the same for every seed.
     pub fn new(dress: &Dress) -> Self {
-        let slot = |(row, make, number): (&'static KindRow, fn(&mut Rng) -> Shape, u32)| {
+        let (mut fields, mut solids) = (Vec::new(), Vec::new());
+        for (_, row, number) in slots(dress.rock) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
-            Slot { shape: make(&mut rng), material: (dress.material)(row.rock_setting), is_loose: row.place.is_loose() }
-        };
+            let material = || (dress.material)(row.rock_setting);
+            let is_loose = row.place.is_loose();
+            match row.shapes {
+                Shapes::Own { make, .. } => fields.push(Slot { shape: make(&mut rng), material: material(), is_loose }),
+                Shapes::Solid { make, .. } => solids.push(make(&mut rng)),
+                Shapes::Of(_) => {}
+            }
+        }
         Self {
-            slots: slots(dress.rock).map(slot).collect(),
+            slots: fields,
+            solids,
+            material: (dress.material)(None),
             look: dress.look.clone(),
             source: Source::new(salt(dress.seed, "things")),
         }
@@ -74,12 +98,27 @@ impl Shelf {
 
     /// Number of shapes.
     pub fn len(&self) -> usize {
-        self.slots.len()
+        self.slots.len() + self.solids.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.slots.is_empty()
+        self.len() == 0
+    }
+
+    /// Adds the solids, which are no part of the field, to its mesh.
+    pub(super) fn add_solids(&self, mesh: &mut Mesh) {
+        for (n, solid) in self.solids.iter().enumerate() {
+            let middle = Vector3::from(middle_of(SOLIDS + n).map(f64::from));
+            for part in &solid.parts {
+                let first = mesh.positions.len() as u32;
+                let quanta = |c: f64| (c * f64::from(QUANTA_PER_M)).round() as i32;
+                mesh.positions.extend(part.vertices.iter().map(|v| <[i32; 3]>::from((v.at + middle).map(quanta))));
+                mesh.normals.extend(part.vertices.iter().map(|v| <[f32; 3]>::from(v.normal.map(|c| c as f32))));
+                mesh.border.resize(mesh.positions.len(), false);
+                mesh.triangles.extend(part.faces.iter().map(|face| face.map(|corner| corner + first)));
+            }
+        }
     }
 
     /// The box of all shapes.
@@ -111,26 +150,33 @@ impl Shelf {
     }
 }
 
-/// The kind of each slot, what makes its shape, and the number of that.
-pub(super) fn slots(rock: &str) -> impl Iterator<Item = (&'static KindRow, fn(&mut Rng) -> Shape, u32)> + use<'_> {
-    let rows = KINDS.iter().filter(move |row| row.is_in(rock));
-    let own = rows.filter_map(|row| match row.shapes {
-        Shapes::Own { count, make } => Some((row, make, count)),
-        Shapes::Of(_) => None,
-    });
-    own.flat_map(|(row, make, count)| (0..count).map(move |number| (row, make, number)))
+/// A slot of the shelf, the kind whose shape is there, and the number of that. Solids have slots of their own, far from those
+/// of fields.
+pub(super) fn slots(rock: &str) -> impl Iterator<Item = (usize, &'static KindRow, u32)> + use<> {
+    let rows: Vec<&'static KindRow> = KINDS.iter().filter(|row| row.is_in(rock)).collect();
+    let numbered = |first: usize, count: fn(&KindRow) -> u32| {
+        let of_row = move |row: &'static KindRow| (0..count(row)).map(move |number| (row, number));
+        let all = rows.clone().into_iter().flat_map(of_row).enumerate();
+        all.map(move |(slot, (row, number))| (first + slot, row, number))
+    };
+    let fields = |row: &KindRow| if let Shapes::Own { count, .. } = row.shapes { count } else { 0 };
+    let solids = |row: &KindRow| if let Shapes::Solid { count, .. } = row.shapes { count } else { 0 };
+    numbered(0, fields).chain(numbered(SOLIDS, solids))
 }
 
 /// The slot of a point in the box of the shelf.
 pub(super) fn slot_at(point: [f32; 3]) -> Option<usize> {
-    let [x, y, z] = point.map(|c| (c / CELL_M).floor() as i32);
-    let is_inside = (0..ROW as i32).contains(&x) && y >= 0 && z == 0;
-    is_inside.then(|| y as usize * ROW + x as usize)
+    let (cell_m, row, first) = if point[2] < SOLIDS_M { (CELL_M, ROW, 0) } else { (HALL_M, HALLS, SOLIDS) };
+    let [x, y, z] = point.map(|c| (c / cell_m).floor() as i32);
+    let is_inside = (0..row as i32).contains(&x) && y >= 0 && z == i32::from(first > 0);
+    is_inside.then(|| first + y as usize * row + x as usize)
 }
 
 /// The middle of a slot, which is the origin of its shape.
 pub(super) fn middle_of(slot: usize) -> [f32; 3] {
-    [(slot % ROW) as f32 + 0.5, (slot / ROW) as f32 + 0.5, 0.5].map(|c| c * CELL_M)
+    let (cell_m, row, z, slot) =
+        if slot < SOLIDS { (CELL_M, ROW, 0.5, slot) } else { (HALL_M, HALLS, 1.5, slot - SOLIDS) };
+    [(slot % row) as f32 + 0.5, (slot / row) as f32 + 0.5, z].map(|c| c * cell_m)
 }
 
 impl Field for Shelf {
@@ -218,7 +264,8 @@ fn block_roughness<S: Simd>(
 impl Surface for Shelf {
     fn texels(&self, _: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         let mut block = CoarseBlock::new(GROUND, self.source);
-        let slot = |at: usize| slot_at(points[at]).filter(|&slot| slot < self.slots.len());
+        let is_used = |slot: &usize| *slot < self.slots.len() || self.solid(*slot).is_some();
+        let slot = |at: usize| slot_at(points[at]).filter(is_used);
         let mut start = 0;
         while start < points.len() {
             let end =
@@ -226,7 +273,8 @@ impl Surface for Shelf {
             let range = start..end;
             if let Some(slot) = slot(start) {
                 let at = [&points[range.clone()], &normals[range.clone()]];
-                self.paint(slot, texel_m, at, &mut block, &mut out[range]);
+                let paint = if slot < SOLIDS { Self::paint } else { Self::paint_solid };
+                paint(self, slot, texel_m, at, &mut block, &mut out[range]);
             }
             start = end;
         }
@@ -261,6 +309,42 @@ impl Shelf {
                 occlusion: wall.occlusion[lane],
                 height_m: 0.0,
             };
+        }
+    }
+}
+
+impl Shelf {
+    fn solid(&self, slot: usize) -> Option<&Solid> {
+        self.solids.get(slot.checked_sub(SOLIDS)?)
+    }
+
+    /// The surface of at most [`BLOCK`] points of a solid, dusted by the floor.
+    fn paint_solid(&self, slot: usize, texel_m: f32, at: [&[[f32; 3]]; 2], block: &mut CoarseBlock, out: &mut [Texel]) {
+        let [points, normals] = at;
+        let Some(solid) = self.solid(slot) else { return };
+        let middle = middle_of(slot);
+        let own: Vec<[f32; 3]> = points.iter().map(|p| std::array::from_fn(|axis| p[axis] - middle[axis])).collect();
+        let mut floor = SurfaceSamples::default();
+        self.material.coarse(&on_floor(points, self.source), block);
+        self.material.surface_samples(block, &self.look, Footprint { texel_m }, &by_axis(normals), &mut floor);
+        let part = |n: usize| solid.part_at(Point3::from(own[n].map(f64::from)));
+        let mut start = 0;
+        while start < own.len() {
+            let here = part(start);
+            let end = (start..own.len()).take_while(|&n| std::ptr::eq(part(n), here)).count() + start;
+            let samples = here.substance.samples(&here.frame, self.source, [&own[start..end], &normals[start..end]]);
+            for (lane, sample) in (start..end).zip(samples) {
+                let dust = MOST_DUST * ((normals[lane][2] - DUSTY[0]) / (DUSTY[1] - DUSTY[0])).clamp(0.0, 1.0);
+                let mixed = |own: f32, floor: f32| own + (floor - own) * dust;
+                out[lane] = Texel {
+                    color: std::array::from_fn(|c| mixed(sample.color[c], floor.color[c][lane])),
+                    normal: sample.normal,
+                    roughness: mixed(sample.roughness, floor.roughness[lane]),
+                    occlusion: 1.0,
+                    height_m: 0.0,
+                };
+            }
+            start = end;
         }
     }
 }

@@ -42,6 +42,7 @@ struct Cave {
     rock: &'static str,
     walls: Vec<(Aabb<f64>, Mesh)>,
     settings: ThingSettings,
+    seed: u64,
 }
 
 impl Cave {
@@ -56,12 +57,12 @@ impl Cave {
         };
         let made = grid.indices().filter_map(|index| Some((bounds(index), chunk(&field, &grid, index, &mesh)?.visual)));
         let walls = made.collect();
-        Self { name, graph, field, library: library(rock).1, rock, walls, settings: ThingSettings::default() }
+        Self { name, graph, field, library: library(rock).1, rock, walls, settings: ThingSettings::default(), seed: 7 }
     }
 
     fn setting(&self) -> Setting<'_> {
-        let Self { graph, field, library, rock, settings, .. } = self;
-        Setting { library, settings, rock, field, graph, seed: 7 }
+        let Self { graph, field, library, rock, settings, seed, .. } = self;
+        Setting { library, settings, rock, field, graph, seed: *seed }
     }
 
     fn things(&self) -> Vec<Thing> {
@@ -85,6 +86,10 @@ impl Cave {
     fn is_loose(&self, thing: &Thing) -> bool {
         matches!(KINDS.find(&thing.kind).unwrap().place, Place::Floor(_))
     }
+}
+
+fn hangs(thing: &Thing) -> bool {
+    matches!(KINDS.find(&thing.kind).unwrap().place, Place::Ceiling(_))
 }
 
 /// Every generator, and every rock.
@@ -147,12 +152,35 @@ fn prototypes_are_closed_bodies_of_few_corners() {
         assert_whole(&mesh);
         let report = Report::of(&mesh);
         assert!(report.is_clean() && report.volume_m3 < 0.0, "{}: {report:#?}", rock.name);
-        assert_eq!(report.components, library.prototypes.len(), "{}", rock.name);
+        assert!(report.components >= library.prototypes.len(), "{}", rock.name);
         assert_eq!(report.genus, 0, "{}", rock.name);
         for prototype in &library.prototypes {
             let corners = prototype.hull.corners.len();
             assert!((8..=MOST_CORNERS).contains(&corners), "{}: {corners} corners", prototype.name);
             assert!(prototype.volume_m3 > 0.0, "{}", prototype.name);
+        }
+        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        for (prototype, triangles) in library.prototypes.iter().zip(library.cut(&vertices, &mesh.triangles)) {
+            let report = Report::of(&Mesh { triangles, ..mesh.clone() });
+            assert!(report.is_clean() && report.volume_m3 < 0.0, "{} {}: {report:#?}", rock.name, prototype.name);
+            // Dripstone and stones are in one piece.
+            assert!(prototype.row.is_solid() || report.components == 1, "{}", prototype.name);
+        }
+    }
+}
+
+#[test]
+fn normals_of_solids_point_out_of_them() {
+    for rock in MATERIALS.iter() {
+        let (mesh, library) = library(rock.name);
+        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        let cut = library.prototypes.iter().zip(library.cut(&vertices, &mesh.triangles));
+        for triangle in cut.filter(|(prototype, _)| prototype.row.is_solid()).flat_map(|(_, triangles)| triangles) {
+            let [a, b, c] = corners(&mesh, triangle);
+            let facing = (b - a).cross(&(c - a)).normalize();
+            let normals = triangle.map(|vertex| Vector3::from(mesh.normals[vertex as usize].map(f64::from)));
+            let least = normals.iter().map(|normal| normal.dot(&facing)).fold(f64::MAX, f64::min);
+            assert!(least > 0.0, "{}: {least} at {a}", rock.name);
         }
     }
 }
@@ -214,7 +242,7 @@ fn assert_they_touch(cave: &Cave, things: &[Thing]) {
 /// Nothing on the way along the passages is higher than a wheel can take.
 fn assert_the_corridor_is_free(cave: &Cave, things: &[Thing]) {
     let half_m = cave.settings.corridor_m / 2.0;
-    for thing in things.iter().filter(|thing| thing.kind != "stalactite" && thing.kind != "lavacicle") {
+    for thing in things.iter().filter(|thing| !hangs(thing)) {
         let hull = cave.hull(thing);
         let low = hull.iter().map(|at| at.z).fold(f64::MAX, f64::min);
         let high = hull.iter().map(|at| at.z).fold(f64::MIN, f64::max);
@@ -229,16 +257,24 @@ fn assert_the_corridor_is_free(cave: &Cave, things: &[Thing]) {
                 let share = ((at - a).xy().dot(&along.xy()) / flat).clamp(0.0, 1.0);
                 let nearest = a + along * share;
                 let is_on_the_way = (at - nearest).xy().norm() < 0.9 * half_m && (at.z - nearest.z).abs() < 3.0;
+                if is_on_the_way && low > floor_m(cave, nearest) + cave.settings.headroom_m {
+                    continue;
+                }
                 assert!(!is_on_the_way, "{}: {thing:?} is in the way at {at}", cave.name);
             }
         }
     }
 }
 
+/// Height of the floor of a passage, which undulates around it.
+fn floor_m(cave: &Cave, at: Point3<f64>) -> f64 {
+    const UNDULATION_M: f64 = 0.2;
+    f64::from(cave.field.floor_z(at.coords.map(|c| c as f32).into())) - UNDULATION_M
+}
+
 /// Roots are in the rock, and stalagmites stand below stalactites.
 fn assert_dripstone_is_attached(cave: &Cave, things: &[Thing]) {
-    let hanging: Vec<&Thing> =
-        things.iter().filter(|thing| ["stalactite", "lavacicle"].contains(&&*thing.kind)).collect();
+    let hanging: Vec<&Thing> = things.iter().filter(|thing| hangs(thing)).collect();
     let roots: Vec<[f32; 3]> = hanging
         .iter()
         .map(|thing| {
@@ -259,21 +295,120 @@ fn assert_dripstone_is_attached(cave: &Cave, things: &[Thing]) {
     }
 }
 
+/// A mine with timbered and bolted drifts.
+fn mine(rock: &'static str) -> Cave {
+    let row = plume::generators::GENERATORS.find("mine").unwrap();
+    Cave::new(format!("mine in {rock}"), small(row, 24, 1), rock, 16.0)
+}
+
+#[test]
+fn equipment_is_built_into_mines() {
+    for rock in ["drilled", "salt"] {
+        let cave = mine(rock);
+        let things = cave.things();
+        let of = |kind: &str| things.iter().filter(|thing| thing.kind == kind).collect::<Vec<_>>();
+        for row in KINDS.iter().filter(|row| row.place.is_built() && row.is_in(rock)) {
+            assert!(!of(row.name).is_empty(), "{}: no {}", cave.name, row.name);
+        }
+        assert_the_corridor_is_free(&cave, &things);
+        assert_posts_carry_beams(&cave, &of("post"), &of("beam"));
+        for bolt in of("rock_bolt") {
+            let gap_m = roof_m(&cave, bolt.pose.translation.vector) - bolt.pose.translation.vector.z;
+            assert!(gap_m.abs() < 0.005, "{}: {gap_m} m over {bolt:?}", cave.name);
+        }
+        assert_nothing_lies_in_equipment(&cave, &things);
+    }
+}
+
+/// Height of the lowest roof over a point, or just below it, found by going through every triangle.
+fn roof_m(cave: &Cave, at: Vector3<f64>) -> f64 {
+    let above = column(cave, at).into_iter().filter(|(z, up)| *up < 0.0 && *z > at.z - 0.1);
+    above.map(|(z, _)| z).fold(f64::MAX, f64::min)
+}
+
+/// Heights of the triangles over and under a point, and the upward component of their normals.
+fn column(cave: &Cave, at: Vector3<f64>) -> Vec<(f64, f64)> {
+    let walls = cave.walls.iter().flat_map(|(_, wall)| wall.triangles.iter().map(|triangle| corners(wall, *triangle)));
+    let height = |[a, b, c]: [Vector3<f64>; 3]| {
+        let side = |p: &Vector3<f64>, q: &Vector3<f64>| (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x);
+        let (ab, bc, ca) = (side(&a, &b), side(&b, &c), side(&c, &a));
+        let is_here = ab * bc > 0.0 && bc * ca > 0.0;
+        let up = (b - a).cross(&(c - a)).z;
+        is_here.then(|| ((a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca), up))
+    };
+    walls.filter_map(height).collect()
+}
+
+/// Posts stand on the floor under a beam that touches the roof.
+fn assert_posts_carry_beams(cave: &Cave, posts: &[&Thing], beams: &[&Thing]) {
+    assert_eq!(posts.len(), 2 * beams.len(), "{}", cave.name);
+    let ends = |thing: &Thing| {
+        let heights: Vec<f64> = cave.hull(thing).iter().map(|at| at.z).collect();
+        [heights.iter().copied().fold(f64::MAX, f64::min), heights.into_iter().fold(f64::MIN, f64::max)]
+    };
+    for post in posts {
+        let at = post.pose.translation.vector;
+        let [foot, top] = ends(post);
+        let floor = column(cave, Vector3::new(at.x, at.y, 0.5 * (foot + top)));
+        let floor = floor.into_iter().filter(|(z, up)| *up > 0.0 && *z < top).map(|(z, _)| z).fold(f64::MIN, f64::max);
+        assert!((floor - foot - post.embedding_m).abs() < 0.02, "{}: {floor} m under {post:?}", cave.name);
+        let is_over = |beam: &&&Thing| (beam.pose.translation.vector - at).xy().norm() < 3.5;
+        let under = beams.iter().filter(is_over).map(|beam| (ends(beam)[0] - top).abs()).fold(f64::MAX, f64::min);
+        assert!(under < 0.02, "{}: {under} m over {post:?}", cave.name);
+    }
+    for beam in beams {
+        let [_, top] = ends(beam);
+        let half_m = 0.46 * cave.prototype(beam).size_m.y * beam.scale;
+        let across = beam.pose.rotation * Vector3::y();
+        let place = |n: i32| beam.pose.translation.vector + across * (half_m * f64::from(n) / 20.0);
+        let gaps = (-20..=20).map(|n| roof_m(cave, Vector3::new(place(n).x, place(n).y, top)) - top);
+        let least = gaps.fold(f64::MAX, f64::min);
+        assert!(least < 0.10, "{}: {least} m over {beam:?}", cave.name);
+    }
+}
+
+/// Stones lie beside what stands on the floor, and posts, drums and sleepers beside each other.
+fn assert_nothing_lies_in_equipment(cave: &Cave, things: &[Thing]) {
+    let reach_m = |thing: &Thing| cave.prototype(thing).reach_m * thing.scale;
+    let stands = |thing: &&Thing| ["post", "drum"].contains(&&*thing.kind);
+    for (n, built) in things.iter().enumerate().filter(|(_, thing)| stands(thing)) {
+        let others = things
+            .iter()
+            .enumerate()
+            .filter(|(other, thing)| *other != n && (cave.is_loose(thing) || stands(thing) || thing.kind == "sleeper"));
+        for (_, other) in others {
+            let apart = (other.pose.translation.vector - built.pose.translation.vector).xy().norm();
+            let near_m = if cave.is_loose(other) { 0.9 * reach_m(built) } else { reach_m(built) };
+            assert!(apart > near_m, "{}: {other:?} is in {built:?}", cave.name);
+        }
+    }
+}
+
 #[test]
 fn things_hardly_depend_on_the_size_of_chunks() {
-    let graph = small(plume::generators::GENERATORS.default_row(), 8, 3);
-    let of = |chunk_m: f32| -> BTreeMap<(u64, String), Thing> {
-        let cave = Cave::new(format!("chunks of {chunk_m} m"), graph.clone(), "limestone", chunk_m);
-        cave.things().into_iter().map(|thing| ((thing.id, thing.kind.clone()), thing)).collect()
-    };
-    let (one, other) = (of(16.0), of(7.0));
-    let same = one.iter().filter(|(id, thing)| {
-        let twin = other.get(*id);
-        twin.is_some_and(|twin| (twin.pose.translation.vector - thing.pose.translation.vector).norm() < 0.03)
-    });
-    let share = same.count() as f64 / one.len().max(other.len()) as f64;
-    // Triangles differ by millimetres, and of stones that hardly rest some do on one and not on the other.
-    assert!(one.len() > 100 && share > 0.8, "{share} of {} and {}", one.len(), other.len());
+    let rows = [("gaussian-perlin", "limestone", 8), ("mine", "drilled", 16)];
+    for (generator, rock, nodes) in rows {
+        let graph = small(plume::generators::GENERATORS.find(generator).unwrap(), nodes, 3);
+        let of = |chunk_m: f32| -> BTreeMap<(u64, String), Thing> {
+            let cave = Cave::new(format!("chunks of {chunk_m} m"), graph.clone(), rock, chunk_m);
+            cave.things().into_iter().map(|thing| ((thing.id, thing.kind.clone()), thing)).collect()
+        };
+        let (one, other) = (of(16.0), of(7.0));
+        let same = one.iter().filter(|(id, thing)| {
+            let twin = other.get(*id);
+            twin.is_some_and(|twin| (twin.pose.translation.vector - thing.pose.translation.vector).norm() < 0.03)
+        });
+        let share = same.count() as f64 / one.len().max(other.len()) as f64;
+        // Triangles differ by millimetres, and of stones that hardly rest some do on one and not on the other.
+        assert!(one.len() > 100 && share > 0.8, "{rock}: {share} of {} and {}", one.len(), other.len());
+        let built = |all: &BTreeMap<(u64, String), Thing>| -> Vec<(u64, String)> {
+            let is_built = |kind: &str| KINDS.find(kind).unwrap().place.is_built();
+            all.keys().filter(|(_, kind)| is_built(kind)).cloned().collect()
+        };
+        let (these, those) = (built(&one), built(&other));
+        let lost = these.iter().filter(|key| !other.contains_key(*key)).count();
+        assert!(lost * 20 <= these.len(), "{rock}: {lost} of {} are gone, of {}", these.len(), those.len());
+    }
 }
 
 #[test]

@@ -1,0 +1,380 @@
+//! What miners build in along the passages: where it stands, hangs and runs.
+//!
+//! Every edge of the graph is a way with stations at even distances. From each, rays find the floor, the roof and the walls,
+//! and what does not fit there is left out: so a thing follows from the edge and the walls within [`ASIDE_M`] of it.
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+
+use super::equipment::{CAP_M, DUCT_M, OFF_WALL_M, RAIL_M, SLEEPER_M, TIMBER_M};
+use super::kind::{Along, Fit, KindRow, Place};
+use super::lots::Lots;
+use super::place::{Candidate, Site};
+use super::rest::turn;
+use super::shelf::roughness;
+use crate::noise::Source;
+use plume_graph::seed::salt;
+use plume_graph::{Aabb, Graph};
+
+/// How far from the axis of a passage a wall is looked for, in metres.
+pub(super) const ASIDE_M: f64 = 3.4;
+/// Least and most height of a passage in which anything is built, in metres.
+const HEIGHT_M: [f64; 2] = [1.9, 5.0];
+/// Steepest passage in which anything is built: rise over length.
+const STEEPEST: f64 = 0.25;
+/// Length over which passages have or do not have something, in metres.
+const STRETCH_M: f32 = 30.0;
+/// Half the gauge of the rails, in metres: 0.6 m is common underground.
+const HALF_GAUGE_M: f64 = 0.3;
+/// Distance between bolts across the passage, in metres.
+const BOLT_M: f64 = 1.2;
+/// Radius of the thickest posts, and their distance from the wall, in metres.
+const POST_M: [f64; 2] = [0.17, 0.08];
+
+/// Something built in, and its pose.
+pub(super) struct Built<'a> {
+    pub candidate: Candidate<'a>,
+    pub pose: Isometry3<f64>,
+}
+
+/// A passage from one station of the graph to the next.
+#[derive(Clone, Copy)]
+struct Way {
+    key: [i32; 2],
+    from: Point3<f64>,
+    ahead: Vector3<f64>,
+    right: Vector3<f64>,
+    length_m: f64,
+}
+
+impl Way {
+    /// The ways near these bounds.
+    fn near(graph: &Graph, bounds: Aabb<f64>) -> Vec<Self> {
+        let near = bounds.padded(ASIDE_M + 1.0);
+        let way = |edge: &[plume_graph::StationId; 2]| {
+            let [a, b] = edge.map(|station| graph[station].position);
+            let flat = (b - a).xy();
+            let is_near = Aabb::from_points([a, b].map(<[f64; 3]>::from)).is_some_and(|own| own.intersects(&near));
+            let length_m = (b - a).norm();
+            if !is_near || length_m < 1.0 || (b.z - a.z).abs() > STEEPEST * length_m {
+                return None;
+            }
+            // So that what is on the right is so in the next passage too, whichever way its edge points.
+            let [from, to] = if flat.x + 0.618 * flat.y > 0.0 { [a, b] } else { [b, a] };
+            let ahead = (to - from) / length_m;
+            let right = ahead.cross(&Vector3::z()).normalize();
+            Some(Self { key: edge.map(|station| station.index() as i32), from, ahead, right, length_m })
+        };
+        graph.edges.iter().filter_map(way).collect()
+    }
+
+    fn at(&self, along_m: f64) -> Point3<f64> {
+        self.from + self.ahead * along_m
+    }
+
+    /// Number of parts of at most this length.
+    fn parts(&self, spacing_m: f64) -> u32 {
+        (self.length_m / spacing_m).ceil().max(1.0) as u32
+    }
+}
+
+/// One of the places of a kind along a way.
+#[derive(Clone, Copy)]
+struct Stop<'a> {
+    way: &'a Way,
+    number: u32,
+    /// From and to where it reaches along the way, in metres.
+    reach: [f64; 2],
+}
+
+impl Stop<'_> {
+    fn middle(&self) -> f64 {
+        0.5 * (self.reach[0] + self.reach[1])
+    }
+}
+
+impl<'a> Site<'a> {
+    /// What is built in along the passages in these bounds.
+    pub fn built(&self, around: Aabb<f64>) -> Vec<Built<'a>> {
+        let along = |row: &'static KindRow| match row.place {
+            Place::Along(along) => Some((row, along)),
+            _ => None,
+        };
+        let rows: Vec<(&'static KindRow, Along)> = self.rows().filter_map(along).collect();
+        if rows.is_empty() || self.settings.sets <= 0.0 {
+            return Vec::new();
+        }
+        let ways = Way::near(self.setting.graph, around);
+        let mut built = Vec::new();
+        for (row, along) in rows {
+            for way in &ways {
+                let parts = way.parts(along.spacing_m);
+                let part_m = way.length_m / f64::from(parts);
+                for number in 0..parts {
+                    let reach = [f64::from(number), f64::from(number + 1)].map(|n| n * part_m);
+                    let stop = Stop { way, number, reach };
+                    if self.has(&along, way.at(stop.middle())) {
+                        built.extend(self.fitted(row, along.fit, &stop));
+                    }
+                }
+            }
+        }
+        built
+    }
+
+    /// Whether the stretch of a passage has this.
+    fn has(&self, along: &Along, at: Point3<f64>) -> bool {
+        let [low, high] = along.range;
+        let source = Source::new(salt(self.setting.seed, along.stretch));
+        let noise = roughness(source, &[[at.x as f32, at.y as f32, at.z as f32]], STRETCH_M)[0];
+        // About evenly distributed: the standard deviation of this noise is a third.
+        let share = 0.5 * libm::erfc(-f64::from(noise) * 3.0 / std::f64::consts::SQRT_2);
+        low <= share && share < low + (high - low) * self.settings.sets
+    }
+
+    /// Room that posts take at the wall, in metres: pipes and cables pass on their inside.
+    fn posts_m(&self, at: Point3<f64>) -> f64 {
+        let is_timbered = self.rows().any(|row| match row.place {
+            Place::Along(along) => along.fit == Fit::Post && self.has(&along, at),
+            _ => false,
+        });
+        if is_timbered { 2.0 * POST_M[0] + POST_M[1] } else { 0.0 }
+    }
+
+    fn fitted(&self, row: &'static KindRow, fit: Fit, stop: &Stop) -> Vec<Built<'a>> {
+        let way = stop.way;
+        let middle = stop.middle();
+        let poses: Vec<(f64, Isometry3<f64>, f64)> = match fit {
+            Fit::Post => self.set(way, middle).map(|set| set.posts.to_vec()).unwrap_or_default(),
+            Fit::Beam => self.set(way, middle).map(|set| set.beam).into_iter().collect(),
+            Fit::Roof => self.bolts(stop),
+            Fit::Rail => self.rails(stop),
+            Fit::Sleeper => self.sleeper(way, middle).into_iter().collect(),
+            Fit::RightWall => self.between(stop, |along_m| self.on_wall(way, along_m, 1.0, 1.6)),
+            Fit::LeftWall => self.between(stop, |along_m| self.on_wall(way, along_m, -1.0, 1.7)),
+            Fit::UnderRoof => self.between(stop, |along_m| self.under_roof(way, along_m)),
+            Fit::FootOfWall => self.at_foot(stop).into_iter().collect(),
+        };
+        let key =
+            |n: usize| u64::from(salt(self.setting.seed, row.name)) | (u64::from(stop.number) * 8 + n as u64) << 32;
+        let numbered = poses.into_iter().enumerate();
+        let built = numbered.filter_map(|(n, (scale, pose, embedding_m))| {
+            let mut lots = Lots::new(key(n), way.key);
+            let candidate = Candidate {
+                id: lots.id(0.0),
+                row,
+                prototype: lots.one_of(self.setting.library.of(row))?,
+                scale,
+                yaw_rad: 0.0,
+                at: pose.translation.vector.into(),
+                embedding_m,
+                stands: matches!(fit, Fit::Post | Fit::Sleeper | Fit::FootOfWall),
+                // Stones make room for it.
+                rank: f64::INFINITY,
+            };
+            Some(Built { candidate, pose })
+        });
+        built.filter(|built| self.leaves_the_way(built, way.at(middle))).collect()
+    }
+
+    /// Whether it is beside the way or high enough over it.
+    fn leaves_the_way(&self, built: &Built, axis: Point3<f64>) -> bool {
+        // The floor may rise towards another passage.
+        let [Some(floor), below] = [axis, built.candidate.at].map(|at| self.walls.floor_below(at)) else {
+            return false;
+        };
+        let floor = below.unwrap_or(floor).max(floor);
+        let Candidate { prototype, scale, .. } = &built.candidate;
+        let hull = &prototype.hull;
+        let points = || hull.corners.iter().copied().chain(hull.middles_of_edges()).map(|p| built.pose * (p * *scale));
+        let low = points().map(|point| point.z).fold(f64::INFINITY, f64::min);
+        low > floor + self.settings.headroom_m || points().all(|point| !self.corridor.is_within(point, 0.0))
+    }
+
+    /// Heights of the floor below a point of a passage and of the roof above it.
+    fn height(&self, at: Point3<f64>) -> Option<[f64; 2]> {
+        let hits = self.walls.hits(at.x, at.y);
+        let roof = hits.iter().find(|hit| hit.z > at.z && hit.normal.z < 0.0)?.z;
+        let floor = hits.iter().rev().find(|hit| hit.z < roof && hit.normal.z > 0.0)?.z;
+        (HEIGHT_M[0]..HEIGHT_M[1]).contains(&(roof - floor)).then_some([floor, roof])
+    }
+
+    /// Distance of the nearest wall on a side of a way, at heights over the floor.
+    fn aside(&self, way: &Way, along_m: f64, side: f64, heights_m: &[f64]) -> Option<f64> {
+        let at = way.at(along_m);
+        let [floor, roof] = self.height(at)?;
+        let heights = heights_m.iter().filter(|height| floor + **height < roof - 0.2);
+        let ray = |height: &f64| self.walls.ray(Point3::new(at.x, at.y, floor + height), way.right * side, ASIDE_M);
+        let distances: Option<Vec<f64>> = heights.map(ray).collect();
+        distances?.into_iter().reduce(f64::min)
+    }
+
+    /// A timber set: posts at both walls under a beam that touches the roof.
+    fn set(&self, way: &Way, along_m: f64) -> Option<Set> {
+        let at = way.at(along_m);
+        let aside = |side: f64| self.aside(way, along_m, side, &[0.3, 1.0, 1.7, 2.4, 3.1]);
+        let offsets = [-aside(-1.0)?, aside(1.0)?].map(|offset| offset - offset.signum() * (POST_M[0] + POST_M[1]));
+        if offsets.iter().any(|offset| offset.abs() < 0.5 * self.settings.corridor_m + POST_M[0] + 0.03) {
+            return None;
+        }
+        let heights = |share: f64| self.height(at + way.right * (offsets[0] + (offsets[1] - offsets[0]) * share));
+        let columns: Option<Vec<[f64; 2]>> = (0..=8).map(|n| heights(f64::from(n) / 8.0)).collect();
+        let roof = columns?.into_iter().map(|[_, roof]| roof).reduce(f64::min)?;
+        let span_m = offsets[1] - offsets[0] + 2.0 * POST_M[0];
+        let scale = stepped_up(span_m / TIMBER_M);
+        let top = roof - CAP_M * scale;
+        let facing = turn(Vector3::x(), level(way.ahead));
+        let middle = at + way.right * (0.5 * (offsets[0] + offsets[1]));
+        let pose = |at: Point3<f64>, z: f64| Isometry3::from_parts(Translation3::new(at.x, at.y, z), facing);
+        let post = |offset: f64| {
+            let foot = at + way.right * offset;
+            let [floor, _] = self.height(foot)?;
+            let scale = stepped_up((top - floor) / TIMBER_M);
+            let length_m = TIMBER_M * scale;
+            (top > floor + 1.4).then(|| (scale, pose(foot, top - length_m), length_m - (top - floor)))
+        };
+        let beam = (scale, pose(middle, roof - 0.5 * CAP_M * scale), 0.0);
+        Some(Set { posts: [post(offsets[0])?, post(offsets[1])?], beam })
+    }
+
+    fn bolts(&self, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
+        /// Steepest roof that is bolted from below.
+        const LEVEL: f64 = -0.6;
+        let at = stop.way.at(stop.middle());
+        // Every other row is shifted by half.
+        let shift = if stop.number.is_multiple_of(2) { 0.0 } else { 0.5 };
+        let bolt = |n: i32| {
+            let place = at + stop.way.right * (BOLT_M * (f64::from(n) + shift));
+            self.height(place)?;
+            let hits = self.walls.hits(place.x, place.y);
+            let roof = hits.iter().find(|hit| hit.z > at.z && hit.normal.z < LEVEL)?;
+            let turned = turn(Vector3::z(), -roof.normal);
+            Some((1.0, Isometry3::from_parts(Translation3::new(place.x, place.y, roof.z), turned), 0.0))
+        };
+        (-2..=2).filter_map(bolt).collect()
+    }
+
+    /// The middle of the track on its bed, if there is room for it between the way and the wall.
+    fn track(&self, way: &Way, along_m: f64) -> Option<Point3<f64>> {
+        let offset_m = 0.5 * (self.settings.corridor_m + SLEEPER_M) + 0.06;
+        let room_m = offset_m + 0.5 * SLEEPER_M + 0.08 + self.posts_m(way.at(along_m));
+        if self.aside(way, along_m, 1.0, &[0.3])? < room_m {
+            return None;
+        }
+        let place = |dx: f64, dy: f64| way.at(along_m + dx) + way.right * (offset_m + dy);
+        let shifts = [-0.5, 0.0, 0.5].into_iter().flat_map(|dx| [-0.3, 0.3].map(|dy| (dx, dy)));
+        let floors: Option<Vec<f64>> = shifts.map(|(dx, dy)| Some(self.height(place(dx, dy))?[0])).collect();
+        // Ballast evens out what is lower.
+        let high = floors?.into_iter().reduce(f64::max)?;
+        let at = place(0.0, 0.0);
+        Some(Point3::new(at.x, at.y, high + 0.01))
+    }
+
+    fn rails(&self, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
+        let side = |offset: f64| {
+            let place = |along_m: f64| Some(self.track(stop.way, along_m)? + stop.way.right * offset);
+            self.between(stop, place)
+        };
+        [-HALF_GAUGE_M, HALF_GAUGE_M].into_iter().flat_map(side).collect()
+    }
+
+    /// A sleeper under the rails, which run straight between the ends of their pieces.
+    fn sleeper(&self, way: &Way, along_m: f64) -> Option<(f64, Isometry3<f64>, f64)> {
+        let rail = self.rows().find_map(|row| match row.place {
+            Place::Along(along) if along.fit == Fit::Rail => Some(along),
+            _ => None,
+        })?;
+        let part_m = way.length_m / f64::from(way.parts(rail.spacing_m));
+        let first = (along_m / part_m).floor() * part_m;
+        if !self.has(&rail, way.at(first + 0.5 * part_m)) {
+            return None;
+        }
+        let [a, b] = [self.track(way, first)?, self.track(way, first + part_m)?];
+        let at = a + (b - a) * ((along_m - first) / part_m);
+        Some((1.0, Isometry3::from_parts(Translation3::from(at), facing(b - a)), 0.0))
+    }
+
+    /// A place at a wall, this high over the floor.
+    fn on_wall(&self, way: &Way, along_m: f64, side: f64, height_m: f64) -> Option<Point3<f64>> {
+        let aside = |shift: f64| self.aside(way, along_m + shift, side, &[height_m - 0.1, height_m + 0.1]);
+        let wall_m = [-0.4, 0.0, 0.4].into_iter().map(aside).collect::<Option<Vec<f64>>>()?;
+        let wall_m = wall_m.into_iter().reduce(f64::min)?;
+        let at = way.at(along_m);
+        let place = at + way.right * (side * (wall_m - OFF_WALL_M - self.posts_m(at)));
+        Some(Point3::new(place.x, place.y, self.height(at)?[0] + height_m))
+    }
+
+    /// A place for a duct, left of the way.
+    fn under_roof(&self, way: &Way, along_m: f64) -> Option<Point3<f64>> {
+        /// Room for beams and for the ropes of the duct, in metres.
+        const BELOW_ROOF_M: f64 = 0.42;
+        let offset_m = 0.5 * self.settings.corridor_m + DUCT_M + 0.05;
+        let place = |shift: f64, aside: f64| way.at(along_m + shift) - way.right * (offset_m + aside);
+        let shifts = [-0.5, 0.0, 0.5].into_iter().flat_map(|dx| [-0.25, 0.25].map(|dy| (dx, dy)));
+        let columns: Option<Vec<[f64; 2]>> = shifts.map(|(dx, dy)| self.height(place(dx, dy))).collect();
+        let roof = columns?.into_iter().map(|[_, roof]| roof).reduce(f64::min)?;
+        let [floor, _] = self.height(way.at(along_m))?;
+        let height_m = roof - BELOW_ROOF_M - DUCT_M - floor;
+        let is_free = self.aside(way, along_m, -1.0, &[height_m - 0.2, height_m + 0.2])? > offset_m + DUCT_M + 0.05;
+        let at = place(0.0, 0.0);
+        (is_free && height_m - DUCT_M > 1.6).then(|| Point3::new(at.x, at.y, floor + height_m))
+    }
+
+    fn at_foot(&self, stop: &Stop) -> Option<(f64, Isometry3<f64>, f64)> {
+        /// Radius of what stands there in metres.
+        const RADIUS_M: f64 = 0.3;
+        /// Most unevenness of its floor in metres.
+        const UNEVEN_M: f64 = 0.09;
+        let (way, along_m) = (stop.way, stop.middle());
+        let wall_m = self.aside(way, along_m, -1.0, &[0.2, 0.5, 0.9])?;
+        let at = way.at(along_m) - way.right * (wall_m - RADIUS_M - 0.12);
+        if self.posts_m(at) > 0.0 {
+            return None;
+        }
+        let around = [[0.0, 0.0], [0.2, 0.0], [-0.2, 0.0], [0.0, 0.2], [0.0, -0.2]];
+        let floor = |[x, y]: [f64; 2]| Some(self.height(at + Vector3::new(x, y, 0.0))?[0]);
+        let floors = around.into_iter().map(floor).collect::<Option<Vec<f64>>>()?;
+        let low = floors.iter().copied().reduce(f64::min)?;
+        let high = floors.into_iter().reduce(f64::max)?;
+        let pose = Isometry3::translation(at.x, at.y, 0.5 * (low + high));
+        (high - low < UNEVEN_M).then_some((1.0, pose, 0.5 * (high - low)))
+    }
+
+    /// A piece between the places at both ends of a stop, if it is in the air.
+    fn between(&self, stop: &Stop, place: impl Fn(f64) -> Option<Point3<f64>>) -> Vec<(f64, Isometry3<f64>, f64)> {
+        let [Some(a), Some(b)] = stop.reach.map(place) else { return Vec::new() };
+        let middle = nalgebra::center(&a, &b);
+        let over = |share: f64| {
+            let at = a + (b - a) * share + Vector3::z() * RAIL_M;
+            [at.x as f32, at.y as f32, at.z as f32]
+        };
+        let depths = self.setting.field.scattered(&[over(0.1), over(0.5), over(0.9)]);
+        // On either side of a corner the wall is at another distance.
+        let is_bent = (b - a).norm() > 1.04 * (stop.reach[1] - stop.reach[0]);
+        if is_bent || depths.iter().any(|depth| *depth > 0.0) {
+            return Vec::new();
+        }
+        vec![(1.0, Isometry3::from_parts(Translation3::from(middle), facing(b - a)), 0.0)]
+    }
+}
+
+/// A set of timber: scale, pose and how deep its foot is in the floor.
+struct Set {
+    posts: [(f64, Isometry3<f64>, f64); 2],
+    beam: (f64, Isometry3<f64>, f64),
+}
+
+/// The level direction nearest to one.
+fn level(direction: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(direction.x, direction.y, 0.0).normalize()
+}
+
+/// Turned along a direction, and not rolled.
+fn facing(direction: Vector3<f64>) -> UnitQuaternion<f64> {
+    let flat = level(direction);
+    turn(flat, direction.normalize()) * turn(Vector3::x(), flat)
+}
+
+/// A size rounded up in steps of a twenty-fourth of an octave, so that few meshes serve a mine.
+fn stepped_up(size: f64) -> f64 {
+    libm::exp2((24.0 * libm::log2(size)).ceil() / 24.0)
+}

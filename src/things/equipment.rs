@@ -1,0 +1,104 @@
+//! Shapes of what miners build in. Their x axis is the way along the passage, and z is up.
+//!
+//! Timber, rails and pipes have the proportions of common ones (a round post is about a fourteenth as thick as long; light
+//! rails are 80 mm high); the rest is a choice.
+
+use nalgebra::{Point3, Vector3};
+use plume_graph::rng::Rng;
+
+use super::solid::Solid;
+use super::substance::{BLUE_PAINT, FABRIC, RUBBER, RUST, WOOD, ZINC};
+
+/// Length of posts and caps, which are scaled to the passage, in metres.
+pub(super) const TIMBER_M: f64 = 2.0;
+/// Thickness of a cap of that length in metres.
+pub(super) const CAP_M: f64 = 0.15;
+/// Length of what runs along a passage in pieces, in metres: a little longer than the distance between their ends.
+pub(super) const PIECE_M: f64 = 2.0;
+/// Height of a rail in metres.
+pub(super) const RAIL_M: f64 = 0.08;
+/// Length of a sleeper in metres.
+pub(super) const SLEEPER_M: f64 = 0.9;
+/// Thickness of a sleeper in metres.
+pub(super) const SLEEPER_THICK_M: f64 = 0.12;
+/// Radius of a ventilation duct in metres.
+pub(super) const DUCT_M: f64 = 0.3;
+/// Distance of a pipe or a cable from the wall, in metres.
+pub(super) const OFF_WALL_M: f64 = 0.14;
+
+/// A round post that stands on the origin, slightly tapered.
+pub fn post(rng: &mut Rng) -> Solid {
+    let foot = rng.between(0.068, 0.078);
+    let at = |share: f64| [TIMBER_M * share, foot * (1.0 - 0.12 * share)];
+    Solid::lathe(&[at(0.0), at(0.25), at(0.5), at(0.75), at(1.0)], 14, &WOOD)
+}
+
+/// A squared beam across the passage, around the origin.
+pub fn cap(_: &mut Rng) -> Solid {
+    Solid::cuboid([CAP_M, CAP_M, TIMBER_M], &WOOD).towards(Vector3::y())
+}
+
+/// The plate, the nut and the tail of a rock bolt; the rock is above the origin.
+pub fn bolt(_: &mut Rng) -> Solid {
+    let plate = Solid::cuboid([0.15, 0.15, 0.012], &ZINC).at(0.0, 0.0, -0.004);
+    let dome = Solid::lathe(&[[-0.030, 0.026], [-0.018, 0.045], [0.004, 0.058]], 12, &ZINC);
+    let nut = Solid::cylinder(0.021, 0.026, 6, &RUST).at(0.0, 0.0, -0.043);
+    let tail = Solid::cylinder(0.011, 0.16, 8, &RUST).at(0.0, 0.0, -0.02);
+    plate.and(dome).and(nut).and(tail)
+}
+
+/// A piece of a rail on the origin.
+pub fn rail(_: &mut Rng) -> Solid {
+    let half = [[0.033, 0.0], [0.033, 0.010], [0.007, 0.018], [0.007, 0.056], [0.019, 0.062], [0.019, RAIL_M]];
+    Solid::bar(&half, PIECE_M, &RUST).lying()
+}
+
+/// A sleeper, with its top at the origin.
+pub fn sleeper(_: &mut Rng) -> Solid {
+    let sleeper = Solid::cuboid([0.15, SLEEPER_THICK_M, SLEEPER_M], &WOOD).towards(Vector3::y());
+    sleeper.at(0.0, 0.0, -0.5 * SLEEPER_THICK_M)
+}
+
+/// A water pipe with a coupling and a bracket; the wall is towards -y.
+pub fn pipe(_: &mut Rng) -> Solid {
+    let pipe = Solid::cylinder(0.055, PIECE_M, 14, &BLUE_PAINT).lying();
+    let coupling = Solid::cylinder(0.075, 0.11, 14, &RUST).lying().at(0.92, 0.0, 0.0);
+    let bracket = Solid::cuboid([0.05, 0.012, 0.36], &RUST).towards(Vector3::y()).at(0.0, -0.12, -0.064);
+    pipe.and(coupling).and(bracket)
+}
+
+/// Two cables that sag between hooks; the wall is towards +y.
+pub fn cable(_: &mut Rng) -> Solid {
+    let sagging = |radius_m: f64, sag_m: f64, out_m: f64| {
+        let place = |n: usize| {
+            let share = n as f64 / 10.0 * 2.0 - 1.0;
+            Point3::new(0.49 * PIECE_M * share, out_m, sag_m * (share * share - 1.0))
+        };
+        let path: Vec<Point3<f64>> = (0..=10).map(place).collect();
+        Solid::tube(&path, radius_m, 8, &RUBBER)
+    };
+    let hook = Solid::cylinder(0.009, 0.34, 6, &RUST).towards(Vector3::y()).at(-0.95, 0.11, -0.035);
+    sagging(0.022, 0.10, 0.0).and(sagging(0.014, 0.14, 0.045)).and(hook)
+}
+
+/// A piece of a ventilation duct, in the folds of its hoops.
+pub fn duct(_: &mut Rng) -> Solid {
+    let fold = |n: usize| {
+        let z = PIECE_M * (n as f64 / 16.0 - 0.5);
+        [z, if n.is_multiple_of(2) { DUCT_M } else { DUCT_M - 0.022 }]
+    };
+    let folds: Vec<[f64; 2]> = (0..=16).map(fold).collect();
+    Solid::lathe(&folds, 18, &FABRIC).lying()
+}
+
+/// A steel drum of 200 litres that stands on the origin.
+pub fn drum(_: &mut Rng) -> Solid {
+    let wall = |z: f64| [z, 0.286];
+    let rib = |z: f64| [[z - 0.02, 0.286], [z, 0.298], [z + 0.02, 0.286]];
+    let mut profile = vec![[0.005, 0.296], wall(0.03)];
+    profile.extend(rib(0.30));
+    profile.extend(rib(0.58));
+    profile.extend([wall(0.85), [0.875, 0.296]]);
+    let bung = Solid::cylinder(0.035, 0.03, 10, &RUST).at(0.17, 0.0, 0.885);
+    Solid::lathe(&profile, 20, &BLUE_PAINT).and(bung)
+}
