@@ -49,6 +49,6 @@ fn entry(thing: &Instance) -> Value {
         "scale": thing.scale,
         "mass_kg": thing.mass_kg,
         "embedding_m": thing.embedding_m,
-        "movable": false,
+        "movable": thing.movable,
     })
 }

@@ -18,10 +18,13 @@ pub struct ThingSettings {
     /// Headroom over that way under what hangs from the ceiling, in metres.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub headroom_m: f64,
+    /// Width in metres under which loose stones are bodies that move when pushed, so far only in MuJoCo; 0 leaves all in place.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub movable_m: f64,
 }
 
 impl Default for ThingSettings {
     fn default() -> Self {
-        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.5, headroom_m: 2.0 }
+        Self { cover: 0.06, dripstone: 1.0, corridor_m: 1.5, headroom_m: 2.0, movable_m: 0.0 }
     }
 }
