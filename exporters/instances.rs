@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::Target;
 use crate::error::ExportError;
 use crate::package::Package;
 use crate::scene::{Instance, Scene};
@@ -9,12 +10,16 @@ use crate::scene::{Instance, Scene};
 /// Name of the file.
 pub const INSTANCES: &str = "instances.json";
 
-/// Writes the file, if the scene has things.
+/// Writes the file, if the scene has things: those that the package of `target` has as parts of the static world are not movable.
 ///
 /// # Errors
 /// If the things of a chunk cannot be read; those of the package.
-pub fn write(scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
-    let things: Vec<String> = list(scene)?.iter().map(Value::to_string).collect();
+pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
+    let mut things = list(scene)?;
+    if !target.moves_things() {
+        things.iter_mut().for_each(|thing| thing["movable"] = false.into());
+    }
+    let things: Vec<String> = things.iter().map(Value::to_string).collect();
     if things.is_empty() {
         return Ok(());
     }
@@ -49,6 +54,6 @@ fn entry(thing: &Instance) -> Value {
         "scale": thing.scale,
         "mass_kg": thing.mass_kg,
         "embedding_m": thing.embedding_m,
-        "movable": false,
+        "movable": thing.movable,
     })
 }

@@ -208,7 +208,10 @@ pub enum Content {
     /// The wall, which continues in its neighbours.
     Wall,
     /// Closed bodies on the wall, each with one convex piece.
-    Things,
+    Things {
+        /// Whether they move when they are pushed. If not, they are part of the static world.
+        movable: bool,
+    },
 }
 
 impl Chunk {
@@ -289,6 +292,8 @@ pub struct Instance {
     pub mass_kg: f64,
     /// How deep it lies in the ground, in metres.
     pub embedding_m: f64,
+    /// Whether it is a body that moves when it is pushed; others are part of the static world.
+    pub movable: bool,
 }
 
 /// A zone of the wall.

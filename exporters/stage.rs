@@ -178,7 +178,7 @@ pub fn write(
     for index in 0..scene.chunks.len() {
         let mut chunk = scene.chunk(index)?;
         chunk.material.refuse_unless(target, &IMAGES)?;
-        if chunk.content == Content::Things {
+        if matches!(chunk.content, Content::Things { .. }) {
             let things = scene.instances(index)?;
             let (payload, colliding) = prototypes.write_chunk(&chunk, &things, library, scratch.path(), out)?;
             triangles[0] += chunk.visual.triangles();

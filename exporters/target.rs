@@ -35,6 +35,11 @@ pub trait Target: Send + Sync {
     fn wants_pieces(&self) -> bool {
         false
     }
+
+    /// Whether movable things are bodies that move in the package; if not, they are part of the static world.
+    fn moves_things(&self) -> bool {
+        false
+    }
 }
 
 /// What an export wrote and how to open it.

@@ -16,10 +16,33 @@ use crate::mesh;
 use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
-use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, Unit, WHOLE_CAVE};
+use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, ThingFacts, Unit};
 use crate::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureSettings};
 use crate::things::Thing;
 use plume_graph::Graph;
+
+/// The things of a chunk of the wall that move, or those that do not.
+struct Dressed {
+    /// The chunk of the wall.
+    wall: String,
+    movable: bool,
+}
+
+impl Dressed {
+    fn of(unit: Unit) -> impl Iterator<Item = Self> {
+        let ThingFacts { things, movable, .. } = match unit.facts {
+            Facts::Things(facts) => facts,
+            _ => ThingFacts::default(),
+        };
+        let counts = [(things.saturating_sub(movable), false), (movable, true)].into_iter();
+        let wall = unit.name;
+        counts.filter(|(count, _)| *count > 0).map(move |(_, movable)| Self { wall: wall.clone(), movable })
+    }
+
+    fn name(&self) -> String {
+        self.wall.replace("chunk_", if self.movable { "movable_" } else { "things_" })
+    }
+}
 
 /// Light of a lamp per metre of spacing squared, cd/m²: tuned by eye so that walls between two lamps are legible.
 const LAMP_CD_PER_M2: f64 = 0.12;
@@ -32,8 +55,10 @@ const LAMP_COLOR: [f64; 3] = [1.0, 0.86, 0.68];
 pub struct FolderChunks<'a> {
     folder: &'a CaveFolder,
     names: Vec<String>,
-    /// The chunks that have things, after which their things are chunks of their own.
-    dressed: Vec<String>,
+    /// Things of chunks, which are chunks of their own after those of the wall.
+    dressed: Vec<Dressed>,
+    /// Width in metres under which loose things are movable.
+    movable_m: f64,
     prototypes: OnceLock<Option<Dressing>>,
     rock: &'a str,
     /// The coarser levels of each chunk.
@@ -52,12 +77,13 @@ impl<'a> FolderChunks<'a> {
         let mut textured: BTreeMap<String, Vec<LodFacts>> =
             folder.units(Stage::Texture).into_iter().filter_map(levels).collect();
         let things = folder.units(Stage::Things).into_iter();
-        let dressed = things.filter(|unit| unit.name != WHOLE_CAVE && !unit.files.is_empty()).map(|unit| unit.name);
+        let dressed = things.filter(|unit| walls.iter().any(|wall| wall.name == unit.name));
         let lods = |wall: &Unit| textured.remove(&wall.name).unwrap_or_default();
         Self {
             folder,
             names: walls.iter().map(|wall| wall.name.clone()).collect(),
-            dressed: dressed.filter(|name| walls.iter().any(|wall| wall.name == *name)).collect(),
+            dressed: dressed.flat_map(Dressed::of).collect(),
+            movable_m: recipe.things().movable_m,
             prototypes: OnceLock::new(),
             rock: recipe.rock_name(),
             lods: walls.iter().map(lods).collect(),
@@ -106,12 +132,14 @@ impl FolderChunks<'_> {
         self.prototypes.get_or_init(|| prototypes.map(Dressing::new)).as_ref().ok_or_else(missing)
     }
 
-    fn things_name(&self, index: usize) -> String {
-        self.dressed[index - self.names.len()].replace("chunk_", "things_")
+    fn dressed(&self, index: usize) -> &Dressed {
+        &self.dressed[index - self.names.len()]
     }
 
     fn things(&self, index: usize) -> Result<Vec<Thing>, io::Error> {
-        store::read_things(self.folder, &self.dressed[index - self.names.len()]).map_err(io::Error::other)
+        let Dressed { wall, movable } = self.dressed(index);
+        let things = store::read_things(self.folder, wall).map_err(io::Error::other)?;
+        Ok(self.dressing()?.share(things, self.movable_m, *movable))
     }
 
     fn load_things(&self, index: usize) -> Result<scene::Chunk, io::Error> {
@@ -119,8 +147,8 @@ impl FolderChunks<'_> {
         let (dressing, things) = (self.dressing()?, self.things(index)?);
         let (visual, lods) = dressing.levels(&things);
         Ok(scene::Chunk {
-            name: self.things_name(index),
-            content: Content::Things,
+            name: self.dressed(index).name(),
+            content: Content::Things { movable: self.dressed(index).movable },
             visual,
             lods,
             collision: dressing.collision(&things),
@@ -151,7 +179,8 @@ impl Chunks for FolderChunks<'_> {
         if index < self.names.len() {
             return Ok(Vec::new());
         }
-        Ok(self.dressing()?.instances(&self.things_name(index), &self.things(index)?))
+        let Dressed { movable, .. } = *self.dressed(index);
+        Ok(self.dressing()?.instances(&self.dressed(index).name(), movable, &self.things(index)?))
     }
 
     fn prototypes(&self) -> Result<Vec<scene::Prototype>, io::Error> {

@@ -138,7 +138,7 @@ impl Glb {
     ) -> Result<[Payload<'a>; 2], ExportError> {
         let (placed, full) = match chunk.content {
             Content::Wall => layout.add_chunk(chunk, pieces)?,
-            Content::Things => layout.add_things(chunk, things, copies)?,
+            Content::Things { .. } => layout.add_things(chunk, things, copies)?,
         };
         let levels = if self.0.lods { layout.add_levels(chunk, &placed) } else { Payload::default() };
         Ok([full, levels])

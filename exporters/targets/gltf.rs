@@ -142,7 +142,7 @@ impl Documents {
     ) -> Result<Entry, ExportError> {
         let add = |layout: &mut Layout| match chunk.content {
             Content::Wall => layout.add_chunk(chunk, pieces),
-            Content::Things => layout.add_things(chunk, things, copies),
+            Content::Things { .. } => layout.add_things(chunk, things, copies),
         };
         let (_, payload) = add(&mut self.full.layout)?;
         if !payload.is_empty() {

@@ -5,7 +5,7 @@
 //! <name>_world.xml    the cave without options, for the user's models
 //! <name>_rover.xml    the cave with the rover at the first start pose
 //! rover.xml           the rover alone
-//! assets/             meshes (.msh) and textures (.png, all that MuJoCo reads; JPEG is decoded)
+//! assets/             meshes (.msh), those of things once per shape, and textures (.png, all that MuJoCo reads; JPEG is decoded)
 //! README.md
 //! ```
 //! Names begin with that of the scene, and the included file sets no option, so that nothing clashes with the user's model.
@@ -29,9 +29,11 @@ use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;
 use self::field::Field;
+use self::things::Things;
 
 mod chunk;
 mod field;
+mod things;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -43,7 +45,7 @@ pub const ROW: TargetRow = TargetRow {
         it; to compile, include or attach; `--bundle mjz`",
     tested_by: "MuJoCo 4 compiles every model without a warning; 1,000 balls come to rest inside; 10,000 rays end at the \
         wall within the tolerance; the rover drives 20 m",
-    checks: &["compile", "balls", "rays", "orient"],
+    checks: &["compile", "balls", "rays", "things", "sleep", "orient"],
     images: &ImageFormat::COMMON,
     is_single_file: false,
     has_pieces: true,
@@ -126,24 +128,29 @@ impl Target for Mujoco {
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
             visual_triangles += chunk.visual.triangles();
-            chunk::write_files(&chunk, out)?;
-            chunks.push(chunk::Names { chunk: chunk.name, material: chunk.material.name });
+            chunk::write_images(&chunk, out)?;
+            if chunk.content == Content::Wall {
+                chunk::write_visual(&chunk, out)?;
+            }
+            chunks.push(chunk::Names { chunk: chunk.name, material: chunk.material.name, content: chunk.content });
         }
+        let things = Things::of(scene)?;
+        things.write_files(out)?;
         let name = &scene.name;
         let texts = self.values(scene);
         let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
         write_rover(None, &format!("{ROVER}.xml"), out)?;
         let collision_triangles = match out.bundle() {
             Some(Bundle::Mjz) => {
-                write_rover(Some((scene, "model.xml")), &format!("{name}_rover.xml"), out)?;
-                self.write_world("model.xml", &options, scene, &chunks, out)?
+                write_rover(Some((scene, "model.xml", &things)), &format!("{name}_rover.xml"), out)?;
+                self.write_world("model.xml", &options, scene, &chunks, &things, out)?
             }
             _ => {
                 let (cave, world) = (format!("{name}.xml"), format!("{name}_world.xml"));
-                write_rover(Some((scene, &cave)), &format!("{name}_rover.xml"), out)?;
+                write_rover(Some((scene, &cave, &things)), &format!("{name}_rover.xml"), out)?;
                 let include = format!("  <include file=\"{world}\"/>");
                 out.text(&cave, &format!("<mujoco model=\"{name}\">\n{options}{include}\n</mujoco>\n"))?;
-                self.write_world(&world, "", scene, &chunks, out)?
+                self.write_world(&world, "", scene, &chunks, &things, out)?
             }
         };
         out.text(
@@ -164,6 +171,10 @@ impl Target for Mujoco {
     fn wants_pieces(&self) -> bool {
         self.0.collision == Collision::Pieces
     }
+
+    fn moves_things(&self) -> bool {
+        true
+    }
 }
 
 impl Mujoco {
@@ -174,6 +185,7 @@ impl Mujoco {
         options: &str,
         scene: &Scene,
         chunks: &[chunk::Names],
+        things: &Things,
         out: &mut dyn Package,
     ) -> Result<u64, ExportError> {
         let template = include_str!("../templates/mujoco/world.xml.jinja");
@@ -181,13 +193,19 @@ impl Mujoco {
         let mut triangles = 0;
         out.write(path, |file| {
             write!(file, "<mujoco model=\"{}\">\n{options}{world}", scene.name)?;
+            things.write_assets(file, &scene.name)?;
             for (index, chunk) in chunks.iter().enumerate() {
-                let rock = self.rock(scene, index)?;
-                triangles += rock.triangles();
                 if !chunks[..index].iter().any(|before| before.material == chunk.material) {
                     chunk::write_material(file, scene, &chunk.material)?;
                 }
-                chunk::write_elements(file, scene, chunk, &rock)?;
+                triangles += match chunk.content {
+                    Content::Wall => {
+                        let rock = self.rock(scene, index)?;
+                        chunk::write_elements(file, scene, chunk, &rock)?;
+                        rock.triangles()
+                    }
+                    Content::Things { .. } => things.write_chunk(file, scene, index, &chunk.chunk)?,
+                };
             }
             Ok(writeln!(file, "</mujoco>")?)
         })?;
@@ -198,13 +216,7 @@ impl Mujoco {
         Ok(match self.0.collision {
             Collision::Pieces => Rock::Pieces(scene.pieces(index)?),
             Collision::Flex => Rock::Flex(scene.chunk(index)?.collision),
-            Collision::FloorField => {
-                let chunk = scene.chunk(index)?;
-                match chunk.content {
-                    Content::Wall => Rock::Field(Field::new(&chunk.visual, self.0.field_spacing_m)),
-                    Content::Things => Rock::Pieces(scene.pieces(index)?),
-                }
-            }
+            Collision::FloorField => Rock::Field(Field::new(&scene.chunk(index)?.visual, self.0.field_spacing_m)),
         })
     }
 
@@ -271,12 +283,13 @@ impl LightText {
     }
 }
 
-/// Writes the rover, alone or at the first start pose of a scene with the given model file.
-fn write_rover(cave: Option<(&Scene, &str)>, path: &str, out: &mut dyn Package) -> Result<(), ExportError> {
+/// Writes the rover, alone or at the first start pose of a scene with the given model file and things.
+fn write_rover(cave: Option<(&Scene, &str, &Things)>, path: &str, out: &mut dyn Package) -> Result<(), ExportError> {
     let lift = Translation3::new(0.0, 0.0, START_HEIGHT_M);
-    let start = cave.map_or(Isometry3::identity(), |(scene, _)| scene.spawns[0] * lift);
-    let cave = cave.map(|(scene, file)| {
-        let qpos = format!("{} {}", position(&start), quaternion(&start));
+    let start = cave.map_or(Isometry3::identity(), |(scene, ..)| scene.spawns[0] * lift);
+    let cave = cave.map(|(scene, file, things)| {
+        // The model file, and so its free bodies, comes before the rover.
+        let qpos = format!("{}{} {}", things.coordinates(), position(&start), quaternion(&start));
         context! { name => &scene.name, file, qpos }
     });
     let values = context! { cave, pose => pose_text(&start) };

@@ -177,7 +177,7 @@ impl Writer<'_> {
                 self.add_colliders(group, &chunk.name, zone, &of_zone, model)?;
             }
         }
-        self.has_things |= chunk.content == Content::Things;
+        self.has_things |= chunk.content != Content::Wall;
         self.triangles[0] += chunk.visual.triangles();
         self.triangles[1] += shapes.iter().map(|shape| shape.mesh.triangles()).sum::<u64>();
         Ok(())

@@ -29,6 +29,18 @@ impl Dressing {
         Self { cuts: prototypes.levels.iter().map(cut).collect(), prototypes }
     }
 
+    /// The things that move when pushed, or those that do not, given the width under which loose ones do. What moves lies on
+    /// the ground instead of in it, or it would be pushed out.
+    pub fn share(&self, mut things: Vec<Thing>, movable_m: f64, movable: bool) -> Vec<Thing> {
+        things.retain(|thing| self.prototypes.library.is_movable(thing, movable_m) == movable);
+        if movable {
+            for thing in &mut things {
+                thing.pose.translation.z += std::mem::take(&mut thing.embedding_m);
+            }
+        }
+        things
+    }
+
     /// Each thing with the index of its prototype.
     fn known<'a>(&'a self, things: &'a [Thing]) -> impl Iterator<Item = (usize, &'a Prototype, &'a Thing)> {
         things.iter().filter_map(|thing| {
@@ -110,7 +122,7 @@ impl Dressing {
     }
 
     /// What each thing is, and where.
-    pub fn instances(&self, chunk: &str, things: &[Thing]) -> Vec<Instance> {
+    pub fn instances(&self, chunk: &str, movable: bool, things: &[Thing]) -> Vec<Instance> {
         let instance = |(_, prototype, thing): (usize, &Prototype, &Thing)| Instance {
             id: thing.id,
             class: thing.kind.clone(),
@@ -121,6 +133,7 @@ impl Dressing {
             scale: thing.scale,
             mass_kg: ROCK_KG_M3 * prototype.volume_m3 * thing.scale * thing.scale * thing.scale,
             embedding_m: thing.embedding_m,
+            movable,
         };
         self.known(things).map(instance).collect()
     }

@@ -45,7 +45,7 @@ impl Pipeline<'_> {
         let mesh = things::shelf_mesh(&shelf);
         let written = store::write_textured(self.folder, PROTOTYPES, &mesh, &shelf, &texture, &LEVELS)?;
         let lods = written.levels.iter().map(Into::into).collect();
-        Ok((written.files, Facts::Things(ThingFacts { things: shelf.len(), lods })))
+        Ok((written.files, Facts::Things(ThingFacts { things: shelf.len(), lods, ..ThingFacts::default() })))
     }
 
     fn things_of(
@@ -62,7 +62,8 @@ impl Pipeline<'_> {
         let Aabb { min, max } = grid.chunk_bounds(index);
         let bounds = Aabb { min: min.map(f64::from), max: max.map(f64::from) };
         let things = things::place(&setting, bounds, std::iter::once(&wall).chain(&around));
-        let facts = Facts::Things(ThingFacts { things: things.len(), lods: Vec::new() });
+        let movable = things.iter().filter(|thing| library.is_movable(thing, setting.settings.movable_m)).count();
+        let facts = Facts::Things(ThingFacts { things: things.len(), movable, lods: Vec::new() });
         match things.is_empty() {
             true => Ok((Vec::new(), facts)),
             false => Ok((vec![store::write_things(self.folder, name, &things)?], facts)),

@@ -136,9 +136,17 @@ impl From<&Level> for LodFacts {
 pub struct ThingFacts {
     /// The number of things, or of prototypes.
     pub things: usize,
+    /// How many of them move when pushed.
+    #[serde(skip_serializing_if = "is_none")]
+    pub movable: usize,
     /// The coarser levels of the prototypes, the finest first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lods: Vec<LodFacts>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_none(count: &usize) -> bool {
+    *count == 0
 }
 
 /// What the unit of the convex pieces of a chunk says.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::Thing;
 use super::kind::KindRow;
 use super::shelf::{Shelf, middle_of, slot_at, slots};
 use crate::mesh::{self, Grid, MOST_CORNERS, Mesh, MeshSettings, QUANTA_PER_M};
@@ -194,6 +195,12 @@ impl Library {
         let start = self.prototypes.iter().position(|prototype| prototype.row.name == row.model());
         let all = &self.prototypes[start.unwrap_or(self.prototypes.len())..];
         &all[..all.iter().take_while(|prototype| prototype.row.name == row.model()).count()]
+    }
+
+    /// Whether a thing lies loose and is narrower than a limit in metres.
+    pub fn is_movable(&self, thing: &Thing, limit_m: f64) -> bool {
+        let prototype = self.prototypes.iter().find(|prototype| prototype.name == thing.prototype);
+        prototype.is_some_and(|own| own.row.place.is_loose() && own.width_m() * thing.scale < limit_m)
     }
 
     /// The triangles of each prototype, of those of a mesh with these vertices; in the order of the prototypes.

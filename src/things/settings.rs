@@ -25,6 +25,9 @@ pub struct ThingSettings {
     /// of them are large, and the way that is kept free narrows to nothing, with its headroom.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub difficulty: f64,
+    /// Width in metres under which loose stones are bodies that move when pushed, so far only in MuJoCo; 0 leaves all in place.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub movable_m: f64,
 }
 
 /// Largest share of the floor that stones cover.
@@ -42,6 +45,14 @@ impl ThingSettings {
 
 impl Default for ThingSettings {
     fn default() -> Self {
-        Self { cover: 0.06, dripstone: 1.0, sets: 1.0, corridor_m: 1.5, headroom_m: 2.0, difficulty: 0.0 }
+        Self {
+            cover: 0.06,
+            dripstone: 1.0,
+            sets: 1.0,
+            corridor_m: 1.5,
+            headroom_m: 2.0,
+            difficulty: 0.0,
+            movable_m: 0.0,
+        }
     }
 }

@@ -34,7 +34,8 @@ fn draw(graph: &Graph, rock: usize, name: &str, order: &Order) -> Result<Drawn, 
     let passage = PassageSettings::default();
     let material = (MATERIALS.iter().nth(rock).unwrap().read)(json!({})).unwrap();
     let field = CaveField::new(graph, &passage, material, Look::default(), 5);
-    let subject = Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: Some(9.0) };
+    let subject =
+        Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: Some(9.0), furnishing: None };
     view(name).unwrap().draw(&subject, order)
 }
 

@@ -161,7 +161,7 @@ impl Reader {
     }
 }
 
-static READERS: [Reader; 25] = [
+static READERS: [Reader; 27] = [
     Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
     Reader { name: "rest", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::let_go_of_stones },
     Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
@@ -179,6 +179,8 @@ static READERS: [Reader; 25] = [
     Reader { name: "compile", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::compile },
     Reader { name: "balls", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::drop_balls },
     Reader { name: "rays", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::shoot_rays },
+    Reader { name: "things", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::count_things },
+    Reader { name: "sleep", of: Kind::Mujoco, prepare: mujoco::make, command: mujoco::sleep },
     Reader { name: "trimesh", of: Kind::Shelf, prepare: formats::make, command: formats::open },
     Reader { name: "blender", of: Kind::Shelf, prepare: blender::make, command: blender::open },
     Reader { name: "libassimp", of: Kind::Shelf, prepare: formats::make_assimp, command: formats::open_in_assimp },

@@ -13,7 +13,7 @@ use crate::format::{msh, pixels};
 use crate::frame::micro;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, Image, Mesh, Piece, Scene};
+use crate::scene::{ByZone, Chunk, Content, Image, Mesh, Piece, Scene};
 use crate::slope;
 
 use super::field::Field;
@@ -106,12 +106,20 @@ fn part(mesh: &Mesh, faces: &[u32]) -> Mesh {
     part
 }
 
-/// Writes the visual mesh of a chunk and its images, as PNG.
+/// Writes the visual mesh of a chunk.
+///
+/// # Errors
+/// Those of the package.
+pub fn write_visual(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
+    out.write(&format!("assets/{}.msh", chunk.name), |file| Ok(msh::write_visual(file, &chunk.visual)?))
+}
+
+/// Writes the images of a chunk, as PNG.
 ///
 /// # Errors
 /// [`ExportError::UnfitImage`] for images that are neither PNG nor JPEG; those of the package.
-pub fn write_files(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
-    let (name, material) = (&chunk.name, &chunk.material.name);
+pub fn write_images(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportError> {
+    let material = &chunk.material.name;
     chunk.material.refuse_unless(super::ROW.name, super::ROW.images)?;
     for (role, image) in images(chunk) {
         let path = format!("assets/{material}_{role}.png");
@@ -121,7 +129,7 @@ pub fn write_files(chunk: &Chunk, out: &mut dyn Package) -> Result<(), ExportErr
             _ => out.write(&path, |file| pixels::remap(image, file, |pixel| pixel))?,
         }
     }
-    out.write(&format!("assets/{name}.msh"), |file| Ok(msh::write_visual(file, &chunk.visual)?))
+    Ok(())
 }
 
 fn images(chunk: &Chunk) -> [(&'static str, &Image); 3] {
@@ -147,20 +155,22 @@ pub fn write_material(file: &mut dyn Write, scene: &Scene, material: &str) -> io
     writeln!(file, "    </material>\n  </asset>")
 }
 
-/// Names of a chunk and of its material.
+/// A chunk by names.
 pub struct Names {
     /// Its own.
     pub chunk: String,
     /// That of its material.
     pub material: String,
+    /// What it consists of.
+    pub content: Content,
 }
 
-/// Writes the elements of a chunk without its material.
+/// Writes the elements of a chunk of wall without its material.
 ///
 /// # Errors
 /// Those of `file`.
 pub fn write_elements(file: &mut dyn Write, scene: &Scene, names: &Names, rock: &Rock) -> io::Result<()> {
-    let Names { chunk, material } = names;
+    let Names { chunk, material, .. } = names;
     let name = format!("{}_{chunk}", scene.name);
     let scene_name = &scene.name;
     writeln!(file, "  <asset>")?;
@@ -175,7 +185,11 @@ pub fn write_elements(file: &mut dyn Write, scene: &Scene, names: &Names, rock: 
     rock.write_flexes(file, scene.friction, &name)
 }
 
-fn write_numbers<T: Display>(file: &mut dyn Write, rows: &[[T; 3]]) -> io::Result<()> {
+/// Writes rows of numbers with spaces between them.
+///
+/// # Errors
+/// Those of `file`.
+pub fn write_numbers<T: Display>(file: &mut dyn Write, rows: &[[T; 3]]) -> io::Result<()> {
     for (number, [x, y, z]) in rows.iter().enumerate() {
         let space = if number == 0 { "" } else { " " };
         write!(file, "{space}{x} {y} {z}")?;

@@ -24,6 +24,8 @@ mod meshes_read_back;
 mod mujoco_package;
 mod places;
 mod sample;
+#[path = "sample/strewn.rs"]
+mod strewn;
 #[path = "sample/told.rs"]
 mod told;
 #[path = "sample/touched.rs"]

@@ -5,6 +5,7 @@ use std::fs::{self, File};
 
 use crate::changed;
 use crate::sample;
+use crate::strewn::Strewn;
 use crate::told;
 use plume_exporters::ImageFormat;
 use plume_exporters::bundle::Bundle;
@@ -125,6 +126,42 @@ fn every_kind_of_collision_covers_the_chamber() {
     assert_eq!(count(Collision::Flex, "flex"), 2 * 3);
     assert_eq!(count(Collision::FloorField, "hfield"), 2);
     assert_eq!(count(Collision::FloorField, "mesh"), 2);
+}
+
+fn strewn(movable: bool) -> Memory {
+    let folder = tempfile::tempdir().unwrap();
+    let chunks = Strewn { chamber: sample::Chamber::new(folder.path()).unwrap(), movable };
+    let mut memory = Memory::default();
+    let scene = Scene { chunks: &chunks, ..chunks.chamber.scene() };
+    Mujoco(MujocoSettings::default()).export(&scene, &mut memory).unwrap();
+    memory
+}
+
+#[test]
+fn things_of_one_size_share_their_meshes() {
+    for movable in [false, true] {
+        let package = strewn(movable);
+        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let of_boxes = |tag: &str, key: &str| {
+            let nodes = elements(&document).filter(|node| node.has_tag_name(tag));
+            nodes.filter(|node| node.attribute(key).is_some_and(|name| name.contains("_box_"))).count()
+        };
+        assert_eq!(of_boxes("mesh", "name"), 2 * 2, "two sizes, each to be seen and to be touched");
+        assert_eq!(of_boxes("geom", "mesh"), 2 * 3);
+        assert_eq!(package.bytes.keys().filter(|path| path.contains("box_0")).count(), 1);
+        assert!(!package.bytes.contains_key("assets/things_0_0_0.msh"));
+        assert_eq!(of_boxes("freejoint", "name"), if movable { 3 } else { 0 });
+    }
+}
+
+#[test]
+fn the_start_keyframe_has_the_pose_of_every_free_body() {
+    for (movable, bodies) in [(false, 1), (true, 4)] {
+        let package = strewn(movable);
+        let document = Document::parse(text(&package, "chamber_rover.xml")).unwrap();
+        let key = elements(&document).find(|node| node.has_tag_name("key")).unwrap();
+        assert_eq!(numbers(key, "qpos").len(), 7 * bodies + 4);
+    }
 }
 
 /// Numbers of an attribute.

@@ -128,7 +128,8 @@ mod tests {
         let passage = PassageSettings::default();
         let material = (MATERIALS.default_row().read)(json!({})).expect("settings of its own");
         let field = CaveField::new(graph, &passage, material, Look::default(), 3);
-        let subject = Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: None };
+        let subject =
+            Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: None, furnishing: None };
         glance(&field, best(&subject).expect("a passage has air").eye)
     }
 

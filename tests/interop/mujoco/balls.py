@@ -69,6 +69,8 @@ def settle(spec):
     """Steps until every ball rests or the time is up; gives their centres, which do not rest, and how far from the wall of
     the visual mesh what they lie on may be."""
     model = spec.compile()
+    # Bodies that sleep have no contacts, by which the tolerance is known.
+    model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     data = mujoco.MjData(model)
     calm_since_s = np.zeros(COUNT)
     while data.time < DURATION_S:

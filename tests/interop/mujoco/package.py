@@ -52,10 +52,18 @@ class Wall:
     def __init__(self, package):
         spec, name = cave_spec(package), name_of(package)
         drawn = {geom.meshname for geom in spec.geoms if geom.classname.name == f"{name}_visual"}
-        files = [package / spec.meshdir / mesh.file for mesh in spec.meshes if mesh.name in drawn]
-        require(files, "the package has no visual mesh")
-        self.mesh = trimesh.util.concatenate([read_msh(file) for file in files])
-        self.mesh.merge_vertices()
+        meshes = {mesh.name: mesh for mesh in spec.meshes if mesh.name in drawn}
+        require(meshes, "the package has no visual mesh")
+        files = {file: read_msh(file) for file in {package / spec.meshdir / mesh.file for mesh in meshes.values()}}
+        chunks, things = [], []
+        for geom in [geom for geom in spec.geoms if geom.meshname in meshes]:
+            asset = meshes[geom.meshname]
+            shape = placed(files[package / spec.meshdir / asset.file], asset, geom)
+            # A chunk has a mesh of its own.
+            (chunks if geom.name == geom.meshname else things).append(shape)
+        wall = trimesh.util.concatenate(chunks)
+        wall.merge_vertices()
+        self.mesh = trimesh.util.concatenate([wall, *things])
         require(self.mesh.is_watertight, "the visual mesh is not closed")
         require(self.mesh.volume < 0, "the visual mesh faces the rock")
 
@@ -94,13 +102,27 @@ class Wall:
         return along_m
 
 
+def placed(mesh, asset, geom):
+    """A mesh of a file in the size of its asset and at the place of its geom, or of the body of that."""
+    turned = mesh.vertices * asset.scale
+    for pose in [geom] if geom.parent.name == "world" else [geom, geom.parent]:
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, pose.quat)
+        turned = turned @ turn.reshape(3, 3).T + pose.pos
+    return trimesh.Trimesh(turned, mesh.faces, process=False)
+
+
 def read_msh(file):
     """The triangles of a mesh in MuJoCo's own format: four counts, then vertices, normals, texture coordinates, faces."""
     content = file.read_bytes()
     vertices, normals, coordinates, faces = np.frombuffer(content, "<i4", 4)
     positions = np.frombuffer(content, "<f4", 3 * vertices, 16).reshape(-1, 3)
     before = 16 + 4 * (3 * vertices + 3 * normals + 2 * coordinates)
-    return trimesh.Trimesh(positions, np.frombuffer(content, "<i4", 3 * faces, before).reshape(-1, 3), process=False)
+    corners = np.frombuffer(content, "<i4", 3 * faces, before).reshape(-1, 3)
+    mesh = trimesh.Trimesh(positions, corners, process=False)
+    # Before it is turned, since then the sides of a seam may differ in the last bit.
+    mesh.merge_vertices()
+    return mesh
 
 
 def run(verify):

@@ -29,7 +29,8 @@ def verify(package):
     whole = mujoco.MjModel.from_xml_path(str(package / f"{name}_rover.xml"))
     start = whole.key(f"{name}_start").qpos[:3]
     frames = ElementTree.parse(package / f"{name}_world.xml").getroot().iter("frame")
-    chunks = sorted((frame.get("name") for frame in frames), key=lambda chunk: distance_m(whole, chunk, start))
+    geoms = {frame.get("name"): next(frame.iter("geom")).get("name") for frame in frames}
+    chunks = sorted(geoms, key=lambda chunk: distance_m(whole, geoms[chunk], start))
 
     print(f"{'':12}{'pieces':>8}{'compile s':>11}{'step µs':>9}{'ratio':>7}{'contacts':>10}")
     plane_us = None
@@ -47,7 +48,7 @@ def verify(package):
 
 
 def distance_m(model, chunk, start):
-    """How far the middle of a chunk's visual mesh is."""
+    """How far the middle of a chunk is: of its visual mesh, or its first thing."""
     return np.linalg.norm(model.geom(chunk).pos - start)
 
 
@@ -58,8 +59,8 @@ def cut(world, kept, start):
     for world_body in root.findall("worldbody"):
         for frame in world_body.findall("frame"):
             if frame.get("name") not in kept:
-                drop_meshes(root, {geom.get("mesh") for geom in frame})
                 world_body.remove(frame)
+    drop_meshes(root, {geom.get("mesh") for geom in root.iter("geom")})
     if not kept:
         pos = " ".join(map(str, start - [0, 0, PLANE_M]))
         plane = {
@@ -74,9 +75,10 @@ def cut(world, kept, start):
     tree.write(world)
 
 
-def drop_meshes(root, names):
+def drop_meshes(root, used):
+    """Takes out the meshes that no geom is of."""
     for assets in root.findall("asset"):
-        for mesh in [mesh for mesh in assets.findall("mesh") if mesh.get("name") in names]:
+        for mesh in [mesh for mesh in assets.findall("mesh") if mesh.get("name") not in used]:
             assets.remove(mesh)
 
 

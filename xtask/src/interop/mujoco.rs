@@ -38,6 +38,14 @@ pub(super) fn shoot_rays(package: &Path) -> Result<Command> {
     script("rays.py", package)
 }
 
+pub(super) fn count_things(package: &Path) -> Result<Command> {
+    script("things.py", package)
+}
+
+pub(super) fn sleep(package: &Path) -> Result<Command> {
+    script("sleep.py", package)
+}
+
 /// Drives a rover through the cave; a package without a cave has no centreline.
 pub fn drive(package: &Path) -> Result<String> {
     run(script("drive.py", package)?.arg(cave_of(package)))
