@@ -75,7 +75,9 @@ def check_movable(package, model, data, name, movable):
     shares = np.linalg.norm(data.xpos[bodies] - starts, axis=1) / widths_m
     calm = (shares < MOVED_SHARE).mean()
     require(calm >= CALM_SHARE, f"only {calm:.1%} of the stones stay where they are")
-    return f"; of {len(movable)} movable ones {calm:.1%} stay, half of them within {np.median(shares):.1%} of their width"
+    return (
+        f"; of {len(movable)} movable ones {calm:.1%} stay, half of them within {np.median(shares):.1%} of their width"
+    )
 
 
 if __name__ == "__main__":
