@@ -3,10 +3,12 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::common::world;
+use plume::Recipe;
 use plume::field::{CaveField, PassageSettings};
 use plume::generators::GENERATORS;
 use plume::graph::{Graph, StationId};
 use plume::material::{Look, MATERIALS};
+use plume::pipeline;
 use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Theme, VIEWS, view};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -206,5 +208,25 @@ fn what_cannot_be_seen_is_told() {
     let stopped = AtomicBool::new(true);
     for (name, format) in [("inside", Format::Png), ("flight", Format::Gif), ("page", Format::Html)] {
         assert_eq!(draw(&graph, 0, name, &order(format, &stopped)), Err(PreviewError::Stopped), "{name}");
+    }
+}
+
+#[test]
+fn views_show_things_on_any_number_of_threads() {
+    let stop = AtomicBool::new(false);
+    let graph = world::small(GENERATORS.default_row(), NODES, 3);
+    let recipe = Recipe::from_overrides(&[]).unwrap();
+    let field = pipeline::field(&recipe, &graph);
+    let stock = pipeline::stock(&recipe).unwrap();
+    for row in VIEWS.iter().filter(|row| row.shows_things) {
+        let order = Order { size: Some(Size::new(640, 360).unwrap()), ..order(row.formats[0], &stop) };
+        let bare = row.draw(&pipeline::subject(&recipe, &graph, &field), &order).unwrap();
+        let furnished = |threads| {
+            let subject = pipeline::furnished(&recipe, &graph, &field, &stock);
+            with_threads(threads, || row.draw(&subject, &order).unwrap())
+        };
+        let one = furnished(1);
+        assert!(one != bare, "{} shows no things", row.name);
+        assert!(one == furnished(3), "{} depends on the number of threads", row.name);
     }
 }

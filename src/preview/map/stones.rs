@@ -49,7 +49,9 @@ impl Stones {
         let here = self.0.iter().filter(|(storey, _)| panel.level.is_none_or(|level| level == *storey));
         let shapes: Vec<Vec<PaperPoint>> =
             here.map(|(_, outline)| outline.iter().map(|at| frame.paper_point(*at)).collect()).collect();
-        svg.fill(&shapes, palette.wall);
+        if !shapes.is_empty() {
+            svg.fill(&shapes, palette.wall);
+        }
     }
 }
 
