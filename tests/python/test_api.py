@@ -382,7 +382,8 @@ def public() -> list[tuple[str, Any]]:
         thing = getattr(plume, name)
         found.append((name, thing))
         if inspect.isclass(thing):
-            members = [(member, value) for member, value in vars(thing).items() if not member.startswith("_")]
+            # Sorted, since the order of properties differs between processes, of which each must collect the same tests.
+            members = [(member, value) for member, value in sorted(vars(thing).items()) if not member.startswith("_")]
             found += [(f"{name}.{member}", value) for member, value in members]
     return found
 

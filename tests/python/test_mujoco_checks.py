@@ -58,8 +58,8 @@ def move_up(height_m):
 
 def take_visual_mesh(root):
     """The control: MuJoCo silently uses the convex hull of a mesh."""
-    for chunk in root.iter("frame"):
-        visual, first, *others = chunk
+    of_walls = [chunk for chunk in root.iter("frame") if sum(geom.get("class") == "cave_visual" for geom in chunk) == 1]
+    for visual, first, *others in of_walls:
         first.set("mesh", visual.get("mesh"))
         drop(root, others)
 
