@@ -155,7 +155,7 @@ impl<'a> Site<'a> {
             Fit::FootOfWall => self.at_foot(stop).into_iter().collect(),
         };
         let key =
-            |n: usize| u64::from(salt(self.setting.seed, row.name)) | (u64::from(stop.number) * 8 + n as u64) << 32;
+            |n: usize| u64::from(salt(self.setting.seed, row.name)) | (u64::from(stop.number) * 64 + n as u64) << 32;
         let numbered = poses.into_iter().enumerate();
         let built = numbered.filter_map(|(n, (scale, pose, embedding_m))| {
             let mut lots = Lots::new(key(n), way.key);

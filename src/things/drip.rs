@@ -43,11 +43,9 @@ impl<'a> Site<'a> {
             let (length, yaw_rad) = (lots.normal(), std::f64::consts::TAU * lots.unit());
             let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
             let hits = self.walls.hits(x, y);
-            for pair in hits.windows(2) {
-                let [floor, ceiling] = [pair[0], pair[1]];
-                if floor.normal.z <= 0.0 || ceiling.normal.z > -CLINGING {
-                    continue;
-                }
+            let pairs = hits.windows(2).map(|pair| [pair[0], pair[1]]);
+            let open = pairs.filter(|[floor, ceiling]| floor.normal.z > 0.0 && ceiling.normal.z <= -CLINGING);
+            for [floor, ceiling] in lots.one_per_storey(open, |[_, ceiling]| ceiling.z) {
                 let clearance_m = ceiling.z - floor.z;
                 let length_m =
                     (hang.median_m * libm::exp(hang.sigma * length)).min(hang.longest_m).min(0.9 * clearance_m);
@@ -92,9 +90,9 @@ impl<'a> Site<'a> {
         let height_m = quantised((height * length_m).min(0.85 * clearance_m));
         let joins = length_m + height_m > 0.8 * clearance_m && clearance_m < MOST_COLUMN_M;
         let below = if joins {
-            self.below(&mut lots, &Place::Joined, foot, floor, clearance_m)
+            self.below(&mut lots, &Place::Joined, &candidate, floor, clearance_m)
         } else {
-            self.below(&mut lots, &Place::UnderDrip, foot, floor, height_m)
+            self.below(&mut lots, &Place::UnderDrip, &candidate, floor, height_m)
         };
         match below {
             Some(column) if joins => vec![column],
@@ -103,12 +101,12 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// What stands at a foot with this height.
+    /// What stands below something that hangs, with this height.
     fn below(
         &self,
         lots: &mut Lots,
         place: &Place,
-        foot: Point3<f64>,
+        hanging: &Candidate,
         floor: Hit,
         height_m: f64,
     ) -> Option<Candidate<'a>> {
@@ -116,13 +114,14 @@ impl<'a> Site<'a> {
         let prototype = lots.one_of(self.setting.library.of(row))?;
         let scale = height_m / prototype.height_m();
         let width_m = prototype.width_m() * scale;
+        let foot = Point3::new(hanging.at.x, hanging.at.y, floor.z);
         if width_m < LEAST_STALAGMITE_M || self.corridor.is_within(foot, 0.6 * width_m) {
             return None;
         }
         let middle_m = if matches!(place, Place::Joined) { 0.5 * height_m } else { 0.0 };
         Some(Candidate {
             // Another one than that of what hangs above it.
-            id: !lots.id(floor.z),
+            id: !hanging.id,
             row,
             prototype,
             scale,

@@ -4,7 +4,7 @@ use plume_graph::rng::Rng;
 use plume_registry::{Named, Registry};
 
 use super::solid::Solid;
-use super::{dripstone, equipment, stone};
+use super::{dripstone, equipment, heap, stone};
 
 /// The signed distance to the surface of a body, positive inside, in metres; the body is within 0.45 m of the origin.
 pub type Shape = Box<dyn Fn([f32; 3]) -> f32 + Send + Sync>;
@@ -58,8 +58,17 @@ pub enum Place {
     UnderDrip,
     /// Where what hangs and what stands would meet.
     Joined,
+    /// In heaps on the floor, where much has fallen.
+    Heaped(Heap),
     /// Built in along the passages.
     Along(Along),
+}
+
+/// Sizes of heaps.
+#[derive(Clone, Copy, Debug)]
+pub struct Heap {
+    /// Range of the width of the foot in metres.
+    pub width_m: [f64; 2],
 }
 
 /// What is built in along the passages, in stretches.
@@ -139,11 +148,43 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
     },
     KindRow {
         name: "slab",
-        summary: "flat pieces of beds or lining, 0.25-0.9 m",
-        rocks: &["limestone", "basalt", "salt"],
+        summary: "flat pieces of beds, 0.25-0.9 m",
+        rocks: &["limestone", "salt"],
         rock_setting: None,
         shapes: Shapes::Own { count: 3, make: stone::slab },
         place: Place::Floor(Scatter { width_m: [0.25, 0.9], exponent: 1.8, share: 0.15 }),
+    },
+    KindRow {
+        name: "lining_slab",
+        summary: "curved plates of lining that came off the wall of a lava tube, 0.25-0.9 m",
+        rocks: &["basalt"],
+        rock_setting: None,
+        shapes: Shapes::Own { count: 3, make: stone::lining },
+        place: Place::Floor(Scatter { width_m: [0.25, 0.9], exponent: 1.8, share: 0.2 }),
+    },
+    KindRow {
+        name: "ropy_slab",
+        summary: "broken crust of ropy lava, 0.25-0.8 m",
+        rocks: &["basalt"],
+        rock_setting: None,
+        shapes: Shapes::Own { count: 2, make: stone::ropy },
+        place: Place::Floor(Scatter { width_m: [0.25, 0.8], exponent: 1.8, share: 0.12 }),
+    },
+    KindRow {
+        name: "talus",
+        summary: "heaps of breakdown at the foot of walls, 1.2-2.2 m wide, at the angle of repose",
+        rocks: &["limestone", "basalt", "salt"],
+        rock_setting: None,
+        shapes: Shapes::Own { count: 2, make: heap::talus },
+        place: Place::Heaped(Heap { width_m: [1.2, 2.2] }),
+    },
+    KindRow {
+        name: "muck_pile",
+        summary: "heaps of blasted rock, 1.0-2.0 m wide, at the angle of repose",
+        rocks: &["drilled"],
+        rock_setting: None,
+        shapes: Shapes::Own { count: 2, make: heap::muck },
+        place: Place::Heaped(Heap { width_m: [1.0, 2.0] }),
     },
     KindRow {
         name: "cobble",
@@ -296,6 +337,11 @@ impl Place {
     /// Whether things lie loose, so that they are placed by their centre of mass.
     pub fn is_loose(&self) -> bool {
         matches!(self, Self::Floor(_))
+    }
+
+    /// Whether they are fallen rock on the floor, which soils them, and on which one drives.
+    pub fn is_fallen(&self) -> bool {
+        matches!(self, Self::Floor(_) | Self::Heaped(_))
     }
 }
 

@@ -20,7 +20,14 @@ impl Lots {
 
     /// The identity of the candidate at this height: a cell of the map has one per storey.
     pub fn id(&self, z: f64) -> u64 {
-        Self { state: self.id ^ (z.floor() as i64 as u64), ..self.clone() }.next()
+        Self { state: self.id ^ (storey(z) as u64), ..self.clone() }.next()
+    }
+
+    /// The lowest place of each storey, of places from below: two ledges of one storey would have the same identity.
+    pub fn one_per_storey<T>(&self, places: impl Iterator<Item = T>, z: impl Fn(&T) -> f64) -> Vec<T> {
+        let mut places: Vec<T> = places.collect();
+        places.dedup_by_key(|place| storey(z(place)));
+        places
     }
 
     fn next(&mut self) -> u64 {
@@ -49,4 +56,9 @@ impl Lots {
     pub fn normal(&mut self) -> f64 {
         plume_graph::rng::probit(self.unit())
     }
+}
+
+/// The storey of a height: they are a metre high.
+fn storey(z: f64) -> i64 {
+    z.floor() as i64
 }

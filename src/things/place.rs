@@ -15,9 +15,11 @@ use super::kind::{KINDS, KindRow};
 use super::library::{Library, Prototype};
 use super::lots::Lots;
 use super::rest::about_z;
+use super::shelf::roughness;
 use super::{Thing, ThingSettings};
 use crate::field::CaveField;
 use crate::mesh::Mesh;
+use crate::noise::Source;
 use plume_graph::seed::salt;
 use plume_graph::{Aabb, Graph};
 
@@ -59,13 +61,12 @@ pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item 
     let built = site.built(around);
     let mut in_the_way = standing.clone();
     in_the_way.extend(built.iter().map(|built| &built.candidate).filter(|candidate| candidate.stands).cloned());
-    let mut things = site.stones(chunk, &in_the_way);
+    let heaps = site.heaps(around, &in_the_way);
+    let mut things = site.stones(chunk, &in_the_way, &heaps);
     things.extend(built.iter().map(|built| built.candidate.thing(built.pose)));
-    things.extend(standing.iter().chain(&hanging).map(Candidate::as_it_is));
+    things.extend(standing.iter().chain(&hanging).chain(&heaps).map(Candidate::as_it_is));
     things.retain(|thing| owns(&chunk, thing.pose.translation.vector));
     things.sort_by_key(|thing| thing.id);
-    // Two ledges of one storey may have the same.
-    things.dedup_by_key(|thing| thing.id);
     things
 }
 
@@ -176,6 +177,15 @@ impl<'a> Site<'a> {
             (lots, place[0], place[1])
         })
     }
+}
+
+/// How much has fallen at places, from about -1 to 1: most in zones of weak ceilings.
+pub(super) fn collapse(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
+    /// Wavelength of the zones in metres.
+    const ZONE_M: f32 = 11.0;
+    let points: Vec<[f32; 3]> = places.iter().map(|at| [at.x as f32, at.y as f32, at.z as f32]).collect();
+    let source = Source::new(salt(setting.seed, "collapse"));
+    roughness(source, &points, ZONE_M).into_iter().map(f64::from).collect()
 }
 
 /// A size in steps, so that few meshes serve a cave.

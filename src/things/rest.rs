@@ -29,10 +29,19 @@ pub(super) struct Bed<'a> {
     corners: Vec<Vector3<f64>>,
     faces: &'a [[u32; 3]],
     edges: Vec<[usize; 2]>,
-    floor: Vec<Facet>,
+    floor: Floor,
     /// The corners of the floor by their place on the map, relative to `at`, and the height of the floor there.
     peaks: Vec<(Vector2<f64>, f64)>,
     at: Point3<f64>,
+}
+
+/// What faces upwards around a stone, found by cells of the map.
+struct Floor {
+    facets: Vec<Facet>,
+    /// The facets over each cell of a square around the stone.
+    cells: Vec<Vec<u32>>,
+    middle: Vector2<f64>,
+    reach_m: f64,
 }
 
 impl<'a> Bed<'a> {
@@ -41,20 +50,11 @@ impl<'a> Bed<'a> {
         let corners: Vec<Vector3<f64>> = body.corners.iter().map(|corner| corner.coords * scale).collect();
         let reach_m = corners.iter().map(Vector3::norm).fold(0.0, f64::max);
         let (faces, edges) = (&body.faces, body.edges().collect());
-        let mut bed = Self { corners, faces, edges, floor: floor_near(reach_m), peaks: Vec::new(), at };
-        let on_map = bed.floor.iter().flat_map(|facet| facet.corners).map(|corner| (corner - at).xy());
+        let floor = Floor::new(floor_near(reach_m), at, reach_m);
+        let on_map = floor.facets.iter().flat_map(|facet| facet.corners).map(|corner| (corner - at).xy());
         let in_reach = on_map.filter(|place| place.norm_squared() < reach_m * reach_m);
-        bed.peaks = in_reach.filter_map(|place| Some((place, bed.top(place)?.0))).collect();
-        bed
-    }
-
-    /// Height of the floor at a place, and the upward component of its normal there.
-    fn top(&self, place: Vector2<f64>) -> Option<(f64, f64)> {
-        let heights = self.floor.iter().filter_map(|facet| {
-            let height = facet.height(self.at.x + place.x, self.at.y + place.y)?;
-            Some((height, facet.normal.z))
-        });
-        heights.max_by(|a, b| a.0.total_cmp(&b.0))
+        let peaks = in_reach.filter_map(|place| Some((place, floor.top(place)?.0))).collect();
+        Self { corners, faces, edges, floor, peaks, at }
     }
 
     /// The pose of the stone, around its centre of mass, that is turned by `yaw_rad` and let down; `None` if it would not stay.
@@ -97,7 +97,7 @@ impl<'a> Bed<'a> {
         let own = corners.iter().copied().chain(middles).map(|point| point.xy());
         let grid = (0..SAMPLES * SAMPLES).map(|n| Vector2::new(along(0, n % SAMPLES), along(1, n / SAMPLES)));
         let on_floor = own.chain(grid).filter_map(|place| {
-            let (top, level) = self.top(place)?;
+            let (top, level) = self.floor.top(place)?;
             Some(gap(place, top, bottom(place).0, level))
         });
         let under_stone = self.peaks.iter().filter(|(place, _)| is_inside(place)).map(|&(place, top)| {
@@ -105,6 +105,44 @@ impl<'a> Bed<'a> {
             gap(place, top, bottom, level)
         });
         on_floor.chain(under_stone).collect()
+    }
+}
+
+impl Floor {
+    /// Cells along either side of the square.
+    const CELLS: usize = 8;
+
+    fn new(facets: Vec<Facet>, at: Point3<f64>, reach_m: f64) -> Self {
+        let middle = at.coords.xy();
+        let mut cells = vec![Vec::new(); Self::CELLS * Self::CELLS];
+        for (number, facet) in facets.iter().enumerate() {
+            let [a, b, c] = facet.corners.map(|corner| corner.coords.xy() - middle);
+            let low = a.inf(&b).inf(&c).map(|along| Self::cell(along, reach_m));
+            let high = a.sup(&b).sup(&c).map(|along| Self::cell(along, reach_m));
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    cells[y * Self::CELLS + x].push(number as u32);
+                }
+            }
+        }
+        Self { facets, cells, middle, reach_m }
+    }
+
+    /// The cell along an axis; the outermost reach to infinity.
+    fn cell(along_m: f64, reach_m: f64) -> usize {
+        let cell = (along_m / reach_m + 1.0) * 0.5 * Self::CELLS as f64;
+        (cell.max(0.0) as usize).min(Self::CELLS - 1)
+    }
+
+    /// Height of the floor at a place relative to the middle, and the upward component of its normal there.
+    fn top(&self, place: Vector2<f64>) -> Option<(f64, f64)> {
+        let at = self.middle + place;
+        let [x, y] = [place.x, place.y].map(|along| Self::cell(along, self.reach_m));
+        let heights = self.cells[y * Self::CELLS + x].iter().filter_map(|number| {
+            let facet = &self.facets[*number as usize];
+            Some((facet.height(at.x, at.y)?, facet.normal.z))
+        });
+        heights.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 

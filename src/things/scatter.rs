@@ -4,13 +4,10 @@ use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
-use super::place::{Candidate, Setting, Site, owns, quantised, step, without_overlaps};
+use super::place::{Candidate, Setting, Site, collapse, owns, quantised, step, without_overlaps};
 use super::rest::Bed;
-use super::shelf::roughness;
 use super::{Thing, WHEEL_M};
-use crate::noise::Source;
 use plume_graph::Aabb;
-use plume_graph::seed::salt;
 
 /// Steepest floor on which stones come to lie: upward component of its normal.
 const LEVEL: f64 = 0.78;
@@ -25,8 +22,8 @@ const MEAN_DENSITY: f64 = 0.03;
 
 impl<'a> Site<'a> {
     /// Loose stones in a chunk and around it, beside what stands there. Kinds follow each other from large to small, and a
-    /// stone lies on the wall or on larger kinds.
-    pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>]) -> Vec<Thing> {
+    /// stone lies on the wall, on heaps or on larger kinds.
+    pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>], heaps: &[Candidate<'a>]) -> Vec<Thing> {
         let loose = |row: &'static KindRow| match row.place {
             Place::Floor(scatter) => Some((row, scatter.hardened(self.setting.settings.difficulty))),
             _ => None,
@@ -34,6 +31,7 @@ impl<'a> Site<'a> {
         let mut kinds: Vec<(&'static KindRow, Scatter)> = self.rows().filter_map(loose).collect();
         kinds.sort_by(|(_, a), (_, b)| b.width_m[1].total_cmp(&a.width_m[1]));
         let (mut lying, mut things) = (Facets::default(), Vec::new());
+        heaps.iter().for_each(|heap| lying.add(&heap.prototype.hull, heap.scale, &heap.as_it_is().pose));
         for (n, (row, scatter)) in kinds.iter().enumerate() {
             let margin_m: f64 = kinds[n..].iter().map(|(_, kind)| kind.width_m[1]).sum();
             let bounds = chunk.padded(margin_m);
@@ -79,7 +77,8 @@ impl<'a> Site<'a> {
             let width_m = quantised(scatter.width(lots.unit()));
             let yaw_rad = std::f64::consts::TAU * lots.unit();
             let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
-            for (n, hit) in hits.iter().enumerate().filter(|(_, hit)| hit.normal.z > LEVEL) {
+            let level = hits.iter().enumerate().filter(|(_, hit)| hit.normal.z > LEVEL);
+            for (n, hit) in lots.one_per_storey(level, |(_, hit)| hit.z) {
                 let scale = width_m / prototype.width_m();
                 let candidate = Candidate {
                     id: lots.id(hit.z),
@@ -178,10 +177,8 @@ impl Density {
     const PROBE_M: f64 = 0.6;
 
     fn new(setting: &Setting, places: &[Point3<f64>]) -> Self {
-        let single = |place: &Point3<f64>, up: f64| [place.x as f32, place.y as f32, (place.z + up) as f32];
-        let probes: Vec<[f32; 3]> = places.iter().map(|place| single(place, Self::PROBE_M)).collect();
-        let zones: Vec<[f32; 3]> = places.iter().map(|place| single(place, 0.0)).collect();
-        let source = Source::new(salt(setting.seed, "collapse"));
+        let probe = |place: &Point3<f64>| [place.x as f32, place.y as f32, (place.z + Self::PROBE_M) as f32];
+        let probes: Vec<[f32; 3]> = places.iter().map(probe).collect();
         Self {
             wall_m: setting
                 .field
@@ -189,7 +186,7 @@ impl Density {
                 .into_iter()
                 .map(|distance| f64::from(-distance).max(0.0))
                 .collect(),
-            zone: roughness(source, &zones, 11.0).into_iter().map(f64::from).collect(),
+            zone: collapse(setting, places),
         }
     }
 

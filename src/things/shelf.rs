@@ -70,7 +70,7 @@ pub struct Shelf {
 struct Slot {
     shape: Shape,
     material: Arc<dyn Material>,
-    is_loose: bool,
+    is_soiled: bool,
 }
 
 impl Shelf {
@@ -80,9 +80,11 @@ impl Shelf {
         for (_, row, number) in slots(dress.rock) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
             let material = || (dress.material)(row.rock_setting);
-            let is_loose = row.place.is_loose();
+            let is_soiled = row.place.is_fallen();
             match row.shapes {
-                Shapes::Own { make, .. } => fields.push(Slot { shape: make(&mut rng), material: material(), is_loose }),
+                Shapes::Own { make, .. } => {
+                    fields.push(Slot { shape: make(&mut rng), material: material(), is_soiled })
+                }
                 Shapes::Solid { make, .. } => solids.push(make(&mut rng)),
                 Shapes::Of(_) => {}
             }
@@ -294,7 +296,7 @@ impl Shelf {
         material.coarse(&on_wall(points, normals, self.source), block);
         block.shape_as(&columns);
         material.surface_samples(block, &self.look, footprint, &columns, &mut wall);
-        let soil = |n: usize| if self.slots[slot].is_loose { soil(points[n], normals[n]) } else { 0.0 };
+        let soil = |n: usize| if self.slots[slot].is_soiled { soil(points[n], normals[n]) } else { 0.0 };
         if (0..points.len()).any(|n| soil(n) > 0.0) {
             material.coarse(&on_floor(points, self.source), block);
             material.surface_samples(block, &self.look, footprint, &columns, &mut floor);

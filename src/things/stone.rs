@@ -3,10 +3,11 @@
 //! Breakdown splits along bedding and two sets of joints, so a block starts as a skewed box; the corners and edges that
 //! break off in the fall are further planes (Palmer, *Cave Geology*, 2007, on breakdown).
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use plume_graph::rng::Rng;
 
 use super::kind::Shape;
+use super::rest::turn;
 
 /// Half the length of the prototypes in metres, in the middle of the range of their sizes, so that neither their images nor
 /// their edges are stretched by much.
@@ -30,6 +31,49 @@ pub fn cobble(rng: &mut Rng) -> Shape {
 pub fn slab(rng: &mut Rng) -> Shape {
     let half = Vector3::new(SLAB_M, SLAB_M * rng.between(0.6, 0.95), SLAB_M * rng.between(0.16, 0.26));
     broken(rng, half, 0.08, 6)
+}
+
+/// A plate of lining: a piece of a shell as wide as a tube, with rough edges.
+pub fn lining(rng: &mut Rng) -> Shape {
+    /// Radius of the tube in metres, when the plate has the size of its prototype.
+    const TUBE_M: f32 = 0.75;
+    let thick_m = rng.between(0.05, 0.075) as f32;
+    let half = Vector3::new(SLAB_M, SLAB_M * rng.between(0.55, 0.9), 0.16);
+    let outline = broken(rng, half, 0.12, 8);
+    Box::new(move |[x, y, z]| {
+        // Bent along y only, as the wall of a tube is.
+        let up = z + TUBE_M - 0.02;
+        let shell = 0.5 * thick_m - (libm::sqrtf(y * y + up * up) - TUBE_M).abs();
+        worn_min(outline([x, y, z]), shell)
+    })
+}
+
+/// A slab of crust with ropes on its upper side, which bend downstream as those of pahoehoe do.
+pub fn ropy(rng: &mut Rng) -> Shape {
+    /// Distance between two ropes, their height, and how far they bend, in metres.
+    const ROPE_M: f32 = 0.075;
+    const HIGH_M: f32 = 0.022;
+    const BEND_M: f32 = 0.10;
+    let slab = slab(rng);
+    let phase = rng.between(0.0, 1.0) as f32;
+    Box::new(move |[x, y, z]| {
+        let across = y / SLAB_M as f32;
+        let along = (x + BEND_M * across * across) / ROPE_M + phase;
+        let rope = HIGH_M * (1.0 - 2.0 * (along - along.floor() - 0.5).abs());
+        let above = if z > 0.0 { (z / 0.03).min(1.0) } else { 0.0 };
+        // The steeper sides of ropes are nearer than they are high.
+        0.8 * slab([x, y, z + above * (0.5 * HIGH_M - rope)])
+    })
+}
+
+/// An angular stone of this half length.
+pub(super) fn rubble(rng: &mut Rng, half_m: f64) -> Shape {
+    angular(rng, half_m)
+}
+
+/// A turn about a level axis, as of a stone that has rolled.
+pub(super) fn tumbled(rng: &mut Rng) -> UnitQuaternion<f64> {
+    turn(Vector3::z(), (Vector3::z() + 0.9 * direction(rng)).normalize())
 }
 
 fn angular(rng: &mut Rng, half_m: f64) -> Shape {

@@ -220,10 +220,15 @@ fn things_keep_the_laws() {
         assert_they_touch(&cave, &things);
         assert_the_corridor_is_free(&cave, &things);
         assert_dripstone_is_attached(&cave, &things);
-        let mut ids: Vec<u64> = things.iter().map(|thing| thing.id).collect();
-        ids.sort_unstable();
-        assert!(ids.windows(2).all(|pair| pair[0] != pair[1]), "{}: two things with one identity", cave.name);
+        assert_have_own_identities(&cave, &things);
     }
+}
+
+/// Also if they are in different chunks.
+fn assert_have_own_identities(cave: &Cave, things: &[Thing]) {
+    let mut ids: Vec<u64> = things.iter().map(|thing| thing.id).collect();
+    ids.sort_unstable();
+    assert!(ids.windows(2).all(|pair| pair[0] != pair[1]), "{}: two things with one identity", cave.name);
 }
 
 /// The lowest gap between a stone and what it lies on, before it is sunk, is nothing.
@@ -391,7 +396,9 @@ fn things_hardly_depend_on_the_size_of_chunks() {
         let graph = small(plume::generators::GENERATORS.find(generator).unwrap(), nodes, 3);
         let of = |chunk_m: f32| -> BTreeMap<(u64, String), Thing> {
             let cave = Cave::new(format!("chunks of {chunk_m} m"), graph.clone(), rock, chunk_m);
-            cave.things().into_iter().map(|thing| ((thing.id, thing.kind.clone()), thing)).collect()
+            let things = cave.things();
+            assert_have_own_identities(&cave, &things);
+            things.into_iter().map(|thing| ((thing.id, thing.kind.clone()), thing)).collect()
         };
         let (one, other) = (of(16.0), of(7.0));
         let same = one.iter().filter(|(id, thing)| {
