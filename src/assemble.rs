@@ -18,7 +18,7 @@ use crate::recipe::{Recipe, WorldSettings};
 use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, ThingFacts, Unit};
 use crate::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureSettings};
-use crate::things::Thing;
+use crate::things::{Kinds, Thing};
 use plume_graph::Graph;
 
 /// The things of a chunk of the wall that move, or those that do not.
@@ -60,7 +60,7 @@ pub struct FolderChunks<'a> {
     /// Width in metres under which loose things are movable.
     movable_m: f64,
     prototypes: OnceLock<Option<Dressing>>,
-    rock: &'a str,
+    kinds: Kinds<'a>,
     /// The coarser levels of each chunk.
     lods: Vec<Vec<LodFacts>>,
     settings: &'a TextureSettings,
@@ -85,7 +85,7 @@ impl<'a> FolderChunks<'a> {
             dressed: dressed.flat_map(Dressed::of).collect(),
             movable_m: recipe.things().movable_m,
             prototypes: OnceLock::new(),
-            rock: recipe.rock_name(),
+            kinds: recipe.kinds(),
             lods: walls.iter().map(lods).collect(),
             settings: recipe.texture(),
             stop,
@@ -128,7 +128,7 @@ impl FolderChunks<'_> {
         if let Some(dressing) = self.prototypes.get() {
             return dressing.as_ref().ok_or_else(missing);
         }
-        let prototypes = store::read_prototypes(self.folder, self.rock).map_err(io::Error::other)?;
+        let prototypes = store::read_prototypes(self.folder, self.kinds).map_err(io::Error::other)?;
         self.prototypes.get_or_init(|| prototypes.map(Dressing::new)).as_ref().ok_or_else(missing)
     }
 

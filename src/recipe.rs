@@ -28,7 +28,7 @@ use crate::field::PassageSettings;
 use crate::material::{Look, MATERIALS, Material};
 use crate::mesh::{MeshSettings, PieceSettings};
 use crate::texture::{LodSettings, TextureSettings};
-use crate::things::ThingSettings;
+use crate::things::{Kinds, ThingSettings};
 use plume_graph::Generator;
 use plume_graph::realism::RealismSettings;
 
@@ -197,6 +197,11 @@ impl Recipe {
     /// Name of the rock.
     pub fn rock_name(&self) -> &str {
         self.resolved["rock"]["kind"].as_str().unwrap_or_default()
+    }
+
+    /// The kinds of things that occur.
+    pub fn kinds(&self) -> Kinds<'_> {
+        Kinds { rock: self.rock_name(), has_artefacts: self.things.artefacts > 0 }
     }
 
     /// Texture settings.

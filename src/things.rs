@@ -11,6 +11,7 @@
 
 mod along;
 mod around;
+mod artefact;
 mod corridor;
 mod dressed;
 mod drip;
@@ -20,6 +21,7 @@ mod facets;
 mod heap;
 mod kind;
 mod library;
+mod lost;
 mod lots;
 mod place;
 mod rest;
@@ -32,7 +34,7 @@ mod substance;
 
 pub use around::place_in;
 pub use dressed::Dressed;
-pub use kind::{Along, Fit, Hang, Heap, KINDS, KindRow, Place, Scatter, Shape, Shapes};
+pub use kind::{Along, Fit, Hang, Heap, KINDS, KindRow, Kinds, Place, Scatter, Shape, Shapes};
 pub use library::{Body, Library, Prototype, shelf_mesh};
 pub use place::{Setting, place};
 pub use settings::ThingSettings;

@@ -15,6 +15,9 @@ use plume_graph::{Aabb, Graph};
 /// Texels per metre on the shelf relative to those on the wall, as the largest stones are about twice as large as their
 /// prototypes. Tuned.
 pub(super) const TEXEL_RATIO: f32 = 1.5;
+/// Sides of the images of all prototypes, if recipes set those of chunks, in pixels: large enough for the charts of all solids, and
+/// about as large as those of the default density. Tuned.
+const SIZE_PX: [u32; 2] = [512, 2048];
 /// Coarser levels of a prototype.
 const LEVELS: LodSettings = LodSettings { levels: 3, reduction: 2.0 };
 
@@ -41,7 +44,8 @@ impl Pipeline<'_> {
         let shelf = shelf(self.recipe);
         let texture = self.recipe.texture();
         let density_px_per_m = TEXEL_RATIO * texture.density_px_per_m;
-        let texture = TextureSettings { density_px_per_m, size_px: None, ..texture.clone() };
+        let size_px = texture.size_px.map(|size_px| size_px.clamp(SIZE_PX[0], SIZE_PX[1]));
+        let texture = TextureSettings { density_px_per_m, size_px, ..texture.clone() };
         let mesh = things::shelf_mesh(&shelf);
         let written = store::write_textured(self.folder, PROTOTYPES, &mesh, &shelf, &texture, &LEVELS)?;
         let lods = written.levels.iter().map(Into::into).collect();
@@ -82,20 +86,20 @@ type Made = (Vec<store::FileRecord>, Facts);
 
 /// The prototypes in a cave folder; none if it has no things.
 fn library(recipe: &Recipe, folder: &store::CaveFolder) -> Result<Library, PipelineError> {
-    Ok(store::read_prototypes(folder, recipe.rock_name())?.map(|prototypes| prototypes.library).unwrap_or_default())
+    Ok(store::read_prototypes(folder, recipe.kinds())?.map(|prototypes| prototypes.library).unwrap_or_default())
 }
 
 /// The shapes of the things of a recipe.
 fn shelf(recipe: &Recipe) -> Shelf {
     let material = |setting| rock_with(recipe, setting);
-    Shelf::new(&Dress { rock: recipe.rock_name(), material: &material, look: recipe.look(), seed: recipe.seed() })
+    Shelf::new(&Dress { kinds: recipe.kinds(), material: &material, look: recipe.look(), seed: recipe.seed() })
 }
 
 /// The shapes of the things of a recipe, and the prototypes made of them; `None` if it has no things.
 pub fn stock(recipe: &Recipe) -> Option<(Shelf, Library)> {
     (recipe.things().cover > 0.0).then(|| {
         let shelf = shelf(recipe);
-        let library = Library::of_shelf(recipe.rock_name(), &shelf);
+        let library = Library::of_shelf(recipe.kinds(), &shelf);
         (shelf, library)
     })
 }
@@ -107,7 +111,7 @@ pub(super) fn setting<'a>(
     field: &'a CaveField,
     library: &'a Library,
 ) -> Setting<'a> {
-    Setting { library, settings: recipe.things(), rock: recipe.rock_name(), field, graph, seed: recipe.seed() }
+    Setting { library, settings: recipe.things(), kinds: recipe.kinds(), field, graph, seed: recipe.seed() }
 }
 
 /// The rock with one setting replaced.

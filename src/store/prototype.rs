@@ -4,7 +4,7 @@ use super::ply::PlyMesh;
 use super::{
     CaveFolder, Facts, LodFacts, PROTOTYPES, Stage, StoreError, WHOLE_CAVE, lod_path, read_ply, textured_path,
 };
-use crate::things::Library;
+use crate::things::{Kinds, Library};
 
 /// The prototypes of a cave folder.
 pub struct Prototypes {
@@ -16,18 +16,18 @@ pub struct Prototypes {
     pub errors_m: Vec<f64>,
 }
 
-/// Reads the prototypes of the things in this rock; `None` if there are none.
+/// Reads the prototypes of these kinds; `None` if there are none.
 ///
 /// # Errors
 /// If they are missing or damaged.
-pub fn read_prototypes(folder: &CaveFolder, rock: &str) -> Result<Option<Prototypes>, StoreError> {
+pub fn read_prototypes(folder: &CaveFolder, kinds: Kinds) -> Result<Option<Prototypes>, StoreError> {
     let unit = folder.units(Stage::Things).into_iter().find(|unit| unit.name == WHOLE_CAVE);
     let Some(unit) = unit.filter(|unit| !unit.files.is_empty()) else { return Ok(None) };
     let coarser: Vec<LodFacts> = if let Facts::Things(facts) = unit.facts { facts.lods } else { Vec::new() };
     let paths = (1..=coarser.len()).map(|level| lod_path(PROTOTYPES, level));
     let paths = std::iter::once(textured_path(PROTOTYPES)).chain(paths);
     let levels: Vec<PlyMesh> = paths.map(|path| read_ply(folder, &path)).collect::<Result<_, _>>()?;
-    let library = Library::new(rock, &levels[0].positions);
+    let library = Library::new(kinds, &levels[0].positions);
     let errors_m = std::iter::once(0.0).chain(coarser.iter().map(|facts| facts.error_m)).collect();
     Ok(Some(Prototypes { library, levels, errors_m }))
 }

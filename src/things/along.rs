@@ -13,7 +13,7 @@ use super::rest::turn;
 use super::shelf::roughness;
 use crate::noise::Source;
 use plume_graph::seed::salt;
-use plume_graph::{Aabb, Graph};
+use plume_graph::{Aabb, Graph, StationId};
 
 /// How far from the axis of a passage a wall is looked for, in metres.
 pub(super) const ASIDE_M: f64 = 3.4;
@@ -30,6 +30,9 @@ const BOLT_M: f64 = 1.2;
 /// Radius of the thickest posts, and their distance from the wall, in metres.
 const POST_M: [f64; 2] = [0.17, 0.08];
 
+/// Radius of a drum in metres.
+const DRUM_M: f64 = 0.3;
+
 /// Something built in, and its pose.
 pub(super) struct Built<'a> {
     pub candidate: Candidate<'a>,
@@ -38,19 +41,22 @@ pub(super) struct Built<'a> {
 
 /// A passage from one station of the graph to the next.
 #[derive(Clone, Copy)]
-struct Way {
-    key: [i32; 2],
+pub(super) struct Way {
+    /// The stations of its edge.
+    pub key: [i32; 2],
     from: Point3<f64>,
     ahead: Vector3<f64>,
-    right: Vector3<f64>,
-    length_m: f64,
+    /// The level unit vector to the right.
+    pub right: Vector3<f64>,
+    /// Its length in metres.
+    pub length_m: f64,
 }
 
 impl Way {
     /// The ways near these bounds.
-    fn near(graph: &Graph, bounds: Aabb<f64>) -> Vec<Self> {
+    pub fn near(graph: &Graph, bounds: Aabb<f64>) -> Vec<Self> {
         let near = bounds.padded(ASIDE_M + 1.0);
-        let way = |edge: &[plume_graph::StationId; 2]| {
+        let way = |edge: &[StationId; 2]| {
             let [a, b] = edge.map(|station| graph[station].position);
             let flat = (b - a).xy();
             let is_near = Aabb::from_points([a, b].map(<[f64; 3]>::from)).is_some_and(|own| own.intersects(&near));
@@ -67,12 +73,22 @@ impl Way {
         graph.edges.iter().filter_map(way).collect()
     }
 
-    fn at(&self, along_m: f64) -> Point3<f64> {
+    pub fn at(&self, along_m: f64) -> Point3<f64> {
         self.from + self.ahead * along_m
     }
 
+    /// Whether it goes from one station of an edge to the other.
+    pub fn is_along(&self, edge: &[StationId; 2]) -> bool {
+        self.key == edge.map(|station| station.index() as i32)
+    }
+
+    /// Whether this is between its ends.
+    pub fn holds(&self, along_m: f64) -> bool {
+        (0.0..=self.length_m).contains(&along_m)
+    }
+
     /// Number of parts of at most this length.
-    fn parts(&self, spacing_m: f64) -> u32 {
+    pub fn parts(&self, spacing_m: f64) -> u32 {
         (self.length_m / spacing_m).ceil().max(1.0) as u32
     }
 }
@@ -93,8 +109,8 @@ impl Stop<'_> {
 }
 
 impl<'a> Site<'a> {
-    /// What is built in along the passages in these bounds.
-    pub fn built(&self, around: Aabb<f64>) -> Vec<Built<'a>> {
+    /// What is built in along these passages.
+    pub fn built(&self, ways: &[Way]) -> Vec<Built<'a>> {
         let along = |row: &'static KindRow| match row.place {
             Place::Along(along) => Some((row, along)),
             _ => None,
@@ -103,10 +119,9 @@ impl<'a> Site<'a> {
         if rows.is_empty() || self.settings.sets <= 0.0 {
             return Vec::new();
         }
-        let ways = Way::near(self.setting.graph, around);
         let mut built = Vec::new();
         for (row, along) in rows {
-            for way in &ways {
+            for way in ways {
                 let parts = way.parts(along.spacing_m);
                 let part_m = way.length_m / f64::from(parts);
                 for number in 0..parts {
@@ -152,7 +167,7 @@ impl<'a> Site<'a> {
             Fit::RightWall => self.between(stop, |along_m| self.on_wall(way, along_m, 1.0, 1.6)),
             Fit::LeftWall => self.between(stop, |along_m| self.on_wall(way, along_m, -1.0, 1.7)),
             Fit::UnderRoof => self.between(stop, |along_m| self.under_roof(way, along_m)),
-            Fit::FootOfWall => self.at_foot(stop).into_iter().collect(),
+            Fit::FootOfWall => self.drum(stop).into_iter().collect(),
         };
         let key =
             |n: usize| u64::from(salt(self.setting.seed, row.name)) | (u64::from(stop.number) * 64 + n as u64) << 32;
@@ -177,7 +192,7 @@ impl<'a> Site<'a> {
     }
 
     /// Whether it is beside the way or high enough over it.
-    fn leaves_the_way(&self, built: &Built, axis: Point3<f64>) -> bool {
+    pub fn leaves_the_way(&self, built: &Built, axis: Point3<f64>) -> bool {
         // The floor may rise towards another passage.
         let [Some(floor), below] = [axis, built.candidate.at].map(|at| self.walls.floor_below(at)) else {
             return false;
@@ -190,18 +205,23 @@ impl<'a> Site<'a> {
         low > floor + self.settings.headroom_m || points().all(|point| !self.corridor.is_within(point, 0.0))
     }
 
-    /// Heights of the floor below a point of a passage and of the roof above it.
+    /// Heights of the floor below a point of a passage and of the roof above it, where something can be built in.
     fn height(&self, at: Point3<f64>) -> Option<[f64; 2]> {
+        self.column(at).filter(|[floor, roof]| (HEIGHT_M[0]..HEIGHT_M[1]).contains(&(roof - floor)))
+    }
+
+    /// Heights of the floor below a point of a passage and of the roof above it.
+    pub fn column(&self, at: Point3<f64>) -> Option<[f64; 2]> {
         let hits = self.walls.hits(at.x, at.y);
         let roof = hits.iter().find(|hit| hit.z > at.z && hit.normal.z < 0.0)?.z;
         let floor = hits.iter().rev().find(|hit| hit.z < roof && hit.normal.z > 0.0)?.z;
-        (HEIGHT_M[0]..HEIGHT_M[1]).contains(&(roof - floor)).then_some([floor, roof])
+        Some([floor, roof])
     }
 
     /// Distance of the nearest wall on a side of a way, at heights over the floor.
-    fn aside(&self, way: &Way, along_m: f64, side: f64, heights_m: &[f64]) -> Option<f64> {
+    pub fn aside(&self, way: &Way, along_m: f64, side: f64, heights_m: &[f64]) -> Option<f64> {
         let at = way.at(along_m);
-        let [floor, roof] = self.height(at)?;
+        let [floor, roof] = self.column(at)?;
         let heights = heights_m.iter().filter(|height| floor + **height < roof - 0.2);
         let ray = |height: &f64| self.walls.ray(Point3::new(at.x, at.y, floor + height), way.right * side, ASIDE_M);
         let distances: Option<Vec<f64>> = heights.map(ray).collect();
@@ -319,24 +339,29 @@ impl<'a> Site<'a> {
         (is_free && height_m - DUCT_M > 1.6).then(|| Point3::new(at.x, at.y, floor + height_m))
     }
 
-    fn at_foot(&self, stop: &Stop) -> Option<(f64, Isometry3<f64>, f64)> {
-        /// Radius of what stands there in metres.
-        const RADIUS_M: f64 = 0.3;
+    fn drum(&self, stop: &Stop) -> Option<(f64, Isometry3<f64>, f64)> {
+        let (pose, embedding_m) = self.at_foot(stop.way, stop.middle(), -1.0, DRUM_M)?;
+        Some((1.0, pose, embedding_m))
+    }
+
+    /// A place on the floor at the foot of a wall for something of this radius, and how deep it is in the floor; `None` beside
+    /// posts and where the floor is uneven.
+    pub fn at_foot(&self, way: &Way, along_m: f64, side: f64, radius_m: f64) -> Option<(Isometry3<f64>, f64)> {
         /// Most unevenness of its floor in metres.
         const UNEVEN_M: f64 = 0.09;
-        let (way, along_m) = (stop.way, stop.middle());
-        let wall_m = self.aside(way, along_m, -1.0, &[0.2, 0.5, 0.9])?;
-        let at = way.at(along_m) - way.right * (wall_m - RADIUS_M - 0.12);
+        let wall_m = self.aside(way, along_m, side, &[0.2, 0.5, 0.9])?;
+        let at = way.at(along_m) + way.right * (side * (wall_m - radius_m - 0.12));
         if self.posts_m(at) > 0.0 {
             return None;
         }
-        let around = [[0.0, 0.0], [0.2, 0.0], [-0.2, 0.0], [0.0, 0.2], [0.0, -0.2]];
+        let rim_m = 0.66 * radius_m;
+        let around = [[0.0, 0.0], [rim_m, 0.0], [-rim_m, 0.0], [0.0, rim_m], [0.0, -rim_m]];
         let floor = |[x, y]: [f64; 2]| Some(self.height(at + Vector3::new(x, y, 0.0))?[0]);
         let floors = around.into_iter().map(floor).collect::<Option<Vec<f64>>>()?;
         let low = floors.iter().copied().reduce(f64::min)?;
         let high = floors.into_iter().reduce(f64::max)?;
         let pose = Isometry3::translation(at.x, at.y, 0.5 * (low + high));
-        (high - low < UNEVEN_M).then_some((1.0, pose, 0.5 * (high - low)))
+        (high - low < UNEVEN_M).then_some((pose, 0.5 * (high - low)))
     }
 
     /// A piece between the places at both ends of a stop, if it is in the air.

@@ -2,11 +2,13 @@
 //! as talus is sorted (Statham, *A scree slope rockfall model*, 1976). Loose stones come to rest on them.
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
-use plume_graph::Aabb;
 use plume_graph::rng::Rng;
+use plume_graph::seed::salt;
 
+use super::along::Way;
 use super::kind::{Heap, KindRow, Place, Shape};
-use super::place::{Candidate, Site, collapse, quantised, step};
+use super::lots::Lots;
+use super::place::{Candidate, Site, collapse, quantised_down, step};
 use super::rest::about_z;
 use super::stone;
 
@@ -18,16 +20,20 @@ const REPOSE: f64 = 0.67;
 const ROOT_M: f64 = 0.10;
 /// Radius within which the top is rounded off, in metres.
 const TOP_M: f64 = 0.10;
-/// Room that every heap has for itself beside its widest, in metres.
-const APART_M: f64 = 0.6;
-/// Least upward component of the normal of the floor below the middle.
-const LEVEL: f64 = 0.9;
-/// Least height over the floor in which there is a heap, in metres.
-const CLEARANCE_M: f64 = 1.4;
-/// Heaps per cell where most has fallen, relative to the share of the floor that stones cover. Tuned.
+/// Distance of the middle of a heap from the wall on which it leans, relative to its reach.
+const LEANING: f64 = 0.5;
+/// How far its middle is in the wall at most, relative to its reach, where the way leaves little room.
+const IN_WALL: f64 = 0.4;
+/// Distance of a heap from the way in metres.
+const CLEAR_M: f64 = 0.03;
+/// Distance from the wall at which the height of the floor is taken, in metres.
+const AT_FOOT_M: f64 = 0.2;
+/// Least depth of the foot in the rock, in metres: the triangles of the wall are about as far from the field.
+const LEAST_DEPTH_M: f32 = -0.02;
+/// How far a heap may be sunk so that its foot is in a floor that slopes, relative to its reach.
+const MOST_SUNK: f64 = 0.3;
+/// Heaps where most has fallen, per part of a passage and side, relative to the share of the floor that stones cover. Tuned.
 const HEAPED: f64 = 14.0;
-/// Steepest floor relative to the reach of a heap: on a steeper one it would hang over.
-const STEEPEST: f64 = 0.5;
 
 /// A heap of angular blocks.
 pub fn talus(rng: &mut Rng) -> Shape {
@@ -98,76 +104,112 @@ fn side_m(radius_m: f64) -> f64 {
 }
 
 impl<'a> Site<'a> {
-    /// Heaps whose middles are in these bounds, beside what stands there. Each has a cell of the map for itself, so that none
-    /// depends on others.
-    pub fn heaps(&self, around: Aabb<f64>, standing: &[Candidate<'a>]) -> Vec<Candidate<'a>> {
+    /// Heaps at the foot of the walls of these passages, clear of what stands there. Heaps may run into each other.
+    pub fn heaps(&self, ways: &[Way], standing: &[Candidate<'a>]) -> Vec<Candidate<'a>> {
         let heap = |row: &'static KindRow| match row.place {
             Place::Heaped(heap) => Some((row, heap)),
             _ => None,
         };
-        let mut heaps: Vec<Candidate> =
-            self.rows().filter_map(heap).flat_map(|(row, heap)| self.heaped(row, heap, around)).collect();
-        heaps.retain(|heap| {
+        let mut heaps = Vec::new();
+        for (row, heap) in self.rows().filter_map(heap) {
+            for way in ways {
+                heaps.extend(self.fallen(row, heap, way));
+            }
+        }
+        heaps.retain(|heap: &Candidate| {
             standing.iter().all(|other| (heap.at - other.at).xy().norm() > heap.reach_m() + other.reach_m())
         });
-        heaps
+        self.footed(heaps)
     }
 
-    fn heaped(&self, row: &'static KindRow, heap: Heap, around: Aabb<f64>) -> Vec<Candidate<'a>> {
-        let side_m = heap.width_m[1] + APART_M;
-        // Nearer to the middle of its cell than to that of any other.
-        let inwards = |along_m: f64| {
-            let cell = (along_m / side_m).floor() + 0.5;
-            (cell + (along_m / side_m - cell) * APART_M / side_m) * side_m
-        };
+    /// The heaps of a passage: one on either side of each part of it, where enough has fallen.
+    fn fallen(&self, row: &'static KindRow, heap: Heap, way: &Way) -> Vec<Candidate<'a>> {
+        let parts = way.parts(heap.width_m[1]);
+        let part_m = way.length_m / f64::from(parts);
+        let places = (0..parts).flat_map(|number| [-1.0, 1.0].map(|side| (number, side)));
         let (mut found, mut there) = (Vec::new(), Vec::new());
-        for (mut lots, x, y) in self.cells(row, side_m, around) {
-            let (x, y) = (inwards(x), inwards(y));
+        for (number, side) in places {
+            let key =
+                u64::from(salt(self.setting.seed, row.name)) | u64::from(2 * number + u32::from(side > 0.0)) << 32;
+            let mut lots = Lots::new(key, way.key);
             let share = lots.unit();
-            let width_m = quantised(lots.between(heap.width_m[0], heap.width_m[1]));
-            let yaw_rad = std::f64::consts::TAU * lots.unit();
-            let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
-            let hits = self.walls.hits(x, y);
-            let pairs = hits.windows(2).map(|pair| [pair[0], pair[1]]);
-            let open = pairs.filter(|[floor, above]| floor.normal.z > LEVEL && above.z - floor.z > CLEARANCE_M);
-            for [floor, _] in lots.one_per_storey(open, |[floor, _]| floor.z) {
-                let scale = width_m / prototype.width_m();
-                let at = Point3::new(x, y, floor.z);
-                let reach_m = prototype.reach_m * scale;
-                let Some(drop_m) = self.drop_m(at, reach_m).filter(|drop_m| *drop_m < STEEPEST * reach_m) else {
-                    continue;
-                };
-                let candidate = Candidate {
-                    id: lots.id(floor.z),
-                    row,
-                    prototype,
-                    scale,
-                    yaw_rad,
-                    at,
-                    embedding_m: (drop_m - 0.8 * ROOT_M * scale).max(0.0),
-                    stands: true,
-                    rank: width_m,
-                };
-                if !self.corridor.is_within(at, reach_m) {
-                    found.push(candidate);
-                    there.push(share);
-                }
+            let along_m = (f64::from(number) + lots.between(0.2, 0.8)) * part_m;
+            if let Some(candidate) = self.at_wall(row, heap, (way, along_m, side), &mut lots) {
+                found.push(candidate);
+                there.push(share);
             }
         }
         let places: Vec<Point3<f64>> = found.iter().map(|candidate| candidate.at).collect();
         let zone = collapse(self.setting, &places);
-        let is_there = |n: usize| there[n] < HEAPED * self.settings.cover * step(0.0, 0.35, zone[n]);
+        let is_there = |n: usize| there[n] < HEAPED * self.settings.cover * step(-0.1, 0.35, zone[n]);
         found.into_iter().enumerate().filter(|(n, _)| is_there(*n)).map(|(_, candidate)| candidate).collect()
     }
 
-    /// How far the floor around a place is below it at most, in metres; `None` if nothing of it is there.
-    fn drop_m(&self, at: Point3<f64>, reach_m: f64) -> Option<f64> {
-        let rim = (0..8).map(|n| {
-            let around = std::f64::consts::TAU * f64::from(n) / 8.0;
-            at + Vector3::new(libm::cos(around), libm::sin(around), 0.0) * reach_m
-        });
-        // Where there is no floor there is the wall.
-        let floors = rim.filter_map(|place| self.walls.floor_below(place + Vector3::z() * reach_m));
-        floors.map(|floor| at.z - floor).reduce(f64::max)
+    /// A heap that leans on a wall, as wide as the way leaves room for.
+    fn at_wall(
+        &self,
+        row: &'static KindRow,
+        heap: Heap,
+        (way, along_m, side): (&Way, f64, f64),
+        lots: &mut Lots,
+    ) -> Option<Candidate<'a>> {
+        let (width_m, yaw_rad) = (lots.between(heap.width_m[0], heap.width_m[1]), std::f64::consts::TAU * lots.unit());
+        let prototype = lots.one_of(self.setting.library.of(row))?;
+        let wall_m = self.aside(way, along_m, side, &[0.2, 0.5, 0.9])?;
+        let clear_m = 0.5 * self.settings.corridor_m + CLEAR_M;
+        let room_m = (wall_m - clear_m) / (1.0 - IN_WALL);
+        let relative = prototype.reach_m / prototype.width_m();
+        let width_m = width_m.min(room_m / relative);
+        if width_m < heap.width_m[0] {
+            return None;
+        }
+        let scale = quantised_down(width_m) / prototype.width_m();
+        let reach_m = prototype.reach_m * scale;
+        let across = way.right * side;
+        let [floor, _] = self.column(way.at(along_m) + across * (wall_m - AT_FOOT_M))?;
+        let middle = way.at(along_m) + across * (wall_m - LEANING * reach_m).max(clear_m + reach_m);
+        let at = Point3::new(middle.x, middle.y, floor);
+        let drop_m = self.drop_m(at, reach_m);
+        (!self.corridor.is_within(at, reach_m)).then(|| Candidate {
+            id: lots.id(0.0),
+            row,
+            prototype,
+            scale,
+            yaw_rad,
+            at,
+            embedding_m: (drop_m - 0.8 * ROOT_M * scale).max(0.0),
+            stands: true,
+            rank: width_m,
+        })
     }
+
+    /// How far the floor around a place is below it at most, in metres.
+    fn drop_m(&self, at: Point3<f64>, reach_m: f64) -> f64 {
+        let floors = rim(at, reach_m).filter_map(|place| self.walls.floor_below(place + Vector3::z() * reach_m));
+        let drops = floors.map(|floor| at.z - floor);
+        // Further down is another passage.
+        drops.filter(|drop_m| *drop_m < reach_m).fold(0.0, f64::max)
+    }
+
+    /// The heaps whose foot is in the rock all round, and that are not sunk into it by much.
+    fn footed(&self, heaps: Vec<Candidate<'a>>) -> Vec<Candidate<'a>> {
+        let foot = |heap: &Candidate| -> Vec<[f32; 3]> {
+            let below_m = heap.embedding_m + ROOT_M * heap.scale;
+            let foot = Point3::new(heap.at.x, heap.at.y, heap.at.z - below_m);
+            rim(foot, FOOT_M * heap.scale).map(|at| at.coords.map(|c| c as f32).into()).collect()
+        };
+        let depths = self.depths(heaps.iter().map(foot).collect());
+        let is_footed = |(heap, depths): &(Candidate, Vec<f32>)| {
+            heap.embedding_m < MOST_SUNK * heap.reach_m() && depths.iter().all(|depth| *depth > LEAST_DEPTH_M)
+        };
+        heaps.into_iter().zip(depths).filter(is_footed).map(|(heap, _)| heap).collect()
+    }
+}
+
+/// Points around a place.
+fn rim(at: Point3<f64>, radius_m: f64) -> impl Iterator<Item = Point3<f64>> {
+    (0..12).map(move |n| {
+        let around = std::f64::consts::TAU * f64::from(n) / 12.0;
+        at + Vector3::new(libm::cos(around), libm::sin(around), 0.0) * radius_m
+    })
 }

@@ -4,7 +4,7 @@ use plume_graph::rng::Rng;
 use plume_registry::{Named, Registry};
 
 use super::solid::Solid;
-use super::{dripstone, equipment, heap, stone};
+use super::{artefact, dripstone, equipment, heap, stone};
 
 /// The signed distance to the surface of a body, positive inside, in metres; the body is within 0.45 m of the origin.
 pub type Shape = Box<dyn Fn([f32; 3]) -> f32 + Send + Sync>;
@@ -62,6 +62,8 @@ pub enum Place {
     Heaped(Heap),
     /// Built in along the passages.
     Along(Along),
+    /// Left at the foot of a wall, to be searched for.
+    Lost,
 }
 
 /// Sizes of heaps.
@@ -172,19 +174,19 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
     },
     KindRow {
         name: "talus",
-        summary: "heaps of breakdown at the foot of walls, 1.2-2.2 m wide, at the angle of repose",
+        summary: "heaps of breakdown at the foot of walls, 0.9-2.2 m wide, at the angle of repose",
         rocks: &["limestone", "basalt", "salt"],
         rock_setting: None,
         shapes: Shapes::Own { count: 2, make: heap::talus },
-        place: Place::Heaped(Heap { width_m: [1.2, 2.2] }),
+        place: Place::Heaped(Heap { width_m: [0.9, 2.2] }),
     },
     KindRow {
         name: "muck_pile",
-        summary: "heaps of blasted rock, 1.0-2.0 m wide, at the angle of repose",
+        summary: "heaps of blasted rock at the foot of walls, 0.9-2.0 m wide, at the angle of repose",
         rocks: &["drilled"],
         rock_setting: None,
         shapes: Shapes::Own { count: 2, make: heap::muck },
-        place: Place::Heaped(Heap { width_m: [1.0, 2.0] }),
+        place: Place::Heaped(Heap { width_m: [0.9, 2.0] }),
     },
     KindRow {
         name: "cobble",
@@ -314,7 +316,38 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         shapes: Shapes::Solid { count: 1, make: equipment::drum },
         place: Place::Along(Along { fit: Fit::FootOfWall, spacing_m: 9.0, stretch: "drum", range: [0.0, 0.3] }),
     },
+    artefact("backpack", "a red backpack, for search tasks", artefact::backpack),
+    artefact("rope", "a coil of climbing rope, for search tasks", artefact::rope),
+    artefact("helmet", "a miner's helmet with a lamp, for search tasks", artefact::helmet),
+    artefact("drill", "a cordless drill, for search tasks", artefact::drill),
+    artefact("extinguisher", "a fire extinguisher, for search tasks", artefact::extinguisher),
+    artefact("phone", "a mobile phone, for search tasks", artefact::phone),
+    artefact("vent", "a square air vent, for search tasks", artefact::vent),
 ]);
+
+/// An object for search tasks, in all rocks.
+const fn artefact(name: &'static str, summary: &'static str, make: fn(&mut Rng) -> Solid) -> KindRow {
+    let shapes = Shapes::Solid { count: 1, make };
+    KindRow { name, summary, rocks: &[], rock_setting: None, shapes, place: Place::Lost }
+}
+
+/// The kinds that occur in a cave.
+#[derive(Clone, Copy, Debug)]
+pub struct Kinds<'a> {
+    /// Name of its rock.
+    pub rock: &'a str,
+    /// Whether there are objects for search tasks.
+    pub has_artefacts: bool,
+}
+
+impl<'a> Kinds<'a> {
+    /// Their rows.
+    pub fn rows(self) -> impl Iterator<Item = &'static KindRow> + use<'a> {
+        KINDS
+            .iter()
+            .filter(move |row| row.is_in(self.rock) && (self.has_artefacts || !matches!(row.place, Place::Lost)))
+    }
+}
 
 /// The rocks of mines.
 const MINES: &[&str] = &["drilled", "salt"];

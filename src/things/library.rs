@@ -1,9 +1,10 @@
 //! The prototypes: the meshes of all shapes, cut apart.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use super::Thing;
-use super::kind::KindRow;
+use super::kind::{KindRow, Kinds};
+use super::rest::stable_turns;
 use super::shelf::{Shelf, middle_of, slot_at, slots};
 use crate::mesh::{self, Grid, MOST_CORNERS, Mesh, MeshSettings, QUANTA_PER_M};
 
@@ -88,7 +89,7 @@ impl Body {
 }
 
 /// Towards the faces and the corners of a cube.
-const STARTS: [[i32; 3]; 14] = [
+pub(super) const STARTS: [[i32; 3]; 14] = [
     [1, 0, 0],
     [-1, 0, 0],
     [0, 1, 0],
@@ -158,6 +159,8 @@ pub struct Prototype {
     pub size_m: Vector3<f64>,
     /// How far the hull is from its vertical axis at most, in metres.
     pub reach_m: f64,
+    /// How a loose one lies on a level floor, from the side with the lowest centre of mass; empty for all else.
+    pub(super) lies: Vec<UnitQuaternion<f64>>,
 }
 
 /// The prototypes of a rock.
@@ -168,16 +171,16 @@ pub struct Library {
 }
 
 impl Library {
-    /// The prototypes on a shelf of this rock.
-    pub fn of_shelf(rock: &str, shelf: &Shelf) -> Self {
+    /// The prototypes on a shelf of these kinds.
+    pub fn of_shelf(kinds: Kinds, shelf: &Shelf) -> Self {
         let mesh = shelf_mesh(shelf);
         let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
-        Self::new(rock, &vertices)
+        Self::new(kinds, &vertices)
     }
 
-    /// The prototypes of this rock, given the vertices of their meshes on the shelf in metres.
-    pub fn new(rock: &str, vertices: &[[f32; 3]]) -> Self {
-        let slots: Vec<(usize, &'static KindRow, u32)> = slots(rock).collect();
+    /// The prototypes of these kinds, given the vertices of their meshes on the shelf in metres.
+    pub fn new(kinds: Kinds, vertices: &[[f32; 3]]) -> Self {
+        let slots: Vec<(usize, &'static KindRow, u32)> = slots(kinds).collect();
         let points = by_slot(vertices, slots.iter().map(|(slot, ..)| slot + 1).max().unwrap_or_default());
         let made = slots.into_iter();
         let prototypes = made
@@ -227,16 +230,9 @@ impl Prototype {
         };
         let size_m = Vector3::new(extent(0), extent(1), extent(2));
         let reach_m = corners.iter().map(|corner| corner.coords.xy().norm()).fold(0.0, f64::max);
-        Self {
-            name: format!("{}_{number}", row.name),
-            row,
-            slot,
-            origin,
-            hull: Body { corners, faces: on_shelf.faces },
-            volume_m3,
-            size_m,
-            reach_m,
-        }
+        let hull = Body { corners, faces: on_shelf.faces };
+        let lies = if row.place.is_loose() { stable_turns(&hull) } else { Vec::new() };
+        Self { name: format!("{}_{number}", row.name), row, slot, origin, hull, volume_m3, size_m, reach_m, lies }
     }
 
     /// Mean of its width and depth in metres.

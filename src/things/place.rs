@@ -8,10 +8,10 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
-use super::along::ASIDE_M;
+use super::along::{ASIDE_M, Way};
 use super::corridor::Corridor;
 use super::facets::Facets;
-use super::kind::{KINDS, KindRow};
+use super::kind::{KindRow, Kinds};
 use super::library::{Library, Prototype};
 use super::lots::Lots;
 use super::rest::about_z;
@@ -35,8 +35,8 @@ pub struct Setting<'a> {
     pub library: &'a Library,
     /// The settings.
     pub settings: &'a ThingSettings,
-    /// Name of the rock.
-    pub rock: &'a str,
+    /// The kinds that occur.
+    pub kinds: Kinds<'a>,
     /// The field.
     pub field: &'a CaveField,
     /// The graph.
@@ -58,10 +58,12 @@ pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item 
         site.dripstone(around).into_iter().partition(|candidate| candidate.stands);
     let kept = without_overlaps(&standing);
     let standing: Vec<Candidate> = standing.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(c, _)| c).collect();
-    let built = site.built(around);
+    let ways = Way::near(setting.graph, around);
+    let mut built = site.built(&ways);
+    built.extend(site.lost(&ways));
     let mut in_the_way = standing.clone();
     in_the_way.extend(built.iter().map(|built| &built.candidate).filter(|candidate| candidate.stands).cloned());
-    let heaps = site.heaps(around, &in_the_way);
+    let heaps = site.heaps(&ways, &in_the_way);
     let mut things = site.stones(chunk, &in_the_way, &heaps);
     things.extend(built.iter().map(|built| built.candidate.thing(built.pose)));
     things.extend(standing.iter().chain(&hanging).chain(&heaps).map(Candidate::as_it_is));
@@ -149,9 +151,8 @@ pub(super) struct Site<'a> {
 }
 
 impl<'a> Site<'a> {
-    pub fn rows(&self) -> impl Iterator<Item = &'static KindRow> + use<> {
-        let rock = self.setting.rock.to_owned();
-        KINDS.iter().filter(move |row| row.is_in(&rock))
+    pub fn rows(&self) -> impl Iterator<Item = &'static KindRow> + use<'_, 'a> {
+        self.setting.kinds.rows()
     }
 
     /// The depth in the rock of each point of each group, in metres.
@@ -191,6 +192,12 @@ pub(super) fn collapse(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
 /// A size in steps, so that few meshes serve a cave.
 pub(super) fn quantised(size: f64) -> f64 {
     let steps = (libm::log(size) / libm::log(SIZE_STEP)).round();
+    libm::pow(SIZE_STEP, steps)
+}
+
+/// The next such size that is not larger.
+pub(super) fn quantised_down(size: f64) -> f64 {
+    let steps = (libm::log(size) / libm::log(SIZE_STEP)).floor();
     libm::pow(SIZE_STEP, steps)
 }
 

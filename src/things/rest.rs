@@ -9,7 +9,7 @@
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use super::facets::Facet;
-use super::library::Body;
+use super::library::{Body, STARTS};
 
 /// Rounds until a stone must be at rest.
 const MOST_ROUNDS: usize = 12;
@@ -57,9 +57,8 @@ impl<'a> Bed<'a> {
         Self { corners, faces, edges, floor, peaks, at }
     }
 
-    /// The pose of the stone, around its centre of mass, that is turned by `yaw_rad` and let down; `None` if it would not stay.
-    pub fn rest(&self, yaw_rad: f64) -> Option<Isometry3<f64>> {
-        let mut turn = about_z(yaw_rad);
+    /// The pose of the stone, around its centre of mass, that is turned like this and let down; `None` if it would not stay.
+    pub fn rest(&self, mut turn: UnitQuaternion<f64>) -> Option<Isometry3<f64>> {
         for _ in 0..MOST_ROUNDS {
             let supports = supports(&self.gaps(turn))?;
             let plane = supports.plane()?;
@@ -73,15 +72,18 @@ impl<'a> Bed<'a> {
         None
     }
 
-    /// The gaps under corners and middles of edges, over the corners of the floor, and on a grid.
+    /// The gaps under corners and middles of edges of the underside, over the corners of the floor, and on a grid.
     fn gaps(&self, turn: UnitQuaternion<f64>) -> Vec<Gap> {
         let corners: Vec<Vector3<f64>> = self.corners.iter().map(|corner| turn * corner).collect();
-        let planes = self.faces.iter().filter_map(|face| {
+        let (mut under, mut is_under) = (Vec::new(), vec![false; corners.len()]);
+        for face in self.faces {
             let [a, b, c] = face.map(|corner| corners[corner as usize]);
             let normal = (b - a).cross(&(c - a));
-            (normal.z < 0.0).then(|| Plane::through(a, normal))
-        });
-        let under: Vec<Plane> = planes.collect();
+            if normal.z < 0.0 {
+                under.push(Plane::through(a, normal));
+                face.iter().for_each(|corner| is_under[*corner as usize] = true);
+            }
+        }
         let bound = |axis: usize, of: fn(f64, f64) -> f64| corners.iter().map(|c| c[axis]).reduce(of).unwrap_or(0.0);
         let (min, max) = ([0, 1].map(|axis| bound(axis, f64::min)), [0, 1].map(|axis| bound(axis, f64::max)));
         let is_inside = |p: &Vector2<f64>| (0..2).all(|i| min[i] <= p[i] && p[i] <= max[i]);
@@ -93,10 +95,15 @@ impl<'a> Bed<'a> {
         };
         let gap = |place, top: f64, bottom: f64, level| Gap { place, height: top - bottom, level, below: -bottom };
         // A corner stands on a face: the stone's on one of the floor, or the floor's under one of the stone.
-        let middles = self.edges.iter().map(|[a, b]| 0.5 * (corners[*a] + corners[*b]));
-        let own = corners.iter().copied().chain(middles).map(|point| point.xy());
+        let is_lower = |edge: &&[usize; 2]| edge.iter().all(|corner| is_under[*corner]);
+        let middles = self.edges.iter().filter(is_lower).map(|[a, b]| 0.5 * (corners[*a] + corners[*b]));
+        let lower = corners.iter().zip(&is_under).filter(|(_, is_under)| **is_under).map(|(corner, _)| *corner);
+        let own = lower.chain(middles).filter_map(|point| {
+            let (top, level) = self.floor.top(point.xy())?;
+            Some(gap(point.xy(), top, point.z, level))
+        });
         let grid = (0..SAMPLES * SAMPLES).map(|n| Vector2::new(along(0, n % SAMPLES), along(1, n / SAMPLES)));
-        let on_floor = own.chain(grid).filter_map(|place| {
+        let on_floor = grid.filter_map(|place| {
             let (top, level) = self.floor.top(place)?;
             Some(gap(place, top, bottom(place).0, level))
         });
@@ -104,8 +111,36 @@ impl<'a> Bed<'a> {
             let (bottom, level) = bottom(place);
             gap(place, top, bottom, level)
         });
-        on_floor.chain(under_stone).collect()
+        own.chain(on_floor).chain(under_stone).collect()
     }
+}
+
+/// How a body lies on a level floor, in all ways in which it stays and its upper side is up; those with the lowest centre of
+/// mass come first.
+pub(super) fn stable_turns(body: &Body) -> Vec<UnitQuaternion<f64>> {
+    /// Half the width of the floor in metres.
+    const HALF_M: f64 = 10.0;
+    /// Cosine of the angle between two sides that are not told apart.
+    const ALIKE: f64 = 0.95;
+    /// Least upward component of the upper side, on which there is dust.
+    const UPRIGHT: f64 = 0.6;
+    let corner = |x: f64, y: f64| Point3::new(x * HALF_M, y * HALF_M, 0.0);
+    let half = |side: f64| Facet {
+        corners: [corner(-side, -side), corner(side, -side), corner(side, side)],
+        normal: Vector3::z(),
+    };
+    let bed = Bed::new(body, 1.0, Point3::origin(), |_| vec![half(1.0), half(-1.0)]);
+    let down = |turn: &UnitQuaternion<f64>| turn.inverse() * -Vector3::z();
+    let mut found: Vec<Isometry3<f64>> = Vec::new();
+    for start in STARTS.into_iter().filter(|start| start[2] < 0) {
+        let start = turn(Vector3::from(start.map(f64::from)).normalize(), -Vector3::z());
+        let Some(lying) = bed.rest(start).filter(|lying| down(&lying.rotation).z < -UPRIGHT) else { continue };
+        if found.iter().all(|known| down(&known.rotation).dot(&down(&lying.rotation)) < ALIKE) {
+            found.push(lying);
+        }
+    }
+    found.sort_by(|a, b| a.translation.z.total_cmp(&b.translation.z));
+    found.into_iter().map(|lying| lying.rotation).collect()
 }
 
 impl Floor {
@@ -208,8 +243,9 @@ fn supports(gaps: &[Gap]) -> Option<Supports> {
     for _ in 0..4 * gaps.len() {
         let plane = held.plane()?;
         let excess = |gap: &Gap| gap.height - (plane.z + plane.x * gap.place.x + plane.y * gap.place.y);
-        let worst = gaps.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
-        if excess(worst) <= 1e-9 {
+        let by_excess = gaps.iter().map(|gap| (excess(gap), gap));
+        let (most, worst) = by_excess.reduce(|a, b| if b.0 > a.0 { b } else { a })?;
+        if most <= 1e-9 {
             let is_real = held.0.iter().all(|gap| gap.place.norm() < FAR_M / 2.0);
             return is_real.then_some(held);
         }

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Translation3};
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Setting, Site, collapse, owns, quantised, step, without_overlaps};
-use super::rest::Bed;
+use super::rest::{Bed, about_z};
 use super::{Thing, WHEEL_M};
 use plume_graph::Aabb;
 
@@ -112,7 +112,7 @@ impl<'a> Site<'a> {
     /// Where a candidate comes to rest on the wall and on what lies there.
     fn rest(&self, candidate: &Candidate, lying: &Facets) -> Option<Isometry3<f64>> {
         /// Turns that are tried until a stone stays. Tuned: the first four find nine tenths of what any finds.
-        const TURNS: u32 = 4;
+        const TURNS: u64 = 4;
         /// The golden angle, by which turns are spread.
         const TURN_RAD: f64 = 2.399_963_229_728_653;
         /// Highest pile in metres.
@@ -126,7 +126,14 @@ impl<'a> Site<'a> {
             floor.extend(lying.floor_near(on, reach_m, PILE_M));
             floor
         });
-        (0..TURNS).find_map(|turn| bed.rest(yaw_rad + f64::from(turn) * TURN_RAD))
+        let lies = &prototype.lies;
+        // Of two sides the one that is more stable, so that most stones lie flat.
+        let sides = lies.len().max(1) as u64;
+        let first = (candidate.id % sides).min((candidate.id >> 32) % sides);
+        (0..TURNS).find_map(|turn| {
+            let side = lies.get(((first + turn) % sides) as usize)?;
+            bed.rest(about_z(yaw_rad + turn as f64 * TURN_RAD) * side)
+        })
     }
 
     /// Which of them have no corner or edge in the rock, such as that of a wall that leans over them.

@@ -14,6 +14,9 @@ pub struct ThingSettings {
     /// Amount of timber, bolts, rails, pipes and other equipment in mines; 1 is that of a working mine, 0 none.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub sets: f64,
+    /// Number of objects for search tasks, such as backpacks and helmets, spread along the passages where there is room.
+    #[schemars(range(max = 10000))]
+    pub artefacts: u32,
     /// Width of the way along the passages in which nothing is higher than a wheel can take (2.5 cm), in metres. 0 leaves no way
     /// free.
     #[schemars(range(min = 0.0, max = 5.0))]
@@ -49,6 +52,7 @@ impl Default for ThingSettings {
             cover: 0.06,
             dripstone: 1.0,
             sets: 1.0,
+            artefacts: 0,
             corridor_m: 1.5,
             headroom_m: 2.0,
             difficulty: 0.0,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 
-use super::kind::{KINDS, KindRow, Shape, Shapes};
+use super::kind::{KindRow, Kinds, Shape, Shapes};
 use super::solid::Solid;
 use crate::field::{Aabb, Field, Region, Surface, Texel};
 use crate::material::{BLOCK, CoarseBlock, Footprint, Ground, Look, Material, Sites, SurfaceSamples, by_axis};
@@ -46,8 +46,8 @@ const MOST_DUST: f32 = 0.7;
 
 /// What the shapes are made of.
 pub struct Dress<'a> {
-    /// Name of the rock.
-    pub rock: &'a str,
+    /// The kinds that occur.
+    pub kinds: Kinds<'a>,
     /// The rock with one setting replaced, or as it is.
     pub material: &'a dyn Fn(Option<(&'static str, f64)>) -> Arc<dyn Material>,
     /// Its look.
@@ -77,7 +77,7 @@ impl Shelf {
     /// The shelf of this rock. The shapes are the same for every seed.
     pub fn new(dress: &Dress) -> Self {
         let (mut fields, mut solids) = (Vec::new(), Vec::new());
-        for (_, row, number) in slots(dress.rock) {
+        for (_, row, number) in slots(dress.kinds) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
             let material = || (dress.material)(row.rock_setting);
             let is_soiled = row.place.is_fallen();
@@ -154,8 +154,8 @@ impl Shelf {
 
 /// A slot of the shelf, the kind whose shape is there, and the number of that. Solids have slots of their own, far from those
 /// of fields.
-pub(super) fn slots(rock: &str) -> impl Iterator<Item = (usize, &'static KindRow, u32)> + use<> {
-    let rows: Vec<&'static KindRow> = KINDS.iter().filter(|row| row.is_in(rock)).collect();
+pub(super) fn slots(kinds: Kinds) -> impl Iterator<Item = (usize, &'static KindRow, u32)> + use<> {
+    let rows: Vec<&'static KindRow> = kinds.rows().collect();
     let numbered = |first: usize, count: fn(&KindRow) -> u32| {
         let of_row = move |row: &'static KindRow| (0..count(row)).map(move |number| (row, number));
         let all = rows.clone().into_iter().flat_map(of_row).enumerate();

@@ -90,6 +90,61 @@ pub static CALCITE: Substance = Substance {
     ends: 1.0,
 };
 
+/// Steel painted red, with few scratches.
+pub static RED_PAINT: Substance = Substance {
+    colors: [[0.26, 0.012, 0.010], [0.38, 0.02, 0.015]],
+    roughness: [0.5, 0.3],
+    grain_m: [0.05, 0.05],
+    relief_m: 0.0002,
+    worn: ([0.12, 0.05, 0.03], 0.05),
+    ends: 1.0,
+};
+/// Red woven nylon, dusty.
+pub static NYLON_RED: Substance = Substance {
+    colors: [[0.20, 0.014, 0.014], [0.32, 0.03, 0.026]],
+    roughness: [0.9, 0.75],
+    grain_m: [0.01, 0.01],
+    relief_m: 0.0004,
+    worn: ([0.2, 0.15, 0.11], 0.12),
+    ends: 1.0,
+};
+/// Orange plastic, scratched.
+pub static ORANGE_PLASTIC: Substance = Substance {
+    colors: [[0.48, 0.11, 0.008], [0.60, 0.16, 0.012]],
+    roughness: [0.5, 0.32],
+    grain_m: [0.05, 0.05],
+    relief_m: 0.0002,
+    worn: ([0.4, 0.2, 0.1], 0.05),
+    ends: 1.0,
+};
+/// Yellow plastic, grimy.
+pub static YELLOW_PLASTIC: Substance = Substance {
+    colors: [[0.42, 0.27, 0.01], [0.56, 0.38, 0.015]],
+    roughness: [0.6, 0.42],
+    grain_m: [0.05, 0.05],
+    relief_m: 0.0002,
+    worn: ([0.1, 0.08, 0.05], 0.1),
+    ends: 1.0,
+};
+/// Braided rope, blue and worn.
+pub static ROPE: Substance = Substance {
+    colors: [[0.02, 0.07, 0.22], [0.06, 0.16, 0.40]],
+    roughness: [0.95, 0.8],
+    grain_m: [0.006, 0.006],
+    relief_m: 0.0008,
+    worn: ([0.25, 0.24, 0.22], 0.15),
+    ends: 1.0,
+};
+/// A screen that is lit green.
+pub static SCREEN: Substance = Substance {
+    colors: [[0.03, 0.16, 0.06], [0.05, 0.26, 0.10]],
+    roughness: [0.3, 0.15],
+    grain_m: [0.05, 0.05],
+    relief_m: 0.0002,
+    worn: ([0.1, 0.1, 0.1], 0.02),
+    ends: 1.0,
+};
+
 /// The surface of a substance at a point.
 pub(super) struct Sample {
     pub color: [f32; 3],

@@ -1,5 +1,8 @@
 //! The laws of things, in every rock and in the caves of every generator.
 
+mod equipment;
+mod heaps;
+
 use std::collections::BTreeMap;
 
 use crate::common::assert_whole;
@@ -13,7 +16,8 @@ use plume::material::{Look, MATERIALS};
 use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
 use plume::things::{
-    Body, Dress, KINDS, Library, Place, Prototype, Setting, Shelf, Thing, ThingSettings, WHEEL_M, place, shelf_mesh,
+    Body, Dress, KINDS, Kinds, Library, Place, Prototype, Setting, Shelf, Thing, ThingSettings, WHEEL_M, place,
+    shelf_mesh,
 };
 
 /// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
@@ -25,12 +29,17 @@ fn shelf(rock: &str) -> Shelf {
         Some((key, value)) => plain.with(&format!("rock.{key}"), value).unwrap().rock().clone(),
         None => plain.rock().clone(),
     };
-    Shelf::new(&Dress { rock, material: &material, look: &Look::default(), seed: 7 })
+    Shelf::new(&Dress { kinds: kinds_of(rock), material: &material, look: &Look::default(), seed: 7 })
+}
+
+/// All kinds of this rock.
+fn kinds_of(rock: &str) -> Kinds<'_> {
+    Kinds { rock, has_artefacts: true }
 }
 
 fn library(rock: &str) -> (Mesh, Library) {
     let shelf = shelf(rock);
-    (shelf_mesh(&shelf), Library::of_shelf(rock, &shelf))
+    (shelf_mesh(&shelf), Library::of_shelf(kinds_of(rock), &shelf))
 }
 
 /// A cave with its walls and its things, chunk by chunk.
@@ -62,7 +71,7 @@ impl Cave {
 
     fn setting(&self) -> Setting<'_> {
         let Self { graph, field, library, rock, settings, seed, .. } = self;
-        Setting { library, settings, rock, field, graph, seed: *seed }
+        Setting { library, settings, kinds: kinds_of(rock), field, graph, seed: *seed }
     }
 
     fn things(&self) -> Vec<Thing> {
@@ -132,6 +141,7 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
         cave.walls.iter().flat_map(|(_, wall)| wall.triangles.iter().map(|triangle| corners(wall, *triangle)));
     let widest_m = |thing: &Thing| match KINDS.find(&thing.kind).unwrap().place {
         Place::Floor(scatter) => scatter.width_m[1],
+        Place::Heaped(heap) => heap.width_m[1],
         _ => 0.0,
     };
     let larger = things.iter().filter(|other| widest_m(other) > widest_m(thing));
@@ -297,95 +307,6 @@ fn assert_dripstone_is_attached(cave: &Cave, things: &[Thing]) {
             (tip - foot).xy().norm() < 1e-9 && tip.z > foot.z
         };
         assert!(hanging.iter().any(|thing| is_above(&thing)), "{}: nothing drips on {stalagmite:?}", cave.name);
-    }
-}
-
-/// A mine with timbered and bolted drifts.
-fn mine(rock: &'static str) -> Cave {
-    let row = plume::generators::GENERATORS.find("mine").unwrap();
-    Cave::new(format!("mine in {rock}"), small(row, 24, 1), rock, 16.0)
-}
-
-#[test]
-fn equipment_is_built_into_mines() {
-    for rock in ["drilled", "salt"] {
-        let cave = mine(rock);
-        let things = cave.things();
-        let of = |kind: &str| things.iter().filter(|thing| thing.kind == kind).collect::<Vec<_>>();
-        for row in KINDS.iter().filter(|row| row.place.is_built() && row.is_in(rock)) {
-            assert!(!of(row.name).is_empty(), "{}: no {}", cave.name, row.name);
-        }
-        assert_the_corridor_is_free(&cave, &things);
-        assert_posts_carry_beams(&cave, &of("post"), &of("beam"));
-        for bolt in of("rock_bolt") {
-            let gap_m = roof_m(&cave, bolt.pose.translation.vector) - bolt.pose.translation.vector.z;
-            assert!(gap_m.abs() < 0.005, "{}: {gap_m} m over {bolt:?}", cave.name);
-        }
-        assert_nothing_lies_in_equipment(&cave, &things);
-    }
-}
-
-/// Height of the lowest roof over a point, or just below it, found by going through every triangle.
-fn roof_m(cave: &Cave, at: Vector3<f64>) -> f64 {
-    let above = column(cave, at).into_iter().filter(|(z, up)| *up < 0.0 && *z > at.z - 0.1);
-    above.map(|(z, _)| z).fold(f64::MAX, f64::min)
-}
-
-/// Heights of the triangles over and under a point, and the upward component of their normals.
-fn column(cave: &Cave, at: Vector3<f64>) -> Vec<(f64, f64)> {
-    let walls = cave.walls.iter().flat_map(|(_, wall)| wall.triangles.iter().map(|triangle| corners(wall, *triangle)));
-    let height = |[a, b, c]: [Vector3<f64>; 3]| {
-        let side = |p: &Vector3<f64>, q: &Vector3<f64>| (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x);
-        let (ab, bc, ca) = (side(&a, &b), side(&b, &c), side(&c, &a));
-        let is_here = ab * bc > 0.0 && bc * ca > 0.0;
-        let up = (b - a).cross(&(c - a)).z;
-        is_here.then(|| ((a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca), up))
-    };
-    walls.filter_map(height).collect()
-}
-
-/// Posts stand on the floor under a beam that touches the roof.
-fn assert_posts_carry_beams(cave: &Cave, posts: &[&Thing], beams: &[&Thing]) {
-    assert_eq!(posts.len(), 2 * beams.len(), "{}", cave.name);
-    let ends = |thing: &Thing| {
-        let heights: Vec<f64> = cave.hull(thing).iter().map(|at| at.z).collect();
-        [heights.iter().copied().fold(f64::MAX, f64::min), heights.into_iter().fold(f64::MIN, f64::max)]
-    };
-    for post in posts {
-        let at = post.pose.translation.vector;
-        let [foot, top] = ends(post);
-        let floor = column(cave, Vector3::new(at.x, at.y, 0.5 * (foot + top)));
-        let floor = floor.into_iter().filter(|(z, up)| *up > 0.0 && *z < top).map(|(z, _)| z).fold(f64::MIN, f64::max);
-        assert!((floor - foot - post.embedding_m).abs() < 0.02, "{}: {floor} m under {post:?}", cave.name);
-        let is_over = |beam: &&&Thing| (beam.pose.translation.vector - at).xy().norm() < 3.5;
-        let under = beams.iter().filter(is_over).map(|beam| (ends(beam)[0] - top).abs()).fold(f64::MAX, f64::min);
-        assert!(under < 0.02, "{}: {under} m over {post:?}", cave.name);
-    }
-    for beam in beams {
-        let [_, top] = ends(beam);
-        let half_m = 0.46 * cave.prototype(beam).size_m.y * beam.scale;
-        let across = beam.pose.rotation * Vector3::y();
-        let place = |n: i32| beam.pose.translation.vector + across * (half_m * f64::from(n) / 20.0);
-        let gaps = (-20..=20).map(|n| roof_m(cave, Vector3::new(place(n).x, place(n).y, top)) - top);
-        let least = gaps.fold(f64::MAX, f64::min);
-        assert!(least < 0.10, "{}: {least} m over {beam:?}", cave.name);
-    }
-}
-
-/// Stones lie beside what stands on the floor, and posts, drums and sleepers beside each other.
-fn assert_nothing_lies_in_equipment(cave: &Cave, things: &[Thing]) {
-    let reach_m = |thing: &Thing| cave.prototype(thing).reach_m * thing.scale;
-    let stands = |thing: &&Thing| ["post", "drum"].contains(&&*thing.kind);
-    for (n, built) in things.iter().enumerate().filter(|(_, thing)| stands(thing)) {
-        let others = things
-            .iter()
-            .enumerate()
-            .filter(|(other, thing)| *other != n && (cave.is_loose(thing) || stands(thing) || thing.kind == "sleeper"));
-        for (_, other) in others {
-            let apart = (other.pose.translation.vector - built.pose.translation.vector).xy().norm();
-            let near_m = if cave.is_loose(other) { 0.9 * reach_m(built) } else { reach_m(built) };
-            assert!(apart > near_m, "{}: {other:?} is in {built:?}", cave.name);
-        }
     }
 }
 
