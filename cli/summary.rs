@@ -72,7 +72,7 @@ impl Summary {
         let (whole, chunks): (Vec<&Unit>, Vec<&Unit>) = units.iter().partition(|unit| unit.name == WHOLE_CAVE);
         let sum = |units: &[&Unit]| units.iter().map(|unit| count(unit)).sum::<usize>();
         let (shapes, things) = (sum(&whole), sum(&chunks));
-        let text = format!("{things} stones and dripstones of {shapes} shapes");
+        let text = format!("{things} things of {shapes} shapes");
         self.stage("things", &text, json!({"things": things, "shapes": shapes}));
     }
 

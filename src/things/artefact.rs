@@ -62,8 +62,9 @@ pub fn extinguisher(_: &mut Rng) -> Solid {
     let body = [[0.006, 0.072], [0.03, 0.08], [0.38, 0.08], [0.43, 0.06], [0.45, 0.028]];
     let valve = Solid::cylinder(0.016, 0.06, 10, &ZINC).at(0.0, 0.0, 0.475);
     let grip = Solid::cuboid([0.12, 0.02, 0.014], &RUBBER).at(-0.03, 0.0, 0.51);
+    // From its nozzle upwards: a tube that points straight down has no shortest turn from up.
     let bend = |n: usize| {
-        let share = n as f64 / 8.0;
+        let share = 1.0 - n as f64 / 8.0;
         let out = 0.10 * libm::sin(std::f64::consts::PI * share.min(0.75));
         Point3::new(0.015 + out, 0.0, 0.47 - 0.34 * share)
     };

@@ -9,7 +9,7 @@ use super::along::Way;
 use super::kind::{Heap, KindRow, Place, Shape};
 use super::lots::Lots;
 use super::place::{Candidate, Site, collapse, quantised_down, step};
-use super::rest::about_z;
+use super::rest::{GOLDEN_ANGLE_RAD, about_z};
 use super::stone;
 
 /// Radius of the foot in metres.
@@ -35,14 +35,17 @@ const MOST_SUNK: f64 = 0.3;
 /// Heaps where most has fallen, per part of a passage and side, relative to the share of the floor that stones cover. Tuned.
 const HEAPED: f64 = 14.0;
 
+/// Air around a stone that is computed exactly, in metres: more than noise moves a surface.
+const OUTSIDE_M: f32 = 0.02;
+
 /// A heap of angular blocks.
 pub fn talus(rng: &mut Rng) -> Shape {
-    heap(rng, 90, [0.035, 0.15])
+    heap(rng, 90, [0.08, 0.20])
 }
 
 /// Blasted rock: finer, and of more even size.
 pub fn muck(rng: &mut Rng) -> Shape {
-    heap(rng, 130, [0.03, 0.09])
+    heap(rng, 140, [0.07, 0.12])
 }
 
 /// A stone in the skin of a heap.
@@ -50,39 +53,45 @@ struct Rock {
     shape: Shape,
     /// From the heap to the stone.
     pose: Isometry3<f64>,
-    /// Nothing of it is further from its middle, in metres.
+    /// The ball that it is in, and [`OUTSIDE_M`] of air around it.
     reach_m: f32,
 }
 
-/// A cone with this many stones, whose widths follow a power law in this range, in metres.
+/// A heap of this many stones around a cone, whose widths follow a power law in this range, in metres.
 fn heap(rng: &mut Rng, stones: u32, width_m: [f64; 2]) -> Shape {
     /// Exponent of the number of stones wider than D.
     const EXPONENT: f64 = 1.8;
+    /// How far the cone is below the middles of the stones around it, in metres, so that little of it shows.
+    const CORE_M: f64 = 0.03;
     let width = |share: f64| {
         let [low, high] = width_m.map(|width| libm::pow(width, -EXPONENT));
         libm::pow(low + (high - low) * share, -1.0 / EXPONENT)
     };
-    let rocks: Vec<Rock> = (0..stones)
-        .map(|_| {
-            let width_m = width(rng.between(0.0, 1.0));
-            // The larger a stone, the further it has rolled.
-            let size = (width_m - 0.03) / 0.12;
-            let out = rng.between(0.0, 1.0).sqrt() * (1.0 - 0.6 * size) + 0.6 * size;
-            let around = rng.between(0.0, std::f64::consts::TAU);
-            let radius_m = out * (FOOT_M - 0.45 * width_m);
+    let mut widths: Vec<f64> = (0..stones).map(|_| width(rng.between(0.0, 1.0))).collect();
+    // The larger a stone, the further it has rolled.
+    widths.sort_by(f64::total_cmp);
+    let rocks: Vec<Rock> = widths
+        .into_iter()
+        .enumerate()
+        .map(|(n, width_m)| {
+            // Evenly over the cone, by the golden angle.
+            let out = ((n as f64 + rng.between(0.2, 0.8)) / f64::from(stones)).sqrt();
+            let around = n as f64 * GOLDEN_ANGLE_RAD + rng.between(-0.2, 0.2);
+            let radius_m = out * (FOOT_M - 0.3 * width_m);
             let at = Vector3::new(radius_m * libm::cos(around), radius_m * libm::sin(around), side_m(radius_m));
             let turned = about_z(rng.between(0.0, std::f64::consts::TAU)) * stone::tumbled(rng);
+            let sunk = Vector3::z() * (CORE_M + 0.15 * width_m);
             Rock {
                 shape: stone::rubble(rng, 0.5 * width_m),
-                pose: Isometry3::from_parts(Translation3::from(at - Vector3::z() * 0.1 * width_m), turned).inverse(),
-                reach_m: (0.95 * width_m) as f32,
+                pose: Isometry3::from_parts(Translation3::from(at - sunk), turned).inverse(),
+                reach_m: (0.8 * width_m) as f32 + OUTSIDE_M,
             }
         })
         .collect();
     let fall = 1.0 / (1.0 + REPOSE * REPOSE).sqrt();
     Box::new(move |[x, y, z]| {
         let radius_m = libm::sqrtf(x * x + y * y);
-        let below = (side_m(f64::from(radius_m)) - f64::from(z)) * fall;
+        let below = (side_m(f64::from(radius_m)) - CORE_M - f64::from(z)) * fall;
         let cone = (below as f32).min(z + ROOT_M as f32).min(FOOT_M as f32 - radius_m);
         rocks.iter().fold(cone, |inside, rock| inside.max(rock.depth([x, y, z])))
     })
@@ -93,7 +102,7 @@ impl Rock {
         let own = self.pose * Point3::from(point.map(f64::from));
         let own: [f32; 3] = own.map(|c| c as f32).into();
         let away_m = libm::sqrtf(own.iter().map(|c| c * c).sum()) - self.reach_m;
-        if away_m > 0.0 { -away_m } else { (self.shape)(own) }
+        if away_m > 0.0 { -away_m - OUTSIDE_M } else { (self.shape)(own) }
     }
 }
 

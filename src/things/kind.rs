@@ -145,7 +145,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         summary: "angular blocks of 0.36-1.15 m that fell from wall and ceiling",
         rocks: &[],
         rock_setting: None,
-        shapes: Shapes::Own { count: 6, make: stone::block },
+        shapes: Shapes::Own { count: 4, make: stone::block },
         place: Place::Floor(Scatter { width_m: [0.36, 1.15], exponent: 1.6, share: 0.55 }),
     },
     KindRow {
@@ -193,7 +193,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         summary: "angular stones of 0.14-0.36 m",
         rocks: &[],
         rock_setting: None,
-        shapes: Shapes::Own { count: 6, make: stone::cobble },
+        shapes: Shapes::Own { count: 5, make: stone::cobble },
         place: Place::Floor(Scatter { width_m: [0.14, 0.36], exponent: 2.2, share: 0.23 }),
     },
     KindRow {
@@ -209,7 +209,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         summary: "dripstone that hangs, with the universal shape of Short et al. (2005)",
         rocks: &["limestone"],
         rock_setting: Some(("flowstone", 0.6)),
-        shapes: Shapes::Own { count: 4, make: dripstone::stalactite },
+        shapes: Shapes::Own { count: 3, make: dripstone::stalactite },
         place: Place::Ceiling(Hang { median_m: 0.16, sigma: 0.8, longest_m: 1.2, per_m2: 22.0, dripping: 0.45 }),
     },
     KindRow {
@@ -225,7 +225,7 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         summary: "dripstone that stands below a stalactite",
         rocks: &["limestone"],
         rock_setting: Some(("flowstone", 0.6)),
-        shapes: Shapes::Own { count: 4, make: dripstone::stalagmite },
+        shapes: Shapes::Own { count: 3, make: dripstone::stalagmite },
         place: Place::UnderDrip,
     },
     KindRow {

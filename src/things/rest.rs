@@ -20,7 +20,9 @@ const LEAST_TURN: f64 = 0.004;
 /// Least slope by which the floor must be tipped until a stone falls over: 10°. Tuned for Bullet.
 const LEAST_TIP: f64 = 0.17;
 /// Least upward component of the normal at a support: 34°. Tuned: on steeper ones stones slide in Bullet, at a friction of 0.8.
-const LEAST_LEVEL: f64 = 0.85;
+pub(super) const LEAST_LEVEL: f64 = 0.85;
+/// The angle by which turns are spread best.
+pub(super) const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
 /// Samples of the underside along either axis, in addition to those under corners and middles of edges.
 const SAMPLES: usize = 5;
 
@@ -39,9 +41,20 @@ pub(super) struct Bed<'a> {
 struct Floor {
     facets: Vec<Facet>,
     /// The facets over each cell of a square around the stone.
-    cells: Vec<Vec<u32>>,
-    middle: Vector2<f64>,
+    cells: Vec<Vec<Incline>>,
     reach_m: f64,
+}
+
+/// A facet as heights over the map, relative to the middle of the square.
+#[derive(Clone, Copy)]
+struct Incline {
+    corner: Vector2<f64>,
+    /// Rows of the matrix that gives the shares of the other two corners.
+    shares: [Vector2<f64>; 2],
+    /// Height of the corner, and what the others add.
+    height: [f64; 3],
+    /// Upward component of its normal.
+    level: f64,
 }
 
 impl<'a> Bed<'a> {
@@ -150,17 +163,18 @@ impl Floor {
     fn new(facets: Vec<Facet>, at: Point3<f64>, reach_m: f64) -> Self {
         let middle = at.coords.xy();
         let mut cells = vec![Vec::new(); Self::CELLS * Self::CELLS];
-        for (number, facet) in facets.iter().enumerate() {
+        for facet in &facets {
+            let Some(incline) = Incline::new(facet, middle) else { continue };
             let [a, b, c] = facet.corners.map(|corner| corner.coords.xy() - middle);
             let low = a.inf(&b).inf(&c).map(|along| Self::cell(along, reach_m));
             let high = a.sup(&b).sup(&c).map(|along| Self::cell(along, reach_m));
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
-                    cells[y * Self::CELLS + x].push(number as u32);
+                    cells[y * Self::CELLS + x].push(incline);
                 }
             }
         }
-        Self { facets, cells, middle, reach_m }
+        Self { facets, cells, reach_m }
     }
 
     /// The cell along an axis; the outermost reach to infinity.
@@ -171,13 +185,33 @@ impl Floor {
 
     /// Height of the floor at a place relative to the middle, and the upward component of its normal there.
     fn top(&self, place: Vector2<f64>) -> Option<(f64, f64)> {
-        let at = self.middle + place;
         let [x, y] = [place.x, place.y].map(|along| Self::cell(along, self.reach_m));
-        let heights = self.cells[y * Self::CELLS + x].iter().filter_map(|number| {
-            let facet = &self.facets[*number as usize];
-            Some((facet.height(at.x, at.y)?, facet.normal.z))
-        });
-        heights.max_by(|a, b| a.0.total_cmp(&b.0))
+        let cell = self.cells[y * Self::CELLS + x].iter();
+        let heights = cell.filter_map(|incline| Some((incline.height(place)?, incline.level)));
+        heights.reduce(|a, b| if b.0 > a.0 { b } else { a })
+    }
+}
+
+impl Incline {
+    /// A facet around a place of the map; `None` if it is upright.
+    fn new(facet: &Facet, middle: Vector2<f64>) -> Option<Self> {
+        let [a, b, c] = facet.corners.map(|corner| corner.coords.xy() - middle);
+        let (u, v) = (b - a, c - a);
+        let area = u.perp(&v);
+        let [low, first, second] = facet.corners.map(|corner| corner.z);
+        (area != 0.0).then(|| Self {
+            corner: a,
+            shares: [Vector2::new(v.y, -v.x) / area, Vector2::new(-u.y, u.x) / area],
+            height: [low, first - low, second - low],
+            level: facet.normal.z,
+        })
+    }
+
+    /// Its height at a place, if that is above or below it.
+    fn height(&self, place: Vector2<f64>) -> Option<f64> {
+        let [first, second] = self.shares.map(|row| row.dot(&(place - self.corner)));
+        let is_inside = first >= 0.0 && second >= 0.0 && first + second <= 1.0;
+        is_inside.then(|| self.height[0] + first * self.height[1] + second * self.height[2])
     }
 }
 

@@ -5,12 +5,14 @@ use nalgebra::{Isometry3, Point3, Translation3};
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Setting, Site, collapse, owns, quantised, step, without_overlaps};
-use super::rest::{Bed, about_z};
+use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z};
 use super::{Thing, WHEEL_M};
 use plume_graph::Aabb;
 
-/// Steepest floor on which stones come to lie: upward component of its normal.
+/// Steepest floor over which stones are let down: upward component of its normal below the middle.
 const LEVEL: f64 = 0.78;
+/// Width in metres of stones that lie on a single triangle of the floor.
+const SMALL_M: f64 = 0.15;
 /// Side of the cells that have a candidate each, relative to the largest width. Tuned: half of the boulders tried come to rest.
 const CELL: f64 = 0.6;
 /// How deep stones are sunk, in metres: all alike, so that those that lie on others sink with them.
@@ -77,7 +79,8 @@ impl<'a> Site<'a> {
             let width_m = quantised(scatter.width(lots.unit()));
             let yaw_rad = std::f64::consts::TAU * lots.unit();
             let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
-            let level = hits.iter().enumerate().filter(|(_, hit)| hit.normal.z > LEVEL);
+            let least = if width_m < SMALL_M { LEAST_LEVEL } else { LEVEL };
+            let level = hits.iter().enumerate().filter(|(_, hit)| hit.normal.z > least);
             for (n, hit) in lots.one_per_storey(level, |(_, hit)| hit.z) {
                 let scale = width_m / prototype.width_m();
                 let candidate = Candidate {
@@ -111,10 +114,8 @@ impl<'a> Site<'a> {
 
     /// Where a candidate comes to rest on the wall and on what lies there.
     fn rest(&self, candidate: &Candidate, lying: &Facets) -> Option<Isometry3<f64>> {
-        /// Turns that are tried until a stone stays. Tuned: the first four find nine tenths of what any finds.
-        const TURNS: u64 = 4;
-        /// The golden angle, by which turns are spread.
-        const TURN_RAD: f64 = 2.399_963_229_728_653;
+        /// Turns that are tried until a stone stays. Tuned: the first three find nine tenths of what any finds.
+        const TURNS: u64 = 3;
         /// Highest pile in metres.
         const PILE_M: f64 = 1.5;
         let Candidate { prototype, scale, yaw_rad, at, .. } = *candidate;
@@ -132,7 +133,7 @@ impl<'a> Site<'a> {
         let first = (candidate.id % sides).min((candidate.id >> 32) % sides);
         (0..TURNS).find_map(|turn| {
             let side = lies.get(((first + turn) % sides) as usize)?;
-            bed.rest(about_z(yaw_rad + turn as f64 * TURN_RAD) * side)
+            bed.rest(about_z(yaw_rad + turn as f64 * GOLDEN_ANGLE_RAD) * side)
         })
     }
 

@@ -10,7 +10,7 @@ use plume_graph::Aabb;
 use super::rest::turn;
 use super::substance::Substance;
 
-/// Width of the bevel of an edge in metres, and at most relative to the shortest side of an outline: beyond a quarter, bevels
+/// Width of the bevel of an edge in metres, and at most relative to the shortest side: beyond a quarter, bevels
 /// would cross.
 const BEVEL_M: f64 = 0.004;
 const BEVEL: f64 = 0.2;
@@ -46,7 +46,7 @@ impl Solid {
     /// A bar along z, centred, whose outline is symmetric about the y axis: the corners of its right half from below.
     pub fn bar(half: &[[f64; 2]], length_m: f64, substance: &'static Substance) -> Self {
         let outline = mirrored(half);
-        let bevel_m = BEVEL_M.min(BEVEL * shortest_side_m(&outline));
+        let bevel_m = BEVEL_M.min(BEVEL * shortest_side_m(&outline).min(length_m));
         let outline = bevelled(&outline, bevel_m);
         let end = 0.5 * length_m;
         let ring = |z: f64, inset: f64, is_cap: bool| -> Ring {
@@ -104,7 +104,7 @@ impl Solid {
         Self::lathe(&[[-end, radius_m], [end, radius_m]], sides, substance)
     }
 
-    /// A tube of this radius along a path that does not turn back.
+    /// A tube of this radius along a path that does not turn back, nor point straight down.
     pub fn tube(path: &[Point3<f64>], radius_m: f64, sides: usize, substance: &'static Substance) -> Self {
         let last = path.len() - 1;
         let along = |n: usize| (path[(n + 1).min(last)] - path[n.saturating_sub(1)]).normalize();

@@ -147,8 +147,8 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
     let larger = things.iter().filter(|other| widest_m(other) > widest_m(thing));
     let of_stones = larger.flat_map(|stone| {
         let hull = &cave.prototype(stone).hull;
-        // Before they were sunk.
-        let raised = Vector3::z() * stone.embedding_m;
+        // Before they were sunk, as heaps are from the start.
+        let raised = if cave.is_loose(stone) { Vector3::z() * stone.embedding_m } else { Vector3::zeros() };
         let at = |corner: u32| (stone.pose * (hull.corners[corner as usize] * stone.scale)).coords + raised;
         hull.faces.iter().map(move |face| face.map(at)).collect::<Vec<_>>()
     });
@@ -359,8 +359,8 @@ fn difficulty_brings_more_and_larger_stones_and_closes_the_way() {
         let stones: Vec<&Thing> = things.iter().filter(|thing| cave.is_loose(thing)).collect();
         let width_m = |thing: &Thing| cave.prototype(thing).width_m() * thing.scale;
         let area_m2: f64 = stones.iter().map(|stone| width_m(stone) * width_m(stone)).sum();
-        let boulders = || stones.iter().filter(|stone| stone.kind == "boulder");
-        let mean_m = boulders().map(|stone| width_m(stone)).sum::<f64>() / boulders().count() as f64;
+        let large = || stones.iter().filter(|stone| stone.kind != "pebble");
+        let mean_m = large().map(|stone| width_m(stone)).sum::<f64>() / large().count() as f64;
         let in_the_way = stones.iter().filter(|stone| width_m(stone) > 0.1 && is_on_the_axis(&cave, stone)).count();
         let now = [area_m2, mean_m, in_the_way as f64];
         assert!(now.iter().zip(before).all(|(now, before)| *now >= before), "{difficulty}: {now:?} after {before:?}");
