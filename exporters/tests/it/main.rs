@@ -8,6 +8,7 @@ mod changed;
 mod check_formats;
 mod check_laws;
 mod fbx_reads_back;
+mod fbx_things;
 #[path = "sample/forge.rs"]
 mod forge;
 mod gazebo_package;
