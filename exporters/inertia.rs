@@ -1,9 +1,12 @@
 //! Mass properties of solid bodies.
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::ExportError;
 use crate::scene::{Instance, Mesh, Prototype};
+
+/// Sweeps of Jacobi's method. Each squares what is left off the diagonal: three axes need about five.
+const SWEEPS: usize = 8;
 
 /// Mass properties of a body in its own frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,12 +53,38 @@ impl Inertia {
         let tensor = Matrix3::identity() * about_center.trace() - about_center;
         Some(Self { mass_kg, center: (center + apex).into(), tensor })
     }
+
+    /// The moments about the principal axes in kg m², and the turn from these axes to those of the body.
+    pub fn principal(&self) -> ([f64; 3], UnitQuaternion<f64>) {
+        let (mut tensor, mut axes) = (self.tensor, Matrix3::identity());
+        for [p, q] in [[0, 1], [0, 2], [1, 2]].repeat(SWEEPS) {
+            let turn = diagonalising(&tensor, p, q);
+            tensor = turn.transpose() * tensor * turn;
+            axes *= turn;
+        }
+        let rotation = Rotation3::from_matrix_unchecked(axes);
+        (tensor.diagonal().into(), UnitQuaternion::from_rotation_matrix(&rotation))
+    }
+}
+
+/// The turn in the plane of the axes `p` and `q` that removes their product of inertia (Golub and Van Loan, Matrix
+/// Computations, 8.5).
+fn diagonalising(tensor: &Matrix3<f64>, p: usize, q: usize) -> Matrix3<f64> {
+    let mut turn = Matrix3::identity();
+    let product = tensor[(p, q)];
+    if product == 0.0 {
+        return turn;
+    }
+    let half = (tensor[(q, q)] - tensor[(p, p)]) / (2.0 * product);
+    let tangent = 1.0_f64.copysign(half) / (half.abs() + (half * half + 1.0).sqrt());
+    let cos = 1.0 / (tangent * tangent + 1.0).sqrt();
+    (turn[(p, p)], turn[(q, q)]) = (cos, cos);
+    (turn[(p, q)], turn[(q, p)]) = (tangent * cos, -tangent * cos);
+    turn
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Rotation3, UnitQuaternion};
-
     use super::*;
 
     /// A box with these edges around `center`, turned.
@@ -84,6 +113,27 @@ mod tests {
         let expected = Matrix3::from_diagonal(&moments(7.0, [0.3, 0.6, 0.9]));
         let expected = turn.matrix() * expected * turn.matrix().transpose();
         assert!((inertia.tensor - expected).norm() < 1e-5, "{}", inertia.tensor);
+    }
+
+    #[test]
+    fn principal_axes_give_the_tensor_back() {
+        for angles in [[0.0; 3], [0.4, -0.9, 2.0], [1e-9, 0.0, 0.0], [0.0, 0.0, 1.5]] {
+            let [roll, pitch, yaw] = angles;
+            let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw).to_rotation_matrix();
+            for edges in [[0.2, 0.4, 0.6], [0.3, 0.3, 0.1], [0.5; 3]] {
+                let inertia = Inertia::of_solid(&cuboid(edges, [1.0; 3], &turn), 1.0, 7.0).unwrap();
+                let (found, axes) = inertia.principal();
+                let axes = axes.to_rotation_matrix();
+                let again = axes.matrix() * Matrix3::from_diagonal(&found.into()) * axes.matrix().transpose();
+                assert!((again - inertia.tensor).norm() < 1e-12, "{angles:?} {edges:?}");
+                let sorted = |mut moments: [f64; 3]| {
+                    moments.sort_by(f64::total_cmp);
+                    Vector3::from(moments)
+                };
+                let expected = moments(7.0, edges.map(f64::from)).into();
+                assert!((sorted(found) - sorted(expected)).norm() < 1e-5, "{found:?}");
+            }
+        }
     }
 
     #[test]

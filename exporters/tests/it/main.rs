@@ -34,3 +34,4 @@ mod touched;
 mod unity_package;
 mod unreal_package;
 mod urdf_package;
+mod usd_things;
