@@ -10,7 +10,7 @@
 //! assert_eq!(frame::unreal_from_scene([1.0, 2.0, 3.0]), [100.0, -200.0, 300.0]);
 //! ```
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -85,6 +85,13 @@ pub fn gltf_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64
 pub fn gltf_rotation_from_scene(turn: &UnitQuaternion<f64>) -> [f64; 4] {
     let [x, y, z] = gltf_from_scene([turn.i, turn.j, turn.k]);
     [x, y, z, turn.w]
+}
+
+/// A pose of the scene as one of the frame of glTF, for a body whose own frame is that of glTF as well.
+pub fn gltf_isometry_from_scene(pose: &Isometry3<f64>) -> Isometry3<f64> {
+    let [x, y, z, w] = gltf_rotation_from_scene(&pose.rotation);
+    let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(gltf_from_scene(<[f64; 3]>::from(pose.translation.vector)).into(), rotation)
 }
 
 fn gltf_turn_from_scene() -> Matrix3<f64> {

@@ -30,6 +30,18 @@ pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Resul
     })
 }
 
+/// How many things of a scene move when they are pushed.
+///
+/// # Errors
+/// If the things of a chunk cannot be read.
+pub(crate) fn movable(scene: &Scene) -> Result<usize, ExportError> {
+    let mut count = 0;
+    for index in 0..scene.chunks.len() {
+        count += scene.instances(index)?.iter().filter(|thing| thing.movable).count();
+    }
+    Ok(count)
+}
+
 /// The things of a scene as JSON objects.
 ///
 /// # Errors

@@ -26,6 +26,7 @@ pub mod error;
 pub mod format;
 pub mod frame;
 mod image_format;
+mod inertia;
 pub mod instances;
 pub mod manifest;
 #[doc(hidden)]

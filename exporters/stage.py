@@ -79,6 +79,18 @@ def define_thing(stage, spec):
     prim.GetReferences().AddReference(spec["layer"], f"/Prototypes/{spec['prototype']}")
     prim.SetInstanceable(True)
     label(prim, [spec["class"]])
+    if "body" in spec:
+        define_body(prim, spec["body"])
+
+
+def define_body(prim, spec):
+    """What moves when it is pushed. All that tells how is written out, for engines would estimate it differently."""
+    UsdPhysics.RigidBodyAPI.Apply(prim)
+    mass = UsdPhysics.MassAPI.Apply(prim)
+    mass.CreateMassAttr(spec["mass_kg"])
+    mass.CreateCenterOfMassAttr(Gf.Vec3f(*spec["center"]))
+    mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*spec["inertia_kg_m2"]))
+    mass.CreatePrincipalAxesAttr(Gf.Quatf(*spec["axes_wxyz"]))
 
 
 def write_root(spec, arrays):
@@ -188,7 +200,7 @@ def define_zone(stage, path, spec):
 
 
 def define_collider(stage, path, spec, arrays):
-    """A collider: never rendered, and static because it has no rigid body."""
+    """A collider: never rendered, and static unless the thing that it belongs to is a rigid body."""
     mesh = define_mesh(stage, path)
     fill_triangles(mesh, spec, arrays, UsdGeom.Tokens.uniform)
     mesh.CreatePurposeAttr(UsdGeom.Tokens.guide)

@@ -11,7 +11,8 @@
 //! UsdShade, UsdLux, UsdPhysics and UsdSemantics (<https://openusd.org/release/api/index.html>). The cave is static:
 //! collision meshes have no rigid body and keep their triangles (`approximation = "none"`), so they may be concave. They are
 //! separate from the visual meshes. On request, convex pieces replace them (`/Chunk/Collision/<zone>/piece_<n>`,
-//! `approximation = "convexHull"`), with friction per zone.
+//! `approximation = "convexHull"`), with friction per zone. Movable things are rigid bodies: the instance itself, with its
+//! mass, centre of mass and inertia, while its collider is shared like that of the others.
 //!
 //! The layers are written by usd-core, a Python package: a host program provides it as [`Library`]. The content of each prim
 //! is decided here and in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings and the version
@@ -30,7 +31,7 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{ByZone, Chunk, Content, Light, Material, Mesh, Scene, Zone};
-use crate::{Summary, frame, slope, template};
+use crate::{Summary, frame, instances, slope, template};
 
 mod colliders;
 mod things;
@@ -109,12 +110,17 @@ impl Contents {
     pub fn wants_pieces(&self) -> bool {
         self.physics == Some(Collision::Pieces)
     }
+
+    /// Whether movable things are rigid bodies.
+    pub fn moves_things(&self) -> bool {
+        self.physics.is_some()
+    }
 }
 
 /// Writes the README of the package from a template.
 ///
 /// # Errors
-/// As [`Package::open`].
+/// As [`Package::open`], and if the things of a chunk cannot be read.
 pub fn write_readme(
     template: &str,
     scene: &Scene,
@@ -134,6 +140,7 @@ pub fn write_readme(
         gravity => frame::micro(scene.gravity),
         collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
         has_physics => contents.physics.is_some(),
+        movable => if contents.moves_things() { instances::movable(scene)? } else { 0 },
         has_pieces => contents.wants_pieces(),
     };
     out.text("README.md", &template::fill("README.md", template, &values))

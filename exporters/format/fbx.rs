@@ -1,7 +1,7 @@
 //! Binary FBX 7.4: metres, right-handed, normals and tangents by vertex, UV origin at the lower left.
 //!
-//! There is no specification. The output is what ufbx, Blender, assimp and three.js read. Nodes are at the origin and not
-//! rotated, so the vertices are those of the scene to the last bit. The bytes depend only on the scene: the time is always
+//! There is no specification. The output is what ufbx, Blender, assimp and three.js read. Nodes of chunks are at the origin
+//! and not rotated, so the vertices are those of the scene to the last bit; those of things share geometries. The bytes depend only on the scene: the time is always
 //! the same, objects are numbered in order, and arrays are compressed by Rust code.
 //!
 //! Memory: one part. The number of objects precedes them, so the header is written twice, the second time when they have
@@ -13,12 +13,15 @@ use crate::names;
 use crate::package::Package;
 use crate::scene::{Chunk, Mesh, Piece};
 pub use document::Document;
+pub use things::Things;
 
 mod document;
 mod geometry;
 mod head;
 mod material;
 mod node;
+mod pose;
+mod things;
 mod window;
 
 /// Metadata of a file.

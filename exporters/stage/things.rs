@@ -8,6 +8,7 @@ use super::colliders::collider;
 use super::{Contents, Library, describe_pose, textures, visual};
 use crate::collision::Collision;
 use crate::error::ExportError;
+use crate::inertia::Inertia;
 use crate::names;
 use crate::package::Package;
 use crate::scene::{ByZone, Chunk, Instance, Prototype, Scene, Zone};
@@ -73,7 +74,7 @@ impl Prototypes {
         for thing in things {
             let prototype = thing.prototype_in(&self.all)?;
             triangles += self.physics.map_or(0, |_| prototype.hull.triangles());
-            described.push(describe(thing, prototype));
+            described.push(self.describe(thing, prototype)?);
         }
         let levels: Vec<String> = (0..=chunk.lods.len()).map(|level| format!("LOD{level}")).collect();
         // Pieces have the friction of their zone.
@@ -89,17 +90,33 @@ impl Prototypes {
         let extent = chunk.visual.bounds();
         Ok((json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }), triangles))
     }
+
+    fn describe(&self, thing: &Instance, prototype: &Prototype) -> Result<Value, ExportError> {
+        let levels: Vec<String> = (thing.level..prototype.levels.len()).map(|level| format!("LOD{level}")).collect();
+        let mut described = describe_pose(&thing.pose);
+        described["name"] = names::thing(thing).into();
+        described["class"] = thing.class.as_str().into();
+        described["prototype"] = prototype.name.as_str().into();
+        described["layer"] = format!("./{LAYER}").into();
+        described["zone"] = prototype.zone.name().into();
+        described["levels"] = levels.into();
+        described["scale"] = thing.scale.into();
+        if thing.movable && self.physics.is_some() {
+            described["body"] = body(thing, prototype)?;
+        }
+        Ok(described)
+    }
 }
 
-fn describe(thing: &Instance, prototype: &Prototype) -> Value {
-    let levels: Vec<String> = (thing.level..prototype.levels.len()).map(|level| format!("LOD{level}")).collect();
-    let mut described = describe_pose(&thing.pose);
-    described["name"] = names::thing(thing).into();
-    described["class"] = thing.class.as_str().into();
-    described["prototype"] = prototype.name.as_str().into();
-    described["layer"] = format!("./{LAYER}").into();
-    described["zone"] = prototype.zone.name().into();
-    described["levels"] = levels.into();
-    described["scale"] = thing.scale.into();
-    described
+/// How a movable thing moves. Its centre of mass is in its own frame, which is scaled; its moments are those of its size.
+fn body(thing: &Instance, prototype: &Prototype) -> Result<Value, ExportError> {
+    let inertia = Inertia::of_thing(thing, prototype)?;
+    let (moments, axes) = inertia.principal();
+    let axes = axes.quaternion();
+    Ok(json!({
+        "mass_kg": inertia.mass_kg,
+        "center": (inertia.center.coords / thing.scale).as_slice(),
+        "inertia_kg_m2": moments,
+        "axes_wxyz": [axes.w, axes.i, axes.j, axes.k],
+    }))
 }

@@ -11,26 +11,34 @@
 //! Levels of detail are nodes `<chunk>_LOD<N>` in a group `<chunk>` (`LodGroup`). Without coarser levels there is one node
 //! `<chunk>`. Programs that do not support such groups, among them Blender and three.js, show all levels together.
 //!
+//! Things are nodes `<class>_<id>` below a node `<chunk>`, at their poses and in their sizes. They share one geometry per
+//! prototype and level. With coarser levels a thing is a group (`LodGroup`) of nodes `<class>_<id>_LOD<N>`.
+//!
 //! Collision meshes are identified by names, since FBX does not support them. A concave mesh is called `<chunk>_collision`. A
 //! convex piece is called `UCX_<mesh>_<NN>` after the full-detail mesh, `<chunk>_LOD0` or `<chunk>`, by which Unreal knows
-//! that it belongs to that mesh and is not rendered. Other programs render both.
+//! that it belongs to that mesh and is not rendered. Other programs render both. The convex pieces of things share their
+//! geometries, too.
 //!
 //! Materials are Phong, the only kind that every reader supports. It has no slot for roughness: the map is where Blender looks
 //! for it, in place of shininess. Unreal reads metalness there, so it should not import materials.
 //!
-//! Memory: one chunk, loaded once.
+//! Memory: one chunk, loaded once, and the prototypes of things.
 
 use minijinja::context;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ExportError;
-use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part};
+use crate::format::fbx::{self, Collider, Document, Head, Level, Maps, Part, Things};
 use crate::frame::{Axes, Up};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Piece, Scene};
+use crate::scene::{Chunk, Content, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
+
+use self::loaded::Loaded;
+
+mod loaded;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -38,8 +46,8 @@ pub const ROW: TargetRow = TargetRow {
     summary: "binary FBX 7.4 with textures, levels of detail, start poses and lights",
     revision: 0,
     opened_by: "Blender, Maya, 3ds Max, Houdini, three.js, most mesh tools",
-    contents: "binary FBX 7.4, metres: levels of detail in LOD groups, tangents, collision meshes by name, start poses, \
-        lights",
+    contents: "binary FBX 7.4, metres: levels of detail in LOD groups, tangents, things that share geometry, collision \
+        meshes by name, start poses, lights",
     tested_by: "ufbx without a warning; Blender 4.2; assimp; three.js in Chromium",
     checks: &["three-fbx", "blender", "libassimp"],
     images: &ImageFormat::COMMON,
@@ -96,21 +104,22 @@ impl Target for Fbx {
         scene.check()?;
         let head = Head { generator: &scene.generator, up: self.0.up };
         let path = format!("{}.fbx", scene.name);
+        let prototypes = scene.prototypes()?;
         let mut triangles = [0, 0];
         fbx::write(out, &path, &head, |document, out| {
             self.add_places(scene, document)?;
             for index in 0..scene.chunks.len() {
-                let chunk = Loaded::new(self, scene, index)?;
+                let chunk = Loaded::new(scene, index, &prototypes, self.0.collision)?;
                 match self.0.per_chunk {
                     true => self.write_chunk(&chunk, &head, out)?,
                     false => self.add_chunk(&chunk, "", document, out)?,
                 }
                 triangles[0] += chunk.chunk.visual.triangles();
-                triangles[1] += self.collision_triangles(&chunk);
+                triangles[1] += chunk.collision_triangles(self.0.collision);
             }
             Ok(())
         })?;
-        self.write_readme(scene, out)?;
+        self.write_readme(scene, !prototypes.is_empty(), out)?;
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
@@ -127,21 +136,6 @@ impl Target for Fbx {
 
     fn wants_pieces(&self) -> bool {
         self.0.collision == FbxCollision::Pieces
-    }
-}
-
-/// A chunk, and its convex pieces if requested.
-struct Loaded {
-    chunk: Chunk,
-    pieces: Vec<Piece>,
-}
-
-impl Loaded {
-    fn new(target: &Fbx, scene: &Scene, index: usize) -> Result<Self, ExportError> {
-        let pieces = if target.wants_pieces() { scene.pieces(index)? } else { Vec::new() };
-        let chunk = scene.chunk(index)?;
-        chunk.material.refuse_unless(ROW.name, ROW.images)?;
-        Ok(Self { chunk, pieces })
     }
 }
 
@@ -171,10 +165,34 @@ impl Fbx {
         out: &mut dyn Package,
     ) -> Result<(), ExportError> {
         let maps = copy_textures(&chunk.chunk, to_package, out)?;
+        match chunk.chunk.content {
+            Content::Wall => self.add_wall(chunk, &maps, document),
+            Content::Things { .. } => self.add_things(chunk, &maps, document),
+        }
+    }
+
+    fn add_wall(&self, chunk: &Loaded, maps: &Maps, document: &mut Document) -> Result<(), ExportError> {
         let levels = self.levels(&chunk.chunk);
-        let colliders = self.colliders(chunk, &levels[0].name);
+        let colliders = match self.0.collision {
+            FbxCollision::None => Vec::new(),
+            FbxCollision::Triangles => vec![concave(&chunk.chunk)],
+            FbxCollision::Pieces => fbx::convex_pieces(&levels[0].name, &chunk.pieces),
+        };
         let name = &chunk.chunk.name;
-        document.add(&Part { name, levels, colliders, material: &chunk.chunk.material.name, maps: &maps })
+        document.add(&Part { name, levels, colliders, material: &chunk.chunk.material.name, maps })
+    }
+
+    fn add_things(&self, chunk: &Loaded, maps: &Maps, document: &mut Document) -> Result<(), ExportError> {
+        let (name, material) = (chunk.chunk.name.as_str(), chunk.chunk.material.name.as_str());
+        let hulls = self.0.collision == FbxCollision::Pieces;
+        document.add_things(&Things { name, things: &chunk.things, lods: self.0.lods, hulls, material, maps })?;
+        match self.0.collision {
+            FbxCollision::Triangles => {
+                let colliders = vec![concave(&chunk.chunk)];
+                document.add(&Part { name, levels: Vec::new(), colliders, material, maps })
+            }
+            FbxCollision::None | FbxCollision::Pieces => Ok(()),
+        }
     }
 
     fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<Level<'a>> {
@@ -184,21 +202,7 @@ impl Fbx {
         }
     }
 
-    fn colliders<'a>(&self, chunk: &'a Loaded, full_detail: &str) -> Vec<Collider<'a>> {
-        match self.0.collision {
-            FbxCollision::None => Vec::new(),
-            FbxCollision::Triangles => {
-                vec![Collider { name: format!("{}_collision", chunk.chunk.name), mesh: &chunk.chunk.collision }]
-            }
-            FbxCollision::Pieces => fbx::convex_pieces(full_detail, &chunk.pieces),
-        }
-    }
-
-    fn collision_triangles(&self, chunk: &Loaded) -> u64 {
-        self.colliders(chunk, "").iter().map(|collider| collider.mesh.triangles()).sum()
-    }
-
-    fn write_readme(&self, scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
+    fn write_readme(&self, scene: &Scene, things: bool, out: &mut dyn Package) -> Result<(), ExportError> {
         let values = context! {
             name => &scene.name,
             description => &scene.description,
@@ -206,6 +210,7 @@ impl Fbx {
             per_chunk => self.0.per_chunk,
             y_up => self.0.up == Up::Y,
             lods => self.0.lods,
+            things,
             lights => if self.0.lights { scene.lights.len() } else { 0 },
             triangles => self.0.collision == FbxCollision::Triangles,
             pieces => self.0.collision == FbxCollision::Pieces,
@@ -221,6 +226,11 @@ impl Fbx {
             false => format!("import {name}.fbx"),
         }
     }
+}
+
+/// The collision mesh of a chunk.
+fn concave(chunk: &Chunk) -> Collider<'_> {
+    Collider { name: format!("{}_collision", chunk.name), mesh: &chunk.collision }
 }
 
 fn copy_textures(chunk: &Chunk, to_package: &str, out: &mut dyn Package) -> Result<Maps, ExportError> {

@@ -1,8 +1,8 @@
 //! Target `gazebo`: a model and a world for Gazebo Sim (Harmonic and later), in SDF 1.9.
 //!
 //! ```text
-//! models/<name>/{model.config, model.sdf, meshes/, materials/textures/}
-//! worlds/<name>.sdf
+//! models/<name>/{model.config, model.sdf, meshes/, materials/textures/}   everything that is static
+//! worlds/<name>.sdf                                                       that, and a model per movable thing
 //! README.md
 //! ```
 //! Meshes are OBJ, which every Gazebo since Classic reads, Z up. The model is static, so its collision meshes may be
@@ -14,6 +14,9 @@
 //! step: 2000 of them took 9 times as long to parse as triangles and 90 times as long to step, while such files with 4000
 //! took 1.2 and 6 times as long. Elements that select objects of a file (`<submesh>`) do not help: the Physics system of
 //! Gazebo attaches the whole file for each.
+//!
+//! Static things are merged by chunk, like the wall. A movable one is a model of its own, whose meshes are shared by all
+//! copies of a prototype: the visual mesh at its level of detail, and the convex hull as collision.
 
 use std::f64::consts::PI;
 
@@ -28,8 +31,12 @@ use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Image, Light, Mesh, Piece, Scene, Zone};
+use crate::scene::{Chunk, Content, Image, Light, Material, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
+
+use self::bodies::Bodies;
+
+mod bodies;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -37,7 +44,8 @@ pub const ROW: TargetRow = TargetRow {
     summary: "SDF 1.9 world and model with PBR textures and triangle collisions",
     revision: 0,
     opened_by: "Gazebo Sim Harmonic and later",
-    contents: "model and world (SDF 1.9), an OBJ per chunk, PBR maps, collision meshes, lamps, start pose",
+    contents: "model and world (SDF 1.9), an OBJ per chunk, a model per movable stone, PBR maps, collision meshes, lamps, \
+        start pose",
     tested_by: "libsdformat with unknown elements as errors; Gazebo's own physics (ign-physics, dartsim) drops a ball; \
         pybullet drops a ball onto the concave triangles, and lets go of every loose stone: 95 of 100 stay",
     checks: &["gazebo", "pybullet", "rest", "trimesh", "orient"],
@@ -81,10 +89,15 @@ impl Target for Gazebo {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
         let model = format!("models/{}", scene.name);
-        let (mut parts, mut triangles) = (Vec::new(), [0, 0]);
+        let (mut parts, mut triangles, mut bodies) = (Vec::new(), [0, 0], Bodies::of(scene)?);
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
             chunk.material.refuse_unless(ROW.name, ROW.images)?;
+            if chunk.content == (Content::Things { movable: true }) {
+                let added = bodies.add_chunk(&model, scene, index, out)?;
+                triangles = [0, 1].map(|part| triangles[part] + added[part]);
+                continue;
+            }
             let mut part = write_visual(&model, &chunk, out)?;
             part.collisions = match self.0.collision {
                 Collision::Triangles => vec![write_triangles(&model, scene, &chunk, out)?],
@@ -94,7 +107,7 @@ impl Target for Gazebo {
             triangles[1] += part.collisions.iter().map(|collision| collision.triangles).sum::<u64>();
             parts.push(part);
         }
-        self.write_texts(&model, scene, &parts, out)?;
+        self.write_texts(&model, scene, &parts, &bodies, out)?;
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
@@ -113,6 +126,10 @@ impl Target for Gazebo {
     fn wants_pieces(&self) -> bool {
         self.0.collision == Collision::Pieces
     }
+
+    fn moves_things(&self) -> bool {
+        true
+    }
 }
 
 impl Gazebo {
@@ -121,6 +138,7 @@ impl Gazebo {
         model: &str,
         scene: &Scene,
         parts: &[Part],
+        bodies: &Bodies,
         out: &mut dyn Package,
     ) -> Result<(), ExportError> {
         let lights: &[Light] = if self.0.lights { &scene.lights } else { &[] };
@@ -129,6 +147,7 @@ impl Gazebo {
             description => &scene.description,
             generator => &scene.generator,
             parts => Serde(parts),
+            bodies => Serde(bodies.texts()),
             collision => Serde(self.0.collision),
             zones => Serde(Zone::ALL.map(|zone| ZoneText::new(scene, zone))),
             gravity => micro(scene.gravity),
@@ -156,10 +175,16 @@ impl Gazebo {
 #[derive(Serialize)]
 struct Part {
     name: String,
+    maps: MapTexts,
+    collisions: Vec<CollisionText>,
+}
+
+/// Files of a material for the templates, in the folder of textures.
+#[derive(Clone, Serialize)]
+struct MapTexts {
     base_color: String,
     normal: String,
     roughness: String,
-    collisions: Vec<CollisionText>,
 }
 
 /// A collision for the templates.
@@ -187,38 +212,55 @@ impl ZoneText {
 
 fn write_visual(model: &str, chunk: &Chunk, out: &mut dyn Package) -> Result<Part, ExportError> {
     let name = &chunk.name;
-    let material = &chunk.material;
+    let maps = write_material(model, name, &chunk.material, out)?;
+    write_mesh(model, name, name, &chunk.material, &chunk.visual, out)?;
+    Ok(Part { name: name.clone(), maps, collisions: Vec::new() })
+}
+
+/// Writes the images of a material, and the library `<library>.mtl` with it.
+fn write_material(
+    model: &str,
+    library: &str,
+    material: &Material,
+    out: &mut dyn Package,
+) -> Result<MapTexts, ExportError> {
     let texture = |role, image: &Image| format!("{}_{role}.{}", material.name, image.format.extension());
-    let part = Part {
-        name: name.clone(),
+    let texts = MapTexts {
         base_color: texture("base_color", &material.base_color),
         normal: texture("normal", &material.normal),
         roughness: texture("roughness", &material.roughness),
-        collisions: Vec::new(),
     };
     let textures = format!("{model}/materials/textures");
     for (file, image) in [
-        (&part.base_color, &material.base_color),
-        (&part.normal, &material.normal),
-        (&part.roughness, &material.roughness),
+        (&texts.base_color, &material.base_color),
+        (&texts.normal, &material.normal),
+        (&texts.roughness, &material.roughness),
     ] {
         out.share(&format!("{textures}/{file}"), image)?;
     }
     let from_meshes = |file: &str| format!("../materials/textures/{file}");
     let maps = obj::Maps {
-        base_color: &from_meshes(&part.base_color),
-        normal: &from_meshes(&part.normal),
-        roughness: &from_meshes(&part.roughness),
+        base_color: &from_meshes(&texts.base_color),
+        normal: &from_meshes(&texts.normal),
+        roughness: &from_meshes(&texts.roughness),
     };
-    let library = format!("{name}.mtl");
-    out.write(&format!("{model}/meshes/{library}"), |file| {
-        Ok(obj::write_material(file, &chunk.material.name, &maps)?)
-    })?;
+    out.write(&format!("{model}/meshes/{library}.mtl"), |file| Ok(obj::write_material(file, &material.name, &maps)?))?;
+    Ok(texts)
+}
+
+/// Writes the visual mesh `<name>.obj` with a material of the library `<library>.mtl`.
+fn write_mesh(
+    model: &str,
+    name: &str,
+    library: &str,
+    material: &Material,
+    mesh: &Mesh,
+    out: &mut dyn Package,
+) -> Result<(), ExportError> {
     out.write(&format!("{model}/meshes/{name}.obj"), |file| {
-        obj::write_library(file, &library)?;
-        Ok(obj::write_visual(file, name, &chunk.material.name, &chunk.visual, 0)?)
-    })?;
-    Ok(part)
+        obj::write_library(file, &format!("{library}.mtl"))?;
+        Ok(obj::write_visual(file, name, &material.name, mesh, 0)?)
+    })
 }
 
 fn write_triangles(

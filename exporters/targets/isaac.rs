@@ -25,7 +25,7 @@ pub const ROW: TargetRow = TargetRow {
     revision: 0,
     opened_by: "Isaac Sim 4.5 and later, Isaac Lab",
     contents: "USD stage: a payload per chunk with levels of detail, UsdPreviewSurface, static triangle colliders, \
-        friction, lamps, semantic labels, start poses",
+        rigid bodies of movable stones, friction, lamps, semantic labels, start poses",
     tested_by: "UsdValidation without a message, usd-validation-nvidia without a failure; usd-core 25.11 and 26.11 read \
         the same arrays; Newton drops balls; rays, balls and friction in ovphysx, the PhysX of Isaac Sim, for \
         those who [accept its licence](docs/decisions/0031-omniverse-licence.md)",
@@ -83,6 +83,10 @@ impl Target for Isaac {
 
     fn wants_pieces(&self) -> bool {
         self.contents().wants_pieces()
+    }
+
+    fn moves_things(&self) -> bool {
+        self.contents().moves_things()
     }
 }
 

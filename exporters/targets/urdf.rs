@@ -9,6 +9,10 @@
 //! 128 joints per body. The link has no mass, by which Bullet knows that it is fixed. Start poses are links without
 //! geometry, so that joints and tf can refer to them.
 //!
+//! Movable things are part of that link as well. URDF describes one robot and has no world in which others could stand, and as
+//! links with floating joints they would not move in Bullet, which makes each of these a fixed one. What spawns robots can
+//! spawn stones: `instances.json` lists them, as not movable.
+//!
 //! URDF does not define whether a collision mesh may be concave. Bullet uses the triangles if the attribute `concave` is
 //! present, otherwise a convex hull of each object of the OBJ. Friction is not part of URDF either: Bullet reads one value
 //! per link, which is that of the floor. Images other than the base colour are referenced, but hardly any reader uses them.

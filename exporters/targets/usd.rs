@@ -52,4 +52,8 @@ impl Target for Usd {
     fn wants_pieces(&self) -> bool {
         self.settings.contents().wants_pieces()
     }
+
+    fn moves_things(&self) -> bool {
+        self.settings.contents().moves_things()
+    }
 }

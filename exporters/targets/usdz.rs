@@ -66,4 +66,8 @@ impl Target for Usdz {
     fn wants_pieces(&self) -> bool {
         self.settings.contents().wants_pieces()
     }
+
+    fn moves_things(&self) -> bool {
+        self.settings.contents().moves_things()
+    }
 }

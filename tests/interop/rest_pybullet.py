@@ -32,7 +32,9 @@ def main(package):
     if not any(meshes.glob("things_*_collision.obj")):
         print("Bullet: no things, or in convex pieces only")
         return
-    things = json.loads((package / "instances.json").read_text(encoding="utf-8"))["things"]
+    listed = json.loads((package / "instances.json").read_text(encoding="utf-8"))["things"]
+    # Those that move are models of their own, on the ground instead of in it.
+    things = [thing for thing in listed if not thing["movable"]]
     with connected():
         p.setGravity(0, 0, -9.81)
         p.setPhysicsEngineParameter(fixedTimeStep=STEP_S, enableSAT=1)

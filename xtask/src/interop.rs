@@ -115,7 +115,8 @@ fn checks_of_small_things(
     if readers.iter().any(|reader| reader.name == "physx") {
         checks.push(Check::new("physx", usd::check_faults));
     }
-    let small = [export_pieces(plume, targets)?, assimp::export(plume)?, vec![page::write(plume)?]].concat();
+    let pages = vec![page::write(plume)?];
+    let small = [export_pieces(plume, targets)?, export_movable(plume)?, assimp::export(plume)?, pages].concat();
     checks.extend(small.iter().flat_map(|package| checks_of_export(readers, package)));
     let mut packages: Vec<PathBuf> = files_of(scene).filter(|package| opens_alone(package)).collect();
     packages.sort();
@@ -367,6 +368,15 @@ fn export_pieces(plume: &Plume, targets: &[Target]) -> Result<Vec<PathBuf>> {
     export.extend(options.iter().flat_map(|option| ["--option", option]));
     plume.output(&export)?;
     Ok(targets.iter().map(|target| root().join(output).join(target)).collect())
+}
+
+/// A small cave with stones that move.
+fn export_movable(plume: &Plume) -> Result<Vec<PathBuf>> {
+    let output = "target/interop/movable";
+    let mut export = vec!["export", "samples/cave.toml", "--target", "gazebo,usd", "--output", output, "--force"];
+    export.extend(["--set", "graph.nodes=6", "--set", "things.movable_m=0.2", "--set", "texture.size_px=256"]);
+    plume.output(&export)?;
+    Ok(["gazebo", "usd"].map(|target| root().join(output).join(target)).into())
 }
 
 /// Not a foreign reader: whether `plume check` accepts the package that the others open.

@@ -10,14 +10,15 @@ use nalgebra::Isometry3;
 
 use super::head::{self, Counts, Kind};
 use super::node::{Nodes, Property, Value, Written, full_name};
+use super::pose::Pose;
 use super::window::Window;
 use super::{Head, Maps, Part, geometry, material};
 use crate::error::{ExportError, at};
-use crate::frame::{self, Up};
+use crate::frame::Up;
 use crate::scene::{Light, Mesh};
 
 /// The root node.
-const ROOT: i64 = 0;
+pub(super) const ROOT: i64 = 0;
 /// Angular size below which the error of a level is invisible: a pixel of 1080 at 60 degrees.
 const PIXEL_RAD: f64 = 1e-3;
 
@@ -25,12 +26,14 @@ const PIXEL_RAD: f64 = 1e-3;
 pub struct Document {
     path: String,
     generator: String,
-    up: Up,
+    pub(super) up: Up,
     nodes: Nodes<Window>,
     counts: Counts,
     links: Vec<Link>,
     /// The materials by name, since parts may share them.
     materials: BTreeMap<String, i64>,
+    /// The meshes that things share, by name.
+    meshes: BTreeMap<String, i64>,
     last_id: i64,
 }
 
@@ -57,6 +60,7 @@ impl Document {
             counts: Counts::default(),
             links: Vec::new(),
             materials: BTreeMap::new(),
+            meshes: BTreeMap::new(),
             last_id: head::DOCUMENT,
         })
     }
@@ -66,7 +70,7 @@ impl Document {
     /// # Errors
     /// If the disk fails, or the file gets larger than 4 GiB.
     pub fn add(&mut self, part: &Part) -> Result<(), ExportError> {
-        self.add_part(part).map_err(|error| told(&self.path, error))
+        self.add_part(part).map_err(|error| self.told(error))
     }
 
     /// Adds an empty node at a pose.
@@ -74,12 +78,8 @@ impl Document {
     /// # Errors
     /// As [`add`](Self::add).
     pub fn add_pose(&mut self, name: &str, pose: &Isometry3<f64>) -> Result<(), ExportError> {
-        let (position, angles) = match self.up {
-            Up::Z => frame::euler_pose(pose),
-            Up::Y => frame::gltf_euler_pose_from_scene(pose),
-        };
-        let null = self.add_null(name, [position, angles.map(f64::to_degrees)]);
-        null.map_err(|error| told(&self.path, error))
+        let null = self.add_null(name, &Pose::of_body(pose, self.up));
+        null.map(drop).map_err(|error| self.told(error))
     }
 
     /// Adds a point light. FBX has no unit for its intensity: 100 stands for a candela, as three.js reads it. Its colour is
@@ -88,7 +88,11 @@ impl Document {
     /// # Errors
     /// As [`add`](Self::add).
     pub fn add_light(&mut self, light: &Light) -> Result<(), ExportError> {
-        self.add_lamp(light).map_err(|error| told(&self.path, error))
+        self.add_lamp(light).map_err(|error| self.told(error))
+    }
+
+    pub(super) fn told(&self, error: Error) -> ExportError {
+        told(&self.path, error)
     }
 
     pub(super) fn finish(mut self) -> Result<(), ExportError> {
@@ -118,7 +122,9 @@ impl Document {
 
     fn add_levels(&mut self, part: &Part) -> Written {
         let material = self.add_material(part.material, part.maps)?;
-        let parent = if part.levels.len() > 1 { self.add_group(part)? } else { ROOT };
+        let errors_m: Vec<f64> = part.levels.iter().map(|level| level.error_m.into()).collect();
+        let parent =
+            if part.levels.len() > 1 { self.add_group(part.name, &errors_m, &Pose::ORIGIN, ROOT)? } else { ROOT };
         for level in &part.levels {
             let model = self.add_mesh(&level.name, level.mesh, parent)?;
             self.link(material, model, None);
@@ -127,36 +133,54 @@ impl Document {
     }
 
     fn add_mesh(&mut self, name: &str, mesh: &Mesh, parent: i64) -> Written<i64> {
+        let geometry = self.add_geometry(name, mesh)?;
+        self.add_shape(name, geometry, &Pose::ORIGIN, parent)
+    }
+
+    fn add_geometry(&mut self, name: &str, mesh: &Mesh) -> Written<i64> {
         let up = self.up;
-        let geometry = self.object(Kind::Geometry, name, "Mesh", |nodes| geometry::write(nodes, mesh, up))?;
-        let model = self.add_model(name, "Mesh", [[0.0; 3]; 2], parent)?;
+        self.object(Kind::Geometry, name, "Mesh", |nodes| geometry::write(nodes, mesh, up))
+    }
+
+    /// The geometry called `name`, which is written when it is first asked for.
+    pub(super) fn shared_geometry(&mut self, name: &str, mesh: &Mesh) -> Written<i64> {
+        if let Some(made) = self.meshes.get(name) {
+            return Ok(*made);
+        }
+        let geometry = self.add_geometry(name, mesh)?;
+        self.meshes.insert(name.to_owned(), geometry);
+        Ok(geometry)
+    }
+
+    /// A node that shows a geometry.
+    pub(super) fn add_shape(&mut self, name: &str, geometry: i64, pose: &Pose, parent: i64) -> Written<i64> {
+        let model = self.add_model(name, "Mesh", pose, parent)?;
         self.link(geometry, model, None);
         Ok(model)
     }
 
-    /// The group shows a level from the distance at which its error subtends [`PIXEL_RAD`].
-    fn add_group(&mut self, part: &Part) -> Written<i64> {
-        let names: Vec<String> = (1..part.levels.len()).map(|level| format!("Thresholds|Level{}", level - 1)).collect();
+    /// A group of levels of detail, given the error of each in metres. It shows a level from the distance at which its error
+    /// subtends [`PIXEL_RAD`].
+    pub(super) fn add_group(&mut self, name: &str, errors_m: &[f64], pose: &Pose, parent: i64) -> Written<i64> {
+        let coarser = errors_m.iter().enumerate().skip(1);
+        let thresholds: Vec<(String, f64)> =
+            coarser.map(|(level, error_m)| (format!("Thresholds|Level{}", level - 1), error_m / PIXEL_RAD)).collect();
         let mut properties = vec![Property::group("Thresholds")];
-        for (name, level) in names.iter().zip(&part.levels[1..]) {
-            properties.push(Property::length(name, f64::from(level.error_m) / PIXEL_RAD));
-        }
-        let group = self.add_model(part.name, "LodGroup", [[0.0; 3]; 2], ROOT)?;
-        self.add_attribute(part.name, "LodGroup", group, &properties, None)?;
+        properties.extend(thresholds.iter().map(|(name, distance_m)| Property::length(name, *distance_m)));
+        let group = self.add_model(name, "LodGroup", pose, parent)?;
+        self.add_attribute(name, "LodGroup", group, &properties, None)?;
         Ok(group)
     }
 
-    fn add_null(&mut self, name: &str, pose: [[f64; 3]; 2]) -> Written {
+    /// A node that shows nothing.
+    pub(super) fn add_null(&mut self, name: &str, pose: &Pose) -> Written<i64> {
         let model = self.add_model(name, "Null", pose, ROOT)?;
-        self.add_attribute(name, "Null", model, &[], Some("Null"))
+        self.add_attribute(name, "Null", model, &[], Some("Null"))?;
+        Ok(model)
     }
 
     fn add_lamp(&mut self, light: &Light) -> Written {
-        let position = match self.up {
-            Up::Z => light.position.into(),
-            Up::Y => frame::gltf_from_scene(light.position.into()),
-        };
-        let model = self.add_model(&light.name, "Light", [position, [0.0; 3]], ROOT)?;
+        let model = self.add_model(&light.name, "Light", &Pose::of_point(light.position, self.up), ROOT)?;
         let properties = [
             Property::choice("LightType", 0),
             Property::vector("Color", "Color", light.color),
@@ -183,13 +207,13 @@ impl Document {
         Ok(())
     }
 
-    fn add_model(&mut self, name: &str, class: &str, [position, degrees]: [[f64; 3]; 2], parent: i64) -> Written<i64> {
+    fn add_model(&mut self, name: &str, class: &str, pose: &Pose, parent: i64) -> Written<i64> {
         let model = self.object(Kind::Model, name, class, |nodes| {
             nodes.leaf("Version", &[Value::Int(232)])?;
             nodes.properties(&[
-                Property::vector("Lcl Translation", "Lcl Translation", position),
-                Property::vector("Lcl Rotation", "Lcl Rotation", degrees),
-                Property::vector("Lcl Scaling", "Lcl Scaling", [1.0; 3]),
+                Property::vector("Lcl Translation", "Lcl Translation", pose.position),
+                Property::vector("Lcl Rotation", "Lcl Rotation", pose.degrees),
+                Property::vector("Lcl Scaling", "Lcl Scaling", [pose.scale; 3]),
                 Property::int("DefaultAttributeIndex", 0),
             ])
         })?;
@@ -197,7 +221,7 @@ impl Document {
         Ok(model)
     }
 
-    fn add_material(&mut self, name: &str, maps: &Maps) -> Written<i64> {
+    pub(super) fn add_material(&mut self, name: &str, maps: &Maps) -> Written<i64> {
         if let Some(made) = self.materials.get(name) {
             return Ok(*made);
         }
@@ -237,7 +261,7 @@ impl Document {
         Ok(self.last_id)
     }
 
-    fn link(&mut self, child: i64, parent: i64, property: Option<&'static str>) {
+    pub(super) fn link(&mut self, child: i64, parent: i64, property: Option<&'static str>) {
         self.links.push(Link { child, parent, property });
     }
 }

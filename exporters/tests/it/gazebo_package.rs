@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 
 use crate::sample;
-use plume_exporters::Target;
+use crate::strewn::Strewn;
 use plume_exporters::collision::Collision;
+use plume_exporters::frame::{micro, sdf_pose};
 use plume_exporters::package::Memory;
 use plume_exporters::targets::gazebo::{Gazebo, GazeboSettings};
-use roxmltree::Document;
+use plume_exporters::{Summary, Target};
+use roxmltree::{Document, Node};
 
 fn export(settings: GazeboSettings) -> Memory {
     let folder = tempfile::tempdir().unwrap();
@@ -49,6 +51,68 @@ fn check_references(package: &Memory) {
     for path in package.bytes.keys().filter(|path| path.contains("/materials/") || path.ends_with(".obj")) {
         assert!(named.contains(path), "{path}");
     }
+}
+
+fn strewn(movable: bool) -> (Memory, Strewn, Summary) {
+    let folder = tempfile::tempdir().unwrap();
+    let strewn = Strewn::new(folder.path(), movable).unwrap();
+    let mut memory = Memory::default();
+    let summary = Gazebo(GazeboSettings::default()).export(&strewn.scene(), &mut memory).unwrap();
+    (memory, strewn, summary)
+}
+
+fn child<'a, 'input>(node: Node<'a, 'input>, path: &str) -> Node<'a, 'input> {
+    path.split('/').fold(node, |node, tag| node.children().find(|child| child.has_tag_name(tag)).unwrap())
+}
+
+fn number(node: Node, path: &str) -> f64 {
+    child(node, path).text().unwrap().parse().unwrap()
+}
+
+#[test]
+fn movable_things_are_models_that_share_their_meshes() {
+    let (package, strewn, summary) = strewn(true);
+    check_references(&package);
+    let shared = |ending: &str| package.bytes.keys().filter(|path| path.ends_with(ending)).count();
+    assert_eq!([shared("/box_0_level_0.obj"), shared("/box_0_hull.obj"), shared("/prototypes.mtl")], [1; 3]);
+    assert!(!package.bytes.keys().any(|path| path.contains("things_0_0_0")));
+    let document = Document::parse(text(&package, "worlds/chamber.sdf")).unwrap();
+    let models: Vec<Node> = document.descendants().filter(|node| node.has_tag_name("model")).collect();
+    assert_eq!(models.len(), strewn.things().len());
+    for (model, thing) in models.into_iter().zip(strewn.things()) {
+        assert_eq!(model.attribute("name"), Some(format!("box_{:016x}", thing.id).as_str()));
+        assert_eq!(child(model, "static").text(), Some("false"));
+        assert_eq!(child(model, "pose").text(), Some(sdf_pose(&thing.pose).as_str()));
+        let link = child(model, "link");
+        assert_eq!(number(link, "inertial/mass"), thing.mass_kg);
+        assert_eq!(child(link, "inertial/pose").text(), Some("0 0 0 0 0 0"));
+        let edge_m = 0.2 * thing.scale;
+        for moment in ["ixx", "iyy", "izz"] {
+            let found = number(link, &format!("inertial/inertia/{moment}"));
+            assert!((found - thing.mass_kg * edge_m * edge_m / 6.0).abs() < 1e-6, "{moment} {found}");
+        }
+        for shape in ["visual", "collision"] {
+            let scale = child(link, &format!("{shape}/geometry/mesh/scale")).text().unwrap();
+            assert_eq!(scale, [micro(thing.scale).as_str(); 3].join(" "));
+        }
+    }
+    let walls = export_summary();
+    assert_eq!(summary.visual_triangles - walls.visual_triangles, 12 * 3);
+    assert_eq!(summary.collision_triangles - walls.collision_triangles, 12 * 3);
+}
+
+#[test]
+fn other_things_are_part_of_the_static_model() {
+    let (package, ..) = strewn(false);
+    check_references(&package);
+    assert!(package.bytes.contains_key("models/chamber/meshes/things_0_0_0_collision.obj"));
+    assert!(!text(&package, "worlds/chamber.sdf").contains("<model"));
+}
+
+fn export_summary() -> Summary {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    Gazebo(GazeboSettings::default()).export(&chamber.scene(), &mut Memory::default()).unwrap()
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod changed;
 mod check_formats;
 mod check_laws;
 mod fbx_reads_back;
+mod fbx_things;
 #[path = "sample/forge.rs"]
 mod forge;
 mod gazebo_package;
@@ -26,6 +27,7 @@ mod places;
 mod sample;
 #[path = "sample/strewn.rs"]
 mod strewn;
+mod thing_laws;
 #[path = "sample/told.rs"]
 mod told;
 #[path = "sample/touched.rs"]
@@ -33,3 +35,4 @@ mod touched;
 mod unity_package;
 mod unreal_package;
 mod urdf_package;
+mod usd_things;

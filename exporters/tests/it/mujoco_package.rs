@@ -130,10 +130,9 @@ fn every_kind_of_collision_covers_the_chamber() {
 
 fn strewn(movable: bool) -> Memory {
     let folder = tempfile::tempdir().unwrap();
-    let chunks = Strewn { chamber: sample::Chamber::new(folder.path()).unwrap(), movable };
+    let strewn = Strewn::new(folder.path(), movable).unwrap();
     let mut memory = Memory::default();
-    let scene = Scene { chunks: &chunks, ..chunks.chamber.scene() };
-    Mujoco(MujocoSettings::default()).export(&scene, &mut memory).unwrap();
+    Mujoco(MujocoSettings::default()).export(&strewn.scene(), &mut memory).unwrap();
     memory
 }
 

@@ -68,8 +68,21 @@ def by_numpy_stl(path):
 
 
 def of_sdf(path):
-    uris = [uri.text for uri in ElementTree.parse(path).iterfind(".//visual/geometry/mesh/uri")]
-    return named(path.parent.parent, uris)
+    """The models that a world includes, and its own."""
+    models = path.parent.parent / "models"
+    world = ElementTree.parse(path)
+    included = [models / uri.text.split("://")[1] / "model.sdf" for uri in world.iterfind(".//include/uri")]
+    found = [model for tree in (world, *map(ElementTree.parse, included)) for model in tree.iter("model")]
+    return joined(of_visual(models, model, visual) for model in found for visual in model.iterfind("link/visual"))
+
+
+def of_visual(models, model, visual):
+    mesh = visual.find("geometry/mesh")
+    made = by_trimesh(models / mesh.findtext("uri").split("://")[1])
+    x, y, z, *angles = map(float, model.findtext("pose", "0 0 0 0 0 0").split())
+    made = made.turned(trimesh.transformations.euler_matrix(*angles)[:3, :3])
+    made.position = made.position * float(mesh.findtext("scale", "1").split()[0]) + [x, y, z]
+    return made
 
 
 def of_urdf(path):
@@ -85,7 +98,7 @@ def named(folder, uris):
 MESHES = {"obj": ["**/*.obj"], "ply": ["**/*.ply"], "stl": ["**/*.stl"], "*": ["**/*.glb", "**/*.gltf"]}
 READERS = [
     Reader("trimesh", by_trimesh, MESHES, materials),
-    Reader("trimesh through SDF", of_sdf, {"gazebo": ["models/*/model.sdf"]}),
+    Reader("trimesh through SDF", of_sdf, {"gazebo": ["worlds/*.sdf"]}),
     Reader("trimesh through URDF", of_urdf, {"urdf": ["*/urdf/*.urdf"]}),
     Reader("plyfile", by_plyfile, {"ply": ["**/*.ply"]}),
     Reader("numpy-stl", by_numpy_stl, {"stl": ["**/*.stl"]}),

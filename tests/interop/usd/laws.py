@@ -4,6 +4,7 @@ import json
 from itertools import pairwise
 from pathlib import PurePosixPath
 
+import body_laws
 import drawing_laws
 import numpy as np
 import package as packages
@@ -88,7 +89,7 @@ def normals_are_on_the_side_the_triangles_face(stage):
             yield f"{mesh.GetPath()} has {(across <= 0).sum()} triangles that face against their normals"
 
 
-def colliders_are_static_and_apart(stage):
+def colliders_are_apart(stage):
     for mesh in packages.meshes(stage, "Visual"):
         if mesh.GetPrim().HasAPI(UsdPhysics.CollisionAPI):
             yield f"{mesh.GetPath()} is visual and collides"
@@ -107,9 +108,6 @@ def colliders_are_static_and_apart(stage):
             yield f"{mesh.GetPath()} is not convex"
         if mesh.GetPurposeAttr().Get() != UsdGeom.Tokens.guide:
             yield f"{mesh.GetPath()} is drawn"
-    for prim in packages.prims(stage):
-        if prim.HasAPI(UsdPhysics.RigidBodyAPI):
-            yield f"{prim.GetPath()} is a rigid body"
 
 
 def is_convex(corners):
@@ -203,12 +201,13 @@ LAWS = [
     visual_meshes_have_every_array,
     extents_are_those_of_the_points,
     normals_are_on_the_side_the_triangles_face,
-    colliders_are_static_and_apart,
+    colliders_are_apart,
     physics_is_whole,
     the_cave_has_labels,
     robots_can_start,
     lights_shine,
     the_stage_tells_where_it_is_from,
+    *body_laws.LAWS,
     *drawing_laws.LAWS,
 ]
 
@@ -315,4 +314,5 @@ FILE_LAWS = [
     every_file_is_used,
     the_manifest_lists_the_files,
     payloads_stay_closed_and_open_alone,
+    *body_laws.FILE_LAWS,
 ]

@@ -1,10 +1,11 @@
 """A USD package as the checks see it."""
 
+import json
 import sys
 from pathlib import Path
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
 
 class Failure(Exception):
@@ -61,6 +62,27 @@ def instances(stage):
     return [prim for prim in stage.TraverseAll() if prim.IsInstance()]
 
 
+def bodies(stage):
+    """The things that move when they are pushed."""
+    return [thing for thing in instances(stage) if is_body(thing)]
+
+
+def is_body(prim):
+    return prim.HasAPI(UsdPhysics.RigidBodyAPI)
+
+
+def hide_bodies(stage):
+    """Switches them off in the layer that is edited."""
+    for thing in bodies(stage):
+        stage.OverridePrim(thing.GetPath()).SetActive(False)
+
+
+def listed_things(package):
+    """The things of the list that every package has, if there are any."""
+    file = package / "instances.json"
+    return json.loads(file.read_text(encoding="utf-8"))["things"] if file.is_file() else []
+
+
 def is_of_instance(mesh):
     return mesh.GetPrim().IsInstanceProxy()
 
@@ -85,15 +107,22 @@ def triangles(mesh):
     return points[np.asarray(mesh.GetFaceVertexIndicesAttr().Get() or [], dtype=np.int64).reshape(-1, 3)]
 
 
-def rock(stage):
-    """Corners of all colliders in metres in the frame of the stage, shape (triangle, corner, xyz)."""
-    places, hulls = UsdGeom.XformCache(), {}
+def places(things):
+    """Where things are in metres in the frame of the stage, shape (thing, xyz)."""
+    cache = UsdGeom.XformCache()
+    found = [cache.GetLocalToWorldTransform(thing).ExtractTranslation() for thing in things]
+    return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+
+def rock(stage, with_bodies):
+    """Corners of all colliders in metres in the frame of the stage, shape (triangle, corner, xyz); of what moves as it starts."""
+    cache, hulls = UsdGeom.XformCache(), {}
     found = [triangles(UsdGeom.Mesh(prim)) for prim in stage.TraverseAll() if is_collider(prim)]
-    for thing in instances(stage):
+    for thing in [thing for thing in instances(stage) if with_bodies or not is_body(thing)]:
         prototype = thing.GetPrototype().GetPath()
         if prototype not in hulls:
             hulls[prototype] = [triangles(UsdGeom.Mesh(prim)) for prim in below(thing) if is_collider(prim)]
-        world_from_thing = np.asarray(places.GetLocalToWorldTransform(thing))
+        world_from_thing = np.asarray(cache.GetLocalToWorldTransform(thing))
         found += [hull @ world_from_thing[:3, :3] + world_from_thing[3, :3] for hull in hulls[prototype]]
     return np.concatenate(found)
 

@@ -8,7 +8,7 @@ use crate::tools::{Result, ensure_debian, root, run};
 use crate::venv::Environment;
 
 /// Gazebo itself is not in Debian; the libraries it is made of are.
-pub(super) const DEBIAN: [&str; 8] = [
+pub(super) const DEBIAN: [&str; 9] = [
     "cmake",
     "g++",
     "make",
@@ -17,6 +17,7 @@ pub(super) const DEBIAN: [&str; 8] = [
     "libignition-physics5-dartsim-plugin5",
     "libignition-plugin-dev",
     "libignition-fuel-tools-dev",
+    "libjsoncpp-dev",
 ];
 
 /// Compiles the program that opens packages with them.

@@ -1,9 +1,10 @@
 //! The chamber with things in it: copies of one box, in place or movable.
 
 use std::io;
+use std::path::Path;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use plume_exporters::scene::{Chunk, Chunks, Content, Instance, Lod, Material, Mesh, Piece, Prototype, Zone};
+use plume_exporters::scene::{Chunk, Chunks, Content, Instance, Lod, Material, Mesh, Piece, Prototype, Scene, Zone};
 
 use crate::sample::Chamber;
 
@@ -21,6 +22,16 @@ pub struct Strewn {
 }
 
 impl Strewn {
+    /// The chamber with textures in `folder`, and things that move when pushed, or do not.
+    pub fn new(folder: &Path, movable: bool) -> io::Result<Self> {
+        Ok(Self { chamber: Chamber::new(folder)?, movable })
+    }
+
+    /// A scene around them.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene { chunks: self, ..self.chamber.scene() }
+    }
+
     /// The things.
     pub fn things(&self) -> Vec<Instance> {
         let thing = |(number, scale): (usize, f64)| Instance {
@@ -92,7 +103,7 @@ impl Chunks for Strewn {
 
     fn prototypes(&self) -> io::Result<Vec<Prototype>> {
         let hull = bare();
-        let levels = vec![Lod { mesh: solid(), error_m: 0.0 }];
+        let levels = vec![Lod { mesh: solid(), error_m: 0.0 }, Lod { mesh: coarse(), error_m: HALF_M }];
         let name = "box_0".to_owned();
         Ok(vec![Prototype { name, levels, hull, zone: Zone::Floor, material: self.material()? }])
     }
@@ -110,6 +121,13 @@ fn solid() -> Mesh {
         indices: faces.iter().flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]).collect(),
         positions,
     }
+}
+
+/// A tetrahedron between every other corner of the box.
+fn coarse() -> Mesh {
+    let full = solid();
+    let indices = [[0, 3, 5], [0, 6, 3], [0, 5, 6], [3, 6, 5]].concat();
+    Mesh { indices, ..full }
 }
 
 /// Its positions and triangles alone.

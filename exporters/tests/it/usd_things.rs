@@ -1,0 +1,64 @@
+//! What the USD library is told of things: which of them are bodies, and how they move.
+
+use crate::ledger::ledger;
+use crate::strewn::Strewn;
+use nalgebra::Quaternion;
+use plume_exporters::package::Memory;
+use plume_exporters::{Target, target};
+use serde_json::{Value, json};
+
+fn built(name: &str, settings: Value) -> Box<dyn Target> {
+    target(name).unwrap().build(settings, ledger().as_ref()).unwrap()
+}
+
+/// The things of the layer that target `usd` writes.
+fn told(movable: bool, settings: Value) -> (Vec<Value>, Strewn) {
+    let folder = tempfile::tempdir().unwrap();
+    let strewn = Strewn::new(folder.path(), movable).unwrap();
+    let mut memory = Memory::default();
+    built("usd", settings).export(&strewn.scene(), &mut memory).unwrap();
+    let layer = &memory.bytes["chunks/things_0_0_0.usdc"];
+    let call = b"write_things\n";
+    let start = layer.windows(call.len()).position(|window| window == call).unwrap() + call.len();
+    let spec: Value = serde_json::Deserializer::from_slice(&layer[start..]).into_iter().next().unwrap().unwrap();
+    (spec["things"].as_array().unwrap().clone(), strewn)
+}
+
+fn numbers<const N: usize>(value: &Value) -> [f64; N] {
+    let numbers: Vec<f64> = value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect();
+    numbers.try_into().unwrap()
+}
+
+#[test]
+fn movable_things_are_bodies_of_their_mass_and_inertia() {
+    let (told, strewn) = told(true, json!({}));
+    assert_eq!(told.len(), strewn.things().len());
+    for (told, thing) in told.iter().zip(strewn.things()) {
+        let body = &told["body"];
+        assert_eq!(body["mass_kg"], thing.mass_kg);
+        assert!(numbers::<3>(&body["center"]).iter().all(|offset| offset.abs() < 1e-9));
+        let edge_m = 0.2 * thing.scale;
+        let expected = thing.mass_kg * edge_m * edge_m / 6.0;
+        assert!(numbers::<3>(&body["inertia_kg_m2"]).iter().all(|moment| (moment - expected).abs() < 1e-7), "{body}");
+        let [w, x, y, z] = numbers(&body["axes_wxyz"]);
+        assert!((Quaternion::new(w, x, y, z).norm() - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn nothing_else_is_a_body() {
+    for (movable, settings) in [(false, json!({})), (true, json!({ "physics": false }))] {
+        let (told, _) = told(movable, settings);
+        assert!(told.iter().all(|thing| thing.get("body").is_none()));
+    }
+}
+
+#[test]
+fn bodies_are_told_of_where_there_is_physics() {
+    for name in ["isaac", "usd", "usdz"] {
+        assert!(built(name, json!({})).moves_things(), "{name}");
+    }
+    for name in ["usd", "usdz"] {
+        assert!(!built(name, json!({ "physics": false })).moves_things(), "{name}");
+    }
+}
