@@ -12,6 +12,7 @@ mod fbx_reads_back;
 mod forge;
 mod gazebo_package;
 mod glb_package;
+mod gltf_instancing;
 mod gltf_meshopt;
 mod gltf_package;
 mod hostile_archives;
