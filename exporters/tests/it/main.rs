@@ -32,5 +32,6 @@ mod told;
 #[path = "sample/touched.rs"]
 mod touched;
 mod unity_package;
+mod unity_things;
 mod unreal_package;
 mod urdf_package;
