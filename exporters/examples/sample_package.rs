@@ -90,6 +90,7 @@ fn write_strewn(folder: &Path) -> Result<()> {
         ("glb_instancing_chunks", json!({ "instancing": true, "per_chunk": true, "collision": "pieces" })),
         ("gltf_instancing", json!({ "instancing": true })),
         ("unity_things", json!({})),
+        ("unreal_things", json!({})),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?.row;
         write(&folder.join(name), row, settings, &scene, &None)?;

@@ -9,6 +9,8 @@ use crate::sample::Chamber;
 
 /// Half the edge of the box, metres.
 const HALF_M: f32 = 0.1;
+/// How far the corners that the coarser level cuts off are from it, metres: the edge over the root of three.
+const COARSE_ERROR_M: f32 = 0.1155;
 /// Sizes of the copies relative to it: two of three are the same.
 const SCALES: [f64; 3] = [1.0, 1.5, 1.0];
 
@@ -92,7 +94,7 @@ impl Chunks for Strewn {
 
     fn prototypes(&self) -> io::Result<Vec<Prototype>> {
         let hull = bare();
-        let levels = vec![Lod { mesh: solid(), error_m: 0.0 }];
+        let levels = vec![Lod { mesh: solid(), error_m: 0.0 }, Lod { mesh: coarse(), error_m: COARSE_ERROR_M }];
         let name = "box_0".to_owned();
         Ok(vec![Prototype { name, levels, hull, zone: Zone::Floor, material: self.material()? }])
     }
@@ -110,6 +112,11 @@ fn solid() -> Mesh {
         indices: faces.iter().flat_map(|[a, b, c, d]| [*a, *b, *c, *a, *c, *d]).collect(),
         positions,
     }
+}
+
+/// Its coarser level, a tetrahedron of every other corner.
+fn coarse() -> Mesh {
+    Mesh { indices: vec![0, 3, 5, 0, 5, 6, 0, 6, 3, 3, 6, 5], ..solid() }
 }
 
 /// Its positions and triangles alone.
