@@ -58,7 +58,7 @@ impl Fault {
     }
 }
 
-static FAULTS: [Fault; 28] = [
+static FAULTS: [Fault; 29] = [
     Fault {
         name: "a hole in the collision mesh",
         reader: "pybullet",
@@ -226,6 +226,13 @@ static FAULTS: [Fault; 28] = [
         message: "triangles instead of",
         file: "formats/obj/chamber.obj",
         rewrite: |bytes| Some(keep_triangles(&bytes, |number| !number.is_multiple_of(20))),
+    },
+    Fault {
+        name: "a label without its name",
+        reader: "trimesh",
+        message: "names no label for ['ceiling']",
+        file: "formats/ply/chamber.ply",
+        rewrite: |bytes| replace(&bytes, "label 3 ceiling", "label 3 sealing"),
     },
     Fault {
         name: "a corner that one format has elsewhere",
