@@ -33,6 +33,7 @@ mod chunks;
 mod content;
 mod found;
 mod readers;
+mod things;
 
 /// Maximum number of faults reported; a package that has more is beyond repair.
 const MOST_FAULTS: usize = 1000;
@@ -200,6 +201,7 @@ impl<'a> Inspection<'a> {
         }
         self.faults.extend(chunks::faults(self.manifest));
         self.faults.extend(self.found.faults(&self.manifest.files));
+        self.faults.extend(things::faults(self.manifest.things.as_ref(), self.found.counted_things()));
         Report {
             target: self.manifest.target.clone(),
             generator: self.manifest.generator.clone(),

@@ -27,6 +27,7 @@ mod places;
 mod sample;
 #[path = "sample/strewn.rs"]
 mod strewn;
+mod things_counted;
 #[path = "sample/told.rs"]
 mod told;
 #[path = "sample/touched.rs"]

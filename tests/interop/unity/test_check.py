@@ -124,7 +124,7 @@ FAULTS_OF_THINGS = {
     "a thing in the frame of the scene": (replace(PREFAB, r"(m_LocalRotation.y\n +value: )-", r"\g<1>"), "turned otherwise"),
     "a thing of another size": (replace(PREFAB, r"(m_LocalScale.z\n +value: )1.5", r"\g<1>1"), "has the scale"),
     "a thing of another mass": (replace(PREFAB, r"(m_Mass\n +value: )2", r"\g<1>3"), "has 3 kg"),
-    "a thing whose name another has": (replace(PREFAB, r"box_0+2$", "box_0000000000000001"), "two things are called"),
+    "a thing whose name another has": (replace(PREFAB, r"box_0+2$", "box_0000000000000000"), "two things are called"),
     "a thing below nothing": (replace(PREFAB, r"  m_Children:\n  - .*\n(  - .*\n  - .*\n  m_Father: .*\n  m_RootOrder: 2)", r"  m_Children:\n\1"), "is no child of its father"),
     "a prefab that nothing names": (replace(PREFAB, r"fileID: 100100000", "fileID: 100100001"), "names what"),
     "a stone that does not fall": (replace(BOX, "m_UseGravity: 1", "m_UseGravity: 0"), "does not fall"),

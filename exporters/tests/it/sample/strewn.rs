@@ -1,4 +1,4 @@
-//! The chamber with things in it: copies of one box, in place or movable.
+//! The chamber with things in it: copies of one box, the larger of which are of another class, in place or movable.
 
 use std::io;
 
@@ -27,7 +27,7 @@ impl Strewn {
     pub fn things(&self) -> Vec<Instance> {
         let thing = |(number, scale): (usize, f64)| Instance {
             id: number as u64,
-            class: "box".to_owned(),
+            class: if scale > 1.0 { "box_large" } else { "box" }.to_owned(),
             prototype: "box_0".to_owned(),
             level: 0,
             chunk: "things_0_0_0".to_owned(),
