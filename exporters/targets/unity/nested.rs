@@ -8,9 +8,8 @@ use crate::frame::{micro, unity_from_scene, unity_rotation_from_scene};
 use crate::names;
 use crate::scene::Instance;
 
-/// Class numbers, as in the prefab.
+/// Number of the class `PrefabInstance`.
 const PREFAB_INSTANCE: u32 = 1001;
-const TRANSFORM: u32 = 4;
 
 /// An instance of the prefab of a thing, for the template.
 #[derive(Serialize)]
@@ -51,12 +50,7 @@ impl Nested {
         if let Some(body) = source.body {
             change(body, "m_Mass".to_owned(), micro(thing.mass_kg));
         }
-        Self {
-            instance: identity::object(&path, PREFAB_INSTANCE),
-            transform: identity::object(&path, TRANSFORM),
-            father,
-            source,
-            changes,
-        }
+        let instance = identity::object(&path, PREFAB_INSTANCE);
+        Self { instance, transform: identity::nested(instance, source.transform), father, source, changes }
     }
 }

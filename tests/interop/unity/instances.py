@@ -62,6 +62,11 @@ def check_family(prefab, document, source):
     require(own.file_id in listed, f"{prefab.name}: an instance is no child of its father")
     root = root_of(source)
     require(own.fields["m_CorrespondingSourceObject"]["fileID"] == root.file_id, f"{source.name} has another root")
+    # As in the prefabs that Unity writes.
+    number = document.file_id ^ root.file_id
+    require(
+        own.file_id == number, f"{prefab.name}: an object of an instance has the number {own.file_id}, not {number}"
+    )
 
 
 def root_of(source):

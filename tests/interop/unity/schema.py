@@ -135,7 +135,7 @@ CLASSES = {
     ),
 }
 
-# https://docs.unity3d.com/2021.3/Documentation/Manual/YAMLSceneExample.html and FormatDescription.html
+# https://docs.unity3d.com/6000.3/Documentation/Manual/yaml-prefab-serialization.html
 CLASSES[1001] = (
     "PrefabInstance",
     {
