@@ -82,8 +82,7 @@ fn write_chambers(folder: &Path) -> Result<()> {
 
 fn write_strewn(folder: &Path) -> Result<()> {
     let textures = tempfile::tempdir()?;
-    let chunks = strewn::Strewn { chamber: sample::Chamber::new(textures.path())?, movable: true };
-    let scene = Scene { chunks: &chunks, ..chunks.chamber.scene() };
+    let strewn = strewn::Strewn::new(textures.path(), true)?;
     for (name, settings) in [
         ("glb_things", json!({})),
         ("glb_instancing", json!({ "instancing": true, "compression": "meshopt", "lods": true })),
@@ -93,7 +92,7 @@ fn write_strewn(folder: &Path) -> Result<()> {
         ("unreal_things", json!({})),
     ] {
         let row = target(name.split('_').next().unwrap_or(name))?.row;
-        write(&folder.join(name), row, settings, &scene, &None)?;
+        write(&folder.join(name), row, settings, &strewn.scene(), &None)?;
     }
     Ok(())
 }

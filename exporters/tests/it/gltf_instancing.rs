@@ -1,11 +1,9 @@
 //! With EXT_mesh_gpu_instancing, things are where they are without it.
 
-use crate::sample;
 use crate::strewn::Strewn;
 use nalgebra::{Matrix4, Point3, Quaternion, UnitQuaternion};
 use plume_exporters::frame::gltf_from_scene;
 use plume_exporters::package::Memory;
-use plume_exporters::scene::Scene;
 use plume_exporters::target;
 use serde_json::{Value, json};
 
@@ -13,11 +11,10 @@ const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
 fn export(settings: Value) -> (Memory, Strewn, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
-    let chunks = Strewn { chamber: sample::Chamber::new(folder.path()).unwrap(), movable: false };
+    let strewn = Strewn::new(folder.path(), false).unwrap();
     let mut memory = Memory::default();
-    let scene = Scene { chunks: &chunks, ..chunks.chamber.scene() };
-    target("glb").unwrap().build(settings, None).unwrap().export(&scene, &mut memory).unwrap();
-    (memory, chunks, folder)
+    target("glb").unwrap().build(settings, None).unwrap().export(&strewn.scene(), &mut memory).unwrap();
+    (memory, strewn, folder)
 }
 
 /// JSON and payload of a GLB.
@@ -49,7 +46,7 @@ fn instanced(json: &Value) -> Vec<&Value> {
 fn every_thing_is_an_instance_at_its_place() {
     for path in ["chamber.glb", "chunks/things_0_0_0.glb"] {
         let per_chunk = path != "chamber.glb";
-        let (memory, chunks, _folder) = export(json!({ "instancing": true, "per_chunk": per_chunk }));
+        let (memory, strewn, _folder) = export(json!({ "instancing": true, "per_chunk": per_chunk }));
         let (json, payload) = parts(&memory.bytes[path]);
         assert_eq!(json["extensionsRequired"], json!([EXTENSION]));
         let [node] = instanced(&json)[..] else { panic!("one prototype at one level is one node") };
@@ -60,7 +57,7 @@ fn every_thing_is_an_instance_at_its_place() {
         let (moves, turns, scales, numbers) =
             (read("TRANSLATION", 3), read("ROTATION", 4), read("SCALE", 3), read("_ID", 1));
         assert_eq!(numbers, [[0.0], [1.0], [2.0]]);
-        let things = chunks.things();
+        let things = strewn.things();
         assert_eq!(moves.len(), things.len());
         let corner = Point3::new(0.1, -0.05, 0.02);
         for (row, thing) in things.iter().enumerate() {
@@ -87,10 +84,10 @@ fn hulls_are_instances_beside_what_is_seen() {
 
 #[test]
 fn by_default_every_thing_is_a_node() {
-    let (memory, chunks, _folder) = export(json!({}));
+    let (memory, strewn, _folder) = export(json!({}));
     let (json, _) = parts(&memory.bytes["chamber.glb"]);
     assert!(instanced(&json).is_empty() && json.get("extensionsRequired").is_none());
     let nodes = json["nodes"].as_array().unwrap();
     let boxes = nodes.iter().filter(|node| node["name"].as_str().unwrap().starts_with("box_"));
-    assert_eq!(boxes.count(), chunks.things().len());
+    assert_eq!(boxes.count(), strewn.things().len());
 }

@@ -2,19 +2,16 @@
 
 use std::collections::BTreeSet;
 
-use crate::sample;
 use crate::strewn::Strewn;
 use plume_exporters::place::{Existing, Place};
-use plume_exporters::scene::Scene;
 use plume_exporters::targets::unity::{Unity, UnitySettings};
 
 /// A package in a folder.
 fn export(movable: bool) -> (tempfile::TempDir, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
-    let chunks = Strewn { chamber: sample::Chamber::new(folder.path()).unwrap(), movable };
-    let scene = Scene { chunks: &chunks, ..chunks.chamber.scene() };
+    let strewn = Strewn::new(folder.path(), movable).unwrap();
     let place = Place { path: folder.path().join("package"), bundle: None, existing: Existing::Keep };
-    let (summary, _) = place.write("unity", &Unity(UnitySettings::default()), &scene).unwrap();
+    let (summary, _) = place.write("unity", &Unity(UnitySettings::default()), &strewn.scene()).unwrap();
     assert_eq!(summary.visual_triangles - 12_096, 3 * 12);
     let entries = ["Meshes", "Things"].map(|part| std::fs::read_dir(place.path.join("Runtime").join(part)).unwrap());
     let names = entries.into_iter().flatten().map(|entry| entry.unwrap().file_name().into_string().unwrap());

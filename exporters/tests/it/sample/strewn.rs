@@ -1,16 +1,15 @@
-//! The chamber with things in it: copies of one box, the larger of which are of another class, in place or movable.
+//! The chamber with things in it: copies of one box, in place or movable.
 
 use std::io;
+use std::path::Path;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use plume_exporters::scene::{Chunk, Chunks, Content, Instance, Lod, Material, Mesh, Piece, Prototype, Zone};
+use plume_exporters::scene::{Chunk, Chunks, Content, Instance, Lod, Material, Mesh, Piece, Prototype, Scene, Zone};
 
 use crate::sample::Chamber;
 
 /// Half the edge of the box, metres.
 const HALF_M: f32 = 0.1;
-/// How far the corners that the coarser level cuts off are from it, metres: the edge over the root of three.
-const COARSE_ERROR_M: f32 = 0.1155;
 /// Sizes of the copies relative to it: two of three are the same.
 const SCALES: [f64; 3] = [1.0, 1.5, 1.0];
 
@@ -23,11 +22,21 @@ pub struct Strewn {
 }
 
 impl Strewn {
+    /// The chamber with textures in `folder`, and things that move when pushed, or do not.
+    pub fn new(folder: &Path, movable: bool) -> io::Result<Self> {
+        Ok(Self { chamber: Chamber::new(folder)?, movable })
+    }
+
+    /// A scene around them.
+    pub fn scene(&self) -> Scene<'_> {
+        Scene { chunks: self, ..self.chamber.scene() }
+    }
+
     /// The things.
     pub fn things(&self) -> Vec<Instance> {
         let thing = |(number, scale): (usize, f64)| Instance {
             id: number as u64,
-            class: if scale > 1.0 { "box_large" } else { "box" }.to_owned(),
+            class: "box".to_owned(),
             prototype: "box_0".to_owned(),
             level: 0,
             chunk: "things_0_0_0".to_owned(),
@@ -94,7 +103,7 @@ impl Chunks for Strewn {
 
     fn prototypes(&self) -> io::Result<Vec<Prototype>> {
         let hull = bare();
-        let levels = vec![Lod { mesh: solid(), error_m: 0.0 }, Lod { mesh: coarse(), error_m: COARSE_ERROR_M }];
+        let levels = vec![Lod { mesh: solid(), error_m: 0.0 }, Lod { mesh: coarse(), error_m: HALF_M }];
         let name = "box_0".to_owned();
         Ok(vec![Prototype { name, levels, hull, zone: Zone::Floor, material: self.material()? }])
     }
@@ -114,9 +123,11 @@ fn solid() -> Mesh {
     }
 }
 
-/// Its coarser level, a tetrahedron of every other corner.
+/// A tetrahedron between every other corner of the box.
 fn coarse() -> Mesh {
-    Mesh { indices: vec![0, 3, 5, 0, 5, 6, 0, 6, 3, 3, 6, 5], ..solid() }
+    let full = solid();
+    let indices = [[0, 3, 5], [0, 6, 3], [0, 5, 6], [3, 6, 5]].concat();
+    Mesh { indices, ..full }
 }
 
 /// Its positions and triangles alone.
