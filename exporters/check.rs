@@ -1,8 +1,9 @@
 //! Whether a package is intact: the checks of `plume check`.
 //!
 //! Every file has the size and hash recorded in the manifest, and there are no others; every file parses as the format that
-//! its extension names; every reference leads to a file of the package. Nothing is unpacked to the disk, and nothing is
-//! trusted ([`contents`]). Not checked: who made it (the seal is not a signature), and whether a simulator accepts it.
+//! its extension names; every reference leads to a file of the package; there are as many things as the manifest says. Nothing
+//! is unpacked to the disk, and nothing is trusted ([`contents`]). Not checked: who made it (the seal is not a signature), and
+//! whether a simulator accepts it.
 //!
 //! [`contents`]: crate::contents
 //!
@@ -33,6 +34,7 @@ mod chunks;
 mod content;
 mod found;
 mod readers;
+mod things;
 
 /// Maximum number of faults reported; a package that has more is beyond repair.
 const MOST_FAULTS: usize = 1000;
@@ -200,6 +202,7 @@ impl<'a> Inspection<'a> {
         }
         self.faults.extend(chunks::faults(self.manifest));
         self.faults.extend(self.found.faults(&self.manifest.files));
+        self.faults.extend(things::faults(self.manifest.things.as_ref(), self.found.counted_things()));
         Report {
             target: self.manifest.target.clone(),
             generator: self.manifest.generator.clone(),

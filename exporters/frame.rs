@@ -105,6 +105,12 @@ pub fn unity_from_scene<T: Copy + std::ops::Neg<Output = T>>(scene: [T; 3]) -> [
     [-x, y, z]
 }
 
+/// A turn of the scene as one of the frame of Unity: x, y, z, w. It is about the mirrored axis, the other way round.
+pub fn unity_rotation_from_scene(turn: &UnitQuaternion<f64>) -> [f64; 4] {
+    let [x, y, z] = unity_from_scene([turn.i, turn.j, turn.k]);
+    [-x, -y, -z, turn.w]
+}
+
 /// The pose of a body in the frame of Unity: position, and rotation as x, y, z, w. A body faces along its +X with +Z up in
 /// the scene, and along its +Z with +Y up in Unity.
 pub fn unity_pose_from_scene(scene_from_body: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
@@ -204,6 +210,16 @@ mod tests {
         let [x, y, z] =
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| Vector3::from(unity_from_scene(axis)));
         assert_eq!(x.cross(&y), -z);
+    }
+
+    #[test]
+    fn a_turn_in_unity_moves_points_as_the_frame_change_does() {
+        let turn = UnitQuaternion::from_euler_angles(0.3, -0.4, 2.0);
+        let [i, j, k, w] = unity_rotation_from_scene(&turn);
+        let of_unity = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, i, j, k));
+        let point = Vector3::new(0.5, 0.25, -1.5);
+        let expected = Vector3::from(unity_from_scene((turn * point).into()));
+        assert!((of_unity * Vector3::from(unity_from_scene(point.into())) - expected).norm() < 1e-12);
     }
 
     #[test]

@@ -4,30 +4,41 @@ use serde_json::{Value, json};
 
 use crate::Target;
 use crate::error::ExportError;
+use crate::manifest::ThingsEntry;
 use crate::package::Package;
 use crate::scene::{Instance, Scene};
 
 /// Name of the file.
 pub const INSTANCES: &str = "instances.json";
 
-/// Writes the file, if the scene has things: those that the package of `target` has as parts of the static world are not movable.
+/// Writes the file, if the scene has things, and counts them: those that the package of `target` has as parts of the static world
+/// are not movable.
 ///
 /// # Errors
 /// If the things of a chunk cannot be read; those of the package.
-pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<(), ExportError> {
+pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<Option<ThingsEntry>, ExportError> {
     let mut things = list(scene)?;
     if !target.moves_things() {
         things.iter_mut().for_each(|thing| thing["movable"] = false.into());
     }
+    let Some(counted) = count(&things) else {
+        return Ok(None);
+    };
     let things: Vec<String> = things.iter().map(Value::to_string).collect();
-    if things.is_empty() {
-        return Ok(());
-    }
     out.write(INSTANCES, |file| {
         let (generator, frame) = (json!(scene.generator), json!("right-handed, Z up, metres"));
         writeln!(file, r#"{{"generator": {generator}, "frame": {frame}, "things": ["#)?;
         Ok(writeln!(file, "{}\n]}}", things.join(",\n"))?)
-    })
+    })?;
+    Ok(Some(counted))
+}
+
+/// Counts things of the file, without those that lack a class or a prototype; `None` if there are none.
+pub(crate) fn count(things: &[Value]) -> Option<ThingsEntry> {
+    let text = |thing: &Value, key: &str| thing.get(key).and_then(Value::as_str).map(str::to_owned);
+    let pairs: Vec<_> =
+        things.iter().filter_map(|thing| Some((text(thing, "class")?, text(thing, "prototype")?))).collect();
+    ThingsEntry::count(pairs.iter().map(|(class, prototype)| (&**class, &**prototype)))
 }
 
 /// How many things of a scene move when they are pushed.

@@ -27,8 +27,10 @@ use crate::scene::{Image, Scene};
 use crate::target::Target;
 
 use self::recorder::ChunkFacts;
+pub use self::things::ThingsEntry;
 
 pub(crate) mod recorder;
+mod things;
 
 /// Version of the manifest format. The first was a plain list of files, the second had no fingerprint.
 pub const FORMAT: u32 = 3;
@@ -63,6 +65,9 @@ pub struct Manifest {
     pub spawns: Vec<Spawn>,
     /// The chunks, in their order.
     pub chunks: Vec<ChunkEntry>,
+    /// The things, if there are any; `instances.json` lists them one by one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub things: Option<ThingsEntry>,
     /// Every file except this one.
     pub files: Files,
 }
@@ -157,6 +162,7 @@ impl Manifest {
         target: &dyn Target,
         scene: &Scene,
         facts: &[ChunkFacts],
+        things: Option<ThingsEntry>,
         out: &mut dyn Package,
     ) -> Self {
         let files = out.files().clone();
@@ -175,6 +181,7 @@ impl Manifest {
             bounds: around(&chunks),
             spawns: scene.spawns.iter().map(spawn).collect(),
             chunks,
+            things,
             files,
         }
     }

@@ -100,8 +100,8 @@ pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Packag
     let license = template::fill(LICENSE, include_str!("templates/package/LICENSE.md.jinja"), &values);
     out.text(LICENSE, &license)?;
     let facts = recording.facts(scene)?;
-    instances::write(target, scene, out)?;
-    let manifest = Manifest::new(name, target, scene, &facts, out);
+    let things = instances::write(target, scene, out)?;
+    let manifest = Manifest::new(name, target, scene, &facts, things, out);
     out.text(MANIFEST, &manifest.to_text()?)?;
     Ok(summary)
 }

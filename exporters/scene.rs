@@ -18,6 +18,10 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::names;
 
+pub use self::things::{Instance, Prototype};
+
+mod things;
+
 /// A static world in chunks.
 #[derive(Clone)]
 pub struct Scene<'a> {
@@ -167,7 +171,7 @@ pub trait Chunks: Sync {
     /// When they cannot be read.
     fn pieces(&self, index: usize) -> Result<Vec<Piece>, std::io::Error>;
 
-    /// The things of a chunk, in the order of its pieces; none unless it [consists](Content) of things.
+    /// The things of a chunk, in the order of its pieces and of its visual mesh; none unless it [consists](Content) of things.
     ///
     /// # Errors
     /// When they cannot be read.
@@ -240,60 +244,6 @@ pub struct Piece {
     pub mesh: Mesh,
     /// The zone of the wall that it covers.
     pub zone: Zone,
-}
-
-/// A shape of which there are copies, in its own frame, in which it stands upright.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prototype {
-    /// Safe name, unique in the scene.
-    pub name: String,
-    /// The visual mesh at every level of detail, the full one first, which is without error.
-    pub levels: Vec<Lod>,
-    /// A convex hull: positions and triangles only.
-    pub hull: Mesh,
-    /// The zone by which copies have their friction.
-    pub zone: Zone,
-    /// Material of the visual mesh.
-    pub material: Material,
-}
-
-impl Instance {
-    /// Its prototype among `prototypes`.
-    ///
-    /// # Errors
-    /// [`ExportError::BadScene`] if it is missing, or has no such level.
-    pub fn prototype_in<'a>(&self, prototypes: &'a [Prototype]) -> Result<&'a Prototype, ExportError> {
-        let known = prototypes.iter().find(|prototype| prototype.name == self.prototype);
-        known.filter(|prototype| self.level < prototype.levels.len()).ok_or_else(|| ExportError::BadScene {
-            scene: self.chunk.clone(),
-            fault: format!("level {} of prototype `{}` is missing", self.level, self.prototype),
-        })
-    }
-}
-
-/// A thing: a copy of a prototype. Its triangles are in the mesh of its chunk as well, for targets without copies.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Instance {
-    /// Its identity, unique in the scene.
-    pub id: u64,
-    /// What it is, such as `boulder`.
-    pub class: String,
-    /// Safe name of its prototype.
-    pub prototype: String,
-    /// The level of the prototype that it shows in full detail: small things have no finer one.
-    pub level: usize,
-    /// The name of its chunk.
-    pub chunk: String,
-    /// From the frame of the prototype, in which it stands upright, to that of the scene.
-    pub pose: Isometry3<f64>,
-    /// Its size relative to the prototype.
-    pub scale: f64,
-    /// Mass in kilograms.
-    pub mass_kg: f64,
-    /// How deep it lies in the ground, in metres.
-    pub embedding_m: f64,
-    /// Whether it is a body that moves when it is pushed; others are part of the static world.
-    pub movable: bool,
 }
 
 /// A zone of the wall.

@@ -3,7 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Fault;
+use crate::instances;
+use crate::manifest::ThingsEntry;
 use crate::package::{Files, MANIFEST};
+use serde_json::Value;
 
 /// What all readers have found.
 #[derive(Default)]
@@ -12,6 +15,7 @@ pub struct Found {
     /// Files inside archives, with paths below that of the archive.
     inside: BTreeSet<String>,
     guids: Vec<Guid>,
+    things: Option<ThingsEntry>,
 }
 
 struct Reference {
@@ -51,6 +55,16 @@ impl Found {
     /// The file `file` refers to another by its `guid`.
     pub fn named_guid(&mut self, file: &str, guid: &str) {
         self.guids.push(Guid { file: file.to_owned(), guid: guid.to_owned(), is_own: false });
+    }
+
+    /// The package lists these things.
+    pub fn things(&mut self, listed: &[Value]) {
+        self.things = instances::count(listed);
+    }
+
+    /// How many things the package lists.
+    pub fn counted_things(&self) -> Option<&ThingsEntry> {
+        self.things.as_ref()
     }
 
     /// References that do not resolve.

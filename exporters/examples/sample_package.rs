@@ -4,6 +4,8 @@
 //! `FOLDER/<target>_meshopt` compressed, `FOLDER/<target>_pieces` with convex pieces where supported, and `FOLDER/fbx_y`
 //! with Y up.
 //!
+//! The chamber with things in it: `FOLDER/<target>_things` and others, for targets that write copies of a mesh.
+//!
 //! The marker: `FOLDER/marker/<target>` with the expected result in `FOLDER/marker/marker.json`, and with each injected
 //! fault as `FOLDER/marker_<fault>/<target>`; for targets that need a USD library only if an interpreter with usd-core is
 //! given.
@@ -27,6 +29,8 @@ mod lent;
 mod marker;
 #[path = "../tests/it/sample/mod.rs"]
 mod sample;
+#[path = "../tests/it/sample/strewn.rs"]
+mod strewn;
 
 type Lent = Option<Arc<dyn Library>>;
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -36,6 +40,7 @@ fn main() -> Result<()> {
     let folder = arguments.next().ok_or("usage: sample_package FOLDER [PYTHON]")?;
     let library = arguments.next().map(|python| lent::lend(&python)).transpose()?;
     write_chambers(&folder)?;
+    write_strewn(&folder)?;
     let faults = marker::FAULTS.map(|(fault, change)| (format!("marker_{fault}"), change));
     for (name, change) in [("marker".to_owned(), (|_| ()) as marker::Change)].into_iter().chain(faults) {
         write_markers(&folder.join(name), change, &library)?;
@@ -71,6 +76,23 @@ fn write_chambers(folder: &Path) -> Result<()> {
     let webp = sample::Chamber::in_webp(textures.path())?;
     for row in TARGETS.iter().filter(|row| row.images.contains(&ImageFormat::WebP) && !row.needs_usd()) {
         write(&folder.join(format!("{}_webp", row.name)), row, json!({}), &webp.scene(), &None)?;
+    }
+    Ok(())
+}
+
+fn write_strewn(folder: &Path) -> Result<()> {
+    let textures = tempfile::tempdir()?;
+    let strewn = strewn::Strewn::new(textures.path(), true)?;
+    for (name, settings) in [
+        ("glb_things", json!({})),
+        ("glb_instancing", json!({ "instancing": true, "compression": "meshopt", "lods": true })),
+        ("glb_instancing_chunks", json!({ "instancing": true, "per_chunk": true, "collision": "pieces" })),
+        ("gltf_instancing", json!({ "instancing": true })),
+        ("unity_things", json!({})),
+        ("unreal_things", json!({})),
+    ] {
+        let row = target(name.split('_').next().unwrap_or(name))?.row;
+        write(&folder.join(name), row, settings, &strewn.scene(), &None)?;
     }
     Ok(())
 }

@@ -12,6 +12,7 @@ mod copies;
 mod geometry;
 pub mod glb;
 pub mod index;
+mod instancing;
 mod layout;
 mod lights;
 mod material;

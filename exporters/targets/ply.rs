@@ -7,8 +7,8 @@
 //! ```
 //! Colours are sampled from the base colour image at the vertices; detail finer than the distance of vertices is lost.
 //!
-//! Labels are those of target `isaac`: a face that faces up or down within 45° is floor or ceiling, the others are wall. The
-//! label of a vertex follows from its normal.
+//! Labels of the wall are those of target `isaac`: a face that faces up or down within 45° is floor or ceiling, the others are
+//! wall. The label of a vertex follows from its normal. Things have a label for each class of the scene.
 
 use minijinja::context;
 use schemars::JsonSchema;
@@ -21,16 +21,19 @@ use crate::format::ply;
 use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Mesh, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, slope, template};
+use crate::scene::{Chunk, Scene};
+use crate::{Build, Summary, Target, TargetRow, template};
+use labels::Labels;
+
+mod labels;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "ply",
-    summary: "binary PLY with colours and labels of floor, wall and ceiling at vertices and faces",
+    summary: "binary PLY with colours and labels of floor, wall, ceiling and things at vertices and faces",
     revision: 0,
     opened_by: "MeshLab, CloudCompare, Open3D, Blender, trimesh",
-    contents: "binary PLY: normals, colours, labels for floor, wall and ceiling",
+    contents: "binary PLY: normals, colours, labels for floor, wall, ceiling and each class of things",
     tested_by: "plyfile, trimesh, Blender 4.2, assimp",
     checks: &["trimesh", "blender", "libassimp", "orient"],
     images: &ImageFormat::COMMON,
@@ -58,10 +61,11 @@ pub struct Ply(
 impl Target for Ply {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let comments = comments(scene);
+        let labels = Labels::of(scene)?;
+        let comments = comments(scene, &labels);
         let [visual_triangles, collision_triangles] = chunk_files::write(scene, self.0.per_chunk, out, |stem| {
             let (body, faces) = (stem.grow(".ply")?, stem.grow(".faces")?);
-            Ok(Cloud { comments: &comments, body, faces, counts: [0, 0] })
+            Ok(Cloud { comments: &comments, labels: &labels, body, faces, counts: [0, 0] })
         })?;
         let open = chunk_files::how_to_open(scene, self.0.per_chunk, "ply");
         let values = context! {
@@ -70,7 +74,7 @@ impl Target for Ply {
             generator => &scene.generator,
             per_chunk => self.0.per_chunk,
             triangles => visual_triangles,
-            labels => Zone::ALL.map(label_text),
+            labels => labels.texts(),
         };
         let readme = include_str!("../templates/ply/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
@@ -82,8 +86,8 @@ impl Target for Ply {
     }
 }
 
-fn comments(scene: &Scene) -> Vec<String> {
-    let labels = Zone::ALL.map(|zone| format!("label {}", label_text(zone)));
+fn comments(scene: &Scene, labels: &Labels) -> Vec<String> {
+    let labels = labels.texts().into_iter().map(|text| format!("label {text}"));
     let made = format!("{}, made by {}", scene.name, scene.generator);
     [made, "metres, right-handed, Z up; s t from the lower left of the image".to_owned()]
         .into_iter()
@@ -91,13 +95,10 @@ fn comments(scene: &Scene) -> Vec<String> {
         .collect()
 }
 
-fn label_text(zone: Zone) -> String {
-    format!("{} {}", ply::label(zone), zone.name())
-}
-
 /// A file being written, and its second half.
 struct Cloud<'a> {
     comments: &'a [String],
+    labels: &'a Labels,
     body: TempFile,
     faces: TempFile,
     /// Vertices and faces.
@@ -112,7 +113,13 @@ impl Cloud<'_> {
 }
 
 impl ChunkFiles for Cloud<'_> {
-    fn add(&mut self, _: &Scene, _: usize, chunk: &Chunk, _: &mut dyn Package) -> Result<Triangles, ExportError> {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        chunk: &Chunk,
+        _: &mut dyn Package,
+    ) -> Result<Triangles, ExportError> {
         chunk.material.refuse_unless(ROW.name, ROW.images)?;
         let mesh = &chunk.visual;
         let before = self.counts[0];
@@ -123,9 +130,9 @@ impl ChunkFiles for Cloud<'_> {
         }
         let colors = Sampler::open(&chunk.material.base_color)?;
         let colors: Vec<[u8; 3]> = mesh.uvs.iter().map(|&uv| colors.at(uv)).collect();
-        let labels: Vec<u8> = mesh.normals.iter().map(|&normal| ply::label(slope::zone(normal))).collect();
-        ply::write_vertices(&mut self.body, mesh, &colors, &labels)?;
-        ply::write_faces(&mut self.faces, mesh, &face_labels(mesh), before as u32)?;
+        let (vertices, faces) = self.labels.of_chunk(scene, index, chunk)?;
+        ply::write_vertices(&mut self.body, mesh, &colors, &vertices)?;
+        ply::write_faces(&mut self.faces, mesh, &faces, before as u32)?;
         Ok([mesh.triangles(), 0])
     }
 
@@ -138,8 +145,4 @@ impl ChunkFiles for Cloud<'_> {
             self.faces.append_to(file)
         })
     }
-}
-
-fn face_labels(mesh: &Mesh) -> Vec<u8> {
-    slope::face_normals(mesh).into_iter().map(|normal| ply::label(slope::zone(normal))).collect()
 }

@@ -3,7 +3,8 @@
 //! ```text
 //! package.json, README.md
 //! Runtime/<name>.prefab
-//! Runtime/Meshes/<chunk>.fbx                        <chunk>_LOD0, _LOD1, … and <chunk>_collision
+//! Runtime/Things/<prototype>_level<n>[_movable].prefab
+//! Runtime/Meshes/{<chunk>,<prototype>}.fbx          <chunk>_LOD0, _LOD1, … and <chunk>_collision
 //! Runtime/Textures/<chunk>_{base_color,normal,mask}
 //! Runtime/Materials/<chunk>.mat
 //! Runtime/Physics/<zone>.physicMaterial
@@ -18,6 +19,8 @@
 //! - **Tangents**: Unity recomputes them with MikkTSpace, which was also used for baking the normal maps.
 //! - **Levels of detail** switch where their error is a line of an image of 1080 lines with a field of view of 60°. The last
 //!   one is never hidden.
+//! - **Things** are instances of nested prefabs, with the mass of movable ones as an override: the format of 2021.3, which
+//!   later versions read. Static ones are convex colliders without a body, whatever the collision of the walls.
 //! - **Friction** is that of the scene; it overrides lower values of touching bodies (`frictionCombine` is the maximum).
 //!
 //! Not tested in Unity itself. Independent readers check the YAML against the documented fields, that all references
@@ -46,23 +49,26 @@ use identity::Guid;
 use material::Pipeline;
 use prefab::{Model, Prefab};
 use texture::Textures;
+use things::Things;
 
 mod asset;
 pub mod identity;
 mod lod;
 pub mod material;
+mod nested;
 mod prefab;
 mod texture;
+mod things;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "unity",
-    summary: "package for Unity's Package Manager: FBX with levels of detail, materials and a prefab with colliders",
+    summary: "package for Unity's Package Manager: FBX with levels of detail, materials and prefabs with colliders",
     revision: 0,
     opened_by: "Unity 2021.3 and later",
     contents: "package for Unity's Package Manager (2021.3 and later): an FBX per chunk with levels of detail, materials \
-        for the built-in pipeline, URP or HDRP, a prefab with LODGroups, colliders, start poses and lights; \
-        `--bundle tgz`",
+        for the built-in pipeline, URP or HDRP, a prefab with LODGroups, colliders, start poses and lights, a prefab per \
+        shape of things; `--bundle tgz`",
     tested_by: "no Unity runs here: PyYAML with Unity's tags against the documented fields, every GUID and file ID \
         resolved; ufbx without a warning",
     checks: &["unity", "blender", "libassimp"],
@@ -109,7 +115,7 @@ impl Target for Unity {
             prefab: Prefab::new(&scene.name),
             friction: Vec::new(),
             triangles: [0, 0],
-            has_things: false,
+            things: Things::of(scene)?,
         };
         (0..scene.chunks.len()).try_for_each(|index| writer.write_chunk(index))?;
         let [visual_triangles, collision_triangles] = writer.triangles;
@@ -132,6 +138,10 @@ impl Target for Unity {
 
     fn wants_pieces(&self) -> bool {
         self.0.collision == Collision::Pieces
+    }
+
+    fn moves_things(&self) -> bool {
+        true
     }
 }
 
@@ -156,64 +166,57 @@ struct Writer<'a> {
     prefab: Prefab,
     friction: Vec<(Zone, Guid)>,
     triangles: [u64; 2],
-    has_things: bool,
+    things: Things,
 }
 
 impl Writer<'_> {
     fn write_chunk(&mut self, index: usize) -> Result<(), ExportError> {
         let chunk = self.scene.chunk(index)?;
+        self.triangles[0] += chunk.visual.triangles();
+        self.triangles[1] += match chunk.content {
+            Content::Wall => self.add_wall(&chunk, index)?,
+            Content::Things { .. } => self.add_things(&chunk, &self.scene.instances(index)?)?,
+        };
+        Ok(())
+    }
+
+    /// Writes the wall of a chunk and adds it to the prefab. Returns the number of its collision triangles.
+    fn add_wall(&mut self, chunk: &Chunk, index: usize) -> Result<u64, ExportError> {
         let shapes = match self.settings.collision {
-            Collision::Triangles => vec![whole(&chunk)],
+            Collision::Triangles => vec![whole(chunk)],
             Collision::Pieces => pieces(&chunk.name, self.scene.pieces(index)?),
         };
-        let textures = texture::write(&chunk, &mut self.assets)?;
+        let meshes: Vec<&Mesh> = chunk.levels().map(|(mesh, _)| mesh).collect();
+        let textures = texture::write(&chunk.material, &meshes, &mut self.assets)?;
         let material = material::write(&chunk.name, self.settings.pipeline, &textures, &mut self.assets)?;
-        let names: Vec<String> = fbx::levels(&chunk).map(|level| level.name).collect();
-        let model = Model { guid: self.write_model(&chunk, &names, &shapes, &textures, material)?, material };
-        let group = self.prefab.add_chunk(&chunk, &names, model);
+        let colliders = shapes.iter().map(|shape| fbx::Collider { name: shape.name.clone(), mesh: &shape.mesh });
+        let part = fbx::Part {
+            name: &chunk.name,
+            levels: fbx::levels(chunk).collect(),
+            colliders: colliders.collect(),
+            material: &chunk.name,
+            maps: &maps(&textures),
+        };
+        let model = Model { guid: self.write_model(&part, material)?, material };
+        let group = self.prefab.add_chunk(chunk, &part.levels, model);
         for zone in Zone::ALL {
             let of_zone: Vec<&Shape> = shapes.iter().filter(|shape| shape.zone == zone).collect();
             if !of_zone.is_empty() {
                 self.add_colliders(group, &chunk.name, zone, &of_zone, model)?;
             }
         }
-        self.has_things |= chunk.content != Content::Wall;
-        self.triangles[0] += chunk.visual.triangles();
-        self.triangles[1] += shapes.iter().map(|shape| shape.mesh.triangles()).sum::<u64>();
-        Ok(())
+        Ok(shapes.iter().map(|shape| shape.mesh.triangles()).sum())
     }
 
-    fn write_model(
-        &mut self,
-        chunk: &Chunk,
-        names: &[String],
-        shapes: &[Shape],
-        textures: &Textures,
-        material: Guid,
-    ) -> Result<Guid, ExportError> {
-        let path = format!("Runtime/Meshes/{}.fbx", chunk.name);
-        let maps = fbx::Maps {
-            base_color: format!("../Textures/{}", textures.base_color.file),
-            normal: format!("../Textures/{}", textures.normal.file),
-            roughness: None,
-            occlusion_roughness_metalness: None,
-        };
-        let part = fbx::Part {
-            name: &chunk.name,
-            levels: fbx::levels(chunk).collect(),
-            colliders: shapes
-                .iter()
-                .map(|shape| fbx::Collider { name: shape.name.clone(), mesh: &shape.mesh })
-                .collect(),
-            material: &chunk.name,
-            maps: &maps,
-        };
+    fn write_model(&mut self, part: &fbx::Part, material: Guid) -> Result<Guid, ExportError> {
+        let path = format!("Runtime/Meshes/{}.fbx", part.name);
         let head = fbx::Head { generator: &self.scene.generator, up: Up::Y };
-        fbx::write(self.assets.out, &path, &head, |document, _| document.add(&part))?;
-        let meshes = names.iter().chain(shapes.iter().map(|shape| &shape.name));
+        fbx::write(self.assets.out, &path, &head, |document, _| document.add(part))?;
+        let levels = part.levels.iter().map(|level| &level.name);
+        let meshes = levels.chain(part.colliders.iter().map(|collider| &collider.name));
         let table = meshes.map(|name| context! { name, id => identity::mesh(name) });
         let values = context! {
-            chunk => &chunk.name,
+            name => part.material,
             material => material.to_string(),
             meshes => table.collect::<Vec<_>>(),
         };
@@ -266,7 +269,7 @@ impl Writer<'_> {
         self.assets.text("package.json", &manifest(scene, name)?, Importer::Manifest)?;
         let readme = self.readme(name);
         self.assets.text("README.md", &readme, Importer::Text)?;
-        self.assets.finish(if self.has_things { &[LICENSE, INSTANCES, MANIFEST] } else { &[LICENSE, MANIFEST] })
+        self.assets.finish(if self.things.are_there() { &[LICENSE, INSTANCES, MANIFEST] } else { &[LICENSE, MANIFEST] })
     }
 
     fn readme(&self, package: &str) -> String {
@@ -279,6 +282,7 @@ impl Writer<'_> {
             generator => &scene.generator,
             pipeline => self.settings.pipeline.title(),
             pieces => self.settings.collision == Collision::Pieces,
+            things => self.things.are_there(),
             lights => if self.settings.lights { scene.lights.len() } else { 0 },
             zones => zones.collect::<Vec<_>>(),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
@@ -291,6 +295,16 @@ impl Writer<'_> {
 
 /// The main object of a `.physicMaterial`.
 const FRICTION_OBJECT: u32 = 13_400_000;
+
+/// The images of a model.
+fn maps(textures: &Textures) -> fbx::Maps {
+    fbx::Maps {
+        base_color: format!("../Textures/{}", textures.base_color.file),
+        normal: format!("../Textures/{}", textures.normal.file),
+        roughness: None,
+        occlusion_roughness_metalness: None,
+    }
+}
 
 /// The collision mesh of a chunk, with the friction of the floor.
 fn whole(chunk: &Chunk) -> Shape {

@@ -3,8 +3,8 @@
 //! ```text
 //! README.md
 //! import_cave.py   run inside the editor
-//! scene.json       what it reads: chunks, spawn poses, lights and friction in Unreal's frame
-//! meshes/<chunk>.fbx, <chunk>_collision.fbx
+//! scene.json       what it reads: chunks, things, spawn poses, lights and friction in Unreal's frame
+//! meshes/<chunk>.fbx, <chunk>_collision.fbx, <prototype>_level<n>.fbx
 //! textures/<chunk>_{base_color,normal,orm}.*
 //! ```
 //! FBX is metres, right-handed, Z up, its front −Y: Unreal's importer then only changes the unit and mirrors y
@@ -14,6 +14,9 @@
 //! Unreal finds convex pieces by the name of a mesh, not of its LOD group: those of `<chunk>` are called
 //! `UCX_<chunk>_LOD0_<NN>`. With triangles, bodies collide with a separate mesh ("complex collision mesh"), because Nanite
 //! keeps only a coarse fallback of the visual mesh for physics.
+//!
+//! Things with the same mesh are instances of one component, in place, with a convex piece each, whatever the collision of the
+//! walls.
 //!
 //! Not tested in Unreal itself. The script is tested with a stub that has only the documented names, and it compares what
 //! was imported with what is expected.
@@ -29,11 +32,13 @@ use crate::format::{fbx, pixels};
 use crate::frame::{Axes, Up, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Piece, Scene};
+use crate::scene::{Chunk, Content, Material, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow, names, template};
 use index::{Entry, Textures};
+use things::{Shape, Things};
 
 mod index;
+mod things;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -41,8 +46,9 @@ pub const ROW: TargetRow = TargetRow {
     summary: "FBX with levels of detail and collision, textures, and a script that imports them",
     revision: 0,
     opened_by: "Unreal Engine 5.3 and later",
-    contents: "an FBX per chunk with levels of detail and collision, normal maps in the DirectX convention, and a Python \
-        script that builds materials, Nanite, collision and a level (5.3 and later)",
+    contents: "an FBX per chunk with levels of detail and collision, one per shape of things, normal maps in the DirectX \
+        convention, and a Python script that builds materials, Nanite, collision and a level with instanced things (5.3 and \
+        later)",
     tested_by: "not in Unreal itself: the script runs against a strict stub of the module `unreal`, which lists every \
         call; ufbx",
     checks: &["blender", "libassimp"],
@@ -84,16 +90,23 @@ pub struct Unreal(
 impl Target for Unreal {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let mut entries = Vec::new();
+        let (mut entries, mut things) = (Vec::new(), Things::of(scene)?);
         for index in 0..scene.chunks.len() {
-            entries.push(self.write_chunk(scene, index, out)?);
+            let chunk = scene.chunk(index)?;
+            match chunk.content {
+                Content::Wall => entries.push(self.write_chunk(scene, index, &chunk, out)?),
+                Content::Things { .. } => things.add(self, scene, &scene.instances(index)?, out)?,
+            }
         }
-        index::write(scene, &self.0, &entries, out)?;
+        let shapes = things.shapes();
+        index::write(scene, &self.0, &entries, &shapes, out)?;
         out.text("import_cave.py", include_str!("../templates/unreal/import_cave.py"))?;
-        out.text("README.md", &self.readme(scene, &entries))?;
+        out.text("README.md", &self.readme(scene, &entries, &shapes))?;
         Ok(Summary {
-            visual_triangles: entries.iter().map(Entry::visual_triangles).sum(),
-            collision_triangles: entries.iter().map(|entry| entry.collision_triangles).sum(),
+            visual_triangles: entries.iter().map(Entry::visual_triangles).sum::<u64>()
+                + shapes.iter().map(|shape| shape.entry.visual_triangles() * shape.count()).sum::<u64>(),
+            collision_triangles: entries.iter().map(|entry| entry.collision_triangles).sum::<u64>()
+                + shapes.iter().map(|shape| shape.entry.collision_triangles * shape.count()).sum::<u64>(),
             open: "in Unreal's command box: py <this folder>/import_cave.py".to_owned(),
         })
     }
@@ -108,41 +121,46 @@ impl Target for Unreal {
 }
 
 impl Unreal {
-    fn write_chunk(&self, scene: &Scene, index: usize, out: &mut dyn Package) -> Result<Entry, ExportError> {
-        let chunk = scene.chunk(index)?;
-        chunk.material.refuse_unless(ROW.name, ROW.images)?;
-        let textures = write_textures(&chunk, out)?;
-        let mut entry = Entry::new(&chunk, textures);
-        let levels = self.levels(&chunk);
+    fn write_chunk(
+        &self,
+        scene: &Scene,
+        index: usize,
+        chunk: &Chunk,
+        out: &mut dyn Package,
+    ) -> Result<Entry, ExportError> {
+        let textures = write_textures(&chunk.material, out)?;
+        let mut entry = Entry::new(&chunk.name, &chunk.material.name, &chunk.visual, textures);
+        let levels = self.levels(fbx::levels(chunk));
         entry.set_levels(&levels);
         let head = fbx::Head { generator: &scene.generator, up: Up::Z };
         match self.0.collision {
             Collision::Triangles => {
-                write_visual(&head, &chunk, &entry, levels, Vec::new(), out)?;
-                write_collision(&head, &chunk, &mut entry, out)?;
+                write_visual(&head, &entry, levels, Vec::new(), out)?;
+                write_collision(&head, chunk, &mut entry, out)?;
             }
             Collision::Pieces => {
                 let pieces = scene.pieces(index)?;
                 entry.set_pieces(&pieces);
-                write_visual(&head, &chunk, &entry, levels, colliders(&chunk.name, &pieces), out)?;
+                write_visual(&head, &entry, levels, colliders(&chunk.name, &pieces), out)?;
             }
         }
         Ok(entry)
     }
 
     /// The full detail and, if requested, the coarser levels.
-    fn levels<'a>(&self, chunk: &'a Chunk) -> Vec<fbx::Level<'a>> {
-        let wanted = if self.0.lods { usize::MAX } else { 1 };
-        fbx::levels(chunk).take(wanted).collect()
+    fn levels<'a>(&self, all: impl Iterator<Item = fbx::Level<'a>>) -> Vec<fbx::Level<'a>> {
+        all.take(if self.0.lods { usize::MAX } else { 1 }).collect()
     }
 
-    fn readme(&self, scene: &Scene, entries: &[Entry]) -> String {
+    fn readme(&self, scene: &Scene, entries: &[Entry], shapes: &[Shape]) -> String {
         let values = context! {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
             settings => Serde(&self.0),
             chunks => entries.len(),
+            shapes => shapes.len(),
+            things => shapes.iter().map(Shape::count).sum::<u64>(),
             pieces => entries.iter().map(|entry| entry.convex_pieces).sum::<usize>(),
             friction => micro(scene.friction.floor),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
@@ -153,8 +171,8 @@ impl Unreal {
     }
 }
 
-fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, ExportError> {
-    let material = &chunk.material;
+fn write_textures(material: &Material, out: &mut dyn Package) -> Result<Textures, ExportError> {
+    material.refuse_unless(ROW.name, ROW.images)?;
     let path = |role: &str, extension: &str| format!("textures/{}_{role}.{extension}", material.name);
     let textures = Textures {
         base_color: path("base_color", material.base_color.format.extension()),
@@ -171,7 +189,6 @@ fn write_textures(chunk: &Chunk, out: &mut dyn Package) -> Result<Textures, Expo
 
 fn write_visual(
     head: &fbx::Head,
-    chunk: &Chunk,
     entry: &Entry,
     levels: Vec<fbx::Level>,
     colliders: Vec<fbx::Collider>,
@@ -179,7 +196,7 @@ fn write_visual(
 ) -> Result<(), ExportError> {
     let maps = entry.textures.maps();
     fbx::write(out, &entry.mesh, head, |document, _| {
-        document.add(&fbx::Part { name: &chunk.name, levels, colliders, material: &chunk.name, maps: &maps })
+        document.add(&fbx::Part { name: &entry.name, levels, colliders, material: &entry.material, maps: &maps })
     })
 }
 

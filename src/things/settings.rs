@@ -28,7 +28,7 @@ pub struct ThingSettings {
     /// of them are large, and the way that is kept free narrows to nothing, with its headroom.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub difficulty: f64,
-    /// Width in metres under which loose stones are bodies that move when pushed, in MuJoCo, Gazebo and USD; 0 leaves all in
+    /// Width in metres under which loose stones are bodies that move when pushed, in MuJoCo, Gazebo, USD and Unity; 0 leaves all in
     /// place.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub movable_m: f64,

@@ -53,22 +53,26 @@ def main(root: str | None) -> None:
     rock = make_asset(f"{root}/Materials/PM_{name}", unreal.PhysicalMaterial, unreal.PhysicalMaterialFactoryNew())
     change(rock, friction=scene["friction"], restitution=0.0)
     material = None
+    instances: dict[str, unreal.MaterialInstanceConstant] = {}
     meshes = {}
-    for chunk in scene["chunks"]:
-        textures = {role: import_texture(path, role, root) for role, path in chunk["textures"].items()}
-        # Where smaller mip levels average normals away, rock becomes rougher instead of glittering.
-        green = unreal.CompositeTextureMode.CTM_NORMAL_ROUGHNESS_TO_GREEN
-        change(textures["orm"], composite_texture=textures["normal"], composite_texture_mode=green)
-        material = material or make_material(f"{root}/Materials/M_{name}", textures, rock)
-        instance = make_instance(f"{root}/Materials/MI_{chunk['name']}", textures, material)
-        meshes[chunk["name"]] = mesh = import_chunk(chunk, f"{root}/Meshes/SM_{chunk['name']}", scene["nanite"])
-        mesh.set_material(0, instance)
-        set_collision(chunk, mesh, rock, f"{root}/Meshes/SM_{chunk['name']}_collision")
+    for part in scene["chunks"] + scene["things"]:
+        if part["material"] not in instances:
+            textures = {role: import_texture(path, role, root) for role, path in part["textures"].items()}
+            # Where smaller mip levels average normals away, rock becomes rougher instead of glittering.
+            green = unreal.CompositeTextureMode.CTM_NORMAL_ROUGHNESS_TO_GREEN
+            change(textures["orm"], composite_texture=textures["normal"], composite_texture_mode=green)
+            material = material or make_material(f"{root}/Materials/M_{name}", textures, rock)
+            place = f"{root}/Materials/MI_{part['material']}"
+            instances[part["material"]] = make_instance(place, textures, material)
+        meshes[part["name"]] = mesh = import_part(part, f"{root}/Meshes/SM_{part['name']}", scene["nanite"])
+        mesh.set_material(0, instances[part["material"]])
+        set_collision(part, mesh, rock, f"{root}/Meshes/SM_{part['name']}_collision")
     for folder in ("Textures", "Materials", "Meshes"):
         assets = unreal.get_editor_subsystem(unreal.EditorAssetSubsystem)
         check(assets.save_directory(f"{root}/{folder}", True, True), f"{root}/{folder} was not saved")
     make_level(f"{root}/L_{name}", scene, meshes)
-    unreal.log(f"plume: {len(meshes)} chunks of {name} are in {root}")
+    things = sum(len(thing["instances"]) for thing in scene["things"])
+    unreal.log(f"plume: {len(scene['chunks'])} chunks and {things} things of {name} are in {root}")
 
 
 def check(result: Any, otherwise: str) -> Any:
@@ -122,7 +126,7 @@ def make_material(place: str, textures: dict[str, Any], rock: unreal.PhysicalMat
     library = unreal.MaterialEditingLibrary
     material = make_asset(place, unreal.Material, unreal.MaterialFactoryNew())
     library.delete_all_material_expressions(material)
-    change(material, phys_material=rock, used_with_nanite=True)
+    change(material, phys_material=rock, used_with_nanite=True, used_with_instanced_static_meshes=True)
     for row, (role, (sampler, pins)) in enumerate(PARAMETERS.items()):
         kind = unreal.MaterialExpressionTextureSampleParameter2D
         node = library.create_material_expression(material, kind, -400, 300 * row)
@@ -134,7 +138,7 @@ def make_material(place: str, textures: dict[str, Any], rock: unreal.PhysicalMat
 
 
 def make_instance(place: str, textures: dict[str, Any], material: unreal.Material) -> unreal.MaterialInstanceConstant:
-    """The material of a chunk."""
+    """The material of a chunk or of things."""
     library = unreal.MaterialEditingLibrary
     instance = make_asset(place, unreal.MaterialInstanceConstant, unreal.MaterialInstanceConstantFactoryNew())
     library.set_material_instance_parent(instance, material)
@@ -162,11 +166,11 @@ def import_mesh(path: str, place: str, *, nanite: bool, lods: bool, normals: unr
     return import_file(path, place, factory=unreal.FbxFactory(), options=options)
 
 
-def import_chunk(chunk: dict[str, Any], place: str, nanite: bool) -> unreal.StaticMesh:
-    """Imports a chunk with its levels of detail, and warns if the result is not as expected."""
-    levels = chunk["lods"]
+def import_part(part: dict[str, Any], place: str, nanite: bool) -> unreal.StaticMesh:
+    """Imports a chunk or a thing with its levels of detail, and warns if the result is not as expected."""
+    levels = part["lods"]
     normals = unreal.FBXNormalImportMethod.FBXNIM_IMPORT_NORMALS_AND_TANGENTS
-    mesh = import_mesh(chunk["mesh"], place, nanite=nanite, lods=len(levels) > 1, normals=normals)
+    mesh = import_mesh(part["mesh"], place, nanite=nanite, lods=len(levels) > 1, normals=normals)
     editor = unreal.get_editor_subsystem(unreal.StaticMeshEditorSubsystem)
     editor.set_lod_screen_sizes(mesh, [level["screen_size"] for level in levels])
     # A reimported mesh keeps its Nanite settings.
@@ -174,39 +178,39 @@ def import_chunk(chunk: dict[str, Any], place: str, nanite: bool) -> unreal.Stat
     box = mesh.get_bounding_box()
     is_now = [box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z]
     # No `strict`: Python 3.9 does not have it.
-    off_cm = max(abs(a - b) for a, b in zip(is_now, chunk["min_cm"] + chunk["max_cm"]))  # noqa: B905
+    off_cm = max(abs(a - b) for a, b in zip(is_now, part["min_cm"] + part["max_cm"]))  # noqa: B905
     if off_cm > BOX_TOLERANCE_CM:
-        unreal.log_warning(f"plume: {chunk['name']} is {off_cm:.0f} cm away from its place: wrong units or axes?")
+        unreal.log_warning(f"plume: {part['name']} is {off_cm:.0f} cm away from its place: wrong units or axes?")
     for what, is_now, meant in (
         ("levels of detail", editor.get_lod_count(mesh), len(levels)),
-        ("convex pieces", editor.get_convex_collision_count(mesh), chunk["convex_pieces"]),
+        ("convex pieces", editor.get_convex_collision_count(mesh), part["convex_pieces"]),
     ):
         if is_now != meant:
-            unreal.log_warning(f"plume: {chunk['name']} has {is_now} {what}, expected {meant}")
+            unreal.log_warning(f"plume: {part['name']} has {is_now} {what}, expected {meant}")
     return mesh
 
 
-def set_collision(chunk: dict[str, Any], mesh: unreal.StaticMesh, rock: unreal.PhysicalMaterial, place: str) -> None:
-    """Makes bodies collide with the collision mesh, or with the convex pieces imported with the chunk."""
-    body = check(mesh.get_editor_property("body_setup"), f"{chunk['name']} has no body")
+def set_collision(part: dict[str, Any], mesh: unreal.StaticMesh, rock: unreal.PhysicalMaterial, place: str) -> None:
+    """Makes bodies collide with the collision mesh, or with the convex pieces imported with the mesh."""
+    body = check(mesh.get_editor_property("body_setup"), f"{part['name']} has no body")
     flags = unreal.CollisionTraceFlag
     touched = None
-    if chunk["collision_mesh"]:
+    if part["collision_mesh"]:
         normals = unreal.FBXNormalImportMethod.FBXNIM_COMPUTE_NORMALS
-        touched = import_mesh(chunk["collision_mesh"], place, nanite=False, lods=False, normals=normals)
+        touched = import_mesh(part["collision_mesh"], place, nanite=False, lods=False, normals=normals)
     flag = flags.CTF_USE_COMPLEX_AS_SIMPLE if touched else flags.CTF_USE_DEFAULT
     change(body, collision_trace_flag=flag, phys_material=rock)
     change(mesh, complex_collision_mesh=touched)
 
 
 def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.StaticMesh]) -> None:
-    """A level with the chunks, the lights and a PlayerStart at each pose."""
+    """A level with the chunks, the things, the lights and a PlayerStart at each pose."""
     open_level(place)
-    for name, mesh in meshes.items():
-        actor = spawn(unreal.StaticMeshActor, name, [0.0, 0.0, 0.0])
-        component = actor.get_component_by_class(unreal.StaticMeshComponent)
-        component.set_static_mesh(mesh)
-        component.set_collision_profile_name("BlockAll")
+    for chunk in scene["chunks"]:
+        actor = spawn(unreal.StaticMeshActor, chunk["name"], [0.0, 0.0, 0.0])
+        show(actor.get_component_by_class(unreal.StaticMeshComponent), meshes[chunk["name"]])
+    for thing in scene["things"]:
+        add_instances(thing, meshes[thing["name"]])
     for pose in scene["spawns"]:
         x, y, z = pose["location_cm"]
         turn = unreal.Rotator(**pose["rotation_deg"])
@@ -214,6 +218,30 @@ def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.Stati
     for light in scene["lights"]:
         add_light(light)
     check(unreal.get_editor_subsystem(unreal.LevelEditorSubsystem).save_current_level(), f"{place} was not saved")
+
+
+def show(component: unreal.StaticMeshComponent, mesh: unreal.StaticMesh) -> None:
+    """Makes a component show a mesh, with which everything collides."""
+    component.set_static_mesh(mesh)
+    component.set_collision_profile_name("BlockAll")
+
+
+def add_instances(thing: dict[str, Any], mesh: unreal.StaticMesh) -> None:
+    """Adds an actor that shows a mesh at the place of each thing."""
+    actor = spawn(unreal.Actor, thing["name"], [0.0, 0.0, 0.0])
+    objects = unreal.get_engine_subsystem(unreal.SubobjectDataSubsystem)
+    root = objects.k2_gather_subobject_data_for_instance(actor)[0]
+    kind = unreal.HierarchicalInstancedStaticMeshComponent
+    handle, why = objects.add_new_subobject(unreal.AddNewSubobjectParams(parent_handle=root, new_class=kind))
+    library = unreal.SubobjectDataBlueprintFunctionLibrary
+    component = check(library.get_object(library.get_data(handle)), f"{thing['name']} gets no instances: {why}")
+    show(component, mesh)
+    places = []
+    for pose in thing["instances"]:
+        turn, size = unreal.Rotator(**pose["rotation_deg"]), unreal.Vector(*[pose["scale"]] * 3)
+        places.append(unreal.Transform(unreal.Vector(*pose["location_cm"]), turn, size))
+    component.add_instances(places, False, True)
+    check(component.get_instance_count() == len(places), f"{thing['name']} lacks instances")
 
 
 def open_level(place: str) -> None:

@@ -41,6 +41,11 @@ class Project(Stub):
             raise Refused(f"{subsystem} is no subsystem of the editor")
         return self.thing(repr(subsystem), label=repr(subsystem))
 
+    def do_get_engine_subsystem(self, _: None, subsystem: Kind) -> Thing:
+        if repr(subsystem) != "SubobjectDataSubsystem":
+            raise Refused(f"{subsystem} is no subsystem of the engine")
+        return self.thing(repr(subsystem), label=repr(subsystem))
+
     def do_get_asset_tools(self, _: None) -> Thing:
         return self.thing("AssetTools", label="AssetTools")
 
@@ -219,3 +224,30 @@ class Project(Stub):
     def do_set_static_mesh(self, component: Thing, new_mesh: Thing) -> bool:
         component.fields["mesh"] = new_mesh
         return True
+
+    # Components of actors.
+
+    def do_k2_gather_subobject_data_for_instance(self, _: Thing, context: Thing) -> list[Thing]:
+        return [self.thing("SubobjectDataHandle", {"actor": context, "object": context})]
+
+    def do_add_new_subobject(self, _: Thing, params: Thing) -> tuple[Thing, str]:
+        actor = params.fields["parent_handle"].fields["actor"]
+        actor.fields["component"] = component = self.thing(repr(params.fields["new_class"]))
+        return self.thing("SubobjectDataHandle", {"actor": actor, "object": component}), ""
+
+    def do_get_data(self, _: None, data_handle: Thing) -> Thing:
+        return self.thing("SubobjectData", data_handle.fields)
+
+    def do_get_object(self, _: None, data: Thing) -> Thing:
+        return data.fields["object"]
+
+    def do_add_instances(
+        self, component: Thing, instance_transforms: list[Thing], should_return_indices: bool, world_space: bool
+    ) -> list[int]:
+        if not world_space:
+            raise Refused("where the component is, depends on its actor")
+        component.fields.setdefault("instances", []).extend(instance_transforms)
+        return []
+
+    def do_get_instance_count(self, component: Thing) -> int:
+        return len(component.fields.get("instances", []))

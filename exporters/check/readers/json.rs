@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::{Content, Found, Unfit};
+use crate::instances::INSTANCES;
 
 /// The longest text that is parsed, which takes about ten times its size.
 const MOST_BYTES: usize = 1 << 25;
@@ -10,6 +11,9 @@ const MOST_BYTES: usize = 1 << 25;
 /// Reads any JSON.
 pub fn read(content: &mut Content<'_>, found: &mut Found) -> Result<(), Unfit> {
     let value = parse(&content.rest()?)?;
+    if content.path() == INSTANCES {
+        found.things(value["things"].as_array().ok_or("does not list things")?);
+    }
     let mut left = vec![&value];
     while let Some(value) = left.pop() {
         match value {

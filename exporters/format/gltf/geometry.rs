@@ -62,7 +62,21 @@ impl Layout {
             Semantic::Tangents => (Type::Vec4, floats(&mesh.tangents, frame::gltf_tangent_from_scene)),
             _ => (Type::Vec2, floats(&mesh.uvs, frame::upper_left_uv)),
         };
+        let index = self.rows(bytes, shape, payload);
+        let accessor = &mut self.root.accessors[index.value()];
+        if *semantic == Semantic::Positions {
+            [accessor.min, accessor.max] = bounds(&mesh.positions).map(|corner| Some(json!(corner)));
+        }
+        if let Some(view) = accessor.buffer_view {
+            self.root.buffer_views[view.value()].target = Some(Valid(Target::ArrayBuffer));
+        }
+        index
+    }
+
+    /// An accessor of rows of this shape, given the bytes of their single-precision numbers.
+    pub(super) fn rows(&mut self, bytes: Vec<u8>, shape: Type, payload: &mut Payload) -> Index<Accessor> {
         let stride = 4 * shape.multiplicity();
+        let count = bytes.len() / stride;
         let view = match self.style.compression {
             Compression::None => self.plain(bytes, payload),
             Compression::Meshopt => {
@@ -70,13 +84,7 @@ impl Layout {
                 self.packed(meshopt::vertices(&bytes, stride), plain, &meshopt::Packing::vertices(stride), payload)
             }
         };
-        self.root.buffer_views[view.value()].target = Some(Valid(Target::ArrayBuffer));
-        let [min, max] = match semantic {
-            Semantic::Positions => bounds(&mesh.positions).map(|corner| Some(json!(corner))),
-            _ => [None, None],
-        };
-        let count = mesh.positions.len();
-        self.root.push(Accessor { min, max, ..accessor(view, count, ComponentType::F32, shape) })
+        self.root.push(accessor(view, count, ComponentType::F32, shape))
     }
 
     fn indices(&mut self, mesh: &Mesh, payload: &mut Payload) -> Index<Accessor> {

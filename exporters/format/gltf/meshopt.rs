@@ -63,6 +63,7 @@ mod codec {
 
     pub fn vertices(bytes: &[u8], stride: usize) -> Vec<u8> {
         match stride {
+            4 => packed::<4>(bytes),
             8 => packed::<8>(bytes),
             12 => packed::<12>(bytes),
             _ => packed::<16>(bytes),

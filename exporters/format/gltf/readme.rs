@@ -18,6 +18,8 @@ pub struct Readme<'a> {
     pub pieces: bool,
     /// Compression of vertices and triangles.
     pub compression: Compression,
+    /// Whether things with the same mesh are one node.
+    pub instancing: bool,
 }
 
 impl Readme<'_> {
@@ -34,6 +36,7 @@ impl Readme<'_> {
             levels => self.levels,
             is_apart => self.levels.is_some_and(|levels| levels != self.open),
             pieces => self.pieces,
+            instancing => self.instancing,
             is_packed => self.compression == Compression::Meshopt,
         };
         let text = template::fill("README.md", include_str!("../../templates/gltf/README.md.jinja"), &values);

@@ -52,6 +52,11 @@ pub fn object(path: &str, class: u32) -> i64 {
     (XxHash64::oneshot(u64::from(class), path.as_bytes()) >> 1).cast_signed()
 }
 
+/// The id, in a prefab, of the object `source` of a prefab of which it has the instance `instance`.
+pub fn nested(instance: i64, source: i64) -> i64 {
+    instance ^ source
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,6 +67,12 @@ mod tests {
     fn meshes_have_the_ids_that_unity_assigns() {
         assert_eq!(mesh("default"), -2_432_090_755_550_338_912);
         assert_eq!(mesh("Cube"), -5_495_902_117_074_765_545);
+    }
+
+    /// The ids of an instance, an object of its prefab, and what stands for it: from a prefab that Unity has written.
+    #[test]
+    fn objects_of_nested_prefabs_have_the_ids_that_unity_assigns() {
+        assert_eq!(nested(7_876_467_245_726_119_373, 7_291_146_517_268_352_539), 603_920_067_861_314_518);
     }
 
     #[test]

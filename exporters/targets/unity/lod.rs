@@ -1,6 +1,6 @@
 //! When Unity switches between levels of detail.
 
-use crate::scene::Chunk;
+use crate::scene::Mesh;
 
 /// Tangent of half the vertical field of view for which levels are chosen: tan 30°, for 60°.
 const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
@@ -9,7 +9,7 @@ const LINES: f64 = 1080.0;
 /// Heights must decrease from level to level.
 const LESS: f64 = 0.99;
 
-/// The bounds of a chunk, as in Unity's `LODGroup`.
+/// The bounds of what is seen, as in Unity's `LODGroup`.
 pub struct Extent {
     /// Its middle, metres, scene frame.
     pub middle: [f64; 3],
@@ -21,8 +21,8 @@ pub struct Extent {
 
 impl Extent {
     /// The bounds of the full detail.
-    pub fn new(chunk: &Chunk) -> Self {
-        let [low, high] = chunk.visual.bounds().map(|corner| corner.map(f64::from));
+    pub fn new(full: &Mesh) -> Self {
+        let [low, high] = full.bounds().map(|corner| corner.map(f64::from));
         let edges: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
         let diagonal = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
         Self {
@@ -35,11 +35,12 @@ impl Extent {
     /// The minimum height on the screen at which each level is shown, relative to the screen: `screenRelativeHeight`.
     ///
     /// Unity measures `size / (2 · distance · tan(fov / 2))` from the centre of the group. A level is good enough where its
-    /// error is at most a line of the image, even at the nearest point of the box. The last level is always shown.
-    pub fn heights(&self, chunk: &Chunk) -> Vec<f64> {
+    /// error is at most a line of the image, even at the nearest point of the box. The last level is always shown. `errors_m`
+    /// are those of the coarser levels.
+    pub fn heights(&self, errors_m: impl IntoIterator<Item = f32>) -> Vec<f64> {
         let mut heights: Vec<f64> = Vec::new();
-        for lod in &chunk.lods {
-            let one_line_at_m = f64::from(lod.error_m) * LINES / (2.0 * TAN_HALF_VIEW);
+        for error_m in errors_m {
+            let one_line_at_m = f64::from(error_m) * LINES / (2.0 * TAN_HALF_VIEW);
             let height = self.size / (2.0 * (self.radius + one_line_at_m) * TAN_HALF_VIEW);
             let before = heights.last().copied().unwrap_or(1.0);
             heights.push(height.min(before * LESS));

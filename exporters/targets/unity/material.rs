@@ -161,15 +161,18 @@ struct Slot {
     guid: Guid,
 }
 
-/// Writes the material of a chunk.
+/// Writes a material, unless it is there.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write(chunk: &str, pipeline: Pipeline, textures: &Textures, assets: &mut Assets) -> Result<Guid, ExportError> {
-    let path = format!("Runtime/Materials/{chunk}.mat");
+pub fn write(name: &str, pipeline: Pipeline, textures: &Textures, assets: &mut Assets) -> Result<Guid, ExportError> {
+    let path = format!("Runtime/Materials/{name}.mat");
+    if assets.out.has(&path) {
+        return Ok(assets.guid(&path));
+    }
     let shader = pipeline.shader();
     let slots = shader.slots.iter().map(|&(name, role)| Slot { name, guid: role.of(textures).guid });
-    let values = context! { name => chunk, shader => Serde(shader), slots => Serde(slots.collect::<Vec<_>>()) };
+    let values = context! { name, shader => Serde(shader), slots => Serde(slots.collect::<Vec<_>>()) };
     let text = template::fill(&path, include_str!("../../templates/unity/material.jinja"), &values);
     assets.text(&path, &text, Importer::Native(OBJECT))
 }

@@ -1,4 +1,4 @@
-//! The prefab: chunks with levels of detail and colliders, start poses and lights.
+//! A prefab: that of the scene, with levels of detail, colliders, instances of things, start poses and lights, or that of a thing.
 
 use minijinja::context;
 use minijinja::value::Serde;
@@ -7,9 +7,11 @@ use serde::Serialize;
 
 use super::identity::{self, Guid};
 use super::lod::Extent;
+use super::nested::Nested;
+use crate::format::fbx;
 use crate::frame::{micro, unity_from_scene, unity_pose_from_scene};
-use crate::scene::{Chunk, Light};
-use crate::template;
+use crate::scene::{Chunk, Instance, Light, Mesh, Prototype};
+use crate::{names, template};
 
 /// Static flags: occluder, occludee, navigation and reflection probes. Not batching, which would copy all meshes into one,
 /// and not baked light, which would need a second UV unwrapping.
@@ -21,12 +23,26 @@ mod class {
     pub(super) const TRANSFORM: u32 = 4;
     pub(super) const MESH_RENDERER: u32 = 23;
     pub(super) const MESH_FILTER: u32 = 33;
+    pub(super) const RIGIDBODY: u32 = 54;
     pub(super) const MESH_COLLIDER: u32 = 64;
     pub(super) const LIGHT: u32 = 108;
     pub(super) const LOD_GROUP: u32 = 205;
 }
 
-/// Meshes and material of a chunk.
+/// A prefab of a thing, with the ids of what instances override.
+#[derive(Clone, Copy, Serialize)]
+pub struct Source {
+    /// The prefab.
+    pub guid: Guid,
+    /// Its root.
+    pub object: i64,
+    /// The transform of its root.
+    pub transform: i64,
+    /// Its body, if it moves.
+    pub body: Option<i64>,
+}
+
+/// Meshes and material of a chunk or a prototype.
 #[derive(Clone, Copy)]
 pub struct Model {
     /// The FBX.
@@ -43,6 +59,17 @@ pub struct Collider<'a> {
     pub convex: bool,
     /// Its friction.
     pub friction: Guid,
+}
+
+impl Collider<'_> {
+    fn of(&self, model: Model) -> Content {
+        Content::Collider {
+            mesh: identity::mesh(self.mesh),
+            model: model.guid,
+            convex: u8::from(self.convex),
+            friction: self.friction,
+        }
+    }
 }
 
 /// A game object and its components for the template.
@@ -77,6 +104,7 @@ enum Content {
     Filter { mesh: i64, model: Guid },
     Renderer { material: Guid },
     Collider { mesh: i64, model: Guid, convex: u8, friction: Guid },
+    Body { mass: String },
     Light { color: [String; 3], intensity: String, range: String },
 }
 
@@ -89,6 +117,7 @@ struct Level {
 /// A prefab being built. Its game objects form a tree; the first is the root.
 pub struct Prefab {
     nodes: Vec<Node>,
+    things: Vec<Nested>,
 }
 
 const ROOT: usize = 0;
@@ -96,17 +125,62 @@ const ROOT: usize = 0;
 impl Prefab {
     /// A prefab with only the root.
     pub fn new(name: &str) -> Self {
-        let mut prefab = Self { nodes: Vec::new() };
+        let mut prefab = Self { nodes: Vec::new(), things: Vec::new() };
         prefab.push(Node::new(name.to_owned(), name, 0));
         prefab
     }
 
-    /// Adds a chunk, whose levels are the meshes `names` of its FBX, full detail first; returns its game object.
-    pub fn add_chunk(&mut self, chunk: &Chunk, names: &[String], model: Model) -> usize {
+    /// The prefab called `name` of a thing in the size of its prototype, with the levels of the prototype from its own on.
+    pub fn of_thing(name: &str, prototype: &Prototype, thing: &Instance, collider: &Collider, model: Model) -> Self {
+        let mut prefab = Self::new(name);
+        prefab.nodes[ROOT].flags = if thing.movable { 0 } else { STATIC };
+        let levels = prototype.levels.iter().enumerate().skip(thing.level);
+        let levels: Vec<_> =
+            levels.map(|(number, level)| (names::level(&prototype.name, number), level.error_m)).collect();
+        prefab.attach_levels(ROOT, &prototype.levels[thing.level].mesh, &levels, model);
+        prefab.nodes[ROOT].attach(class::MESH_COLLIDER, collider.of(model));
+        if thing.movable {
+            let mass_kg = thing.mass_kg / (thing.scale * thing.scale * thing.scale);
+            prefab.nodes[ROOT].attach(class::RIGIDBODY, Content::Body { mass: micro(mass_kg) });
+        }
+        prefab
+    }
+
+    /// What instances of this prefab refer to, which is the asset `guid`.
+    pub fn source(&self, guid: Guid) -> Source {
+        let Node { object, transform, ref parts, .. } = self.nodes[ROOT];
+        let body = parts.iter().find(|part| matches!(part.content, Content::Body { .. })).map(|part| part.id);
+        Source { guid, object, transform, body }
+    }
+
+    /// Adds a chunk with its levels, full detail first; returns its game object.
+    pub fn add_chunk(&mut self, chunk: &Chunk, levels: &[fbx::Level], model: Model) -> usize {
         let group = self.add(ROOT, &chunk.name);
         self.nodes[group].flags = STATIC;
-        let extent = Extent::new(chunk);
-        let levels = names.iter().zip(extent.heights(chunk)).map(|(name, height)| {
+        let levels: Vec<_> = levels.iter().map(|level| (level.name.clone(), level.error_m)).collect();
+        self.attach_levels(group, &chunk.visual, &levels, model);
+        group
+    }
+
+    /// Adds an empty game object for things; returns it.
+    pub fn add_group(&mut self, name: &str) -> usize {
+        self.add(ROOT, name)
+    }
+
+    /// Adds an instance of the prefab of a thing.
+    pub fn add_thing(&mut self, group: usize, thing: &Instance, source: &Source) {
+        let father = &mut self.nodes[group];
+        let nested = Nested::new(&father.path, father.transform, father.children.len(), thing, *source);
+        father.children.push(nested.transform);
+        self.things.push(nested);
+    }
+
+    /// Adds children for levels of detail, given by the names of their meshes and their errors in metres, and what switches
+    /// between them.
+    fn attach_levels(&mut self, group: usize, full: &Mesh, levels: &[(String, f32)], model: Model) {
+        let extent = Extent::new(full);
+        let heights = extent.heights(levels.iter().skip(1).map(|(_, error_m)| *error_m));
+        let levels = levels.iter().zip(heights).map(|((name, _), height)| {
             let renderer = self.add_level(group, name, model);
             Level { height: micro(height), renderer }
         });
@@ -114,7 +188,6 @@ impl Prefab {
         let middle = unity_from_scene(extent.middle).map(micro);
         let content = Content::LodGroup { middle, size: micro(extent.size), levels };
         self.nodes[group].attach(class::LOD_GROUP, content);
-        group
     }
 
     fn add_level(&mut self, group: usize, name: &str, model: Model) -> i64 {
@@ -128,13 +201,7 @@ impl Prefab {
     pub fn add_colliders(&mut self, chunk: usize, name: &str, colliders: &[Collider], model: Model) {
         let index = self.add(chunk, name);
         for collider in colliders {
-            let content = Content::Collider {
-                mesh: identity::mesh(collider.mesh),
-                model: model.guid,
-                convex: u8::from(collider.convex),
-                friction: collider.friction,
-            };
-            self.nodes[index].attach(class::MESH_COLLIDER, content);
+            self.nodes[index].attach(class::MESH_COLLIDER, collider.of(model));
         }
     }
 
@@ -166,7 +233,7 @@ impl Prefab {
 
     /// The text of the prefab.
     pub fn text(&self, path: &str) -> String {
-        let values = context! { nodes => Serde(&self.nodes) };
+        let values = context! { nodes => Serde(&self.nodes), things => Serde(&self.things) };
         template::fill(path, include_str!("../../templates/unity/prefab.jinja"), &values)
     }
 

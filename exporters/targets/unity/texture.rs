@@ -6,9 +6,9 @@ use super::asset::Assets;
 use super::identity::Guid;
 use crate::error::ExportError;
 use crate::format::pixels;
-use crate::scene::{Chunk, Image, Mesh};
+use crate::scene::{Image, Material, Mesh};
 
-/// The images of a chunk.
+/// The images of a material.
 pub struct Textures {
     /// Base colour.
     pub base_color: Texture,
@@ -50,50 +50,50 @@ impl Kind {
     }
 }
 
-/// Writes the images of a chunk.
+/// Writes the images of a material, unless they are there; `meshes` are all that show it.
 ///
 /// # Errors
 /// If an image cannot be read, or a file cannot be written.
-pub fn write(chunk: &Chunk, assets: &mut Assets) -> Result<Textures, ExportError> {
-    let material = &chunk.material;
+pub fn write(material: &Material, meshes: &[&Mesh], assets: &mut Assets) -> Result<Textures, ExportError> {
     material.refuse_unless(super::ROW.name, super::ROW.images)?;
+    let (name, is_atlas) = (&material.name, is_atlas(meshes));
     Ok(Textures {
-        base_color: copy(chunk, Kind::Color, &material.base_color, assets)?,
-        normal: copy(chunk, Kind::Normal, &material.normal, assets)?,
-        mask: write_mask(chunk, &material.orm, assets)?,
+        base_color: copy(name, Kind::Color, &material.base_color, is_atlas, assets)?,
+        normal: copy(name, Kind::Normal, &material.normal, is_atlas, assets)?,
+        mask: write_mask(name, &material.orm, is_atlas, assets)?,
     })
 }
 
-fn copy(chunk: &Chunk, kind: Kind, image: &Image, assets: &mut Assets) -> Result<Texture, ExportError> {
-    let file = format!("{}_{}.{}", chunk.material.name, kind.name(), image.format.extension());
+fn copy(name: &str, kind: Kind, image: &Image, is_atlas: bool, assets: &mut Assets) -> Result<Texture, ExportError> {
+    let file = format!("{name}_{}.{}", kind.name(), image.format.extension());
     if let Some(texture) = written(&file, assets) {
         return Ok(texture);
     }
     assets.out.copy(&in_package(&file), &image.path)?;
-    import(chunk, kind, pixels::size(image)?, file, assets)
+    import(kind, pixels::size(image)?, is_atlas, file, assets)
 }
 
-fn write_mask(chunk: &Chunk, orm: &Image, assets: &mut Assets) -> Result<Texture, ExportError> {
-    let file = format!("{}_{}.png", chunk.material.name, Kind::Mask.name());
+fn write_mask(name: &str, orm: &Image, is_atlas: bool, assets: &mut Assets) -> Result<Texture, ExportError> {
+    let file = format!("{name}_{}.png", Kind::Mask.name());
     if let Some(texture) = written(&file, assets) {
         return Ok(texture);
     }
     assets.out.write(&in_package(&file), |file| {
         pixels::remap(orm, file, |[occlusion, roughness, metalness]| [metalness, occlusion, 0, 255 - roughness])
     })?;
-    import(chunk, Kind::Mask, pixels::size(orm)?, file, assets)
+    import(Kind::Mask, pixels::size(orm)?, is_atlas, file, assets)
 }
 
-/// The texture that another chunk with the same material has written.
+/// The texture that another mesh with the same material has written.
 fn written(file: &str, assets: &mut Assets) -> Option<Texture> {
     let path = in_package(file);
     assets.out.has(&path).then(|| Texture { guid: assets.guid(&path), file: file.to_owned() })
 }
 
 fn import(
-    chunk: &Chunk,
     kind: Kind,
     size_px: [u32; 2],
+    is_atlas: bool,
     file: String,
     assets: &mut Assets,
 ) -> Result<Texture, ExportError> {
@@ -102,7 +102,7 @@ fn import(
         srgb => u8::from(matches!(kind, Kind::Color)),
         type => u8::from(matches!(kind, Kind::Normal)),
         size_px => longest,
-        wrap => u8::from(is_atlas(chunk)),
+        wrap => u8::from(is_atlas),
     };
     let template = include_str!("../../templates/unity/texture.meta.jinja");
     let guid = assets.fill_meta(&in_package(&file), template, &values)?;
@@ -110,9 +110,8 @@ fn import(
 }
 
 /// Whether no texture coordinate is outside the image, so that it can be clamped and its edges do not bleed.
-fn is_atlas(chunk: &Chunk) -> bool {
-    let fits = |mesh: &Mesh| mesh.uvs.iter().flatten().all(|part| (0.0..=1.0).contains(part));
-    fits(&chunk.visual) && chunk.lods.iter().all(|lod| fits(&lod.mesh))
+fn is_atlas(meshes: &[&Mesh]) -> bool {
+    meshes.iter().flat_map(|mesh| &mesh.uvs).flatten().all(|part| (0.0..=1.0).contains(part))
 }
 
 fn in_package(file: &str) -> String {

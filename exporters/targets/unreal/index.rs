@@ -5,19 +5,23 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::UnrealSettings;
+use super::things::Shape;
 use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{unreal_from_scene, unreal_pose_from_scene};
 use crate::package::{Package, pretty};
-use crate::scene::{Chunk, Light, Mesh, Piece, Scene};
+use crate::scene::{Light, Mesh, Piece, Scene};
 
 /// Width and height of the screen for which levels of detail are chosen, in pixels; its horizontal field of view is 90°.
 const SCREEN_PX: [f64; 2] = [1920.0, 1080.0];
 
-/// A chunk for the script.
+/// A mesh for the script: a chunk, or what things share.
 #[derive(Serialize)]
 pub(super) struct Entry {
-    name: String,
+    /// Its name.
+    pub name: String,
+    /// Name of its material, which others may share.
+    pub material: String,
     /// Path of the visual mesh.
     pub mesh: String,
     /// Path of the collision mesh, unless there are convex pieces.
@@ -67,13 +71,14 @@ impl Textures {
 }
 
 impl Entry {
-    /// A chunk without collision so far.
-    pub fn new(chunk: &Chunk, textures: Textures) -> Self {
-        let [min, max] = chunk.visual.bounds().map(|corner| unreal_from_scene(corner.map(f64::from)));
+    /// A mesh without collision so far.
+    pub fn new(name: &str, material: &str, full: &Mesh, textures: Textures) -> Self {
+        let [min, max] = full.bounds().map(|corner| unreal_from_scene(corner.map(f64::from)));
         let corner = |pick: fn(f64, f64) -> f64| [0, 1, 2].map(|axis| micro(pick(min[axis], max[axis])));
         Self {
-            name: chunk.name.clone(),
-            mesh: format!("meshes/{}.fbx", chunk.name),
+            name: name.to_owned(),
+            material: material.to_owned(),
+            mesh: format!("meshes/{name}.fbx"),
             collision_mesh: None,
             textures,
             convex_pieces: 0,
@@ -115,7 +120,7 @@ fn radius_m(mesh: &Mesh) -> f64 {
     mesh.positions.iter().map(|&position| nalgebra::distance(&centre, &point(position))).fold(0.0, f64::max)
 }
 
-/// The largest part of the screen that the bounding sphere of a chunk may cover when a level of detail is shown.
+/// The largest part of the screen that the bounding sphere of a mesh may cover when a level of detail is shown.
 ///
 /// Unreal measures from the centre of the sphere, but in a cave the camera sees its near side: at the point of the sphere
 /// nearest to the camera, the error of the level is a pixel.
@@ -134,6 +139,7 @@ pub(super) fn write(
     scene: &Scene,
     settings: &UnrealSettings,
     entries: &[Entry],
+    shapes: &[Shape],
     out: &mut dyn Package,
 ) -> Result<(), ExportError> {
     let lights: &[Light] = if settings.lights { &scene.lights } else { &[] };
@@ -145,6 +151,7 @@ pub(super) fn write(
         "friction": scene.friction.floor,
         "nanite": settings.nanite,
         "chunks": entries,
+        "things": shapes,
         "spawns": scene.spawns.iter().enumerate().map(spawn).collect::<Vec<_>>(),
         "lights": lights.iter().map(light).collect::<Vec<_>>(),
     });
@@ -152,10 +159,15 @@ pub(super) fn write(
 }
 
 fn spawn((number, pose): (usize, &Isometry3<f64>)) -> Value {
+    placed(&format!("spawn_{number}"), pose)
+}
+
+/// A name and a pose.
+pub(super) fn placed(name: &str, pose: &Isometry3<f64>) -> Value {
     let (location, angles) = unreal_pose_from_scene(pose);
     let [roll, pitch, yaw] = angles.map(micro);
     json!({
-        "name": format!("spawn_{number}"),
+        "name": name,
         "location_cm": location.map(micro),
         "rotation_deg": { "roll": roll, "pitch": pitch, "yaw": yaw },
     })
@@ -172,7 +184,7 @@ fn light(light: &Light) -> Value {
 }
 
 /// A number to six decimals, without minus zero.
-fn micro(number: f64) -> f64 {
+pub(super) fn micro(number: f64) -> f64 {
     libm::round(number * 1e6) / 1e6 + 0.0
 }
 

@@ -13,6 +13,7 @@ mod fbx_things;
 mod forge;
 mod gazebo_package;
 mod glb_package;
+mod gltf_instancing;
 mod gltf_meshopt;
 mod gltf_package;
 mod hostile_archives;
@@ -28,11 +29,13 @@ mod sample;
 #[path = "sample/strewn.rs"]
 mod strewn;
 mod thing_laws;
+mod things_counted;
 #[path = "sample/told.rs"]
 mod told;
 #[path = "sample/touched.rs"]
 mod touched;
 mod unity_package;
+mod unity_things;
 mod unreal_package;
 mod urdf_package;
 mod usd_things;

@@ -7,6 +7,7 @@ All packages must be of the same cave. Of OBJ and glTF each material must have i
 
 from xml.etree import ElementTree
 
+import labels
 import numpy as np
 import plyfile
 import stl
@@ -47,6 +48,7 @@ def materials(path):
 
 
 def by_plyfile(path):
+    labels.check(path)
     data = plyfile.PlyData.read(path)
     vertex = data["vertex"]
 

@@ -6,7 +6,7 @@ import path from 'node:path';
 import { validateBytes, version } from 'gltf-validator';
 
 // Extensions that we write and that this validator does not look into; three.js and the tests of the crate do.
-const UNKNOWN = ['EXT_meshopt_compression', 'MSFT_lod'];
+const UNKNOWN = ['EXT_mesh_gpu_instancing', 'EXT_meshopt_compression', 'MSFT_lod'];
 
 const files = process.argv.slice(2);
 if (files.length === 0) throw new Error('usage: validate.mjs FILE...');
@@ -46,7 +46,7 @@ function allowed({ code, pointer }, document) {
       skipped.add(name);
       return true;
     }
-    // What only an extension names: coarser levels, nodes outside of the scene; and buffers that are unpacked.
+    // What only an extension names: coarser levels, nodes outside of the scene; buffers that are unpacked; places of instances.
     case 'UNUSED_OBJECT':
       return named(document).has(pointer);
     default:
@@ -58,7 +58,12 @@ function allowed({ code, pointer }, document) {
 function named(document) {
   const levels = document.nodes.flatMap((node) => node.extensions?.MSFT_lod?.ids ?? []);
   const packed = document.bufferViews.map((view) => view.extensions?.EXT_meshopt_compression?.buffer);
-  return new Set([...levels.map((id) => `/nodes/${id}`), ...packed.map((id) => `/buffers/${id}`)]);
+  const placed = document.nodes.flatMap((node) => Object.values(node.extensions?.EXT_mesh_gpu_instancing?.attributes ?? {}));
+  return new Set([
+    ...levels.map((id) => `/nodes/${id}`),
+    ...packed.map((id) => `/buffers/${id}`),
+    ...placed.map((id) => `/accessors/${id}`),
+  ]);
 }
 
 /** What a JSON pointer points to. */

@@ -3,15 +3,18 @@
 Unity itself is not asked. Its YAML is read by PyYAML, its models by assimp, its images by Pillow.
 """
 
+import json
 import sys
 from pathlib import Path
 
 import numpy as np
 from documents import Failure, references, require
+from instances import check_things
 from models import distances
 from package import Package
 from PIL import Image
-from schema import CLASSES, SHADERS, check
+from prefab import Prefab
+from schema import CLASSES, SHADERS, STRIPPED, check
 
 # How far a start pose may be above the floor or below it, metres.
 ON_FLOOR_M = 0.15
@@ -32,7 +35,7 @@ def check_documents(package, asset):
         where = f"{asset.name}: {document.type_name} {document.file_id}"
         known, fields = CLASSES.get(document.class_id, (None, None))
         require(known == document.type_name, f"{where} has the class {document.class_id}, which is {known}")
-        check(document.fields, fields, where)
+        check(document.fields, STRIPPED if document.is_stripped else fields, where)
         for reference in references(document.fields):
             check_reference(package, numbers, reference, where)
 
@@ -118,55 +121,6 @@ def check_model(package, asset):
         check_reference(package, {}, reference, asset.name)
 
 
-class Prefab:
-    """Game objects with their components, which agree on who belongs to whom."""
-
-    def __init__(self, asset):
-        self.name = asset.name
-        self.by_number = {document.file_id: document for document in asset.documents}
-        self.components = {}
-        for document in asset.documents:
-            if document.type_name == "GameObject":
-                self.components[document.file_id] = self.components_of(document)
-            elif document.type_name == "Transform":
-                self.check_family(document)
-        owned = sum(len(components) for components in self.components.values())
-        require(
-            owned + len(self.components) == len(asset.documents), f"{self.name}: a component belongs to no game object"
-        )
-
-    def components_of(self, document):
-        found = [self.by_number[entry["component"]["fileID"]] for entry in document.fields["m_Component"]]
-        require(found and found[0].type_name == "Transform", f"{self.name}: a game object begins without a transform")
-        for component in found:
-            owner = component.fields["m_GameObject"]["fileID"]
-            require(owner == document.file_id, f"{self.name}: {component.type_name} belongs to another game object")
-        return found
-
-    def check_family(self, document):
-        for child in document.fields["m_Children"]:
-            father = self.by_number[child["fileID"]].fields["m_Father"]["fileID"]
-            require(father == document.file_id, f"{self.name}: a child has another father")
-
-    def game_objects(self):
-        """Name, transform and the other components by class, of each."""
-        for number, (transform, *others) in self.components.items():
-            yield self.by_number[number].fields["m_Name"], transform, others
-
-    def all(self, type_name):
-        return [document for document in self.by_number.values() if document.type_name == type_name]
-
-    def mesh(self, package, document):
-        reference = document.fields["m_Mesh"]
-        return package.assets[reference["guid"]].model.meshes[reference["fileID"]]
-
-    def position(self, transform):
-        """In the prefab; nothing above is turned or scaled."""
-        place = np.array([transform.fields["m_LocalPosition"][axis] for axis in "xyz"], dtype=float)
-        father = transform.fields["m_Father"]["fileID"]
-        return place if father == 0 else place + self.position(self.by_number[father])
-
-
 def check_levels(package, prefab):
     """Levels get coarser and are shown ever further away; gives the triangles of the finest."""
     triangles = 0
@@ -248,14 +202,18 @@ def verify(folder):
         check_material(package, asset)
     for asset in package.of(".fbx"):
         check_model(package, asset)
-    prefabs = package.of(".prefab")
+    prefabs = [asset for asset in package.of(".prefab") if asset.path.parent.name == "Runtime"]
     require(len(prefabs) == 1, f"expected one prefab, found {len(prefabs)}")
     prefab = Prefab(prefabs[0])
-    seen = check_levels(package, prefab)
+    triangles = {asset.guid: check_levels(package, Prefab(asset)) for asset in package.of(".prefab")}
+    things = check_things(package, prefab)
+    seen = triangles[prefabs[0].guid] + sum(triangles[thing.source.guid] for thing in things)
+    wanted = sum(chunk["triangles"] for chunk in json.loads((folder / "manifest.json").read_text())["chunks"])
+    require(seen == wanted, f"{prefab.name} shows {seen} triangles, and the manifest lists {wanted}")
     rock = rock_of(package, prefab)
     spawns = check_poses(rock, prefab)
     objects = sum(len(asset.documents) for asset in package.assets.values() if asset.path.suffix in (".mat", ".prefab"))
-    return f"{len(package.assets)} assets, {objects} objects, {seen} triangles to see and {len(rock[1])} to touch, {spawns} start poses"
+    return f"{len(package.assets)} assets, {objects} objects, {seen} triangles to see and {len(rock[1])} of rock to touch, {len(things)} things, {spawns} start poses"
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 https://docs.unity3d.com/Manual/FormatDescription.html
 """
 
+import re
 from dataclasses import dataclass
 
 import yaml
@@ -19,12 +20,16 @@ def require(truth, message):
 
 @dataclass
 class Document:
-    """An object: the number of its class, its own number in the file, the name of its class, and its fields."""
+    """An object: the number of its class, its own number in the file, the name of its class, and its fields.
+
+    A stripped one stands for an object of a nested prefab, and has few fields.
+    """
 
     class_id: int
     file_id: int
     type_name: str
     fields: dict
+    is_stripped: bool = False
 
 
 class UnityLoader(yaml.SafeLoader):
@@ -48,6 +53,9 @@ def construct_document(loader, class_id, node):
 UnityLoader.add_multi_constructor("tag:unity3d.com,2011:", construct_document)
 
 
+STRIPPED = r"^(--- !u!\d+ &(-?\d+)) stripped$"
+
+
 def read_documents(path):
     """All objects of an asset."""
     text = path.read_text()
@@ -55,10 +63,14 @@ def read_documents(path):
         text.startswith("%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n"), f"{path.name} does not begin as Unity's YAML"
     )
     try:
-        documents = list(yaml.load_all(text, UnityLoader))
+        # To YAML, the word that Unity puts behind the anchor is no part of a mapping.
+        documents = list(yaml.load_all(re.sub(STRIPPED, r"\1", text, flags=re.MULTILINE), UnityLoader))
     except (yaml.YAMLError, ValueError) as error:
         raise Failure(f"{path.name} is no YAML of Unity: {error}") from error
     require(all(isinstance(one, Document) for one in documents), f"{path.name} has a document without a class")
+    stripped = {int(number) for _, number in re.findall(STRIPPED, text, flags=re.MULTILINE)}
+    for document in documents:
+        document.is_stripped = document.file_id in stripped
     return documents
 
 

@@ -8,6 +8,9 @@ from documents import Document, read_documents, read_meta, require
 from models import Model
 from schema import BY_ENDING, IMPORTERS, check
 
+# What stands for a whole prefab in references to it.
+WHOLE_PREFAB = 100100000
+
 
 class Package:
     """A package whose assets are known by GUID, and whose files all keep to their tables."""
@@ -77,6 +80,8 @@ class Asset:
 
     def has_object(self, file_id):
         """Whether other files can name the object."""
+        if self.path.suffix == ".prefab":
+            return file_id == WHOLE_PREFAB or any(document.file_id == file_id for document in self.documents)
         return file_id in self.model.meshes if self.path.suffix == ".fbx" else file_id == self.main_object
 
     @property

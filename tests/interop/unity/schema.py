@@ -70,6 +70,20 @@ CLASSES = {
         },
     ),
     33: ("MeshFilter", {**COMPONENT, "m_Mesh": REFERENCE}),
+    54: (
+        "Rigidbody",
+        {
+            **COMPONENT,
+            "m_Mass": NUMBER,
+            "m_Drag": NUMBER,
+            "m_AngularDrag": NUMBER,
+            "m_UseGravity": FLAG,
+            "m_IsKinematic": FLAG,
+            "m_Interpolate": INTEGER,
+            "m_Constraints": INTEGER,
+            "m_CollisionDetection": INTEGER,
+        },
+    ),
     64: (
         "MeshCollider",
         {
@@ -120,6 +134,24 @@ CLASSES = {
         },
     ),
 }
+
+# https://docs.unity3d.com/6000.3/Documentation/Manual/yaml-prefab-serialization.html
+CLASSES[1001] = (
+    "PrefabInstance",
+    {
+        "m_ObjectHideFlags": INTEGER,
+        "m_Modification": {
+            "m_TransformParent": REFERENCE,
+            "m_Modifications": [
+                {"target": REFERENCE, "propertyPath": TEXT, "value": None, "objectReference": REFERENCE}
+            ],
+            "m_RemovedComponents": LIST,
+        },
+        "m_SourcePrefab": REFERENCE,
+    },
+)
+# Of an object of a nested prefab.
+STRIPPED = {"m_CorrespondingSourceObject": REFERENCE, "m_PrefabInstance": REFERENCE, "m_PrefabAsset": REFERENCE}
 
 IMPORTER = {"externalObjects": None, "userData": None, "assetBundleName": None, "assetBundleVariant": None}
 

@@ -70,6 +70,12 @@ def manifest(key, value):
     return change
 
 
+def lose_a_thing(package):
+    path = package / "instances.json"
+    told = json.loads(path.read_text())
+    path.write_text(json.dumps({**told, "things": told["things"][:2]}))
+
+
 CHUNK = "chunk_0_0_0"
 PREFAB, MATERIAL, MODEL = "chamber.prefab", f"Materials/{CHUNK}.mat", f"Meshes/{CHUNK}.fbx.meta"
 TEXTURES = {role: f"Textures/{CHUNK}_{role}.png.meta" for role in ("base_color", "normal", "mask")}
@@ -110,7 +116,24 @@ FAULTS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("package", ["unity", "unity_pieces"])
+# Of a package with things, three boxes.
+BOX = "Things/box_0_level0_movable.prefab"
+FAULTS_OF_THINGS = {
+    "a thing too few in the list": (lose_a_thing, "has 3 things, and instances.json lists 2"),
+    "a thing elsewhere": (replace(PREFAB, r"(m_LocalPosition.x\n +value: )-1\b", r"\g<1>-1.5"), "0.500 m away from its place"),
+    "a thing in the frame of the scene": (replace(PREFAB, r"(m_LocalRotation.y\n +value: )-", r"\g<1>"), "turned otherwise"),
+    "a thing of another size": (replace(PREFAB, r"(m_LocalScale.z\n +value: )1.5", r"\g<1>1"), "has the scale"),
+    "a thing of another mass": (replace(PREFAB, r"(m_Mass\n +value: )2", r"\g<1>3"), "has 3 kg"),
+    "a thing whose name another has": (replace(PREFAB, r"box_0+2$", "box_0000000000000000"), "two things are called"),
+    "a thing below nothing": (replace(PREFAB, r"  m_Children:\n  - .*\n(  - .*\n  - .*\n  m_Father: .*\n  m_RootOrder: 2)", r"  m_Children:\n\1"), "is no child of its father"),
+    "a prefab that nothing names": (replace(PREFAB, r"fileID: 100100000", "fileID: 100100001"), "names what"),
+    "a stone that does not fall": (replace(BOX, "m_UseGravity: 1", "m_UseGravity: 0"), "does not fall"),
+    "a body that is hollow": (replace(BOX, "m_Convex: 1", "m_Convex: 0"), "no convex collider"),
+    "a body that is static": (replace(BOX, "m_StaticEditorFlags: 0", "m_StaticEditorFlags: 90"), "static and moves"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("package", ["unity", "unity_pieces", "unity_things"])
 def test_a_good_package_passes(package, sample):
     code, said = verify(sample / package)
     assert code == 0 and "1 start poses" in said, said
@@ -120,6 +143,15 @@ def test_a_good_package_passes(package, sample):
 def test_a_faulty_package_fails(fault, sample, tmp_path):
     change, message = FAULTS[fault]
     shutil.copytree(sample / "unity", tmp_path / "unity")
+    change(tmp_path / "unity")
+    code, said = verify(tmp_path / "unity")
+    assert code == 1 and message in said, said
+
+
+@pytest.mark.parametrize("fault", FAULTS_OF_THINGS)
+def test_a_package_with_a_faulty_thing_fails(fault, sample, tmp_path):
+    change, message = FAULTS_OF_THINGS[fault]
+    shutil.copytree(sample / "unity_things", tmp_path / "unity")
     change(tmp_path / "unity")
     code, said = verify(tmp_path / "unity")
     assert code == 1 and message in said, said

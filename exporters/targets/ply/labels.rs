@@ -1,0 +1,79 @@
+//! Labels: of the zones of the wall, and of the classes of things.
+
+use std::collections::BTreeSet;
+
+use crate::error::ExportError;
+use crate::format::ply;
+use crate::scene::{Chunk, Content, Mesh, Prototype, Scene, Zone};
+use crate::slope;
+
+/// The label of the first class of things; the zones have those before.
+const FIRST_CLASS: usize = 4;
+
+/// The labels of a scene.
+pub struct Labels {
+    /// The classes of things in the order of their labels, which is that of the alphabet.
+    classes: Vec<String>,
+    prototypes: Vec<Prototype>,
+}
+
+/// Labels of the vertices and of the faces of a mesh.
+pub type OfMesh = (Vec<u8>, Vec<u8>);
+
+impl Labels {
+    /// Those of a scene.
+    ///
+    /// # Errors
+    /// [`ExportError::BadScene`] if a byte cannot tell the classes apart; [`ExportError::Load`] if the things cannot be read.
+    pub fn of(scene: &Scene) -> Result<Self, ExportError> {
+        let mut classes = BTreeSet::new();
+        for index in 0..scene.chunks.len() {
+            classes.extend(scene.instances(index)?.into_iter().map(|thing| thing.class));
+        }
+        if FIRST_CLASS + classes.len() > usize::from(u8::MAX) {
+            let fault = format!("it has {} classes of things, more than PLY labels can tell apart", classes.len());
+            return Err(ExportError::BadScene { scene: scene.name.clone(), fault });
+        }
+        Ok(Self { classes: classes.into_iter().collect(), prototypes: scene.prototypes()? })
+    }
+
+    /// Each label with its name, as in `1 floor`.
+    pub fn texts(&self) -> Vec<String> {
+        let zones = Zone::ALL.map(|zone| format!("{} {}", ply::label(zone), zone.name()));
+        let classes = self.classes.iter().zip(FIRST_CLASS..).map(|(class, label)| format!("{label} {class}"));
+        zones.into_iter().chain(classes).collect()
+    }
+
+    /// Those of the visual mesh of a chunk.
+    ///
+    /// # Errors
+    /// [`ExportError::BadScene`] if the mesh is not that of its things, one after the other.
+    pub fn of_chunk(&self, scene: &Scene, index: usize, chunk: &Chunk) -> Result<OfMesh, ExportError> {
+        match chunk.content {
+            Content::Wall => Ok(of_wall(&chunk.visual)),
+            Content::Things { .. } => self.of_things(scene, index, chunk),
+        }
+    }
+
+    fn of_things(&self, scene: &Scene, index: usize, chunk: &Chunk) -> Result<OfMesh, ExportError> {
+        let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+        for thing in scene.instances(index)? {
+            let shown = &thing.prototype_in(&self.prototypes)?.levels[thing.level].mesh;
+            let label = self.classes.partition_point(|class| *class < thing.class) + FIRST_CLASS;
+            vertices.resize(vertices.len() + shown.positions.len(), label as u8);
+            faces.resize(faces.len() + shown.indices.len() / 3, label as u8);
+        }
+        let counted = (vertices.len(), faces.len());
+        if counted != (chunk.visual.positions.len(), chunk.visual.indices.len() / 3) {
+            let fault = format!("the visual mesh of chunk `{}` is not that of its things", chunk.name);
+            return Err(ExportError::BadScene { scene: scene.name.clone(), fault });
+        }
+        Ok((vertices, faces))
+    }
+}
+
+fn of_wall(mesh: &Mesh) -> OfMesh {
+    let label = |normal: [f32; 3]| ply::label(slope::zone(normal));
+    let vertices = mesh.normals.iter().map(|&normal| label(normal)).collect();
+    (vertices, slope::face_normals(mesh).into_iter().map(label).collect())
+}

@@ -1,0 +1,93 @@
+"""Labels of PLY: their names are in the comments of the file, and every thing of `instances.json` has that of its class.
+
+labels.py PLY_PACKAGE_DIR
+"""
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import plyfile
+from packages import Failure, require
+from scipy.spatial import cKDTree
+
+ZONES = {"floor", "wall", "ceiling"}
+# Of the things, those at whose middle the next vertex of a thing may be that of another on which it lies.
+MOST_HIDDEN = 0.05
+
+
+def check(path):
+    """Checks the labels of a file; gives the number of its things and of their classes."""
+    data = plyfile.PlyData.read(path)
+    names = names_of(data.comments, path.name)
+    listed = things_of(path)
+    classes = {thing["class"] for thing in listed}
+    nameless = (ZONES | classes) - set(names.values())
+    require(not nameless, f"{path.name} names no label for {sorted(nameless)}")
+    for element in ("vertex", "face"):
+        used = {int(label) for label in np.unique(data[element]["label"])}
+        require(used <= set(names), f"{path.name} has labels without a name: {sorted(used - set(names))}")
+        shown = {names[label] for label in used} - ZONES
+        require(
+            shown == classes, f"{path.name}: {element} labels are of {sorted(shown)}, the things of {sorted(classes)}"
+        )
+    check_faces(path, data)
+    if listed:
+        check_places(path, data, names, listed)
+    return len(listed), len(classes)
+
+
+def names_of(comments, where):
+    """Names by label."""
+    found = [re.fullmatch(r"label (\d+) (\w+)", comment) for comment in comments]
+    pairs = [(int(match[1]), match[2]) for match in found if match]
+    names = dict(pairs)
+    require(len(names) == len(pairs) == len(set(names.values())), f"{where}: two labels are one, or have one name")
+    return names
+
+
+def things_of(path):
+    """Those of the package, or of the chunk if the file is one."""
+    is_chunk = path.parent.name == "chunks"
+    listed = path.parent / "instances.json" if not is_chunk else path.parent.parent / "instances.json"
+    things = json.loads(listed.read_text())["things"] if listed.is_file() else []
+    return [thing for thing in things if not is_chunk or thing["chunk"] == path.stem]
+
+
+def check_faces(path, data):
+    """A face of a thing has the label of its corners, which it shares with nothing else."""
+    corners = data["vertex"]["label"][np.vstack(data["face"]["vertex_indices"])]
+    of_things = (corners > 3).any(axis=1)
+    agree = (corners[of_things] == data["face"]["label"][of_things, None]).all()
+    require(agree, f"{path.name}: faces of things have other labels than their corners")
+
+
+def check_places(path, data, names, listed):
+    """The vertex of a thing that is next to the middle of a thing has the label of its class."""
+    vertex = data["vertex"]
+    of_things = vertex["label"] > 3
+    points = np.column_stack([vertex[axis][of_things] for axis in "xyz"])
+    labels = vertex["label"][of_things]
+    _, nearest = cKDTree(points).query([thing["position"] for thing in listed])
+    wrong = [thing for thing, index in zip(listed, nearest, strict=True) if names[int(labels[index])] != thing["class"]]
+    share = len(wrong) / len(listed)
+    require(
+        share <= MOST_HIDDEN,
+        f"{path.name}: {100 * share:.0f} % of the things have another label: {wrong[0]['class'] if wrong else ''}",
+    )
+
+
+def verify(package):
+    files = sorted(package.glob("**/*.ply"))
+    require(files, f"there is no PLY in {package}")
+    counts = [check(path) for path in files]
+    return f"{sum(things for things, _ in counts)} things of {max(classes for _, classes in counts)} classes in {len(files)} files"
+
+
+if __name__ == "__main__":
+    try:
+        print(verify(Path(sys.argv[1])))
+    except Failure as failure:
+        sys.exit(f"error: {failure}")
