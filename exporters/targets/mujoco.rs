@@ -153,6 +153,7 @@ impl Target for Mujoco {
                 self.write_world(&world, "", scene, &chunks, &things, out)?
             }
         };
+        let texts = context! { things => things.are_there(), bodies => things.bodies(), ..texts };
         out.text(
             "README.md",
             &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),

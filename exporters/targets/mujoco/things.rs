@@ -63,6 +63,16 @@ impl Things {
         Ok(Self { prototypes, meshes, free })
     }
 
+    /// Whether there are any.
+    pub fn are_there(&self) -> bool {
+        !self.meshes.is_empty()
+    }
+
+    /// Number of those that move.
+    pub fn bodies(&self) -> usize {
+        self.free.len()
+    }
+
     /// Coordinates of all free joints, in the order of their bodies, each followed by a space.
     pub fn coordinates(&self) -> String {
         self.free.iter().fold(String::new(), |mut text, pose| {
@@ -91,7 +101,7 @@ impl Things {
     /// # Errors
     /// Those of `file`.
     pub fn write_assets(&self, file: &mut dyn Write, scene: &str) -> io::Result<()> {
-        if self.meshes.is_empty() {
+        if !self.are_there() {
             return Ok(());
         }
         writeln!(file, "  <asset>")?;
