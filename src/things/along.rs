@@ -30,6 +30,8 @@ const BOLT_M: f64 = 1.2;
 /// Radius of the thickest posts, and their distance from the wall, in metres.
 const POST_M: [f64; 2] = [0.17, 0.08];
 
+/// Heights over the floor at which what stands at the foot of a wall would touch it, in metres.
+pub(super) const FOOT_M: [f64; 3] = [0.2, 0.5, 0.9];
 /// Radius of a drum in metres.
 const DRUM_M: f64 = 0.3;
 
@@ -340,23 +342,25 @@ impl<'a> Site<'a> {
     }
 
     fn drum(&self, stop: &Stop) -> Option<(f64, Isometry3<f64>, f64)> {
-        let (pose, embedding_m) = self.at_foot(stop.way, stop.middle(), -1.0, DRUM_M)?;
+        let (way, along_m) = (stop.way, stop.middle());
+        self.height(way.at(along_m))?;
+        let wall_m = self.aside(way, along_m, -1.0, &FOOT_M)?;
+        let (pose, embedding_m) = self.at_foot(way, along_m, -wall_m, DRUM_M)?;
         Some((1.0, pose, embedding_m))
     }
 
-    /// A place on the floor at the foot of a wall for something of this radius, and how deep it is in the floor; `None` beside
-    /// posts and where the floor is uneven.
-    pub fn at_foot(&self, way: &Way, along_m: f64, side: f64, radius_m: f64) -> Option<(Isometry3<f64>, f64)> {
+    /// A place on the floor for something of this radius, and how deep it is in the floor: on this side of the wall that is
+    /// `wall_m` to the right of the way, or to the left if negative. `None` beside posts and where the floor is uneven.
+    pub fn at_foot(&self, way: &Way, along_m: f64, wall_m: f64, radius_m: f64) -> Option<(Isometry3<f64>, f64)> {
         /// Most unevenness of its floor in metres.
         const UNEVEN_M: f64 = 0.09;
-        let wall_m = self.aside(way, along_m, side, &[0.2, 0.5, 0.9])?;
-        let at = way.at(along_m) + way.right * (side * (wall_m - radius_m - 0.12));
+        let at = way.at(along_m) + way.right * (wall_m - wall_m.signum() * (radius_m + 0.12));
         if self.posts_m(at) > 0.0 {
             return None;
         }
         let rim_m = 0.66 * radius_m;
         let around = [[0.0, 0.0], [rim_m, 0.0], [-rim_m, 0.0], [0.0, rim_m], [0.0, -rim_m]];
-        let floor = |[x, y]: [f64; 2]| Some(self.height(at + Vector3::new(x, y, 0.0))?[0]);
+        let floor = |[x, y]: [f64; 2]| Some(self.column(at + Vector3::new(x, y, 0.0))?[0]);
         let floors = around.into_iter().map(floor).collect::<Option<Vec<f64>>>()?;
         let low = floors.iter().copied().reduce(f64::min)?;
         let high = floors.into_iter().reduce(f64::max)?;

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use plume_graph::rng::Rng;
 use plume_graph::seed::salt;
 
-use super::along::Way;
+use super::along::{self, Way};
 use super::kind::{Heap, KindRow, Place, Shape};
 use super::lots::Lots;
 use super::place::{Candidate, Site, collapse, quantised_down, step};
@@ -164,7 +164,7 @@ impl<'a> Site<'a> {
     ) -> Option<Candidate<'a>> {
         let (width_m, yaw_rad) = (lots.between(heap.width_m[0], heap.width_m[1]), std::f64::consts::TAU * lots.unit());
         let prototype = lots.one_of(self.setting.library.of(row))?;
-        let wall_m = self.aside(way, along_m, side, &[0.2, 0.5, 0.9])?;
+        let wall_m = self.aside(way, along_m, side, &along::FOOT_M)?;
         let clear_m = 0.5 * self.settings.corridor_m + CLEAR_M;
         let room_m = (wall_m - clear_m) / (1.0 - IN_WALL);
         let relative = prototype.reach_m / prototype.width_m();

@@ -1,11 +1,12 @@
-//! Where objects for search tasks are: spread evenly along the passages, at the foot of a wall.
+//! Where objects for search tasks are: spread evenly along the passages, at the foot of a wall, or in halls beside
+//! the way.
 //!
 //! The place of each follows from the lengths of all edges, so that every chunk knows all of them; where a wall leaves no room
 //! there, it is tried a little further on. Not promised: an object where there is no room within [`TRIED_M`].
 
 use plume_graph::seed::salt;
 
-use super::along::{Built, Way};
+use super::along::{ASIDE_M, Built, FOOT_M, Way};
 use super::kind::{KindRow, Place};
 use super::lots::Lots;
 use super::place::{Candidate, Site};
@@ -58,7 +59,9 @@ impl<'a> Site<'a> {
         let id = lots.id(0.0);
         let places = TRIED_M.into_iter().flat_map(|shift| [side, -side].map(|side| (along_m + shift, side)));
         places.filter(|(along_m, _)| way.holds(*along_m)).find_map(|(along_m, side)| {
-            let (pose, embedding_m) = self.at_foot(way, along_m, side, prototype.reach_m)?;
+            // In a hall it is as far from the way as walls are looked for.
+            let wall_m = self.aside(way, along_m, side, &FOOT_M).unwrap_or(ASIDE_M);
+            let (pose, embedding_m) = self.at_foot(way, along_m, side * wall_m, prototype.reach_m)?;
             let pose = pose * super::rest::about_z(yaw_rad);
             let at = pose.translation.vector.into();
             let candidate = Candidate {
