@@ -35,7 +35,13 @@ def pieces(tmp_path_factory):
     places = ["--output", str(folder / "isaac"), "--keep", str(folder / "cave")]
     arguments = ["export", "--target", "isaac", *places, "--option", "isaac.collision=pieces", "--quiet"]
     # Every piece costs the validators some hundredths of a second.
-    tiny = ["graph.nodes=4", "mesh.voxel_m=0.5", "mesh.chunk_m=[10, 10, 10]", "texture.size_px=256", "things.cover=0.01"]
+    tiny = [
+        "graph.nodes=4",
+        "mesh.voxel_m=0.5",
+        "mesh.chunk_m=[10, 10, 10]",
+        "texture.size_px=256",
+        "things.cover=0.01",
+    ]
     settings = [word for setting in tiny for word in ("--set", setting)]
     subprocess.run([sys.executable, "-m", "plume", *arguments, *settings], check=True)
     return folder
