@@ -1,7 +1,8 @@
-//! Heaps of rubble at the foot of walls: a cone at the angle of repose with stones in its skin, the larger ones at its foot,
-//! as talus is sorted (Statham, *A scree slope rockfall model*, 1976). Loose stones come to rest on them.
+//! Heaps of rubble at the foot of walls: a cone just below the angle of repose, on which loose stones come to rest and cover it.
+//!
+//! The cone is convex, so that it collides as it looks; the stones of its skin are things of their own, with hulls of their own.
 
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use nalgebra::{Point3, Vector3};
 use plume_graph::rng::Rng;
 use plume_graph::seed::salt;
 
@@ -9,13 +10,11 @@ use super::along::{self, Way};
 use super::kind::{Heap, KindRow, Place, Shape};
 use super::lots::Lots;
 use super::place::{Candidate, Site, collapse, quantised_down, step};
-use super::rest::{GOLDEN_ANGLE_RAD, about_z};
-use super::stone;
 
 /// Radius of the foot in metres.
-const FOOT_M: f64 = 0.40;
-/// Slope of the sides: angular rubble rests at 33° to 37°.
-const REPOSE: f64 = 0.67;
+const FOOT_M: f64 = 0.42;
+/// Slope of the sides. Angular rubble rests at 33° to 37°; on 29° stones stay in Bullet.
+const SLOPE: f64 = 0.55;
 /// How far the foot reaches below the origin, in metres.
 const ROOT_M: f64 = 0.10;
 /// Radius within which the top is rounded off, in metres.
@@ -35,81 +34,27 @@ const MOST_SUNK: f64 = 0.3;
 /// Heaps where most has fallen, per part of a passage and side, relative to the share of the floor that stones cover. Tuned.
 const HEAPED: f64 = 14.0;
 
-/// Air around a stone that is computed exactly, in metres: more than noise moves a surface.
-const OUTSIDE_M: f32 = 0.02;
-
-/// A heap of angular blocks.
-pub fn talus(rng: &mut Rng) -> Shape {
-    heap(rng, 90, [0.08, 0.20])
-}
-
-/// Blasted rock: finer, and of more even size.
-pub fn muck(rng: &mut Rng) -> Shape {
-    heap(rng, 140, [0.07, 0.12])
-}
-
-/// A stone in the skin of a heap.
-struct Rock {
-    shape: Shape,
-    /// From the heap to the stone.
-    pose: Isometry3<f64>,
-    /// The ball that it is in, and [`OUTSIDE_M`] of air around it.
-    reach_m: f32,
-}
-
-/// A heap of this many stones around a cone, whose widths follow a power law in this range, in metres.
-fn heap(rng: &mut Rng, stones: u32, width_m: [f64; 2]) -> Shape {
-    /// Exponent of the number of stones wider than D.
-    const EXPONENT: f64 = 1.8;
-    /// How far the cone is below the middles of the stones around it, in metres, so that little of it shows.
-    const CORE_M: f64 = 0.03;
-    let width = |share: f64| {
-        let [low, high] = width_m.map(|width| libm::pow(width, -EXPONENT));
-        libm::pow(low + (high - low) * share, -1.0 / EXPONENT)
-    };
-    let mut widths: Vec<f64> = (0..stones).map(|_| width(rng.between(0.0, 1.0))).collect();
-    // The larger a stone, the further it has rolled.
-    widths.sort_by(f64::total_cmp);
-    let rocks: Vec<Rock> = widths
-        .into_iter()
-        .enumerate()
-        .map(|(n, width_m)| {
-            // Evenly over the cone, by the golden angle.
-            let out = ((n as f64 + rng.between(0.2, 0.8)) / f64::from(stones)).sqrt();
-            let around = n as f64 * GOLDEN_ANGLE_RAD + rng.between(-0.2, 0.2);
-            let radius_m = out * (FOOT_M - 0.3 * width_m);
-            let at = Vector3::new(radius_m * libm::cos(around), radius_m * libm::sin(around), side_m(radius_m));
-            let turned = about_z(rng.between(0.0, std::f64::consts::TAU)) * stone::tumbled(rng);
-            let sunk = Vector3::z() * (CORE_M + 0.15 * width_m);
-            Rock {
-                shape: stone::rubble(rng, 0.5 * width_m),
-                pose: Isometry3::from_parts(Translation3::from(at - sunk), turned).inverse(),
-                reach_m: (0.8 * width_m) as f32 + OUTSIDE_M,
-            }
-        })
-        .collect();
-    let fall = 1.0 / (1.0 + REPOSE * REPOSE).sqrt();
+/// The core of a heap: a cone with a rounded top.
+pub fn heap(_: &mut Rng) -> Shape {
+    let fall = (1.0 / (1.0 + SLOPE * SLOPE).sqrt()) as f32;
     Box::new(move |[x, y, z]| {
         let radius_m = libm::sqrtf(x * x + y * y);
-        let below = (side_m(f64::from(radius_m)) - CORE_M - f64::from(z)) * fall;
-        let cone = (below as f32).min(z + ROOT_M as f32).min(FOOT_M as f32 - radius_m);
-        rocks.iter().fold(cone, |inside, rock| inside.max(rock.depth([x, y, z])))
+        let below = (side_m(f64::from(radius_m)) as f32 - z) * fall;
+        below.min(z + ROOT_M as f32).min(FOOT_M as f32 - radius_m)
     })
-}
-
-impl Rock {
-    fn depth(&self, point: [f32; 3]) -> f32 {
-        let own = self.pose * Point3::from(point.map(f64::from));
-        let own: [f32; 3] = own.map(|c| c as f32).into();
-        let away_m = libm::sqrtf(own.iter().map(|c| c * c).sum()) - self.reach_m;
-        if away_m > 0.0 { -away_m - OUTSIDE_M } else { (self.shape)(own) }
-    }
 }
 
 /// Height of the cone at a distance from its axis, in metres: rounded off at the top.
 fn side_m(radius_m: f64) -> f64 {
     let rounded = (radius_m * radius_m + TOP_M * TOP_M).sqrt();
-    REPOSE * (FOOT_M - rounded)
+    SLOPE * (FOOT_M - rounded)
+}
+
+/// Whether a place on the map is on one of these heaps.
+pub(super) fn is_on(heaps: &[Candidate], at: Point3<f64>) -> bool {
+    let is_near =
+        |heap: &Candidate| (heap.at - at).xy().norm() < heap.reach_m() && (heap.at.z - at.z).abs() < heap.reach_m();
+    heaps.iter().any(is_near)
 }
 
 impl<'a> Site<'a> {

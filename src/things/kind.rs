@@ -174,18 +174,18 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
     },
     KindRow {
         name: "talus",
-        summary: "heaps of breakdown at the foot of walls, 0.9-2.2 m wide, at the angle of repose",
+        summary: "heaps of breakdown at the foot of walls, 0.9-2.2 m wide, with a skin of stones",
         rocks: &["limestone", "basalt", "salt"],
         rock_setting: None,
-        shapes: Shapes::Own { count: 2, make: heap::talus },
+        shapes: Shapes::Own { count: 1, make: heap::heap },
         place: Place::Heaped(Heap { width_m: [0.9, 2.2] }),
     },
     KindRow {
         name: "muck_pile",
-        summary: "heaps of blasted rock at the foot of walls, 0.9-2.0 m wide, at the angle of repose",
+        summary: "heaps of blasted rock at the foot of walls, 0.9-2.0 m wide, with a skin of stones",
         rocks: &["drilled"],
         rock_setting: None,
-        shapes: Shapes::Own { count: 2, make: heap::muck },
+        shapes: Shapes::Own { count: 1, make: heap::heap },
         place: Place::Heaped(Heap { width_m: [0.9, 2.0] }),
     },
     KindRow {

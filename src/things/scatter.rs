@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::facets::{Facets, beyond_m};
+use super::heap::is_on;
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Setting, Site, collapse, owns, quantised, step, without_overlaps};
 use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z};
@@ -37,7 +38,7 @@ impl<'a> Site<'a> {
         for (n, (row, scatter)) in kinds.iter().enumerate() {
             let margin_m: f64 = kinds[n..].iter().map(|(_, kind)| kind.width_m[1]).sum();
             let bounds = chunk.padded(margin_m);
-            let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]));
+            let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]), heaps);
             let at_rest: Vec<(Candidate, Isometry3<f64>)> = candidates
                 .into_iter()
                 .filter_map(|mut candidate| {
@@ -63,7 +64,13 @@ impl<'a> Site<'a> {
         things
     }
 
-    fn scattered(&self, row: &'static KindRow, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
+    fn scattered(
+        &self,
+        row: &'static KindRow,
+        scatter: Scatter,
+        around: Aabb<f64>,
+        heaps: &[Candidate],
+    ) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
         let at_mean = self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
         let mut found = Vec::new();
@@ -104,7 +111,9 @@ impl<'a> Site<'a> {
         }
         let places: Vec<Point3<f64>> = found.iter().map(|(candidate, ..)| candidate.at).collect();
         let density = Density::new(self.setting, &places);
-        let is_there = |n: usize, clearance_m: f64, there: f64| there < density.at(n, clearance_m);
+        // Heaps are covered with stones.
+        let is_there =
+            |n: usize, clearance_m: f64, there: f64| is_on(heaps, places[n]) || there < density.at(n, clearance_m);
         let numbered = found.into_iter().enumerate();
         numbered
             .filter(|(n, (_, clearance_m, there))| is_there(*n, *clearance_m, *there))

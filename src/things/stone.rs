@@ -3,11 +3,10 @@
 //! Breakdown splits along bedding and two sets of joints, so a block starts as a skewed box; the corners and edges that
 //! break off in the fall are further planes (Palmer, *Cave Geology*, 2007, on breakdown).
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use plume_graph::rng::Rng;
 
 use super::kind::Shape;
-use super::rest::turn;
 
 /// Half the length of the prototypes in metres, in the middle of the range of their sizes, so that neither their images nor
 /// their edges are stretched by much.
@@ -16,23 +15,21 @@ const COBBLE_M: f64 = 0.12;
 const SLAB_M: f64 = 0.24;
 /// Width over which edges are worn, in metres. Tuned.
 const WORN_M: f32 = 0.012;
-/// That of the stones of heaps, which are enlarged with them.
-const RUBBLE_WORN_M: f32 = 0.005;
 
 /// An angular block.
 pub fn block(rng: &mut Rng) -> Shape {
-    angular(rng, BLOCK_M, WORN_M)
+    angular(rng, BLOCK_M)
 }
 
 /// An angular stone as large as a hand or a head.
 pub fn cobble(rng: &mut Rng) -> Shape {
-    angular(rng, COBBLE_M, WORN_M)
+    angular(rng, COBBLE_M)
 }
 
 /// A flat piece of a bed or of lining.
 pub fn slab(rng: &mut Rng) -> Shape {
     let half = Vector3::new(SLAB_M, SLAB_M * rng.between(0.6, 0.95), SLAB_M * rng.between(0.16, 0.26));
-    broken(rng, half, 0.08, 6, WORN_M)
+    broken(rng, half, 0.08, 6)
 }
 
 /// A plate of lining: a piece of a shell as wide as a tube, with rough edges.
@@ -41,12 +38,12 @@ pub fn lining(rng: &mut Rng) -> Shape {
     const TUBE_M: f32 = 0.75;
     let thick_m = rng.between(0.05, 0.075) as f32;
     let half = Vector3::new(SLAB_M, SLAB_M * rng.between(0.55, 0.9), 0.16);
-    let outline = broken(rng, half, 0.12, 8, WORN_M);
+    let outline = broken(rng, half, 0.12, 8);
     Box::new(move |[x, y, z]| {
         // Bent along y only, as the wall of a tube is.
         let up = z + TUBE_M - 0.02;
         let shell = 0.5 * thick_m - (libm::sqrtf(y * y + up * up) - TUBE_M).abs();
-        worn_min(outline([x, y, z]), shell, WORN_M)
+        worn_min(outline([x, y, z]), shell)
     })
 }
 
@@ -68,23 +65,13 @@ pub fn ropy(rng: &mut Rng) -> Shape {
     })
 }
 
-/// An angular stone of this half length.
-pub(super) fn rubble(rng: &mut Rng, half_m: f64) -> Shape {
-    angular(rng, half_m, RUBBLE_WORN_M)
-}
-
-/// A turn about a level axis, as of a stone that has rolled.
-pub(super) fn tumbled(rng: &mut Rng) -> UnitQuaternion<f64> {
-    turn(Vector3::z(), (Vector3::z() + 0.9 * direction(rng)).normalize())
-}
-
-fn angular(rng: &mut Rng, half_m: f64, worn_m: f32) -> Shape {
+fn angular(rng: &mut Rng, half_m: f64) -> Shape {
     let half = Vector3::new(half_m, half_m * rng.between(0.62, 0.95), half_m * rng.between(0.42, 0.8));
-    broken(rng, half, 0.24, 6, worn_m)
+    broken(rng, half, 0.24, 6)
 }
 
-/// A box whose faces lean by up to `skew`, with this many corners and edges broken off, and edges worn over this width.
-fn broken(rng: &mut Rng, half: Vector3<f64>, skew: f64, breaks: usize, worn_m: f32) -> Shape {
+/// A box whose faces lean by up to `skew`, with this many corners and edges broken off.
+fn broken(rng: &mut Rng, half: Vector3<f64>, skew: f64, breaks: usize) -> Shape {
     let mut planes = Vec::new();
     for axis in 0..3 {
         for sign in [-1.0, 1.0] {
@@ -105,7 +92,7 @@ fn broken(rng: &mut Rng, half: Vector3<f64>, skew: f64, breaks: usize, worn_m: f
     Box::new(move |point| {
         planes.iter().fold(f32::INFINITY, |inside, (normal, offset)| {
             let along = normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2];
-            worn_min(inside, offset - along, worn_m)
+            worn_min(inside, offset - along)
         })
     })
 }
@@ -118,7 +105,7 @@ fn direction(rng: &mut Rng) -> Vector3<f64> {
 }
 
 /// The smaller of two distances, rounded where they are nearly equal.
-fn worn_min(a: f32, b: f32, worn_m: f32) -> f32 {
-    let near = (worn_m - (a - b).abs()).max(0.0) / worn_m;
-    a.min(b) - near * near * worn_m / 4.0
+fn worn_min(a: f32, b: f32) -> f32 {
+    let near = (WORN_M - (a - b).abs()).max(0.0) / WORN_M;
+    a.min(b) - near * near * WORN_M / 4.0
 }
