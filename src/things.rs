@@ -18,7 +18,6 @@ mod drip;
 mod dripstone;
 mod equipment;
 mod facets;
-mod heap;
 mod kind;
 mod library;
 mod lost;
@@ -34,7 +33,7 @@ mod substance;
 
 pub use around::place_in;
 pub use dressed::Dressed;
-pub use kind::{Along, Fit, Hang, Heap, KINDS, KindRow, Kinds, Place, Scatter, Shape, Shapes};
+pub use kind::{Along, Fit, Hang, KINDS, KindRow, Kinds, Place, Scatter, Shape, Shapes};
 pub use library::{Body, Library, Prototype, shelf_mesh};
 pub use place::{Setting, place};
 pub use settings::ThingSettings;

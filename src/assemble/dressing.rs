@@ -152,7 +152,7 @@ fn piece(prototype: &Prototype, thing: &Thing) -> Piece {
         indices: prototype.hull.faces.iter().flatten().copied().collect(),
         ..Mesh::default()
     };
-    Piece { mesh, zone: if prototype.row.place.is_fallen() { Zone::Floor } else { Zone::Wall } }
+    Piece { mesh, zone: if prototype.row.place.is_loose() { Zone::Floor } else { Zone::Wall } }
 }
 
 /// Appends these triangles of all prototypes at the place of a thing.

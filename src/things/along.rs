@@ -45,13 +45,11 @@ pub(super) struct Built<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Way {
     /// The stations of its edge.
-    pub key: [i32; 2],
+    key: [i32; 2],
     from: Point3<f64>,
     ahead: Vector3<f64>,
-    /// The level unit vector to the right.
-    pub right: Vector3<f64>,
-    /// Its length in metres.
-    pub length_m: f64,
+    right: Vector3<f64>,
+    length_m: f64,
 }
 
 impl Way {
@@ -90,7 +88,7 @@ impl Way {
     }
 
     /// Number of parts of at most this length.
-    pub fn parts(&self, spacing_m: f64) -> u32 {
+    fn parts(&self, spacing_m: f64) -> u32 {
         (self.length_m / spacing_m).ceil().max(1.0) as u32
     }
 }
@@ -213,7 +211,7 @@ impl<'a> Site<'a> {
     }
 
     /// Heights of the floor below a point of a passage and of the roof above it.
-    pub fn column(&self, at: Point3<f64>) -> Option<[f64; 2]> {
+    fn column(&self, at: Point3<f64>) -> Option<[f64; 2]> {
         let hits = self.walls.hits(at.x, at.y);
         let roof = hits.iter().find(|hit| hit.z > at.z && hit.normal.z < 0.0)?.z;
         let floor = hits.iter().rev().find(|hit| hit.z < roof && hit.normal.z > 0.0)?.z;

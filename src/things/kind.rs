@@ -4,7 +4,7 @@ use plume_graph::rng::Rng;
 use plume_registry::{Named, Registry};
 
 use super::solid::Solid;
-use super::{artefact, dripstone, equipment, heap, stone};
+use super::{artefact, dripstone, equipment, stone};
 
 /// The signed distance to the surface of a body, positive inside, in metres; the body is within 0.45 m of the origin.
 pub type Shape = Box<dyn Fn([f32; 3]) -> f32 + Send + Sync>;
@@ -58,19 +58,10 @@ pub enum Place {
     UnderDrip,
     /// Where what hangs and what stands would meet.
     Joined,
-    /// In heaps on the floor, where much has fallen.
-    Heaped(Heap),
     /// Built in along the passages.
     Along(Along),
     /// Left at the foot of a wall, to be searched for.
     Lost,
-}
-
-/// Sizes of heaps.
-#[derive(Clone, Copy, Debug)]
-pub struct Heap {
-    /// Range of the width of the foot in metres.
-    pub width_m: [f64; 2],
 }
 
 /// What is built in along the passages, in stretches.
@@ -171,22 +162,6 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         rock_setting: None,
         shapes: Shapes::Own { count: 2, make: stone::ropy },
         place: Place::Floor(Scatter { width_m: [0.25, 0.8], exponent: 1.8, share: 0.12 }),
-    },
-    KindRow {
-        name: "talus",
-        summary: "heaps of breakdown at the foot of walls, 0.9-2.2 m wide, with a skin of stones",
-        rocks: &["limestone", "basalt", "salt"],
-        rock_setting: None,
-        shapes: Shapes::Own { count: 1, make: heap::heap },
-        place: Place::Heaped(Heap { width_m: [0.9, 2.2] }),
-    },
-    KindRow {
-        name: "muck_pile",
-        summary: "heaps of blasted rock at the foot of walls, 0.9-2.0 m wide, with a skin of stones",
-        rocks: &["drilled"],
-        rock_setting: None,
-        shapes: Shapes::Own { count: 1, make: heap::heap },
-        place: Place::Heaped(Heap { width_m: [0.9, 2.0] }),
     },
     KindRow {
         name: "cobble",
@@ -378,11 +353,6 @@ impl Place {
     /// Whether things lie loose, so that they are placed by their centre of mass.
     pub fn is_loose(&self) -> bool {
         matches!(self, Self::Floor(_))
-    }
-
-    /// Whether they are fallen rock on the floor, which soils them, and on which one drives.
-    pub fn is_fallen(&self) -> bool {
-        matches!(self, Self::Floor(_) | Self::Heaped(_))
     }
 }
 

@@ -63,10 +63,9 @@ pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item 
     built.extend(site.lost(&ways));
     let mut in_the_way = standing.clone();
     in_the_way.extend(built.iter().map(|built| &built.candidate).filter(|candidate| candidate.stands).cloned());
-    let heaps = site.heaps(&ways, &in_the_way);
-    let mut things = site.stones(chunk, &in_the_way, &heaps);
+    let mut things = site.stones(chunk, &in_the_way);
     things.extend(built.iter().map(|built| built.candidate.thing(built.pose)));
-    things.extend(standing.iter().chain(&hanging).chain(&heaps).map(Candidate::as_it_is));
+    things.extend(standing.iter().chain(&hanging).map(Candidate::as_it_is));
     things.retain(|thing| owns(&chunk, thing.pose.translation.vector));
     things.sort_by_key(|thing| thing.id);
     things
@@ -192,12 +191,6 @@ pub(super) fn collapse(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
 /// A size in steps, so that few meshes serve a cave.
 pub(super) fn quantised(size: f64) -> f64 {
     let steps = (libm::log(size) / libm::log(SIZE_STEP)).round();
-    libm::pow(SIZE_STEP, steps)
-}
-
-/// The next such size that is not larger.
-pub(super) fn quantised_down(size: f64) -> f64 {
-    let steps = (libm::log(size) / libm::log(SIZE_STEP)).floor();
     libm::pow(SIZE_STEP, steps)
 }
 

@@ -3,7 +3,6 @@
 use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::facets::{Facets, beyond_m};
-use super::heap::is_on;
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Setting, Site, collapse, owns, quantised, step, without_overlaps};
 use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z};
@@ -25,8 +24,8 @@ const MEAN_DENSITY: f64 = 0.03;
 
 impl<'a> Site<'a> {
     /// Loose stones in a chunk and around it, beside what stands there. Kinds follow each other from large to small, and a
-    /// stone lies on the wall, on heaps or on larger kinds.
-    pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>], heaps: &[Candidate<'a>]) -> Vec<Thing> {
+    /// stone lies on the wall or on larger kinds.
+    pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>]) -> Vec<Thing> {
         let loose = |row: &'static KindRow| match row.place {
             Place::Floor(scatter) => Some((row, scatter.hardened(self.setting.settings.difficulty))),
             _ => None,
@@ -34,11 +33,10 @@ impl<'a> Site<'a> {
         let mut kinds: Vec<(&'static KindRow, Scatter)> = self.rows().filter_map(loose).collect();
         kinds.sort_by(|(_, a), (_, b)| b.width_m[1].total_cmp(&a.width_m[1]));
         let (mut lying, mut things) = (Facets::default(), Vec::new());
-        heaps.iter().for_each(|heap| lying.add(&heap.prototype.hull, heap.scale, &heap.as_it_is().pose));
         for (n, (row, scatter)) in kinds.iter().enumerate() {
             let margin_m: f64 = kinds[n..].iter().map(|(_, kind)| kind.width_m[1]).sum();
             let bounds = chunk.padded(margin_m);
-            let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]), heaps);
+            let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]));
             let at_rest: Vec<(Candidate, Isometry3<f64>)> = candidates
                 .into_iter()
                 .filter_map(|mut candidate| {
@@ -64,13 +62,7 @@ impl<'a> Site<'a> {
         things
     }
 
-    fn scattered(
-        &self,
-        row: &'static KindRow,
-        scatter: Scatter,
-        around: Aabb<f64>,
-        heaps: &[Candidate],
-    ) -> Vec<Candidate<'a>> {
+    fn scattered(&self, row: &'static KindRow, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
         let at_mean = self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
         let mut found = Vec::new();
@@ -111,9 +103,7 @@ impl<'a> Site<'a> {
         }
         let places: Vec<Point3<f64>> = found.iter().map(|(candidate, ..)| candidate.at).collect();
         let density = Density::new(self.setting, &places);
-        // Heaps are covered with stones.
-        let is_there =
-            |n: usize, clearance_m: f64, there: f64| is_on(heaps, places[n]) || there < density.at(n, clearance_m);
+        let is_there = |n: usize, clearance_m: f64, there: f64| there < density.at(n, clearance_m);
         let numbered = found.into_iter().enumerate();
         numbered
             .filter(|(n, (_, clearance_m, there))| is_there(*n, *clearance_m, *there))

@@ -80,7 +80,7 @@ impl Shelf {
         for (_, row, number) in slots(dress.kinds) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
             let material = || (dress.material)(row.rock_setting);
-            let is_soiled = row.place.is_fallen();
+            let is_soiled = row.place.is_loose();
             match row.shapes {
                 Shapes::Own { make, .. } => {
                     fields.push(Slot { shape: make(&mut rng), material: material(), is_soiled })

@@ -1,7 +1,6 @@
 //! The laws of things, in every rock and in the caves of every generator.
 
 mod equipment;
-mod heaps;
 
 use std::collections::BTreeMap;
 
@@ -141,14 +140,13 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
         cave.walls.iter().flat_map(|(_, wall)| wall.triangles.iter().map(|triangle| corners(wall, *triangle)));
     let widest_m = |thing: &Thing| match KINDS.find(&thing.kind).unwrap().place {
         Place::Floor(scatter) => scatter.width_m[1],
-        Place::Heaped(heap) => heap.width_m[1],
         _ => 0.0,
     };
     let larger = things.iter().filter(|other| widest_m(other) > widest_m(thing));
     let of_stones = larger.flat_map(|stone| {
         let hull = &cave.prototype(stone).hull;
-        // Before they were sunk, as heaps are from the start.
-        let raised = if cave.is_loose(stone) { Vector3::z() * stone.embedding_m } else { Vector3::zeros() };
+        // Before they were sunk.
+        let raised = Vector3::z() * stone.embedding_m;
         let at = |corner: u32| (stone.pose * (hull.corners[corner as usize] * stone.scale)).coords + raised;
         hull.faces.iter().map(move |face| face.map(at)).collect::<Vec<_>>()
     });
