@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use plume_graph::rng::Rng;
 
 use super::kind::Shape;
-use super::solid::{Rib, Solid};
+use super::solid::Solid;
 use super::substance::CALCITE;
 
 /// Length of a stalactite in metres.
@@ -107,27 +107,6 @@ pub fn straws(rng: &mut Rng) -> Solid {
         Solid::tube(&[end(-length_m), end(f64::from(ROOT_M))], STRAW_M, 6, &CALCITE)
     };
     (1..8).fold(straw(0, rng), |all, n| all.and(straw(n, rng)))
-}
-
-/// A curtain that grew where drops ran down an inclined ceiling: it winds, and its lower edge falls along that way.
-pub fn drapery(rng: &mut Rng) -> Solid {
-    /// Half the width of the curtain in metres.
-    const HALF_M: f64 = 0.22;
-    /// How far it reaches into a ceiling that is not level, in metres.
-    const INTO_M: f64 = 0.12;
-    /// Its thickness in metres.
-    const THICK_M: f64 = 0.016;
-    let [phase, other] = [0, 1].map(|_| rng.between(0.0, std::f64::consts::TAU));
-    let fold_m = rng.between(0.018, 0.03);
-    let rib = |n: usize| {
-        let share = n as f64 / 32.0;
-        let y = fold_m * (libm::sin(11.0 * share + phase) + 0.5 * libm::sin(23.0 * share + other));
-        let fall = 0.18 + 0.82 * share.min(0.93) / 0.93;
-        let ripple = 1.0 + 0.05 * libm::sin(17.0 * share + other);
-        let at = Point3::new(HALF_M * (2.0 * share - 1.0), y, 0.0);
-        Rib { at, z_m: [-f64::from(LENGTH_M) * fall * ripple / 1.05, INTO_M] }
-    };
-    Solid::sheet(&(0..=32).map(rib).collect::<Vec<_>>(), THICK_M, &CALCITE)
 }
 
 /// A stalagmite: a slightly flared foot, nearly even sides, and a dome that the drops flatten. It collides as its convex hull,

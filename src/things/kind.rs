@@ -196,14 +196,6 @@ pub static KINDS: Registry<KindRow> = Registry::new(&[
         place: Place::Ceiling(Hang { median_m: 0.3, sigma: 0.2, longest_m: 0.5, per_m2: 8.0, dripping: 0.0 }),
     },
     KindRow {
-        name: "drapery",
-        summary: "curtains of calcite that wind along inclined ceilings",
-        rocks: &["limestone"],
-        rock_setting: None,
-        shapes: Shapes::Solid { count: 2, make: dripstone::drapery },
-        place: Place::Ceiling(Hang { median_m: 0.42, sigma: 0.35, longest_m: 0.9, per_m2: 2.5, dripping: 0.0 }),
-    },
-    KindRow {
         name: "stalagmite",
         summary: "dripstone that stands below a stalactite",
         rocks: &["limestone"],

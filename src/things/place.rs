@@ -100,6 +100,15 @@ impl Candidate<'_> {
         self.prototype.reach_m * self.scale
     }
 
+    /// Distance from another one in metres: beside what stands upright, along the map.
+    fn apart_m(&self, other: &Self) -> f64 {
+        /// Height difference up to which they are beside each other.
+        const BESIDE_M: f64 = 1.0;
+        let between = self.at - other.at;
+        let is_upright = self.rank.is_infinite() || other.rank.is_infinite();
+        if is_upright && between.z.abs() < BESIDE_M { between.xy().norm() } else { between.norm() }
+    }
+
     /// Upright, where it is.
     pub fn as_it_is(&self) -> Thing {
         let into = if self.stands { -self.embedding_m } else { self.embedding_m };
@@ -131,7 +140,7 @@ pub(super) fn without_overlaps(candidates: &[Candidate]) -> Vec<bool> {
             order[n + 1..].iter().take_while(|&&other| candidates[other].at.x - a.at.x < a.reach_m() + furthest_m);
         for &other in near {
             let b = &candidates[other];
-            if (a.at - b.at).norm() < a.reach_m() + b.reach_m() {
+            if a.apart_m(b) < a.reach_m() + b.reach_m() {
                 let loser = if (a.rank, a.id) < (b.rank, b.id) { one } else { other };
                 kept[loser] = false;
             }

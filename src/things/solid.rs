@@ -38,15 +38,6 @@ pub(super) struct Vertex {
     pub normal: Vector3<f64>,
 }
 
-/// An upright line of a sheet.
-#[derive(Clone, Copy)]
-pub struct Rib {
-    /// Where it is.
-    pub at: Point3<f64>,
-    /// Heights of its ends over that, in metres.
-    pub z_m: [f64; 2],
-}
-
 /// Corners around a part, counter-clockwise seen from its end; a corner and its opposite across the y axis are at `n` and at
 /// `len - 1 - n`.
 type Ring = Vec<Vertex>;
@@ -137,28 +128,6 @@ impl Solid {
         // Its grain runs along its chord.
         let chord = turn(Vector3::z(), (path[last] - path[0]).normalize());
         Self::framed(loft(&rings), substance, Isometry3::from_parts(Translation3::identity(), chord))
-    }
-
-    /// An upright sheet of this thickness, whose ribs follow each other along a level line that does not turn back.
-    pub fn sheet(ribs: &[Rib], thick_m: f64, substance: &'static Substance) -> Self {
-        let last = ribs.len() - 1;
-        let bevel_m = BEVEL_M.min(BEVEL * thick_m);
-        let along = |n: usize| (ribs[(n + 1).min(last)].at - ribs[n.saturating_sub(1)].at).normalize();
-        let ring = |n: usize, inset_m: f64, out: Option<Vector3<f64>>| -> Ring {
-            let Rib { at, z_m: [low, high] } = ribs[n];
-            let aside = Vector3::z().cross(&along(n));
-            let place = |[x, z]: [f64; 2]| aside * x + Vector3::z() * z;
-            let outline = bevelled(&mirrored(&[[0.5 * thick_m, low], [0.5 * thick_m, high]]), bevel_m);
-            let corner = |(corner, normal, inwards): ([f64; 2], [f64; 2], [f64; 2])| Vertex {
-                at: at + place(corner) + place(inwards) * inset_m + out.unwrap_or_default() * bevel_m,
-                normal: out.unwrap_or_else(|| place(normal)),
-            };
-            outline.into_iter().map(corner).collect()
-        };
-        let mut rings = vec![ring(0, bevel_m, Some(-along(0)))];
-        rings.extend((0..ribs.len()).map(|n| ring(n, 0.0, None)));
-        rings.push(ring(last, bevel_m, Some(along(last))));
-        Self::of(loft(&rings), substance)
     }
 
     fn of(surface: (Vec<Vertex>, Vec<[u32; 3]>), substance: &'static Substance) -> Self {

@@ -23,7 +23,7 @@ GONE = 0.5
 LEAST_STILL = 0.95
 MOST_GONE = 0.01
 LOST_M = 5.0
-LOOSE = {"boulder", "slab", "cobble", "pebble"}
+LOOSE = {"boulder", "slab", "lining_slab", "ropy_slab", "cobble", "pebble"}
 MARGIN_M = 0.0005
 
 
