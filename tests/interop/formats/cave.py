@@ -1,5 +1,6 @@
 """Whether all packages of one cave are of the same cave."""
 
+import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +8,8 @@ from packages import packages_in, require
 
 PLACE_M = 1e-3
 AREA = 1e-3
-# Their materials are separate assets next to the meshes.
+# Their materials are separate assets next to the meshes, and prefabs or a script put the things in place: their files have the
+# walls where they are, and the shapes of things once each.
 ENGINES = {"unity", "unreal"}
 
 
@@ -23,16 +25,21 @@ class Figures:
 
 def verify(folder, readers):
     """Every reader on every package that it reads: they must agree. Gives summary."""
-    first, summaries = None, []
+    firsts, summaries = {}, []
     for reader in readers:
         names = []
         for package in packages_in(folder):
-            if reader.files_of(package):
-                found = figures(reader, package)
-                first = first or found
+            files = reader.files_of(package)
+            if files:
+                has_shapes = package.name in ENGINES and (package / "instances.json").is_file()
+                found = figures(reader, package, [file for file in files if not (has_shapes and is_shape(file))])
+                first = firsts.setdefault(has_shapes, found)
                 compare(found, first, f"{reader.name} on {package.name}")
+                if has_shapes:
+                    open_shapes(reader, package, files)
                 names.append(package.name)
         summaries += [f"{reader.name} ({', '.join(names)})"] if names else []
+    first = firsts.get(False) or firsts.get(True)
     require(first, f"there is nothing in {folder} that {', '.join(reader.name for reader in readers)} could read")
     size = " × ".join(f"{metres:.2f}" for metres in first.bounds[1] - first.bounds[0])
     summary = f"{first.triangles} triangles, {size} m, {first.area_m2:.0f} m²"
@@ -40,9 +47,26 @@ def verify(folder, readers):
     return f"{summary}{images}: {'; '.join(summaries)}"
 
 
-def figures(reader, package):
+def is_shape(file):
+    return not file.stem.startswith("chunk_")
+
+
+def open_shapes(reader, package, files):
+    """There is a file for the shape of every thing, with triangles."""
+    things = json.loads((package / "instances.json").read_text(encoding="utf-8"))["things"]
+    shapes = [file for file in files if is_shape(file)]
+    for prototype in {thing["prototype"] for thing in things}:
+        own = [file for file in shapes if file.stem == prototype or file.stem.startswith(f"{prototype}_level")]
+        require(own, f"{reader.name} on {package.name}: there is no file of {prototype}")
+        require(
+            all(len(reader.read(file).position) for file in own),
+            f"{reader.name} on {package.name}: {prototype} is empty",
+        )
+
+
+def figures(reader, package, files):
     triangles, low, high, area_m2, materials = 0, np.full(3, np.inf), np.full(3, -np.inf), 0.0, None
-    for path in reader.files_of(package):
+    for path in files:
         corners = reader.read(path).position
         triangles += len(corners)
         low, high = np.minimum(low, corners.min(axis=(0, 1))), np.maximum(high, corners.max(axis=(0, 1)))
