@@ -11,6 +11,7 @@ from prefab import Prefab
 # How far a thing may be from its place, metres, and how much its axes and its mass may differ.
 PLACE_M = 1e-5
 AXES = 1e-5
+ROUNDED = 1e-6  # numbers have six decimals
 MASS = 1e-3
 # By its faces, Unity refuses a convex collider that has more.
 MOST_FACES = 255
@@ -97,7 +98,9 @@ def check_thing(package, name, listed, thing):
     turned = matrix(*thing.vector("m_LocalRotation", "xyzw"))
     require(np.abs(turned - expected).max() < AXES, f"{name} is turned otherwise than in the scene")
     scale = thing.vector("m_LocalScale", "xyz")
-    require(np.abs(scale - listed["scale"]).max() < AXES * listed["scale"], f"{name} has the scale {scale}")
+    require(
+        np.abs(scale - listed["scale"]).max() < max(AXES * listed["scale"], ROUNDED), f"{name} has the scale {scale}"
+    )
     require(thing.source.name.startswith(f"{listed['prototype']}_level"), f"{name} is a {thing.source.name}")
     check_body(name, listed, thing)
     check_collider(package, name, thing.source)
