@@ -15,11 +15,9 @@ use super::kind::{KindRow, Kinds};
 use super::library::{Library, Prototype};
 use super::lots::Lots;
 use super::rest::about_z;
-use super::shelf::roughness;
 use super::{Thing, ThingSettings};
 use crate::field::CaveField;
 use crate::mesh::Mesh;
-use crate::noise::Source;
 use plume_graph::seed::salt;
 use plume_graph::{Aabb, Graph};
 
@@ -186,15 +184,6 @@ impl<'a> Site<'a> {
             (lots, place[0], place[1])
         })
     }
-}
-
-/// How much has fallen at places, from about -1 to 1: most in zones of weak ceilings.
-pub(super) fn collapse(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
-    /// Wavelength of the zones in metres.
-    const ZONE_M: f32 = 11.0;
-    let points: Vec<[f32; 3]> = places.iter().map(|at| [at.x as f32, at.y as f32, at.z as f32]).collect();
-    let source = Source::new(salt(setting.seed, "collapse"));
-    roughness(source, &points, ZONE_M).into_iter().map(f64::from).collect()
 }
 
 /// A size in steps, so that few meshes serve a cave.

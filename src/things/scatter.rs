@@ -4,10 +4,13 @@ use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
-use super::place::{Candidate, Setting, Site, collapse, owns, quantised, step, without_overlaps};
+use super::place::{Candidate, Setting, Site, owns, quantised, step, without_overlaps};
 use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z};
+use super::shelf::roughness;
 use super::{Thing, WHEEL_M};
+use crate::noise::Source;
 use plume_graph::Aabb;
+use plume_graph::seed::salt;
 
 /// Steepest floor over which stones are let down: upward component of its normal below the middle.
 const LEVEL: f64 = 0.78;
@@ -188,8 +191,10 @@ impl Density {
     const PROBE_M: f64 = 0.6;
 
     fn new(setting: &Setting, places: &[Point3<f64>]) -> Self {
-        let probe = |place: &Point3<f64>| [place.x as f32, place.y as f32, (place.z + Self::PROBE_M) as f32];
-        let probes: Vec<[f32; 3]> = places.iter().map(probe).collect();
+        let single = |place: &Point3<f64>, up: f64| [place.x as f32, place.y as f32, (place.z + up) as f32];
+        let probes: Vec<[f32; 3]> = places.iter().map(|place| single(place, Self::PROBE_M)).collect();
+        let zones: Vec<[f32; 3]> = places.iter().map(|place| single(place, 0.0)).collect();
+        let source = Source::new(salt(setting.seed, "collapse"));
         Self {
             wall_m: setting
                 .field
@@ -197,7 +202,7 @@ impl Density {
                 .into_iter()
                 .map(|distance| f64::from(-distance).max(0.0))
                 .collect(),
-            zone: collapse(setting, places),
+            zone: roughness(source, &zones, 11.0).into_iter().map(f64::from).collect(),
         }
     }
 

@@ -70,7 +70,7 @@ pub struct Shelf {
 struct Slot {
     shape: Shape,
     material: Arc<dyn Material>,
-    is_soiled: bool,
+    is_loose: bool,
 }
 
 impl Shelf {
@@ -80,11 +80,9 @@ impl Shelf {
         for (_, row, number) in slots(dress.kinds) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
             let material = || (dress.material)(row.rock_setting);
-            let is_soiled = row.place.is_loose();
+            let is_loose = row.place.is_loose();
             match row.shapes {
-                Shapes::Own { make, .. } => {
-                    fields.push(Slot { shape: make(&mut rng), material: material(), is_soiled })
-                }
+                Shapes::Own { make, .. } => fields.push(Slot { shape: make(&mut rng), material: material(), is_loose }),
                 Shapes::Solid { make, .. } => solids.push(make(&mut rng)),
                 Shapes::Of(_) => {}
             }
@@ -296,7 +294,7 @@ impl Shelf {
         material.coarse(&on_wall(points, normals, self.source), block);
         block.shape_as(&columns);
         material.surface_samples(block, &self.look, footprint, &columns, &mut wall);
-        let soil = |n: usize| if self.slots[slot].is_soiled { soil(points[n], normals[n]) } else { 0.0 };
+        let soil = |n: usize| if self.slots[slot].is_loose { soil(points[n], normals[n]) } else { 0.0 };
         if (0..points.len()).any(|n| soil(n) > 0.0) {
             material.coarse(&on_floor(points, self.source), block);
             material.surface_samples(block, &self.look, footprint, &columns, &mut floor);
