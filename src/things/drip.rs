@@ -14,6 +14,8 @@ use plume_graph::seed::salt;
 
 /// Flattest ceiling or floor to which dripstone clings: upward component of its normal.
 const CLINGING: f64 = 0.45;
+/// Furthest that drops fall onto a stalagmite, in metres: further, a chunk may know one end and not the other.
+const FURTHEST_FALL_M: f64 = 6.0;
 /// Distance between joints from which water drips, in metres.
 const JOINT_M: f64 = 1.6;
 
@@ -43,10 +45,12 @@ impl<'a> Site<'a> {
             let (length, yaw_rad) = (lots.normal(), std::f64::consts::TAU * lots.unit());
             let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
             let hits = self.walls.hits(x, y);
-            let pairs = hits.windows(2).map(|pair| [pair[0], pair[1]]);
-            let open = pairs.filter(|[floor, ceiling]| floor.normal.z > 0.0 && ceiling.normal.z <= -CLINGING);
-            for [floor, ceiling] in lots.one_per_storey(open, |[_, ceiling]| ceiling.z) {
-                let clearance_m = ceiling.z - floor.z;
+            let ceilings = hits.iter().enumerate().filter(|(_, hit)| hit.normal.z <= -CLINGING);
+            let open = ceilings.map(|(n, ceiling)| (n.checked_sub(1).map(|below| hits[below]), *ceiling));
+            let open = open.filter(|(floor, _)| floor.is_none_or(|floor| floor.normal.z > 0.0));
+            for (floor, ceiling) in lots.one_per_storey(open, |(_, ceiling)| ceiling.z) {
+                let floor = floor.filter(|floor| ceiling.z - floor.z < FURTHEST_FALL_M);
+                let clearance_m = floor.map_or(f64::INFINITY, |floor| ceiling.z - floor.z);
                 let length_m =
                     (hang.median_m * libm::exp(hang.sigma * length)).min(hang.longest_m).min(0.9 * clearance_m);
                 let scale = quantised(length_m) / prototype.length_m();
@@ -76,6 +80,7 @@ impl<'a> Site<'a> {
     /// A stalactite with its stalagmite, or their column; nothing if it leaves too little headroom.
     fn grown(&self, drip: Drip<'a>, hang: Hang) -> Vec<Candidate<'a>> {
         let Drip { candidate, floor, mut lots, .. } = drip;
+        let Some(floor) = floor else { return vec![candidate] };
         let clearance_m = candidate.at.z - floor.z;
         let length_m = candidate.scale * candidate.prototype.length_m();
         let foot = Point3::new(candidate.at.x, candidate.at.y, floor.z);
@@ -149,7 +154,7 @@ const LEAST_STALAGMITE_M: f64 = 0.03;
 /// Something that hangs and may have a counterpart.
 struct Drip<'a> {
     candidate: Candidate<'a>,
-    floor: Hit,
+    floor: Option<Hit>,
     there: f64,
     lots: Lots,
 }

@@ -100,7 +100,8 @@ impl<'a> Site<'a> {
                 if height_m > WHEEL_M && self.corridor.is_within(candidate.at, candidate.reach_m()) {
                     continue;
                 }
-                let clearance_m = hits.get(n + 1).map_or(0.0, |above| above.z - hit.z);
+                // No wall above is one out of reach: the ceiling of a hall is higher than what the chunk knows.
+                let clearance_m = hits.get(n + 1).map_or(f64::INFINITY, |above| above.z - hit.z);
                 found.push((candidate, clearance_m, there / at_mean));
             }
         }

@@ -10,7 +10,7 @@ use crate::common::world::{kinds, small};
 use nalgebra::{Point3, Vector3};
 use plume::Recipe;
 use plume::field::{CaveField, PassageSettings};
-use plume::graph::{Aabb, Graph};
+use plume::graph::{Aabb, Graph, Node, StationId};
 use plume::material::{Look, MATERIALS};
 use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
@@ -335,6 +335,36 @@ fn things_hardly_depend_on_the_size_of_chunks() {
         let lost = these.iter().filter(|key| !other.contains_key(*key)).count();
         assert!(lost * 20 <= these.len(), "{rock}: {lost} of {} are gone, of {}", these.len(), those.len());
     }
+}
+
+/// Chunks know the walls a few metres beyond their borders, which is less than the height of a hall.
+#[test]
+fn chunks_agree_on_the_things_of_a_hall() {
+    let node = |id: u64, x: f64, z: f64| Node {
+        id,
+        parent: None,
+        position: Point3::new(x, 0.0, z),
+        radius: 16.0,
+        active: false,
+        level: 0,
+        section: None,
+    };
+    let graph = Graph { nodes: vec![node(0, 0.0, 0.0), node(1, 20.0, 6.0)], edges: StationId::pairs([[0, 1]]) };
+    let cave = Cave::new("hall".to_owned(), graph, "basalt", 16.0);
+    let in_box = |bounds: Aabb<f64>| place(&cave.setting(), bounds, cave.walls.iter().map(|(_, wall)| wall));
+    let keys = |things: Vec<Thing>| -> BTreeMap<u64, String> {
+        things.into_iter().map(|thing| (thing.id, format!("{} {:.3}", thing.kind, thing.pose.translation))).collect()
+    };
+    let [min, max] = [[-6.0, -14.0, -14.0], [26.0, 14.0, 20.0]];
+    let whole = keys(in_box(Aabb { min, max }));
+    let slices = (0..17).map(|n| [min[2] + 2.0 * f64::from(n), min[2] + 2.0 * f64::from(n + 1)]);
+    let sliced =
+        slices.flat_map(|[low, high]| in_box(Aabb { min: [min[0], min[1], low], max: [max[0], max[1], high] }));
+    let sliced: Vec<Thing> = sliced.collect();
+    assert_have_own_identities(&cave, &sliced);
+    let sliced = keys(sliced);
+    let differ: Vec<&u64> = whole.keys().chain(sliced.keys()).filter(|id| whole.get(id) != sliced.get(id)).collect();
+    assert!(whole.len() > 100 && differ.is_empty(), "{} of {} differ", differ.len(), whole.len());
 }
 
 #[test]
