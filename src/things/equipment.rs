@@ -24,7 +24,7 @@ pub(super) const SLEEPER_THICK_M: f64 = 0.12;
 /// Radius of a ventilation duct in metres.
 pub(super) const DUCT_M: f64 = 0.3;
 /// Distance of a pipe or a cable from the wall, in metres.
-pub(super) const OFF_WALL_M: f64 = 0.14;
+pub(super) const OFF_WALL_M: f64 = 0.11;
 
 /// A round post that stands on the origin, slightly tapered.
 pub fn post(rng: &mut Rng) -> Solid {
@@ -59,15 +59,15 @@ pub fn sleeper(_: &mut Rng) -> Solid {
     sleeper.at(0.0, 0.0, -0.5 * SLEEPER_THICK_M)
 }
 
-/// A water pipe with a coupling and a bracket; the wall is towards -y.
+/// A water pipe with a coupling and a bracket; the wall is towards -y. The bracket is short, since all collides as one hull.
 pub fn pipe(_: &mut Rng) -> Solid {
     let pipe = Solid::cylinder(0.055, PIECE_M, 14, &BLUE_PAINT).lying();
     let coupling = Solid::cylinder(0.075, 0.11, 14, &RUST).lying().at(0.92, 0.0, 0.0);
-    let bracket = Solid::cuboid([0.05, 0.012, 0.36], &RUST).towards(Vector3::y()).at(0.0, -0.12, -0.064);
+    let bracket = Solid::cuboid([0.05, 0.012, 0.15], &RUST).towards(Vector3::y()).at(0.0, -0.02, -0.057);
     pipe.and(coupling).and(bracket)
 }
 
-/// Two cables that sag between hooks; the wall is towards +y.
+/// Two cables that sag between hooks, little, since all collides as one hull; the wall is towards +y.
 pub fn cable(_: &mut Rng) -> Solid {
     let sagging = |radius_m: f64, sag_m: f64, out_m: f64| {
         let place = |n: usize| {
@@ -77,15 +77,15 @@ pub fn cable(_: &mut Rng) -> Solid {
         let path: Vec<Point3<f64>> = (0..=10).map(place).collect();
         Solid::tube(&path, radius_m, 8, &RUBBER)
     };
-    let hook = Solid::cylinder(0.009, 0.34, 6, &RUST).towards(Vector3::y()).at(-0.95, 0.11, -0.035);
-    sagging(0.022, 0.10, 0.0).and(sagging(0.014, 0.14, 0.045)).and(hook)
+    let hook = Solid::cylinder(0.009, 0.18, 6, &RUST).towards(Vector3::y()).at(-0.95, 0.03, -0.032);
+    sagging(0.022, 0.030, 0.0).and(sagging(0.014, 0.045, 0.045)).and(hook)
 }
 
 /// A piece of a ventilation duct, in the folds of its hoops.
 pub fn duct(_: &mut Rng) -> Solid {
     let fold = |n: usize| {
         let z = PIECE_M * (n as f64 / 16.0 - 0.5);
-        [z, if n.is_multiple_of(2) { DUCT_M } else { DUCT_M - 0.022 }]
+        [z, if n.is_multiple_of(2) { DUCT_M } else { DUCT_M - 0.018 }]
     };
     let folds: Vec<[f64; 2]> = (0..=16).map(fold).collect();
     Solid::lathe(&folds, 18, &FABRIC).lying()
