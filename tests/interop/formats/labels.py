@@ -14,8 +14,9 @@ from packages import Failure, require
 from scipy.spatial import cKDTree
 
 ZONES = {"floor", "wall", "ceiling"}
-# Of the things, those at whose middle the next vertex of a thing may be that of another on which it lies.
+# Of the things, those at whose middle the next point of a thing may be that of another on which it lies.
 MOST_HIDDEN = 0.05
+SPACING_M = 0.05  # of the points on edges
 
 
 def check(path):
@@ -65,11 +66,8 @@ def check_faces(path, data):
 
 
 def check_places(path, data, names, listed):
-    """The vertex of a thing that is next to the middle of a thing has the label of its class."""
-    vertex = data["vertex"]
-    of_things = vertex["label"] > 3
-    points = np.column_stack([vertex[axis][of_things] for axis in "xyz"])
-    labels = vertex["label"][of_things]
+    """The point on an edge of a thing that is next to the middle of a thing has the label of its class."""
+    points, labels = points_of_things(data)
     _, nearest = cKDTree(points).query([thing["position"] for thing in listed])
     wrong = [thing for thing, index in zip(listed, nearest, strict=True) if names[int(labels[index])] != thing["class"]]
     share = len(wrong) / len(listed)
@@ -77,6 +75,21 @@ def check_places(path, data, names, listed):
         share <= MOST_HIDDEN,
         f"{path.name}: {100 * share:.0f} % of the things have another label: {wrong[0]['class'] if wrong else ''}",
     )
+
+
+def points_of_things(data):
+    """Points on the edges of things, at most SPACING_M apart, and their labels: a rail has corners at its ends only."""
+    vertex = data["vertex"]
+    corners = np.column_stack([vertex[axis] for axis in "xyz"])
+    faces = np.vstack(data["face"]["vertex_indices"])
+    faces = faces[vertex["label"][faces[:, 0]] > 3]
+    edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    from_m, to_m = corners[edges[:, 0]], corners[edges[:, 1]]
+    counts = np.ceil(np.linalg.norm(to_m - from_m, axis=1) / SPACING_M).astype(int).clip(1)
+    of_edge = np.repeat(np.arange(len(edges)), counts)
+    step = np.arange(len(of_edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+    share = (step / counts[of_edge])[:, None]
+    return from_m[of_edge] * (1 - share) + to_m[of_edge] * share, vertex["label"][edges[of_edge, 0]]
 
 
 def verify(package):

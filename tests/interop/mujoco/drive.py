@@ -49,6 +49,11 @@ class Track(NamedTuple):
     wheels: np.ndarray  # where each spoke starts
     spokes: np.ndarray  # its direction
 
+    @property
+    def lean_deg(self):
+        """At most."""
+        return np.degrees(np.arccos(self.ups[:, 2].clip(-1, 1))).max()
+
 
 def verify(package, folder):
     rover, wall = Rover.of(package), Wall(package)
@@ -56,10 +61,10 @@ def verify(package, folder):
     with plume.open(folder) as cave:
         check_grip(rover, cave.recipe["world.friction"])
         line = route(cave.graph.positions, cave.graph.edges, rover.position, rover.axes[:, 0], ROUTE_M)
-        track = follow(rover, line)
+        track = follow(rover, line, ARRIVED_M, DURATION_S)
         picture = package.with_name(f"{package.name}_drive.png")
         plot(picture, cave, line, track)
-    passed_m, lean_deg = track.along_m[-1], np.degrees(np.arccos(track.ups[:, 2].clip(-1, 1))).max()
+    passed_m, lean_deg = track.along_m[-1], track.lean_deg
     open_m = wall.nearest(track.hubs)[1].min()
     sunk_m = rover.wheel_radius_m - wall.first_hits_m(track.wheels.reshape(-1, 3), track.spokes.reshape(-1, 3)).min()
     faults = [
@@ -83,10 +88,10 @@ def check_grip(rover, friction):
     require(np.allclose(grips, friction), f"friction under the rover is {grips.round(3)}, and {friction} in the recipe")
 
 
-def follow(rover, line):
-    """Drives to the end of the line, or until the time is up or the rover is stuck or on its side."""
+def follow(rover, line, goal_m, duration_s):
+    """Drives to that place on the line, or until the time is up or the rover is stuck or on its side."""
     rows, passed_m, passed_at_s = [], 0.0, rover.data.time
-    while passed_m < ARRIVED_M and rover.data.time < min(DURATION_S, passed_at_s + STUCK_S):
+    while passed_m < goal_m and rover.data.time < min(duration_s, passed_at_s + STUCK_S):
         before_m, passed_m = passed_m, line.along_m(rover.position, passed_m, LOOK_AHEAD_M)
         passed_at_s = rover.data.time if passed_m > before_m else passed_at_s
         target = line.at(passed_m + LOOK_AHEAD_M) - rover.position

@@ -2,6 +2,8 @@
 
 import numpy as np
 from package import require
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
 
 SOON_M = 1.0  # here a route shows which way it goes
 
@@ -43,6 +45,22 @@ def route(stations, passages, start, ahead, length_m):
     lines = [line for line in lines if (line.at(SOON_M) - start)[:2] @ ahead[:2] > 0] or lines
     require(lines, f"the passages from the start go on for less than {length_m} m")
     return min(lines, key=lambda line: line.steepness)
+
+
+def longest_route(stations, passages, start):
+    """The shortest line along the passages to the station that is furthest from the start."""
+    ends = min(passages, key=lambda passage: distance_m(start, *stations[passage]))
+    lengths_m = np.linalg.norm(stations[passages[:, 0]] - stations[passages[:, 1]], axis=1)
+    graph = coo_array((lengths_m, passages.T), shape=(len(stations), len(stations)))
+    to_end_m, before = dijkstra(graph, directed=False, indices=ends, return_predecessors=True)
+    from_start_m = to_end_m + np.linalg.norm(stations[ends] - start, axis=1)[:, None]
+    nearest_m, side = from_start_m.min(axis=0), from_start_m.argmin(axis=0)
+    station = np.where(np.isfinite(nearest_m), nearest_m, -1).argmax()
+    chain, row = [], before[side[station]]
+    while station >= 0:
+        chain.append(station)
+        station = row[station]
+    return Line([start, *stations[chain[::-1]]])
 
 
 def ways(stations, passages, start, length_m):
