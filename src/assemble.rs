@@ -59,7 +59,7 @@ pub struct FolderChunks<'a> {
     dressed: Vec<Dressed>,
     /// Width in metres under which loose things are movable.
     movable_m: f64,
-    prototypes: OnceLock<Option<Dressing>>,
+    prototypes: OnceLock<Option<Dressing<'a>>>,
     kinds: Kinds<'a>,
     /// The coarser levels of each chunk.
     lods: Vec<Vec<LodFacts>>,
@@ -123,7 +123,7 @@ impl<'a> FolderChunks<'a> {
 
 impl FolderChunks<'_> {
     /// The prototypes, read when first needed.
-    fn dressing(&self) -> Result<&Dressing, io::Error> {
+    fn dressing(&self) -> Result<&Dressing<'_>, io::Error> {
         let missing = || io::Error::other("there are things, but no prototypes of them");
         if let Some(dressing) = self.prototypes.get() {
             return dressing.as_ref().ok_or_else(missing);
@@ -253,7 +253,7 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
         name: recipe.name().replace('-', "_"),
         description: format!("Underground world made by Plume: {} stations, seed {}", graph.nodes.len(), recipe.seed()),
         generator: format!("plume {}", crate::VERSION),
-        recipe: recipe.to_toml(),
+        recipe: recipe.to_portable_toml(),
         fingerprint: String::new(),
         seed: recipe.seed(),
         chunks,

@@ -190,7 +190,8 @@ pub fn make<'a>(
 /// An impossible graph.
 pub fn fingerprint(input: &Input, observer: &dyn Observer) -> Result<String, CaveError> {
     let graph = preview::graph_of(input, observer)?;
-    Ok(pipeline::cave_fingerprint(&input.recipe, &graph))
+    let models = pipeline::models(&input.recipe, observer)?;
+    Ok(pipeline::cave_fingerprint(&input.recipe, &graph, &models))
 }
 
 fn unfit(root: &Path, what: &str) -> CaveError {

@@ -22,7 +22,7 @@ mod passage;
 
 pub use analytic::Analytic;
 pub use cave::CaveField;
-pub use passage::{PassageSettings, Reach};
+pub use passage::{Heap, PassageSettings, Reach};
 pub use plume_graph::Aabb;
 
 /// The content of a box.

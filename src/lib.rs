@@ -41,6 +41,8 @@ pub mod recipe;
 #[doc(hidden)]
 pub mod assemble;
 #[doc(hidden)]
+pub mod model;
+#[doc(hidden)]
 pub mod pipeline;
 #[doc(hidden)]
 pub mod placement;

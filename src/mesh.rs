@@ -49,6 +49,7 @@ pub(crate) use collide::hull;
 pub use collide::{MOST_CORNERS, Piece, PieceMeasures, PieceReport, PieceSettings, Zone, measure_pieces, pieces};
 pub use grid::{ChunkIndex, Grid, GridError};
 pub(crate) use hausdorff::HausdorffBound;
+pub(crate) use nearest::{Found, Nearest, closest};
 pub use settings::MeshSettings;
 
 /// Positions are whole multiples of `1 / QUANTA_PER_M` metres, so that they can be compared and welded exactly, and so

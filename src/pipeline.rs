@@ -5,6 +5,7 @@
 
 mod error;
 mod maps;
+mod models;
 mod needs;
 mod outside;
 mod pieces;
@@ -19,6 +20,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 pub use self::error::PipelineError;
+pub use self::models::Models;
 pub use self::needs::Needs;
 pub use self::outside::{Disk, Machine};
 pub use self::status::{StageStatus, State};
@@ -87,6 +89,7 @@ pub struct Pipeline<'a> {
     folder: &'a CaveFolder,
     observer: &'a dyn Observer,
     graph: Graph,
+    models: Models,
     graph_fingerprint: String,
     preview_fingerprint: String,
     mesh_fingerprint: String,
@@ -143,8 +146,10 @@ impl<'a> Pipeline<'a> {
             Some(graph) => graph,
             None => generated(recipe, observer)?,
         };
-        let graph_fingerprint = cave_fingerprint(recipe, &graph);
-        let section = |keys: &[&str]| keys.iter().map(|key| recipe.to_json()[key].to_string()).collect::<String>();
+        let models = models(recipe, observer)?;
+        let graph_fingerprint = cave_fingerprint(recipe, &graph, &models);
+        let kept = recipe.to_kept_json();
+        let section = |keys: &[&str]| keys.iter().map(|key| kept[key].to_string()).collect::<String>();
         let stations = stations(&graph);
         let maps = [crate::VERSION, &stations, &section(&["name", "passage"])].concat();
         let preview_fingerprint = sha256(maps.as_bytes());
@@ -152,13 +157,15 @@ impl<'a> Pipeline<'a> {
         let mesh_fingerprint = sha256(shape.as_bytes());
         let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
         let texture_fingerprint = sha256(colour.as_bytes());
-        let things_fingerprint = sha256([texture_fingerprint.as_str(), &section(&["things"])].concat().as_bytes());
+        let things = [texture_fingerprint.as_str(), &section(&["things"]), &models.fingerprint()].concat();
+        let things_fingerprint = sha256(things.as_bytes());
         let pieces_fingerprint = sha256([mesh_fingerprint.as_str(), &section(&["pieces"])].concat().as_bytes());
         Ok(Self {
             recipe,
             folder,
             observer,
             graph,
+            models,
             graph_fingerprint,
             preview_fingerprint,
             mesh_fingerprint,
@@ -329,8 +336,9 @@ impl<'a> Pipeline<'a> {
                 self.folder.write(store::RECIPE, |out| out.write_all(self.recipe.to_kept_toml().as_bytes()))?;
             let graph = self
                 .folder
-                .write(store::GRAPH, |out| out.write_all(graph_text(self.recipe, &self.graph).as_bytes()))?;
-            Ok((vec![recipe, graph], Facts::Graph((&self.graph).into())))
+                .write(store::GRAPH, |out| out.write_all(kept_graph_text(self.recipe, &self.graph).as_bytes()))?;
+            let files = [vec![recipe, graph], self.models.keep(self.folder)?].concat();
+            Ok((files, Facts::Graph((&self.graph).into())))
         })
     }
 
@@ -382,8 +390,17 @@ impl<'a> Pipeline<'a> {
 }
 
 /// SHA-256 of everything that a cave follows from.
-pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph) -> String {
-    sha256(format!("{}\n{}", recipe.version(), graph_text(recipe, graph)).as_bytes())
+pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph, models: &Models) -> String {
+    let text = kept_graph_text(recipe, graph);
+    sha256(format!("{}\n{text}{}", recipe.version(), models.fingerprint()).as_bytes())
+}
+
+/// The models that a recipe names.
+///
+/// # Errors
+/// If one cannot be read or is not fit to be a thing.
+pub fn models(recipe: &Recipe, observer: &dyn Observer) -> Result<Models, PipelineError> {
+    Models::read(recipe, Disk { allows_outside_files: observer.allows_outside_files() })
 }
 
 /// The field of the cave described by this recipe and graph.
@@ -402,7 +419,7 @@ pub fn furnished<'a>(
     recipe: &'a Recipe,
     graph: &'a Graph,
     field: &'a CaveField,
-    (shelf, library): &'a (Shelf, Library),
+    (shelf, library): &'a (Shelf, Library<'a>),
 ) -> Subject<'a> {
     let setting = things::setting(recipe, graph, field, library);
     let furnishing = Some(Furnishing { setting, shelf, mesh: recipe.mesh() });
@@ -412,6 +429,11 @@ pub fn furnished<'a>(
 /// The text of the cave's graph file.
 pub fn graph_text(recipe: &Recipe, graph: &Graph) -> String {
     plume_survey::json::write(graph, crate::VERSION, recipe.to_json())
+}
+
+/// The same in a cave folder.
+fn kept_graph_text(recipe: &Recipe, graph: &Graph) -> String {
+    plume_survey::json::write(graph, crate::VERSION, &recipe.to_kept_json())
 }
 
 /// A box round the passages where they are widest, at the stations; `None` without stations.

@@ -5,6 +5,7 @@
 
 mod check;
 mod fault;
+mod files;
 mod output;
 mod print;
 mod read;
@@ -107,6 +108,7 @@ impl Recipe {
         let resolved = schema::filled(&schema, &draft.value);
         let graph = generator(&resolved["graph"], &draft)?;
         let rock = rock(&resolved["rock"], &draft)?;
+        let things = things(&schema["properties"]["things"], &resolved["things"], &draft)?;
         Ok(Self {
             name: typed(&resolved, "name", &draft)?,
             seed: typed(&resolved, "seed", &draft)?,
@@ -116,7 +118,7 @@ impl Recipe {
             rock,
             look: typed(&resolved, "look", &draft)?,
             mesh: typed(&resolved, "mesh", &draft)?,
-            things: typed(&resolved, "things", &draft)?,
+            things,
             texture: typed(&resolved, "texture", &draft)?,
             lod: typed(&resolved, "lod", &draft)?,
             pieces: typed(&resolved, "pieces", &draft)?,
@@ -201,7 +203,7 @@ impl Recipe {
 
     /// The kinds of things that occur.
     pub fn kinds(&self) -> Kinds<'_> {
-        Kinds { rock: self.rock_name(), has_artefacts: self.things.artefacts > 0 }
+        Kinds { rock: self.rock_name(), has_artefacts: self.things.artefacts > 0, files: &self.things.files }
     }
 
     /// Texture settings.
@@ -234,9 +236,20 @@ impl Recipe {
         print::commented(&schema::of(&self.resolved), &self.resolved)
     }
 
+    /// The recipe as JSON that names model files as a cave folder keeps them: the same wherever they came from.
+    pub fn to_kept_json(&self) -> Value {
+        files::kept(&self.resolved, &self.things.files)
+    }
+
+    /// That as commented TOML.
+    pub fn to_portable_toml(&self) -> String {
+        let kept = self.to_kept_json();
+        print::commented(&schema::of(&kept), &kept)
+    }
+
     /// The recipe as stored in a cave folder: with a last line that proves it is complete.
     pub fn to_kept_toml(&self) -> String {
-        format!("{}\n{LAST_LINE}\n", self.to_toml())
+        format!("{}\n{LAST_LINE}\n", self.to_portable_toml())
     }
 
     /// Reads the recipe of a cave folder, which may be edited but must have every key and its last line: a truncated one
@@ -290,9 +303,9 @@ fn incomplete(file: &Path, message: String) -> Faults {
     Fault { origin: Origin::File(file.to_path_buf()), message, hint }.into()
 }
 
-/// The first key of `whole` that is missing in `part`. Keys without a value may be missing.
+/// The first key of `whole` that is missing in `part`. Keys without a value and empty lists may be missing.
 fn missing_key(path: &str, whole: &Value, part: &Value) -> Option<String> {
-    let keys = whole.as_object()?.iter().filter(|(_, value)| !value.is_null());
+    let keys = whole.as_object()?.iter().filter(|(_, value)| !value.is_null() && **value != json!([]));
     keys.map(|(key, value)| (if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, value, &part[key]))
         .find_map(|(path, value, part)| if part.is_null() { Some(path) } else { missing_key(&path, value, part) })
 }
@@ -337,6 +350,16 @@ fn anchor(schema: &Value, settings: &mut Value, key: &str, draft: &read::Draft) 
         _ => {}
     }
     Ok(())
+}
+
+/// The settings of things, with the paths of model files resolved.
+fn things(schema: &Value, section: &Value, draft: &read::Draft) -> Result<ThingSettings, Faults> {
+    let mut section = section.clone();
+    anchor(schema, &mut section, "things", draft)?;
+    let things: ThingSettings =
+        serde_json::from_value(section).map_err(|error| draft.fault("things", error.to_string()))?;
+    files::check(&things.files, draft)?;
+    Ok(things)
 }
 
 fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {

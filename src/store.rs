@@ -6,6 +6,7 @@
 //! ├─ graph.json       the graph with the recipe: enough to make the cave again
 //! ├─ plan.png         the graph seen from above
 //! ├─ profile.png      and from the side
+//! ├─ models/          the model files that the recipe names, a folder each
 //! ├─ chunks/          the wall, one PLY per chunk
 //! ├─ collision/       the same with fewer triangles
 //! ├─ things/          stones and dripstone: kind, shape, size and pose of each, per chunk
@@ -56,8 +57,8 @@ use self::records::Event;
 pub use self::temporary::TemporaryFolder;
 pub use self::thing::{read_things, write_things};
 pub use self::unit::{
-    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_name, collision_path, image_path, lod_path, pieces_path,
-    textured_path, things_path, wall_path,
+    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_name, collision_path, image_path, is_model_path,
+    is_plain_name, lod_path, pieces_path, textured_path, things_path, wall_path,
 };
 
 const MANIFEST: &str = "manifest.json";
@@ -246,14 +247,16 @@ impl CaveFolder {
         Ok(self.state(record)? == FileState::Changed)
     }
 
-    /// The files of finished units, except recipe and graph, that exist but differ from what was written: edited or damaged.
+    /// The files of finished units, except recipe, graph and models, that exist but differ from what was written: edited or damaged.
     ///
     /// # Errors
     /// If a file cannot be read.
     pub fn changes(&self) -> Result<Vec<String>, StoreError> {
         let files: Vec<FileRecord> = self.work().files.values().cloned().collect();
-        let files: Vec<&FileRecord> =
-            files.iter().filter(|file| ![RECIPE, GRAPH].contains(&file.path.as_str())).collect();
+        let files: Vec<&FileRecord> = files
+            .iter()
+            .filter(|file| ![RECIPE, GRAPH].contains(&file.path.as_str()) && !is_model_path(&file.path))
+            .collect();
         let states: Result<Vec<FileState>, StoreError> = files.par_iter().map(|record| self.state(record)).collect();
         let changed = files.iter().zip(states?).filter(|(_, state)| *state == FileState::Changed);
         Ok(changed.map(|(record, _)| record.path.clone()).collect())

@@ -1,4 +1,4 @@
-//! Things that lie, stand and hang in a cave: stones, dripstone and the equipment of mines.
+//! Things that lie, stand and hang in a cave: stones, dripstone, the equipment of mines, and models of the user.
 //!
 //! A [`KindRow`] says what a thing looks like, how large it is and where it occurs. Its shapes are meshed once, all together
 //! on one [`Shelf`], into a [`Library`] of prototypes that share a set of images. [`place()`] then finds the things of a
@@ -12,31 +12,39 @@
 mod along;
 mod around;
 mod artefact;
+mod catalogue;
 mod corridor;
 mod dressed;
 mod drip;
 mod dripstone;
 mod equipment;
 mod facets;
+mod halls;
 mod kind;
 mod library;
 mod lost;
 mod lots;
 mod place;
+mod plane;
+mod replica;
 mod rest;
+mod roof;
 mod scatter;
 mod settings;
 mod shelf;
 mod solid;
 mod stone;
 mod substance;
+mod terrace;
 
 pub use around::place_in;
+pub use catalogue::KINDS;
 pub use dressed::Dressed;
-pub use kind::{Along, Fit, Hang, KINDS, KindRow, Kinds, Place, Scatter, Shape, Shapes};
+pub use kind::{Along, Fit, Hang, Heading, KindRow, Kinds, Place, Scatter, Shape, Shapes};
 pub use library::{Body, Library, Prototype, shelf_mesh};
 pub use place::{Setting, place};
-pub use settings::ThingSettings;
+pub use replica::Replica;
+pub use settings::{FileSettings, KEPT, ThingSettings};
 pub use solid::Solid;
 pub use substance::Substance;
 

@@ -8,10 +8,17 @@ use crate::store::ply::PlyMesh;
 use crate::things::{Prototype, Thing};
 
 /// The prototypes, cut apart at every level of detail.
-pub struct Dressing {
-    prototypes: Prototypes,
-    /// Triangles by level and prototype.
-    cuts: Vec<Vec<Vec<[u32; 3]>>>,
+pub struct Dressing<'a> {
+    prototypes: Prototypes<'a>,
+    /// By level and prototype.
+    cuts: Vec<Vec<Cut>>,
+}
+
+/// The triangles of a prototype, and the level that they are of.
+#[derive(Clone)]
+struct Cut {
+    level: usize,
+    triangles: Vec<[u32; 3]>,
 }
 
 /// A level with a larger share of the triangles of the previous one is not worth its bytes. Tuned.
@@ -22,11 +29,14 @@ const ROCK_KG_M3: f64 = 2650.0;
 /// thing is a few centimetres wide.
 const SMALL_M: [f64; 2] = [0.36, 0.14];
 
-impl Dressing {
+impl<'a> Dressing<'a> {
     /// Cuts the prototypes apart.
-    pub fn new(prototypes: Prototypes) -> Self {
-        let cut = |level: &PlyMesh| prototypes.library.cut(&level.positions, &level.triangles);
-        Self { cuts: prototypes.levels.iter().map(cut).collect(), prototypes }
+    pub fn new(prototypes: Prototypes<'a>) -> Self {
+        let mut cuts: Vec<Vec<Cut>> = Vec::new();
+        for level in 0..prototypes.levels.len() {
+            cuts.push(cuts_at(&prototypes, level, cuts.last()));
+        }
+        Self { cuts, prototypes }
     }
 
     /// The things that move when pushed, or those that do not, given the width under which loose ones do. What moves lies on
@@ -42,7 +52,7 @@ impl Dressing {
     }
 
     /// Each thing with the index of its prototype.
-    fn known<'a>(&'a self, things: &'a [Thing]) -> impl Iterator<Item = (usize, &'a Prototype, &'a Thing)> {
+    fn known<'b>(&'b self, things: &'b [Thing]) -> impl Iterator<Item = (usize, &'b Prototype<'a>, &'b Thing)> {
         things.iter().filter_map(|thing| {
             let all = &self.prototypes.library.prototypes;
             let index = all.iter().position(|own| own.name == thing.prototype)?;
@@ -70,10 +80,17 @@ impl Dressing {
         let (mut mesh, mut error_m) = (Mesh::default(), 0.0_f64);
         for (index, prototype, thing) in self.known(things) {
             let level = (self.finest(prototype, thing) + coarser).min(self.cuts.len() - 1);
-            append(&mut mesh, &self.prototypes.levels[level], &self.cuts[level][index], prototype, thing);
-            error_m = error_m.max(self.prototypes.errors_m[level] * thing.scale);
+            error_m = error_m.max(self.append(&mut mesh, index, level, thing));
         }
         (mesh, error_m as f32)
+    }
+
+    /// Appends a prototype at this level, at the place of a thing. Returns how far that is from full detail in metres.
+    fn append(&self, mesh: &mut Mesh, index: usize, level: usize, thing: &Thing) -> f64 {
+        let cut = &self.cuts[level][index];
+        let prototype = &self.prototypes.library.prototypes[index];
+        append(mesh, &self.prototypes.levels[cut.level], &cut.triangles, prototype, thing);
+        self.prototypes.errors_m[cut.level] * thing.scale
     }
 
     /// The level of the prototype that a thing shows in full detail.
@@ -100,8 +117,8 @@ impl Dressing {
             };
             let level = |level: usize| {
                 let mut mesh = Mesh::default();
-                append(&mut mesh, &self.prototypes.levels[level], &self.cuts[level][index], prototype, &as_made);
-                Lod { mesh, error_m: self.prototypes.errors_m[level] as f32 }
+                let error_m = self.append(&mut mesh, index, level, &as_made) as f32;
+                Lod { mesh, error_m }
             };
             let Piece { mesh: hull, zone } = piece(prototype, &as_made);
             let levels = (0..self.cuts.len()).map(level).collect();
@@ -144,6 +161,18 @@ impl Dressing {
     }
 }
 
+/// The prototypes at a level of detail, given the next finer one: what has too few triangles for its edges does not get
+/// coarser.
+fn cuts_at(prototypes: &Prototypes, level: usize, finer: Option<&Vec<Cut>>) -> Vec<Cut> {
+    let mesh = &prototypes.levels[level];
+    let all = prototypes.library.cut(&mesh.positions, &mesh.triangles);
+    let cut = |(index, triangles): (usize, Vec<[u32; 3]>)| match finer {
+        Some(finer) if !faces_its_normals(mesh, &triangles) => finer[index].clone(),
+        _ => Cut { level, triangles },
+    };
+    all.into_iter().enumerate().map(cut).collect()
+}
+
 /// The hull of a thing at its place.
 fn piece(prototype: &Prototype, thing: &Thing) -> Piece {
     let place = |corner: &Point3<f64>| (thing.pose * (corner * thing.scale)).map(|c| c as f32).into();
@@ -153,6 +182,18 @@ fn piece(prototype: &Prototype, thing: &Thing) -> Piece {
         ..Mesh::default()
     };
     Piece { mesh, zone: if prototype.row.place.is_loose() { Zone::Floor } else { Zone::Wall } }
+}
+
+/// Whether nearly all triangles face the side of their normals, which are those of full detail on every level.
+fn faces_its_normals(mesh: &PlyMesh, triangles: &[[u32; 3]]) -> bool {
+    /// Share of the triangles that may face away, on edges sharper than the triangles. Tuned.
+    const MOST_AWAY: f64 = 0.03;
+    let is_away = |triangle: &&[u32; 3]| {
+        let [a, b, c] = triangle.map(|vertex| Vector3::from(mesh.positions[vertex as usize]));
+        let normal: Vector3<f32> = triangle.iter().map(|&vertex| Vector3::from(mesh.normals[vertex as usize])).sum();
+        (b - a).cross(&(c - a)).dot(&normal) <= 0.0
+    };
+    triangles.iter().filter(is_away).count() as f64 <= MOST_AWAY * triangles.len() as f64
 }
 
 /// Appends these triangles of all prototypes at the place of a thing.

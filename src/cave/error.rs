@@ -94,6 +94,7 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::GraphFile(error) => error.hint.clone(),
         PipelineError::Preview(error) => error.hint().to_owned(),
         PipelineError::Grid(error) => error.hint().to_owned(),
+        PipelineError::Model { error, .. } => error.hint.to_owned(),
         PipelineError::TooLarge { remedy, .. } => format!("{remedy}, or raise output.max_gb"),
         PipelineError::OtherCave { .. } => "choose another folder, or make it anew with --force".into(),
         PipelineError::EditedGraph { .. } => {

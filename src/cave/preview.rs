@@ -22,7 +22,8 @@ pub fn view_row(name: &str) -> Result<&'static ViewRow, CaveError> {
 pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Observer) -> Result<Drawn, CaveError> {
     let graph = graph_of(input, observer)?;
     let field = pipeline::field(&input.recipe, &graph);
-    let stock = row.shows_things.then(|| pipeline::stock(&input.recipe)).flatten();
+    let models = pipeline::models(&input.recipe, observer)?;
+    let stock = row.shows_things.then(|| pipeline::stock(&input.recipe, &models)).flatten();
     let subject = match &stock {
         Some(stock) => pipeline::furnished(&input.recipe, &graph, &field, stock),
         None => pipeline::subject(&input.recipe, &graph, &field),

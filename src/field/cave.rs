@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::index::Index;
 use super::lattice::{self, Lattice, Run};
-use super::passage::{BLEND_M, Capsule, PassageSettings, Range, capsules, survey};
+use super::passage::{BLEND_M, Capsule, Collapse, Heap, PassageSettings, ROCK_M, Range, capsules, collapses, survey};
 use super::{Aabb, Columns, Field, MAX_OFFSET_M, Region, Surface, Texel, ball_round};
 use crate::material::{
     BLOCK, CHANNELS, CoarseBlock, DomainWarp, Footprint, Ground, Look, Material, PROTRUSION, RECESS_M, Site, Sites,
@@ -26,13 +26,19 @@ pub struct CaveField {
     /// How far the domain warp of the rock can move a point, metres.
     wander_m: f32,
     bounds: Aabb<f32>,
+    heaps: Vec<Heap>,
 }
 
 impl CaveField {
-    /// The field of this graph; `seed` affects only the rock.
+    /// The field of this graph; `seed` affects only the rock and where it fell from the roof.
     pub fn new(graph: &Graph, settings: &PassageSettings, material: Arc<dyn Material>, look: Look, seed: u64) -> Self {
         let wander_m = furthest_wander_m(material.domain_warp());
-        let capsules = capsules(graph, settings, material.domain_warp());
+        let mut capsules = capsules(graph, settings, material.domain_warp());
+        // Rooms, which follow the passages, are part of them.
+        let passages = Index::new(capsules[..graph.edges.len()].to_vec(), ROCK_M);
+        let fallen = collapses(graph, settings, material.domain_warp(), seed, |bounds| passages.numbered(bounds));
+        let heaps = fallen.iter().map(|Collapse { heap, .. }| *heap).collect();
+        capsules.extend(fallen.into_iter().flat_map(|fall| fall.capsules));
         let walls = capsules.iter().map(|capsule| capsule.bounds().padded(RECESS_M + wander_m));
         let bounds = walls.reduce(Aabb::union).unwrap_or_else(|| [0.0; 3].into());
         Self {
@@ -43,7 +49,13 @@ impl CaveField {
             source: Source::new(seed::salt(seed, "rock")),
             wander_m,
             bounds,
+            heaps,
         }
+    }
+
+    /// Where rock lies in heaps, in the order of the graph's edges.
+    pub fn heaps(&self) -> &[Heap] {
+        &self.heaps
     }
 
     /// A box outside which everything is rock.

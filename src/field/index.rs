@@ -28,14 +28,23 @@ impl Index {
 
     /// Every capsule that influences the box and possibly some more, in their order.
     pub fn near(&self, bounds: Aabb<f32>) -> Vec<&Capsule> {
+        self.numbers(bounds).into_iter().map(|i| &self.capsules[i as usize]).collect()
+    }
+
+    /// The same with their numbers.
+    pub fn numbered(&self, bounds: Aabb<f32>) -> Vec<(usize, &Capsule)> {
+        self.numbers(bounds).into_iter().map(|i| (i as usize, &self.capsules[i as usize])).collect()
+    }
+
+    fn numbers(&self, bounds: Aabb<f32>) -> Vec<u32> {
         if buckets_of(bounds).nth(self.buckets.len()).is_some() {
-            return self.capsules.iter().collect();
+            return (0..self.capsules.len() as u32).collect();
         }
         let mut found: Vec<u32> =
             buckets_of(bounds).filter_map(|bucket| self.buckets.get(&bucket)).flatten().copied().collect();
         found.sort_unstable();
         found.dedup();
-        found.into_iter().map(|i| &self.capsules[i as usize]).collect()
+        found
     }
 }
 

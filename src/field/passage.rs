@@ -3,6 +3,11 @@
 //! Blending is a fourth-power sum of each capsule's influence within [`BLEND_M`], taken in the order of the graph. A capsule
 //! further away adds exactly nothing, so omitting it changes no bit.
 
+mod collapse;
+
+pub use collapse::Heap;
+pub(super) use collapse::{Collapse, ROCK_M, collapses};
+
 use std::array::from_fn;
 
 use super::Aabb;
@@ -43,6 +48,10 @@ pub struct PassageSettings {
     /// Width of a room where three or more passages meet, relative to the width of its station; 1 makes no rooms.
     #[schemars(range(min = 1.0, max = 3.0))]
     pub room_factor: f32,
+    /// How often the roof fell: heaps of rock under a higher ceiling in natural passages, and muck at the faces of drifts. 1 is
+    /// natural, 0 none.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub collapse: f32,
 }
 
 impl Default for PassageSettings {
@@ -56,6 +65,7 @@ impl Default for PassageSettings {
             floor_flatness: 0.3,
             floor_roughness_m: 0.08,
             room_factor: passage_size.room_factor as f32,
+            collapse: 1.0,
         }
     }
 }

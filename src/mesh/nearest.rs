@@ -4,14 +4,15 @@ use nalgebra::Vector3;
 
 use plume_graph::Aabb;
 
-pub(super) type Point = Vector3<f64>;
-pub(super) type Triangle = [Point; 3];
+pub(crate) type Point = Vector3<f64>;
+pub(crate) type Triangle = [Point; 3];
 
 /// Triangles of a leaf. Tuned.
 const LEAF: usize = 4;
 
 /// A bounding volume hierarchy of a surface, split at the median.
-pub(super) struct Nearest {
+#[derive(Debug)]
+pub(crate) struct Nearest {
     /// Triangles with their indices in the surface.
     triangles: Vec<(Triangle, u32)>,
     /// Boxes; each is followed by its first half.
@@ -20,16 +21,16 @@ pub(super) struct Nearest {
 
 /// The nearest triangle to a point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
-    pub(super) triangle: Triangle,
+pub(crate) struct Found {
+    pub(crate) triangle: Triangle,
     /// Index of the triangle in the surface.
-    pub(super) index: u32,
+    pub(crate) index: u32,
     /// Squared distance.
-    pub(super) squared: f64,
+    pub(crate) squared: f64,
 }
 
 /// The box round some triangles.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct TreeNode {
     bounds: Aabb<f64>,
     /// Index of the second half; 0 for a leaf.
@@ -38,7 +39,7 @@ struct TreeNode {
 
 impl Nearest {
     /// The tree of a surface of at least one triangle.
-    pub(super) fn new(surface: &[Triangle]) -> Self {
+    pub(crate) fn new(surface: &[Triangle]) -> Self {
         let triangles = surface.iter().copied().zip(0..).collect();
         let mut tree = Self { triangles, boxes: Vec::new() };
         tree.build(0, surface.len());
@@ -64,7 +65,7 @@ impl Nearest {
     }
 
     /// The triangle nearest to a point.
-    pub(super) fn nearest(&self, point: Point) -> Found {
+    pub(crate) fn nearest(&self, point: Point) -> Found {
         let mut best = (0, f64::INFINITY);
         self.search(point, 0, 0..self.triangles.len(), &mut best);
         let (triangle, index) = self.triangles[best.0];
@@ -137,7 +138,7 @@ pub(super) fn squared_distance(point: Point, triangle: Triangle) -> f64 {
 
 /// A part of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Feature {
+pub(crate) enum Feature {
     /// The corner with this index.
     Corner(usize),
     /// The edge from the corner with this index to the next.
@@ -148,7 +149,7 @@ pub(super) enum Feature {
 
 /// The point of a triangle that is closest to `p`, and the part of the triangle that contains it (Ericson, *Real-Time Collision
 /// Detection*, 2005, 5.1.5).
-pub(super) fn closest(p: Point, [a, b, c]: Triangle) -> (Point, Feature) {
+pub(crate) fn closest(p: Point, [a, b, c]: Triangle) -> (Point, Feature) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
     if d1 <= 0.0 && d2 <= 0.0 {

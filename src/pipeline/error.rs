@@ -1,6 +1,7 @@
 use std::path::PathBuf;
 
 use crate::mesh::GridError;
+use crate::model::ModelError;
 use crate::preview::PreviewError;
 use crate::store::{ChunkError, StoreError};
 use plume_graph::GenerateError;
@@ -58,6 +59,14 @@ pub enum PipelineError {
         path: PathBuf,
         /// The files, with forward slashes.
         files: Vec<String>,
+    },
+    /// A model cannot be a thing.
+    #[error("{}: {error}", path.display())]
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        error: ModelError,
     },
     /// There is no wall in the whole cave.
     #[error("mesh: the cave has no open space at this voxel size")]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Pipeline, PipelineError};
+use super::{Models, Pipeline, PipelineError};
 use crate::field::CaveField;
 use crate::material::Material;
 use crate::mesh::{ChunkIndex, Grid};
@@ -41,7 +41,7 @@ impl Pipeline<'_> {
         if self.recipe.things().cover <= 0.0 {
             return Ok((Vec::new(), Facts::Things(ThingFacts::default())));
         }
-        let shelf = shelf(self.recipe);
+        let shelf = shelf(self.recipe, &self.models);
         let texture = self.recipe.texture();
         let density_px_per_m = TEXEL_RATIO * texture.density_px_per_m;
         let size_px = texture.size_px.map(|size_px| size_px.clamp(SIZE_PX[0], SIZE_PX[1]));
@@ -85,20 +85,21 @@ impl Pipeline<'_> {
 type Made = (Vec<store::FileRecord>, Facts);
 
 /// The prototypes in a cave folder; none if it has no things.
-fn library(recipe: &Recipe, folder: &store::CaveFolder) -> Result<Library, PipelineError> {
+fn library<'a>(recipe: &'a Recipe, folder: &store::CaveFolder) -> Result<Library<'a>, PipelineError> {
     Ok(store::read_prototypes(folder, recipe.kinds())?.map(|prototypes| prototypes.library).unwrap_or_default())
 }
 
 /// The shapes of the things of a recipe.
-fn shelf(recipe: &Recipe) -> Shelf {
+fn shelf(recipe: &Recipe, models: &Models) -> Shelf {
     let material = |setting| rock_with(recipe, setting);
-    Shelf::new(&Dress { kinds: recipe.kinds(), material: &material, look: recipe.look(), seed: recipe.seed() })
+    let (kinds, replicas, look) = (recipe.kinds(), models.replicas(), recipe.look());
+    Shelf::new(&Dress { kinds, replicas, material: &material, look, seed: recipe.seed() })
 }
 
 /// The shapes of the things of a recipe, and the prototypes made of them; `None` if it has no things.
-pub fn stock(recipe: &Recipe) -> Option<(Shelf, Library)> {
+pub fn stock<'a>(recipe: &'a Recipe, models: &Models) -> Option<(Shelf, Library<'a>)> {
     (recipe.things().cover > 0.0).then(|| {
-        let shelf = shelf(recipe);
+        let shelf = shelf(recipe, models);
         let library = Library::of_shelf(recipe.kinds(), &shelf);
         (shelf, library)
     })
@@ -109,7 +110,7 @@ pub(super) fn setting<'a>(
     recipe: &'a Recipe,
     graph: &'a Graph,
     field: &'a CaveField,
-    library: &'a Library,
+    library: &'a Library<'a>,
 ) -> Setting<'a> {
     Setting { library, settings: recipe.things(), kinds: recipe.kinds(), field, graph, seed: recipe.seed() }
 }

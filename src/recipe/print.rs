@@ -34,12 +34,13 @@ fn table(out: &mut String, heading: &str, path: &str, schema: &Value, value: &Va
         entry(out, key, schema, &value[key.as_str()]);
     }
     for (key, schema) in lists {
-        let path = format!("{path}.{key}");
-        for (place, item) in value[key.as_str()].as_array().into_iter().flatten().enumerate() {
-            if place == 0 {
-                out.push('\n');
-                comment(out, &about(schema));
-            }
+        let (path, items) = (format!("{path}.{key}"), value[key.as_str()].as_array().map_or(&[][..], Vec::as_slice));
+        out.push('\n');
+        comment(out, &about(schema));
+        if items.is_empty() {
+            let _ = writeln!(out, "# [[{path}]]");
+        }
+        for item in items {
             table(out, &format!("[[{path}]]"), &path, &schema["items"], item);
         }
     }

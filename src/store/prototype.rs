@@ -7,9 +7,9 @@ use super::{
 use crate::things::{Kinds, Library};
 
 /// The prototypes of a cave folder.
-pub struct Prototypes {
+pub struct Prototypes<'a> {
     /// What they are.
-    pub library: Library,
+    pub library: Library<'a>,
     /// The mesh of all of them at every level of detail, the finest first.
     pub levels: Vec<PlyMesh>,
     /// Upper bound of the distance of each level from the finest, in metres.
@@ -20,7 +20,7 @@ pub struct Prototypes {
 ///
 /// # Errors
 /// If they are missing or damaged.
-pub fn read_prototypes(folder: &CaveFolder, kinds: Kinds) -> Result<Option<Prototypes>, StoreError> {
+pub fn read_prototypes<'a>(folder: &CaveFolder, kinds: Kinds<'a>) -> Result<Option<Prototypes<'a>>, StoreError> {
     let unit = folder.units(Stage::Things).into_iter().find(|unit| unit.name == WHOLE_CAVE);
     let Some(unit) = unit.filter(|unit| !unit.files.is_empty()) else { return Ok(None) };
     let coarser: Vec<LodFacts> = if let Facts::Things(facts) = unit.facts { facts.lods } else { Vec::new() };

@@ -11,6 +11,7 @@ use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
 use crate::mesh::ChunkIndex;
 use crate::texture::MapFormats;
+use crate::things::KEPT;
 use plume_exporters::ImageFormat;
 use plume_graph::echo::shown;
 
@@ -64,7 +65,7 @@ impl Stage {
     /// Whether a unit of this stage with this name may write the file at `path`.
     fn writes(self, name: &str, path: &str) -> bool {
         match self {
-            Self::Graph => [RECIPE, GRAPH].contains(&path),
+            Self::Graph => [RECIPE, GRAPH].contains(&path) || is_model_path(path),
             Self::Preview => [PLAN, PROFILE].contains(&path),
             Self::Mesh => [wall_path(name), collision_path(name)].iter().any(|own| own == path),
             Self::Things if name == WHOLE_CAVE => is_texture_path(PROTOTYPES, path),
@@ -174,6 +175,18 @@ pub fn pieces_path(name: &str) -> String {
     format!("pieces/{name}.ply")
 }
 
+/// Whether this may be a file of a model: below a folder of its own, by names that lead nowhere else.
+pub fn is_model_path(path: &str) -> bool {
+    let Some(below) = path.strip_prefix(KEPT).and_then(|path| path.strip_prefix('/')) else { return false };
+    below.contains('/') && below.split('/').all(is_plain_name)
+}
+
+/// Whether this names a file or a folder on every system.
+pub fn is_plain_name(name: &str) -> bool {
+    let is_odd = |c: char| c.is_control() || r#"\/:*?"<>|"#.contains(c);
+    !name.is_empty() && !name.ends_with(['.', ' ']) && !name.contains(is_odd) && !plume_disk::is_device_name(name)
+}
+
 fn is_texture_path(name: &str, path: &str) -> bool {
     let images = MapFormats::ALL.into_iter().flat_map(|formats| IMAGES.zip(formats.each()));
     path == textured_path(name)
@@ -197,6 +210,8 @@ mod tests {
     fn a_stage_writes_its_own_files() {
         for (stage, name, path) in [
             ("graph", "cave", "cave.toml"),
+            ("graph", "cave", "models/crate/Crate (1).glb"),
+            ("graph", "cave", "models/crate/textures/wood.png"),
             ("preview", "cave", "profile.png"),
             ("mesh", "chunk_0_-1_12", "collision/chunk_0_-1_12.ply"),
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_lod3.ply"),
@@ -229,6 +244,13 @@ mod tests {
             ("mesh", "chunk_0_0", "chunks/chunk_0_0.ply"),
             ("mesh", "cave", "cave.toml"),
             ("graph", "cave", "manifest.json"),
+            ("graph", "cave", "models/crate.glb"),
+            ("graph", "cave", "models/../cave.glb"),
+            ("graph", "cave", "models/crate/../../victim"),
+            ("graph", "cave", "models//victim"),
+            ("graph", "cave", "models/crate/..\\victim"),
+            ("graph", "cave", "models/c:/victim"),
+            ("things", "cave", "models/crate/crate.glb"),
             ("graph", "chunk_0_0_0", "cave.toml"),
         ] {
             assert!(refusal(stage, name, path).is_some(), "{stage} {name} {path}");

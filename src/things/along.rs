@@ -5,7 +5,7 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
-use super::equipment::{CAP_M, DUCT_M, OFF_WALL_M, RAIL_M, SLEEPER_M, TIMBER_M};
+use super::equipment::{DUCT_M, OFF_WALL_M, RAIL_M, SLEEPER_M};
 use super::kind::{Along, Fit, KindRow, Place};
 use super::lots::Lots;
 use super::place::{Candidate, Site};
@@ -25,10 +25,8 @@ const STEEPEST: f64 = 0.25;
 const STRETCH_M: f32 = 30.0;
 /// Half the gauge of the rails, in metres: 0.6 m is common underground.
 const HALF_GAUGE_M: f64 = 0.3;
-/// Distance between bolts across the passage, in metres.
-const BOLT_M: f64 = 1.2;
 /// Radius of the thickest posts, and their distance from the wall, in metres.
-const POST_M: [f64; 2] = [0.17, 0.08];
+pub(super) const POST_M: [f64; 2] = [0.17, 0.08];
 
 /// Heights over the floor at which what stands at the foot of a wall would touch it, in metres.
 pub(super) const FOOT_M: [f64; 3] = [0.2, 0.5, 0.9];
@@ -47,8 +45,8 @@ pub(super) struct Way {
     /// The stations of its edge.
     key: [i32; 2],
     from: Point3<f64>,
-    ahead: Vector3<f64>,
-    right: Vector3<f64>,
+    pub ahead: Vector3<f64>,
+    pub right: Vector3<f64>,
     length_m: f64,
 }
 
@@ -73,6 +71,11 @@ impl Way {
         graph.edges.iter().filter_map(way).collect()
     }
 
+    /// Its direction on the map.
+    pub fn yaw_rad(&self) -> f64 {
+        libm::atan2(self.ahead.y, self.ahead.x)
+    }
+
     pub fn at(&self, along_m: f64) -> Point3<f64> {
         self.from + self.ahead * along_m
     }
@@ -95,15 +98,15 @@ impl Way {
 
 /// One of the places of a kind along a way.
 #[derive(Clone, Copy)]
-struct Stop<'a> {
-    way: &'a Way,
-    number: u32,
+pub(super) struct Stop<'a> {
+    pub way: &'a Way,
+    pub number: u32,
     /// From and to where it reaches along the way, in metres.
-    reach: [f64; 2],
+    pub reach: [f64; 2],
 }
 
 impl Stop<'_> {
-    fn middle(&self) -> f64 {
+    pub fn middle(&self) -> f64 {
         0.5 * (self.reach[0] + self.reach[1])
     }
 }
@@ -111,11 +114,11 @@ impl Stop<'_> {
 impl<'a> Site<'a> {
     /// What is built in along these passages.
     pub fn built(&self, ways: &[Way]) -> Vec<Built<'a>> {
-        let along = |row: &'static KindRow| match row.place {
+        let along = |row: KindRow<'a>| match row.place {
             Place::Along(along) => Some((row, along)),
             _ => None,
         };
-        let rows: Vec<(&'static KindRow, Along)> = self.rows().filter_map(along).collect();
+        let rows: Vec<(KindRow<'a>, Along)> = self.rows().filter_map(along).collect();
         if rows.is_empty() || self.settings.sets <= 0.0 {
             return Vec::new();
         }
@@ -128,7 +131,7 @@ impl<'a> Site<'a> {
                     let reach = [f64::from(number), f64::from(number + 1)].map(|n| n * part_m);
                     let stop = Stop { way, number, reach };
                     if self.has(&along, way.at(stop.middle())) {
-                        built.extend(self.fitted(row, along.fit, &stop));
+                        built.extend(self.fitted(row, &along, &stop));
                     }
                 }
             }
@@ -137,13 +140,18 @@ impl<'a> Site<'a> {
     }
 
     /// Whether the stretch of a passage has this.
-    fn has(&self, along: &Along, at: Point3<f64>) -> bool {
+    pub fn has(&self, along: &Along, at: Point3<f64>) -> bool {
         let [low, high] = along.range;
-        let source = Source::new(salt(self.setting.seed, along.stretch));
-        let noise = roughness(source, &[[at.x as f32, at.y as f32, at.z as f32]], STRETCH_M)[0];
-        // About evenly distributed: the standard deviation of this noise is a third.
-        let share = 0.5 * libm::erfc(-f64::from(noise) * 3.0 / std::f64::consts::SQRT_2);
+        let share = self.share(along.stretch, at, STRETCH_M);
         low <= share && share < low + (high - low) * self.settings.sets
+    }
+
+    /// A number of this name from 0 to 1 that varies over such lengths.
+    pub fn share(&self, name: &str, at: Point3<f64>, length_m: f32) -> f64 {
+        let source = Source::new(salt(self.setting.seed, name));
+        let noise = roughness(source, &[[at.x as f32, at.y as f32, at.z as f32]], length_m)[0];
+        // About evenly distributed: the standard deviation of this noise is a third.
+        0.5 * libm::erfc(-f64::from(noise) * 3.0 / std::f64::consts::SQRT_2)
     }
 
     /// Room that posts take at the wall, in metres: pipes and cables pass on their inside.
@@ -155,13 +163,15 @@ impl<'a> Site<'a> {
         if is_timbered { 2.0 * POST_M[0] + POST_M[1] } else { 0.0 }
     }
 
-    fn fitted(&self, row: &'static KindRow, fit: Fit, stop: &Stop) -> Vec<Built<'a>> {
+    fn fitted(&self, row: KindRow<'a>, along: &Along, stop: &Stop) -> Vec<Built<'a>> {
         let way = stop.way;
         let middle = stop.middle();
-        let poses: Vec<(f64, Isometry3<f64>, f64)> = match fit {
+        let poses: Vec<(f64, Isometry3<f64>, f64)> = match along.fit {
             Fit::Post => self.set(way, middle).map(|set| set.posts.to_vec()).unwrap_or_default(),
             Fit::Beam => self.set(way, middle).map(|set| set.beam).into_iter().collect(),
+            Fit::OnBeams => self.lagging(along, stop),
             Fit::Roof => self.bolts(stop),
+            Fit::AgainstRoof => self.roof_mesh(stop),
             Fit::Rail => self.rails(stop),
             Fit::Sleeper => self.sleeper(way, middle).into_iter().collect(),
             Fit::RightWall => self.between(stop, |along_m| self.on_wall(way, along_m, 1.0, 1.6)),
@@ -177,12 +187,12 @@ impl<'a> Site<'a> {
             let candidate = Candidate {
                 id: lots.id(0.0),
                 row,
-                prototype: lots.one_of(self.setting.library.of(row))?,
+                prototype: lots.one_of(self.setting.library.of(&row))?,
                 scale,
                 yaw_rad: 0.0,
                 at: pose.translation.vector.into(),
                 embedding_m,
-                stands: matches!(fit, Fit::Post | Fit::Sleeper | Fit::FootOfWall),
+                stands: matches!(along.fit, Fit::Post | Fit::Sleeper | Fit::FootOfWall),
                 // Stones make room for it.
                 rank: f64::INFINITY,
             };
@@ -206,7 +216,7 @@ impl<'a> Site<'a> {
     }
 
     /// Heights of the floor below a point of a passage and of the roof above it, where something can be built in.
-    fn height(&self, at: Point3<f64>) -> Option<[f64; 2]> {
+    pub fn height(&self, at: Point3<f64>) -> Option<[f64; 2]> {
         self.column(at).filter(|[floor, roof]| (HEIGHT_M[0]..HEIGHT_M[1]).contains(&(roof - floor)))
     }
 
@@ -226,51 +236,6 @@ impl<'a> Site<'a> {
         let ray = |height: &f64| self.walls.ray(Point3::new(at.x, at.y, floor + height), way.right * side, ASIDE_M);
         let distances: Option<Vec<f64>> = heights.map(ray).collect();
         distances?.into_iter().reduce(f64::min)
-    }
-
-    /// A timber set: posts at both walls under a beam that touches the roof.
-    fn set(&self, way: &Way, along_m: f64) -> Option<Set> {
-        let at = way.at(along_m);
-        let aside = |side: f64| self.aside(way, along_m, side, &[0.3, 1.0, 1.7, 2.4, 3.1]);
-        let offsets = [-aside(-1.0)?, aside(1.0)?].map(|offset| offset - offset.signum() * (POST_M[0] + POST_M[1]));
-        if offsets.iter().any(|offset| offset.abs() < 0.5 * self.settings.corridor_m + POST_M[0] + 0.03) {
-            return None;
-        }
-        let heights = |share: f64| self.height(at + way.right * (offsets[0] + (offsets[1] - offsets[0]) * share));
-        let columns: Option<Vec<[f64; 2]>> = (0..=8).map(|n| heights(f64::from(n) / 8.0)).collect();
-        let roof = columns?.into_iter().map(|[_, roof]| roof).reduce(f64::min)?;
-        let span_m = offsets[1] - offsets[0] + 2.0 * POST_M[0];
-        let scale = stepped_up(span_m / TIMBER_M);
-        let top = roof - CAP_M * scale;
-        let facing = turn(Vector3::x(), level(way.ahead));
-        let middle = at + way.right * (0.5 * (offsets[0] + offsets[1]));
-        let pose = |at: Point3<f64>, z: f64| Isometry3::from_parts(Translation3::new(at.x, at.y, z), facing);
-        let post = |offset: f64| {
-            let foot = at + way.right * offset;
-            let [floor, _] = self.height(foot)?;
-            let scale = stepped_up((top - floor) / TIMBER_M);
-            let length_m = TIMBER_M * scale;
-            (top > floor + 1.4).then(|| (scale, pose(foot, top - length_m), length_m - (top - floor)))
-        };
-        let beam = (scale, pose(middle, roof - 0.5 * CAP_M * scale), 0.0);
-        Some(Set { posts: [post(offsets[0])?, post(offsets[1])?], beam })
-    }
-
-    fn bolts(&self, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
-        /// Steepest roof that is bolted from below.
-        const LEVEL: f64 = -0.6;
-        let at = stop.way.at(stop.middle());
-        // Every other row is shifted by half.
-        let shift = if stop.number.is_multiple_of(2) { 0.0 } else { 0.5 };
-        let bolt = |n: i32| {
-            let place = at + stop.way.right * (BOLT_M * (f64::from(n) + shift));
-            self.height(place)?;
-            let hits = self.walls.hits(place.x, place.y);
-            let roof = hits.iter().find(|hit| hit.z > at.z && hit.normal.z < LEVEL)?;
-            let turned = turn(Vector3::z(), -roof.normal);
-            Some((1.0, Isometry3::from_parts(Translation3::new(place.x, place.y, roof.z), turned), 0.0))
-        };
-        (-2..=2).filter_map(bolt).collect()
     }
 
     /// The middle of the track on its bed, if there is room for it between the way and the wall.
@@ -343,22 +308,29 @@ impl<'a> Site<'a> {
         let (way, along_m) = (stop.way, stop.middle());
         self.height(way.at(along_m))?;
         let wall_m = self.aside(way, along_m, -1.0, &FOOT_M)?;
-        let (pose, embedding_m) = self.at_foot(way, along_m, -wall_m, DRUM_M)?;
+        let (pose, embedding_m) = self.at_foot(way, along_m, -wall_m, [DRUM_M; 2])?;
         Some((1.0, pose, embedding_m))
     }
 
-    /// A place on the floor for something of this radius, and how deep it is in the floor: on this side of the wall that is
-    /// `wall_m` to the right of the way, or to the left if negative. `None` beside posts and where the floor is uneven.
-    pub fn at_foot(&self, way: &Way, along_m: f64, wall_m: f64, radius_m: f64) -> Option<(Isometry3<f64>, f64)> {
+    /// A place on the floor for something that is half as long and half as wide along the way and across it, and how deep it is
+    /// in the floor: on this side of the wall that is `wall_m` to the right of the way, or to the left if negative. `None` beside
+    /// posts and where the floor is uneven.
+    pub fn at_foot(
+        &self,
+        way: &Way,
+        along_m: f64,
+        wall_m: f64,
+        [half_along_m, half_across_m]: [f64; 2],
+    ) -> Option<(Isometry3<f64>, f64)> {
         /// Most unevenness of its floor in metres.
         const UNEVEN_M: f64 = 0.09;
-        let at = way.at(along_m) + way.right * (wall_m - wall_m.signum() * (radius_m + 0.12));
+        let at = way.at(along_m) + way.right * (wall_m - wall_m.signum() * (half_across_m + 0.12));
         if self.posts_m(at) > 0.0 {
             return None;
         }
-        let rim_m = 0.66 * radius_m;
-        let around = [[0.0, 0.0], [rim_m, 0.0], [-rim_m, 0.0], [0.0, rim_m], [0.0, -rim_m]];
-        let floor = |[x, y]: [f64; 2]| Some(self.column(at + Vector3::new(x, y, 0.0))?[0]);
+        let [ahead, right] = [level(way.ahead) * (0.66 * half_along_m), way.right * (0.66 * half_across_m)];
+        let around = [Vector3::zeros(), ahead, -ahead, right, -right];
+        let floor = |aside: Vector3<f64>| Some(self.column(at + aside)?[0]);
         let floors = around.into_iter().map(floor).collect::<Option<Vec<f64>>>()?;
         let low = floors.iter().copied().reduce(f64::min)?;
         let high = floors.into_iter().reduce(f64::max)?;
@@ -384,24 +356,13 @@ impl<'a> Site<'a> {
     }
 }
 
-/// A set of timber: scale, pose and how deep its foot is in the floor.
-struct Set {
-    posts: [(f64, Isometry3<f64>, f64); 2],
-    beam: (f64, Isometry3<f64>, f64),
-}
-
 /// The level direction nearest to one.
-fn level(direction: Vector3<f64>) -> Vector3<f64> {
+pub(super) fn level(direction: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(direction.x, direction.y, 0.0).normalize()
 }
 
 /// Turned along a direction, and not rolled.
-fn facing(direction: Vector3<f64>) -> UnitQuaternion<f64> {
+pub(super) fn facing(direction: Vector3<f64>) -> UnitQuaternion<f64> {
     let flat = level(direction);
     turn(flat, direction.normalize()) * turn(Vector3::x(), flat)
-}
-
-/// A size rounded up in steps of a twenty-fourth of an octave, so that few meshes serve a mine.
-fn stepped_up(size: f64) -> f64 {
-    libm::exp2((24.0 * libm::log2(size)).ceil() / 24.0)
 }

@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rustc_hash::FxHashMap;
 
 use super::shelf::Shelf;
-use super::{Library, Prototype, Shapes, Thing};
+use super::{Library, Prototype, Thing};
 use crate::field::{Aabb, CaveField, Field, Region, Surface, Texel};
 
 /// Distance from every thing up to which it is looked for, in metres.
@@ -66,9 +66,8 @@ impl<'a> Dressed<'a> {
         let placed = things.iter().filter_map(|thing| {
             let prototype = library.named(&thing.prototype)?;
             let reach_m = prototype.hull.corners.iter().map(|corner| corner.coords.norm()).fold(0.0, f64::max);
-            let is_solid = matches!(prototype.row.shapes, Shapes::Solid { .. });
             Some(Placed {
-                planes: if is_solid { planes(prototype) } else { Vec::new() },
+                planes: if prototype.row.is_solid() { planes(prototype) } else { Vec::new() },
                 at: thing.pose.translation.vector.cast(),
                 shelf_from_cave: thing.pose.rotation.inverse().cast(),
                 scale: thing.scale as f32,

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::facets::Hit;
-use super::kind::{Hang, KindRow, Place};
+use super::kind::{Hang, Heading, KindRow, Place};
 use super::library::Prototype;
 use super::lots::Lots;
 use super::place::{Candidate, Setting, Site, quantised, step, without_overlaps};
@@ -37,13 +37,13 @@ impl<'a> Site<'a> {
         all.into_iter().zip(rooted).filter(|(_, rooted)| *rooted).map(|(candidate, _)| candidate).collect()
     }
 
-    fn hanging(&self, row: &'static KindRow, hang: Hang, around: Aabb<f64>) -> Vec<Drip<'a>> {
+    fn hanging(&self, row: KindRow<'a>, hang: Hang, around: Aabb<f64>) -> Vec<Drip<'a>> {
         let side_m = 1.0 / hang.per_m2.sqrt();
         let mut found = Vec::new();
-        for (mut lots, x, y) in self.cells(row, side_m, around) {
+        for (mut lots, x, y) in self.cells(&row, side_m, around) {
             let there = lots.unit();
-            let (length, yaw_rad) = (lots.normal(), std::f64::consts::TAU * lots.unit());
-            let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
+            let (length, any_rad) = (lots.normal(), std::f64::consts::TAU * lots.unit());
+            let Some(prototype) = lots.one_of(self.setting.library.of(&row)) else { continue };
             let hits = self.walls.hits(x, y);
             let ceilings = hits.iter().enumerate().filter(|(_, hit)| hit.normal.z <= -CLINGING);
             let open = ceilings.map(|(n, ceiling)| (n.checked_sub(1).map(|below| hits[below]), *ceiling));
@@ -61,7 +61,11 @@ impl<'a> Site<'a> {
                     row,
                     prototype,
                     scale,
-                    yaw_rad,
+                    yaw_rad: match hang.heading {
+                        Heading::Any => any_rad,
+                        Heading::Joint => across_joints_rad(self.setting) + std::f64::consts::FRAC_PI_2,
+                        Heading::Slope => libm::atan2(-ceiling.normal.y, -ceiling.normal.x),
+                    },
                     at,
                     embedding_m,
                     stands: false,
@@ -116,7 +120,7 @@ impl<'a> Site<'a> {
         height_m: f64,
     ) -> Option<Candidate<'a>> {
         let row = self.rows().find(|row| std::mem::discriminant(&row.place) == std::mem::discriminant(place))?;
-        let prototype = lots.one_of(self.setting.library.of(row))?;
+        let prototype = lots.one_of(self.setting.library.of(&row))?;
         let scale = height_m / prototype.height_m();
         let width_m = prototype.width_m() * scale;
         let foot = Point3::new(hanging.at.x, hanging.at.y, floor.z);
@@ -178,7 +182,7 @@ impl Candidate<'_> {
     }
 }
 
-impl Prototype {
+impl Prototype<'_> {
     /// How far it hangs below its origin, in metres.
     fn length_m(&self) -> f64 {
         -self.hull.corners.iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min)
@@ -197,8 +201,13 @@ impl Prototype {
         /// How far roots reach beyond the origin.
         const ROOT_M: f64 = 0.036;
         let slope = normal.xy().norm() / normal.z.abs();
-        (scale * (0.5 * self.width_m() * slope - ROOT_M)).max(0.0)
+        (scale * (0.5 * self.size_m.x.max(self.size_m.y) * slope - ROOT_M)).max(0.0)
     }
+}
+
+/// The direction across the joints of a cave, from the x axis towards the y axis.
+fn across_joints_rad(setting: &Setting) -> f64 {
+    std::f64::consts::TAU * Lots::new(u64::from(salt(setting.seed, "joint heading")), [0, 0]).unit()
 }
 
 /// Share of places from which water drips: along joints, where the rock is wet.
@@ -206,8 +215,8 @@ fn wetness(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
     let points: Vec<[f32; 3]> = places.iter().map(|at| [at.x as f32, at.y as f32, at.z as f32]).collect();
     let noise = |name: &str, length_m: f32| roughness(Source::new(salt(setting.seed, name)), &points, length_m);
     let (wet, bend) = (noise("wet joints", 5.0), noise("joint bends", 2.5));
-    let heading = std::f64::consts::TAU * Lots::new(u64::from(salt(setting.seed, "joint heading")), [0, 0]).unit();
-    let (sine, cosine) = (libm::sin(heading), libm::cos(heading));
+    let across_rad = across_joints_rad(setting);
+    let (sine, cosine) = (libm::sin(across_rad), libm::cos(across_rad));
     let share = |(n, at): (usize, &Point3<f64>)| {
         let across = (at.x * cosine + at.y * sine + 0.35 * f64::from(bend[n])) / JOINT_M;
         let off_m = (across - across.round()).abs() * JOINT_M;

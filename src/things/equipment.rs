@@ -13,6 +13,14 @@ use super::substance::{BLUE_PAINT, FABRIC, RUBBER, RUST, WOOD, ZINC};
 pub(super) const TIMBER_M: f64 = 2.0;
 /// Thickness of a cap of that length in metres.
 pub(super) const CAP_M: f64 = 0.15;
+/// Length and most width of a board of lagging in metres.
+pub(super) const BOARD_M: [f64; 2] = [1.6, 0.15];
+/// Distance between the wires of roof mesh, and their thickness, in metres: common sizes (75 mm, 5.6 mm).
+const WIRE_M: [f64; 2] = [0.075, 0.0056];
+/// Cells of a square of roof mesh along either side: it overlaps the next one by one.
+const CELLS: u32 = 17;
+/// Side of a square of roof mesh in metres.
+pub(super) const MESH_M: f64 = WIRE_M[0] * CELLS as f64;
 /// Length of what runs along a passage in pieces, in metres: a little longer than the distance between their ends.
 pub(super) const PIECE_M: f64 = 2.0;
 /// Height of a rail in metres.
@@ -38,13 +46,35 @@ pub fn cap(_: &mut Rng) -> Solid {
     Solid::cuboid([CAP_M, CAP_M, TIMBER_M], &WOOD).towards(Vector3::y())
 }
 
+/// A board of lagging along the passage, on the origin; no two are as wide or as thick.
+pub fn board(rng: &mut Rng) -> Solid {
+    let [length_m, most_m] = BOARD_M;
+    let (width_m, thick_m) = (most_m * rng.between(0.8, 1.0), rng.between(0.035, 0.048));
+    let aside_m = rng.between(-0.5, 0.5) * (most_m - width_m);
+    Solid::cuboid([width_m, thick_m, length_m], &WOOD).lying().at(0.0, aside_m, 0.5 * thick_m)
+}
+
 /// The plate, the nut and the tail of a rock bolt; the rock is above the origin.
 pub fn bolt(_: &mut Rng) -> Solid {
     let plate = Solid::cuboid([0.15, 0.15, 0.012], &ZINC).at(0.0, 0.0, -0.004);
     let dome = Solid::lathe(&[[-0.030, 0.026], [-0.018, 0.045], [0.004, 0.058]], 12, &ZINC);
     let nut = Solid::cylinder(0.021, 0.026, 6, &RUST).at(0.0, 0.0, -0.043);
-    let tail = Solid::cylinder(0.011, 0.16, 8, &RUST).at(0.0, 0.0, -0.02);
+    let tail = Solid::cylinder(0.011, 0.24, 8, &RUST).at(0.0, 0.0, 0.02);
     plate.and(dome).and(nut).and(tail)
+}
+
+/// A square of welded mesh: the rock is above the origin, and so are the wires.
+pub fn roof_mesh(_: &mut Rng) -> Solid {
+    let [pitch_m, thick_m] = WIRE_M;
+    let (half_m, end_m) = (0.5 * thick_m, 0.5 * MESH_M + 0.02);
+    let outline = || vec![[half_m, -half_m], [half_m, half_m], [-half_m, half_m], [-half_m, -half_m]];
+    let wire = || Solid::through(&[(-end_m, outline()), (end_m, outline())], &ZINC);
+    let pair = |n: u32| {
+        let aside_m = pitch_m * f64::from(n) - 0.5 * MESH_M;
+        let along = wire().towards(Vector3::x()).at(0.0, aside_m, half_m);
+        along.and(wire().towards(Vector3::y()).at(aside_m, 0.0, half_m + thick_m))
+    };
+    (1..=CELLS).fold(pair(0), |all, n| all.and(pair(n)))
 }
 
 /// A piece of a rail on the origin.
@@ -99,6 +129,7 @@ pub fn drum(_: &mut Rng) -> Solid {
     profile.extend(rib(0.30));
     profile.extend(rib(0.58));
     profile.extend([wall(0.85), [0.875, 0.296]]);
-    let bung = Solid::cylinder(0.035, 0.03, 10, &RUST).at(0.17, 0.0, 0.885);
+    // Hardly higher than the lid: their common hull stands that far above it.
+    let bung = Solid::cylinder(0.035, 0.03, 10, &RUST).at(0.17, 0.0, 0.876);
     Solid::lathe(&profile, 20, &BLUE_PAINT).and(bung)
 }

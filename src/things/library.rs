@@ -25,7 +25,7 @@ pub fn shelf_mesh(shelf: &Shelf) -> Mesh {
     let grid = Grid::new(shelf.bounds(), &settings).expect("a shelf is not empty, and its cells are not few");
     let index = grid.indices().next().expect("there is one chunk");
     let mut mesh = mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default();
-    shelf.add_solids(&mut mesh);
+    shelf.add_halls(&mut mesh);
     mesh
 }
 
@@ -142,11 +142,11 @@ fn by_slot(vertices: &[[f32; 3]], slots: usize) -> Vec<Vec<[i32; 3]>> {
 
 /// A shape of a kind.
 #[derive(Clone, Debug)]
-pub struct Prototype {
+pub struct Prototype<'a> {
     /// Safe name, such as `boulder_3`.
     pub name: String,
     /// The kind for which it was made.
-    pub row: &'static KindRow,
+    pub row: KindRow<'a>,
     /// Its slot on the shelf.
     pub slot: usize,
     /// The origin on the shelf: the centre of mass of a stone, the point of attachment of dripstone; metres.
@@ -165,22 +165,22 @@ pub struct Prototype {
 
 /// The prototypes of a rock.
 #[derive(Clone, Debug, Default)]
-pub struct Library {
+pub struct Library<'a> {
     /// In the order of the slots of the shelf.
-    pub prototypes: Vec<Prototype>,
+    pub prototypes: Vec<Prototype<'a>>,
 }
 
-impl Library {
+impl<'a> Library<'a> {
     /// The prototypes on a shelf of these kinds.
-    pub fn of_shelf(kinds: Kinds, shelf: &Shelf) -> Self {
+    pub fn of_shelf(kinds: Kinds<'a>, shelf: &Shelf) -> Self {
         let mesh = shelf_mesh(shelf);
         let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
         Self::new(kinds, &vertices)
     }
 
     /// The prototypes of these kinds, given the vertices of their meshes on the shelf in metres.
-    pub fn new(kinds: Kinds, vertices: &[[f32; 3]]) -> Self {
-        let slots: Vec<(usize, &'static KindRow, u32)> = slots(kinds).collect();
+    pub fn new(kinds: Kinds<'a>, vertices: &[[f32; 3]]) -> Self {
+        let slots: Vec<(usize, KindRow<'a>, u32)> = slots(kinds).collect();
         let points = by_slot(vertices, slots.iter().map(|(slot, ..)| slot + 1).max().unwrap_or_default());
         let made = slots.into_iter();
         let prototypes = made
@@ -189,12 +189,12 @@ impl Library {
     }
 
     /// The prototype of this name.
-    pub fn named(&self, name: &str) -> Option<&Prototype> {
+    pub fn named(&self, name: &str) -> Option<&Prototype<'a>> {
         self.prototypes.iter().find(|prototype| prototype.name == name)
     }
 
     /// The prototypes of a kind.
-    pub fn of(&self, row: &KindRow) -> &[Prototype] {
+    pub fn of(&self, row: &KindRow) -> &[Prototype<'a>] {
         let start = self.prototypes.iter().position(|prototype| prototype.row.name == row.model());
         let all = &self.prototypes[start.unwrap_or(self.prototypes.len())..];
         &all[..all.iter().take_while(|prototype| prototype.row.name == row.model()).count()]
@@ -219,8 +219,8 @@ impl Library {
     }
 }
 
-impl Prototype {
-    fn new(row: &'static KindRow, number: u32, slot: usize, on_shelf: Body) -> Self {
+impl<'a> Prototype<'a> {
+    fn new(row: KindRow<'a>, number: u32, slot: usize, on_shelf: Body) -> Self {
         let (volume_m3, centre) = centre_of_mass(&on_shelf.corners, &on_shelf.faces);
         let origin = if row.place.is_loose() { centre } else { middle_of(slot).map(f64::from).into() };
         let corners: Vec<Point3<f64>> = on_shelf.corners.iter().map(|corner| (corner - origin).into()).collect();

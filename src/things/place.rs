@@ -13,6 +13,7 @@ use super::corridor::Corridor;
 use super::facets::Facets;
 use super::kind::{KindRow, Kinds};
 use super::library::{Library, Prototype};
+use super::lost::FURTHEST_TRIED_M;
 use super::lots::Lots;
 use super::rest::about_z;
 use super::{Thing, ThingSettings};
@@ -30,7 +31,7 @@ const SIZE_STEP: f64 = 1.189_207_115_002_721;
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
     /// The prototypes.
-    pub library: &'a Library,
+    pub library: &'a Library<'a>,
     /// The settings.
     pub settings: &'a ThingSettings,
     /// The kinds that occur.
@@ -51,19 +52,21 @@ pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item 
     }
     let around = chunk.padded(MARGIN_M);
     let corridor = Corridor::new(setting.graph, settings.corridor_m, around);
-    let site = Site { setting, settings, corridor, walls: Facets::of_walls(walls, around.padded(ASIDE_M)) };
+    let site =
+        Site { setting, settings, corridor, walls: Facets::of_walls(walls, around.padded(ASIDE_M + FURTHEST_TRIED_M)) };
     let (standing, hanging): (Vec<Candidate>, Vec<Candidate>) =
         site.dripstone(around).into_iter().partition(|candidate| candidate.stands);
     let kept = without_overlaps(&standing);
     let standing: Vec<Candidate> = standing.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(c, _)| c).collect();
+    let dams = site.terraces(around);
     let ways = Way::near(setting.graph, around);
     let mut built = site.built(&ways);
-    built.extend(site.lost(&ways));
-    let mut in_the_way = standing.clone();
+    built.extend(site.left(&ways));
+    let mut in_the_way: Vec<Candidate> = standing.iter().chain(&dams).cloned().collect();
     in_the_way.extend(built.iter().map(|built| &built.candidate).filter(|candidate| candidate.stands).cloned());
     let mut things = site.stones(chunk, &in_the_way);
     things.extend(built.iter().map(|built| built.candidate.thing(built.pose)));
-    things.extend(standing.iter().chain(&hanging).map(Candidate::as_it_is));
+    things.extend(standing.iter().chain(&dams).chain(&hanging).map(Candidate::as_it_is));
     things.retain(|thing| owns(&chunk, thing.pose.translation.vector));
     things.sort_by_key(|thing| thing.id);
     things
@@ -78,8 +81,8 @@ pub(super) fn owns(chunk: &Aabb<f64>, at: Vector3<f64>) -> bool {
 #[derive(Clone)]
 pub(super) struct Candidate<'a> {
     pub id: u64,
-    pub row: &'static KindRow,
-    pub prototype: &'a Prototype,
+    pub row: KindRow<'a>,
+    pub prototype: &'a Prototype<'a>,
     pub scale: f64,
     pub yaw_rad: f64,
     /// Where it touches the wall.
@@ -157,7 +160,7 @@ pub(super) struct Site<'a> {
 }
 
 impl<'a> Site<'a> {
-    pub fn rows(&self) -> impl Iterator<Item = &'static KindRow> + use<'_, 'a> {
+    pub fn rows(&self) -> impl Iterator<Item = KindRow<'a>> + use<'a> {
         self.setting.kinds.rows()
     }
 

@@ -4,13 +4,11 @@ use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
-use super::place::{Candidate, Setting, Site, owns, quantised, step, without_overlaps};
+use super::place::{Candidate, Site, owns, quantised, step, without_overlaps};
 use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z};
-use super::shelf::roughness;
 use super::{Thing, WHEEL_M};
-use crate::noise::Source;
+use crate::field::{CaveField, Heap};
 use plume_graph::Aabb;
-use plume_graph::seed::salt;
 
 /// Steepest floor over which stones are let down: upward component of its normal below the middle.
 const LEVEL: f64 = 0.78;
@@ -29,17 +27,17 @@ impl<'a> Site<'a> {
     /// Loose stones in a chunk and around it, beside what stands there. Kinds follow each other from large to small, and a
     /// stone lies on the wall or on larger kinds.
     pub fn stones(&self, chunk: Aabb<f64>, standing: &[Candidate<'a>]) -> Vec<Thing> {
-        let loose = |row: &'static KindRow| match row.place {
+        let loose = |row: KindRow<'a>| match row.place {
             Place::Floor(scatter) => Some((row, scatter.hardened(self.setting.settings.difficulty))),
             _ => None,
         };
-        let mut kinds: Vec<(&'static KindRow, Scatter)> = self.rows().filter_map(loose).collect();
+        let mut kinds: Vec<(KindRow<'a>, Scatter)> = self.rows().filter_map(loose).collect();
         kinds.sort_by(|(_, a), (_, b)| b.width_m[1].total_cmp(&a.width_m[1]));
         let (mut lying, mut things) = (Facets::default(), Vec::new());
         for (n, (row, scatter)) in kinds.iter().enumerate() {
             let margin_m: f64 = kinds[n..].iter().map(|(_, kind)| kind.width_m[1]).sum();
             let bounds = chunk.padded(margin_m);
-            let candidates = self.scattered(row, *scatter, bounds.padded(scatter.width_m[1]));
+            let candidates = self.scattered(*row, *scatter, bounds.padded(scatter.width_m[1]));
             let at_rest: Vec<(Candidate, Isometry3<f64>)> = candidates
                 .into_iter()
                 .filter_map(|mut candidate| {
@@ -65,11 +63,11 @@ impl<'a> Site<'a> {
         things
     }
 
-    fn scattered(&self, row: &'static KindRow, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
+    fn scattered(&self, row: KindRow<'a>, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
         let at_mean = self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
         let mut found = Vec::new();
-        for (mut lots, x, y) in self.cells(row, side_m, around) {
+        for (mut lots, x, y) in self.cells(&row, side_m, around) {
             let there = lots.unit();
             if there > at_mean * Density::MOST {
                 continue;
@@ -80,10 +78,10 @@ impl<'a> Site<'a> {
             }
             let width_m = quantised(scatter.width(lots.unit()));
             let yaw_rad = std::f64::consts::TAU * lots.unit();
-            let Some(prototype) = lots.one_of(self.setting.library.of(row)) else { continue };
+            let Some(prototype) = lots.one_of(self.setting.library.of(&row)) else { continue };
             let least = if width_m < SMALL_M { LEAST_LEVEL } else { LEVEL };
-            let level = hits.iter().enumerate().filter(|(_, hit)| hit.normal.z > least);
-            for (n, hit) in lots.one_per_storey(level, |(_, hit)| hit.z) {
+            let level = hits.iter().filter(|hit| hit.normal.z > least);
+            for hit in lots.one_per_storey(level, |hit| hit.z) {
                 let scale = width_m / prototype.width_m();
                 let candidate = Candidate {
                     id: lots.id(hit.z),
@@ -100,19 +98,13 @@ impl<'a> Site<'a> {
                 if height_m > WHEEL_M && self.corridor.is_within(candidate.at, candidate.reach_m()) {
                     continue;
                 }
-                // No wall above is one out of reach: the ceiling of a hall is higher than what the chunk knows.
-                let clearance_m = hits.get(n + 1).map_or(f64::INFINITY, |above| above.z - hit.z);
-                found.push((candidate, clearance_m, there / at_mean));
+                found.push((candidate, there / at_mean));
             }
         }
         let places: Vec<Point3<f64>> = found.iter().map(|(candidate, ..)| candidate.at).collect();
-        let density = Density::new(self.setting, &places);
-        let is_there = |n: usize, clearance_m: f64, there: f64| there < density.at(n, clearance_m);
+        let density = Density::new(self.setting.field, &places);
         let numbered = found.into_iter().enumerate();
-        numbered
-            .filter(|(n, (_, clearance_m, there))| is_there(*n, *clearance_m, *there))
-            .map(|(_, (c, ..))| c)
-            .collect()
+        numbered.filter(|(n, (_, there))| *there < density.at(*n)).map(|(_, (candidate, _))| candidate).collect()
     }
 
     /// Where a candidate comes to rest on the wall and on what lies there.
@@ -179,10 +171,11 @@ impl Scatter {
     }
 }
 
-/// Density of stones relative to the mean: more at the foot of walls and in zones of collapse.
+/// Density of stones relative to the mean: more at the foot of walls and on heaps.
 struct Density {
     wall_m: Vec<f64>,
-    zone: Vec<f64>,
+    /// From 0 to 1 in the middle of a heap.
+    heaped: Vec<f64>,
 }
 
 impl Density {
@@ -191,26 +184,36 @@ impl Density {
     /// Height over the floor at which the distance to the wall is measured, in metres, and the largest such distance.
     const PROBE_M: f64 = 0.6;
 
-    fn new(setting: &Setting, places: &[Point3<f64>]) -> Self {
-        let single = |place: &Point3<f64>, up: f64| [place.x as f32, place.y as f32, (place.z + up) as f32];
-        let probes: Vec<[f32; 3]> = places.iter().map(|place| single(place, Self::PROBE_M)).collect();
-        let zones: Vec<[f32; 3]> = places.iter().map(|place| single(place, 0.0)).collect();
-        let source = Source::new(salt(setting.seed, "collapse"));
+    fn new(field: &CaveField, places: &[Point3<f64>]) -> Self {
+        let around = Aabb::from_points(places.iter().map(|place| <[f64; 3]>::from(*place)));
+        let is_near = |heap: &&Heap| {
+            around.is_some_and(|around| around.padded(f64::from(2.0 * heap.radius_m)).contains(heap.at.map(f64::from)))
+        };
+        let near: Vec<Heap> = field.heaps().iter().filter(is_near).copied().collect();
+        let probes: Vec<[f32; 3]> =
+            places.iter().map(|at| [at.x, at.y, at.z + Self::PROBE_M].map(|c| c as f32)).collect();
         Self {
-            wall_m: setting
-                .field
-                .scattered(&probes)
-                .into_iter()
-                .map(|distance| f64::from(-distance).max(0.0))
-                .collect(),
-            zone: roughness(source, &zones, 11.0).into_iter().map(f64::from).collect(),
+            wall_m: field.scattered(&probes).into_iter().map(|distance| f64::from(-distance).max(0.0)).collect(),
+            heaped: places.iter().map(|place| heaped(&near, place)).collect(),
         }
     }
 
-    /// At a place over which the ceiling is this high.
-    fn at(&self, place: usize, clearance_m: f64) -> f64 {
-        let by_wall = 2.2 * libm::exp(-self.wall_m[place] / 0.35);
-        let collapse = 3.0 * step(0.12, 0.4, self.zone[place]) * step(1.2, 2.4, clearance_m);
-        0.10 + by_wall + collapse
+    /// At a place.
+    fn at(&self, place: usize) -> f64 {
+        0.10 + 2.2 * libm::exp(-self.wall_m[place] / 0.35) + 3.0 * self.heaped[place]
     }
+}
+
+/// How near a place is to the middle of a heap, from 0 to 1.
+fn heaped(heaps: &[Heap], place: &Point3<f64>) -> f64 {
+    /// Height difference in metres beyond which a heap is one of another storey.
+    const STOREY_M: f64 = 2.5;
+    /// Distances from the middle, relative to the radius, between which a heap thins out. Tuned.
+    const THINNING: [f64; 2] = [0.6, 1.2];
+    let near = heaps.iter().filter(|heap| (f64::from(heap.at[2]) - place.z).abs() < STOREY_M).map(|heap| {
+        let [x, y, _] = heap.at.map(f64::from);
+        let away_m = libm::hypot(place.x - x, place.y - y);
+        1.0 - step(THINNING[0], THINNING[1], away_m / f64::from(heap.radius_m))
+    });
+    near.fold(0.0, f64::max)
 }

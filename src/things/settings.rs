@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +34,57 @@ pub struct ThingSettings {
     /// place.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub movable_m: f64,
+    /// Model files of your own, each a kind of its own that is left at the foot of walls like the objects for search tasks, with
+    /// its colours, and with its convex hull as the collision shape. Each has a `name`, a `path` and a `count`.
+    #[schemars(length(max = 16))]
+    pub files: Vec<FileSettings>,
 }
+
+/// A model file that is a kind of thing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub struct FileSettings {
+    /// Name of the kind and its semantic label: lower-case letters, digits and _; none of `plume list things`.
+    #[schemars(length(max = 40), extend("format" = "file-name", "pattern" = "^[a-z][a-z0-9_]*$"))]
+    pub name: String,
+    /// The file, relative to the recipe: GLB, or OBJ with its MTL and images beside it. Its surface is closed and has at most
+    /// 10,000 triangles, and y is up. It stands on its lowest point.
+    #[schemars(extend("format" = "path", "minLength" = 1))]
+    pub path: PathBuf,
+    /// Number in the cave, spread evenly along the passages; where there is no room, there is none.
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 10000))]
+    pub count: u32,
+    /// Factor on all lengths of the file, which are in metres; then the longest side is at most 2 m, and the shortest at least
+    /// 5 mm.
+    #[serde(default = "unscaled")]
+    #[schemars(range(min = 0.000001, max = 1000000.0))]
+    pub scale: f64,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn unscaled() -> f64 {
+    1.0
+}
+
+impl FileSettings {
+    /// The folder of a cave folder that keeps its files.
+    pub fn kept_folder(&self) -> String {
+        format!("{KEPT}/{}", self.name)
+    }
+
+    /// Where a cave folder keeps the file.
+    pub fn kept_path(&self) -> String {
+        let file = self.path.file_name().unwrap_or_default();
+        format!("{}/{}", self.kept_folder(), file.to_string_lossy())
+    }
+}
+
+/// The folder of a cave folder for the files of models.
+pub const KEPT: &str = "models";
 
 /// Largest share of the floor that stones cover.
 const MOST_COVER: f64 = 0.4;
@@ -58,6 +110,7 @@ impl Default for ThingSettings {
             headroom_m: 2.0,
             difficulty: 0.0,
             movable_m: 0.0,
+            files: Vec::new(),
         }
     }
 }

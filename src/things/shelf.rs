@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Point3, Vector3};
-
+use super::halls::Hall;
 use super::kind::{KindRow, Kinds, Shape, Shapes};
-use super::solid::Solid;
+use super::replica::Replica;
 use crate::field::{Aabb, Field, Region, Surface, Texel};
 use crate::material::{BLOCK, CoarseBlock, Footprint, Ground, Look, Material, Sites, SurfaceSamples, by_axis};
-use crate::mesh::{Mesh, QUANTA_PER_M};
 use crate::noise::{Lanes, Source, Value, Vec3, dispatched};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -19,9 +17,9 @@ use plume_graph::seed::{salt, stream};
 pub(super) const CELL_M: f32 = 1.0;
 /// Shapes in a row of the shelf.
 pub(super) const ROW: usize = 8;
-/// The first slot of solids.
-const SOLIDS: usize = 1 << 10;
-/// Side of the cube that each solid has for itself, in metres: those cubes are in the second layer.
+/// The first slot of solids and of models.
+pub(super) const SOLIDS: usize = 1 << 10;
+/// Side of the cube that each solid or model has for itself, in metres: those cubes are in the second layer.
 const HALL_M: f32 = 4.4;
 /// Solids in a row.
 const HALLS: usize = 4;
@@ -38,16 +36,18 @@ const STEEPEST: f32 = 1.8;
 /// Largest distance from the middle of a cell at which a shape may be, in metres.
 const REACH_M: f32 = 0.46;
 /// Upward component of the normal from which on dust lies on a stone, and at which there is most of it. Tuned.
-const DUSTY: [f32; 2] = [0.45, 0.9];
+pub(super) const DUSTY: [f32; 2] = [0.45, 0.9];
 /// How far below the middle of a stone the floor has soiled it, in metres: from nothing to most. Tuned.
 const SOILED_M: [f32; 2] = [0.03, 0.10];
 /// Most of the colour of the floor on a stone. Tuned.
-const MOST_DUST: f32 = 0.7;
+pub(super) const MOST_DUST: f32 = 0.7;
 
 /// What the shapes are made of.
 pub struct Dress<'a> {
     /// The kinds that occur.
     pub kinds: Kinds<'a>,
+    /// The models of those kinds that are model files, in their order.
+    pub replicas: &'a [Arc<Replica>],
     /// The rock with one setting replaced, or as it is.
     pub material: &'a dyn Fn(Option<(&'static str, f64)>) -> Arc<dyn Material>,
     /// Its look.
@@ -59,11 +59,11 @@ pub struct Dress<'a> {
 /// All shapes that occur in a rock.
 pub struct Shelf {
     slots: Vec<Slot>,
-    solids: Vec<Solid>,
+    pub(super) halls: Vec<Hall>,
     /// The rock as it is.
-    material: Arc<dyn Material>,
-    look: Look,
-    source: Source,
+    pub(super) material: Arc<dyn Material>,
+    pub(super) look: Look,
+    pub(super) source: Source,
 }
 
 /// A shape on the shelf.
@@ -76,20 +76,22 @@ struct Slot {
 impl Shelf {
     /// The shelf of this rock. The shapes are the same for every seed.
     pub fn new(dress: &Dress) -> Self {
-        let (mut fields, mut solids) = (Vec::new(), Vec::new());
+        let (mut fields, mut halls) = (Vec::new(), Vec::new());
+        let mut replicas = dress.replicas.iter().cloned();
         for (_, row, number) in slots(dress.kinds) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
             let material = || (dress.material)(row.rock_setting);
             let is_loose = row.place.is_loose();
             match row.shapes {
                 Shapes::Own { make, .. } => fields.push(Slot { shape: make(&mut rng), material: material(), is_loose }),
-                Shapes::Solid { make, .. } => solids.push(make(&mut rng)),
+                Shapes::Solid { make, .. } => halls.push(Hall::Solid(make(&mut rng))),
+                Shapes::File => halls.extend(replicas.next().map(Hall::Replica)),
                 Shapes::Of(_) => {}
             }
         }
         Self {
             slots: fields,
-            solids,
+            halls,
             material: (dress.material)(None),
             look: dress.look.clone(),
             source: Source::new(salt(dress.seed, "things")),
@@ -98,27 +100,12 @@ impl Shelf {
 
     /// Number of shapes.
     pub fn len(&self) -> usize {
-        self.slots.len() + self.solids.len()
+        self.slots.len() + self.halls.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Adds the solids, which are no part of the field, to its mesh.
-    pub(super) fn add_solids(&self, mesh: &mut Mesh) {
-        for (n, solid) in self.solids.iter().enumerate() {
-            let middle = Vector3::from(middle_of(SOLIDS + n).map(f64::from));
-            for part in &solid.parts {
-                let first = mesh.positions.len() as u32;
-                let quanta = |c: f64| (c * f64::from(QUANTA_PER_M)).round() as i32;
-                mesh.positions.extend(part.vertices.iter().map(|v| <[i32; 3]>::from((v.at + middle).map(quanta))));
-                mesh.normals.extend(part.vertices.iter().map(|v| <[f32; 3]>::from(v.normal.map(|c| c as f32))));
-                mesh.border.resize(mesh.positions.len(), false);
-                mesh.triangles.extend(part.faces.iter().map(|face| face.map(|corner| corner + first)));
-            }
-        }
     }
 
     /// The box of all shapes.
@@ -150,17 +137,21 @@ impl Shelf {
     }
 }
 
-/// A slot of the shelf, the kind whose shape is there, and the number of that. Solids have slots of their own, far from those
-/// of fields.
-pub(super) fn slots(kinds: Kinds) -> impl Iterator<Item = (usize, &'static KindRow, u32)> + use<> {
-    let rows: Vec<&'static KindRow> = kinds.rows().collect();
+/// A slot of the shelf, the kind whose shape is there, and the number of that. Solids and models have slots of their own, far from
+/// those of fields.
+pub(super) fn slots<'a>(kinds: Kinds<'a>) -> impl Iterator<Item = (usize, KindRow<'a>, u32)> {
+    let rows: Vec<KindRow<'a>> = kinds.rows().collect();
     let numbered = |first: usize, count: fn(&KindRow) -> u32| {
-        let of_row = move |row: &'static KindRow| (0..count(row)).map(move |number| (row, number));
+        let of_row = move |row: KindRow<'a>| (0..count(&row)).map(move |number| (row, number));
         let all = rows.clone().into_iter().flat_map(of_row).enumerate();
         all.map(move |(slot, (row, number))| (first + slot, row, number))
     };
     let fields = |row: &KindRow| if let Shapes::Own { count, .. } = row.shapes { count } else { 0 };
-    let solids = |row: &KindRow| if let Shapes::Solid { count, .. } = row.shapes { count } else { 0 };
+    let solids = |row: &KindRow| match row.shapes {
+        Shapes::Solid { count, .. } => count,
+        Shapes::File => 1,
+        _ => 0,
+    };
     numbered(0, fields).chain(numbered(SOLIDS, solids))
 }
 
@@ -264,7 +255,7 @@ fn block_roughness<S: Simd>(
 impl Surface for Shelf {
     fn texels(&self, _: Aabb<f32>, texel_m: f32, points: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         let mut block = CoarseBlock::new(GROUND, self.source);
-        let is_used = |slot: &usize| *slot < self.slots.len() || self.solid(*slot).is_some();
+        let is_used = |slot: &usize| *slot < self.slots.len() || self.hall(*slot).is_some();
         let slot = |at: usize| slot_at(points[at]).filter(is_used);
         let mut start = 0;
         while start < points.len() {
@@ -273,7 +264,7 @@ impl Surface for Shelf {
             let range = start..end;
             if let Some(slot) = slot(start) {
                 let at = [&points[range.clone()], &normals[range.clone()]];
-                let paint = if slot < SOLIDS { Self::paint } else { Self::paint_solid };
+                let paint = if slot < SOLIDS { Self::paint } else { Self::paint_hall };
                 paint(self, slot, texel_m, at, &mut block, &mut out[range]);
             }
             start = end;
@@ -313,42 +304,6 @@ impl Shelf {
     }
 }
 
-impl Shelf {
-    fn solid(&self, slot: usize) -> Option<&Solid> {
-        self.solids.get(slot.checked_sub(SOLIDS)?)
-    }
-
-    /// The surface of at most [`BLOCK`] points of a solid, dusted by the floor.
-    fn paint_solid(&self, slot: usize, texel_m: f32, at: [&[[f32; 3]]; 2], block: &mut CoarseBlock, out: &mut [Texel]) {
-        let [points, normals] = at;
-        let Some(solid) = self.solid(slot) else { return };
-        let middle = middle_of(slot);
-        let own: Vec<[f32; 3]> = points.iter().map(|p| std::array::from_fn(|axis| p[axis] - middle[axis])).collect();
-        let mut floor = SurfaceSamples::default();
-        self.material.coarse(&on_floor(points, self.source), block);
-        self.material.surface_samples(block, &self.look, Footprint { texel_m }, &by_axis(normals), &mut floor);
-        let part = |n: usize| solid.part_at(Point3::from(own[n].map(f64::from)));
-        let mut start = 0;
-        while start < own.len() {
-            let here = part(start);
-            let end = (start..own.len()).take_while(|&n| std::ptr::eq(part(n), here)).count() + start;
-            let samples = here.substance.samples(&here.frame, self.source, [&own[start..end], &normals[start..end]]);
-            for (lane, sample) in (start..end).zip(samples) {
-                let dust = MOST_DUST * ((normals[lane][2] - DUSTY[0]) / (DUSTY[1] - DUSTY[0])).clamp(0.0, 1.0);
-                let mixed = |own: f32, floor: f32| own + (floor - own) * dust;
-                out[lane] = Texel {
-                    color: std::array::from_fn(|c| mixed(sample.color[c], floor.color[c][lane])),
-                    normal: sample.normal,
-                    roughness: mixed(sample.roughness, floor.roughness[lane]),
-                    occlusion: 1.0,
-                    height_m: 0.0,
-                };
-            }
-            start = end;
-        }
-    }
-}
-
 /// Share of the floor's colour at a point of a stone: where dust has settled, and where the floor is near.
 fn soil(point: [f32; 3], normal: [f32; 3]) -> f32 {
     let between = |[low, high]: [f32; 2], x: f32| ((x - low) / (high - low)).clamp(0.0, 1.0);
@@ -371,7 +326,7 @@ fn on_wall(points: &[[f32; 3]], normals: &[[f32; 3]], source: Source) -> Sites {
 }
 
 /// Sites on the floor of a wide passage.
-fn on_floor(points: &[[f32; 3]], source: Source) -> Sites {
+pub(super) fn on_floor(points: &[[f32; 3]], source: Source) -> Sites {
     let mut sites = Sites::new(GROUND, source);
     sites.place(points);
     sites.wall.value.fill(-2.0);

@@ -1,4 +1,4 @@
-//! Closed surfaces of things that a voxel is too coarse for: bars, tubes and bodies of revolution.
+//! Closed surfaces of things that a voxel is too coarse for: bars, tubes, sheets and bodies of revolution.
 //!
 //! Every part is a loft: rings with as many corners each, joined by strips, and a cap at either end. Edges are bevelled by a
 //! few millimetres, since the vertices of a mesh are shared and have one normal each. Promised: every part is closed,
@@ -130,6 +130,18 @@ impl Solid {
         Self::framed(loft(&rings), substance, Isometry3::from_parts(Translation3::identity(), chord))
     }
 
+    /// A body along z through outlines at heights from below, with normals that are smooth even over its edges. Outlines have
+    /// as many corners each, counter-clockwise: first those on the right from below, then as many on the left from above.
+    pub fn through(outlines: &[(f64, Vec<[f64; 2]>)], substance: &'static Substance) -> Self {
+        let ring = |(z, outline): &(f64, Vec<[f64; 2]>)| -> Ring {
+            let corner = |[x, y]: &[f64; 2]| Vertex { at: Point3::new(*x, *y, *z), normal: Vector3::zeros() };
+            outline.iter().map(corner).collect()
+        };
+        let (mut vertices, faces) = loft(&outlines.iter().map(ring).collect::<Vec<_>>());
+        smooth(&mut vertices, &faces);
+        Self::of((vertices, faces), substance)
+    }
+
     fn of(surface: (Vec<Vertex>, Vec<[u32; 3]>), substance: &'static Substance) -> Self {
         Self::framed(surface, substance, Isometry3::identity())
     }
@@ -256,4 +268,18 @@ fn loft(rings: &[Ring]) -> (Vec<Vertex>, Vec<[u32; 3]>) {
         faces.extend([[quad[0], quad[2], quad[1]], [quad[0], quad[3], quad[2]]]);
     }
     (rings.concat(), faces)
+}
+
+/// Gives each corner the mean of the normals of its faces, weighted by their angles there: by area, narrow rims face away.
+fn smooth(vertices: &mut [Vertex], faces: &[[u32; 3]]) {
+    for face in faces {
+        let at = face.map(|corner| vertices[corner as usize].at);
+        let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();
+        for n in 0..3 {
+            let [next, last] = [1, 2].map(|step| at[(n + step) % 3] - at[n]);
+            let angle_rad = libm::atan2(next.cross(&last).norm(), next.dot(&last));
+            vertices[face[n] as usize].normal += normal * angle_rad;
+        }
+    }
+    vertices.iter_mut().for_each(|vertex| vertex.normal = vertex.normal.normalize());
 }

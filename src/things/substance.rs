@@ -90,6 +90,16 @@ pub static CALCITE: Substance = Substance {
     ends: 1.0,
 };
 
+/// Calcite of draperies: bands of brown iron oxides and of pale calcite along the sheet, as in bacon.
+pub static DRAPERY: Substance = Substance {
+    colors: [[0.30, 0.17, 0.085], [0.60, 0.50, 0.37]],
+    roughness: [0.45, 0.28],
+    grain_m: [0.035, 0.6],
+    relief_m: 0.0,
+    worn: ([0.34, 0.24, 0.14], 0.1),
+    ends: 1.0,
+};
+
 /// Steel painted red, with few scratches.
 pub static RED_PAINT: Substance = Substance {
     colors: [[0.26, 0.012, 0.010], [0.38, 0.02, 0.015]],

@@ -11,18 +11,19 @@ use syn::{ItemMod, ItemUse, UseTree};
 /// Modules of `src`, and the modules that each may name. A module may always name itself.
 const ARROWS: &[(&str, &[&str])] = &[
     ("noise", &[]),
+    ("model", &[]),
     ("material", &["noise"]),
     ("field", &["material", "noise"]),
     ("mesh", &["field"]),
     ("texture", &["field", "mesh", "noise"]),
-    ("things", &["field", "material", "mesh", "noise"]),
+    ("things", &["field", "material", "mesh", "model", "noise"]),
     ("placement", &["field"]),
     ("preview", &["field", "material", "mesh", "placement", "things"]),
-    ("recipe", &["field", "material", "mesh", "texture", "things"]),
+    ("recipe", &["field", "material", "mesh", "model", "texture", "things"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture", "things"]),
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
-    ("pipeline", &["field", "material", "mesh", "preview", "recipe", "store", "texture", "things"]),
+    ("pipeline", &["field", "material", "mesh", "model", "preview", "recipe", "store", "texture", "things"]),
     ("cave", &["assemble", "pipeline", "preset", "preview", "recipe", "store"]),
 ];
 

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
+use crate::common::damage::damaged;
 use crate::common::files;
 use crate::common::world;
 use files::Files;
@@ -259,27 +260,13 @@ fn a_drawing_of_yed_is_where_it_is_drawn() {
     assert_eq!(places, [[140.0, -115.0, -2.0], [155.0, -95.0, 1.5]]);
 }
 
-/// Every way to damage a file a little.
-fn damaged(bytes: &[u8]) -> impl Iterator<Item = (String, Vec<u8>)> + '_ {
-    let cut = (0..bytes.len()).map(|length| (format!("cut off at {length}"), bytes[..length].to_vec()));
-    let changed = (0..bytes.len()).flat_map(move |place| {
-        let others = [b'9', b'\n', bytes[place] ^ 1, bytes[place] ^ 0x80, 0];
-        others.into_iter().map(move |byte| {
-            let mut bytes = bytes.to_vec();
-            bytes[place] = byte;
-            (format!("byte {place} is {byte}"), bytes)
-        })
-    });
-    cut.chain(changed)
-}
-
 #[test]
 fn damaged_files_are_read_or_refused() {
     for row in readers() {
         let whole = Files::folder(&folder(row));
         for path in readable(row, &whole) {
             let mut files = whole.clone();
-            for (how, bytes) in damaged(&whole.0[&path]) {
+            for (how, bytes) in damaged(&whole.0[&path], b"9\n") {
                 files.0.insert(path.clone(), bytes);
                 for parts in [Parts::Refuse, Parts::Join] {
                     let read = AssertUnwindSafe(|| is_read_or_refused(row, &path, parts, &files));

@@ -5,6 +5,7 @@
 
 mod architecture;
 mod cave_laws;
+mod collapse_laws;
 mod common;
 mod field_laws;
 mod format_laws;
@@ -15,6 +16,7 @@ mod growth_laws;
 mod layer_laws;
 mod lod_laws;
 mod mesh_laws;
+mod model_laws;
 mod piece_laws;
 mod preview_contrast;
 mod preview_laws;

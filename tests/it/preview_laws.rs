@@ -7,8 +7,8 @@ use plume::Recipe;
 use plume::field::{CaveField, PassageSettings};
 use plume::generators::GENERATORS;
 use plume::graph::{Graph, StationId};
-use plume::material::{Look, MATERIALS};
-use plume::pipeline;
+use plume::material::{Look, MATERIALS, MaterialRow};
+use plume::pipeline::{self, Unobserved};
 use plume::preview::{Drawn, Format, Order, Pace, PreviewError, Size, Subject, Theme, VIEWS, view};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -32,9 +32,9 @@ fn order(format: Format, stop: &AtomicBool) -> Order<'_> {
 }
 
 /// Draws a view of a graph in a rock.
-fn draw(graph: &Graph, rock: usize, name: &str, order: &Order) -> Result<Drawn, PreviewError> {
+fn draw(graph: &Graph, rock: &MaterialRow, name: &str, order: &Order) -> Result<Drawn, PreviewError> {
     let passage = PassageSettings::default();
-    let material = (MATERIALS.iter().nth(rock).unwrap().read)(json!({})).unwrap();
+    let material = (rock.read)(json!({})).unwrap();
     let field = CaveField::new(graph, &passage, material, Look::default(), 5);
     let subject =
         Subject { name: "cave", graph, passage: &passage, field: &field, lamp_spacing_m: Some(9.0), furnishing: None };
@@ -107,19 +107,17 @@ fn judge_page(text: &str, what: &str) {
 #[test]
 fn every_view_of_every_cave_is_drawn_alike_by_any_number_of_threads() {
     let stop = AtomicBool::new(false);
-    GENERATORS.iter().par_bridge().for_each(|generator| {
+    world::kinds().into_par_iter().for_each(|(generator, material)| {
         let graph = world::small(generator, NODES, 4);
-        for (rock, material) in MATERIALS.iter().enumerate() {
-            for (row, format) in VIEWS.iter().flat_map(|row| row.formats.iter().map(move |&format| (row, format))) {
-                let what = format!("{} in {}: {} as {format:?}", generator.name, material.name, row.name);
-                let order = order(format, &stop);
-                let [one, four] = [1, 4].map(|threads| {
-                    with_threads(threads, || draw(&graph, rock, row.name, &order))
-                        .unwrap_or_else(|e| panic!("{what}: {e}"))
-                });
-                assert!(one == four, "{what}");
-                judge(format, &one, &what);
-            }
+        for (row, format) in VIEWS.iter().flat_map(|row| row.formats.iter().map(move |&format| (row, format))) {
+            let what = format!("{} in {}: {} as {format:?}", generator.name, material.name, row.name);
+            let order = order(format, &stop);
+            let [one, four] = [1, 4].map(|threads| {
+                with_threads(threads, || draw(&graph, material, row.name, &order))
+                    .unwrap_or_else(|e| panic!("{what}: {e}"))
+            });
+            assert!(one == four, "{what}");
+            judge(format, &one, &what);
         }
     });
 }
@@ -131,7 +129,7 @@ fn a_map_is_drawn_as_it_was() {
     let graph = world::small(file, NODES, 0);
     for name in ["plan", "profile"] {
         let order = Order { size: Some(Size::new(160, 120).unwrap()), ..order(Format::Svg, &stop) };
-        let Drawn::File(svg) = draw(&graph, 0, name, &order).unwrap() else {
+        let Drawn::File(svg) = draw(&graph, MATERIALS.default_row(), name, &order).unwrap() else {
             panic!("a map is a file");
         };
         insta::assert_snapshot!(name, String::from_utf8(svg).unwrap());
@@ -144,7 +142,10 @@ fn a_theme_changes_a_map() {
     let graph = world::small(GENERATORS.default_row(), NODES, 0);
     let light = order(Format::Svg, &stop);
     let dark = Order { theme: Theme::Dark, ..order(Format::Svg, &stop) };
-    assert_ne!(draw(&graph, 0, "plan", &light), draw(&graph, 0, "plan", &dark));
+    assert_ne!(
+        draw(&graph, MATERIALS.default_row(), "plan", &light),
+        draw(&graph, MATERIALS.default_row(), "plan", &dark)
+    );
 }
 
 #[test]
@@ -164,7 +165,7 @@ fn a_large_graph_makes_no_larger_map() {
     let edges = across.chain((side..side * side).map(|i| [i - side, i]));
     let graph = Graph::new(graph.nodes, StationId::pairs(edges));
     for name in ["plan", "profile"] {
-        let Ok(Drawn::File(svg)) = draw(&graph, 0, name, &order(Format::Svg, &stop)) else {
+        let Ok(Drawn::File(svg)) = draw(&graph, MATERIALS.default_row(), name, &order(Format::Svg, &stop)) else {
             panic!("a map is a file");
         };
         assert!(svg.len() < 8_000_000, "{name}: {} bytes", svg.len());
@@ -177,7 +178,7 @@ fn a_flight_takes_the_time_that_was_asked_for() {
     let graph = world::small(GENERATORS.default_row(), NODES, 0);
     let size = Some(Size::new(16, 16).unwrap());
     let order = Order { size, pace: Pace::new(30, 1.0).unwrap(), ..order(Format::Gif, &stop) };
-    let Drawn::File(bytes) = draw(&graph, 0, "flight", &order).unwrap() else {
+    let Drawn::File(bytes) = draw(&graph, MATERIALS.default_row(), "flight", &order).unwrap() else {
         panic!("a GIF is a file");
     };
     let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).unwrap();
@@ -193,9 +194,9 @@ fn what_cannot_be_seen_is_told() {
     let stop = AtomicBool::new(false);
     let graph = world::small(GENERATORS.default_row(), NODES, 0);
     let png = order(Format::Png, &stop);
-    assert_eq!(draw(&Graph::default(), 0, "plan", &png), Err(PreviewError::NoPassages));
+    assert_eq!(draw(&Graph::default(), MATERIALS.default_row(), "plan", &png), Err(PreviewError::NoPassages));
     let above = Order { at: Some([0.0, 0.0, 500.0]), ..order(Format::Png, &stop) };
-    assert_eq!(draw(&graph, 0, "inside", &above), Err(PreviewError::InRock([0.0, 0.0, 500.0])));
+    assert_eq!(draw(&graph, MATERIALS.default_row(), "inside", &above), Err(PreviewError::InRock([0.0, 0.0, 500.0])));
     for size in ["", "10", "10x10", "640x", "x480", "640x9000", "-640x480", "640x480x3"] {
         assert_eq!(size.parse::<Size>(), Err(PreviewError::Size), "{size}");
     }
@@ -204,10 +205,14 @@ fn what_cannot_be_seen_is_told() {
     }
     let size = Some(Size::new(8192, 8192).unwrap());
     let endless = Order { size, pace: Pace::new(50, 600.0).unwrap(), ..order(Format::Gif, &stop) };
-    assert_eq!(draw(&graph, 0, "flight", &endless), Err(PreviewError::Long));
+    assert_eq!(draw(&graph, MATERIALS.default_row(), "flight", &endless), Err(PreviewError::Long));
     let stopped = AtomicBool::new(true);
     for (name, format) in [("inside", Format::Png), ("flight", Format::Gif), ("page", Format::Html)] {
-        assert_eq!(draw(&graph, 0, name, &order(format, &stopped)), Err(PreviewError::Stopped), "{name}");
+        assert_eq!(
+            draw(&graph, MATERIALS.default_row(), name, &order(format, &stopped)),
+            Err(PreviewError::Stopped),
+            "{name}"
+        );
     }
 }
 
@@ -217,7 +222,8 @@ fn views_show_things_on_any_number_of_threads() {
     let graph = world::small(GENERATORS.default_row(), NODES, 3);
     let recipe = Recipe::from_overrides(&[]).unwrap();
     let field = pipeline::field(&recipe, &graph);
-    let stock = pipeline::stock(&recipe).unwrap();
+    let models = pipeline::models(&recipe, &Unobserved::default()).unwrap();
+    let stock = pipeline::stock(&recipe, &models).unwrap();
     for row in VIEWS.iter().filter(|row| row.shows_things) {
         let order = Order { size: Some(Size::new(640, 360).unwrap()), ..order(row.formats[0], &stop) };
         let bare = row.draw(&pipeline::subject(&recipe, &graph, &field), &order).unwrap();

@@ -1,8 +1,11 @@
 //! The laws of things, in every rock and in the caves of every generator.
 
 mod equipment;
+mod models;
+mod terraces;
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock};
 
 use crate::common::assert_whole;
 use crate::common::distance::corners;
@@ -15,30 +18,38 @@ use plume::material::{Look, MATERIALS};
 use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
 use plume::things::{
-    Body, Dress, KINDS, Kinds, Library, Place, Prototype, Setting, Shelf, Thing, ThingSettings, WHEEL_M, place,
-    shelf_mesh,
+    Body, Dress, KINDS, Kinds, Library, Place, Prototype, Replica, Setting, Shelf, Thing, ThingSettings, WHEEL_M,
+    place, shelf_mesh,
 };
 
 /// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
 const TOUCH_M: f64 = 0.005;
 
-fn shelf(rock: &str) -> Shelf {
-    let plain = Recipe::from_overrides(&[format!("rock.kind={rock}")]).unwrap();
+fn shelf(kinds: Kinds, replicas: &[Arc<Replica>]) -> Shelf {
+    let plain = Recipe::from_overrides(&[format!("rock.kind={}", kinds.rock)]).unwrap();
     let material = |setting: Option<(&'static str, f64)>| match setting {
         Some((key, value)) => plain.with(&format!("rock.{key}"), value).unwrap().rock().clone(),
         None => plain.rock().clone(),
     };
-    Shelf::new(&Dress { kinds: kinds_of(rock), material: &material, look: &Look::default(), seed: 7 })
+    Shelf::new(&Dress { kinds, replicas, material: &material, look: &Look::default(), seed: 7 })
 }
 
-/// All kinds of this rock.
-fn kinds_of(rock: &str) -> Kinds<'_> {
-    Kinds { rock, has_artefacts: true }
+/// All built-in kinds of this rock.
+fn kinds_of(rock: &'static str) -> Kinds<'static> {
+    Kinds { rock, has_artefacts: true, files: &[] }
 }
 
-fn library(rock: &str) -> (Mesh, Library) {
-    let shelf = shelf(rock);
-    (shelf_mesh(&shelf), Library::of_shelf(kinds_of(rock), &shelf))
+/// The prototypes of every rock, made once for all laws.
+static LIBRARIES: LazyLock<BTreeMap<&'static str, (Mesh, Library<'static>)>> = LazyLock::new(|| {
+    let made = |rock: &'static str| {
+        let shelf = shelf(kinds_of(rock), &[]);
+        (rock, (shelf_mesh(&shelf), Library::of_shelf(kinds_of(rock), &shelf)))
+    };
+    MATERIALS.iter().map(|row| made(row.name)).collect()
+});
+
+fn library(rock: &str) -> &'static (Mesh, Library<'static>) {
+    &LIBRARIES[rock]
 }
 
 /// A cave with its walls and its things, chunk by chunk.
@@ -46,8 +57,8 @@ struct Cave {
     name: String,
     graph: Graph,
     field: CaveField,
-    library: Library,
-    rock: &'static str,
+    library: Library<'static>,
+    kinds: Kinds<'static>,
     walls: Vec<(Aabb<f64>, Mesh)>,
     settings: ThingSettings,
     seed: u64,
@@ -65,12 +76,13 @@ impl Cave {
         };
         let made = grid.indices().filter_map(|index| Some((bounds(index), chunk(&field, &grid, index, &mesh)?.visual)));
         let walls = made.collect();
-        Self { name, graph, field, library: library(rock).1, rock, walls, settings: ThingSettings::default(), seed: 7 }
+        let (library, kinds, settings) = (library(rock).1.clone(), kinds_of(rock), ThingSettings::default());
+        Self { name, graph, field, library, kinds, walls, settings, seed: 7 }
     }
 
     fn setting(&self) -> Setting<'_> {
-        let Self { graph, field, library, rock, settings, seed, .. } = self;
-        Setting { library, settings, kinds: kinds_of(rock), field, graph, seed: *seed }
+        let Self { graph, field, library, kinds, settings, seed, .. } = self;
+        Setting { library, settings, kinds: *kinds, field, graph, seed: *seed }
     }
 
     fn things(&self) -> Vec<Thing> {
@@ -78,7 +90,7 @@ impl Cave {
         self.walls.iter().flat_map(|(bounds, _)| place(&self.setting(), *bounds, all())).collect()
     }
 
-    fn prototype(&self, thing: &Thing) -> &Prototype {
+    fn prototype(&self, thing: &Thing) -> &Prototype<'static> {
         self.library.named(&thing.prototype).expect(&self.name)
     }
 
@@ -92,12 +104,12 @@ impl Cave {
     }
 
     fn is_loose(&self, thing: &Thing) -> bool {
-        matches!(KINDS.find(&thing.kind).unwrap().place, Place::Floor(_))
+        self.prototype(thing).row.place.is_loose()
     }
 }
 
 fn hangs(thing: &Thing) -> bool {
-    matches!(KINDS.find(&thing.kind).unwrap().place, Place::Ceiling(_))
+    KINDS.find(&thing.kind).is_some_and(|row| matches!(row.place, Place::Ceiling(_)))
 }
 
 /// Every generator, and every rock.
@@ -138,8 +150,8 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
     };
     let of_walls =
         cave.walls.iter().flat_map(|(_, wall)| wall.triangles.iter().map(|triangle| corners(wall, *triangle)));
-    let widest_m = |thing: &Thing| match KINDS.find(&thing.kind).unwrap().place {
-        Place::Floor(scatter) => scatter.width_m[1],
+    let widest_m = |thing: &Thing| match KINDS.find(&thing.kind).map(|row| row.place) {
+        Some(Place::Floor(scatter)) => scatter.width_m[1],
         _ => 0.0,
     };
     let larger = things.iter().filter(|other| widest_m(other) > widest_m(thing));
@@ -153,12 +165,18 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
     of_walls.chain(of_stones).filter(is_near).collect()
 }
 
+/// Distance of the place of a thing from the floor.
+fn floor_gap_m(cave: &Cave, things: &[Thing], thing: &Thing) -> f64 {
+    let floor = near(cave, things, thing, 0.3);
+    gap(&floor, thing.pose.translation.vector.into(), 0.3).expect("there is a floor")
+}
+
 #[test]
 fn prototypes_are_closed_bodies_of_few_corners() {
     for rock in MATERIALS.iter() {
         let (mesh, library) = library(rock.name);
-        assert_whole(&mesh);
-        let report = Report::of(&mesh);
+        assert_whole(mesh);
+        let report = Report::of(mesh);
         assert!(report.is_clean() && report.volume_m3 < 0.0, "{}: {report:#?}", rock.name);
         assert!(report.components >= library.prototypes.len(), "{}", rock.name);
         assert_eq!(report.genus, 0, "{}", rock.name);
@@ -184,7 +202,7 @@ fn normals_of_solids_point_out_of_them() {
         let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
         let cut = library.prototypes.iter().zip(library.cut(&vertices, &mesh.triangles));
         for triangle in cut.filter(|(prototype, _)| prototype.row.is_solid()).flat_map(|(_, triangles)| triangles) {
-            let [a, b, c] = corners(&mesh, triangle);
+            let [a, b, c] = corners(mesh, triangle);
             let facing = (b - a).cross(&(c - a)).normalize();
             let normals = triangle.map(|vertex| Vector3::from(mesh.normals[vertex as usize].map(f64::from)));
             let least = normals.iter().map(|normal| normal.dot(&facing)).fold(f64::MAX, f64::min);

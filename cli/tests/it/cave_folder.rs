@@ -9,8 +9,10 @@ use std::time::{Duration, Instant};
 
 use crate::command;
 use command::{Desk, SMALL};
+use nalgebra::Vector3;
 use plume::Recipe;
 use plume::assemble::FolderChunks;
+use plume::material::MATERIALS;
 use plume::store::{CaveFolder, Stage, Unit};
 use plume_disk::sealed::{sha256, unseal};
 use plume_exporters::scene::{Chunks, Mesh};
@@ -137,10 +139,9 @@ fn a_scene_has_the_levels_of_its_folder_over_the_same_vertices() {
     let desk = Desk::new();
     desk.make(&["generate", "--output", "cave"]);
     let folder = CaveFolder::open(&desk.path("cave")).unwrap();
-    let walls: Vec<Unit> = folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty()).collect();
     let stop = AtomicBool::new(false);
     let recipe = Recipe::from_overrides(&[]).unwrap();
-    let chunks = FolderChunks::new(&folder, &walls, &recipe, &stop);
+    let chunks = FolderChunks::new(&folder, &walls(&folder), &recipe, &stop);
     let mut levels = 0;
     for chunk in (0..chunks.len()).map(|index| chunks.load(index).unwrap()) {
         let full = vertices(&chunk.visual);
@@ -151,6 +152,40 @@ fn a_scene_has_the_levels_of_its_folder_over_the_same_vertices() {
         levels += chunk.lods.len();
     }
     assert!(levels > chunks.len(), "{levels}");
+}
+
+/// The units of the chunks that have a wall.
+fn walls(folder: &CaveFolder) -> Vec<Unit> {
+    folder.units(Stage::Mesh).into_iter().filter(|unit| !unit.files.is_empty()).collect()
+}
+
+/// Those with few triangles for their edges would not, and readers refuse them: they keep a finer level.
+#[test]
+fn every_level_of_a_prototype_faces_its_normals() {
+    /// Share of the triangles that may face away.
+    const MOST_AWAY: f64 = 0.03;
+    let desk = Desk::new();
+    for rock in MATERIALS.iter().map(|row| format!("rock.kind={}", row.name)) {
+        desk.make(&["generate", "--output", "cave", "--force", "--set", &rock]);
+        let folder = CaveFolder::open(&desk.path("cave")).unwrap();
+        let (recipe, stop) = (Recipe::from_overrides(std::slice::from_ref(&rock)).unwrap(), AtomicBool::new(false));
+        let prototypes = FolderChunks::new(&folder, &walls(&folder), &recipe, &stop).prototypes().unwrap();
+        assert!(prototypes.len() > 10, "{rock}: {}", prototypes.len());
+        for (prototype, level) in prototypes.iter().flat_map(|one| one.levels.iter().map(move |level| (one, level))) {
+            let away = away_from_normals(&level.mesh) as f64;
+            assert!(away <= MOST_AWAY * level.mesh.triangles() as f64, "{rock}: {away} of {}", prototype.name);
+        }
+    }
+}
+
+/// Number of triangles that face against the normals of their corners.
+fn away_from_normals(mesh: &Mesh) -> usize {
+    let is_away = |corners: &&[u32; 3]| {
+        let [a, b, c] = corners.map(|corner| Vector3::from(mesh.positions[corner as usize]));
+        let normals = corners.map(|corner| Vector3::from(mesh.normals[corner as usize]));
+        (b - a).cross(&(c - a)).dot(&(normals[0] + normals[1] + normals[2])) <= 0.0
+    };
+    mesh.indices.as_chunks::<3>().0.iter().filter(is_away).count()
 }
 
 /// The bits of all that a vertex carries.

@@ -9,4 +9,5 @@ mod command;
 mod external;
 mod handover;
 mod measure;
+mod models;
 mod nothing_lost;

@@ -53,7 +53,7 @@ fn images_are_embedded_byte_for_byte() {
         (found.normal_texture().unwrap().texture(), material.normal),
         (found.occlusion_texture().unwrap().texture(), material.orm),
     ] {
-        let gltf::image::Source::View { view, mime_type } = texture.source().source() else {
+        let gltf::image::Source::View { view, mime_type } = texture.source().unwrap().source() else {
             panic!("an image is not embedded")
         };
         assert_eq!(mime_type, "image/png");

@@ -1,5 +1,6 @@
 //! The invariants of every chunked mesh, and fields to check them on.
 
+pub mod damage;
 pub mod distance;
 pub mod dump;
 pub mod fields;

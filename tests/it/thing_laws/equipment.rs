@@ -3,7 +3,7 @@
 use super::{Cave, assert_have_own_identities, assert_the_corridor_is_free};
 use crate::common::distance::corners;
 use crate::common::world::small;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use plume::things::{KINDS, Place, Thing};
 
 /// A mine with timbered and bolted drifts.
@@ -23,11 +23,23 @@ fn equipment_is_built_into_mines() {
         }
         assert_the_corridor_is_free(&cave, &things);
         assert_posts_carry_beams(&cave, &of("post"), &of("beam"));
-        for bolt in of("rock_bolt") {
-            let gap_m = roof_m(&cave, bolt.pose.translation.vector) - bolt.pose.translation.vector.z;
-            assert!(gap_m.abs() < 0.005, "{}: {gap_m} m over {bolt:?}", cave.name);
-        }
+        assert_beams_carry_boards(&cave, &of("beam"), &of("lagging"));
+        assert_bolts_are_in_the_roof(&cave, &of("rock_bolt"), &of("roof_mesh"));
         assert_nothing_lies_in_equipment(&cave, &things);
+    }
+}
+
+/// Bolts touch the roof, or press mesh against it; and all mesh is held.
+fn assert_bolts_are_in_the_roof(cave: &Cave, bolts: &[&Thing], meshes: &[&Thing]) {
+    let is_held =
+        |mesh: &Thing, bolt: &Thing| (bolt.pose.translation.vector - mesh.pose.translation.vector).norm() < 1e-6;
+    for bolt in bolts {
+        let most_m = if meshes.iter().any(|mesh| is_held(mesh, bolt)) { 0.125 } else { 0.005 };
+        let gap_m = roof_m(cave, bolt.pose.translation.vector) - bolt.pose.translation.vector.z;
+        assert!(gap_m.abs() < most_m, "{}: {gap_m} m over {bolt:?}", cave.name);
+    }
+    for mesh in meshes {
+        assert!(bolts.iter().any(|bolt| is_held(mesh, bolt)), "{}: nothing holds {mesh:?}", cave.name);
     }
 }
 
@@ -48,6 +60,23 @@ fn column(cave: &Cave, at: Vector3<f64>) -> Vec<(f64, f64)> {
         is_here.then(|| ((a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca), up))
     };
     walls.filter_map(height).collect()
+}
+
+/// Both ends of each board lie on beams.
+fn assert_beams_carry_boards(cave: &Cave, beams: &[&Thing], boards: &[&Thing]) {
+    for board in boards {
+        let half_m = 0.5 * cave.prototype(board).size_m.x * board.scale;
+        for end in [-half_m, half_m] {
+            let end = board.pose * Point3::new(end, 0.0, 0.0);
+            let over = |beam: &&&Thing| {
+                let at = beam.pose.inverse_transform_point(&end);
+                let half = cave.prototype(beam).size_m * (0.5 * beam.scale);
+                (at.x.abs() < half.x && at.y.abs() < half.y).then_some((at.z - half.z).abs())
+            };
+            let gap_m = beams.iter().filter_map(|beam| over(&beam)).fold(f64::MAX, f64::min);
+            assert!(gap_m < 0.02, "{}: {gap_m} m under an end of {board:?}", cave.name);
+        }
+    }
 }
 
 /// Posts stand on the floor under a beam that touches the roof.

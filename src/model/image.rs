@@ -1,0 +1,158 @@
+//! Images on models: read, made smaller, and filtered as wide as they are looked at.
+//!
+//! Not promised: the same bytes on another processor for JPEG, whose decoder may round otherwise there.
+
+use std::io::Cursor;
+
+use ::image::{ImageReader, Limits};
+use plume_graph::echo::sentence;
+
+use super::ModelError;
+
+/// Longest side of an image that is read, in pixels.
+const MOST_PX: u32 = 8192;
+/// Longest side that is kept, in pixels. Tuned: things have fewer texels along their whole length.
+const KEPT_PX: usize = 2048;
+
+/// An image in linear RGB, at every level down to one pixel.
+#[derive(Debug)]
+pub struct Image {
+    levels: Vec<Level>,
+}
+
+#[derive(Debug)]
+struct Level {
+    size: [usize; 2],
+    pixels: Vec<[f32; 3]>,
+}
+
+/// How an image continues beyond a side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// It repeats.
+    Repeat,
+    /// Every other time mirrored.
+    Mirror,
+    /// By its outermost pixels.
+    Clamp,
+}
+
+impl Image {
+    /// Reads a PNG, JPEG or WebP file.
+    pub(super) fn read(bytes: &[u8]) -> Result<Self, ModelError> {
+        let unread = |error: String| {
+            let message = format!("has a texture that cannot be read: {}", sentence(&error));
+            ModelError::new(message, "use PNG, JPEG or WebP of at most 8192 pixels a side")
+        };
+        let mut reader =
+            ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| unread(error.to_string()))?;
+        let mut limits = Limits::default();
+        (limits.max_image_width, limits.max_image_height) = (Some(MOST_PX), Some(MOST_PX));
+        reader.limits(limits);
+        let pixels = reader.decode().map_err(|error| unread(error.to_string()))?.into_rgb8();
+        let size = [pixels.width(), pixels.height()].map(|side| side as usize);
+        if size.contains(&0) {
+            return Err(unread("it is empty".to_owned()));
+        }
+        Ok(Self::of_srgb(size, pixels.as_raw()))
+    }
+
+    fn of_srgb(size: [usize; 2], codes: &[u8]) -> Self {
+        let table: Vec<f32> = (0..=u8::MAX).map(|code| linear(f64::from(code) / 255.0) as f32).collect();
+        let (pixels, _) = codes.as_chunks::<3>();
+        let pixels = pixels.iter().map(|codes| codes.map(|code| table[usize::from(code)])).collect();
+        let mut level = Level { size, pixels };
+        while level.size.iter().any(|side| *side > KEPT_PX) {
+            level = level.halved();
+        }
+        let mut levels = vec![level];
+        while let Some(last) = levels.last().filter(|last| last.size != [1, 1]) {
+            levels.push(last.halved());
+        }
+        Self { levels }
+    }
+
+    /// The colour at texture coordinates, linear RGB; `width` is that of the area which is looked at, in texture coordinates.
+    pub fn color(&self, uv: [f32; 2], wrap: [Wrap; 2], width: f32) -> [f32; 3] {
+        let across = width * self.levels[0].size[0].max(self.levels[0].size[1]) as f32;
+        let coarser = libm::log2f(across.max(1.0)).round() as usize;
+        self.levels[coarser.min(self.levels.len() - 1)].color(uv, wrap)
+    }
+}
+
+impl Level {
+    /// Half as large: means of up to four pixels.
+    fn halved(&self) -> Self {
+        let size = self.size.map(|side| side.div_ceil(2));
+        let pixel = |n: usize| {
+            let [x, y] = [n % size[0], n / size[0]].map(|c| 2 * c);
+            let four = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]].map(|at| self.at(at));
+            [0, 1, 2].map(|channel| four.iter().map(|color| color[channel]).sum::<f32>() / 4.0)
+        };
+        Self { size, pixels: (0..size[0] * size[1]).map(pixel).collect() }
+    }
+
+    /// The pixel at a place, or the nearest.
+    fn at(&self, [x, y]: [usize; 2]) -> [f32; 3] {
+        self.pixels[y.min(self.size[1] - 1) * self.size[0] + x.min(self.size[0] - 1)]
+    }
+
+    /// Bilinear.
+    fn color(&self, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 3] {
+        let along = |axis: usize| {
+            let at = f64::from(uv[axis]) * self.size[axis] as f64 - 0.5;
+            let first = at.floor();
+            let place = |at: f64| wrap[axis].place(at, self.size[axis]);
+            ([place(first), place(first + 1.0)], (at - first) as f32)
+        };
+        let ([left, right], x) = along(0);
+        let ([top, bottom], y) = along(1);
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]].map(|at| self.at(at));
+        [0, 1, 2].map(|channel| {
+            let [a, b, c, d] = corners.map(|color| color[channel]);
+            let (above, below) = (a + (b - a) * x, c + (d - c) * x);
+            above + (below - above) * y
+        })
+    }
+}
+
+impl Wrap {
+    /// The pixel of a row of so many at a whole number, which may be beyond its ends.
+    fn place(self, at: f64, pixels: usize) -> usize {
+        let count = pixels as f64;
+        let place = match self {
+            Self::Repeat => at.rem_euclid(count),
+            Self::Mirror => {
+                let twice = at.rem_euclid(2.0 * count);
+                if twice < count { twice } else { 2.0 * count - 1.0 - twice }
+            }
+            Self::Clamp => at.clamp(0.0, count - 1.0),
+        };
+        place as usize
+    }
+}
+
+/// The linear value of an sRGB value, both in 0-1 (IEC 61966-2-1).
+fn linear(value: f64) -> f64 {
+    if value <= 0.040_45 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_continue_beyond_their_sides() {
+        let places = |wrap: Wrap| [-3.0, -1.0, 0.0, 2.0, 3.0, 4.0].map(|at| wrap.place(at, 3));
+        assert_eq!(places(Wrap::Repeat), [0, 2, 0, 2, 0, 1]);
+        assert_eq!(places(Wrap::Mirror), [2, 0, 0, 2, 2, 1]);
+        assert_eq!(places(Wrap::Clamp), [0, 0, 0, 2, 2, 2]);
+    }
+
+    #[test]
+    fn wide_looks_see_means() {
+        let image = Image::of_srgb([2, 2], &[[255; 3], [0; 3], [0; 3], [255; 3]].concat());
+        assert_eq!(image.color([0.25, 0.25], [Wrap::Clamp; 2], 0.0), [1.0; 3]);
+        assert_eq!(image.color([0.25, 0.25], [Wrap::Clamp; 2], 1.0), [0.5; 3]);
+    }
+}
