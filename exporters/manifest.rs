@@ -131,6 +131,9 @@ pub struct ChunkEntry {
     /// Number of convex pieces, if the target uses them.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub convex_pieces: Option<u64>,
+    /// Number of stones, if it is gravel, which is only drawn.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub gravel: Option<u64>,
     /// The images by role, if they are in the package as separate, unchanged files.
     pub textures: BTreeMap<String, String>,
 }
@@ -240,6 +243,7 @@ fn entry(chunk: &ChunkFacts, all: &[ChunkFacts], files: &Files) -> ChunkEntry {
         lods: chunk.lods.clone(),
         collision_triangles: chunk.collision_triangles,
         convex_pieces: chunk.pieces,
+        gravel: chunk.gravel,
         textures: images.into_iter().chain(height).filter_map(placed).collect(),
     }
 }

@@ -18,7 +18,7 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::names;
 
-pub use self::things::{Instance, Prototype};
+pub use self::things::{Gravel, Instance, Prototype, Stone};
 
 mod things;
 
@@ -91,7 +91,9 @@ impl Scene<'_> {
         for lod in &chunk.lods {
             lod.mesh.check(Part::Visual).map_err(|text| fault("coarser visual mesh", text))?;
         }
-        chunk.collision.check(Part::Collision).map_err(|text| fault("collision mesh", text))?;
+        if chunk.collides() {
+            chunk.collision.check(Part::Collision).map_err(|text| fault("collision mesh", text))?;
+        }
         Ok(chunk)
     }
 
@@ -119,6 +121,22 @@ impl Scene<'_> {
     pub fn instances(&self, index: usize) -> Result<Vec<Instance>, ExportError> {
         let load = |source| ExportError::Load { scene: self.name.clone(), index, source };
         self.chunks.instances(index).map_err(load)
+    }
+
+    /// The stones of a chunk of gravel.
+    ///
+    /// # Errors
+    /// [`ExportError::Load`] if they cannot be read, [`ExportError::BadScene`] if the arrays of a shape are inconsistent or
+    /// one is missing.
+    pub fn gravel(&self, index: usize) -> Result<Gravel, ExportError> {
+        let load = |source| ExportError::Load { scene: self.name.clone(), index, source };
+        let gravel = self.chunks.gravel(index).map_err(load)?;
+        let fault = |text: &str| self.fault(format!("a shape of the gravel of chunk {index} {text}"));
+        gravel.shapes.iter().try_for_each(|shape| shape.check(Part::Visual)).map_err(fault)?;
+        match gravel.stones.iter().any(|stone| stone.shape >= gravel.shapes.len()) {
+            true => Err(fault("is missing")),
+            false => Ok(gravel),
+        }
     }
 
     /// Loads the prototypes of all things and checks them.
@@ -179,6 +197,14 @@ pub trait Chunks: Sync {
         Ok(Vec::new())
     }
 
+    /// The stones of a chunk, in the order of its visual mesh; none unless it [consists](Content) of gravel.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    fn gravel(&self, _index: usize) -> Result<Gravel, std::io::Error> {
+        Ok(Gravel::default())
+    }
+
     /// The shapes of which the things of all chunks are copies.
     ///
     /// # Errors
@@ -216,9 +242,19 @@ pub enum Content {
         /// Whether they move when they are pushed. If not, they are part of the static world.
         movable: bool,
     },
+    /// Gravel, with which nothing collides.
+    Gravel {
+        /// Number of its stones.
+        stones: usize,
+    },
 }
 
 impl Chunk {
+    /// Whether it has a collision mesh and convex pieces; without, its collision mesh is empty.
+    pub fn collides(&self) -> bool {
+        !matches!(self.content, Content::Gravel { .. })
+    }
+
     /// Every level of detail, the full one first, with an upper bound of its distance from the full one, in metres.
     pub fn levels(&self) -> impl Iterator<Item = (&Mesh, f32)> {
         let coarser = self.lods.iter().map(|lod| (&lod.mesh, lod.error_m));

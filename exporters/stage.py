@@ -93,6 +93,37 @@ def define_body(prim, spec):
     mass.CreatePrincipalAxesAttr(Gf.Quatf(*spec["axes_wxyz"]))
 
 
+def write_gravel(spec, arrays):
+    """A layer with the gravel of a chunk, as one PointInstancer: nothing collides with it. A level hides what is smallest."""
+    stage = new_stage(spec["path"])
+    chunk = UsdGeom.Xform.Define(stage, "/Chunk")
+    stage.SetDefaultPrim(chunk.GetPrim())
+    Usd.ModelAPI(chunk).SetKind(Kind.Tokens.component)
+    rock = define_rock(stage, "/Chunk/Looks", spec["textures"])
+    gravel = UsdGeom.PointInstancer.Define(stage, "/Chunk/Gravel")
+    label(gravel, ["gravel"])
+    UsdShade.MaterialBindingAPI.Apply(gravel.GetPrim()).Bind(rock)
+    for shape in spec["shapes"]:
+        mesh = define_mesh(stage, f"/Chunk/Gravel/{shape['name']}")
+        fill_visual(mesh, shape, arrays)
+        gravel.GetPrototypesRel().AddTarget(mesh.GetPath())
+    stones = spec["stones"]
+    gravel.CreateProtoIndicesAttr([stone["shape"] for stone in stones])
+    gravel.CreatePositionsAttr([Gf.Vec3f(*stone["position"]) for stone in stones])
+    gravel.CreateOrientationsAttr([Gf.Quath(*stone["orientation_wxyz"]) for stone in stones])
+    gravel.CreateScalesAttr([Gf.Vec3f(stone["scale"]) for stone in stones])
+    gravel.CreateExtentAttr(box(spec["extent"]))
+    levels = chunk.GetPrim().GetVariantSets().AddVariantSet("LOD")
+    for level in spec["levels"]:
+        levels.AddVariant(level["name"])
+        levels.SetVariantSelection(level["name"])
+        with levels.GetVariantEditContext():
+            gravel.CreateInvisibleIdsAttr(list(range(level["shown"], len(stones))))
+            gravel.GetPrim().SetCustomDataByKey("plume:error_m", level["error_m"])
+    levels.SetVariantSelection(spec["levels"][0]["name"])
+    save(stage)
+
+
 def write_root(spec, arrays):
     """The root layer: physics, lights, start poses, and a payload per chunk, none of which is opened."""
     stage = new_stage(spec["path"])

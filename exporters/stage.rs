@@ -34,6 +34,7 @@ use crate::scene::{ByZone, Chunk, Content, Light, Material, Mesh, Scene, Zone};
 use crate::{Summary, frame, instances, slope, template};
 
 mod colliders;
+mod gravel;
 mod things;
 
 use colliders::Colliders;
@@ -191,6 +192,11 @@ pub fn write(
             triangles[0] += chunk.visual.triangles();
             triangles[1] += colliding;
             payloads.push(payload);
+            continue;
+        }
+        if matches!(chunk.content, Content::Gravel { .. }) {
+            triangles[0] += chunk.visual.triangles();
+            payloads.push(gravel::write(&chunk, scene.gravel(index)?, library, scratch.path(), out)?);
             continue;
         }
         let colliders = Colliders::of(scene, index, &mut chunk, contents.physics)?;

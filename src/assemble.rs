@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use nalgebra::{Isometry3, Point3};
 use plume_exporters::scene::{self, ByZone, Chunks, Content, Light, Scene};
 
-use self::dressing::Dressing;
+use self::dressing::{Dressing, Role};
 use crate::field::Field;
 use crate::mesh;
 use crate::placement::{self, Lamp};
@@ -21,26 +21,32 @@ use crate::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureSettings};
 use crate::things::{Kinds, Thing};
 use plume_graph::Graph;
 
-/// The things of a chunk of the wall that move, or those that do not.
+/// The things of a role in a chunk of the wall.
 struct Dressed {
     /// The chunk of the wall.
     wall: String,
-    movable: bool,
+    role: Role,
 }
 
 impl Dressed {
     fn of(unit: Unit) -> impl Iterator<Item = Self> {
-        let ThingFacts { things, movable, .. } = match unit.facts {
+        let ThingFacts { things, gravel, movable, .. } = match unit.facts {
             Facts::Things(facts) => facts,
             _ => ThingFacts::default(),
         };
-        let counts = [(things.saturating_sub(movable), false), (movable, true)].into_iter();
+        let fixed = things.saturating_sub(movable);
+        let counts = [(fixed, Role::Fixed), (movable, Role::Movable), (gravel, Role::Gravel)].into_iter();
         let wall = unit.name;
-        counts.filter(|(count, _)| *count > 0).map(move |(_, movable)| Self { wall: wall.clone(), movable })
+        counts.filter(|(count, _)| *count > 0).map(move |(_, role)| Self { wall: wall.clone(), role })
     }
 
     fn name(&self) -> String {
-        self.wall.replace("chunk_", if self.movable { "movable_" } else { "things_" })
+        let prefix = match self.role {
+            Role::Fixed => "things_",
+            Role::Movable => "movable_",
+            Role::Gravel => "gravel_",
+        };
+        self.wall.replace("chunk_", prefix)
     }
 }
 
@@ -137,23 +143,27 @@ impl FolderChunks<'_> {
     }
 
     fn things(&self, index: usize) -> Result<Vec<Thing>, io::Error> {
-        let Dressed { wall, movable } = self.dressed(index);
+        let Dressed { wall, role } = self.dressed(index);
         let things = store::read_things(self.folder, wall).map_err(io::Error::other)?;
-        Ok(self.dressing()?.share(things, self.movable_m, *movable))
+        Ok(self.dressing()?.share(things, self.movable_m, *role))
     }
 
     fn load_things(&self, index: usize) -> Result<scene::Chunk, io::Error> {
         self.verify_images(store::PROTOTYPES)?;
         let (dressing, things) = (self.dressing()?, self.things(index)?);
-        let (visual, lods) = dressing.levels(&things);
-        Ok(scene::Chunk {
-            name: self.dressed(index).name(),
-            content: Content::Things { movable: self.dressed(index).movable },
-            visual,
-            lods,
-            collision: dressing.collision(&things),
-            material: self.material(store::PROTOTYPES),
-        })
+        let Dressed { role, .. } = *self.dressed(index);
+        let (content, (visual, lods), collision) = match role {
+            Role::Gravel => {
+                let stones = things.len();
+                (Content::Gravel { stones }, dressing.gravel_levels(&things), scene::Mesh::default())
+            }
+            Role::Fixed | Role::Movable => {
+                let movable = role == Role::Movable;
+                (Content::Things { movable }, dressing.levels(&things), dressing.collision(&things))
+            }
+        };
+        let (name, material) = (self.dressed(index).name(), self.material(store::PROTOTYPES));
+        Ok(scene::Chunk { name, content, visual, lods, collision, material })
     }
 }
 
@@ -169,7 +179,10 @@ impl Chunks for FolderChunks<'_> {
 
     fn pieces(&self, index: usize) -> Result<Vec<scene::Piece>, io::Error> {
         if index >= self.names.len() {
-            return Ok(self.dressing()?.pieces(&self.things(index)?));
+            return match self.dressed(index).role {
+                Role::Gravel => Ok(Vec::new()),
+                Role::Fixed | Role::Movable => Ok(self.dressing()?.pieces(&self.things(index)?)),
+            };
         }
         let pieces = store::read_pieces(self.folder, &self.names[index]).map_err(io::Error::other)?;
         Ok(pieces.into_iter().map(scene_piece).collect())
@@ -179,8 +192,18 @@ impl Chunks for FolderChunks<'_> {
         if index < self.names.len() {
             return Ok(Vec::new());
         }
-        let Dressed { movable, .. } = *self.dressed(index);
-        Ok(self.dressing()?.instances(&self.dressed(index).name(), movable, &self.things(index)?))
+        let dressed = self.dressed(index);
+        match dressed.role {
+            Role::Gravel => Ok(Vec::new()),
+            role => Ok(self.dressing()?.instances(&dressed.name(), role == Role::Movable, &self.things(index)?)),
+        }
+    }
+
+    fn gravel(&self, index: usize) -> Result<scene::Gravel, io::Error> {
+        if index < self.names.len() || self.dressed(index).role != Role::Gravel {
+            return Ok(scene::Gravel::default());
+        }
+        Ok(self.dressing()?.gravel(&self.things(index)?))
     }
 
     fn prototypes(&self) -> Result<Vec<scene::Prototype>, io::Error> {

@@ -50,6 +50,7 @@ pub mod placement;
 pub mod preset;
 #[doc(hidden)]
 pub mod preview;
+mod srgb;
 #[doc(hidden)]
 pub mod store;
 #[doc(hidden)]

@@ -19,7 +19,6 @@ mod raster;
 mod seams;
 pub mod settings;
 mod split_overlaps;
-mod srgb;
 pub mod tangent;
 pub mod unwrap;
 

@@ -2,7 +2,7 @@
 //!
 //! A [`KindRow`] says what a thing looks like, how large it is and where it occurs. Its shapes are meshed once, all together
 //! on one [`Shelf`], into a [`Library`] of prototypes that share a set of images. [`place()`] then finds the things of a
-//! chunk: each is a prototype, a size and a pose.
+//! chunk: each is a prototype, a size and a pose. [`strew()`] finds its gravel, which is only drawn.
 //!
 //! Promised: a chunk's things follow from the walls of the chunk and its neighbours, the field and the graph, in any order
 //! and on any number of threads. Stones rest on the triangles of the wall, or on larger stones, with their centre of mass
@@ -19,6 +19,7 @@ mod drip;
 mod dripstone;
 mod equipment;
 mod facets;
+mod gravel;
 mod halls;
 mod kind;
 mod library;
@@ -35,11 +36,11 @@ mod shelf;
 mod solid;
 mod stone;
 mod substance;
-mod terrace;
 
 pub use around::place_in;
 pub use catalogue::KINDS;
 pub use dressed::Dressed;
+pub use gravel::strew;
 pub use kind::{Along, Fit, Hang, Heading, KindRow, Kinds, Place, Scatter, Shape, Shapes};
 pub use library::{Body, Library, Prototype, shelf_mesh};
 pub use place::{Setting, place};

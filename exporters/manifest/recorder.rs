@@ -4,7 +4,7 @@ use std::io;
 use std::sync::{Mutex, PoisonError};
 
 use crate::error::ExportError;
-use crate::scene::{Chunk, Chunks, Instance, Material, Piece, Prototype, Scene};
+use crate::scene::{Chunk, Chunks, Content, Gravel, Instance, Material, Piece, Prototype, Scene};
 
 use super::LodEntry;
 
@@ -17,6 +17,8 @@ pub struct ChunkFacts {
     pub lods: Vec<LodEntry>,
     pub collision_triangles: u64,
     pub pieces: Option<u64>,
+    /// Number of stones, if it is gravel.
+    pub gravel: Option<u64>,
     pub material: Material,
     /// Indices of chunks.
     pub neighbors: Vec<usize>,
@@ -70,6 +72,10 @@ impl<'a> RecordingChunks<'a> {
             lods: chunk.lods.iter().map(lod).collect(),
             collision_triangles: chunk.collision.triangles(),
             pieces: None,
+            gravel: match chunk.content {
+                Content::Gravel { stones } => Some(stones as u64),
+                Content::Wall | Content::Things { .. } => None,
+            },
             material: chunk.material.clone(),
             neighbors: self.inner.neighbors(index),
         }
@@ -94,6 +100,10 @@ impl Chunks for RecordingChunks<'_> {
 
     fn instances(&self, index: usize) -> io::Result<Vec<Instance>> {
         self.inner.instances(index)
+    }
+
+    fn gravel(&self, index: usize) -> io::Result<Gravel> {
+        self.inner.gravel(index)
     }
 
     fn prototypes(&self) -> io::Result<Vec<Prototype>> {

@@ -46,6 +46,28 @@ pub struct Instance {
     pub movable: bool,
 }
 
+/// Gravel: stones that are only drawn, and have no identity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gravel {
+    /// Visual meshes in their own frames.
+    pub shapes: Vec<Mesh>,
+    /// The stones, from large to small.
+    pub stones: Vec<Stone>,
+    /// How many of them, from the first one on, each level of detail of their chunk shows; the full one has all.
+    pub shown: Vec<usize>,
+}
+
+/// A stone of gravel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stone {
+    /// Index of its shape.
+    pub shape: usize,
+    /// From the frame of the shape to that of the scene.
+    pub pose: Isometry3<f64>,
+    /// Its size relative to the shape.
+    pub scale: f64,
+}
+
 impl Instance {
     /// Its prototype among `prototypes`.
     ///

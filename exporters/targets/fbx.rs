@@ -166,7 +166,7 @@ impl Fbx {
     ) -> Result<(), ExportError> {
         let maps = copy_textures(&chunk.chunk, to_package, out)?;
         match chunk.chunk.content {
-            Content::Wall => self.add_wall(chunk, &maps, document),
+            Content::Wall | Content::Gravel { .. } => self.add_wall(chunk, &maps, document),
             Content::Things { .. } => self.add_things(chunk, &maps, document),
         }
     }
@@ -175,7 +175,8 @@ impl Fbx {
         let levels = self.levels(&chunk.chunk);
         let colliders = match self.0.collision {
             FbxCollision::None => Vec::new(),
-            FbxCollision::Triangles => vec![concave(&chunk.chunk)],
+            FbxCollision::Triangles if chunk.chunk.collides() => vec![concave(&chunk.chunk)],
+            FbxCollision::Triangles => Vec::new(),
             FbxCollision::Pieces => fbx::convex_pieces(&levels[0].name, &chunk.pieces),
         };
         let name = &chunk.chunk.name;

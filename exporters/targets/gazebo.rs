@@ -100,6 +100,7 @@ impl Target for Gazebo {
             }
             let mut part = write_visual(&model, &chunk, out)?;
             part.collisions = match self.0.collision {
+                _ if !chunk.collides() => Vec::new(),
                 Collision::Triangles => vec![write_triangles(&model, scene, &chunk, out)?],
                 Collision::Pieces => write_pieces(&model, scene, &chunk.name, &scene.pieces(index)?, out)?,
             };

@@ -141,7 +141,7 @@ impl Glb {
         copies: &Copies,
     ) -> Result<[Payload<'a>; 2], ExportError> {
         let (placed, full) = match chunk.content {
-            Content::Wall => layout.add_chunk(chunk, pieces)?,
+            Content::Wall | Content::Gravel { .. } => layout.add_chunk(chunk, pieces)?,
             Content::Things { .. } => layout.add_things(chunk, things, copies)?,
         };
         let levels = if self.0.lods { layout.add_levels(chunk, &placed) } else { Payload::default() };

@@ -151,7 +151,7 @@ impl Documents {
         out: &mut dyn Package,
     ) -> Result<Entry, ExportError> {
         let add = |layout: &mut Layout| match chunk.content {
-            Content::Wall => layout.add_chunk(chunk, pieces),
+            Content::Wall | Content::Gravel { .. } => layout.add_chunk(chunk, pieces),
             Content::Things { .. } => layout.add_things(chunk, things, copies),
         };
         let (_, payload) = add(&mut self.full.layout)?;

@@ -129,7 +129,7 @@ impl Target for Mujoco {
             let chunk = scene.chunk(index)?;
             visual_triangles += chunk.visual.triangles();
             chunk::write_images(&chunk, out)?;
-            if chunk.content == Content::Wall {
+            if matches!(chunk.content, Content::Wall | Content::Gravel { .. }) {
                 chunk::write_visual(&chunk, out)?;
             }
             chunks.push(chunk::Names { chunk: chunk.name, material: chunk.material.name, content: chunk.content });
@@ -204,6 +204,10 @@ impl Mujoco {
                         let rock = self.rock(scene, index)?;
                         chunk::write_elements(file, scene, chunk, &rock)?;
                         rock.triangles()
+                    }
+                    Content::Gravel { .. } => {
+                        chunk::write_elements(file, scene, chunk, &Rock::Pieces(Vec::new()))?;
+                        0
                     }
                     Content::Things { .. } => things.write_chunk(file, scene, index, &chunk.chunk)?,
                 };

@@ -160,7 +160,7 @@ impl<'a> ObjFiles<'a> {
     }
 
     fn add_collision(&mut self, scene: &Scene, index: usize, chunk: &Chunk) -> Result<u64, ExportError> {
-        let Some(file) = &mut self.collision else { return Ok(0) };
+        let Some(file) = self.collision.as_mut().filter(|_| chunk.collides()) else { return Ok(0) };
         if self.settings.collision == SeparateCollision::Triangles {
             return file.add_collision(&chunk.name, &chunk.collision);
         }
@@ -206,7 +206,8 @@ impl ChunkFiles for ObjFiles<'_> {
     }
 
     fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
-        let meshes = self.levels.into_iter().chain(self.collision).map(|mesh| mesh.file);
+        let collision = self.collision.filter(|collision| collision.vertices > 0);
+        let meshes = self.levels.into_iter().chain(collision).map(|mesh| mesh.file);
         [self.materials].into_iter().chain(meshes).try_for_each(|file| file.finish(out))
     }
 }

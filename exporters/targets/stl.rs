@@ -111,6 +111,9 @@ impl ChunkFiles for Solid<'_> {
     }
 
     fn finish(self, out: &mut dyn Package) -> Result<(), ExportError> {
+        if self.triangles == 0 {
+            return Ok(());
+        }
         let path = self.body.path().to_owned();
         let bytes = 84 + 50 * self.triangles;
         let too_large = |_| ExportError::TooLarge { path: path.clone(), format: "STL", bytes };

@@ -174,7 +174,7 @@ impl Writer<'_> {
         let chunk = self.scene.chunk(index)?;
         self.triangles[0] += chunk.visual.triangles();
         self.triangles[1] += match chunk.content {
-            Content::Wall => self.add_wall(&chunk, index)?,
+            Content::Wall | Content::Gravel { .. } => self.add_wall(&chunk, index)?,
             Content::Things { .. } => self.add_things(&chunk, &self.scene.instances(index)?)?,
         };
         Ok(())
@@ -183,18 +183,19 @@ impl Writer<'_> {
     /// Writes the wall of a chunk and adds it to the prefab. Returns the number of its collision triangles.
     fn add_wall(&mut self, chunk: &Chunk, index: usize) -> Result<u64, ExportError> {
         let shapes = match self.settings.collision {
-            Collision::Triangles => vec![whole(chunk)],
+            Collision::Triangles if chunk.collides() => vec![whole(chunk)],
+            Collision::Triangles => Vec::new(),
             Collision::Pieces => pieces(&chunk.name, self.scene.pieces(index)?),
         };
         let meshes: Vec<&Mesh> = chunk.levels().map(|(mesh, _)| mesh).collect();
         let textures = texture::write(&chunk.material, &meshes, &mut self.assets)?;
-        let material = material::write(&chunk.name, self.settings.pipeline, &textures, &mut self.assets)?;
+        let material = material::write(&chunk.material.name, self.settings.pipeline, &textures, &mut self.assets)?;
         let colliders = shapes.iter().map(|shape| fbx::Collider { name: shape.name.clone(), mesh: &shape.mesh });
         let part = fbx::Part {
             name: &chunk.name,
             levels: fbx::levels(chunk).collect(),
             colliders: colliders.collect(),
-            material: &chunk.name,
+            material: &chunk.material.name,
             maps: &maps(&textures),
         };
         let model = Model { guid: self.write_model(&part, material)?, material };

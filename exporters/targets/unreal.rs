@@ -94,7 +94,7 @@ impl Target for Unreal {
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
             match chunk.content {
-                Content::Wall => entries.push(self.write_chunk(scene, index, &chunk, out)?),
+                Content::Wall | Content::Gravel { .. } => entries.push(self.write_chunk(scene, index, &chunk, out)?),
                 Content::Things { .. } => things.add(self, scene, &scene.instances(index)?, out)?,
             }
         }
@@ -136,7 +136,9 @@ impl Unreal {
         match self.0.collision {
             Collision::Triangles => {
                 write_visual(&head, &entry, levels, Vec::new(), out)?;
-                write_collision(&head, chunk, &mut entry, out)?;
+                if chunk.collides() {
+                    write_collision(&head, chunk, &mut entry, out)?;
+                }
             }
             Collision::Pieces => {
                 let pieces = scene.pieces(index)?;

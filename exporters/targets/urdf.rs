@@ -73,8 +73,9 @@ impl Target for Urdf {
             let chunk = scene.chunk(index)?;
             triangles[0] += chunk.visual.triangles();
             write_visual(&scene.name, &chunk, out)?;
-            triangles[1] += self.write_collision(scene, index, &chunk, out)?;
-            chunks.push(chunk.name);
+            let collides = chunk.collides();
+            triangles[1] += if collides { self.write_collision(scene, index, &chunk, out)? } else { 0 };
+            chunks.push(ChunkText { name: chunk.name, collides });
         }
         self.write_texts(scene, &chunks, out)?;
         Ok(Summary {
@@ -117,13 +118,13 @@ impl Urdf {
         }
     }
 
-    fn write_texts(&self, scene: &Scene, chunks: &[String], out: &mut dyn Package) -> Result<(), ExportError> {
+    fn write_texts(&self, scene: &Scene, chunks: &[ChunkText], out: &mut dyn Package) -> Result<(), ExportError> {
         let name = &scene.name;
         let values = context! {
             name,
             description => &scene.description,
             generator => &scene.generator,
-            chunks => chunks.to_vec(),
+            chunks => Serde(chunks),
             concave => self.0.collision == Collision::Triangles,
             friction => micro(scene.friction.floor),
             gravity => micro(scene.gravity),
@@ -140,6 +141,13 @@ impl Urdf {
         }
         Ok(())
     }
+}
+
+/// A chunk for the templates.
+#[derive(Serialize)]
+struct ChunkText {
+    name: String,
+    collides: bool,
 }
 
 /// A pose for the templates.

@@ -1,11 +1,24 @@
 //! The things of a chunk: copies of the prototypes, or one mesh of all of them.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 use plume_exporters::scene::{self, Instance, Lod, Material, Mesh, Piece, Zone};
 
 use crate::store::Prototypes;
 use crate::store::ply::PlyMesh;
 use crate::things::{Prototype, Thing};
+
+/// What the things of a chunk are to a simulator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Parts of the static world.
+    Fixed,
+    /// Bodies that move when pushed.
+    Movable,
+    /// Gravel, which is only drawn.
+    Gravel,
+}
 
 /// The prototypes, cut apart at every level of detail.
 pub struct Dressing<'a> {
@@ -25,9 +38,12 @@ struct Cut {
 const MOST_SHARE: f64 = 0.8;
 /// Density of rock: granite and solid limestone have about the same.
 const ROCK_KG_M3: f64 = 2650.0;
-/// Widths in metres under which a thing starts with the second and with the third level of detail. Tuned: a triangle of any
-/// thing is a few centimetres wide.
-const SMALL_M: [f64; 2] = [0.36, 0.14];
+/// Widths in metres under which a thing starts with the second, third and fourth level of detail. Tuned: a triangle of any
+/// stone is a few centimetres wide, and gravel has about forty.
+const SMALL_M: [f64; 3] = [0.36, 0.14, 0.055];
+/// Coarser levels of gravel, and the fewest stones in one.
+const GRAVEL_LEVELS: u32 = 2;
+const FEWEST_STONES: usize = 8;
 
 impl<'a> Dressing<'a> {
     /// Cuts the prototypes apart.
@@ -39,11 +55,16 @@ impl<'a> Dressing<'a> {
         Self { cuts, prototypes }
     }
 
-    /// The things that move when pushed, or those that do not, given the width under which loose ones do. What moves lies on
-    /// the ground instead of in it, or it would be pushed out.
-    pub fn share(&self, mut things: Vec<Thing>, movable_m: f64, movable: bool) -> Vec<Thing> {
-        things.retain(|thing| self.prototypes.library.is_movable(thing, movable_m) == movable);
-        if movable {
+    /// The things of this role, given the width under which loose ones move. What moves lies on the ground instead of in it, or
+    /// it would be pushed out.
+    pub fn share(&self, mut things: Vec<Thing>, movable_m: f64, role: Role) -> Vec<Thing> {
+        let role_of = |thing: &Thing| match thing.is_gravel() {
+            true => Role::Gravel,
+            false if self.prototypes.library.is_movable(thing, movable_m) => Role::Movable,
+            false => Role::Fixed,
+        };
+        things.retain(|thing| role_of(thing) == role);
+        if role == Role::Movable {
             for thing in &mut things {
                 thing.pose.translation.z += std::mem::take(&mut thing.embedding_m);
             }
@@ -73,6 +94,34 @@ impl<'a> Dressing<'a> {
             }
         }
         (full, lods)
+    }
+
+    /// Gravel in full detail, and levels that leave out the smaller half of what the level before has. Its stones are sorted
+    /// from large to small.
+    pub fn gravel_levels(&self, stones: &[Thing]) -> (Mesh, Vec<Lod>) {
+        let lod = |shown: &usize| {
+            let (shown, left_out) = stones.split_at(*shown);
+            let sizes = self.known(left_out).map(|(_, prototype, stone)| prototype.size_m.max() * stone.scale);
+            Lod { mesh: self.level(shown, 0).0, error_m: sizes.fold(0.0, f64::max) as f32 }
+        };
+        (self.level(stones, 0).0, shown_by_level(stones.len())[1..].iter().map(lod).collect())
+    }
+
+    /// The stones of gravel, in their order, and the shapes that they have.
+    pub fn gravel(&self, stones: &[Thing]) -> scene::Gravel {
+        let mut gravel = scene::Gravel { shown: shown_by_level(stones.len()), ..scene::Gravel::default() };
+        let mut shapes: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        for (index, prototype, stone) in self.known(stones) {
+            let level = self.finest(prototype, stone);
+            let shape = *shapes.entry((index, level)).or_insert_with(|| {
+                let mut mesh = Mesh::default();
+                self.append(&mut mesh, index, level, &as_made(prototype));
+                gravel.shapes.push(mesh);
+                gravel.shapes.len() - 1
+            });
+            gravel.stones.push(scene::Stone { shape, pose: stone.pose, scale: stone.scale });
+        }
+        gravel
     }
 
     /// All things, this many levels coarser than at their best.
@@ -107,14 +156,7 @@ impl<'a> Dressing<'a> {
     pub fn prototypes(&self, material: &Material) -> Vec<scene::Prototype> {
         let all = self.prototypes.library.prototypes.iter().enumerate();
         let one = |(index, prototype): (usize, &Prototype)| {
-            let as_made = Thing {
-                id: 0,
-                kind: prototype.row.name.to_owned(),
-                prototype: prototype.name.clone(),
-                scale: 1.0,
-                pose: Isometry3::identity(),
-                embedding_m: 0.0,
-            };
+            let as_made = as_made(prototype);
             let level = |level: usize| {
                 let mut mesh = Mesh::default();
                 let error_m = self.append(&mut mesh, index, level, &as_made) as f32;
@@ -171,6 +213,24 @@ fn cuts_at(prototypes: &Prototypes, level: usize, finer: Option<&Vec<Cut>>) -> V
         _ => Cut { level, triangles },
     };
     all.into_iter().enumerate().map(cut).collect()
+}
+
+/// How many of these stones of gravel each level of detail shows.
+fn shown_by_level(stones: usize) -> Vec<usize> {
+    let coarser = (1..=GRAVEL_LEVELS).map(|halvings| stones >> halvings);
+    std::iter::once(stones).chain(coarser.take_while(|shown| *shown >= FEWEST_STONES)).collect()
+}
+
+/// A prototype as a thing in its own frame.
+fn as_made(prototype: &Prototype) -> Thing {
+    Thing {
+        id: 0,
+        kind: prototype.row.name.to_owned(),
+        prototype: prototype.name.clone(),
+        scale: 1.0,
+        pose: Isometry3::identity(),
+        embedding_m: 0.0,
+    }
 }
 
 /// The hull of a thing at its place.

@@ -8,6 +8,7 @@ use ::image::{ImageReader, Limits};
 use plume_graph::echo::sentence;
 
 use super::ModelError;
+use crate::srgb::linear;
 
 /// Longest side of an image that is read, in pixels.
 const MOST_PX: u32 = 8192;
@@ -130,11 +131,6 @@ impl Wrap {
         };
         place as usize
     }
-}
-
-/// The linear value of an sRGB value, both in 0-1 (IEC 61966-2-1).
-fn linear(value: f64) -> f64 {
-    if value <= 0.040_45 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]

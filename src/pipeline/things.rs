@@ -65,9 +65,12 @@ impl Pipeline<'_> {
         let index = grid.indices().find(|index| chunk_name(*index) == name).unwrap_or(ChunkIndex([0; 3]));
         let Aabb { min, max } = grid.chunk_bounds(index);
         let bounds = Aabb { min: min.map(f64::from), max: max.map(f64::from) };
-        let things = things::place(&setting, bounds, std::iter::once(&wall).chain(&around));
+        let near = || std::iter::once(&wall).chain(&around);
+        let (mut things, gravel) = (things::place(&setting, bounds, near()), things::strew(&setting, bounds, near()));
         let movable = things.iter().filter(|thing| library.is_movable(thing, setting.settings.movable_m)).count();
-        let facts = Facts::Things(ThingFacts { things: things.len(), movable, lods: Vec::new() });
+        let (count, gravel_count) = (things.len(), gravel.len());
+        let facts = Facts::Things(ThingFacts { things: count, gravel: gravel_count, movable, lods: Vec::new() });
+        things.extend(gravel);
         match things.is_empty() {
             true => Ok((Vec::new(), facts)),
             false => Ok((vec![store::write_things(self.folder, name, &things)?], facts)),

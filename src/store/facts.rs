@@ -136,6 +136,9 @@ impl From<&Level> for LodFacts {
 pub struct ThingFacts {
     /// The number of things, or of prototypes.
     pub things: usize,
+    /// The number of stones of gravel, which is beside them.
+    #[serde(skip_serializing_if = "is_none")]
+    pub gravel: usize,
     /// How many of them move when pushed.
     #[serde(skip_serializing_if = "is_none")]
     pub movable: usize,

@@ -13,9 +13,9 @@ use super::frames::Frames;
 use super::owners::{NONE, Shown, Strips};
 use super::patch::Patch;
 use super::settings::MapFormats;
-use super::srgb::SrgbTable;
 use super::{HEIGHT_AMPLITUDE_M, Maps, Textured};
 use crate::field::{Columns, Surface, Texel};
+use crate::srgb::SrgbTable;
 
 /// Width and height of the tiles of texels that are sampled together, so that they share what varies slowly; a strip is as
 /// high as a tile, without the texels beyond it that it repeats. Tuned.

@@ -6,11 +6,12 @@ use rayon::prelude::*;
 
 use super::Thing;
 use super::along::ASIDE_M;
+use super::gravel::strew;
 use super::place::{MARGIN_M, Setting, owns, place};
 use crate::mesh::{self, ChunkIndex, Grid, Mesh, MeshSettings};
 use plume_graph::Aabb;
 
-/// The things in a box, those that the chunks of these settings have; none where the cave has too many cells. `None` if `stop`
+/// The things and the gravel in a box, those that the chunks of these settings have; none where the cave has too many cells. `None` if `stop`
 /// was set.
 pub fn place_in(setting: &Setting, mesh: &MeshSettings, bounds: Aabb<f64>, stop: &AtomicBool) -> Option<Vec<Thing>> {
     let Ok(grid) = Grid::new(setting.field.bounds(), mesh) else { return Some(Vec::new()) };
@@ -30,7 +31,10 @@ pub fn place_in(setting: &Setting, mesh: &MeshSettings, bounds: Aabb<f64>, stop:
         if stop.load(Ordering::Relaxed) || own.triangles.is_empty() || !chunk.intersects(&bounds) {
             return Vec::new();
         }
-        place(setting, *chunk, walls.iter().map(|(_, wall)| wall))
+        let all = || walls.iter().map(|(_, wall)| wall);
+        let mut things = place(setting, *chunk, all());
+        things.extend(strew(setting, *chunk, all()));
+        things
     };
     let mut things: Vec<Thing> = walls.par_iter().flat_map_iter(things_of).collect();
     things.retain(|thing| owns(&bounds, thing.pose.translation.vector));

@@ -61,6 +61,14 @@ pub static KINDS: Registry<KindRow<'static>> = Registry::new(&[
         place: Place::Floor(Scatter { width_m: [0.05, 0.14], exponent: 2.4, share: 0.07 }),
     },
     KindRow {
+        name: "gravel",
+        summary: "angular stones of 2-5 cm, which are drawn and not collided with",
+        rocks: &[],
+        rock_setting: None,
+        shapes: Shapes::Of("cobble"),
+        place: Place::Strewn(Scatter { width_m: [0.02, 0.05], exponent: 2.5, share: 0.002 }),
+    },
+    KindRow {
         name: "stalactite",
         summary: "dripstone that hangs, with the universal shape of Short et al. (2005)",
         rocks: &["limestone"],
@@ -120,14 +128,6 @@ pub static KINDS: Registry<KindRow<'static>> = Registry::new(&[
         rock_setting: Some(("flowstone", 0.6)),
         shapes: Shapes::Own { count: 2, make: dripstone::column },
         place: Place::Joined,
-    },
-    KindRow {
-        name: "rimstone",
-        summary: "low dams of pools, one below the other down sloping floors",
-        rocks: &["limestone"],
-        rock_setting: Some(("flowstone", 0.6)),
-        shapes: Shapes::Own { count: 2, make: dripstone::rimstone },
-        place: Place::Terrace,
     },
     KindRow {
         name: "lavacicle",

@@ -1,5 +1,5 @@
 //! Dripstone: bodies of revolution, and sheets. Stalactites and draperies hang from the origin and reach a little above it,
-//! into the rock; stalagmites, columns and dams stand on it and reach a little below.
+//! into the rock; stalagmites and columns stand on it and reach a little below.
 //!
 //! Stalactites have the shape to which all of them grow: in units of its own, a height of ¾ r^(4/3) − r^(2/3) − ⅓ ln r above
 //! the tip at radius r (Short, Baygents and Goldstein, *Stalactite growth as a free-boundary problem*, 2005).
@@ -9,7 +9,6 @@ use plume_graph::rng::Rng;
 
 use super::kind::Shape;
 use super::solid::Solid;
-use super::stone::worn_min;
 use super::substance::{CALCITE, DRAPERY};
 
 /// Length of a stalactite in metres.
@@ -22,10 +21,6 @@ const ROOT_M: f32 = 0.04;
 const HEIGHT_M: f32 = 0.36;
 /// Height of a column in metres.
 const COLUMN_M: f32 = 0.80;
-/// Height and length of a piece of a rimstone dam, and how deep it is in the floor, in metres.
-pub(super) const DAM_M: f64 = 0.10;
-pub(super) const DAM_LENGTH_M: f64 = 0.7;
-const DAM_ROOT_M: f32 = 0.10;
 /// Knots of a profile.
 const KNOTS: usize = 64;
 
@@ -170,26 +165,4 @@ pub fn column(rng: &mut Rng) -> Shape {
     let stand = profile.shape(rng, 0.008, 0.0025);
     // Centred on the shelf, on which there is no room for the whole height on one side.
     Box::new(move |[x, y, z]| stand([x, y, z + COLUMN_M / 2.0]))
-}
-
-/// A piece of a rimstone dam on the origin, along x, with its y axis downstream: a wall that is thicker at its foot, leans
-/// downstream and bows that way. It collides as its convex hull, so that it bows little.
-pub fn rimstone(rng: &mut Rng) -> Shape {
-    /// Half its length, and half its thickness at the crest, in metres.
-    const HALF_M: f32 = 0.5 * DAM_LENGTH_M as f32;
-    const CREST_M: f32 = 0.016;
-    /// How far its ends are upstream of its middle, in metres.
-    const BOW_M: f32 = 0.030;
-    /// How much thicker it is the deeper below its crest, and how far it leans.
-    const FLARE: f32 = 0.32;
-    const LEAN: f32 = 0.28;
-    let [phase, other] = [0, 1].map(|_| rng.between(0.0, std::f64::consts::TAU) as f32);
-    Box::new(move |[x, y, z]| {
-        let share = x / HALF_M;
-        let below = DAM_M as f32 - 0.012 * share * share * share * share - z;
-        let lump = 0.005 * libm::sinf(x * 31.0 + phase) + 0.004 * libm::sinf(z * 60.0 + x * 17.0 + other);
-        let out = y + BOW_M * share * share - LEAN * below;
-        let side = 0.8 * (CREST_M + FLARE * below.max(0.0) + lump - out.abs());
-        worn_min(worn_min(side, below), HALF_M - x.abs()).min(z + DAM_ROOT_M)
-    })
 }

@@ -55,14 +55,14 @@ pub enum Shapes {
 pub enum Place {
     /// Loose on the floor.
     Floor(Scatter),
+    /// Loose on the floor, and only drawn.
+    Strewn(Scatter),
     /// Hanging from the ceiling.
     Ceiling(Hang),
     /// On the floor below something that drips.
     UnderDrip,
     /// Where what hangs and what stands would meet.
     Joined,
-    /// In level rows across sloping floors where it is wet.
-    Terrace,
     /// Built in along the passages.
     Along(Along),
     /// Left at the foot of a wall, to be searched for.

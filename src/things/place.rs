@@ -46,27 +46,20 @@ pub struct Setting<'a> {
 
 /// The things whose origins are in `chunk`, given its wall and those of its neighbours; sorted by identity.
 pub fn place<'a>(setting: &Setting, chunk: Aabb<f64>, walls: impl Iterator<Item = &'a Mesh>) -> Vec<Thing> {
-    let settings = setting.settings.hardened();
-    if settings.cover <= 0.0 {
-        return Vec::new();
-    }
     let around = chunk.padded(MARGIN_M);
-    let corridor = Corridor::new(setting.graph, settings.corridor_m, around);
-    let site =
-        Site { setting, settings, corridor, walls: Facets::of_walls(walls, around.padded(ASIDE_M + FURTHEST_TRIED_M)) };
+    let Some(site) = Site::new(setting, around, walls, ASIDE_M + FURTHEST_TRIED_M) else { return Vec::new() };
     let (standing, hanging): (Vec<Candidate>, Vec<Candidate>) =
         site.dripstone(around).into_iter().partition(|candidate| candidate.stands);
     let kept = without_overlaps(&standing);
     let standing: Vec<Candidate> = standing.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|(c, _)| c).collect();
-    let dams = site.terraces(around);
     let ways = Way::near(setting.graph, around);
     let mut built = site.built(&ways);
     built.extend(site.left(&ways));
-    let mut in_the_way: Vec<Candidate> = standing.iter().chain(&dams).cloned().collect();
+    let mut in_the_way: Vec<Candidate> = standing.clone();
     in_the_way.extend(built.iter().map(|built| &built.candidate).filter(|candidate| candidate.stands).cloned());
     let mut things = site.stones(chunk, &in_the_way);
     things.extend(built.iter().map(|built| built.candidate.thing(built.pose)));
-    things.extend(standing.iter().chain(&dams).chain(&hanging).map(Candidate::as_it_is));
+    things.extend(standing.iter().chain(&hanging).map(Candidate::as_it_is));
     things.retain(|thing| owns(&chunk, thing.pose.translation.vector));
     things.sort_by_key(|thing| thing.id);
     things
@@ -160,6 +153,24 @@ pub(super) struct Site<'a> {
 }
 
 impl<'a> Site<'a> {
+    /// These bounds, with the walls within so many metres of them; `None` if there are to be no things.
+    pub fn new<'b>(
+        setting: &'a Setting<'a>,
+        around: Aabb<f64>,
+        walls: impl Iterator<Item = &'b Mesh>,
+        beyond_m: f64,
+    ) -> Option<Self> {
+        let settings = setting.settings.hardened();
+        let corridor = Corridor::new(setting.graph, settings.corridor_m, around);
+        let is_bare = settings.cover <= 0.0;
+        (!is_bare).then(|| Self {
+            setting,
+            settings,
+            corridor,
+            walls: Facets::of_walls(walls, around.padded(beyond_m)),
+        })
+    }
+
     pub fn rows(&self) -> impl Iterator<Item = KindRow<'a>> + use<'a> {
         self.setting.kinds.rows()
     }

@@ -63,7 +63,8 @@ impl<'a> Site<'a> {
         things
     }
 
-    fn scattered(&self, row: KindRow<'a>, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
+    /// Candidates of a kind of loose stones, where the floor is level enough.
+    pub fn scattered(&self, row: KindRow<'a>, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
         let at_mean = self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
         let mut found = Vec::new();

@@ -13,6 +13,9 @@ pub struct ThingSettings {
     /// Amount of dripstone; 1 is natural, 0 none.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub dripstone: f64,
+    /// Amount of gravel, stones of 2-5 cm that are drawn and not collided with; 1 is natural, 0 none.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub gravel: f64,
     /// Amount of timber, bolts, rails, pipes and other equipment in mines; 1 is that of a working mine, 0 none.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub sets: f64,
@@ -104,6 +107,7 @@ impl Default for ThingSettings {
         Self {
             cover: 0.06,
             dripstone: 1.0,
+            gravel: 1.0,
             sets: 1.0,
             artefacts: 0,
             corridor_m: 1.5,

@@ -105,7 +105,7 @@ fn direction(rng: &mut Rng) -> Vector3<f64> {
 }
 
 /// The smaller of two distances, rounded where they are nearly equal.
-pub(super) fn worn_min(a: f32, b: f32) -> f32 {
+fn worn_min(a: f32, b: f32) -> f32 {
     let near = (WORN_M - (a - b).abs()).max(0.0) / WORN_M;
     a.min(b) - near * near * WORN_M / 4.0
 }

@@ -208,7 +208,10 @@ def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.Stati
     open_level(place)
     for chunk in scene["chunks"]:
         actor = spawn(unreal.StaticMeshActor, chunk["name"], [0.0, 0.0, 0.0])
-        show(actor.get_component_by_class(unreal.StaticMeshComponent), meshes[chunk["name"]])
+        component = actor.get_component_by_class(unreal.StaticMeshComponent)
+        show(component, meshes[chunk["name"]])
+        if not chunk["collision_mesh"] and not chunk["convex_pieces"]:
+            component.set_collision_profile_name("NoCollision")
     for thing in scene["things"]:
         add_instances(thing, meshes[thing["name"]])
     for pose in scene["spawns"]:

@@ -11,11 +11,12 @@ use syn::{ItemMod, ItemUse, UseTree};
 /// Modules of `src`, and the modules that each may name. A module may always name itself.
 const ARROWS: &[(&str, &[&str])] = &[
     ("noise", &[]),
-    ("model", &[]),
+    ("srgb", &[]),
+    ("model", &["srgb"]),
     ("material", &["noise"]),
     ("field", &["material", "noise"]),
     ("mesh", &["field"]),
-    ("texture", &["field", "mesh", "noise"]),
+    ("texture", &["field", "mesh", "noise", "srgb"]),
     ("things", &["field", "material", "mesh", "model", "noise"]),
     ("placement", &["field"]),
     ("preview", &["field", "material", "mesh", "placement", "things"]),

@@ -1,8 +1,8 @@
 //! The laws of things, in every rock and in the caves of every generator.
 
 mod equipment;
+mod gravel;
 mod models;
-mod terraces;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -19,7 +19,7 @@ use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
 use plume::things::{
     Body, Dress, KINDS, Kinds, Library, Place, Prototype, Replica, Setting, Shelf, Thing, ThingSettings, WHEEL_M,
-    place, shelf_mesh,
+    place, shelf_mesh, strew,
 };
 
 /// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
@@ -247,6 +247,7 @@ fn things_keep_the_laws() {
         assert_the_corridor_is_free(&cave, &things);
         assert_dripstone_is_attached(&cave, &things);
         assert_have_own_identities(&cave, &things);
+        gravel::assert_it_lies(&cave);
     }
 }
 
@@ -369,7 +370,10 @@ fn chunks_agree_on_the_things_of_a_hall() {
     };
     let graph = Graph { nodes: vec![node(0, 0.0, 0.0), node(1, 20.0, 6.0)], edges: StationId::pairs([[0, 1]]) };
     let cave = Cave::new("hall".to_owned(), graph, "basalt", 16.0);
-    let in_box = |bounds: Aabb<f64>| place(&cave.setting(), bounds, cave.walls.iter().map(|(_, wall)| wall));
+    let in_box = |bounds: Aabb<f64>| {
+        let walls = || cave.walls.iter().map(|(_, wall)| wall);
+        [place(&cave.setting(), bounds, walls()), strew(&cave.setting(), bounds, walls())].concat()
+    };
     let keys = |things: Vec<Thing>| -> BTreeMap<u64, String> {
         things.into_iter().map(|thing| (thing.id, format!("{} {:.3}", thing.kind, thing.pose.translation))).collect()
     };

@@ -30,7 +30,7 @@ impl<'a> Loaded<'a> {
         let (mut pieces, mut things) = (Vec::new(), Vec::new());
         match chunk.content {
             Content::Wall if collision == FbxCollision::Pieces => pieces = scene.pieces(index)?,
-            Content::Wall => {}
+            Content::Wall | Content::Gravel { .. } => {}
             Content::Things { .. } => {
                 for thing in scene.instances(index)? {
                     let prototype = thing.prototype_in(prototypes)?;

@@ -10,6 +10,9 @@ use crate::slope;
 /// The label of the first class of things; the zones have those before.
 const FIRST_CLASS: usize = 4;
 
+/// The class of gravel.
+const GRAVEL: &str = "gravel";
+
 /// The labels of a scene.
 pub struct Labels {
     /// The classes of things in the order of their labels, which is that of the alphabet.
@@ -29,6 +32,7 @@ impl Labels {
         let mut classes = BTreeSet::new();
         for index in 0..scene.chunks.len() {
             classes.extend(scene.instances(index)?.into_iter().map(|thing| thing.class));
+            classes.extend((!scene.gravel(index)?.stones.is_empty()).then(|| GRAVEL.to_owned()));
         }
         if FIRST_CLASS + classes.len() > usize::from(u8::MAX) {
             let fault = format!("it has {} classes of things, more than PLY labels can tell apart", classes.len());
@@ -52,16 +56,25 @@ impl Labels {
         match chunk.content {
             Content::Wall => Ok(of_wall(&chunk.visual)),
             Content::Things { .. } => self.of_things(scene, index, chunk),
+            Content::Gravel { .. } => {
+                let label = self.label(GRAVEL);
+                Ok((vec![label; chunk.visual.positions.len()], vec![label; chunk.visual.triangles() as usize]))
+            }
         }
+    }
+
+    /// The label of a class.
+    fn label(&self, class: &str) -> u8 {
+        (self.classes.partition_point(|known| &**known < class) + FIRST_CLASS) as u8
     }
 
     fn of_things(&self, scene: &Scene, index: usize, chunk: &Chunk) -> Result<OfMesh, ExportError> {
         let (mut vertices, mut faces) = (Vec::new(), Vec::new());
         for thing in scene.instances(index)? {
             let shown = &thing.prototype_in(&self.prototypes)?.levels[thing.level].mesh;
-            let label = self.classes.partition_point(|class| *class < thing.class) + FIRST_CLASS;
-            vertices.resize(vertices.len() + shown.positions.len(), label as u8);
-            faces.resize(faces.len() + shown.indices.len() / 3, label as u8);
+            let label = self.label(&thing.class);
+            vertices.resize(vertices.len() + shown.positions.len(), label);
+            faces.resize(faces.len() + shown.indices.len() / 3, label);
         }
         let counted = (vertices.len(), faces.len());
         if counted != (chunk.visual.positions.len(), chunk.visual.indices.len() / 3) {

@@ -9,7 +9,7 @@ from packages import packages_in, require
 PLACE_M = 1e-3
 AREA = 1e-3
 # Their materials are separate assets next to the meshes, and prefabs or a script put the things in place: their files have the
-# walls where they are, and the shapes of things once each.
+# walls and the gravel where they are, and the shapes of things once each.
 ENGINES = {"unity", "unreal"}
 
 
@@ -48,7 +48,7 @@ def verify(folder, readers):
 
 
 def is_shape(file):
-    return not file.stem.startswith("chunk_")
+    return not file.stem.startswith(("chunk_", "gravel_"))
 
 
 def open_shapes(reader, package, files):

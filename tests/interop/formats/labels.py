@@ -1,5 +1,7 @@
 """Labels of PLY: their names are in the comments of the file, and every thing of `instances.json` has that of its class.
 
+Gravel has the stones that the manifest counts, and a label of its own.
+
 labels.py PLY_PACKAGE_DIR
 """
 
@@ -11,8 +13,11 @@ from pathlib import Path
 import numpy as np
 import plyfile
 from packages import Failure, require
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+GRAVEL = "gravel"
 ZONES = {"floor", "wall", "ceiling"}
 # Of the things, those at whose middle the next point of a thing may be that of another on which it lies.
 MOST_HIDDEN = 0.05
@@ -24,7 +29,8 @@ def check(path):
     data = plyfile.PlyData.read(path)
     names = names_of(data.comments, path.name)
     listed = things_of(path)
-    classes = {thing["class"] for thing in listed}
+    stones = stones_of(path)
+    classes = {thing["class"] for thing in listed} | ({GRAVEL} if stones else set())
     nameless = (ZONES | classes) - set(names.values())
     require(not nameless, f"{path.name} names no label for {sorted(nameless)}")
     for element in ("vertex", "face"):
@@ -35,9 +41,10 @@ def check(path):
             shown == classes, f"{path.name}: {element} labels are of {sorted(shown)}, the things of {sorted(classes)}"
         )
     check_faces(path, data)
+    check_gravel(path, data, names, stones)
     if listed:
         check_places(path, data, names, listed)
-    return len(listed), len(classes)
+    return len(listed) + stones, len(classes)
 
 
 def names_of(comments, where):
@@ -57,6 +64,29 @@ def things_of(path):
     return [thing for thing in things if not is_chunk or thing["chunk"] == path.stem]
 
 
+def stones_of(path):
+    """The number of stones of gravel in the package, or in the chunk if the file is one."""
+    is_chunk = path.parent.name == "chunks"
+    package = path.parent.parent if is_chunk else path.parent
+    chunks = json.loads((package / "manifest.json").read_text())["chunks"]
+    return sum(chunk.get("gravel", 0) for chunk in chunks if not is_chunk or chunk["name"] == path.stem)
+
+
+def check_gravel(path, data, names, wanted):
+    """The faces with its label are as many separate solids as there are stones."""
+    is_gravel = np.array([names[int(label)] == GRAVEL for label in data["face"]["label"]])
+    faces = np.vstack(data["face"]["vertex_indices"])[is_gravel]
+    # Where a seam of the texture is, there are two vertices in one place.
+    positions = np.column_stack([data["vertex"][axis] for axis in "xyz"])[faces.ravel()]
+    _, points = np.unique(positions, axis=0, return_inverse=True)
+    corners = points.reshape(-1, 3)
+    edges = np.vstack([corners[:, [0, 1]], corners[:, [1, 2]]])
+    size = points.max(initial=-1) + 1
+    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(size, size))
+    found = connected_components(graph, directed=False)[0] if size else 0
+    require(found == wanted, f"{path.name} has {found} stones of gravel, not {wanted}")
+
+
 def check_faces(path, data):
     """A face of a thing has the label of its corners, which it shares with nothing else."""
     corners = data["vertex"]["label"][np.vstack(data["face"]["vertex_indices"])]
@@ -68,6 +98,8 @@ def check_faces(path, data):
 def check_places(path, data, names, listed):
     """The point on an edge of a thing that is next to the middle of a thing has the label of its class."""
     points, labels = points_of_things(data)
+    is_thing = np.array([names[int(label)] != GRAVEL for label in labels])
+    points, labels = points[is_thing], labels[is_thing]
     _, nearest = cKDTree(points).query([thing["position"] for thing in listed])
     wrong = [thing for thing, index in zip(listed, nearest, strict=True) if names[int(labels[index])] != thing["class"]]
     share = len(wrong) / len(listed)

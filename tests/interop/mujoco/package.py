@@ -56,7 +56,9 @@ class Wall:
         require(meshes, "the package has no visual mesh")
         files = {file: read_msh(file) for file in {package / spec.meshdir / mesh.file for mesh in meshes.values()}}
         chunks, things = [], []
-        for geom in [geom for geom in spec.geoms if geom.classname.name == f"{name}_visual"]:
+        seen = [geom for geom in spec.geoms if geom.classname.name == f"{name}_visual"]
+        # Nothing collides with gravel.
+        for geom in [geom for geom in seen if not geom.name.startswith(f"{name}_gravel_")]:
             asset = meshes[geom.meshname]
             shape = placed(files[package / spec.meshdir / asset.file], asset, geom)
             # A chunk has a mesh of its own.

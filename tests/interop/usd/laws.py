@@ -6,6 +6,7 @@ from pathlib import PurePosixPath
 
 import body_laws
 import drawing_laws
+import gravel_laws
 import numpy as np
 import package as packages
 from pxr import Ar, Gf, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics, UsdShade, UsdUtils
@@ -130,8 +131,9 @@ def physics_is_whole(stage):
             rough.add(thing.GetPath().GetPrefixes()[2])
         else:
             yield f"{thing.GetPath()} does not collide"
-    if rough != {chunk.GetPath() for chunk in packages.chunks(stage)}:
-        yield f"{len(rough)} of {len(packages.chunks(stage))} chunks collide"
+    wanted = {chunk.GetPath() for chunk in packages.chunks(stage) if not packages.is_gravel(chunk)}
+    if rough != wanted:
+        yield f"{len(rough)} chunks collide, not {len(wanted)}"
     scenes = [UsdPhysics.Scene(prim) for prim in stage.TraverseAll() if prim.IsA(UsdPhysics.Scene)]
     if len(scenes) != 1:
         yield f"{len(scenes)} physics scenes"
@@ -209,6 +211,7 @@ LAWS = [
     the_stage_tells_where_it_is_from,
     *body_laws.LAWS,
     *drawing_laws.LAWS,
+    *gravel_laws.LAWS,
 ]
 
 
@@ -271,13 +274,12 @@ def payloads_stay_closed_and_open_alone(package, root):
     chunks = packages.chunks(stage)
     for chunk in [*chunks[:2], *chunks[-1:]]:
         stage.Load(chunk.GetPath())
-        opened = packages.meshes(stage, "Visual")
-        if not opened:
+        if not packages.meshes(stage, "Visual") and not packages.gravel(stage):
             yield f"{chunk.GetPath()} does not open alone"
         elif not has_the_size_it_tells(chunk):
             yield f"{chunk.GetPath()} has another size when it is open"
         stage.Unload(chunk.GetPath())
-        if packages.meshes(stage, "Visual"):
+        if packages.meshes(stage, "Visual") or packages.gravel(stage):
             yield f"{chunk.GetPath()} does not close"
 
 
@@ -301,10 +303,21 @@ def levels_get_coarser(package, root):
 
 
 def count_faces(chunk):
-    """Of the visual mesh of a chunk, and of those of its things."""
+    """Of the visual mesh of a chunk, and of those of its things; or of its gravel."""
+    if gravel := chunk.GetChild("Gravel"):
+        return faces_of_gravel(UsdGeom.PointInstancer(gravel))
     visual, things = chunk.GetChild("Visual"), [prim for prim in Usd.PrimRange(chunk) if prim.IsInstance()]
     meshes = [visual] if visual else [thing.GetChild("Visual") for thing in things]
     return sum(len(UsdGeom.Mesh(mesh).GetFaceVertexCountsAttr().Get() or []) for mesh in meshes)
+
+
+def faces_of_gravel(instancer):
+    """Of the stones that the level shows."""
+    stage, hidden = instancer.GetPrim().GetStage(), set(instancer.GetInvisibleIdsAttr().Get() or [])
+    shapes = [UsdGeom.Mesh(stage.GetPrimAtPath(path)) for path in instancer.GetPrototypesRel().GetTargets()]
+    faces = [len(shape.GetFaceVertexCountsAttr().Get()) for shape in shapes]
+    indices = instancer.GetProtoIndicesAttr().Get()
+    return sum(faces[shape] for number, shape in enumerate(indices) if number not in hidden)
 
 
 FILE_LAWS = [
@@ -315,4 +328,5 @@ FILE_LAWS = [
     the_manifest_lists_the_files,
     payloads_stay_closed_and_open_alone,
     *body_laws.FILE_LAWS,
+    *gravel_laws.FILE_LAWS,
 ]

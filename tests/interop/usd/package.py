@@ -62,6 +62,12 @@ def instances(stage):
     return [prim for prim in stage.TraverseAll() if prim.IsInstance()]
 
 
+def gravel(stage):
+    """The instancers of gravel, which is only drawn; one for each chunk that is open."""
+    found = [chunk.GetChild("Gravel") for chunk in chunks(stage)]
+    return [UsdGeom.PointInstancer(prim) for prim in found if prim]
+
+
 def bodies(stage):
     """The things that move when they are pushed."""
     return [thing for thing in instances(stage) if is_body(thing)]
@@ -89,6 +95,10 @@ def is_of_instance(mesh):
 
 def chunks(stage):
     return stage.GetPrimAtPath("/World/Chunks").GetAllChildren()
+
+
+def is_gravel(chunk):
+    return chunk.GetName().startswith("gravel_")
 
 
 def levels_of(chunk):

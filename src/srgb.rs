@@ -1,10 +1,10 @@
-//! From linear light to 8-bit sRGB (IEC 61966-2-1) by table, exactly rounded.
+//! sRGB (IEC 61966-2-1), and linear light to 8-bit codes of it by table, exactly rounded.
 
 /// Number of buckets of linear light, enough that none contains two code steps.
 const BUCKETS: usize = 4096;
 
 /// The table.
-pub(super) struct SrgbTable {
+pub struct SrgbTable {
     /// Code at the start of each bucket.
     codes: Vec<u8>,
     /// Minimum linear value of each code.
@@ -12,6 +12,7 @@ pub(super) struct SrgbTable {
 }
 
 impl SrgbTable {
+    /// Makes the table.
     pub fn new() -> Self {
         let mut thresholds = [f32::INFINITY; 257];
         thresholds[0] = 0.0;
@@ -32,7 +33,7 @@ impl SrgbTable {
 }
 
 /// The linear value of an sRGB value, both in 0–1.
-fn linear(value: f64) -> f64 {
+pub fn linear(value: f64) -> f64 {
     if value <= 0.040_45 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 
