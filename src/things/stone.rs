@@ -51,7 +51,7 @@ pub fn lining(rng: &mut Rng) -> Shape {
 pub fn ropy(rng: &mut Rng) -> Shape {
     /// Distance between two ropes, their height, and how far they bend, in metres.
     const ROPE_M: f32 = 0.075;
-    const HIGH_M: f32 = 0.022;
+    const HIGH_M: f32 = 0.015;
     const BEND_M: f32 = 0.10;
     let slab = slab(rng);
     let phase = rng.between(0.0, 1.0) as f32;

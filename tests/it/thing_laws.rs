@@ -165,12 +165,6 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
     of_walls.chain(of_stones).filter(is_near).collect()
 }
 
-/// Distance of the place of a thing from the floor.
-fn floor_gap_m(cave: &Cave, things: &[Thing], thing: &Thing) -> f64 {
-    let floor = near(cave, things, thing, 0.3);
-    gap(&floor, thing.pose.translation.vector.into(), 0.3).expect("there is a floor")
-}
-
 #[test]
 fn prototypes_are_closed_bodies_of_few_corners() {
     for rock in MATERIALS.iter() {

@@ -32,52 +32,49 @@ class Document:
     is_stripped: bool = False
 
 
-class UnityLoader(yaml.SafeLoader):
-    """Knows the tag of all documents, which Unity declares at the first one only, and keeps the anchor of each."""
-
-    DEFAULT_TAGS = {**yaml.SafeLoader.DEFAULT_TAGS, "!u!": "tag:unity3d.com,2011:"}
-
-    def compose_mapping_node(self, anchor):
-        node = super().compose_mapping_node(anchor)
-        node.anchor_text = anchor
-        return node
+class UnityLoader(yaml.CSafeLoader):
+    """Knows the tags of objects."""
 
 
-def construct_document(loader, class_id, node):
+def construct_object(loader, class_id, node):
     content = loader.construct_mapping(node, deep=True)
     require(len(content) == 1, f"a document of class {class_id} has {len(content)} types")
     ((type_name, fields),) = content.items()
-    return Document(int(class_id), int(node.anchor_text), type_name, fields)
+    return int(class_id), type_name, fields
 
 
-UnityLoader.add_multi_constructor("tag:unity3d.com,2011:", construct_document)
+TAG = "tag:unity3d.com,2011:"
+UnityLoader.add_multi_constructor(TAG, construct_object)
 
-
-STRIPPED = r"^(--- !u!\d+ &(-?\d+)) stripped$"
+# Class and number of an object. To YAML, the word that Unity puts behind the anchor is no part of a mapping.
+HEADER = re.compile(r"^--- !u!(\d+) &(-?\d+)( stripped)?$", re.MULTILINE)
 
 
 def read_documents(path):
     """All objects of an asset."""
     text = path.read_text()
-    require(
-        text.startswith("%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n"), f"{path.name} does not begin as Unity's YAML"
-    )
+    require(text.startswith(f"%YAML 1.1\n%TAG !u! {TAG}\n"), f"{path.name} does not begin as Unity's YAML")
+    # Unity declares the tag at the first document only, so it is written out at each.
+    spelled = HEADER.sub(rf"--- !<{TAG}\1> &\2", text)
     try:
-        # To YAML, the word that Unity puts behind the anchor is no part of a mapping.
-        documents = list(yaml.load_all(re.sub(STRIPPED, r"\1", text, flags=re.MULTILINE), UnityLoader))
+        objects = list(yaml.load_all(spelled, UnityLoader))
     except (yaml.YAMLError, ValueError) as error:
         raise Failure(f"{path.name} is no YAML of Unity: {error}") from error
-    require(all(isinstance(one, Document) for one in documents), f"{path.name} has a document without a class")
-    stripped = {int(number) for _, number in re.findall(STRIPPED, text, flags=re.MULTILINE)}
-    for document in documents:
-        document.is_stripped = document.file_id in stripped
-    return documents
+    heads = HEADER.findall(text)
+    require(
+        len(objects) == len(heads) and all(isinstance(one, tuple) for one in objects),
+        f"{path.name} has a document without a class",
+    )
+    return [
+        Document(class_id, int(file_id), type_name, fields, bool(stripped))
+        for (class_id, type_name, fields), (_, file_id, stripped) in zip(objects, heads, strict=True)
+    ]
 
 
 def read_meta(path):
     """A `.meta`, which has neither tags nor several documents."""
     try:
-        return yaml.safe_load(path.read_text())
+        return yaml.load(path.read_text(), yaml.CSafeLoader)
     except yaml.YAMLError as error:
         raise Failure(f"{path.name} is no YAML: {error}") from error
 

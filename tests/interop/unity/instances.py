@@ -37,7 +37,7 @@ class Thing:
 
 def instances(package, prefab):
     """Those of a prefab, by name."""
-    found = {}
+    found, family = {}, Family(prefab)
     for document in prefab.all("PrefabInstance"):
         whole = document.fields["m_SourcePrefab"]
         require(whole["fileID"] == WHOLE_PREFAB, f"{prefab.name}: an instance is not of a whole prefab: {whole}")
@@ -48,26 +48,35 @@ def instances(package, prefab):
             require(target.get("guid") == whole["guid"], f"{prefab.name}: an instance changes another prefab: {target}")
             changes.setdefault(change["propertyPath"], {})[target["fileID"]] = change["value"]
         thing = Thing(source, changes)
-        check_family(prefab, document, source)
+        family.check(document, source)
         require(thing.of("m_Name") not in found, f"{prefab.name}: two things are called {thing.of('m_Name')}")
         found[thing.of("m_Name")] = thing
     return found
 
 
-def check_family(prefab, document, source):
-    """The father of an instance lists its transform, which is that of the root of its prefab."""
-    children = [one for one in prefab.all("Transform") if one.is_stripped]
-    (own,) = [one for one in children if one.fields["m_PrefabInstance"]["fileID"] == document.file_id]
-    father = prefab.by_number[document.fields["m_Modification"]["m_TransformParent"]["fileID"]]
-    listed = [child["fileID"] for child in father.fields["m_Children"]]
-    require(own.file_id in listed, f"{prefab.name}: an instance is no child of its father")
-    root = root_of(source)
-    require(own.fields["m_CorrespondingSourceObject"]["fileID"] == root.file_id, f"{source.name} has another root")
-    # As in the prefabs that Unity writes.
-    number = document.file_id ^ root.file_id
-    require(
-        own.file_id == number, f"{prefab.name}: an object of an instance has the number {own.file_id}, not {number}"
-    )
+class Family:
+    """The transforms of the instances in a prefab, and those of their fathers."""
+
+    def __init__(self, prefab):
+        self.name, self.own, self.children = prefab.name, {}, {}
+        for transform in prefab.all("Transform"):
+            if transform.is_stripped:
+                self.own.setdefault(transform.fields["m_PrefabInstance"]["fileID"], []).append(transform)
+            else:
+                self.children[transform.file_id] = {child["fileID"] for child in transform.fields["m_Children"]}
+
+    def check(self, document, source):
+        """The father of an instance lists its transform, which is that of the root of its prefab."""
+        (own,) = self.own[document.file_id]
+        father = document.fields["m_Modification"]["m_TransformParent"]["fileID"]
+        require(own.file_id in self.children[father], f"{self.name}: an instance is no child of its father")
+        root = root_of(source)
+        require(own.fields["m_CorrespondingSourceObject"]["fileID"] == root.file_id, f"{source.name} has another root")
+        # As in the prefabs that Unity writes.
+        number = document.file_id ^ root.file_id
+        require(
+            own.file_id == number, f"{self.name}: an object of an instance has the number {own.file_id}, not {number}"
+        )
 
 
 def root_of(source):

@@ -10,6 +10,9 @@ class Prefab:
     def __init__(self, asset):
         self.name = asset.name
         self.by_number = {document.file_id: document for document in asset.documents}
+        self.by_type = {}
+        for document in self.by_number.values():
+            self.by_type.setdefault(document.type_name, []).append(document)
         self.components = {}
         for document in asset.documents:
             if document.type_name == "GameObject":
@@ -44,7 +47,7 @@ class Prefab:
             yield self.by_number[number].fields["m_Name"], transform, others
 
     def all(self, type_name):
-        return [document for document in self.by_number.values() if document.type_name == type_name]
+        return self.by_type.get(type_name, [])
 
     def mesh(self, package, document):
         reference = document.fields["m_Mesh"]
