@@ -16,6 +16,7 @@ mod glb_package;
 mod gltf_instancing;
 mod gltf_meshopt;
 mod gltf_package;
+mod gravel;
 mod hostile_archives;
 mod laws;
 #[path = "sample/ledger.rs"]

@@ -33,7 +33,8 @@ def gravel_is_counted(package, root):
     """Each chunk of gravel has the stones that the manifest counts, and no other chunk has any."""
     manifest = json.loads((package / "manifest.json").read_text(encoding="utf-8"))
     counted = {chunk["name"]: chunk["gravel"] for chunk in manifest["chunks"] if "gravel" in chunk}
-    instancers = packages.gravel(packages.open_stage(root))
+    stage = packages.open_stage(root)
+    instancers = packages.gravel(stage)
     found = {one.GetPrim().GetParent().GetName(): len(one.GetProtoIndicesAttr().Get()) for one in instancers}
     for chunk in sorted(counted.keys() | found.keys()):
         if found.get(chunk) != counted.get(chunk):
