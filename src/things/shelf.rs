@@ -71,6 +71,13 @@ struct Slot {
     shape: Shape,
     material: Arc<dyn Material>,
     is_loose: bool,
+    look: Look,
+}
+
+/// Humidity of loose stones, given that of the wall: dry until half of the wall is wet, since the copies of a stone in a streak of
+/// water would shine wherever they lie.
+fn humidity_of_stones(humidity: f32) -> f32 {
+    (2.0 * humidity - 1.0).max(0.0)
 }
 
 impl Shelf {
@@ -82,8 +89,13 @@ impl Shelf {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
             let material = || (dress.material)(row.rock_setting);
             let is_loose = row.place.is_loose();
+            let wall = dress.look.humidity;
+            let humidity = if is_loose { humidity_of_stones(wall) } else { wall };
+            let look = Look { humidity, ..dress.look.clone() };
             match row.shapes {
-                Shapes::Own { make, .. } => fields.push(Slot { shape: make(&mut rng), material: material(), is_loose }),
+                Shapes::Own { make, .. } => {
+                    fields.push(Slot { shape: make(&mut rng), material: material(), is_loose, look });
+                }
                 Shapes::Solid { make, .. } => halls.push(Hall::Solid(make(&mut rng))),
                 Shapes::File => halls.extend(replicas.next().map(Hall::Replica)),
                 Shapes::Of(_) => {}
@@ -279,16 +291,17 @@ impl Shelf {
     /// The surface of at most [`BLOCK`] points of a slot, with their normals: that of the wall, on stones soiled by the floor.
     fn paint(&self, slot: usize, texel_m: f32, at: [&[[f32; 3]]; 2], block: &mut CoarseBlock, out: &mut [Texel]) {
         let [points, normals] = at;
-        let (material, footprint) = (&*self.slots[slot].material, Footprint { texel_m });
+        let Slot { material, look, is_loose, .. } = &self.slots[slot];
+        let footprint = Footprint { texel_m };
         let (mut wall, mut floor) = (SurfaceSamples::default(), SurfaceSamples::default());
         let columns = by_axis(normals);
         material.coarse(&on_wall(points, normals, self.source), block);
         block.shape_as(&columns);
-        material.surface_samples(block, &self.look, footprint, &columns, &mut wall);
-        let soil = |n: usize| if self.slots[slot].is_loose { soil(points[n], normals[n]) } else { 0.0 };
+        material.surface_samples(block, look, footprint, &columns, &mut wall);
+        let soil = |n: usize| if *is_loose { soil(points[n], normals[n]) } else { 0.0 };
         if (0..points.len()).any(|n| soil(n) > 0.0) {
             material.coarse(&on_floor(points, self.source), block);
-            material.surface_samples(block, &self.look, footprint, &columns, &mut floor);
+            material.surface_samples(block, look, footprint, &columns, &mut floor);
         }
         for (lane, texel) in out.iter_mut().enumerate() {
             let soil = soil(lane);

@@ -25,9 +25,9 @@ pub struct Substance {
     ends: f32,
 }
 
-/// Timber: grey-brown, darker between fibres.
+/// Timber: grey-brown with dust, a little darker between fibres.
 pub static WOOD: Substance = Substance {
-    colors: [[0.075, 0.046, 0.026], [0.27, 0.185, 0.11]],
+    colors: [[0.110, 0.079, 0.052], [0.225, 0.168, 0.112]],
     roughness: [0.9, 0.75],
     grain_m: [0.014, 0.22],
     relief_m: 0.0012,
