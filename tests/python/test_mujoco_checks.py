@@ -58,10 +58,14 @@ def move_up(height_m):
 
 def take_visual_mesh(root):
     """The control: MuJoCo silently uses the convex hull of a mesh."""
-    of_walls = [chunk for chunk in root.iter("frame") if sum(geom.get("class") == "cave_visual" for geom in chunk) == 1]
-    for visual, first, *others in of_walls:
+    for visual, first, *others in [frame for frame in root.iter("frame") if is_of_wall(frame)]:
         first.set("mesh", visual.get("mesh"))
         drop(root, others)
+
+
+def is_of_wall(frame):
+    """Whether it is of one visual mesh and of collision shapes: things have many meshes, gravel has no shapes."""
+    return len(frame) > 1 and sum(geom.get("class") == "cave_visual" for geom in frame) == 1
 
 
 def drop(root, geoms):
