@@ -18,7 +18,7 @@
 //! is decided here and in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings and the version
 //! of usd-core.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use minijinja::context;
 use nalgebra::Isometry3;
@@ -221,8 +221,7 @@ fn write_chunk(
     scratch: &Path,
     out: &mut dyn Package,
 ) -> Result<Value, ExportError> {
-    let layer = format!("{}.usdc", chunk.name);
-    let path = scratch.join(&layer);
+    let (path, extent) = (layer_path(&chunk.name, scratch), chunk.visual.bounds());
     let textures = textures(&chunk.material, out)?;
     let mut spec = json!({ "path": path, "textures": textures, "zones": zones });
     let mut arrays = Vec::new();
@@ -238,10 +237,25 @@ fn write_chunk(
         .collect();
     spec["colliders"] = colliders.describe(&mut arrays);
     library.call("write_chunk", &spec, arrays)?;
-    out.copy(&format!("chunks/{layer}"), &path)?;
+    place_layer(&chunk.name, extent, scratch, out)
+}
+
+/// Where the layer of a chunk is made.
+fn layer_path(chunk: &str, scratch: &Path) -> PathBuf {
+    scratch.join(format!("{chunk}.usdc"))
+}
+
+/// Moves the layer of a chunk into the package; returns its description for the root layer.
+fn place_layer(
+    chunk: &str,
+    extent: [[f32; 3]; 2],
+    scratch: &Path,
+    out: &mut dyn Package,
+) -> Result<Value, ExportError> {
+    let (path, place) = (layer_path(chunk, scratch), format!("chunks/{chunk}.usdc"));
+    out.copy(&place, &path)?;
     std::fs::remove_file(&path)?;
-    let extent = &spec["levels"][0]["extent"];
-    Ok(json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }))
+    Ok(json!({ "name": chunk, "layer": format!("./{place}"), "extent": extent }))
 }
 
 /// Writes the images of a material; gives their files, as a layer of a chunk names them.
@@ -265,6 +279,13 @@ fn visual(name: String, own: &str, mut mesh: Mesh, arrays: &mut Vec<(String, Arr
     let parts = zones.into_iter().filter(|(_, faces)| !faces.is_empty()).map(|(zone, faces)| (zone.name(), faces));
     let names: Vec<&str> = parts.map(|(part, faces)| (part, arrays.push((key(part), Array::Index(faces)))).0).collect();
     json!({ "name": name, "arrays": own, "extent": extent, "parts": names })
+}
+
+/// The same for a shape of which copies say what they are: no part of it has a label.
+fn unlabelled(name: String, own: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) -> Value {
+    let mut described = visual(name, own, mesh, arrays);
+    described["parts"] = json!([]);
+    described
 }
 
 fn push_triangles(own: &str, mesh: Mesh, arrays: &mut Vec<(String, Array)>) {

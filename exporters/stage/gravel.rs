@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{Library, describe_pose, textures, visual};
+use super::{Library, describe_pose, layer_path, place_layer, textures, unlabelled};
 use crate::error::ExportError;
 use crate::package::Package;
 use crate::scene::{Chunk, Gravel};
@@ -17,8 +17,6 @@ pub(super) fn write(
     scratch: &Path,
     out: &mut dyn Package,
 ) -> Result<Value, ExportError> {
-    let layer = format!("{}.usdc", chunk.name);
-    let path = scratch.join(&layer);
     let extent = chunk.visual.bounds();
     let stones: Vec<Value> = gravel
         .stones
@@ -33,10 +31,7 @@ pub(super) fn write(
     let (mut arrays, mut shapes) = (Vec::new(), Vec::new());
     for (number, mesh) in gravel.shapes.into_iter().enumerate() {
         let name = format!("stone_{number}");
-        let mut shape = visual(name.clone(), &name, mesh, &mut arrays);
-        // What it is says the label of the instancer.
-        shape["parts"] = json!([]);
-        shapes.push(shape);
+        shapes.push(unlabelled(name.clone(), &name, mesh, &mut arrays));
     }
     let levels: Vec<Value> = gravel
         .shown
@@ -48,7 +43,7 @@ pub(super) fn write(
         })
         .collect();
     let spec = json!({
-        "path": path,
+        "path": layer_path(&chunk.name, scratch),
         "textures": textures(&chunk.material, out)?,
         "extent": extent,
         "shapes": shapes,
@@ -56,7 +51,5 @@ pub(super) fn write(
         "levels": levels,
     });
     library.call("write_gravel", &spec, arrays)?;
-    out.copy(&format!("chunks/{layer}"), &path)?;
-    std::fs::remove_file(&path)?;
-    Ok(json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }))
+    place_layer(&chunk.name, extent, scratch, out)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::colliders::collider;
-use super::{Contents, Library, describe_pose, textures, visual};
+use super::{Contents, Library, describe_pose, layer_path, place_layer, textures, unlabelled};
 use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::inertia::Inertia;
@@ -43,10 +43,8 @@ impl Prototypes {
             let mut described = Vec::new();
             for (number, level) in levels.iter().enumerate() {
                 let own = format!("{name}.LOD{number}");
-                let mut level_spec = visual(format!("LOD{number}"), &own, level.mesh.clone(), &mut arrays);
+                let mut level_spec = unlabelled(format!("LOD{number}"), &own, level.mesh.clone(), &mut arrays);
                 level_spec["error_m"] = level.error_m.into();
-                // What a thing is says its class.
-                level_spec["parts"] = json!([]);
                 described.push(level_spec);
             }
             let hull =
@@ -68,8 +66,6 @@ impl Prototypes {
         scratch: &Path,
         out: &mut dyn Package,
     ) -> Result<(Value, u64), ExportError> {
-        let layer = format!("{}.usdc", chunk.name);
-        let path = scratch.join(&layer);
         let (mut described, mut triangles) = (Vec::new(), 0);
         for thing in things {
             let prototype = thing.prototype_in(&self.all)?;
@@ -83,12 +79,14 @@ impl Prototypes {
             |zone: Zone| json!({ "name": zone.name(), "friction": has_friction.then(|| self.friction.of(zone)) });
         let zones = Zone::ALL.into_iter().filter(|zone| described.iter().any(|thing| thing["zone"] == zone.name()));
         let zones: Vec<Value> = zones.map(zone).collect();
-        let spec = json!({ "path": path, "zones": zones, "levels": levels, "things": described });
+        let spec = json!({
+            "path": layer_path(&chunk.name, scratch),
+            "zones": zones,
+            "levels": levels,
+            "things": described,
+        });
         library.call("write_things", &spec, Vec::new())?;
-        out.copy(&format!("chunks/{layer}"), &path)?;
-        std::fs::remove_file(&path)?;
-        let extent = chunk.visual.bounds();
-        Ok((json!({ "name": chunk.name, "layer": format!("./chunks/{layer}"), "extent": extent }), triangles))
+        Ok((place_layer(&chunk.name, chunk.visual.bounds(), scratch, out)?, triangles))
     }
 
     fn describe(&self, thing: &Instance, prototype: &Prototype) -> Result<Value, ExportError> {

@@ -84,8 +84,8 @@ fn tetrahedra(places_m: &[f32]) -> Mesh {
     mesh
 }
 
-/// The settings of a target with each kind of collision shape that it offers.
-const COLLISIONS: [&str; 6] = ["none", "triangles", "pieces", "flex", "floor_field", "collision"];
+/// Every kind of collision shape that some target offers.
+const COLLISIONS: [&str; 5] = ["none", "triangles", "pieces", "flex", "floor_field"];
 
 #[test]
 fn gravel_is_drawn_and_not_collided_with_in_every_target() {

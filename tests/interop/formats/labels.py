@@ -58,16 +58,21 @@ def names_of(comments, where):
 
 def things_of(path):
     """Those of the package, or of the chunk if the file is one."""
-    is_chunk = path.parent.name == "chunks"
-    listed = path.parent / "instances.json" if not is_chunk else path.parent.parent / "instances.json"
+    package, is_chunk = place_of(path)
+    listed = package / "instances.json"
     things = json.loads(listed.read_text())["things"] if listed.is_file() else []
     return [thing for thing in things if not is_chunk or thing["chunk"] == path.stem]
 
 
+def place_of(path):
+    """The package of a file, and whether the file is a chunk."""
+    is_chunk = path.parent.name == "chunks"
+    return path.parent.parent if is_chunk else path.parent, is_chunk
+
+
 def stones_of(path):
     """The number of stones of gravel in the package, or in the chunk if the file is one."""
-    is_chunk = path.parent.name == "chunks"
-    package = path.parent.parent if is_chunk else path.parent
+    package, is_chunk = place_of(path)
     chunks = json.loads((package / "manifest.json").read_text())["chunks"]
     return sum(chunk.get("gravel", 0) for chunk in chunks if not is_chunk or chunk["name"] == path.stem)
 

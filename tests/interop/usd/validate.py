@@ -31,7 +31,9 @@ def verify(package):
         messages += [f"{root.name}, {level}: {message}" for message in usd_messages(stage)]
         messages += [f"{root.name}, {level}: {message}" for message in laws.broken(stage)]
         if level in (all_levels[0], all_levels[-1]):
-            with sparse(stage, level != "LOD0"):
+            # Colliders are the same at every level.
+            others = copies(stage) + ([] if level == all_levels[0] else collider_paths(stage))
+            with switched_off(stage, others):
                 messages += [f"{root.name}, {level}: {message}" for message in nvidia_messages(stage)]
     select(stage, "LOD0")
     for layer in sorted(package.glob("chunks/*.usdc")):
@@ -61,21 +63,27 @@ def select(stage, level):
             variants.SetVariantSelection(level if level in names else max(names, default=""))
 
 
-@contextmanager
-def sparse(stage, without_colliders):
-    """Switches off every instance but the first of each prototype, and colliders: what is below the other instances is the
-    same, colliders are the same at every level, and they take minutes."""
+def copies(stage):
+    """Every instance but the first of each prototype: what is below them is the same, and takes minutes."""
     seen, others = set(), []
-    if without_colliders:
-        others = [prim.GetPath() for prim in stage.TraverseAll() if packages.is_collider(prim)]
     for thing in packages.instances(stage):
         prototype = thing.GetPrototype().GetPath()
         if prototype in seen:
             others.append(thing.GetPath())
         seen.add(prototype)
+    return others
+
+
+def collider_paths(stage):
+    return [prim.GetPath() for prim in stage.TraverseAll() if packages.is_collider(prim)]
+
+
+@contextmanager
+def switched_off(stage, paths):
+    """Makes prims inactive, in the session layer and not in the package."""
     layer = Sdf.Layer.CreateAnonymous()
     with Sdf.ChangeBlock():
-        for path in others:
+        for path in paths:
             Sdf.CreatePrimInLayer(layer, path).active = False
     session = stage.GetSessionLayer()
     session.subLayerPaths.append(layer.identifier)
