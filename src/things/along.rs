@@ -142,16 +142,11 @@ impl<'a> Site<'a> {
     /// Whether the stretch of a passage has this.
     pub fn has(&self, along: &Along, at: Point3<f64>) -> bool {
         let [low, high] = along.range;
-        let share = self.share(along.stretch, at, STRETCH_M);
-        low <= share && share < low + (high - low) * self.settings.sets
-    }
-
-    /// A number of this name from 0 to 1 that varies over such lengths.
-    pub fn share(&self, name: &str, at: Point3<f64>, length_m: f32) -> f64 {
-        let source = Source::new(salt(self.setting.seed, name));
-        let noise = roughness(source, &[[at.x as f32, at.y as f32, at.z as f32]], length_m)[0];
+        let source = Source::new(salt(self.setting.seed, along.stretch));
+        let noise = roughness(source, &[[at.x as f32, at.y as f32, at.z as f32]], STRETCH_M)[0];
         // About evenly distributed: the standard deviation of this noise is a third.
-        0.5 * libm::erfc(-f64::from(noise) * 3.0 / std::f64::consts::SQRT_2)
+        let share = 0.5 * libm::erfc(-f64::from(noise) * 3.0 / std::f64::consts::SQRT_2);
+        low <= share && share < low + (high - low) * self.settings.sets
     }
 
     /// Room that posts take at the wall, in metres: pipes and cables pass on their inside.
