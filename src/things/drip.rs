@@ -33,6 +33,7 @@ impl<'a> Site<'a> {
                 }
             }
         }
+        self.push_in(all.iter_mut().filter(|candidate| matches!(candidate.row.place, Place::UnderDrip)).collect());
         let rooted = self.rooted(&all);
         all.into_iter().zip(rooted).filter(|(_, rooted)| *rooted).map(|(candidate, _)| candidate).collect()
     }
@@ -78,7 +79,20 @@ impl<'a> Site<'a> {
         let wetness = wetness(self.setting, &places);
         let amount = self.settings.dripstone;
         let numbered = found.into_iter().enumerate();
-        numbered.filter(|(n, drip)| drip.there < amount * wetness[*n]).map(|(_, drip)| drip).collect()
+        let mut wet: Vec<Drip> =
+            numbered.filter(|(n, drip)| drip.there < amount * wetness[*n]).map(|(_, drip)| drip).collect();
+        self.push_in(wet.iter_mut().map(|drip| &mut drip.candidate).collect());
+        wet
+    }
+
+    /// Moves ends of which a part is in the open further into the rock, where they are so by little.
+    fn push_in(&self, candidates: Vec<&mut Candidate>) {
+        let depths = self.depths(candidates.iter().map(|candidate| candidate.ends()).collect());
+        for (candidate, depths) in candidates.into_iter().zip(depths) {
+            let lacking_m = f64::from(WANTED_DEPTH_M - depths.into_iter().fold(f32::INFINITY, f32::min));
+            let most_m = MOST_PUSH * candidate.scale * candidate.prototype.size_m.z;
+            candidate.embedding_m += (lacking_m / CLINGING).clamp(0.0, most_m);
+        }
     }
 
     /// A stalactite with its stalagmite, or their column; nothing if it leaves too little headroom.
@@ -163,8 +177,12 @@ struct Drip<'a> {
     lots: Lots,
 }
 
-/// Least depth of the rim of dripstone in the rock, in metres: the triangles of the wall are about as far from the field.
-const LEAST_DEPTH_M: f32 = -0.02;
+/// Least depth of the rim of dripstone in the rock, in metres: the triangles of the wall are about a centimetre from the field.
+const LEAST_DEPTH_M: f32 = 0.0;
+/// How deep a rim is to be that is not deep enough by itself, in metres: deeper than the least, since surfaces bend.
+const WANTED_DEPTH_M: f32 = 0.015;
+/// How far it may be moved for that, as a share of its length; tuned by eye, what remains must not look cut off.
+const MOST_PUSH: f64 = 0.2;
 
 impl Candidate<'_> {
     /// Points on the rim of each end that is to be in the rock.

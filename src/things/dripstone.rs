@@ -17,6 +17,10 @@ const LENGTH_M: f32 = 0.40;
 const TIP_M: f32 = 0.012;
 /// How far roots and feet reach into the rock, in metres.
 const ROOT_M: f32 = 0.04;
+/// How much wider a stalactite is where it spreads on the ceiling, and over which height in metres; tuned by eye. It collides as
+/// its convex hull, which more would take into the open.
+const FLARE: f32 = 0.45;
+const FLARE_M: f32 = 0.03;
 /// Height of a stalagmite in metres.
 const HEIGHT_M: f32 = 0.36;
 /// Height of a column in metres.
@@ -92,7 +96,8 @@ fn hanging(rng: &mut Rng, units: f64, wander_m: f32) -> Shape {
         let tip_m = TIP_M * (above_tip_m / TIP_M).min(1.0).sqrt();
         tip_m.max((universal_radius(f64::from(above_tip_m) / unit_m) * unit_m) as f32)
     };
-    let profile = Profile::new(-LENGTH_M, ROOT_M, |z| radius(z.min(0.0)) + z.max(0.0) * 0.8);
+    let flared = |z: f32| 1.0 + FLARE * libm::expf(z.min(0.0) / FLARE_M);
+    let profile = Profile::new(-LENGTH_M, ROOT_M, |z| radius(z.min(0.0)) * flared(z) + z.max(0.0) * 0.8);
     profile.shape(rng, wander_m, 0.0016)
 }
 

@@ -120,7 +120,7 @@ fn assert_in_the_rock(cave: &Cave) {
     let (floors, walls) = (Near::new(&of_zone(true), 2.0 * floor_m), Near::new(&of_zone(false), 2.0 * wall_m));
     cave.all_pieces().collect::<Vec<_>>().par_iter().for_each(|piece| {
         let mesh = mesh_of(piece);
-        let points = mesh.triangles.iter().flat_map(|&face| spread(corners(&mesh, face), floor_m));
+        let points = mesh.triangles.iter().flat_map(|&face| spread(corners(&mesh, face), 2.0 * floor_m));
         let is_far = |point: &Point| floors.distance(*point) > floor_m && walls.distance(*point) > wall_m;
         // The field answers faster on which side a point is, but in places it is air behind the triangles.
         let mut deep: Vec<Point> = points.filter(is_far).collect();
@@ -139,7 +139,7 @@ fn assert_covered(cave: &Cave) {
         let pieces: Vec<Convex> = pieces.iter().map(Convex::of).collect();
         wall.triangles.par_iter().for_each(|&triangle| {
             for point in spread(corners(wall, triangle), SPACING_M) {
-                let is_covered = pieces.iter().any(|piece| piece.height_of(point) <= most_m);
+                let is_covered = pieces.iter().any(|piece| piece.is_near(point, most_m));
                 assert!(is_covered, "{}: no piece is behind {point}", cave.name);
             }
         });
@@ -197,9 +197,9 @@ impl Convex {
         Self(mesh.triangles.iter().map(plane).collect())
     }
 
-    /// Largest signed distance of a point to any of the planes.
-    fn height_of(&self, point: Point) -> f64 {
-        self.0.iter().map(|(normal, offset)| normal.dot(&point) - offset).fold(f64::NEG_INFINITY, f64::max)
+    /// Whether a point is before none of the planes by more than this.
+    fn is_near(&self, point: Point, most_m: f64) -> bool {
+        self.0.iter().all(|(normal, offset)| normal.dot(&point) - offset <= most_m)
     }
 
     /// Distance along a ray to where it enters the piece.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// Stations of these caves, for generators with such a setting.
-const NODES: u32 = 12;
+const NODES: u32 = 8;
 /// Picture size: small, because every view of every generator in every rock is drawn in every format, twice.
 const WIDTH: u32 = 80;
 const HEIGHT: u32 = 60;

@@ -36,7 +36,7 @@ fn ratios(recipe: &Path, settings: &[&str]) -> [f64; 3] {
 fn sizes_are_estimated_within_a_factor_of_two() {
     let coarse = ["mesh.voxel_m=0.5", "texture.density_px_per_m=20"];
     let sized = ["mesh.voxel_m=0.5", "texture.size_px=512"];
-    let png = ["mesh.voxel_m=0.5", "texture.density_px_per_m=40", "texture.format=png"];
+    let png = ["mesh.voxel_m=0.5", "texture.density_px_per_m=20", "texture.format=png"];
     let cases: [(&str, &[&str]); 6] = [
         ("cave", &coarse),
         ("cave", &sized),
