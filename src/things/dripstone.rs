@@ -17,10 +17,6 @@ const LENGTH_M: f32 = 0.40;
 const TIP_M: f32 = 0.012;
 /// How far roots and feet reach into the rock, in metres.
 const ROOT_M: f32 = 0.04;
-/// How much wider a stalactite is where it spreads on the ceiling, and over which height in metres; tuned by eye. It collides as
-/// its convex hull, which more would take into the open.
-const FLARE: f32 = 0.45;
-const FLARE_M: f32 = 0.03;
 /// Height of a stalagmite in metres.
 const HEIGHT_M: f32 = 0.36;
 /// Height of a column in metres.
@@ -96,22 +92,31 @@ fn hanging(rng: &mut Rng, units: f64, wander_m: f32) -> Shape {
         let tip_m = TIP_M * (above_tip_m / TIP_M).min(1.0).sqrt();
         tip_m.max((universal_radius(f64::from(above_tip_m) / unit_m) * unit_m) as f32)
     };
-    let flared = |z: f32| 1.0 + FLARE * libm::expf(z.min(0.0) / FLARE_M);
-    let profile = Profile::new(-LENGTH_M, ROOT_M, |z| radius(z.min(0.0)) * flared(z) + z.max(0.0) * 0.8);
+    let profile = Profile::new(-LENGTH_M, ROOT_M, |z| radius(z.min(0.0)) + z.max(0.0) * 0.8);
     profile.shape(rng, wander_m, 0.0016)
 }
 
-/// Soda straws that hang from one joint, which is along x: tubes as wide as a drop (Curl 1972).
+/// Soda straws that hang from one joint, which is along x: tubes as wide as a drop (Curl 1972). The row collides as its convex
+/// hull, so that each straw is nearly as long as the line from the longest one to the outermost has it.
 pub fn straws(rng: &mut Rng) -> Solid {
     /// Radius of a straw in metres.
     const STRAW_M: f64 = 0.002_55;
+    /// Straws in a row, and which of them is the longest.
+    const STRAWS: u32 = 8;
+    const LONGEST: u32 = 3;
+    /// How much shorter a straw is at most, in metres.
+    const SHORTER_M: f64 = 0.032;
+    let outer = [0, 1].map(|_| rng.between(0.1, 0.7));
     let straw = |n: u32, rng: &mut Rng| {
         let place = [0.02 * f64::from(n) - 0.07, rng.between(-0.006, 0.006)];
-        let length_m = f64::from(LENGTH_M) * if n == 3 { 1.0 } else { libm::exp(rng.between(-2.0, -0.1)) };
+        let outwards = f64::from(n.abs_diff(LONGEST)) / f64::from(STRAWS - 1 - LONGEST);
+        let share = 1.0 + (outer[usize::from(n > LONGEST)] - 1.0) * outwards;
+        let shorter_m = if n == LONGEST { 0.0 } else { rng.between(0.0, SHORTER_M) };
         let end = |z: f64| Point3::new(place[0], place[1], z);
-        Solid::tube(&[end(-length_m), end(f64::from(ROOT_M))], STRAW_M, 6, &CALCITE)
+        let tip = end(shorter_m - share * f64::from(LENGTH_M));
+        Solid::tube(&[tip, end(f64::from(ROOT_M))], STRAW_M, 6, &CALCITE)
     };
-    (1..8).fold(straw(0, rng), |all, n| all.and(straw(n, rng)))
+    (1..STRAWS).fold(straw(0, rng), |all, n| all.and(straw(n, rng)))
 }
 
 /// A drapery: a sheet that water builds as it runs down a sloping ceiling, and that is the deeper the further it has run
