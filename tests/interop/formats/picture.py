@@ -130,3 +130,6 @@ def require(condition, message):
 if __name__ == "__main__":
     require(len(sys.argv) == 4, "usage: picture.py PACKAGE_DIR PICTURE.jpg SPAWN")
     main(Path(os.path.abspath(sys.argv[1])), Path(os.path.abspath(sys.argv[2])), int(sys.argv[3]))
+    sys.stdout.flush()
+    # Blender may crash when it frees a scene with many copies, after the picture is written.
+    os._exit(0)
