@@ -18,7 +18,6 @@ MASS_SHARE = 1e-3  # masses have micrograms
 DURATION_S = 2.0
 CALM_SHARE = 0.95
 MOVED_SHARE = 0.2
-MOST_PER_MESH = 0.5  # more meshes than half of the things would mean that they share none
 
 
 def verify(package):
@@ -38,8 +37,11 @@ def verify(package):
     require(names <= geoms, f"{len(names - geoms)} things cannot be seen, among them {sorted(names - geoms)[:3]}")
     check_places(model, data, name, listed)
     meshes = {int(model.geom(f"{thing}_hull").dataid[0]) for thing in names}
-    few = max(1, MOST_PER_MESH * len(names))
-    require(len(names) < 50 or len(meshes) < few, f"{len(names)} things have {len(meshes)} meshes")
+    # A mesh of MuJoCo has its scale in it.
+    shapes = {(thing["prototype"], thing["scale"]) for thing in listed}
+    require(
+        len(meshes) == len(shapes), f"{len(names)} things of {len(shapes)} shapes and sizes have {len(meshes)} meshes"
+    )
     movable = [thing for thing in listed if thing["movable"]]
     require(model.nbody == 1 + len(movable), f"{model.nbody - 1} bodies, {len(movable)} things are movable")
     moved = check_movable(package, model, data, name, movable) if movable else ""
