@@ -52,35 +52,52 @@ fn placed(positions: &[[i32; 3]], triangles: &[[u32; 3]]) -> Vec<Triangle> {
 fn one_way(from: &[Triangle], to: &Nearest, least: f64) -> f64 {
     let mut found = least;
     let mut pieces = BinaryHeap::new();
+    let mut near = None;
     for triangle in from {
-        pieces.push(Piece::new(*triangle, to, &mut found));
+        let piece = Piece::new(*triangle, near, to, &mut found);
+        near = Some(piece.near);
+        pieces.push(piece);
     }
     while let Some(piece) = pieces.pop() {
-        if piece.bound <= found * (1.0 + SLACK) + 1.0 {
+        if piece.bound <= good_enough(found) {
             return piece.bound.max(least);
         }
         for half in halves(piece.corners) {
-            pieces.push(Piece::new(half, to, &mut found));
+            pieces.push(Piece::new(half, Some(piece.near), to, &mut found));
         }
     }
     least
 }
 
+/// The largest bound that is good enough for a distance that was found.
+fn good_enough(found: f64) -> f64 {
+    found * (1.0 + SLACK) + 1.0
+}
+
 /// A part of a surface, ordered by its bound.
 struct Piece {
     corners: Triangle,
+    /// A triangle of the other surface that is near.
+    near: Triangle,
     /// Upper bound of the distance of its points to the other surface.
     bound: f64,
 }
 
 impl Piece {
-    fn new(corners: Triangle, to: &Nearest, found: &mut f64) -> Self {
+    /// The search for the nearest triangle is spared where one that is known to be near is good enough.
+    fn new(corners: Triangle, known: Option<Triangle>, to: &Nearest, found: &mut f64) -> Self {
+        let most =
+            |triangle| corners.map(|corner| squared_distance(corner, triangle)).into_iter().fold(0.0, f64::max).sqrt();
+        if let Some((near, bound)) =
+            known.map(|near| (near, most(near))).filter(|(_, bound)| *bound <= good_enough(*found))
+        {
+            return Self { corners, near, bound };
+        }
         let Ball { centre, radius } = Ball::around(&corners);
         let Found { triangle, squared, .. } = to.nearest(centre);
         let distance = squared.sqrt();
         *found = found.max(distance);
-        let to_one = corners.map(|corner| squared_distance(corner, triangle)).into_iter().fold(0.0, f64::max).sqrt();
-        Self { corners, bound: to_one.min(distance + radius) }
+        Self { corners, near: triangle, bound: most(triangle).min(distance + radius) }
     }
 }
 

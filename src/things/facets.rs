@@ -9,7 +9,7 @@ use crate::mesh::Mesh;
 use plume_graph::Aabb;
 
 /// Side of the columns by which triangles are found, in metres.
-const COLUMN_M: f64 = 0.5;
+const COLUMN_M: f64 = 0.25;
 
 /// Triangles, sorted by where they are on the map.
 #[derive(Default)]

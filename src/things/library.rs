@@ -8,8 +8,8 @@ use super::rest::stable_turns;
 use super::shelf::{Shelf, middle_of, slot_at, slots};
 use crate::mesh::{self, Grid, MOST_CORNERS, Mesh, MeshSettings, QUANTA_PER_M};
 
-/// Edge of a voxel of the shelf in metres: a stone is 15 wide.
-const VOXEL_M: f32 = 0.02;
+/// Edge of a voxel of the shelf in metres: a stone is 12 wide.
+const VOXEL_M: f32 = 0.025;
 /// How far simplification may move the surface of a shape, in metres.
 const SIMPLIFY_ERROR_M: f32 = 0.003;
 

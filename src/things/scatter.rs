@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Translation3};
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Site, owns, quantised, step, without_overlaps};
-use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z};
+use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z, long_edges};
 use super::{Thing, WHEEL_M};
 use crate::field::{CaveField, Heap};
 use plume_graph::Aabb;
@@ -21,7 +21,7 @@ const EMBEDDING_M: f64 = 0.008;
 /// How deep a corner or an edge may be in the rock before a stone is sunk, in metres: triangles are about as far from the field.
 const MOST_DEPTH_M: f32 = 0.02;
 /// Mean of [`Scatter`]'s density over the floors of the sample caves, by which `cover` is met. Tuned.
-const MEAN_DENSITY: f64 = 0.03;
+const MEAN_DENSITY: f64 = 0.038;
 
 impl<'a> Site<'a> {
     /// Loose stones in a chunk and around it, beside what stands there. Kinds follow each other from large to small, and a
@@ -66,20 +66,24 @@ impl<'a> Site<'a> {
     /// Candidates of a kind of loose stones, where the floor is level enough.
     pub fn scattered(&self, row: KindRow<'a>, scatter: Scatter, around: Aabb<f64>) -> Vec<Candidate<'a>> {
         let side_m = CELL * scatter.width_m[1];
-        let at_mean = self.settings.cover * scatter.share * side_m * side_m / scatter.mean_area_m2() / MEAN_DENSITY;
+        let widths = Widths::of(&scatter);
+        let at_mean = self.settings.cover * scatter.share * side_m * side_m / widths.mean_area_m2() / MEAN_DENSITY;
+        let heaps = Heaps::around(self.setting.field, &around);
+        let lying: Vec<_> = self.setting.library.of(&row).iter().filter(|shape| !shape.lies.is_empty()).collect();
         let mut found = Vec::new();
         for (mut lots, x, y) in self.cells(&row, side_m, around) {
-            let there = lots.unit();
-            if there > at_mean * Density::MOST {
+            // Most candidates are dropped here, before anything is looked up.
+            let there = lots.unit() / at_mean;
+            if there > Density::MOST || there > Density::most(heaps.on_map(x, y)) {
                 continue;
             }
             let hits = self.walls.hits(x, y);
             if hits.is_empty() {
                 continue;
             }
-            let width_m = quantised(scatter.width(lots.unit()));
+            let width_m = quantised(widths.at(lots.unit()));
             let yaw_rad = std::f64::consts::TAU * lots.unit();
-            let Some(prototype) = lots.one_of(self.setting.library.of(&row)) else { continue };
+            let Some(&prototype) = lots.one_of(&lying) else { continue };
             let least = if width_m < SMALL_M { LEAST_LEVEL } else { LEVEL };
             let level = hits.iter().filter(|hit| hit.normal.z > least);
             for hit in lots.one_per_storey(level, |hit| hit.z) {
@@ -99,11 +103,11 @@ impl<'a> Site<'a> {
                 if height_m > WHEEL_M && self.corridor.is_within(candidate.at, candidate.reach_m()) {
                     continue;
                 }
-                found.push((candidate, there / at_mean));
+                found.push((candidate, there));
             }
         }
         let places: Vec<Point3<f64>> = found.iter().map(|(candidate, ..)| candidate.at).collect();
-        let density = Density::new(self.setting.field, &places);
+        let density = Density::new(self.setting.field, &heaps, &places);
         let numbered = found.into_iter().enumerate();
         numbered.filter(|(n, (_, there))| *there < density.at(*n)).map(|(_, (candidate, _))| candidate).collect()
     }
@@ -137,11 +141,13 @@ impl<'a> Site<'a> {
         })
     }
 
-    /// Which of them have no corner or edge in the rock, such as that of a wall that leans over them.
+    /// Which of them have no corner or long edge in the rock, such as that of a wall that leans over them.
     fn is_out_of_the_rock(&self, stones: &[(Candidate, Isometry3<f64>)]) -> Vec<bool> {
         let points = |(stone, pose): &(Candidate, Isometry3<f64>)| {
             let hull = &stone.prototype.hull;
-            let points = hull.corners.iter().copied().chain(hull.middles_of_edges());
+            let middle = |[a, b]: [usize; 2]| nalgebra::center(&hull.corners[a], &hull.corners[b]);
+            let middles = long_edges(hull, stone.scale).map(middle);
+            let points = hull.corners.iter().copied().chain(middles);
             points.map(|point| (pose * (point * stone.scale)).map(|c| c as f32).into()).collect()
         };
         let depths = self.depths(stones.iter().map(points).collect());
@@ -150,9 +156,30 @@ impl<'a> Site<'a> {
 }
 
 impl Scatter {
+    /// With more of the large stones.
+    fn hardened(self, difficulty: f64) -> Self {
+        /// Share of the exponent that is lost at most. Tuned: half of the boulders are then wider than 0.6 m.
+        const MOST: f64 = 0.4;
+        Self { exponent: self.exponent * (1.0 - MOST * difficulty), ..self }
+    }
+}
+
+/// A power law of the widths of stones.
+struct Widths {
+    /// Powers of the least and of the largest width.
+    powers: [f64; 2],
+    exponent: f64,
+}
+
+impl Widths {
+    fn of(scatter: &Scatter) -> Self {
+        let exponent = scatter.exponent;
+        Self { powers: scatter.width_m.map(|width| libm::pow(width, -exponent)), exponent }
+    }
+
     /// The width that this share of stones is narrower than.
-    fn width(&self, share: f64) -> f64 {
-        let [low, high] = self.width_m.map(|width| libm::pow(width, -self.exponent));
+    fn at(&self, share: f64) -> f64 {
+        let [low, high] = self.powers;
         libm::pow(low + (high - low) * share, -1.0 / self.exponent)
     }
 
@@ -160,15 +187,8 @@ impl Scatter {
     fn mean_area_m2(&self) -> f64 {
         /// Samples of the distribution. The closed form has a pole at an exponent of 2.
         const SAMPLES: u32 = 256;
-        let area = |n: u32| libm::pow(self.width((f64::from(n) + 0.5) / f64::from(SAMPLES)), 2.0);
-        0.7 * (0..SAMPLES).map(area).sum::<f64>() / f64::from(SAMPLES)
-    }
-
-    /// With more of the large stones.
-    fn hardened(self, difficulty: f64) -> Self {
-        /// Share of the exponent that is lost at most. Tuned: half of the boulders are then wider than 0.6 m.
-        const MOST: f64 = 0.4;
-        Self { exponent: self.exponent * (1.0 - MOST * difficulty), ..self }
+        let widths = (0..SAMPLES).map(|n| self.at((f64::from(n) + 0.5) / f64::from(SAMPLES)));
+        0.7 * widths.map(|width| width * width).sum::<f64>() / f64::from(SAMPLES)
     }
 }
 
@@ -181,40 +201,62 @@ struct Density {
 
 impl Density {
     /// Upper bound.
-    const MOST: f64 = 0.10 + 2.2 + 3.0;
+    const MOST: f64 = Self::OPEN + Self::AT_WALL + Self::ON_HEAP;
+    /// Far from walls and heaps, and what those add.
+    const OPEN: f64 = 0.10;
+    const AT_WALL: f64 = 2.2;
+    const ON_HEAP: f64 = 3.0;
     /// Height over the floor at which the distance to the wall is measured, in metres, and the largest such distance.
     const PROBE_M: f64 = 0.6;
 
-    fn new(field: &CaveField, places: &[Point3<f64>]) -> Self {
-        let around = Aabb::from_points(places.iter().map(|place| <[f64; 3]>::from(*place)));
-        let is_near = |heap: &&Heap| {
-            around.is_some_and(|around| around.padded(f64::from(2.0 * heap.radius_m)).contains(heap.at.map(f64::from)))
-        };
-        let near: Vec<Heap> = field.heaps().iter().filter(is_near).copied().collect();
+    fn new(field: &CaveField, heaps: &Heaps, places: &[Point3<f64>]) -> Self {
         let probes: Vec<[f32; 3]> =
             places.iter().map(|at| [at.x, at.y, at.z + Self::PROBE_M].map(|c| c as f32)).collect();
         Self {
             wall_m: field.scattered(&probes).into_iter().map(|distance| f64::from(-distance).max(0.0)).collect(),
-            heaped: places.iter().map(|place| heaped(&near, place)).collect(),
+            heaped: places.iter().map(|place| heaps.at(place)).collect(),
         }
+    }
+
+    /// At most, so high on a heap.
+    fn most(heaped: f64) -> f64 {
+        Self::OPEN + Self::AT_WALL + Self::ON_HEAP * heaped
     }
 
     /// At a place.
     fn at(&self, place: usize) -> f64 {
-        0.10 + 2.2 * libm::exp(-self.wall_m[place] / 0.35) + 3.0 * self.heaped[place]
+        Self::OPEN + Self::AT_WALL * libm::exp(-self.wall_m[place] / 0.35) + Self::ON_HEAP * self.heaped[place]
     }
 }
 
-/// How near a place is to the middle of a heap, from 0 to 1.
-fn heaped(heaps: &[Heap], place: &Point3<f64>) -> f64 {
-    /// Height difference in metres beyond which a heap is one of another storey.
-    const STOREY_M: f64 = 2.5;
+/// The heaps in and around a box.
+struct Heaps(Vec<Heap>);
+
+impl Heaps {
+    fn around(field: &CaveField, around: &Aabb<f64>) -> Self {
+        let is_near = |heap: &&Heap| around.padded(f64::from(2.0 * heap.radius_m)).contains(heap.at.map(f64::from));
+        Self(field.heaps().iter().filter(is_near).copied().collect())
+    }
+
+    /// How near a place is to the middle of a heap on its storey, from 0 to 1.
+    fn at(&self, place: &Point3<f64>) -> f64 {
+        /// Height difference in metres beyond which a heap is one of another storey.
+        const STOREY_M: f64 = 2.5;
+        let near = self.0.iter().filter(|heap| (f64::from(heap.at[2]) - place.z).abs() < STOREY_M);
+        near.map(|heap| heaped(heap, place.x, place.y)).fold(0.0, f64::max)
+    }
+
+    /// The same on any storey.
+    fn on_map(&self, x: f64, y: f64) -> f64 {
+        self.0.iter().map(|heap| heaped(heap, x, y)).fold(0.0, f64::max)
+    }
+}
+
+/// How near a place of the map is to the middle of a heap, from 0 to 1.
+fn heaped(heap: &Heap, x: f64, y: f64) -> f64 {
     /// Distances from the middle, relative to the radius, between which a heap thins out. Tuned.
     const THINNING: [f64; 2] = [0.6, 1.2];
-    let near = heaps.iter().filter(|heap| (f64::from(heap.at[2]) - place.z).abs() < STOREY_M).map(|heap| {
-        let [x, y, _] = heap.at.map(f64::from);
-        let away_m = libm::hypot(place.x - x, place.y - y);
-        1.0 - step(THINNING[0], THINNING[1], away_m / f64::from(heap.radius_m))
-    });
-    near.fold(0.0, f64::max)
+    let [heap_x, heap_y, _] = heap.at.map(f64::from);
+    let away_m = libm::hypot(x - heap_x, y - heap_y);
+    1.0 - step(THINNING[0], THINNING[1], away_m / f64::from(heap.radius_m))
 }
