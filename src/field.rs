@@ -16,12 +16,14 @@
 
 mod analytic;
 mod cave;
+mod drips;
 mod index;
 mod lattice;
 mod passage;
 
 pub use analytic::Analytic;
 pub use cave::CaveField;
+pub use drips::Drips;
 pub use passage::{Heap, PassageSettings, Reach};
 pub use plume_graph::Aabb;
 

@@ -26,6 +26,7 @@ mod floor;
 mod limestone;
 mod look;
 mod rock;
+mod roughness;
 mod rubble;
 mod salt;
 mod site;
@@ -39,6 +40,7 @@ pub use floor::{Debris, Sediment};
 pub use limestone::Limestone;
 pub use look::Look;
 pub use rock::{Detail, Floor, Form, JUMP_M, PROTRUSION, Paint, RECESS_M, Rock, STEEPEST, Wall};
+pub(crate) use roughness::roughness;
 pub use rubble::Rubble;
 pub use salt::Salt;
 pub(crate) use site::by_axis;
@@ -64,6 +66,10 @@ pub struct DomainWarp {
 pub trait Material: std::fmt::Debug + Send + Sync {
     /// The domain warp.
     fn domain_warp(&self) -> DomainWarp;
+    /// Whether its second state forms where water drips from the roof.
+    fn is_crusted_by_drips(&self) -> bool {
+        false
+    }
     /// The field at the sites, negative in air, metres; one value per site.
     fn distances(&self, sites: &Sites, out: &mut [f32]);
     /// Gradients of [`Material::distances`].
@@ -102,7 +108,7 @@ pub static MATERIALS: Registry<MaterialRow> = Registry::new(&[
         "limestone",
         "karst: dipping beds, joints, solution pockets and scallops, flowstone; mud and cobbles",
     )
-    .revised(1),
+    .revised(2),
     MaterialRow::new::<Basalt>(
         "basalt",
         "lava tube: glazed lining with flow ledges, spalled to blocky basalt; ash, ropes and slabs",

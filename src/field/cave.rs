@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::drips::Drips;
 use super::index::Index;
 use super::lattice::{self, Lattice, Run};
 use super::passage::{BLEND_M, Capsule, Collapse, Heap, PassageSettings, ROCK_M, Range, capsules, collapses, survey};
@@ -27,6 +28,7 @@ pub struct CaveField {
     wander_m: f32,
     bounds: Aabb<f32>,
     heaps: Vec<Heap>,
+    drips: Drips,
 }
 
 impl CaveField {
@@ -50,7 +52,13 @@ impl CaveField {
             wander_m,
             bounds,
             heaps,
+            drips: Drips::new(seed),
         }
+    }
+
+    /// Where water drips from the roof.
+    pub fn drips(&self) -> &Drips {
+        &self.drips
     }
 
     /// Where rock lies in heaps, in the order of the graph's edges.
@@ -122,6 +130,10 @@ impl CaveField {
         self.blocks(bounds, points, |start, capsules, sites| {
             dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
             self.material.coarse(sites, block);
+            if self.material.is_crusted_by_drips() {
+                let crusted = self.drips.crusted(&points[start..start + sites.count]);
+                block.raise_state(&crusted.into_iter().map(|share| share as f32).collect::<Vec<_>>());
+            }
             visit(start, block);
         });
     }

@@ -64,6 +64,8 @@ const FIELD: usize = 0;
 const WALL_FIELD: usize = 1;
 /// Quantities without.
 pub const SCALARS: usize = 13 + MARKS;
+/// The channel of the state of the wall.
+const STATE: usize = 4 * JETS + 2;
 /// Numbers that describe the coarse surface at a point: each jet as its value and its three derivatives, then the scalars.
 pub const CHANNELS: usize = 4 * JETS + SCALARS;
 
@@ -112,6 +114,13 @@ impl CoarseBlock {
     #[inline(always)]
     pub fn put<S: Simd>(&mut self, channel: usize, at: usize, lanes: Lanes<S>) {
         lanes.store_slice(&mut self.channels[channel][at..at + Lanes::<S>::LEN]);
+    }
+
+    /// Raises the state of the wall, as of [`Wall::state`], to at least these values.
+    pub fn raise_state(&mut self, least: &[f32]) {
+        for (state, least) in self.channels[STATE].iter_mut().zip(least) {
+            *state = state.max(*least);
+        }
     }
 
     /// Replaces the shape of the wall by a surface through the points with these normals, into the air. Detail and colour

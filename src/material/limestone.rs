@@ -266,6 +266,10 @@ impl Rock for Limestone {
         detail
     }
 
+    fn is_crusted_by_drips(&self) -> bool {
+        true
+    }
+
     fn debris(&self) -> Debris {
         Debris {
             swell_m: 3.2,

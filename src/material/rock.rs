@@ -180,6 +180,11 @@ pub trait Rock: std::fmt::Debug + Send + Sync {
         Detail::none(coarse.site.simd())
     }
 
+    /// Whether its second state forms where water drips from the roof, as flowstone does.
+    fn is_crusted_by_drips(&self) -> bool {
+        false
+    }
+
     /// What is on the floor.
     fn debris(&self) -> Debris {
         Debris::PLAIN

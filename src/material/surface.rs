@@ -315,6 +315,10 @@ impl<R: Rock> Material for R {
         Rock::domain_warp(self)
     }
 
+    fn is_crusted_by_drips(&self) -> bool {
+        Rock::is_crusted_by_drips(self)
+    }
+
     fn distances(&self, sites: &Sites, out: &mut [f32]) {
         dispatched!(simd => distances(simd, self, sites, out));
     }

@@ -10,7 +10,7 @@ use super::kind::{Along, Fit, KindRow, Place};
 use super::lots::Lots;
 use super::place::{Candidate, Site};
 use super::rest::turn;
-use super::shelf::roughness;
+use crate::material::roughness;
 use crate::noise::Source;
 use plume_graph::seed::salt;
 use plume_graph::{Aabb, Graph, StationId};

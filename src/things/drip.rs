@@ -6,18 +6,13 @@ use super::facets::Hit;
 use super::kind::{Hang, Heading, KindRow, Place};
 use super::library::Prototype;
 use super::lots::Lots;
-use super::place::{Candidate, Setting, Site, quantised, step, without_overlaps};
-use super::shelf::roughness;
-use crate::noise::Source;
+use super::place::{Candidate, Site, quantised, without_overlaps};
 use plume_graph::Aabb;
-use plume_graph::seed::salt;
 
 /// Flattest ceiling or floor to which dripstone clings: upward component of its normal.
 const CLINGING: f64 = 0.45;
 /// Furthest that drops fall onto a stalagmite, in metres: further, a chunk may know one end and not the other.
 const FURTHEST_FALL_M: f64 = 6.0;
-/// Distance between joints from which water drips, in metres.
-const JOINT_M: f64 = 1.6;
 
 impl<'a> Site<'a> {
     /// What hangs from the ceiling in these bounds, without overlaps, and what stands or stood below it.
@@ -64,7 +59,7 @@ impl<'a> Site<'a> {
                     scale,
                     yaw_rad: match hang.heading {
                         Heading::Any => any_rad,
-                        Heading::Joint => across_joints_rad(self.setting) + std::f64::consts::FRAC_PI_2,
+                        Heading::Joint => self.setting.field.drips().across_rad() + std::f64::consts::FRAC_PI_2,
                         Heading::Slope => libm::atan2(-ceiling.normal.y, -ceiling.normal.x),
                     },
                     at,
@@ -75,8 +70,9 @@ impl<'a> Site<'a> {
                 found.push(Drip { candidate, floor, there, lots: lots.clone() });
             }
         }
-        let places: Vec<Point3<f64>> = found.iter().map(|drip| drip.candidate.at).collect();
-        let wetness = wetness(self.setting, &places);
+        let at = |drip: &Drip| drip.candidate.at.map(|c| c as f32).into();
+        let places: Vec<[f32; 3]> = found.iter().map(at).collect();
+        let wetness = self.setting.field.drips().dripping(&places);
         let amount = self.settings.dripstone;
         let numbered = found.into_iter().enumerate();
         let mut wet: Vec<Drip> =
@@ -221,24 +217,4 @@ impl Prototype<'_> {
         let slope = normal.xy().norm() / normal.z.abs();
         (scale * (0.5 * self.size_m.x.max(self.size_m.y) * slope - ROOT_M)).max(0.0)
     }
-}
-
-/// The direction across the joints of a cave, from the x axis towards the y axis.
-fn across_joints_rad(setting: &Setting) -> f64 {
-    std::f64::consts::TAU * Lots::new(u64::from(salt(setting.seed, "joint heading")), [0, 0]).unit()
-}
-
-/// Share of places from which water drips: along joints, where the rock is wet.
-fn wetness(setting: &Setting, places: &[Point3<f64>]) -> Vec<f64> {
-    let points: Vec<[f32; 3]> = places.iter().map(|at| [at.x as f32, at.y as f32, at.z as f32]).collect();
-    let noise = |name: &str, length_m: f32| roughness(Source::new(salt(setting.seed, name)), &points, length_m);
-    let (wet, bend) = (noise("wet joints", 5.0), noise("joint bends", 2.5));
-    let across_rad = across_joints_rad(setting);
-    let (sine, cosine) = (libm::sin(across_rad), libm::cos(across_rad));
-    let share = |(n, at): (usize, &Point3<f64>)| {
-        let across = (at.x * cosine + at.y * sine + 0.35 * f64::from(bend[n])) / JOINT_M;
-        let off_m = (across - across.round()).abs() * JOINT_M;
-        (1.0 - step(0.05, 0.22, off_m)) * step(-0.05, 0.35, f64::from(wet[n]))
-    };
-    places.iter().enumerate().map(share).collect()
 }

@@ -56,7 +56,10 @@ impl Profile {
         Box::new(move |[x, y, z]| {
             // Zero at the origin, where the thing is attached.
             let aside = wander_m * (libm::sinf(z * 9.0 + phase) - libm::sinf(phase));
-            let rib = ribs * libm::sinf(z * 95.0 + phase + 2.0 * libm::sinf(z * 31.0));
+            // Growth is uneven from year to year and from side to side.
+            let turned = if x == 0.0 && y == 0.0 { 0.0 } else { (x * cosine + y * sine) / libm::sqrtf(x * x + y * y) };
+            let bulge = 0.6 * libm::sinf(z * 37.0 + 2.0 * phase + turned) + 0.4 * turned * libm::sinf(z * 23.0 + phase);
+            let rib = ribs * (libm::sinf(z * 95.0 + phase + 2.0 * libm::sinf(z * 31.0)) + 1.5 * bulge);
             self.distance([x - aside * cosine, y - aside * sine, z]) + rib
         })
     }
@@ -76,7 +79,7 @@ fn universal_radius(height: f64) -> f64 {
 /// A stalactite; the longer it is in units of its own, the slimmer.
 pub fn stalactite(rng: &mut Rng) -> Shape {
     let units = libm::exp(rng.between(libm::log(900.0), libm::log(9000.0)));
-    hanging(rng, units, 0.004)
+    hanging(rng, units, 0.009)
 }
 
 /// A drip of lava: blunt, since it freezes as it falls.

@@ -21,7 +21,7 @@ const EMBEDDING_M: f64 = 0.008;
 /// How deep a corner or an edge may be in the rock before a stone is sunk, in metres: triangles are about as far from the field.
 const MOST_DEPTH_M: f32 = 0.02;
 /// Mean of [`Scatter`]'s density over the floors of the sample caves, by which `cover` is met. Tuned.
-const MEAN_DENSITY: f64 = 0.038;
+const MEAN_DENSITY: f64 = 0.04;
 
 impl<'a> Site<'a> {
     /// Loose stones in a chunk and around it, beside what stands there. Kinds follow each other from large to small, and a

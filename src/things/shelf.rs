@@ -6,10 +6,10 @@ use super::halls::Hall;
 use super::kind::{KindRow, Kinds, Shape, Shapes};
 use super::replica::Replica;
 use crate::field::{Aabb, Field, Region, Surface, Texel};
-use crate::material::{BLOCK, CoarseBlock, Footprint, Ground, Look, Material, Sites, SurfaceSamples, by_axis};
-use crate::noise::{Lanes, Source, Value, Vec3, dispatched};
-use fearless_simd::Simd;
-use fearless_simd::prelude::*;
+use crate::material::{
+    BLOCK, CoarseBlock, Footprint, Ground, Look, Material, Sites, SurfaceSamples, by_axis, roughness,
+};
+use crate::noise::Source;
 use plume_graph::rng::Rng;
 use plume_graph::seed::{salt, stream};
 
@@ -80,6 +80,12 @@ fn humidity_of_stones(humidity: f32) -> f32 {
     (2.0 * humidity - 1.0).max(0.0)
 }
 
+/// Humidity of what hangs, given that of the wall: it hangs where water drips.
+fn humidity_of_dripstone(humidity: f32) -> f32 {
+    let dry = 1.0 - humidity;
+    1.0 - dry * dry * dry
+}
+
 impl Shelf {
     /// The shelf of this rock. The shapes are the same for every seed.
     pub fn new(dress: &Dress) -> Self {
@@ -90,7 +96,11 @@ impl Shelf {
             let material = || (dress.material)(row.rock_setting);
             let is_loose = row.place.is_loose();
             let wall = dress.look.humidity;
-            let humidity = if is_loose { humidity_of_stones(wall) } else { wall };
+            let humidity = match is_loose {
+                true => humidity_of_stones(wall),
+                false if material().is_crusted_by_drips() => humidity_of_dripstone(wall),
+                false => wall,
+            };
             let look = Look { humidity, ..dress.look.clone() };
             match row.shapes {
                 Shapes::Own { make, .. } => {
@@ -230,37 +240,6 @@ impl Field for Shelf {
             let length = descent.iter().map(|c| c * c).sum::<f32>().sqrt();
             *out = if length > 0.0 { descent.map(|c| c / length) } else { [0.0, 0.0, 1.0] };
         }
-    }
-}
-
-/// Noise of this wavelength at points.
-pub(super) fn roughness(source: Source, points: &[[f32; 3]], wavelength_m: f32) -> Vec<f32> {
-    let mut out = vec![0.0; points.len()];
-    for (points, out) in points.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-        let columns = by_axis(points);
-        let mut block = [0.0; BLOCK];
-        dispatched!(simd => block_roughness(simd, source, &columns, wavelength_m, &mut block));
-        out.copy_from_slice(&block[..out.len()]);
-    }
-    out
-}
-
-#[inline(always)]
-fn block_roughness<S: Simd>(
-    simd: S,
-    source: Source,
-    at: &[[f32; BLOCK]; 3],
-    wavelength_m: f32,
-    out: &mut [f32; BLOCK],
-) {
-    for lane in (0..BLOCK).step_by(Lanes::<S>::LEN) {
-        let lanes = lane..lane + Lanes::<S>::LEN;
-        let [x, y, z] = at.each_ref().map(
-            #[inline(always)]
-            |column| Value::<S>(Lanes::<S>::from_slice(simd, &column[lanes.clone()])),
-        );
-        let noise = source.fbm(90, Vec3 { x, y, z }.scaled(1.0 / wavelength_m), 2, 0.5);
-        noise.0.store_slice(&mut out[lanes]);
     }
 }
 

@@ -10,7 +10,7 @@ use super::kind::Shape;
 
 /// Half the length of the prototypes in metres, in the middle of the range of their sizes, so that neither their images nor
 /// their edges are stretched by much.
-const BLOCK_M: f64 = 0.28;
+const BLOCK_M: f64 = 0.30;
 const COBBLE_M: f64 = 0.12;
 const SLAB_M: f64 = 0.24;
 /// Width over which edges are worn, in metres. Tuned.

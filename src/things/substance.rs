@@ -5,7 +5,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::shelf::roughness;
+use crate::material::roughness;
 use crate::noise::Source;
 
 /// A substance.
