@@ -310,7 +310,9 @@ impl Rock for Limestone {
         let pool = level.step(0.0, 0.012) * form.floor * (look.humidity * 10.0).min(1.0);
         let film = tone.film(form, look, form.state * -0.10 + form.floor * 0.6);
         let film = film.max(damp * 0.5).max(pool);
-        let dry = tone.dry_roughness(form, form.state * -0.22 + 0.78);
+        // Flowstone has little relief, but finer and coarser crystals.
+        let crystals = tone.grain * form.state * -0.35;
+        let dry = tone.dry_roughness(form, form.state * -0.22 + crystals + 0.78);
         let color = color.lit(film * -0.50 + 1.0);
         Paint {
             color: vec3(color.x, color.y * (film * -0.02 + 1.0), color.z * (film * -0.06 + 1.0)),

@@ -92,7 +92,7 @@ pub static CALCITE: Substance = Substance {
 
 /// Calcite of draperies: bands of brown iron oxides and of pale calcite along the sheet, as in bacon.
 pub static DRAPERY: Substance = Substance {
-    colors: [[0.30, 0.17, 0.085], [0.60, 0.50, 0.37]],
+    colors: [[0.34, 0.21, 0.105], [0.50, 0.41, 0.29]],
     roughness: [0.45, 0.28],
     grain_m: [0.035, 0.6],
     relief_m: 0.0,
