@@ -17,7 +17,7 @@ const FLAGS = ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=
   '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 // Of the pixels of the view: how many must differ from the paper, and from before after each deed.
 const LEAST_DRAWN = 0.01;
-const LEAST_CHANGED = 0.02;
+const LEAST_CHANGED = 0.03;
 
 const [folder] = process.argv.slice(2);
 if (!folder) throw new Error('usage: page.mjs FOLDER');
