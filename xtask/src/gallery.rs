@@ -10,7 +10,7 @@ use crate::tools::{Result, root};
 
 /// A picture: the sample, the start pose where the camera is, and the name of the file.
 const SCENES: [(&str, usize, &str); 6] = [
-    ("cave", 0, "cave"),
+    ("cave", 2, "cave"),
     ("cave", 1, "keyhole"),
     ("lava-tube", 1, "lava-tube"),
     ("mine", 0, "mine"),

@@ -30,7 +30,7 @@ const SMALL: [Sample; 4] = [
     small("lava-tube", &["--set", "graph.nodes=20", "--set", COARSE, "--set", FEW]),
     small("mine", &["--set", "graph.nodes=20", "--set", COARSE, "--set", FEW]),
     small("salt-mine", &["--set", "graph.nodes=20", "--set", COARSE, "--set", FEW]),
-    small("original", &["--set", "graph.scale=1.2", "--set", COARSE, "--set", FEW]),
+    small("original", &["--set", "mesh.voxel_m=0.2", "--set", COARSE, "--set", FEW]),
 ];
 const COARSE: &str = "texture.density_px_per_m=20";
 const FEW: &str = "things.cover=0.008";
