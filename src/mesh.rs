@@ -84,4 +84,20 @@ impl Mesh {
     pub fn position_m(&self, vertex: u32) -> [f32; 3] {
         self.positions[vertex as usize].map(|q| q as f32 / QUANTA_PER_M as f32)
     }
+
+    /// The part with these triangles, and the vertices that they use.
+    pub(crate) fn part(&self, triangles: &[[u32; 3]]) -> Self {
+        let mut used: Vec<u32> = triangles.concat();
+        used.sort_unstable();
+        used.dedup();
+        let mut number = vec![0; self.positions.len()];
+        used.iter().zip(0..).for_each(|(vertex, n)| number[*vertex as usize] = n);
+        let all = || used.iter().map(|vertex| *vertex as usize);
+        Self {
+            positions: all().map(|vertex| self.positions[vertex]).collect(),
+            normals: all().map(|vertex| self.normals[vertex]).collect(),
+            triangles: triangles.iter().map(|triangle| triangle.map(|vertex| number[vertex as usize])).collect(),
+            border: all().map(|vertex| self.border[vertex]).collect(),
+        }
+    }
 }

@@ -24,10 +24,10 @@ macro_rules! inlined {
 }
 pub(crate) use inlined;
 
-/// Evaluates an expression with the widest vectors of this machine. Only widths worth their compile time are instantiated.
+/// Evaluates an expression with the vectors of [`level`]. Only widths worth their compile time are instantiated.
 macro_rules! dispatched {
     ($simd:ident => $expression:expr) => {{
-        let level = fearless_simd::Level::new();
+        let level = $crate::noise::level();
         #[cfg(target_arch = "x86_64")]
         if let Some($simd) = level.as_avx512() {
             fearless_simd::Simd::vectorize($simd, #[inline(always)] || $expression)
@@ -48,12 +48,28 @@ mod gradient;
 mod lane;
 mod vector;
 
+use fearless_simd::Level;
 pub use fearless_simd::Simd;
 
 pub use cellular::{Cell2, Cell3, cells_2d, cells_3d, facets, hollows};
 pub use gradient::{LACUNARITY, Source};
+pub(crate) use lane::smooth_step;
 pub use lane::{Ints, Jet, Lanes, Mask, Real, Value};
 pub use vector::{Vec3, mix, soft_max, soft_min, vec3};
+
+/// The widest vectors of this machine, or those that a test has chosen for its thread.
+pub(crate) fn level() -> Level {
+    #[cfg(test)]
+    if let Some(chosen) = CHOSEN_LEVEL.get() {
+        return chosen;
+    }
+    Level::new()
+}
+
+#[cfg(test)]
+thread_local! {
+    pub(crate) static CHOSEN_LEVEL: std::cell::Cell<Option<Level>> = const { std::cell::Cell::new(None) };
+}
 
 #[cfg(test)]
 mod laws;

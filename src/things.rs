@@ -42,7 +42,7 @@ pub use catalogue::KINDS;
 pub use dressed::Dressed;
 pub use gravel::strew;
 pub use kind::{Along, Fit, Hang, Heading, KindRow, Kinds, Place, Scatter, Shape, Shapes};
-pub use library::{Body, Library, Prototype, shelf_mesh};
+pub use library::{Body, Library, Prototype};
 pub use place::{Setting, place};
 pub use replica::Replica;
 pub use settings::{FileSettings, KEPT, ThingSettings};

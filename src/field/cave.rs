@@ -131,8 +131,7 @@ impl CaveField {
             dispatched!(simd => survey_jets(simd, capsules, domain_warp, sites));
             self.material.coarse(sites, block);
             if self.material.is_crusted_by_drips() {
-                let crusted = self.drips.crusted(&points[start..start + sites.count]);
-                block.raise_state(&crusted.into_iter().map(|share| share as f32).collect::<Vec<_>>());
+                block.raise_state(&self.drips.crusted(&points[start..start + sites.count]));
             }
             visit(start, block);
         });

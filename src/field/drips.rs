@@ -1,7 +1,7 @@
 //! Where water drips from the roof: along joints, where the rock is wet.
 
 use crate::material::roughness;
-use crate::noise::Source;
+use crate::noise::{Source, smooth_step};
 use plume_graph::rng::Rng;
 use plume_graph::seed::{salt, stream};
 
@@ -11,8 +11,8 @@ const JOINT_M: f64 = 1.6;
 /// The wet joints of a cave.
 #[derive(Clone, Debug)]
 pub struct Drips {
-    /// Direction across the joints, from the x axis towards the y axis.
-    across_rad: f64,
+    /// Unit vector across the joints.
+    across: [f64; 2],
     wet: Source,
     bend: Source,
 }
@@ -32,39 +32,35 @@ impl Drips {
     /// Those of the cave with this seed.
     pub fn new(seed: u64) -> Self {
         let across_rad = Rng::new(stream(seed, "joint heading", 0)).between(0.0, std::f64::consts::TAU);
+        let across = [libm::cos(across_rad), libm::sin(across_rad)];
         let source = |name: &str| Source::new(salt(seed, name));
-        Self { across_rad, wet: source("wet joints"), bend: source("joint bends") }
+        Self { across, wet: source("wet joints"), bend: source("joint bends") }
     }
 
-    /// The direction across the joints, from the x axis towards the y axis.
-    pub fn across_rad(&self) -> f64 {
-        self.across_rad
+    /// The direction of the joints, from the x axis towards the y axis.
+    pub fn heading_rad(&self) -> f64 {
+        let [x, y] = self.across;
+        libm::atan2(x, -y)
     }
 
     /// Share of the places near each of these points from which water drips.
-    pub fn dripping(&self, points: &[[f32; 3]]) -> Vec<f64> {
+    pub fn dripping(&self, points: &[[f32; 3]]) -> Vec<f32> {
         self.shares(&DRIPPING, points)
     }
 
     /// How thick the crust is at each of these points, from 0 to 1.
-    pub fn crusted(&self, points: &[[f32; 3]]) -> Vec<f64> {
+    pub fn crusted(&self, points: &[[f32; 3]]) -> Vec<f32> {
         self.shares(&CRUSTED, points)
     }
 
-    fn shares(&self, reach: &Reach, points: &[[f32; 3]]) -> Vec<f64> {
+    fn shares(&self, reach: &Reach, points: &[[f32; 3]]) -> Vec<f32> {
         let (wet, bend) = (roughness(self.wet, points, 5.0), roughness(self.bend, points, 2.5));
-        let (sine, cosine) = (libm::sin(self.across_rad), libm::cos(self.across_rad));
+        let [across_x, across_y] = self.across;
         let share = |(n, [x, y, _]): (usize, &[f32; 3])| {
-            let across = (f64::from(*x) * cosine + f64::from(*y) * sine + 0.35 * f64::from(bend[n])) / JOINT_M;
+            let across = (f64::from(*x) * across_x + f64::from(*y) * across_y + 0.35 * f64::from(bend[n])) / JOINT_M;
             let off_m = (across - across.round()).abs() * JOINT_M;
-            step(reach.aside_m, off_m) * step(reach.wet, f64::from(wet[n]))
+            (smooth_step(reach.aside_m, off_m) * smooth_step(reach.wet, f64::from(wet[n]))) as f32
         };
         points.iter().enumerate().map(share).collect()
     }
-}
-
-/// A smooth step from 0 at the first place to 1 at the second.
-fn step([none, all]: [f64; 2], x: f64) -> f64 {
-    let t = ((x - none) / (all - none)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

@@ -347,7 +347,8 @@ impl<R: Rock> Material for R {
 mod tests {
     use super::*;
     use crate::material::{Basalt, Drilled, Ground, Limestone, Salt};
-    use crate::noise::Source;
+    use crate::noise::{CHOSEN_LEVEL, Source};
+    use fearless_simd::Level;
 
     /// A block along a line from the axis of a passage through its wall and down to its floor.
     fn sites() -> Sites {
@@ -367,37 +368,40 @@ mod tests {
         sites
     }
 
-    fn everything<S: Simd, R: Rock>(simd: S, rock: &R) -> (Vec<u32>, Vec<[u32; 3]>, SurfaceSamples) {
+    /// Through the interface of materials, which is compiled for every width anyway.
+    fn everything(rock: &dyn Material, level: Level) -> (Vec<u32>, Vec<[u32; 3]>, SurfaceSamples) {
+        CHOSEN_LEVEL.set(Some(level));
         let sites = sites();
         let mut values = vec![0.0; BLOCK];
-        distances(simd, rock, &sites, &mut values);
+        rock.distances(&sites, &mut values);
         let mut slopes = vec![[0.0; 3]; BLOCK];
-        gradients(simd, rock, &sites, &mut slopes);
+        rock.gradients(&sites, &mut slopes);
         let mut out = SurfaceSamples::default();
         let (look, footprint) = (Look::default(), Footprint { texel_m: 0.007 });
         let mut block = CoarseBlock::new(sites.ground, sites.source);
-        coarse_block(simd, rock, &sites, &mut block);
-        surface_samples(simd, rock, &block, &look, footprint, &[[0.6; BLOCK], [0.0; BLOCK], [0.8; BLOCK]], &mut out);
+        rock.coarse(&sites, &mut block);
+        rock.surface_samples(&block, &look, footprint, &[[0.6; BLOCK], [0.0; BLOCK], [0.8; BLOCK]], &mut out);
+        CHOSEN_LEVEL.set(None);
         let bits = values.into_iter().map(f32::to_bits).collect();
         (bits, slopes.into_iter().map(|slope| slope.map(f32::to_bits)).collect(), out)
     }
 
-    fn widths_agree(rock: &impl Rock) {
-        let level = fearless_simd::Level::new();
-        let narrow = everything(level.as_sse2().expect("part of every x86-64"), rock);
+    fn assert_widths_agree(rock: &dyn Material) {
+        let level = Level::new();
+        let narrow = everything(rock, level.as_sse2().expect("part of every x86-64").level());
         if let Some(avx2) = level.as_avx2() {
-            assert_eq!(narrow, everything(avx2, rock));
+            assert_eq!(narrow, everything(rock, avx2.level()));
         }
         if let Some(avx512) = level.as_avx512() {
-            assert_eq!(narrow, everything(avx512, rock));
+            assert_eq!(narrow, everything(rock, avx512.level()));
         }
     }
 
     #[test]
     fn rocks_are_the_same_on_every_width() {
-        widths_agree(&Basalt::default());
-        widths_agree(&Drilled::default());
-        widths_agree(&Limestone::default());
-        widths_agree(&Salt::default());
+        assert_widths_agree(&Basalt::default());
+        assert_widths_agree(&Drilled::default());
+        assert_widths_agree(&Limestone::default());
+        assert_widths_agree(&Salt::default());
     }
 }

@@ -94,10 +94,13 @@ impl Piece {
             return Self { corners, near, bound };
         }
         let Ball { centre, radius } = Ball::around(&corners);
-        let Found { triangle, squared, .. } = to.nearest(centre);
+        let known = known.map(|near| (near, squared_distance(centre, near)));
+        let nearer = to.nearer(centre, known.map_or(f64::INFINITY, |(_, squared)| squared));
+        let nearest = nearer.map(|Found { triangle, squared, .. }| (triangle, squared)).or(known);
+        let (near, squared) = nearest.expect("one of them is there");
         let distance = squared.sqrt();
         *found = found.max(distance);
-        Self { corners, near: triangle, bound: most(triangle).min(distance + radius) }
+        Self { corners, near, bound: most(near).min(distance + radius) }
     }
 }
 

@@ -66,20 +66,25 @@ impl Nearest {
 
     /// The triangle nearest to a point.
     pub(crate) fn nearest(&self, point: Point) -> Found {
-        let mut best = (0, f64::INFINITY);
+        self.nearer(point, f64::INFINITY).expect("there is a triangle")
+    }
+
+    /// The triangle nearest to a point, if its squared distance is less than this one.
+    pub(crate) fn nearer(&self, point: Point, squared: f64) -> Option<Found> {
+        let mut best = (None, squared);
         self.search(point, 0, 0..self.triangles.len(), &mut best);
-        let (triangle, index) = self.triangles[best.0];
-        Found { triangle, index, squared: best.1 }
+        let (triangle, index) = self.triangles[best.0?];
+        Some(Found { triangle, index, squared: best.1 })
     }
 
     /// Searches below a box; the nearer half first.
-    fn search(&self, point: Point, at: usize, range: std::ops::Range<usize>, best: &mut (usize, f64)) {
+    fn search(&self, point: Point, at: usize, range: std::ops::Range<usize>, best: &mut (Option<usize>, f64)) {
         let second = self.boxes[at].second;
         if second == 0 {
             for place in range {
                 let squared = squared_distance(point, self.triangles[place].0);
                 if squared < best.1 {
-                    *best = (place, squared);
+                    *best = (Some(place), squared);
                 }
             }
             return;

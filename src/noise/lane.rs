@@ -122,6 +122,12 @@ pub trait Real<S: Simd>:
     }
 }
 
+/// [`Real::step`] of a number by itself.
+pub(crate) fn smooth_step([from, to]: [f64; 2], x: f64) -> f64 {
+    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
 /// A plain value.
 #[derive(Clone, Copy, Debug)]
 pub struct Value<S: Simd>(pub Lanes<S>);

@@ -46,10 +46,13 @@ impl Pipeline<'_> {
         let density_px_per_m = TEXEL_RATIO * texture.density_px_per_m;
         let size_px = texture.size_px.map(|size_px| size_px.clamp(SIZE_PX[0], SIZE_PX[1]));
         let texture = TextureSettings { density_px_per_m, size_px, ..texture.clone() };
-        let mesh = things::shelf_mesh(&shelf);
+        let (library, mesh) = Library::of_shelf(self.recipe.kinds(), &shelf);
         let written = store::write_textured(self.folder, PROTOTYPES, &mesh, &shelf, &texture, &LEVELS)?;
         let lods = written.levels.iter().map(Into::into).collect();
-        Ok((written.files, Facts::Things(ThingFacts { things: shelf.len(), lods, ..ThingFacts::default() })))
+        Ok((
+            written.files,
+            Facts::Things(ThingFacts { things: library.prototypes.len(), lods, ..ThingFacts::default() }),
+        ))
     }
 
     fn things_of(
@@ -103,7 +106,7 @@ fn shelf(recipe: &Recipe, models: &Models) -> Shelf {
 pub fn stock<'a>(recipe: &'a Recipe, models: &Models) -> Option<(Shelf, Library<'a>)> {
     (recipe.things().cover > 0.0).then(|| {
         let shelf = shelf(recipe, models);
-        let library = Library::of_shelf(recipe.kinds(), &shelf);
+        let (library, _) = Library::of_shelf(recipe.kinds(), &shelf);
         (shelf, library)
     })
 }

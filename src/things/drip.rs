@@ -59,7 +59,7 @@ impl<'a> Site<'a> {
                     scale,
                     yaw_rad: match hang.heading {
                         Heading::Any => any_rad,
-                        Heading::Joint => self.setting.field.drips().across_rad() + std::f64::consts::FRAC_PI_2,
+                        Heading::Joint => self.setting.field.drips().heading_rad(),
                         Heading::Slope => libm::atan2(-ceiling.normal.y, -ceiling.normal.x),
                     },
                     at,
@@ -76,7 +76,7 @@ impl<'a> Site<'a> {
         let amount = self.settings.dripstone;
         let numbered = found.into_iter().enumerate();
         let mut wet: Vec<Drip> =
-            numbered.filter(|(n, drip)| drip.there < amount * wetness[*n]).map(|(_, drip)| drip).collect();
+            numbered.filter(|(n, drip)| drip.there < amount * f64::from(wetness[*n])).map(|(_, drip)| drip).collect();
         self.push_in(wet.iter_mut().map(|drip| &mut drip.candidate).collect());
         wet
     }

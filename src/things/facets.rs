@@ -1,8 +1,7 @@
 //! Triangles of walls or of stones, for rays.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{Isometry3, Point3, Vector3};
+use rustc_hash::FxHashMap;
 
 use super::library::Body;
 use crate::mesh::Mesh;
@@ -15,7 +14,8 @@ const COLUMN_M: f64 = 0.25;
 #[derive(Default)]
 pub struct Facets {
     all: Vec<Facet>,
-    columns: BTreeMap<[i32; 2], Vec<u32>>,
+    /// The triangles over each column. Never iterated.
+    columns: FxHashMap<[i32; 2], Vec<u32>>,
 }
 
 /// A triangle.

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 
 use super::replica::Replica;
-use super::shelf::{DUSTY, MOST_DUST, SOLIDS, Shelf, middle_of, on_floor};
+use super::shelf::{SOLIDS, Shelf, middle_of};
 use super::solid::Solid;
+use super::substance::Sample;
 use crate::field::Texel;
-use crate::material::{CoarseBlock, Footprint, SurfaceSamples, by_axis};
 use crate::mesh::{Mesh, QUANTA_PER_M};
 
 /// What is in a cube.
 pub(super) enum Hall {
-    /// A thing made of parts, dusted by the floor.
+    /// A thing made of parts.
     Solid(Solid),
     /// A model of the user, as clean as it is.
     Replica(Arc<Replica>),
@@ -37,36 +37,18 @@ impl Shelf {
     }
 
     /// The surface of at most [`BLOCK`](crate::material::BLOCK) points of a hall, with their normals.
-    pub(super) fn paint_hall(
-        &self,
-        slot: usize,
-        texel_m: f32,
-        at: [&[[f32; 3]]; 2],
-        block: &mut CoarseBlock,
-        out: &mut [Texel],
-    ) {
+    pub(super) fn paint_hall(&self, slot: usize, texel_m: f32, [points, normals]: [&[[f32; 3]]; 2], out: &mut [Texel]) {
         let middle = middle_of(slot);
-        let own: Vec<[f32; 3]> = at[0].iter().map(|p| std::array::from_fn(|axis| p[axis] - middle[axis])).collect();
+        let own: Vec<[f32; 3]> = points.iter().map(|p| std::array::from_fn(|axis| p[axis] - middle[axis])).collect();
         match self.hall(slot) {
-            Some(Hall::Solid(solid)) => self.paint_solid(solid, &own, texel_m, at, block, out),
+            Some(Hall::Solid(solid)) => self.paint_solid(solid, &own, normals, out),
             Some(Hall::Replica(replica)) => replica.paint(&own, texel_m, out),
             None => {}
         }
     }
 
     /// The surface of a solid at its `own` points.
-    fn paint_solid(
-        &self,
-        solid: &Solid,
-        own: &[[f32; 3]],
-        texel_m: f32,
-        [points, normals]: [&[[f32; 3]]; 2],
-        block: &mut CoarseBlock,
-        out: &mut [Texel],
-    ) {
-        let mut floor = SurfaceSamples::default();
-        self.material.coarse(&on_floor(points, self.source), block);
-        self.material.surface_samples(block, &self.look, Footprint { texel_m }, &by_axis(normals), &mut floor);
+    fn paint_solid(&self, solid: &Solid, own: &[[f32; 3]], normals: &[[f32; 3]], out: &mut [Texel]) {
         let part = |n: usize| solid.part_at(Point3::from(own[n].map(f64::from)));
         let mut start = 0;
         while start < own.len() {
@@ -74,15 +56,8 @@ impl Shelf {
             let end = (start..own.len()).take_while(|&n| std::ptr::eq(part(n), here)).count() + start;
             let samples = here.substance.samples(&here.frame, self.source, [&own[start..end], &normals[start..end]]);
             for (lane, sample) in (start..end).zip(samples) {
-                let dust = MOST_DUST * ((normals[lane][2] - DUSTY[0]) / (DUSTY[1] - DUSTY[0])).clamp(0.0, 1.0);
-                let mixed = |own: f32, floor: f32| own + (floor - own) * dust;
-                out[lane] = Texel {
-                    color: std::array::from_fn(|c| mixed(sample.color[c], floor.color[c][lane])),
-                    normal: sample.normal,
-                    roughness: mixed(sample.roughness, floor.roughness[lane]),
-                    occlusion: 1.0,
-                    height_m: 0.0,
-                };
+                let Sample { color, normal, roughness } = sample;
+                out[lane] = Texel { color, normal, roughness, occlusion: 1.0, height_m: 0.0 };
             }
             start = end;
         }

@@ -13,22 +13,6 @@ const VOXEL_M: f32 = 0.025;
 /// How far simplification may move the surface of a shape, in metres.
 const SIMPLIFY_ERROR_M: f32 = 0.003;
 
-/// The mesh of all shapes on a shelf, closed and manifold.
-pub fn shelf_mesh(shelf: &Shelf) -> Mesh {
-    let settings = MeshSettings {
-        voxel_m: VOXEL_M,
-        divisions: Some([1, 1, 1]),
-        simplify_error_m: SIMPLIFY_ERROR_M,
-        collision_error_m: 1.0,
-        ..MeshSettings::default()
-    };
-    let grid = Grid::new(shelf.bounds(), &settings).expect("a shelf is not empty, and its cells are not few");
-    let index = grid.indices().next().expect("there is one chunk");
-    let mut mesh = mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default();
-    shelf.add_halls(&mut mesh);
-    mesh
-}
-
 /// A closed convex body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
@@ -84,7 +68,12 @@ impl Body {
 
     /// The middle of each edge.
     pub fn middles_of_edges(&self) -> impl Iterator<Item = Point3<f64>> {
-        self.edges().map(|[a, b]| nalgebra::center(&self.corners[a], &self.corners[b]))
+        self.edges().map(|edge| self.middle_of(edge))
+    }
+
+    /// The middle of the edge between two corners.
+    pub(super) fn middle_of(&self, [a, b]: [usize; 2]) -> Point3<f64> {
+        nalgebra::center(&self.corners[a], &self.corners[b])
     }
 }
 
@@ -129,6 +118,22 @@ fn metres(point: [i32; 3]) -> Point3<f64> {
     point.map(|q| f64::from(q) / f64::from(QUANTA_PER_M)).into()
 }
 
+/// The mesh of all shapes on a shelf.
+fn shelf_mesh(shelf: &Shelf) -> Mesh {
+    let settings = MeshSettings {
+        voxel_m: VOXEL_M,
+        divisions: Some([1, 1, 1]),
+        simplify_error_m: SIMPLIFY_ERROR_M,
+        collision_error_m: 1.0,
+        ..MeshSettings::default()
+    };
+    let grid = Grid::new(shelf.bounds(), &settings).expect("a shelf is not empty, and its cells are not few");
+    let index = grid.indices().next().expect("there is one chunk");
+    let mut mesh = mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default();
+    shelf.add_halls(&mut mesh);
+    mesh
+}
+
 /// Points on the shelf, by slot, in quanta.
 fn by_slot(vertices: &[[f32; 3]], slots: usize) -> Vec<Vec<[i32; 3]>> {
     let mut points = vec![Vec::new(); slots];
@@ -171,21 +176,24 @@ pub struct Library<'a> {
 }
 
 impl<'a> Library<'a> {
-    /// The prototypes on a shelf of these kinds.
-    pub fn of_shelf(kinds: Kinds<'a>, shelf: &Shelf) -> Self {
+    /// The prototypes on a shelf of these kinds, and the mesh of all of them, which is closed and manifold.
+    pub fn of_shelf(kinds: Kinds<'a>, shelf: &Shelf) -> (Self, Mesh) {
         let mesh = shelf_mesh(shelf);
         let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
-        Self::new(kinds, &vertices)
+        let library = Self::new(kinds, &vertices);
+        let triangles = library.cut(&vertices, &mesh.triangles).concat();
+        (library, mesh.part(&triangles))
     }
 
-    /// The prototypes of these kinds, given the vertices of their meshes on the shelf in metres.
+    /// The prototypes of these kinds, given the vertices of their meshes on the shelf in metres. Loose shapes that lie on no side
+    /// are left out.
     pub fn new(kinds: Kinds<'a>, vertices: &[[f32; 3]]) -> Self {
         let slots: Vec<(usize, KindRow<'a>, u32)> = slots(kinds).collect();
         let points = by_slot(vertices, slots.iter().map(|(slot, ..)| slot + 1).max().unwrap_or_default());
         let made = slots.into_iter();
         let prototypes = made
             .filter_map(|(slot, row, number)| Some(Prototype::new(row, number, slot, Body::around(&points[slot])?)));
-        Self { prototypes: prototypes.collect() }
+        Self { prototypes: prototypes.filter(Prototype::is_of_use).collect() }
     }
 
     /// The prototype of this name.
@@ -233,6 +241,11 @@ impl<'a> Prototype<'a> {
         let hull = Body { corners, faces: on_shelf.faces };
         let lies = if row.place.is_loose() { stable_turns(&hull) } else { Vec::new() };
         Self { name: format!("{}_{number}", row.name), row, slot, origin, hull, volume_m3, size_m, reach_m, lies }
+    }
+
+    /// Whether it lies or is fixed somewhere.
+    fn is_of_use(&self) -> bool {
+        !self.lies.is_empty() || !self.row.place.is_loose()
     }
 
     /// Mean of its width and depth in metres.

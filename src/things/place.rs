@@ -205,9 +205,3 @@ pub(super) fn quantised(size: f64) -> f64 {
     let steps = (libm::log(size) / libm::log(SIZE_STEP)).round();
     libm::pow(SIZE_STEP, steps)
 }
-
-/// From 0 at `low` to 1 at `high`, smoothly.
-pub(super) fn step(low: f64, high: f64, x: f64) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}

@@ -54,6 +54,8 @@ struct Floor {
     facets: Vec<Facet>,
     /// The facets over each cell of a square around the stone.
     cells: Vec<Vec<Incline>>,
+    /// Cells along either side of the square.
+    side: usize,
     reach_m: f64,
 }
 
@@ -153,7 +155,11 @@ impl<'a> Bed<'a> {
             let (bottom, level) = bottom(place);
             gap(place, top, bottom, level)
         });
-        own.chain(on_floor).chain(under_stone).collect()
+        let mut gaps = Vec::with_capacity(2 * corners.len() + SAMPLES * SAMPLES + self.peaks.len());
+        gaps.extend(own);
+        gaps.extend(on_floor);
+        gaps.extend(under_stone);
+        gaps
     }
 }
 
@@ -194,36 +200,37 @@ pub(super) fn stable_turns(body: &Body) -> Vec<UnitQuaternion<f64>> {
 }
 
 impl Floor {
-    /// Cells along either side of the square.
-    const CELLS: usize = 8;
+    /// Most cells along either side of the square.
+    const MOST_CELLS: usize = 8;
 
     fn new(facets: Vec<Facet>, at: Point3<f64>, reach_m: f64) -> Self {
         let middle = at.coords.xy();
-        let mut cells = vec![Vec::new(); Self::CELLS * Self::CELLS];
-        for facet in &facets {
+        let side = facets.len().isqrt().clamp(1, Self::MOST_CELLS);
+        let mut floor = Self { facets, cells: vec![Vec::new(); side * side], side, reach_m };
+        for facet in &floor.facets {
             let Some(incline) = Incline::new(facet, middle) else { continue };
             let [a, b, c] = facet.corners.map(|corner| corner.coords.xy() - middle);
-            let low = a.inf(&b).inf(&c).map(|along| Self::cell(along, reach_m));
-            let high = a.sup(&b).sup(&c).map(|along| Self::cell(along, reach_m));
+            let low = a.inf(&b).inf(&c).map(|along| floor.cell(along));
+            let high = a.sup(&b).sup(&c).map(|along| floor.cell(along));
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
-                    cells[y * Self::CELLS + x].push(incline);
+                    floor.cells[y * side + x].push(incline);
                 }
             }
         }
-        Self { facets, cells, reach_m }
+        floor
     }
 
     /// The cell along an axis; the outermost reach to infinity.
-    fn cell(along_m: f64, reach_m: f64) -> usize {
-        let cell = (along_m / reach_m + 1.0) * 0.5 * Self::CELLS as f64;
-        (cell.max(0.0) as usize).min(Self::CELLS - 1)
+    fn cell(&self, along_m: f64) -> usize {
+        let cell = (along_m / self.reach_m + 1.0) * 0.5 * self.side as f64;
+        (cell.max(0.0) as usize).min(self.side - 1)
     }
 
     /// Height of the floor at a place relative to the middle, and the upward component of its normal there.
     fn top(&self, place: Vector2<f64>) -> Option<(f64, f64)> {
-        let [x, y] = [place.x, place.y].map(|along| Self::cell(along, self.reach_m));
-        let cell = self.cells[y * Self::CELLS + x].iter();
+        let [x, y] = [place.x, place.y].map(|along| self.cell(along));
+        let cell = self.cells[y * self.side + x].iter();
         let heights = cell.filter_map(|incline| Some((incline.height(place)?, incline.level)));
         heights.reduce(|a, b| if b.0 > a.0 { b } else { a })
     }

@@ -4,10 +4,11 @@ use nalgebra::{Isometry3, Point3, Translation3};
 
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
-use super::place::{Candidate, Site, owns, quantised, step, without_overlaps};
+use super::place::{Candidate, Site, owns, quantised, without_overlaps};
 use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z, long_edges};
 use super::{Thing, WHEEL_M};
 use crate::field::{CaveField, Heap};
+use crate::noise::smooth_step;
 use plume_graph::Aabb;
 
 /// Steepest floor over which stones are let down: upward component of its normal below the middle.
@@ -69,12 +70,13 @@ impl<'a> Site<'a> {
         let widths = Widths::of(&scatter);
         let at_mean = self.settings.cover * scatter.share * side_m * side_m / widths.mean_area_m2() / MEAN_DENSITY;
         let heaps = Heaps::around(self.setting.field, &around);
-        let lying: Vec<_> = self.setting.library.of(&row).iter().filter(|shape| !shape.lies.is_empty()).collect();
+        let shapes = self.setting.library.of(&row);
         let mut found = Vec::new();
         for (mut lots, x, y) in self.cells(&row, side_m, around) {
             // Most candidates are dropped here, before anything is looked up.
             let there = lots.unit() / at_mean;
-            if there > Density::MOST || there > Density::most(heaps.on_map(x, y)) {
+            let is_bare = |heaped: f64| there > Density::most(heaped);
+            if is_bare(1.0) || is_bare(0.0) && is_bare(heaps.on_map(x, y)) {
                 continue;
             }
             let hits = self.walls.hits(x, y);
@@ -83,7 +85,7 @@ impl<'a> Site<'a> {
             }
             let width_m = quantised(widths.at(lots.unit()));
             let yaw_rad = std::f64::consts::TAU * lots.unit();
-            let Some(&prototype) = lots.one_of(&lying) else { continue };
+            let Some(prototype) = lots.one_of(shapes) else { continue };
             let least = if width_m < SMALL_M { LEAST_LEVEL } else { LEVEL };
             let level = hits.iter().filter(|hit| hit.normal.z > least);
             for hit in lots.one_per_storey(level, |hit| hit.z) {
@@ -145,8 +147,7 @@ impl<'a> Site<'a> {
     fn is_out_of_the_rock(&self, stones: &[(Candidate, Isometry3<f64>)]) -> Vec<bool> {
         let points = |(stone, pose): &(Candidate, Isometry3<f64>)| {
             let hull = &stone.prototype.hull;
-            let middle = |[a, b]: [usize; 2]| nalgebra::center(&hull.corners[a], &hull.corners[b]);
-            let middles = long_edges(hull, stone.scale).map(middle);
+            let middles = long_edges(hull, stone.scale).map(|edge| hull.middle_of(edge));
             let points = hull.corners.iter().copied().chain(middles);
             points.map(|point| (pose * (point * stone.scale)).map(|c| c as f32).into()).collect()
         };
@@ -200,8 +201,6 @@ struct Density {
 }
 
 impl Density {
-    /// Upper bound.
-    const MOST: f64 = Self::OPEN + Self::AT_WALL + Self::ON_HEAP;
     /// Far from walls and heaps, and what those add.
     const OPEN: f64 = 0.10;
     const AT_WALL: f64 = 2.2;
@@ -258,5 +257,5 @@ fn heaped(heap: &Heap, x: f64, y: f64) -> f64 {
     const THINNING: [f64; 2] = [0.6, 1.2];
     let [heap_x, heap_y, _] = heap.at.map(f64::from);
     let away_m = libm::hypot(x - heap_x, y - heap_y);
-    1.0 - step(THINNING[0], THINNING[1], away_m / f64::from(heap.radius_m))
+    1.0 - smooth_step(THINNING, away_m / f64::from(heap.radius_m))
 }

@@ -35,12 +35,12 @@ const ROUGH_LENGTH_M: f32 = 0.06;
 const STEEPEST: f32 = 1.8;
 /// Largest distance from the middle of a cell at which a shape may be, in metres.
 const REACH_M: f32 = 0.46;
-/// Upward component of the normal from which on dust lies on a stone, and at which there is most of it. Tuned.
-pub(super) const DUSTY: [f32; 2] = [0.45, 0.9];
+/// Upward component of the normal from which on dust lies on something, and at which there is most of it. Tuned.
+const DUSTY: [f32; 2] = [0.45, 0.9];
 /// How far below the middle of a stone the floor has soiled it, in metres: from nothing to most. Tuned.
 const SOILED_M: [f32; 2] = [0.03, 0.10];
 /// Most of the colour of the floor on a stone. Tuned.
-pub(super) const MOST_DUST: f32 = 0.7;
+const MOST_DUST: f32 = 0.7;
 
 /// What the shapes are made of.
 pub struct Dress<'a> {
@@ -61,8 +61,8 @@ pub struct Shelf {
     slots: Vec<Slot>,
     pub(super) halls: Vec<Hall>,
     /// The rock as it is.
-    pub(super) material: Arc<dyn Material>,
-    pub(super) look: Look,
+    material: Arc<dyn Material>,
+    look: Look,
     pub(super) source: Source,
 }
 
@@ -91,20 +91,21 @@ impl Shelf {
     pub fn new(dress: &Dress) -> Self {
         let (mut fields, mut halls) = (Vec::new(), Vec::new());
         let mut replicas = dress.replicas.iter().cloned();
+        let material = (dress.material)(None);
+        let (wall, is_crusted) = (dress.look.humidity, material.is_crusted_by_drips());
         for (_, row, number) in slots(dress.kinds) {
             let mut rng = Rng::new(stream(0, row.name, u64::from(number)));
-            let material = || (dress.material)(row.rock_setting);
             let is_loose = row.place.is_loose();
-            let wall = dress.look.humidity;
             let humidity = match is_loose {
                 true => humidity_of_stones(wall),
-                false if material().is_crusted_by_drips() => humidity_of_dripstone(wall),
+                false if is_crusted => humidity_of_dripstone(wall),
                 false => wall,
             };
             let look = Look { humidity, ..dress.look.clone() };
             match row.shapes {
                 Shapes::Own { make, .. } => {
-                    fields.push(Slot { shape: make(&mut rng), material: material(), is_loose, look });
+                    let material = (dress.material)(row.rock_setting);
+                    fields.push(Slot { shape: make(&mut rng), material, is_loose, look });
                 }
                 Shapes::Solid { make, .. } => halls.push(Hall::Solid(make(&mut rng))),
                 Shapes::File => halls.extend(replicas.next().map(Hall::Replica)),
@@ -114,7 +115,7 @@ impl Shelf {
         Self {
             slots: fields,
             halls,
-            material: (dress.material)(None),
+            material,
             look: dress.look.clone(),
             source: Source::new(salt(dress.seed, "things")),
         }
@@ -255,11 +256,14 @@ impl Surface for Shelf {
             let range = start..end;
             if let Some(slot) = slot(start) {
                 let at = [&points[range.clone()], &normals[range.clone()]];
-                let paint = if slot < SOLIDS { Self::paint } else { Self::paint_hall };
-                paint(self, slot, texel_m, at, &mut block, &mut out[range]);
+                match slot < SOLIDS {
+                    true => self.paint(slot, texel_m, at, &mut block, &mut out[range]),
+                    false => self.paint_hall(slot, texel_m, at, &mut out[range]),
+                }
             }
             start = end;
         }
+        self.soil(texel_m, points, normals, &mut block, out);
     }
 }
 
@@ -267,40 +271,65 @@ impl Surface for Shelf {
 const GROUND: Ground = Ground { roughness_m: 0.0, natural: 0.0 };
 
 impl Shelf {
-    /// The surface of at most [`BLOCK`] points of a slot, with their normals: that of the wall, on stones soiled by the floor.
+    /// The surface of at most [`BLOCK`] points of a slot, with their normals: that of the wall.
     fn paint(&self, slot: usize, texel_m: f32, at: [&[[f32; 3]]; 2], block: &mut CoarseBlock, out: &mut [Texel]) {
         let [points, normals] = at;
-        let Slot { material, look, is_loose, .. } = &self.slots[slot];
-        let footprint = Footprint { texel_m };
-        let (mut wall, mut floor) = (SurfaceSamples::default(), SurfaceSamples::default());
+        let Slot { material, look, .. } = &self.slots[slot];
+        let mut wall = SurfaceSamples::default();
         let columns = by_axis(normals);
         material.coarse(&on_wall(points, normals, self.source), block);
         block.shape_as(&columns);
-        material.surface_samples(block, look, footprint, &columns, &mut wall);
-        let soil = |n: usize| if *is_loose { soil(points[n], normals[n]) } else { 0.0 };
-        if (0..points.len()).any(|n| soil(n) > 0.0) {
-            material.coarse(&on_floor(points, self.source), block);
-            material.surface_samples(block, look, footprint, &columns, &mut floor);
-        }
+        material.surface_samples(block, look, Footprint { texel_m }, &columns, &mut wall);
         for (lane, texel) in out.iter_mut().enumerate() {
-            let soil = soil(lane);
-            let mixed = |wall: f32, floor: f32| wall + (floor - wall) * soil;
             *texel = Texel {
-                color: std::array::from_fn(|channel| mixed(wall.color[channel][lane], floor.color[channel][lane])),
+                color: wall.color.map(|column| column[lane]),
                 normal: wall.normal.map(|column| column[lane]),
-                roughness: mixed(wall.roughness[lane], floor.roughness[lane]),
+                roughness: wall.roughness[lane],
                 occlusion: wall.occlusion[lane],
                 height_m: 0.0,
             };
         }
     }
-}
 
-/// Share of the floor's colour at a point of a stone: where dust has settled, and where the floor is near.
-fn soil(point: [f32; 3], normal: [f32; 3]) -> f32 {
-    let between = |[low, high]: [f32; 2], x: f32| ((x - low) / (high - low)).clamp(0.0, 1.0);
-    let below_middle_m = 0.5 * CELL_M - point[2].rem_euclid(CELL_M);
-    MOST_DUST * between(DUSTY, normal[2]).max(between(SOILED_M, below_middle_m))
+    /// Share of the floor's colour at a point: where dust has settled, and on stones also where the floor is near.
+    fn soil_at(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
+        let between = |[low, high]: [f32; 2], x: f32| ((x - low) / (high - low)).clamp(0.0, 1.0);
+        let Some(slot) = slot_at(point) else { return 0.0 };
+        let near_floor = match (self.slots.get(slot), self.hall(slot)) {
+            (Some(Slot { is_loose: true, .. }), _) => between(SOILED_M, 0.5 * CELL_M - point[2].rem_euclid(CELL_M)),
+            (_, Some(Hall::Solid(_))) => 0.0,
+            _ => return 0.0,
+        };
+        MOST_DUST * between(DUSTY, normal[2]).max(near_floor)
+    }
+
+    /// Soils what lies or stands about with the floor: in full blocks of the points that it soils, wherever they are.
+    fn soil(
+        &self,
+        texel_m: f32,
+        points: &[[f32; 3]],
+        normals: &[[f32; 3]],
+        block: &mut CoarseBlock,
+        out: &mut [Texel],
+    ) {
+        let share = |at: usize| self.soil_at(points[at], normals[at]);
+        let soiled: Vec<(usize, f32)> =
+            (0..points.len()).map(|at| (at, share(at))).filter(|(_, share)| *share > 0.0).collect();
+        let look = Look { humidity: humidity_of_stones(self.look.humidity), ..self.look.clone() };
+        let mut floor = SurfaceSamples::default();
+        for soiled in soiled.chunks(BLOCK) {
+            let of = |all: &[[f32; 3]]| soiled.iter().map(|&(at, _)| all[at]).collect::<Vec<_>>();
+            let columns = by_axis(&of(normals));
+            self.material.coarse(&on_floor(&of(points), self.source), block);
+            self.material.surface_samples(block, &look, Footprint { texel_m }, &columns, &mut floor);
+            for (lane, &(at, share)) in soiled.iter().enumerate() {
+                let texel = &mut out[at];
+                let mixed = |wall: f32, floor: f32| wall + (floor - wall) * share;
+                texel.color = std::array::from_fn(|channel| mixed(texel.color[channel], floor.color[channel][lane]));
+                texel.roughness = mixed(texel.roughness, floor.roughness[lane]);
+            }
+        }
+    }
 }
 
 /// Sites on the wall of a wide passage, high above its floor.
@@ -318,7 +347,7 @@ fn on_wall(points: &[[f32; 3]], normals: &[[f32; 3]], source: Source) -> Sites {
 }
 
 /// Sites on the floor of a wide passage.
-pub(super) fn on_floor(points: &[[f32; 3]], source: Source) -> Sites {
+fn on_floor(points: &[[f32; 3]], source: Source) -> Sites {
     let mut sites = Sites::new(GROUND, source);
     sites.place(points);
     sites.wall.value.fill(-2.0);

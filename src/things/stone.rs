@@ -16,6 +16,9 @@ const SLAB_M: f64 = 0.24;
 /// Width over which edges are worn, in metres. Tuned.
 const WORN_M: f32 = 0.012;
 
+/// Distance from the surface beyond which wear is left out, in metres: further than any edge of a voxel that crosses the surface.
+const UNWORN_M: f32 = 0.05;
+
 /// An angular block.
 pub fn block(rng: &mut Rng) -> Shape {
     angular(rng, BLOCK_M)
@@ -90,10 +93,12 @@ fn broken(rng: &mut Rng, half: Vector3<f64>, skew: f64, breaks: usize) -> Shape 
     let planes: Vec<([f32; 3], f32)> =
         planes.into_iter().map(|(normal, offset)| (normal.map(|c| c as f32).into(), offset as f32)).collect();
     Box::new(move |point| {
-        planes.iter().fold(f32::INFINITY, |inside, (normal, offset)| {
-            let along = normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2];
-            worn_min(inside, offset - along)
-        })
+        let depths = planes
+            .iter()
+            .map(|(normal, offset)| offset - (normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2]));
+        let sharp = depths.clone().fold(f32::INFINITY, f32::min);
+        // Far from the surface, wear would not be seen.
+        if sharp.abs() > UNWORN_M { sharp } else { depths.fold(f32::INFINITY, worn_min) }
     })
 }
 
@@ -106,6 +111,6 @@ fn direction(rng: &mut Rng) -> Vector3<f64> {
 
 /// The smaller of two distances, rounded where they are nearly equal.
 fn worn_min(a: f32, b: f32) -> f32 {
-    let near = (WORN_M - (a - b).abs()).max(0.0) / WORN_M;
-    a.min(b) - near * near * WORN_M / 4.0
+    let near_m = (WORN_M - (a - b).abs()).max(0.0);
+    a.min(b) - near_m * near_m * (0.25 / WORN_M)
 }

@@ -19,7 +19,7 @@ use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
 use plume::things::{
     Body, Dress, KINDS, Kinds, Library, Place, Prototype, Replica, Setting, Shelf, Thing, ThingSettings, WHEEL_M,
-    place, shelf_mesh, strew,
+    place, strew,
 };
 
 /// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
@@ -40,15 +40,15 @@ fn kinds_of(rock: &'static str) -> Kinds<'static> {
 }
 
 /// The prototypes of every rock, made once for all laws.
-static LIBRARIES: LazyLock<BTreeMap<&'static str, (Mesh, Library<'static>)>> = LazyLock::new(|| {
+static LIBRARIES: LazyLock<BTreeMap<&'static str, (Library<'static>, Mesh)>> = LazyLock::new(|| {
     let made = |rock: &'static str| {
         let shelf = shelf(kinds_of(rock), &[]);
-        (rock, (shelf_mesh(&shelf), Library::of_shelf(kinds_of(rock), &shelf)))
+        (rock, Library::of_shelf(kinds_of(rock), &shelf))
     };
     MATERIALS.iter().map(|row| made(row.name)).collect()
 });
 
-fn library(rock: &str) -> &'static (Mesh, Library<'static>) {
+fn library(rock: &str) -> &'static (Library<'static>, Mesh) {
     &LIBRARIES[rock]
 }
 
@@ -76,7 +76,7 @@ impl Cave {
         };
         let made = grid.indices().filter_map(|index| Some((bounds(index), chunk(&field, &grid, index, &mesh)?.visual)));
         let walls = made.collect();
-        let (library, kinds, settings) = (library(rock).1.clone(), kinds_of(rock), ThingSettings::default());
+        let (library, kinds, settings) = (library(rock).0.clone(), kinds_of(rock), ThingSettings::default());
         Self { name, graph, field, library, kinds, walls, settings, seed: 7 }
     }
 
@@ -168,7 +168,7 @@ fn near(cave: &Cave, things: &[Thing], thing: &Thing, reach_m: f64) -> Vec<[Vect
 #[test]
 fn prototypes_are_closed_bodies_of_few_corners() {
     for rock in MATERIALS.iter() {
-        let (mesh, library) = library(rock.name);
+        let (library, mesh) = library(rock.name);
         assert_whole(mesh);
         let report = Report::of(mesh);
         assert!(report.is_clean() && report.volume_m3 < 0.0, "{}: {report:#?}", rock.name);
@@ -192,7 +192,7 @@ fn prototypes_are_closed_bodies_of_few_corners() {
 #[test]
 fn normals_of_solids_point_out_of_them() {
     for rock in MATERIALS.iter() {
-        let (mesh, library) = library(rock.name);
+        let (library, mesh) = library(rock.name);
         let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
         let cut = library.prototypes.iter().zip(library.cut(&vertices, &mesh.triangles));
         for triangle in cut.filter(|(prototype, _)| prototype.row.is_solid()).flat_map(|(_, triangles)| triangles) {
@@ -210,7 +210,7 @@ fn hulls_follow_the_stones() {
     /// How far collision geometry may be from floors, as of the convex pieces of the wall.
     const MOST_M: f64 = 0.02;
     for rock in MATERIALS.iter() {
-        let (mesh, library) = library(rock.name);
+        let (library, mesh) = library(rock.name);
         let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
         let cut = library.cut(&vertices, &mesh.triangles);
         for row in KINDS.iter().filter(|row| row.is_in(rock.name)) {

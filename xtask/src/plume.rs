@@ -63,7 +63,8 @@ impl Plume {
         eprintln!("building the Python package");
         let mut maturin = Command::new(environment.program("maturin"));
         // The features that the rest of the workspace is built with.
-        let develop = ["develop", "--locked", "--quiet", "--features", "plume-exporters/default"];
+        let features = "plume/default,plume-cli/default,plume-exporters/default";
+        let develop = ["develop", "--locked", "--quiet", "--features", features];
         let maturin = maturin.args(develop).args(profile.arguments()).current_dir(root());
         // Maturin looks for the environment of the user first.
         run(maturin.env_remove("CONDA_PREFIX").env("VIRTUAL_ENV", root().join(".venv")))?;

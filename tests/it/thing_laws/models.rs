@@ -8,7 +8,7 @@ use plume::field::Surface;
 use plume::mesh::Mesh;
 use plume::mesh::measure::Report;
 use plume::model::{Format, ModelError};
-use plume::things::{FileSettings, Kinds, Library, Replica, Shelf, Thing, shelf_mesh};
+use plume::things::{FileSettings, Kinds, Library, Replica, Shelf, Thing};
 
 use super::{Cave, assert_have_own_identities, assert_the_corridor_is_free, shelf};
 use crate::common::assert_whole;
@@ -37,18 +37,17 @@ fn crates() -> Vec<Arc<Replica>> {
     CRATES.iter().map(replica).collect()
 }
 
-/// A shelf with the crates, and its prototypes.
-fn stocked(rock: &'static str) -> (Kinds<'static>, Shelf, Library<'static>) {
+/// A shelf with the crates, its prototypes, and their mesh.
+fn stocked(rock: &'static str) -> (Kinds<'static>, Shelf, Library<'static>, Mesh) {
     let kinds = Kinds { rock, has_artefacts: false, files: &*CRATES };
     let shelf = shelf(kinds, &crates());
-    let library = Library::of_shelf(kinds, &shelf);
-    (kinds, shelf, library)
+    let (library, mesh) = Library::of_shelf(kinds, &shelf);
+    (kinds, shelf, library, mesh)
 }
 
 #[test]
 fn models_are_closed_prototypes_on_their_feet() {
-    let (_, shelf, library) = stocked("salt");
-    let mesh = shelf_mesh(&shelf);
+    let (_, _, library, mesh) = stocked("salt");
     assert_whole(&mesh);
     let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
     let cut = library.cut(&vertices, &mesh.triangles);
@@ -73,7 +72,7 @@ fn models_are_closed_prototypes_on_their_feet() {
 /// Boards between a painted frame, each as in the file, with the normals of flat sides.
 #[test]
 fn models_have_their_own_colours() {
-    let (_, shelf, library) = stocked("salt");
+    let (_, shelf, library, _) = stocked("salt");
     let origin = library.named("crate_0").unwrap().origin.map(|c| c as f32);
     let at = |x: f32, y: f32, z: f32| [origin.x + x, origin.y + y, origin.z + z];
     let points = [at(0.0, 0.18, 0.2), at(0.0, 0.2, 0.02)];
@@ -91,7 +90,7 @@ fn models_are_spread_along_the_passages_beside_the_way_and_each_other() {
     for (generator, rock) in [("gaussian-perlin", "limestone"), ("mine", "salt")] {
         let row = plume::generators::GENERATORS.find(generator).unwrap();
         let mut cave = Cave::new(format!("{generator} in {rock}"), small(row, 24, 1), rock, 16.0);
-        (cave.kinds, _, cave.library) = stocked(rock);
+        (cave.kinds, _, cave.library, _) = stocked(rock);
         let things = cave.things();
         assert_have_own_identities(&cave, &things);
         let crates: Vec<Thing> = things.into_iter().filter(|thing| thing.kind.ends_with("crate")).collect();
