@@ -23,6 +23,7 @@ mod strace;
 mod tally;
 mod tree;
 
+use std::cmp::Reverse;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -55,7 +56,10 @@ fn run(chosen: &[&'static Attack], arguments: &Arguments) -> Vec<Row> {
     let cave = cave::make(&arguments.plume, scratch.path());
     let packages = Packages::of(&arguments.plume);
     let python = Python::find(&arguments.repository);
-    let next = Mutex::new(chosen.iter().enumerate());
+    // The longest first, so that none of them runs alone at the end.
+    let mut order: Vec<(usize, &&Attack)> = chosen.iter().enumerate().collect();
+    order.sort_by_key(|(_, attack)| Reverse(attack.share));
+    let next = Mutex::new(order.into_iter());
     let rows = Mutex::new(Vec::new());
     let work = || {
         while let Some((at, attack)) = { next.lock().expect("no worker panics").next() } {

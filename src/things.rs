@@ -30,6 +30,7 @@ mod plane;
 mod replica;
 mod rest;
 mod roof;
+mod run;
 mod scatter;
 mod settings;
 mod shelf;

@@ -30,14 +30,23 @@ pub struct ChunkMeshes {
 /// `field` must be rock outside the bounds of the grid, and finite.
 pub fn chunk(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshSettings) -> Option<ChunkMeshes> {
     let facets = facets(field, grid.voxel_m, &grid.owned(index))?;
-    let most_triangles = triangle_budget(field, grid, index, settings.max_triangles);
-    let seen = StopCriterion { error_m: settings.simplify_error_m, most_triangles };
+    let (visual, visual_error_m) = visual(field, grid, index, settings, &facets);
     let touched = StopCriterion { error_m: settings.collision_error_m, most_triangles: None };
-    let (visual, visual_error_m) = simplify(&facets, seen);
     let (collision, collision_error_m) = simplify(&facets, touched);
-    let normals = normals(field, grid.voxel_m, &visual);
-    let visual = Mesh { normals, ..visual.mesh };
     Some(ChunkMeshes { visual, collision: collision.mesh, visual_error_m, collision_error_m })
+}
+
+/// Makes only the visual mesh of a chunk, the same as [`chunk`].
+pub fn visual_chunk(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshSettings) -> Option<Mesh> {
+    let facets = facets(field, grid.voxel_m, &grid.owned(index))?;
+    Some(visual(field, grid, index, settings, &facets).0)
+}
+
+fn visual(field: &dyn Field, grid: &Grid, index: ChunkIndex, settings: &MeshSettings, facets: &Facets) -> (Mesh, f32) {
+    let most_triangles = triangle_budget(field, grid, index, settings.max_triangles);
+    let (visual, error_m) = simplify(facets, StopCriterion { error_m: settings.simplify_error_m, most_triangles });
+    let normals = normals(field, grid.voxel_m, &visual);
+    (Mesh { normals, ..visual.mesh }, error_m)
 }
 
 /// The unsimplified triangles of a chunk.

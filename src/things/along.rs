@@ -5,7 +5,7 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
-use super::equipment::{DUCT_M, OFF_WALL_M, RAIL_M, SLEEPER_M};
+use super::equipment::{DUCT_M, OFF_WALL_M, SLEEPER_M};
 use super::kind::{Along, Fit, KindRow, Place};
 use super::lots::Lots;
 use super::place::{Candidate, Site};
@@ -32,6 +32,9 @@ pub(super) const POST_M: [f64; 2] = [0.17, 0.08];
 pub(super) const FOOT_M: [f64; 3] = [0.2, 0.5, 0.9];
 /// Radius of a drum in metres.
 const DRUM_M: f64 = 0.3;
+
+/// Scale, pose, and how deep it is in the rock in metres.
+pub(super) type Fitted = (f64, Isometry3<f64>, f64);
 
 /// Something built in, and its pose.
 pub(super) struct Built<'a> {
@@ -91,8 +94,20 @@ impl Way {
     }
 
     /// Number of parts of at most this length.
-    fn parts(&self, spacing_m: f64) -> u32 {
+    pub fn parts(&self, spacing_m: f64) -> u32 {
         (self.length_m / spacing_m).ceil().max(1.0) as u32
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> Point3<f64> {
+        self.at(self.length_m)
+    }
+
+    /// One of the places of a kind along it.
+    pub fn stop(&self, along: &Along, number: u32) -> Stop<'_> {
+        let part_m = self.length_m / f64::from(self.parts(along.spacing_m));
+        let reach = [f64::from(number), f64::from(number + 1)].map(|n| n * part_m);
+        Stop { way: self, number, reach }
     }
 }
 
@@ -125,13 +140,10 @@ impl<'a> Site<'a> {
         let mut built = Vec::new();
         for (row, along) in rows {
             for way in ways {
-                let parts = way.parts(along.spacing_m);
-                let part_m = way.length_m / f64::from(parts);
-                for number in 0..parts {
-                    let reach = [f64::from(number), f64::from(number + 1)].map(|n| n * part_m);
-                    let stop = Stop { way, number, reach };
+                for number in 0..way.parts(along.spacing_m) {
+                    let stop = way.stop(&along, number);
                     if self.has(&along, way.at(stop.middle())) {
-                        built.extend(self.fitted(row, &along, &stop));
+                        built.extend(self.fitted(row, &along, ways, &stop));
                     }
                 }
             }
@@ -158,10 +170,10 @@ impl<'a> Site<'a> {
         if is_timbered { 2.0 * POST_M[0] + POST_M[1] } else { 0.0 }
     }
 
-    fn fitted(&self, row: KindRow<'a>, along: &Along, stop: &Stop) -> Vec<Built<'a>> {
+    fn fitted(&self, row: KindRow<'a>, along: &Along, ways: &[Way], stop: &Stop) -> Vec<Built<'a>> {
         let way = stop.way;
         let middle = stop.middle();
-        let poses: Vec<(f64, Isometry3<f64>, f64)> = match along.fit {
+        let poses: Vec<Fitted> = match along.fit {
             Fit::Post => self.set(way, middle).map(|set| set.posts.to_vec()).unwrap_or_default(),
             Fit::Beam => self.set(way, middle).map(|set| set.beam).into_iter().collect(),
             Fit::OnBeams => self.lagging(along, stop),
@@ -169,9 +181,8 @@ impl<'a> Site<'a> {
             Fit::AgainstRoof => self.roof_mesh(stop),
             Fit::Rail => self.rails(stop),
             Fit::Sleeper => self.sleeper(way, middle).into_iter().collect(),
-            Fit::RightWall => self.between(stop, |along_m| self.on_wall(way, along_m, 1.0, 1.6)),
-            Fit::LeftWall => self.between(stop, |along_m| self.on_wall(way, along_m, -1.0, 1.7)),
-            Fit::UnderRoof => self.between(stop, |along_m| self.under_roof(way, along_m)),
+            Fit::RightWall | Fit::LeftWall | Fit::UnderRoof => self.run(along, ways, stop),
+            Fit::IntoRightWall | Fit::IntoLeftWall => self.ends_of_run(along, ways, stop),
             Fit::FootOfWall => self.drum(stop).into_iter().collect(),
         };
         let key =
@@ -249,7 +260,7 @@ impl<'a> Site<'a> {
         Some(Point3::new(at.x, at.y, high + 0.01))
     }
 
-    fn rails(&self, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
+    fn rails(&self, stop: &Stop) -> Vec<Fitted> {
         let side = |offset: f64| {
             let place = |along_m: f64| Some(self.track(stop.way, along_m)? + stop.way.right * offset);
             self.between(stop, place)
@@ -258,7 +269,7 @@ impl<'a> Site<'a> {
     }
 
     /// A sleeper under the rails, which run straight between the ends of their pieces.
-    fn sleeper(&self, way: &Way, along_m: f64) -> Option<(f64, Isometry3<f64>, f64)> {
+    fn sleeper(&self, way: &Way, along_m: f64) -> Option<Fitted> {
         let rail = self.rows().find_map(|row| match row.place {
             Place::Along(along) if along.fit == Fit::Rail => Some(along),
             _ => None,
@@ -274,7 +285,7 @@ impl<'a> Site<'a> {
     }
 
     /// A place at a wall, this high over the floor.
-    fn on_wall(&self, way: &Way, along_m: f64, side: f64, height_m: f64) -> Option<Point3<f64>> {
+    pub fn on_wall(&self, way: &Way, along_m: f64, side: f64, height_m: f64) -> Option<Point3<f64>> {
         let aside = |shift: f64| self.aside(way, along_m + shift, side, &[height_m - 0.1, height_m + 0.1]);
         let wall_m = [-0.4, 0.0, 0.4].into_iter().map(aside).collect::<Option<Vec<f64>>>()?;
         let wall_m = wall_m.into_iter().reduce(f64::min)?;
@@ -284,7 +295,7 @@ impl<'a> Site<'a> {
     }
 
     /// A place for a duct, left of the way.
-    fn under_roof(&self, way: &Way, along_m: f64) -> Option<Point3<f64>> {
+    pub fn under_roof(&self, way: &Way, along_m: f64) -> Option<Point3<f64>> {
         /// Room for beams and for the ropes of the duct, in metres.
         const BELOW_ROOF_M: f64 = 0.42;
         let offset_m = 0.5 * self.settings.corridor_m + DUCT_M + 0.05;
@@ -299,7 +310,7 @@ impl<'a> Site<'a> {
         (is_free && height_m - DUCT_M > 1.6).then(|| Point3::new(at.x, at.y, floor + height_m))
     }
 
-    fn drum(&self, stop: &Stop) -> Option<(f64, Isometry3<f64>, f64)> {
+    fn drum(&self, stop: &Stop) -> Option<Fitted> {
         let (way, along_m) = (stop.way, stop.middle());
         self.height(way.at(along_m))?;
         let wall_m = self.aside(way, along_m, -1.0, &FOOT_M)?;
@@ -331,23 +342,6 @@ impl<'a> Site<'a> {
         let high = floors.into_iter().reduce(f64::max)?;
         let pose = Isometry3::translation(at.x, at.y, 0.5 * (low + high));
         (high - low < UNEVEN_M).then_some((pose, 0.5 * (high - low)))
-    }
-
-    /// A piece between the places at both ends of a stop, if it is in the air.
-    fn between(&self, stop: &Stop, place: impl Fn(f64) -> Option<Point3<f64>>) -> Vec<(f64, Isometry3<f64>, f64)> {
-        let [Some(a), Some(b)] = stop.reach.map(place) else { return Vec::new() };
-        let middle = nalgebra::center(&a, &b);
-        let over = |share: f64| {
-            let at = a + (b - a) * share + Vector3::z() * RAIL_M;
-            [at.x as f32, at.y as f32, at.z as f32]
-        };
-        let depths = self.setting.field.scattered(&[over(0.1), over(0.5), over(0.9)]);
-        // On either side of a corner the wall is at another distance.
-        let is_bent = (b - a).norm() > 1.04 * (stop.reach[1] - stop.reach[0]);
-        if is_bent || depths.iter().any(|depth| *depth > 0.0) {
-            return Vec::new();
-        }
-        vec![(1.0, Isometry3::from_parts(Translation3::from(middle), facing(b - a)), 0.0)]
     }
 }
 

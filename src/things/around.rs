@@ -22,8 +22,8 @@ pub fn place_in(setting: &Setting, mesh: &MeshSettings, bounds: Aabb<f64>, stop:
     let reach = bounds.padded(MARGIN_M + ASIDE_M);
     let needed: Vec<ChunkIndex> = grid.indices().filter(|index| of(*index).intersects(&reach)).collect();
     let wall = |&index: &ChunkIndex| {
-        let meshes = (!stop.load(Ordering::Relaxed)).then(|| mesh::chunk(setting.field, &grid, index, mesh))?;
-        Some((of(index), meshes.map(|meshes| meshes.visual).unwrap_or_default()))
+        let wall = (!stop.load(Ordering::Relaxed)).then(|| mesh::visual_chunk(setting.field, &grid, index, mesh))?;
+        Some((of(index), wall.unwrap_or_default()))
     };
     let walls: Vec<(Aabb<f64>, Mesh)> = needed.par_iter().map(wall).collect::<Option<_>>()?;
     let things_of = |(chunk, own): &(Aabb<f64>, Mesh)| {

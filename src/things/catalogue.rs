@@ -206,7 +206,15 @@ pub static KINDS: Registry<KindRow<'static>> = Registry::new(&[
         rocks: MINES,
         rock_setting: None,
         shapes: Shapes::Solid { count: 1, make: equipment::pipe },
-        place: Place::Along(Along { fit: Fit::RightWall, spacing_m: 1.95, stretch: "pipe", range: [0.0, 0.7] }),
+        place: Place::Along(PIPES),
+    },
+    KindRow {
+        name: "pipe_elbow",
+        summary: "elbows by which water pipes turn into the wall where they end",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::pipe_elbow },
+        place: Place::Along(PIPES.with(Fit::IntoRightWall)),
     },
     KindRow {
         name: "cable",
@@ -214,7 +222,15 @@ pub static KINDS: Registry<KindRow<'static>> = Registry::new(&[
         rocks: MINES,
         rock_setting: None,
         shapes: Shapes::Solid { count: 1, make: equipment::cable },
-        place: Place::Along(Along { fit: Fit::LeftWall, spacing_m: 1.95, stretch: "cable", range: [0.0, 0.75] }),
+        place: Place::Along(CABLES),
+    },
+    KindRow {
+        name: "cable_end",
+        summary: "where cables go into the wall",
+        rocks: MINES,
+        rock_setting: None,
+        shapes: Shapes::Solid { count: 1, make: equipment::cable_end },
+        place: Place::Along(CABLES.with(Fit::IntoLeftWall)),
     },
     KindRow {
         name: "duct",
@@ -255,3 +271,9 @@ const TIMBER: Along = Along { fit: Fit::Post, spacing_m: 1.8, stretch: "timber",
 
 /// Rock bolts.
 const BOLTS: Along = Along { fit: Fit::Roof, spacing_m: 1.2, stretch: "timber", range: [0.25, 1.0] };
+
+/// Water pipes.
+const PIPES: Along = Along { fit: Fit::RightWall, spacing_m: 1.95, stretch: "pipe", range: [0.0, 0.7] };
+
+/// Cables.
+const CABLES: Along = Along { fit: Fit::LeftWall, spacing_m: 1.95, stretch: "cable", range: [0.0, 0.75] };

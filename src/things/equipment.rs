@@ -25,6 +25,10 @@ pub(super) const MESH_M: f64 = WIRE_M[0] * CELLS as f64;
 pub(super) const PIECE_M: f64 = 2.0;
 /// Height of a rail in metres.
 pub(super) const RAIL_M: f64 = 0.08;
+/// Radius of a water pipe in metres.
+const PIPE_M: f64 = 0.055;
+/// Radius of each of two cables, and how much nearer to the wall it hangs, in metres.
+const CABLES_M: [[f64; 2]; 2] = [[0.022, 0.0], [0.014, 0.045]];
 /// Length of a sleeper in metres.
 pub(super) const SLEEPER_M: f64 = 0.9;
 /// Thickness of a sleeper in metres.
@@ -33,6 +37,8 @@ pub(super) const SLEEPER_THICK_M: f64 = 0.12;
 pub(super) const DUCT_M: f64 = 0.3;
 /// Distance of a pipe or a cable from the wall, in metres.
 pub(super) const OFF_WALL_M: f64 = 0.11;
+/// Where a pipe or a cable that turns into the wall ends: ahead and aside, in metres. It may be off the wall by a post.
+pub(super) const ELBOW_M: [f64; 2] = [0.16, 0.62];
 
 /// A round post that stands on the origin, slightly tapered.
 pub fn post(rng: &mut Rng) -> Solid {
@@ -91,10 +97,38 @@ pub fn sleeper(_: &mut Rng) -> Solid {
 
 /// A water pipe with a coupling and a bracket; the wall is towards -y. The bracket is short, since all collides as one hull.
 pub fn pipe(_: &mut Rng) -> Solid {
-    let pipe = Solid::cylinder(0.055, PIECE_M, 14, &BLUE_PAINT).lying();
+    let pipe = Solid::cylinder(PIPE_M, PIECE_M, 14, &BLUE_PAINT).lying();
     let coupling = Solid::cylinder(0.075, 0.11, 14, &RUST).lying().at(0.92, 0.0, 0.0);
     let bracket = Solid::cuboid([0.05, 0.012, 0.15], &RUST).towards(Vector3::y()).at(0.0, -0.02, -0.057);
     pipe.and(coupling).and(bracket)
+}
+
+/// A pipe that ends at the origin and turns into the wall, which is towards -y.
+pub fn pipe_elbow(_: &mut Rng) -> Solid {
+    let coupling = Solid::cylinder(0.075, 0.11, 14, &RUST).lying().at(-0.02, 0.0, 0.0);
+    Solid::tube(&into_wall(-1.0, 0.0), PIPE_M, 14, &BLUE_PAINT).and(coupling)
+}
+
+/// Two cables that end at the origin and go into the wall, which is towards +y.
+pub fn cable_end(_: &mut Rng) -> Solid {
+    let [thick, thin] = CABLES_M;
+    let inner = Solid::tube(&into_wall(1.0, 0.0), thick[0], 8, &RUBBER);
+    inner.and(Solid::tube(&into_wall(1.0, thin[1]), thin[0], 8, &RUBBER))
+}
+
+/// The way of something that comes along the passage and turns into the wall on this side, this much nearer to it.
+fn into_wall(side: f64, nearer_m: f64) -> Vec<Point3<f64>> {
+    /// Radius of the bend in metres.
+    const BEND_M: f64 = 0.13;
+    let [ahead_m, aside_m] = ELBOW_M;
+    let ahead_m = ahead_m - nearer_m;
+    let bend = (0..=5).map(|n| {
+        let angle = std::f64::consts::FRAC_PI_2 * f64::from(n) / 5.0;
+        let (along_m, aside_m) = (BEND_M * (libm::sin(angle) - 1.0), BEND_M * (1.0 - libm::cos(angle)));
+        Point3::new(ahead_m + along_m, side * (nearer_m + aside_m), 0.0)
+    });
+    let ends = [Point3::new(-0.05, side * nearer_m, 0.0), Point3::new(ahead_m, side * aside_m, 0.0)];
+    std::iter::once(ends[0]).chain(bend).chain([ends[1]]).collect()
 }
 
 /// Two cables that sag between hooks, little, since all collides as one hull; the wall is towards +y.
@@ -108,17 +142,30 @@ pub fn cable(_: &mut Rng) -> Solid {
         Solid::tube(&path, radius_m, 8, &RUBBER)
     };
     let hook = Solid::cylinder(0.009, 0.18, 6, &RUST).towards(Vector3::y()).at(-0.95, 0.03, -0.032);
-    sagging(0.022, 0.030, 0.0).and(sagging(0.014, 0.045, 0.045)).and(hook)
+    let [thick, thin] = CABLES_M;
+    sagging(thick[0], 0.030, thick[1]).and(sagging(thin[0], 0.045, thin[1])).and(hook)
 }
 
-/// A piece of a ventilation duct, in the folds of its hoops.
+/// A piece of a ventilation duct, in the folds of its hoops, open at both ends as far as one sees.
 pub fn duct(_: &mut Rng) -> Solid {
+    /// Thickness of the rim, and how deep the mouth is, in metres.
+    const RIM_M: f64 = 0.025;
+    const MOUTH_M: f64 = 0.3;
     let fold = |n: usize| {
         let z = PIECE_M * (n as f64 / 16.0 - 0.5);
         [z, if n.is_multiple_of(2) { DUCT_M } else { DUCT_M - 0.018 }]
     };
-    let folds: Vec<[f64; 2]> = (0..=16).map(fold).collect();
-    Solid::lathe(&folds, 18, &FABRIC).lying()
+    let (end_m, bottom_m, inner_m) = (0.5 * PIECE_M, 0.5 * PIECE_M - MOUTH_M, DUCT_M - RIM_M);
+    // From the middle of its bottom, outwards.
+    let mouth = |way: f64| {
+        let bottom = [[bottom_m, 0.05], [bottom_m, inner_m - 0.02], [bottom_m + 0.02, inner_m]];
+        let rim = [[end_m - 0.01, inner_m], [end_m, DUCT_M - 0.5 * RIM_M]];
+        bottom.into_iter().chain(rim).map(move |[z, radius]| [way * z, radius])
+    };
+    let folds = [[0.01 - end_m, DUCT_M]].into_iter().chain((1..16).map(fold)).chain([[end_m - 0.01, DUCT_M]]);
+    let far: Vec<[f64; 2]> = mouth(1.0).collect();
+    let profile: Vec<[f64; 2]> = mouth(-1.0).chain(folds).chain(far.into_iter().rev()).collect();
+    Solid::lathe(&profile, 18, &FABRIC).lying()
 }
 
 /// A steel drum of 200 litres that stands on the origin.

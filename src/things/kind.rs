@@ -103,8 +103,12 @@ pub enum Fit {
     Sleeper,
     /// In pieces along the right wall, 1.6 m above the floor.
     RightWall,
+    /// Where that ends, into the wall.
+    IntoRightWall,
     /// In pieces along the left wall, 1.7 m above the floor.
     LeftWall,
+    /// Where that ends, into the wall.
+    IntoLeftWall,
     /// In pieces under the roof, on the left.
     UnderRoof,
     /// On the floor at the left wall.

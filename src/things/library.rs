@@ -124,12 +124,11 @@ fn shelf_mesh(shelf: &Shelf) -> Mesh {
         voxel_m: VOXEL_M,
         divisions: Some([1, 1, 1]),
         simplify_error_m: SIMPLIFY_ERROR_M,
-        collision_error_m: 1.0,
         ..MeshSettings::default()
     };
     let grid = Grid::new(shelf.bounds(), &settings).expect("a shelf is not empty, and its cells are not few");
     let index = grid.indices().next().expect("there is one chunk");
-    let mut mesh = mesh::chunk(shelf, &grid, index, &settings).map(|meshes| meshes.visual).unwrap_or_default();
+    let mut mesh = mesh::visual_chunk(shelf, &grid, index, &settings).unwrap_or_default();
     shelf.add_halls(&mut mesh);
     mesh
 }

@@ -16,7 +16,7 @@ use plume::field::{CaveField, PassageSettings};
 use plume::graph::{Aabb, Graph, Node, StationId};
 use plume::material::{Look, MATERIALS};
 use plume::mesh::measure::Report;
-use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, chunk};
+use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, visual_chunk};
 use plume::things::{
     Body, Dress, KINDS, Kinds, Library, Place, Prototype, Replica, Setting, Shelf, Thing, ThingSettings, WHEEL_M,
     place, strew,
@@ -74,7 +74,7 @@ impl Cave {
             let Aabb { min, max } = grid.chunk_bounds(index);
             Aabb { min: min.map(f64::from), max: max.map(f64::from) }
         };
-        let made = grid.indices().filter_map(|index| Some((bounds(index), chunk(&field, &grid, index, &mesh)?.visual)));
+        let made = grid.indices().filter_map(|index| Some((bounds(index), visual_chunk(&field, &grid, index, &mesh)?)));
         let walls = made.collect();
         let (library, kinds, settings) = (library(rock).0.clone(), kinds_of(rock), ThingSettings::default());
         Self { name, graph, field, library, kinds, walls, settings, seed: 7 }

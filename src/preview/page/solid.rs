@@ -41,8 +41,6 @@ impl Solid {
             voxel_m,
             chunk_m: [voxel_m * CHUNK_CELLS; 3],
             simplify_error_m: voxel_m * ERROR_CELLS,
-            // The collision mesh is not shown.
-            collision_error_m: 0.0,
             ..MeshSettings::default()
         };
         let Ok(grid) = Grid::new(subject.field.bounds(), &settings) else {
@@ -53,7 +51,7 @@ impl Solid {
             if stop.load(Ordering::Relaxed) {
                 return Err(PreviewError::Stopped);
             }
-            Ok(mesh::chunk(subject.field, &grid, index, &settings).map(|meshes| meshes.visual))
+            Ok(mesh::visual_chunk(subject.field, &grid, index, &settings))
         };
         let chunks = indices.par_iter().map(chunk).collect::<Result<Vec<Option<Mesh>>, _>>()?;
         let mut chunks: Vec<Mesh> = chunks.into_iter().flatten().collect();

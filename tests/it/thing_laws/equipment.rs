@@ -25,6 +25,8 @@ fn equipment_is_built_into_mines() {
         assert_posts_carry_beams(&cave, &of("post"), &of("beam"));
         assert_beams_carry_boards(&cave, &of("beam"), &of("lagging"));
         assert_bolts_are_in_the_roof(&cave, &of("rock_bolt"), &of("roof_mesh"));
+        assert_runs_end_in_the_wall(&cave, &of("pipe"), &of("pipe_elbow"));
+        assert_runs_end_in_the_wall(&cave, &of("cable"), &of("cable_end"));
         assert_nothing_lies_in_equipment(&cave, &things);
     }
 }
@@ -40,6 +42,31 @@ fn assert_bolts_are_in_the_roof(cave: &Cave, bolts: &[&Thing], meshes: &[&Thing]
     }
     for mesh in meshes {
         assert!(bolts.iter().any(|bolt| is_held(mesh, bolt)), "{}: nothing holds {mesh:?}", cave.name);
+    }
+}
+
+/// No piece of a run is alone, and nearly all ends are next to another piece or turn into the rock; some are too far from it.
+fn assert_runs_end_in_the_wall(cave: &Cave, pieces: &[&Thing], elbows: &[&Thing]) {
+    /// Gap at a bend of the passage, in metres.
+    const GAP_M: f64 = 0.8;
+    let half_m = |piece: &Thing| 0.5 * cave.prototype(piece).size_m.x * piece.scale;
+    let ends = |piece: &Thing| [-1.0, 1.0].map(|way| piece.pose * Point3::new(way * half_m(piece), 0.0, 0.0));
+    let goes_on = |n: usize, end: &Point3<f64>| {
+        let others = pieces.iter().enumerate().filter(|(other, _)| *other != n);
+        others.flat_map(|(_, other)| ends(other)).any(|other| (other - end).norm() < GAP_M)
+    };
+    let turns =
+        |end: &Point3<f64>| elbows.iter().any(|elbow| (elbow.pose.translation.vector - end.coords).norm() < 0.05);
+    for (n, piece) in pieces.iter().enumerate() {
+        assert!(ends(piece).iter().any(|end| goes_on(n, end)), "{}: {piece:?} is alone", cave.name);
+    }
+    let all = pieces.iter().enumerate().flat_map(|(n, piece)| ends(piece).map(|end| (n, end)));
+    let open = all.filter(|(n, end)| !goes_on(*n, end) && !turns(end)).count();
+    assert!(5 * open <= elbows.len(), "{}: {open} open ends, {} elbows", cave.name, elbows.len());
+    for elbow in elbows {
+        let points: Vec<[f32; 3]> = cave.hull(elbow).into_iter().map(|at| at.map(|c| c as f32).into()).collect();
+        let deepest = cave.field.scattered(&points).into_iter().fold(f32::MIN, f32::max);
+        assert!(deepest > 0.0, "{}: {elbow:?} ends {deepest} m before the wall", cave.name);
     }
 }
 
