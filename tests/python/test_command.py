@@ -136,7 +136,7 @@ def wait_for(folder, pattern, process):
 
 @pytest.mark.parametrize("sign", [".cave.cave/chunks", ".plume-*/package/chunks"], ids=["mesh", "export"])
 def test_ctrl_c_stops_with_130_and_the_next_run_goes_on(sign, tmp_path):
-    arguments = ["export", "--target", "isaac", "--output", str(tmp_path / "cave"), "--set", "graph.nodes=60"]
+    arguments = ["export", "--target", "isaac", "--output", str(tmp_path / "cave"), "--set", "graph.nodes=40"]
     command = [sys.executable, "-m", "plume", *arguments, "--threads", "1", "--set", "texture.density_px_per_m=8"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     wait_for(tmp_path, sign, process)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 CHECKS = Path(__file__).parents[1] / "interop/mujoco"
-SMALL = ["--set", "graph.nodes=20", "--set", "texture.size_px=256", "--set", "things.cover=0.01"]
+SMALL = ["--set", "graph.nodes=12", "--set", "texture.size_px=256", "--set", "things.cover=0.01"]
 ZONES = ["cave_floor", "cave_wall", "cave_ceiling"]
 
 

@@ -357,8 +357,8 @@ fn export_cave(plume: &Plume, targets: &[Target], sample: &Sample) -> Result<Vec
     Ok(packages)
 }
 
-/// Without all packages of USD but the first: they hold the same stage, and its judges take minutes for a large one. All are opened
-/// for the small caves, and by Blender for the large ones.
+/// Keeps only one of the USD packages of a large cave: all hold the same stage, and its validators take minutes on a large one.
+/// Of small caves all are validated, and Blender opens all of every cave.
 fn without_twins(packages: Vec<PathBuf>) -> Vec<PathBuf> {
     let (mut stages, mut others): (Vec<_>, Vec<_>) =
         packages.into_iter().partition(|package| matches!(Kind::of(package), Some(Kind::Usd)));

@@ -25,12 +25,12 @@ impl Sample {
     }
 }
 
-/// The samples beside the default cave, smaller than they are by default, which takes a fraction of the time to make, write and read.
-const SMALL: [Sample; 4] = [
+/// The samples that take turns beside the default cave, smaller than they are by default, which takes a fraction of the time to
+/// make, write and read. That of the original PLUME cannot be made so small: its checks take longer than all others together.
+const SMALL: [Sample; 3] = [
     small("lava-tube", &["--set", "graph.nodes=20", "--set", COARSE, "--set", FEW]),
     small("mine", &["--set", "graph.nodes=20", "--set", COARSE, "--set", FEW]),
     small("salt-mine", &["--set", "graph.nodes=20", "--set", COARSE, "--set", FEW]),
-    small("original", &["--set", "mesh.voxel_m=0.2", "--set", COARSE, "--set", FEW]),
 ];
 const COARSE: &str = "texture.density_px_per_m=20";
 const FEW: &str = "things.cover=0.008";
