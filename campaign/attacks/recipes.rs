@@ -21,7 +21,7 @@ pub const ATTACK: Attack = Attack {
 const LIMIT: Duration = Duration::from_secs(10);
 
 /// Recipes of a short campaign: of one key each, and of two.
-const FEW: [usize; 2] = [20, 12];
+const FEW: [usize; 2] = [24, 20];
 /// Minimum number of pairs in a long campaign, in addition to single keys.
 const MANY: usize = 600;
 
