@@ -237,7 +237,7 @@ impl Chunks for FolderChunks<'_> {
 impl From<&mesh::Mesh> for scene::Mesh {
     fn from(mesh: &mesh::Mesh) -> Self {
         Self {
-            positions: (0..mesh.positions.len()).map(|vertex| mesh.position_m(vertex as u32)).collect(),
+            positions: mesh.positions_m(),
             normals: mesh.normals.clone(),
             indices: mesh.triangles.iter().flatten().copied().collect(),
             ..Self::default()

@@ -85,6 +85,11 @@ impl Mesh {
         self.positions[vertex as usize].map(|q| q as f32 / QUANTA_PER_M as f32)
     }
 
+    /// The positions of all vertices in metres.
+    pub fn positions_m(&self) -> Vec<[f32; 3]> {
+        (0..self.positions.len() as u32).map(|vertex| self.position_m(vertex)).collect()
+    }
+
     /// The part with these triangles, and the vertices that they use.
     pub(crate) fn part(&self, triangles: &[[u32; 3]]) -> Self {
         let mut used: Vec<u32> = triangles.concat();

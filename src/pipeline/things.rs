@@ -49,10 +49,8 @@ impl Pipeline<'_> {
         let (library, mesh) = Library::of_shelf(self.recipe.kinds(), &shelf);
         let written = store::write_textured(self.folder, PROTOTYPES, &mesh, &shelf, &texture, &LEVELS)?;
         let lods = written.levels.iter().map(Into::into).collect();
-        Ok((
-            written.files,
-            Facts::Things(ThingFacts { things: library.prototypes.len(), lods, ..ThingFacts::default() }),
-        ))
+        let facts = ThingFacts { things: library.prototypes.len(), lods, ..ThingFacts::default() };
+        Ok((written.files, Facts::Things(facts)))
     }
 
     fn things_of(
@@ -74,10 +72,8 @@ impl Pipeline<'_> {
         let (count, gravel_count) = (things.len(), gravel.len());
         let facts = Facts::Things(ThingFacts { things: count, gravel: gravel_count, movable, lods: Vec::new() });
         things.extend(gravel);
-        match things.is_empty() {
-            true => Ok((Vec::new(), facts)),
-            false => Ok((vec![store::write_things(self.folder, name, &things)?], facts)),
-        }
+        let file = (!things.is_empty()).then(|| store::write_things(self.folder, name, &things)).transpose()?;
+        Ok((file.into_iter().collect(), facts))
     }
 
     /// Whether every wall has its things.

@@ -16,7 +16,7 @@ pub const IMAGES: Maps<&str> =
 /// If the disk fails.
 pub fn write_mesh(folder: &CaveFolder, path: &str, mesh: &Mesh) -> Result<FileRecord, StoreError> {
     let ply = PlyMesh {
-        positions: (0..mesh.positions.len() as u32).map(|v| mesh.position_m(v)).collect(),
+        positions: mesh.positions_m(),
         normals: mesh.normals.clone(),
         border: mesh.border.clone(),
         triangles: mesh.triangles.clone(),

@@ -6,7 +6,7 @@
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::equipment::{DUCT_M, OFF_WALL_M, SLEEPER_M};
-use super::kind::{Along, Fit, KindRow, Place};
+use super::kind::{Along, Fit, KindRow};
 use super::lots::Lots;
 use super::place::{Candidate, Site};
 use super::rest::turn;
@@ -103,6 +103,11 @@ impl Way {
         self.at(self.length_m)
     }
 
+    /// The places of a kind along it.
+    pub fn stops(&self, along: &Along) -> impl Iterator<Item = Stop<'_>> {
+        (0..self.parts(along.spacing_m)).map(|number| self.stop(along, number))
+    }
+
     /// One of the places of a kind along it.
     pub fn stop(&self, along: &Along, number: u32) -> Stop<'_> {
         let part_m = self.length_m / f64::from(self.parts(along.spacing_m));
@@ -129,26 +134,18 @@ impl Stop<'_> {
 impl<'a> Site<'a> {
     /// What is built in along these passages.
     pub fn built(&self, ways: &[Way]) -> Vec<Built<'a>> {
-        let along = |row: KindRow<'a>| match row.place {
-            Place::Along(along) => Some((row, along)),
-            _ => None,
-        };
-        let rows: Vec<(KindRow<'a>, Along)> = self.rows().filter_map(along).collect();
-        if rows.is_empty() || self.settings.sets <= 0.0 {
+        if self.settings.sets <= 0.0 {
             return Vec::new();
         }
-        let mut built = Vec::new();
-        for (row, along) in rows {
-            for way in ways {
-                for number in 0..way.parts(along.spacing_m) {
-                    let stop = way.stop(&along, number);
-                    if self.has(&along, way.at(stop.middle())) {
-                        built.extend(self.fitted(row, &along, ways, &stop));
-                    }
-                }
-            }
-        }
-        built
+        let rows: Vec<(KindRow<'a>, Along)> = self.rows().filter_map(|row| Some((row, row.place.along()?))).collect();
+        rows.into_iter()
+            .flat_map(|(row, along)| ways.iter().flat_map(move |way| self.fitted(row, &along, ways, way)))
+            .collect()
+    }
+
+    /// How something that is fitted like this is built into the passages, if it is.
+    pub fn along_fitted(&self, fit: Fit) -> Option<Along> {
+        self.rows().filter_map(|row| row.place.along()).find(|along| along.fit == fit)
     }
 
     /// Whether the stretch of a passage has this.
@@ -163,33 +160,38 @@ impl<'a> Site<'a> {
 
     /// Room that posts take at the wall, in metres: pipes and cables pass on their inside.
     fn posts_m(&self, at: Point3<f64>) -> f64 {
-        let is_timbered = self.rows().any(|row| match row.place {
-            Place::Along(along) => along.fit == Fit::Post && self.has(&along, at),
-            _ => false,
-        });
+        let is_timbered = self.along_fitted(Fit::Post).is_some_and(|posts| self.has(&posts, at));
         if is_timbered { 2.0 * POST_M[0] + POST_M[1] } else { 0.0 }
     }
 
-    fn fitted(&self, row: KindRow<'a>, along: &Along, ways: &[Way], stop: &Stop) -> Vec<Built<'a>> {
-        let way = stop.way;
-        let middle = stop.middle();
-        let poses: Vec<Fitted> = match along.fit {
-            Fit::Post => self.set(way, middle).map(|set| set.posts.to_vec()).unwrap_or_default(),
-            Fit::Beam => self.set(way, middle).map(|set| set.beam).into_iter().collect(),
-            Fit::OnBeams => self.lagging(along, stop),
-            Fit::Roof => self.bolts(stop),
-            Fit::AgainstRoof => self.roof_mesh(stop),
-            Fit::Rail => self.rails(stop),
-            Fit::Sleeper => self.sleeper(way, middle).into_iter().collect(),
-            Fit::RightWall | Fit::LeftWall | Fit::UnderRoof => self.run(along, ways, stop),
-            Fit::IntoRightWall | Fit::IntoLeftWall => self.ends_of_run(along, ways, stop),
-            Fit::FootOfWall => self.drum(stop).into_iter().collect(),
+    /// What there is of a kind along a way.
+    fn fitted(&self, row: KindRow<'a>, along: &Along, ways: &[Way], way: &Way) -> Vec<Built<'a>> {
+        let at_stops = |fitted: &dyn Fn(&Stop) -> Vec<Fitted>| {
+            let stops = way.stops(along).filter(|stop| self.has(along, way.at(stop.middle())));
+            stops.map(|stop| (stop, fitted(&stop))).collect()
         };
+        let fitted: Vec<(Stop, Vec<Fitted>)> = match along.fit {
+            Fit::Post => at_stops(&|stop| self.set(way, stop.middle()).map_or(Vec::new(), |set| set.posts.to_vec())),
+            Fit::Beam => at_stops(&|stop| self.set(way, stop.middle()).map(|set| set.beam).into_iter().collect()),
+            Fit::OnBeams => at_stops(&|stop| self.lagging(along, stop)),
+            Fit::Roof => at_stops(&|stop| self.bolts(stop)),
+            Fit::AgainstRoof => at_stops(&|stop| self.roof_mesh(stop)),
+            Fit::Rail => at_stops(&|stop| self.rails(stop)),
+            Fit::Sleeper => at_stops(&|stop| self.sleeper(stop).into_iter().collect()),
+            Fit::FootOfWall => at_stops(&|stop| self.drum(stop).into_iter().collect()),
+            Fit::RightWall | Fit::LeftWall | Fit::UnderRoof => self.run(along, ways, way),
+            Fit::IntoRightWall | Fit::IntoLeftWall => self.ends_of_run(along, ways, way),
+        };
+        fitted.into_iter().flat_map(|(stop, poses)| self.built_at(row, along, &stop, poses)).collect()
+    }
+
+    /// Things of a kind at a stop, those that leave the way free.
+    fn built_at(&self, row: KindRow<'a>, along: &Along, stop: &Stop, poses: Vec<Fitted>) -> Vec<Built<'a>> {
         let key =
             |n: usize| u64::from(salt(self.setting.seed, row.name)) | (u64::from(stop.number) * 64 + n as u64) << 32;
         let numbered = poses.into_iter().enumerate();
         let built = numbered.filter_map(|(n, (scale, pose, embedding_m))| {
-            let mut lots = Lots::new(key(n), way.key);
+            let mut lots = Lots::new(key(n), stop.way.key);
             let candidate = Candidate {
                 id: lots.id(0.0),
                 row,
@@ -204,7 +206,7 @@ impl<'a> Site<'a> {
             };
             Some(Built { candidate, pose })
         });
-        built.filter(|built| self.leaves_the_way(built, way.at(middle))).collect()
+        built.filter(|built| self.leaves_the_way(built, stop.way.at(stop.middle()))).collect()
     }
 
     /// Whether it is beside the way or high enough over it.
@@ -263,24 +265,21 @@ impl<'a> Site<'a> {
     fn rails(&self, stop: &Stop) -> Vec<Fitted> {
         let side = |offset: f64| {
             let place = |along_m: f64| Some(self.track(stop.way, along_m)? + stop.way.right * offset);
-            self.between(stop, place)
+            Some((1.0, self.between(stop, place)?, 0.0))
         };
         [-HALF_GAUGE_M, HALF_GAUGE_M].into_iter().flat_map(side).collect()
     }
 
     /// A sleeper under the rails, which run straight between the ends of their pieces.
-    fn sleeper(&self, way: &Way, along_m: f64) -> Option<Fitted> {
-        let rail = self.rows().find_map(|row| match row.place {
-            Place::Along(along) if along.fit == Fit::Rail => Some(along),
-            _ => None,
-        })?;
-        let part_m = way.length_m / f64::from(way.parts(rail.spacing_m));
-        let first = (along_m / part_m).floor() * part_m;
-        if !self.has(&rail, way.at(first + 0.5 * part_m)) {
+    fn sleeper(&self, stop: &Stop) -> Option<Fitted> {
+        let (rail, way, along_m) = (self.along_fitted(Fit::Rail)?, stop.way, stop.middle());
+        let rails = way.stops(&rail).find(|rails| along_m < rails.reach[1])?;
+        if !self.has(&rail, way.at(rails.middle())) {
             return None;
         }
-        let [a, b] = [self.track(way, first)?, self.track(way, first + part_m)?];
-        let at = a + (b - a) * ((along_m - first) / part_m);
+        let [first_m, last_m] = rails.reach;
+        let [a, b] = [self.track(way, first_m)?, self.track(way, last_m)?];
+        let at = a + (b - a) * ((along_m - first_m) / (last_m - first_m));
         Some((1.0, Isometry3::from_parts(Translation3::from(at), facing(b - a)), 0.0))
     }
 

@@ -116,7 +116,8 @@ pub fn cable_end(_: &mut Rng) -> Solid {
     inner.and(Solid::tube(&into_wall(1.0, thin[1]), thin[0], 8, &RUBBER))
 }
 
-/// The way of something that comes along the passage and turns into the wall on this side, this much nearer to it.
+/// The path of a pipe or cable that comes along the passage and bends into the wall on this side; `nearer_m` is how much closer
+/// to the wall it runs than others.
 fn into_wall(side: f64, nearer_m: f64) -> Vec<Point3<f64>> {
     /// Radius of the bend in metres.
     const BEND_M: f64 = 0.13;
@@ -146,7 +147,7 @@ pub fn cable(_: &mut Rng) -> Solid {
     sagging(thick[0], 0.030, thick[1]).and(sagging(thin[0], 0.045, thin[1])).and(hook)
 }
 
-/// A piece of a ventilation duct, in the folds of its hoops, open at both ends as far as one sees.
+/// A piece of ventilation duct, pleated between its hoops. Both ends are recessed, so that a free one looks open.
 pub fn duct(_: &mut Rng) -> Solid {
     /// Thickness of the rim, and how deep the mouth is, in metres.
     const RIM_M: f64 = 0.025;

@@ -184,9 +184,17 @@ impl Along {
 }
 
 impl Place {
+    /// How they are built in, if they are.
+    pub fn along(&self) -> Option<Along> {
+        match self {
+            Self::Along(along) => Some(*along),
+            _ => None,
+        }
+    }
+
     /// Whether they are built in.
     pub fn is_built(&self) -> bool {
-        matches!(self, Self::Along(_))
+        self.along().is_some()
     }
 
     /// Whether things lie loose, so that they are placed by their centre of mass.

@@ -178,7 +178,7 @@ impl<'a> Library<'a> {
     /// The prototypes on a shelf of these kinds, and the mesh of all of them, which is closed and manifold.
     pub fn of_shelf(kinds: Kinds<'a>, shelf: &Shelf) -> (Self, Mesh) {
         let mesh = shelf_mesh(shelf);
-        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        let vertices = mesh.positions_m();
         let library = Self::new(kinds, &vertices);
         let triangles = library.cut(&vertices, &mesh.triangles).concat();
         (library, mesh.part(&triangles))

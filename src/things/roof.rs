@@ -2,9 +2,9 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
-use super::along::{POST_M, Stop, Way, facing, level};
+use super::along::{Fitted, POST_M, Stop, Way, facing, level};
 use super::equipment::{BOARD_M, CAP_M, MESH_M, TIMBER_M};
-use super::kind::{Along, Fit, Place};
+use super::kind::{Along, Fit};
 use super::place::Site;
 use super::plane::Plane;
 use super::rest::turn;
@@ -24,8 +24,8 @@ const TAIL_M: f64 = 0.12;
 
 /// A set of timber: scale, pose and how deep its foot is in the floor.
 pub(super) struct Set {
-    pub posts: [(f64, Isometry3<f64>, f64); 2],
-    pub beam: (f64, Isometry3<f64>, f64),
+    pub posts: [Fitted; 2],
+    pub beam: Fitted,
     /// How far its posts are to the right of the way, in metres.
     offsets: [f64; 2],
     /// Height of the upper side of its beam.
@@ -63,7 +63,7 @@ impl Site<'_> {
     }
 
     /// Boards side by side from the beam of a stop to that of the next, where they are in the air.
-    pub fn lagging(&self, timber: &Along, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
+    pub fn lagging(&self, timber: &Along, stop: &Stop) -> Vec<Fitted> {
         let way = stop.way;
         let ends = [stop.middle(), stop.middle() + stop.reach[1] - stop.reach[0]];
         if !way.holds(ends[1]) || !self.has(timber, way.at(ends[1])) {
@@ -90,12 +90,9 @@ impl Site<'_> {
     }
 
     /// Bolts in a row across the passage; those that hold mesh are as low as it is.
-    pub fn bolts(&self, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
-        let mesh = self.rows().find_map(|row| match row.place {
-            Place::Along(along) if along.fit == Fit::AgainstRoof => Some(along),
-            _ => None,
-        });
-        let is_meshed = mesh.is_some_and(|mesh| self.has(&mesh, stop.way.at(stop.middle())));
+    pub fn bolts(&self, stop: &Stop) -> Vec<Fitted> {
+        let is_meshed =
+            self.along_fitted(Fit::AgainstRoof).is_some_and(|mesh| self.has(&mesh, stop.way.at(stop.middle())));
         let bolt = |place: Point3<f64>| {
             let mesh = if is_meshed { self.under_bumps(stop.way, place) } else { None };
             mesh.or_else(|| self.on_roof(place))
@@ -104,7 +101,7 @@ impl Site<'_> {
     }
 
     /// Squares of mesh with a bolt in the middle of each.
-    pub fn roof_mesh(&self, stop: &Stop) -> Vec<(f64, Isometry3<f64>, f64)> {
+    pub fn roof_mesh(&self, stop: &Stop) -> Vec<Fitted> {
         bolted(stop).filter_map(|place| self.under_bumps(stop.way, place)).map(|pose| (1.0, pose, 0.0)).collect()
     }
 

@@ -24,53 +24,65 @@ enum End {
 
 const ENDS: [End; 2] = [End::First, End::Last];
 
+/// A piece of a run.
+struct Piece<'a> {
+    stop: Stop<'a>,
+    pose: Isometry3<f64>,
+    /// The ends next to which there is no other piece.
+    open: Vec<End>,
+}
+
 impl Site<'_> {
-    /// The piece of a run at a stop, if it is not alone.
-    pub(super) fn run(&self, along: &Along, ways: &[Way], stop: &Stop) -> Vec<Fitted> {
-        let piece = self.piece(along, stop).filter(|_| ENDS.iter().any(|end| self.goes_on(along, ways, stop, *end)));
-        piece.into_iter().collect()
+    /// The pieces of a run along a way, by stop.
+    pub(super) fn run<'w>(&self, along: &Along, ways: &[Way], way: &'w Way) -> Vec<(Stop<'w>, Vec<Fitted>)> {
+        let pieces = self.pieces(along, ways, way).into_iter();
+        pieces.map(|piece| (piece.stop, vec![(1.0, piece.pose, 0.0)])).collect()
     }
 
-    /// Elbows into the wall at the ends of a run that are at this stop.
-    pub(super) fn ends_of_run(&self, along: &Along, ways: &[Way], stop: &Stop) -> Vec<Fitted> {
-        let pieces = self.run(along, ways, stop);
-        let ends = pieces.iter().flat_map(|(_, piece, _)| ENDS.map(|end| (piece, end)));
-        let free = ends.filter(|(_, end)| !self.goes_on(along, ways, stop, *end));
-        free.filter_map(|(piece, end)| self.elbow(along, piece, end)).collect()
+    /// The elbows with which a run along a way turns into the wall, by stop.
+    pub(super) fn ends_of_run<'w>(&self, along: &Along, ways: &[Way], way: &'w Way) -> Vec<(Stop<'w>, Vec<Fitted>)> {
+        let elbows = |piece: &Piece| piece.open.iter().filter_map(|end| self.elbow(along, &piece.pose, *end)).collect();
+        self.pieces(along, ways, way).into_iter().map(|piece| (piece.stop, elbows(&piece))).collect()
+    }
+
+    /// The pieces of a run along a way, without those that would be alone.
+    fn pieces<'w>(&self, along: &Along, ways: &[Way], way: &'w Way) -> Vec<Piece<'w>> {
+        let stops: Vec<Stop> = way.stops(along).collect();
+        let poses: Vec<Option<Isometry3<f64>>> = stops.iter().map(|stop| self.piece(along, stop)).collect();
+        let goes_on = |number: usize, end: End| match end {
+            End::First if number > 0 => poses[number - 1].is_some(),
+            End::Last if number + 1 < poses.len() => poses[number + 1].is_some(),
+            _ => self.goes_on_after(along, ways, way, end),
+        };
+        let numbered = stops.into_iter().zip(&poses).enumerate();
+        let pieces = numbered.filter_map(|(number, (stop, pose))| {
+            let open = pose.as_ref().map(|_| ENDS.into_iter().filter(|end| !goes_on(number, *end)).collect())?;
+            Some(Piece { stop, pose: (*pose)?, open })
+        });
+        pieces.filter(|piece| piece.open.len() < ENDS.len()).collect()
     }
 
     /// The piece between both ends of a stop.
-    fn piece(&self, along: &Along, stop: &Stop) -> Option<Fitted> {
+    fn piece(&self, along: &Along, stop: &Stop) -> Option<Isometry3<f64>> {
         let is_here = self.has(along, stop.way.at(stop.middle()));
         is_here.then(|| self.between(stop, |along_m| self.place_of_run(along, stop.way, along_m))).flatten()
     }
 
     fn place_of_run(&self, along: &Along, way: &Way, along_m: f64) -> Option<Point3<f64>> {
-        match along.fit {
-            Fit::RightWall | Fit::IntoRightWall => self.on_wall(way, along_m, 1.0, 1.6),
-            Fit::LeftWall | Fit::IntoLeftWall => self.on_wall(way, along_m, -1.0, 1.7),
-            Fit::UnderRoof => self.under_roof(way, along_m),
-            _ => None,
+        match wall_of(along.fit) {
+            Some([side, height_m]) => self.on_wall(way, along_m, side, height_m),
+            None => self.under_roof(way, along_m),
         }
     }
 
-    /// Whether there is a piece beyond an end of a stop, in this passage or straight on in the next.
-    fn goes_on(&self, along: &Along, ways: &[Way], stop: &Stop, end: End) -> bool {
-        let Stop { way, number, .. } = *stop;
-        let last = way.parts(along.spacing_m) - 1;
-        let next = match end {
-            End::First => number.checked_sub(1),
-            End::Last => Some(number + 1).filter(|next| *next <= last),
-        };
-        if let Some(next) = next {
-            return self.piece(along, &way.stop(along, next)).is_some();
-        }
+    /// Whether there is a piece straight on in the next passage.
+    fn goes_on_after(&self, along: &Along, ways: &[Way], way: &Way, end: End) -> bool {
         let beyond = ways.iter().filter(|other| other.ahead.dot(&way.ahead) > ONWARDS && other.follows(way, end));
-        let mut first = beyond.map(|other| match end {
+        let mut nearest = beyond.map(|other| match end {
             End::First => other.stop(along, other.parts(along.spacing_m) - 1),
             End::Last => other.stop(along, 0),
         });
-        first.any(|stop| self.piece(along, &stop).is_some())
+        nearest.any(|stop| self.piece(along, &stop).is_some())
     }
 
     /// The elbow at an end of a piece, if it ends in the rock.
@@ -82,15 +94,15 @@ impl Site<'_> {
             End::Last => (0.49 * PIECE_M, UnitQuaternion::identity()),
         };
         let pose = piece * Isometry3::from_parts(Translation3::new(along_m, 0.0, 0.0), turned);
-        let side = if along.fit == Fit::IntoRightWall { -1.0 } else { 1.0 };
+        let [side, _] = wall_of(along.fit)?;
         let [ahead_m, aside_m] = ELBOW_M;
-        let tip = pose * Point3::new(ahead_m, side * aside_m, 0.0);
+        let tip = pose * Point3::new(ahead_m, -side * aside_m, 0.0);
         let is_in_rock = self.setting.field.scattered(&[tip.map(|c| c as f32).into()])[0] > IN_ROCK_M;
         is_in_rock.then_some((1.0, pose, 0.0))
     }
 
     /// A piece between the places at both ends of a stop, if it is in the air.
-    pub(super) fn between(&self, stop: &Stop, place: impl Fn(f64) -> Option<Point3<f64>>) -> Option<Fitted> {
+    pub(super) fn between(&self, stop: &Stop, place: impl Fn(f64) -> Option<Point3<f64>>) -> Option<Isometry3<f64>> {
         let [a, b] = stop.reach.map(place);
         let (a, b) = (a?, b?);
         let middle = nalgebra::center(&a, &b);
@@ -102,7 +114,16 @@ impl Site<'_> {
         // On either side of a corner the wall is at another distance.
         let is_bent = (b - a).norm() > 1.04 * (stop.reach[1] - stop.reach[0]);
         let is_free = !is_bent && depths.iter().all(|depth| *depth <= 0.0);
-        is_free.then(|| (1.0, Isometry3::from_parts(Translation3::from(middle), facing(b - a)), 0.0))
+        is_free.then(|| Isometry3::from_parts(Translation3::from(middle), facing(b - a)))
+    }
+}
+
+/// The wall that something runs along, 1 for the right one and -1 for the left one, and how high over the floor, in metres.
+fn wall_of(fit: Fit) -> Option<[f64; 2]> {
+    match fit {
+        Fit::RightWall | Fit::IntoRightWall => Some([1.0, 1.6]),
+        Fit::LeftWall | Fit::IntoLeftWall => Some([-1.0, 1.7]),
+        _ => None,
     }
 }
 

@@ -179,7 +179,7 @@ fn prototypes_are_closed_bodies_of_few_corners() {
             assert!((8..=MOST_CORNERS).contains(&corners), "{}: {corners} corners", prototype.name);
             assert!(prototype.volume_m3 > 0.0, "{}", prototype.name);
         }
-        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        let vertices = mesh.positions_m();
         for (prototype, triangles) in library.prototypes.iter().zip(library.cut(&vertices, &mesh.triangles)) {
             let report = Report::of(&Mesh { triangles, ..mesh.clone() });
             assert!(report.is_clean() && report.volume_m3 < 0.0, "{} {}: {report:#?}", rock.name, prototype.name);
@@ -193,7 +193,7 @@ fn prototypes_are_closed_bodies_of_few_corners() {
 fn normals_of_solids_point_out_of_them() {
     for rock in MATERIALS.iter() {
         let (library, mesh) = library(rock.name);
-        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        let vertices = mesh.positions_m();
         let cut = library.prototypes.iter().zip(library.cut(&vertices, &mesh.triangles));
         for triangle in cut.filter(|(prototype, _)| prototype.row.is_solid()).flat_map(|(_, triangles)| triangles) {
             let [a, b, c] = corners(mesh, triangle);
@@ -211,7 +211,7 @@ fn hulls_follow_the_stones() {
     const MOST_M: f64 = 0.02;
     for rock in MATERIALS.iter() {
         let (library, mesh) = library(rock.name);
-        let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+        let vertices = mesh.positions_m();
         let cut = library.cut(&vertices, &mesh.triangles);
         for row in KINDS.iter().filter(|row| row.is_in(rock.name)) {
             let Place::Floor(scatter) = row.place else { continue };

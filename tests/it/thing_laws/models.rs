@@ -49,7 +49,7 @@ fn stocked(rock: &'static str) -> (Kinds<'static>, Shelf, Library<'static>, Mesh
 fn models_are_closed_prototypes_on_their_feet() {
     let (_, _, library, mesh) = stocked("salt");
     assert_whole(&mesh);
-    let vertices: Vec<[f32; 3]> = (0..mesh.positions.len() as u32).map(|vertex| mesh.position_m(vertex)).collect();
+    let vertices = mesh.positions_m();
     let cut = library.cut(&vertices, &mesh.triangles);
     for (name, size_m) in [("crate_0", [0.6, 0.4, 0.4]), ("small_crate_0", [0.3, 0.2, 0.2])] {
         let number = library.prototypes.iter().position(|prototype| prototype.name == name).unwrap();
