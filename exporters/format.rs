@@ -7,6 +7,7 @@ pub mod fbx;
 pub mod gltf;
 #[doc(hidden)]
 pub mod msh;
+pub mod npy;
 pub mod obj;
 #[doc(hidden)]
 pub mod pixels;

@@ -66,6 +66,7 @@ pub static TARGETS: Registry<TargetRow> = Registry::new(&[
     targets::ply::ROW,
     targets::stl::ROW,
     targets::assimp::ROW,
+    targets::truth::ROW,
 ]);
 
 /// The target called `name`.

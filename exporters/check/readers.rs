@@ -10,7 +10,9 @@ mod fbx;
 mod gltf;
 mod image;
 mod json;
+mod map;
 mod msh;
+mod npz;
 mod obj;
 mod ply;
 mod stl;
@@ -33,6 +35,7 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["meta", "prefab", "mat", "physicmaterial", "asset", "unity"], unity::read),
     (&["msh"], msh::read),
     (&["mtl"], obj::read_materials),
+    (&["npz"], npz::read),
     (&["obj"], obj::read),
     (&["ply"], ply::read),
     (&["png"], image::read_png),
@@ -41,6 +44,7 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["usdc"], usd::read_crate),
     (&["usdz"], usdz::read),
     (&["webp"], image::read_webp),
+    (&["yaml"], map::read),
     (&["xml", "sdf", "urdf", "xacro", "world", "config", "mjcf", "dae", "x3d"], xml::read),
 ];
 

@@ -29,3 +29,4 @@ mod texture_laws;
 mod texture_support;
 mod texture_unwrap;
 mod thing_laws;
+mod truth_laws;

@@ -27,6 +27,7 @@ mod graph;
 pub mod mujoco;
 mod page;
 mod queue;
+pub mod truth;
 mod unity;
 pub mod urdf;
 pub mod usd;
@@ -162,7 +163,7 @@ impl Reader {
     }
 }
 
-static READERS: [Reader; 27] = [
+static READERS: [Reader; 28] = [
     Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
     Reader { name: "rest", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::let_go_of_stones },
     Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
@@ -189,6 +190,7 @@ static READERS: [Reader; 27] = [
     Reader { name: "blender", of: Kind::Marker, prepare: blender::make, command: blender::open },
     Reader { name: "libassimp", of: Kind::Marker, prepare: formats::make_assimp, command: formats::open_in_assimp },
     Reader { name: "assimp", of: Kind::Assimp, prepare: assimp::make, command: assimp::compare },
+    Reader { name: "truth", of: Kind::Truth, prepare: truth::make, command: truth::check },
     Reader { name: "physx", of: Kind::Usd, prepare: usd::make_physx, command: usd::touch },
 ];
 
@@ -202,6 +204,7 @@ enum Kind {
     Urdf,
     Usd,
     Mujoco,
+    Truth,
     /// All packages of one cave, next to each other.
     Shelf,
     /// The samples of the exporters.
@@ -224,6 +227,7 @@ impl Kind {
             _ if holds(package, &["fbx"]) => Some(Self::Fbx),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),
             _ if holds(package, &["usda", "usdz"]) => Some(Self::Usd),
+            _ if package.join("floor.npz").is_file() => Some(Self::Truth),
             _ if package.join("rover.xml").is_file() => Some(Self::Mujoco),
             _ if assimp::is_package(package) => Some(Self::Assimp),
             _ if page::is_page(package) => Some(Self::Page),

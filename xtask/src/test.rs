@@ -31,6 +31,7 @@ pub fn rust(arguments: &[String]) -> Result<()> {
 pub fn python() -> Result<()> {
     Plume::package(Profile::Dev)?;
     interop::mujoco::make()?;
+    interop::truth::make()?;
     let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);
     let plume = Plume::build(Profile::Dev)?;
     // Each test mostly waits for a separate process.

@@ -153,7 +153,7 @@ fn a_dangling_reference_is_found() {
         let is_named = |path: &&String| [".png", ".glb", ".usdc", ".msh", ".mtl"].iter().any(|end| path.ends_with(end));
         let mut renamed = 0;
         for path in manifest(&package).files.0.keys().filter(is_named) {
-            let other = path.replace("chunk_", "chunky_").replace("chamber.", "chambers.");
+            let other = path.replace("chunk_", "chunky_").replace("chamber.", "chambers.").replace("map_", "maps_");
             rename(&package, path, &other);
             let found = faults(&package);
             assert!(found.contains("which does not exist"), "{}: {path}: {found}", row.name);

@@ -1,0 +1,177 @@
+//! The floor: a multi-level surface map.
+
+use rustc_hash::FxHashMap;
+
+use super::columns::{Columns, Gap};
+
+/// Least height of the air over a floor, in metres: lower cracks are left out.
+const LEAST_HEIGHT_M: f32 = 0.05;
+/// How far around a cell its relief is measured, in metres: about the length of a wheel's footprint.
+const RELIEF_M: f64 = 0.25;
+
+/// The eight neighbours of a cell.
+pub(super) const NEIGHBORS: [[i32; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
+
+/// What a robot gets over and under.
+#[derive(Clone, Copy, Debug)]
+pub struct Robot {
+    /// Height of the air that it needs, in metres.
+    pub height_m: f32,
+    /// Highest step that it climbs, in metres.
+    pub step_m: f32,
+    /// Steepest floor on which it stands, in radians.
+    pub slope_rad: f32,
+}
+
+/// All places on which something can stand, by cell and from below.
+pub struct Floor {
+    cell_m: f64,
+    cells: Vec<Gap>,
+    reliefs: Vec<Relief>,
+    /// The range of `cells` over each cell of the map. Never iterated.
+    columns: FxHashMap<[i32; 2], [u32; 2]>,
+}
+
+/// The shape of the floor around a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relief {
+    /// Angle of the plane fitted within [a quarter of a metre](RELIEF_M), in radians; NaN where fewer than three cells are near.
+    pub slope_rad: f32,
+    /// Most distance of these cells from that plane along z, in metres; NaN where there is none.
+    pub roughness_m: f32,
+    /// Largest difference in height to a neighbour, in metres; 0 where there is none.
+    pub step_m: f32,
+}
+
+impl Floor {
+    /// The floor of the air in these columns.
+    pub fn new(columns: Columns) -> Self {
+        let cell_m = columns.cell_m();
+        let mut cells = columns.into_gaps();
+        cells.retain(|gap| gap.height_m() >= LEAST_HEIGHT_M);
+        let mut columns = FxHashMap::default();
+        let mut first = 0;
+        for column in cells.chunk_by(|a, b| a.cell == b.cell) {
+            let end = first + column.len() as u32;
+            columns.insert(column[0].cell, [first, end]);
+            first = end;
+        }
+        let mut floor = Self { cell_m, cells, reliefs: Vec::new(), columns };
+        floor.reliefs = (0..floor.cells.len()).map(|number| floor.relief_of(number)).collect();
+        floor
+    }
+
+    /// Side of a cell in metres.
+    pub fn cell_m(&self) -> f64 {
+        self.cell_m
+    }
+
+    /// The cells, by place and from below.
+    pub fn cells(&self) -> &[Gap] {
+        &self.cells
+    }
+
+    /// The centre of a cell of the map, in metres.
+    pub fn centre_m(&self, cell: [i32; 2]) -> [f64; 2] {
+        cell.map(|n| (f64::from(n) + 0.5) * self.cell_m)
+    }
+
+    /// The cell of the map that holds a point in metres.
+    pub fn cell_at(&self, point_m: [f64; 2]) -> [i32; 2] {
+        point_m.map(|along_m| (along_m / self.cell_m).floor() as i32)
+    }
+
+    /// Numbers of the cells over a cell of the map, from below.
+    pub fn over(&self, cell: [i32; 2]) -> std::ops::Range<usize> {
+        let [first, end] = self.columns.get(&cell).copied().unwrap_or_default();
+        first as usize..end as usize
+    }
+
+    /// The shape of the floor around each cell.
+    pub fn reliefs(&self) -> &[Relief] {
+        &self.reliefs
+    }
+
+    /// Whether a robot can be on a cell: there is room above it, and it is level enough.
+    pub fn carries(&self, number: usize, robot: &Robot) -> bool {
+        self.cells[number].height_m() >= robot.height_m && self.reliefs[number].slope_rad <= robot.slope_rad
+    }
+
+    /// The cell on the other side of a border onto which a robot can drive from this one: that with the least step.
+    pub fn next(&self, from: usize, towards: [i32; 2], robot: &Robot) -> Option<usize> {
+        let here = &self.cells[from];
+        let run_m = libm::hypot(f64::from(towards[0]), f64::from(towards[1])) * self.cell_m;
+        let most_m = robot.step_m.max(libm::tanf(robot.slope_rad) * run_m as f32);
+        let rise_m = |to: usize| (self.cells[to].floor_m - here.floor_m).abs();
+        let is_passable = |to: &usize| {
+            let there = &self.cells[*to];
+            let height_m = here.ceiling_m.min(there.ceiling_m) - here.floor_m.max(there.floor_m);
+            rise_m(*to) <= most_m && height_m >= robot.height_m && self.carries(*to, robot)
+        };
+        let passable = self.over(beside(here.cell, towards)).filter(is_passable);
+        passable.min_by(|a, b| rise_m(*a).total_cmp(&rise_m(*b)))
+    }
+
+    /// The floor over a cell of the map that is nearest to a height in metres.
+    pub fn nearest(&self, cell: [i32; 2], z_m: f32) -> Option<usize> {
+        let away_m = |number: &usize| (self.cells[*number].floor_m - z_m).abs();
+        self.over(cell).min_by(|a, b| away_m(a).total_cmp(&away_m(b)))
+    }
+
+    fn relief_of(&self, number: usize) -> Relief {
+        let own = &self.cells[number];
+        let around = NEIGHBORS.iter().filter_map(|towards| self.nearest(beside(own.cell, *towards), own.floor_m));
+        let step_m = around.map(|other| (self.cells[other].floor_m - own.floor_m).abs()).fold(0.0, f32::max);
+        let points = self.around(own);
+        let Some(plane) = Plane::through(&points) else {
+            return Relief { slope_rad: f32::NAN, roughness_m: f32::NAN, step_m };
+        };
+        let roughness_m = points.iter().map(|point| plane.away_m(point).abs()).fold(0.0, f64::max);
+        let slope_rad = libm::atan(libm::hypot(plane.slopes[0], plane.slopes[1]));
+        Relief { slope_rad: slope_rad as f32, roughness_m: roughness_m as f32, step_m }
+    }
+
+    /// The floor around a cell, relative to it, as far as its relief is measured.
+    fn around(&self, own: &Gap) -> Vec<[f64; 3]> {
+        /// Steepest line from the cell to one that still belongs to the same floor: 56°.
+        const STEEPEST: f64 = 1.5;
+        let reach = (RELIEF_M / self.cell_m).floor() as i32;
+        let offsets = (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| [i, j]));
+        let point = |offset: [i32; 2]| {
+            let [x, y] = offset.map(|n| f64::from(n) * self.cell_m);
+            let away_m = libm::hypot(x, y);
+            let number = self.nearest(beside(own.cell, offset), own.floor_m).filter(|_| away_m <= RELIEF_M)?;
+            let z = f64::from(self.cells[number].floor_m) - f64::from(own.floor_m);
+            (z.abs() <= STEEPEST * away_m).then_some([x, y, z])
+        };
+        offsets.filter_map(point).collect()
+    }
+}
+
+pub(super) fn beside(cell: [i32; 2], towards: [i32; 2]) -> [i32; 2] {
+    [cell[0] + towards[0], cell[1] + towards[1]]
+}
+
+/// A plane as a height over the map.
+struct Plane {
+    mean: [f64; 3],
+    slopes: [f64; 2],
+}
+
+impl Plane {
+    /// The plane with the least squares of distances along z; `None` if the points are on a line.
+    fn through(points: &[[f64; 3]]) -> Option<Self> {
+        let count = points.len() as f64;
+        let mean = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
+        let sum = |a: usize, b: usize| points.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>();
+        let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
+        let determinant = xx * yy - xy * xy;
+        let slopes = [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant];
+        (points.len() >= 3 && determinant > 1e-9 * (xx + yy) * (xx + yy)).then_some(Self { mean, slopes })
+    }
+
+    fn away_m(&self, point: &[f64; 3]) -> f64 {
+        let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - self.mean[axis]);
+        z - self.slopes[0] * x - self.slopes[1] * y
+    }
+}

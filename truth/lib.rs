@@ -1,0 +1,39 @@
+//! Ground truth of a world of triangles: where its floor is, where a robot can go from its start, and maps of that.
+//!
+//! [`Columns`] takes triangles in any order and finds what the vertical lines through the cells of a grid cross; so all that
+//! follows is exact at the centres of cells, and the grid does not depend on how the world is divided into chunks. The air in
+//! each column makes the cells of a multi-level surface map ([`Floor`], after Triebel, Pfaff and Burgard 2006), which has as many
+//! floors over each other as there are. [`Storeys`] divides what a robot reaches into parts that do not overlap on the map, and
+//! [`OccupancyMap`] draws one of them.
+//!
+//! Not promised: anything between the centres of two cells, such as a pole that is thinner than a cell.
+//!
+//! ```
+//! use plume_truth::{Columns, Floor, OccupancyMap, Robot, State, Storeys};
+//!
+//! // A room of 2 m by 2 m by 1 m, whose walls face inwards.
+//! let corner = |n: usize| [0, 1, 2].map(|axis| if n >> axis & 1 == 1 { [2.0, 2.0, 1.0][axis] } else { 0.0 });
+//! let corners: Vec<[f32; 3]> = (0..8).map(corner).collect();
+//! let sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+//! let mut columns = Columns::new(0.1);
+//! for [a, b, c, d] in sides {
+//!     columns.add(&corners, &[a, b, c, a, c, d]);
+//! }
+//! let floor = Floor::new(columns);
+//! assert_eq!(floor.cells().len(), 20 * 20);
+//!
+//! let robot = Robot { height_m: 0.5, step_m: 0.1, slope_rad: 0.5 };
+//! let storeys = Storeys::reached(&floor, &robot, &[[1.0, 1.0, 0.0]]);
+//! let map = OccupancyMap::of(&floor, &storeys, 0);
+//! assert_eq!(map.count(State::Free), 20 * 20);
+//! ```
+
+mod columns;
+mod floor;
+mod map;
+mod storeys;
+
+pub use columns::{Columns, Gap};
+pub use floor::{Floor, Relief, Robot};
+pub use map::{OccupancyMap, State};
+pub use storeys::Storeys;
