@@ -103,6 +103,12 @@ fn a_robot_stays_off_what_is_too_high_too_low_or_too_steep() {
     assert!(crosses(wall(-1.0, 0.09)) && !crosses(wall(-1.0, 0.11)), "steps");
     assert!(crosses(wall(0.51, 2.0)) && !crosses(wall(0.49, 2.0)), "headroom");
     assert!(crosses(ramp(0.49)) && !crosses(ramp(0.51)), "headroom on a ramp");
+    // Two rooms, each high enough, of which one is a step higher.
+    let stepped = |up: f32| {
+        let [bottom, top] = [up, 0.55 + up].map(|z| [z; 4]);
+        World::room([0.0, 0.0], [3.0, 1.0], 0.0, 0.55).with([[3.0, 0.0], [6.0, 1.0]], bottom, top, true)
+    };
+    assert!(crosses(stepped(0.04)) && !crosses(stepped(0.09)), "headroom over a step");
     // 22°, of which the steps from cell to cell are lower than what it climbs.
     let timid = Robot { slope_rad: 0.35, ..ROBOT };
     let floor = ramp(0.4).floor(0.1);
