@@ -28,8 +28,7 @@ pub struct Floor {
     cell_m: f64,
     cells: Vec<Gap>,
     reliefs: Vec<Relief>,
-    /// The range of `cells` over each cell of the map. Never iterated.
-    columns: FxHashMap<[i32; 2], [u32; 2]>,
+    columns: Tiles,
 }
 
 /// The shape of the floor around a cell.
@@ -49,7 +48,7 @@ impl Floor {
         let cell_m = columns.cell_m();
         let mut cells = columns.into_gaps();
         cells.retain(|gap| gap.height_m() >= LEAST_HEIGHT_M);
-        let mut columns = FxHashMap::default();
+        let mut columns = Tiles::default();
         let mut first = 0;
         for column in cells.chunk_by(|a, b| a.cell == b.cell) {
             let end = first + column.len() as u32;
@@ -57,7 +56,8 @@ impl Floor {
             first = end;
         }
         let mut floor = Self { cell_m, cells, reliefs: Vec::new(), columns };
-        floor.reliefs = (0..floor.cells.len()).map(|number| floor.relief_of(number)).collect();
+        let window = window(cell_m);
+        floor.reliefs = floor.cells.iter().map(|cell| floor.relief_of(cell, &window)).collect();
         floor
     }
 
@@ -83,7 +83,7 @@ impl Floor {
 
     /// Numbers of the cells over a cell of the map, from below.
     pub fn over(&self, cell: [i32; 2]) -> std::ops::Range<usize> {
-        let [first, end] = self.columns.get(&cell).copied().unwrap_or_default();
+        let [first, end] = self.columns.get(cell);
         first as usize..end as usize
     }
 
@@ -118,11 +118,16 @@ impl Floor {
         self.over(cell).min_by(|a, b| away_m(a).total_cmp(&away_m(b)))
     }
 
-    fn relief_of(&self, number: usize) -> Relief {
-        let own = &self.cells[number];
+    /// The shape of the floor around a cell, of which the cells in the window belong to the plane.
+    fn relief_of(&self, own: &Gap, window: &[Offset]) -> Relief {
         let around = NEIGHBORS.iter().filter_map(|towards| self.nearest(beside(own.cell, *towards), own.floor_m));
         let step_m = around.map(|other| (self.cells[other].floor_m - own.floor_m).abs()).fold(0.0, f32::max);
-        let points = self.around(own);
+        let point = |offset: &Offset| {
+            let number = self.nearest(beside(own.cell, offset.cells), own.floor_m)?;
+            let z = f64::from(self.cells[number].floor_m) - f64::from(own.floor_m);
+            (z.abs() <= offset.most_rise_m).then_some([offset.place_m[0], offset.place_m[1], z])
+        };
+        let points: Vec<[f64; 3]> = window.iter().filter_map(point).collect();
         let Some(plane) = Plane::through(&points) else {
             return Relief { slope_rad: f32::NAN, roughness_m: f32::NAN, step_m };
         };
@@ -130,21 +135,51 @@ impl Floor {
         let slope_rad = libm::atan(libm::hypot(plane.slopes[0], plane.slopes[1]));
         Relief { slope_rad: slope_rad as f32, roughness_m: roughness_m as f32, step_m }
     }
+}
 
-    /// The floor around a cell, relative to it, as far as its relief is measured.
-    fn around(&self, own: &Gap) -> Vec<[f64; 3]> {
-        /// Steepest line from the cell to one that still belongs to the same floor: 56°.
-        const STEEPEST: f64 = 1.5;
-        let reach = (RELIEF_M / self.cell_m).floor() as i32;
-        let offsets = (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| [i, j]));
-        let point = |offset: [i32; 2]| {
-            let [x, y] = offset.map(|n| f64::from(n) * self.cell_m);
-            let away_m = libm::hypot(x, y);
-            let number = self.nearest(beside(own.cell, offset), own.floor_m).filter(|_| away_m <= RELIEF_M)?;
-            let z = f64::from(self.cells[number].floor_m) - f64::from(own.floor_m);
-            (z.abs() <= STEEPEST * away_m).then_some([x, y, z])
-        };
-        offsets.filter_map(point).collect()
+/// Another cell near one.
+struct Offset {
+    cells: [i32; 2],
+    place_m: [f64; 2],
+    /// How much higher or lower it is at most, if it belongs to the same floor.
+    most_rise_m: f64,
+}
+
+/// All cells within [`RELIEF_M`], the middle one included.
+fn window(cell_m: f64) -> Vec<Offset> {
+    /// Steepest line from a cell to one that still belongs to the same floor: 56°.
+    const STEEPEST: f64 = 1.5;
+    let reach = (RELIEF_M / cell_m).floor() as i32;
+    let offset = |cells: [i32; 2]| {
+        let place_m = cells.map(|n| f64::from(n) * cell_m);
+        let away_m = libm::hypot(place_m[0], place_m[1]);
+        (away_m <= RELIEF_M).then_some(Offset { cells, place_m, most_rise_m: STEEPEST * away_m })
+    };
+    (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| [i, j])).filter_map(offset).collect()
+}
+
+/// The range of cells over each cell of the map, in tiles: a window of the map is in few of them, so it is in the cache.
+#[derive(Default)]
+struct Tiles(FxHashMap<[i32; 2], Box<[[u32; 2]; TILE * TILE]>>);
+
+/// Cells along either side of a tile.
+const TILE: usize = 32;
+
+impl Tiles {
+    fn insert(&mut self, cell: [i32; 2], range: [u32; 2]) {
+        let (tile, place) = Self::place(cell);
+        self.0.entry(tile).or_insert_with(|| Box::new([[0; 2]; TILE * TILE]))[place] = range;
+    }
+
+    /// The range over a cell, which may be empty.
+    fn get(&self, cell: [i32; 2]) -> [u32; 2] {
+        let (tile, place) = Self::place(cell);
+        self.0.get(&tile).map_or([0; 2], |ranges| ranges[place])
+    }
+
+    fn place(cell: [i32; 2]) -> ([i32; 2], usize) {
+        let [i, j] = cell.map(|n| n.rem_euclid(TILE as i32) as usize);
+        (cell.map(|n| n.div_euclid(TILE as i32)), i * TILE + j)
     }
 }
 
@@ -161,10 +196,18 @@ struct Plane {
 impl Plane {
     /// The plane with the least squares of distances along z; `None` if the points are on a line.
     fn through(points: &[[f64; 3]]) -> Option<Self> {
-        let count = points.len() as f64;
-        let mean = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
-        let sum = |a: usize, b: usize| points.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>();
-        let (xx, xy, yy, xz, yz) = (sum(0, 0), sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2));
+        let mut sum = [0.0; 3];
+        points.iter().for_each(|point| (0..3).for_each(|axis| sum[axis] += point[axis]));
+        let mean = sum.map(|sum| sum / points.len() as f64);
+        let [mut xx, mut xy, mut yy, mut xz, mut yz] = [0.0; 5];
+        for point in points {
+            let [x, y, z] = [0, 1, 2].map(|axis| point[axis] - mean[axis]);
+            xx += x * x;
+            xy += x * y;
+            yy += y * y;
+            xz += x * z;
+            yz += y * z;
+        }
         let determinant = xx * yy - xy * xy;
         let slopes = [(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant];
         (points.len() >= 3 && determinant > 1e-9 * (xx + yy) * (xx + yy)).then_some(Self { mean, slopes })
