@@ -34,7 +34,7 @@ pub struct Floor {
 /// The shape of the floor around a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relief {
-    /// Angle of the plane fitted within [a quarter of a metre](RELIEF_M), in radians; NaN where fewer than three cells are near.
+    /// Angle of the plane fitted within a quarter of a metre, in radians; NaN where fewer than three cells are near.
     pub slope_rad: f32,
     /// Most distance of these cells from that plane along z, in metres; NaN where there is none.
     pub roughness_m: f32,
