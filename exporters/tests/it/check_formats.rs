@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use crate::forge;
 use forge::{Forged, amend, package, package_of, tar, verdict, zip, zstd};
+use plume_exporters::format::npy::Archive;
 use plume_exporters::package::MANIFEST;
 use proptest::prelude::*;
 
@@ -52,6 +53,33 @@ fn meshes_are_read() {
     a.mtl: refers to `/rock.png`, which is not a relative path with forward slashes
     a.mtl: refers to `C:\rock.png`, which is not a relative path with forward slashes
     a.mtl: refers to `gone.png`, which does not exist
+    ");
+}
+
+#[test]
+fn ground_truth_is_read() {
+    let mut archive = Archive::default();
+    archive.add("z", &[2], &[1.0_f32, 2.0]).unwrap();
+    let npz = archive.finish().unwrap();
+    let map = "image: rock.png\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    for (path, bytes) in [("a.npz", &npz[..]), ("a.yaml", map.as_bytes())] {
+        assert_eq!(of(path, bytes), "whole");
+    }
+    let mut damaged = npz.clone();
+    let last_of_array = npz.windows(4).position(|bytes| bytes == b"PK\x01\x02").unwrap() - 1;
+    damaged[last_of_array - 20] ^= 1;
+    insta::assert_snapshot!(each(&[
+        ("cut.npz", &npz[..npz.len() / 2]),
+        ("damaged.npz", &damaged),
+        ("other.npz", &zip(&package_of(&[("a.txt", b"no array")]), |_| ())),
+        ("gone.yaml", map.replace("rock", "gone").as_bytes()),
+        ("short.yaml", b"image: rock.png\n"),
+    ]), @r"
+    cut.npz: is not a zip
+    damaged.npz: has a damaged array
+    other.npz: has an entry that is not an array
+    gone.yaml: refers to `gone.png`, which does not exist
+    short.yaml: has no `resolution`
     ");
 }
 
