@@ -2,6 +2,7 @@
 //!
 //! The only code that prints. Results go to stdout; progress, notes and errors go to stderr.
 
+mod certify;
 mod check;
 mod export;
 mod fault;
@@ -13,6 +14,7 @@ mod likeness;
 mod list;
 mod measure;
 mod new;
+mod path;
 mod preview;
 mod progress;
 mod signals;
@@ -136,6 +138,10 @@ enum Command {
     List(list::List),
     /// Check that a package is intact and refers to nothing outside itself
     Check(check::Check),
+    /// Certify where a robot gets in a finished cave, and what stops it
+    Certify(certify::Certify),
+    /// Find a path for a robot through a finished cave
+    Path(path::PathCommand),
     /// Show the progress of a cave folder and what is left to do
     Status(status::Status),
     /// Compare a graph with real caves; check the mesh of a cave folder (closed, manifold, consistent)
@@ -259,6 +265,8 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Schema => console.result(&format!("{:#}\n", plume::recipe::editor_schema())),
         Command::List(list) => list.run(console),
         Command::Check(check) => check.run(console),
+        Command::Certify(certify) => certify.run(console),
+        Command::Path(path) => path.run(console),
         Command::Status(status) => status.run(console),
         Command::Measure(measure) => measure.run(console),
     }

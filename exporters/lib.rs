@@ -38,6 +38,7 @@ mod slope;
 mod split_nonmanifold;
 #[doc(hidden)]
 pub mod stage;
+pub mod surface;
 mod target;
 #[doc(hidden)]
 pub mod targets;

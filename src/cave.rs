@@ -25,9 +25,11 @@
 //! # }
 //! ```
 
+mod certify;
 mod error;
 mod input;
 mod preview;
+mod route;
 mod target;
 
 use std::path::Path;
@@ -35,9 +37,11 @@ use std::sync::atomic::AtomicBool;
 
 use plume_exporters::scene::Scene;
 
+pub use self::certify::{Certified, NamedRobot, robot};
 pub use self::error::CaveError;
 pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read};
 pub use self::preview::{preview, view_row};
+pub use self::route::Journey;
 pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::pipeline::{self, Disk, Observer, Other, Pipeline, PipelineError};

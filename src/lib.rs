@@ -51,18 +51,21 @@ pub mod preset;
 #[doc(hidden)]
 pub mod preview;
 mod srgb;
+pub mod robot;
 #[doc(hidden)]
 pub mod store;
 #[doc(hidden)]
 pub mod texture;
 #[doc(hidden)]
 pub mod things;
+pub mod trajectory;
 
 pub use plume_exporters as exporters;
 pub use plume_generators as generators;
 pub use plume_graph as graph;
 pub use plume_registry as registry;
 pub use plume_survey as survey;
+pub use plume_truth as truth;
 
 pub use cave::{Cave, CaveError, Input};
 pub use exporters::{ExportError, TARGETS, Target, TargetRow};

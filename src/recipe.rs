@@ -15,6 +15,7 @@ mod world;
 use std::path::Path;
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
@@ -320,6 +321,25 @@ pub fn options(schema: &Value, pairs: &[String]) -> Result<Value, Faults> {
     read::overrides(&mut draft, pairs)?;
     check::against(&schema, &draft)?;
     Ok(schema::filled(&schema, &draft.value))
+}
+
+/// Settings in a TOML file of their own, checked against their schema and completed with defaults.
+///
+/// # Errors
+/// Every fault found.
+pub fn from_toml<T: DeserializeOwned + JsonSchema>(text: &str, file: &Path) -> Result<T, Faults> {
+    let schema = schema::schema_of::<T>();
+    let draft = read::toml(text, file)?;
+    check::against(&schema, &draft)?;
+    serde_json::from_value(schema::filled(&schema, &draft.value)).map_err(|error| draft.fault("file", error.to_string()))
+}
+
+/// Whether a TOML file has a key at its top.
+///
+/// # Errors
+/// If it is not TOML.
+pub fn has_key(text: &str, file: &Path, key: &str) -> Result<bool, Faults> {
+    Ok(!read::toml(text, file)?.value[key].is_null())
 }
 
 fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>, Faults> {

@@ -118,6 +118,16 @@ impl Floor {
         self.over(cell).min_by(|a, b| away_m(a).total_cmp(&away_m(b)))
     }
 
+    /// The cell of the floor under a point in the air in metres, or else the nearest over the same cell of the map.
+    pub fn under(&self, [x, y, z]: [f64; 3]) -> Option<usize> {
+        let mut over = self.over(self.cell_at([x, y]));
+        let holds = |number: &usize| {
+            let gap = &self.cells[*number];
+            gap.floor_m <= z as f32 && z as f32 <= gap.ceiling_m
+        };
+        over.find(holds).or_else(|| self.nearest(self.cell_at([x, y]), z as f32))
+    }
+
     /// The shape of the floor around a cell, of which the cells in the window belong to the plane.
     fn relief_of(&self, own: &Gap, window: &[Offset]) -> Relief {
         let around = NEIGHBORS.iter().filter_map(|towards| self.nearest(beside(own.cell, *towards), own.floor_m));
@@ -134,6 +144,39 @@ impl Floor {
         let roughness_m = points.iter().map(|point| plane.away_m(point).abs()).fold(0.0, f64::max);
         let slope_rad = libm::atan(libm::hypot(plane.slopes[0], plane.slopes[1]));
         Relief { slope_rad: slope_rad as f32, roughness_m: roughness_m as f32, step_m }
+    }
+}
+
+/// Looks up many points near each other.
+pub struct Lookup<'a> {
+    floor: &'a Floor,
+    tile: [i32; 2],
+    ranges: Option<&'a [[u32; 2]; TILE * TILE]>,
+}
+
+impl<'a> Lookup<'a> {
+    /// Looks up points of a floor.
+    pub fn new(floor: &'a Floor) -> Self {
+        // No tile is there.
+        Self { floor, tile: [i32::MIN; 2], ranges: None }
+    }
+
+    /// Side of a cell in metres.
+    pub fn cell_m(&self) -> f64 {
+        self.floor.cell_m
+    }
+
+    /// Floor and ceiling in metres at a point of the map in metres: those whose floor is nearest to a height.
+    pub fn gap(&mut self, point_m: [f64; 2], near_m: f32) -> Option<[f32; 2]> {
+        let (tile, place) = Tiles::place(self.floor.cell_at(point_m));
+        if tile != self.tile {
+            (self.tile, self.ranges) = (tile, self.floor.columns.0.get(&tile).map(|ranges| &**ranges));
+        }
+        let [first, end] = self.ranges?[place];
+        let over = &self.floor.cells[first as usize..end as usize];
+        let away_m = |gap: &&Gap| (gap.floor_m - near_m).abs();
+        let gap = over.iter().min_by(|a, b| away_m(a).total_cmp(&away_m(b)))?;
+        Some([gap.floor_m, gap.ceiling_m])
     }
 }
 

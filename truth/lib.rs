@@ -28,12 +28,25 @@
 //! assert_eq!(map.count(State::Free), 20 * 20);
 //! ```
 
+mod air;
+mod certificate;
+mod clearance;
 mod columns;
 mod floor;
+mod ground;
 mod map;
+mod route;
+mod search;
+mod stance;
 mod storeys;
+mod survey;
+mod vehicle;
 
+pub use certificate::{Certificate, Network, Passage, Reach, Through, Verdict};
 pub use columns::{Columns, Gap};
 pub use floor::{Floor, Relief, Robot};
 pub use map::{OccupancyMap, State};
+pub use route::{Route, Waypoint};
+pub use search::Pose;
 pub use storeys::Storeys;
+pub use vehicle::{Cause, Class, Drone, Fault, Profile, Vehicle};

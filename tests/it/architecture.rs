@@ -22,10 +22,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("preview", &["field", "material", "mesh", "placement", "things"]),
     ("recipe", &["field", "material", "mesh", "model", "texture", "things"]),
     ("preset", &[]),
+    ("robot", &["recipe"]),
     ("store", &["field", "mesh", "texture", "things"]),
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
     ("pipeline", &["field", "material", "mesh", "model", "preview", "recipe", "store", "texture", "things"]),
-    ("cave", &["assemble", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("trajectory", &[]),
+    ("cave", &["assemble", "field", "pipeline", "preset", "preview", "recipe", "robot", "store"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -1,0 +1,142 @@
+//! Certificates: where a robot gets in a finished cave, and what stops it.
+
+use std::path::Path;
+
+use plume_exporters::scene::Scene;
+use plume_exporters::surface;
+use plume_graph::Graph;
+use plume_truth::{Certificate, Class, Fault, Floor, Network, Passage, Route, Verdict, Waypoint};
+use serde_json::{Value, json};
+
+use super::{Cave, CaveError, read};
+use crate::field::PassageSettings;
+use crate::robot::{ROBOTS, RobotSettings};
+
+/// Side of a cell of the floor in metres.
+const CELL_M: f64 = 0.05;
+
+/// A robot with its name.
+#[derive(Clone, Debug)]
+pub struct NamedRobot {
+    /// The name of its row, or of its file without extension.
+    pub name: String,
+    /// What it measures.
+    pub settings: RobotSettings,
+}
+
+/// A certificate of a cave.
+pub struct Certified<'a> {
+    robot: &'a NamedRobot,
+    graph: &'a Graph,
+    generator: &'a str,
+    /// What was found.
+    pub certificate: Certificate,
+}
+
+/// The robot called `name`, or that of a TOML file.
+///
+/// # Errors
+/// An unknown name, a file that cannot be read, every fault in it.
+pub fn robot(name: &str) -> Result<NamedRobot, CaveError> {
+    let path = Path::new(name);
+    if path.extension().is_none_or(|extension| extension != "toml") {
+        let row = ROBOTS.iter().find(|row| row.name == name);
+        let names = ROBOTS.iter().map(|row| row.name);
+        let row = row.ok_or_else(|| CaveError::unknown("robot", name, names))?;
+        return Ok(NamedRobot { name: row.name.to_owned(), settings: row.settings.clone() });
+    }
+    let settings = RobotSettings::from_toml(&read(path)?, path)?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    Ok(NamedRobot { name: stem.unwrap_or_default(), settings })
+}
+
+impl Cave {
+    /// The floor of its exported surface, and where its first start pose is on it.
+    ///
+    /// # Errors
+    /// If a chunk cannot be read; if work was stopped.
+    pub(super) fn floor(&self, scene: &Scene) -> Result<(Floor, [f64; 3]), CaveError> {
+        Ok((surface::floor(scene, CELL_M)?, scene.spawns[0].translation.vector.into()))
+    }
+
+    /// Certifies a robot that starts at the first start pose.
+    ///
+    /// # Errors
+    /// If a chunk cannot be read; if work was stopped.
+    pub fn certify<'a>(&'a self, scene: &'a Scene, robot: &'a NamedRobot) -> Result<Certified<'a>, CaveError> {
+        let (floor, start_m) = self.floor(scene)?;
+        let profile = robot.settings.profile(scene.friction.floor);
+        let certificate = Certificate::of(&floor, &profile, &network(&self.graph, self.recipe.passage()), start_m);
+        Ok(Certified { robot, graph: &self.graph, generator: &scene.generator, certificate })
+    }
+}
+
+/// The stations and passages of a graph.
+fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
+    let passage = |ends: &[plume_graph::StationId; 2]| {
+        let reaches = ends.map(|end| f64::from(sizes.reach(&graph[end]).aside_m));
+        Passage { ends: ends.map(plume_graph::StationId::index), reach_m: reaches[0].max(reaches[1]) }
+    };
+    Network {
+        stations: graph.nodes.iter().map(|node| node.position.coords.into()).collect(),
+        passages: graph.edges.iter().map(passage).collect(),
+    }
+}
+
+impl Certified<'_> {
+    /// Everything, with ids of stations as in the graph; metres and degrees.
+    pub fn json(&self) -> Value {
+        let Certificate { floor_m2, reached_m2, stations, passages, furthest } = &self.certificate;
+        let id = |number: usize| self.graph.nodes[number].id;
+        let name = |class: Option<Class>| class.map_or("none", Class::name);
+        let station = |(number, reach): (usize, &plume_truth::Reach)| {
+            json!({
+                "id": id(number), "there": name(reach.there), "back": name(reach.back), "length_m": rounded(reach.length_m),
+            })
+        };
+        let passage = |(ends, through): (&[plume_graph::StationId; 2], &plume_truth::Through)| {
+            json!({
+                "from": self.graph[ends[0]].id, "to": self.graph[ends[1]].id, "widest_m": rounded(through.widest_m),
+                "there": verdict(&through.there), "back": verdict(&through.back),
+            })
+        };
+        let route = furthest.as_ref().map(|(number, route)| {
+            json!({"to": id(*number), "length_m": rounded(route.length_m()), "path": path(route)})
+        });
+        json!({
+            "generator": self.generator,
+            "robot": { "name": self.robot.name, "settings": self.robot.settings },
+            "frame": "right-handed, Z up, metres; headings in degrees from +x towards +y",
+            "floor": { "area_m2": rounded(*floor_m2), "reached_m2": rounded(*reached_m2), "share": rounded(reached_m2 / floor_m2) },
+            "stations": stations.iter().enumerate().map(station).collect::<Value>(),
+            "passages": self.graph.edges.iter().zip(passages).map(passage).collect::<Value>(),
+            "route": route,
+        })
+    }
+}
+
+fn verdict(verdict: &Verdict) -> Value {
+    let Verdict { class, fault, route } = verdict;
+    let fault = fault.as_ref().map(|(Fault { cause, value, limit }, at)| {
+        let unit = if cause.is_angle() { "deg" } else { "m" };
+        let value_of = |value: f64| rounded(if cause.is_angle() { value.to_degrees() } else { value });
+        json!({
+            "cause": cause.name(), "unit": unit, "value": value_of(*value), "limit": value_of(*limit), "at": at.map(rounded),
+        })
+    });
+    json!({ "class": class.name(), "stopped_by": fault, "path": path(route) })
+}
+
+/// Positions and headings.
+fn path(route: &Route) -> Value {
+    let pose = |waypoint: &Waypoint| {
+        let [x, y, z] = waypoint.position_m.map(rounded);
+        json!([x, y, z, rounded(waypoint.heading_rad.to_degrees())])
+    };
+    route.waypoints.iter().map(pose).collect()
+}
+
+/// To a thousandth.
+fn rounded(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
+}

@@ -1,0 +1,185 @@
+//! Robots: a table of known ones, and files that describe others.
+//!
+//! Sizes of products are those of their makers' data sheets, without payload. What they get over is less than what is advertised
+//! for them: slopes also have to leave 5° to what the friction of the floor allows.
+
+use std::path::Path;
+
+use plume_truth::{Drone, Profile, Vehicle};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::recipe::{self, Faults};
+
+/// How far below the slope at which wheels slip a robot surely climbs.
+const CLIMB_RESERVE_DEG: f64 = 5.0;
+/// The same for the way down.
+const DESCENT_RESERVE_DEG: f64 = 3.0;
+/// How much steeper a slope it comes down than up.
+const DESCENT_MORE_DEG: f64 = 5.0;
+
+/// A known robot.
+pub struct RobotRow {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// What it measures.
+    pub settings: RobotSettings,
+}
+
+/// What a robot measures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum RobotSettings {
+    /// On wheels or legs.
+    Vehicle(VehicleSettings),
+    /// In the air.
+    Drone(DroneSettings),
+}
+
+/// What a robot on wheels or legs measures, and what it gets over.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VehicleSettings {
+    /// From front to back, m.
+    #[schemars(range(min = 0.1, max = 10.0))]
+    pub length_m: f64,
+    /// From side to side, m.
+    #[schemars(range(min = 0.1, max = 10.0))]
+    pub width_m: f64,
+    /// From the floor to its highest point, m.
+    #[schemars(range(min = 0.05, max = 10.0))]
+    pub height_m: f64,
+    /// Between its axles, or its fore and hind feet, m.
+    #[schemars(range(min = 0.05, max = 10.0))]
+    pub wheel_base_m: f64,
+    /// Between the middles of its left and right wheels or feet, m.
+    #[schemars(range(min = 0.05, max = 10.0))]
+    pub track_m: f64,
+    /// Between the floor and its belly, m.
+    #[schemars(range(min = 0.0, max = 5.0))]
+    pub ground_clearance_m: f64,
+    /// Highest step that it climbs, m.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub step_m: f64,
+    /// Steepest slope that it climbs, degrees.
+    #[schemars(range(min = 0.0, max = 60.0))]
+    pub slope_deg: f64,
+    /// Steepest slope across its way, degrees.
+    #[schemars(range(min = 0.0, max = 60.0))]
+    pub side_slope_deg: f64,
+    /// Narrowest passage that it may take, m.
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub passage_m: f64,
+}
+
+/// What a robot in the air measures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DroneSettings {
+    /// Radius of the sphere around it, m.
+    #[schemars(range(min = 0.02, max = 5.0))]
+    pub radius_m: f64,
+    /// Narrowest passage that it may take, m.
+    #[schemars(range(min = 0.05, max = 20.0))]
+    pub passage_m: f64,
+}
+
+/// Every known robot.
+pub static ROBOTS: [RobotRow; 6] = [
+    RobotRow {
+        name: "rover",
+        about: "the rover of target mujoco",
+        settings: vehicle([0.88, 0.68, 0.68], [0.5, 0.56], [0.17, 0.12], [34.0, 30.0], 0.9),
+    },
+    RobotRow {
+        name: "leo",
+        about: "Leo Rover 1.9 by Fictionlab",
+        settings: vehicle([0.424, 0.445, 0.303], [0.295, 0.354], [0.108, 0.07], [30.0, 25.0], 0.65),
+    },
+    RobotRow {
+        name: "husky",
+        about: "Husky A200 by Clearpath",
+        settings: vehicle([0.99, 0.67, 0.39], [0.512, 0.555], [0.13, 0.12], [30.0, 25.0], 0.9),
+    },
+    RobotRow {
+        name: "spot",
+        about: "Spot by Boston Dynamics",
+        settings: vehicle([1.1, 0.5, 0.84], [0.6, 0.34], [0.35, 0.3], [30.0, 25.0], 0.8),
+    },
+    RobotRow {
+        name: "anymal",
+        about: "ANYmal D by ANYbotics",
+        settings: vehicle([0.93, 0.53, 0.89], [0.6, 0.43], [0.35, 0.25], [30.0, 25.0], 0.8),
+    },
+    RobotRow {
+        name: "drone",
+        about: "a quadcopter half a metre across",
+        settings: RobotSettings::Drone(DroneSettings { radius_m: 0.25, passage_m: 0.7 }),
+    },
+];
+
+const fn vehicle(
+    [length_m, width_m, height_m]: [f64; 3],
+    [wheel_base_m, track_m]: [f64; 2],
+    [ground_clearance_m, step_m]: [f64; 2],
+    [slope_deg, side_slope_deg]: [f64; 2],
+    passage_m: f64,
+) -> RobotSettings {
+    RobotSettings::Vehicle(VehicleSettings {
+        length_m,
+        width_m,
+        height_m,
+        wheel_base_m,
+        track_m,
+        ground_clearance_m,
+        step_m,
+        slope_deg,
+        side_slope_deg,
+        passage_m,
+    })
+}
+
+impl RobotSettings {
+    /// Reads a file: a drone is what has `radius_m`, everything else drives or walks.
+    ///
+    /// # Errors
+    /// All faults, with their lines.
+    pub fn from_toml(text: &str, file: &Path) -> Result<Self, Faults> {
+        if recipe::has_key(text, file, "radius_m")? {
+            return Ok(Self::Drone(recipe::from_toml(text, file)?));
+        }
+        Ok(Self::Vehicle(recipe::from_toml(text, file)?))
+    }
+
+    /// What that means on a floor with this friction.
+    pub fn profile(&self, friction: f64) -> Profile {
+        let slip_deg = libm::atan(friction).to_degrees();
+        match self {
+            Self::Vehicle(settings) => Profile::Vehicle(settings.vehicle(slip_deg)),
+            Self::Drone(DroneSettings { radius_m, passage_m }) => {
+                Profile::Drone(Drone { radius_m: *radius_m, margin_m: (passage_m / 2.0 - radius_m).max(0.0) })
+            }
+        }
+    }
+}
+
+impl VehicleSettings {
+    fn vehicle(&self, slip_deg: f64) -> Vehicle {
+        let slope_rad = |slope_deg: f64, reserve_deg: f64| slope_deg.min(slip_deg - reserve_deg).max(0.0).to_radians();
+        Vehicle {
+            length_m: self.length_m,
+            width_m: self.width_m,
+            height_m: self.height_m,
+            wheel_base_m: self.wheel_base_m,
+            track_m: self.track_m,
+            ground_clearance_m: self.ground_clearance_m,
+            step_m: self.step_m,
+            climb_rad: slope_rad(self.slope_deg, CLIMB_RESERVE_DEG),
+            descent_rad: slope_rad(self.slope_deg + DESCENT_MORE_DEG, DESCENT_RESERVE_DEG),
+            side_slope_rad: slope_rad(self.side_slope_deg, CLIMB_RESERVE_DEG),
+            margin_m: ((self.passage_m - self.width_m) / 2.0).max(0.0),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Paths of robots as files: poses over time.
+//!
+//! - TUM: `time x y z qx qy qz qw` a line, in seconds and metres (Sturm et al. 2012, the format that evo reads);
+//! - CSV: the same with heading, clearance and distance covered;
+//! - YAML: a `nav_msgs/msg/Path`, as `ros2 topic pub` takes it.
+
+use std::fmt::Write;
+
+use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use plume_truth::{Route, Waypoint};
+
+/// How fast a robot turns on the spot, in radians a second.
+const TURN_RAD_S: f64 = 0.6;
+/// Over how many waypoints a height over the floor is averaged, either way.
+const LEVEL_OVER: usize = 4;
+
+/// A file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// For evo and recordings.
+    Tum,
+    /// For spreadsheets.
+    Csv,
+    /// For ROS 2.
+    Yaml,
+}
+
+impl Format {
+    /// Every format with the extension of its files.
+    pub const ALL: [(&'static str, Self); 3] = [("tum", Self::Tum), ("csv", Self::Csv), ("yaml", Self::Yaml)];
+}
+
+/// Where a robot is relative to the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ride {
+    /// On its wheels: pitched and leaning as the floor is.
+    OnWheels,
+    /// Level, at a height over the floor in metres.
+    Level(f64),
+}
+
+/// Poses over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trajectory {
+    /// The poses.
+    pub stamps: Vec<Stamp>,
+}
+
+/// A pose at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamp {
+    /// Seconds since the start.
+    pub time_s: f64,
+    /// Metres along the path.
+    pub along_m: f64,
+    /// Position in metres.
+    pub position_m: [f64; 3],
+    /// Orientation: +X ahead, +Z up.
+    pub rotation: UnitQuaternion<f64>,
+    /// From the middle to what the robot cannot drive onto, in metres.
+    pub clearance_m: f64,
+}
+
+impl Trajectory {
+    /// A route driven at a constant speed in metres a second, with stops to turn on the spot.
+    pub fn of(route: &Route, ride: Ride, speed_m_s: f64) -> Self {
+        let waypoints = &route.waypoints;
+        let (mut time_s, mut along_m) = (0.0, 0.0);
+        let stamp = |(number, waypoint): (usize, &Waypoint)| {
+            if let Some(last) = number.checked_sub(1).map(|last| &waypoints[last]) {
+                let run_m = (Vector3::from(waypoint.position_m) - Vector3::from(last.position_m)).norm();
+                let turn_rad = Rotation3::from_axis_angle(&Vector3::z_axis(), waypoint.heading_rad - last.heading_rad).angle();
+                along_m += run_m;
+                time_s += (run_m / speed_m_s).max(turn_rad / TURN_RAD_S);
+            }
+            let (position_m, rotation) = placed(waypoints, number, ride);
+            Stamp { time_s, along_m, position_m, rotation, clearance_m: waypoint.clearance_m }
+        };
+        Self { stamps: waypoints.iter().enumerate().map(stamp).collect() }
+    }
+
+    /// The text of a file.
+    pub fn text(&self, format: Format) -> String {
+        match format {
+            Format::Tum => self.tum(),
+            Format::Csv => self.csv(),
+            Format::Yaml => self.yaml(),
+        }
+    }
+
+    fn tum(&self) -> String {
+        let line = |stamp: &Stamp| {
+            let [x, y, z] = stamp.position_m;
+            let [i, j, k, w]: [f64; 4] = stamp.rotation.coords.into();
+            format!("{:.6} {x:.6} {y:.6} {z:.6} {i:.9} {j:.9} {k:.9} {w:.9}\n", stamp.time_s)
+        };
+        self.stamps.iter().map(line).collect()
+    }
+
+    fn csv(&self) -> String {
+        let line = |stamp: &Stamp| {
+            let [x, y, z] = stamp.position_m;
+            let [i, j, k, w]: [f64; 4] = stamp.rotation.coords.into();
+            let Stamp { time_s, along_m, clearance_m, .. } = stamp;
+            format!("{time_s:.6},{x:.6},{y:.6},{z:.6},{i:.9},{j:.9},{k:.9},{w:.9},{along_m:.4},{clearance_m:.3}\n")
+        };
+        let header = "time_s,x_m,y_m,z_m,qx,qy,qz,qw,along_m,clearance_m\n".to_owned();
+        header + &self.stamps.iter().map(line).collect::<String>()
+    }
+
+    fn yaml(&self) -> String {
+        let mut text = "header:\n  stamp: {sec: 0, nanosec: 0}\n  frame_id: map\nposes:\n".to_owned();
+        for stamp in &self.stamps {
+            let [x, y, z] = stamp.position_m;
+            let [i, j, k, w]: [f64; 4] = stamp.rotation.coords.into();
+            let nanoseconds = (stamp.time_s * 1e9).round() as u64;
+            let (sec, nanosec) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
+            let written = write!(
+                text,
+                "- header:\n    stamp: {{sec: {sec}, nanosec: {nanosec}}}\n    frame_id: map\n  pose:\n    \
+                 position: {{x: {x:.6}, y: {y:.6}, z: {z:.6}}}\n    \
+                 orientation: {{x: {i:.9}, y: {j:.9}, z: {k:.9}, w: {w:.9}}}\n"
+            );
+            written.expect("a text takes all");
+        }
+        text
+    }
+}
+
+/// Where and how a robot is at a waypoint.
+fn placed(waypoints: &[Waypoint], number: usize, ride: Ride) -> ([f64; 3], UnitQuaternion<f64>) {
+    let Waypoint { position_m, heading_rad, climb_rad, lean_rad, .. } = waypoints[number];
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad);
+    match ride {
+        Ride::OnWheels => {
+            let pitch = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -climb_rad);
+            (position_m, yaw * pitch * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), lean_rad))
+        }
+        Ride::Level(height_m) => {
+            let around = &waypoints[number.saturating_sub(LEVEL_OVER)..(number + LEVEL_OVER + 1).min(waypoints.len())];
+            let mean_m = around.iter().map(|waypoint| waypoint.position_m[2]).sum::<f64>() / around.len() as f64;
+            ([position_m[0], position_m[1], mean_m + height_m], yaw)
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! The ground as a vehicle sees it: where it can stand, which way it can face there, and where it gets from there.
+
+use std::f64::consts::FRAC_PI_8;
+use std::ops::Range;
+
+use super::clearance::Clearance;
+use super::floor::{Floor, NEIGHBORS, Robot, beside};
+use super::search::{Move, Pose, Rest, Sense, State, Terrain};
+use super::stance::{Footprint, Stance};
+use super::vehicle::{Cause, Class, Fault, Vehicle};
+
+/// Directions in which it moves; and as many between them, through which it turns.
+const DIRECTIONS: usize = 8;
+/// Distance between two places, in metres: a few of the widest tyre's in a footprint.
+const STRIDE_M: f64 = 0.1;
+/// What a turn on the spot by an eighth costs, in tenths of a millimetre: tuned so that it does not wiggle.
+const TURN_COST: u64 = 1_500;
+/// How much further from the wall than it needs a vehicle would like to be, in metres.
+const COMFORT_M: f64 = 0.5;
+/// How much dearer a way along the wall is.
+const DISCOMFORT: f64 = 1.5;
+/// Highest step over which a way that is no way is followed, in metres.
+const HOPELESS_STEP_M: f32 = 1.0;
+
+/// The order of [`NEIGHBORS`] in which each is an eighth of a turn to the left of the last.
+const AROUND: [usize; DIRECTIONS] = [0, 4, 1, 5, 2, 6, 3, 7];
+
+/// The ground for a vehicle, which drives forwards and turns on the spot.
+pub struct Ground<'a> {
+    floor: &'a Floor,
+    vehicle: &'a Vehicle,
+    clearance: Clearance,
+    /// For each sixteenth of a turn.
+    footprints: Vec<Footprint<'a>>,
+    /// Cells from one place to the next.
+    stride: i32,
+    /// For each cell and sixteenth of a turn.
+    known: Vec<Known>,
+}
+
+/// What is known of a stance.
+#[derive(Clone, Copy, PartialEq)]
+enum Known {
+    Nothing,
+    NoFloor,
+    Class(Class),
+}
+
+impl<'a> Ground<'a> {
+    /// The ground of a floor.
+    pub fn new(floor: &'a Floor, vehicle: &'a Vehicle) -> Self {
+        let footprint = |turn: usize| Footprint::new(vehicle, turn as f64 * FRAC_PI_8, floor.cell_m());
+        Self {
+            floor,
+            vehicle,
+            clearance: Clearance::new(floor, &robot(vehicle)),
+            footprints: (0..2 * DIRECTIONS).map(footprint).collect(),
+            stride: (STRIDE_M / floor.cell_m()).round().max(1.0) as i32,
+            known: vec![Known::Nothing; floor.cells().len() * 2 * DIRECTIONS],
+        }
+    }
+
+    fn stance(&self, cell: usize, turn: usize) -> Option<Stance> {
+        let (at_m, near_m) = self.place(cell);
+        self.footprints[turn].stand(self.floor, at_m, near_m)
+    }
+
+    fn place(&self, cell: usize) -> ([f64; 2], f64) {
+        let gap = &self.floor.cells()[cell];
+        (self.floor.centre_m(gap.cell), f64::from(gap.floor_m))
+    }
+
+    fn class_of(&mut self, cell: usize, turn: usize) -> Option<Class> {
+        let key = cell * 2 * DIRECTIONS + turn;
+        if self.known[key] == Known::Nothing {
+            self.known[key] = self.stance(cell, turn).map_or(Known::NoFloor, |stance| Known::Class(stance.class));
+        }
+        match self.known[key] {
+            Known::Class(class) => Some(class),
+            _ => None,
+        }
+    }
+
+    /// The place next to a cell, and whether a wheel gets there.
+    fn next(&self, from: usize, towards: [i32; 2]) -> Option<(usize, Class)> {
+        let here = &self.floor.cells()[from];
+        let there = beside(here.cell, towards.map(|n| n * self.stride));
+        let to = self.floor.nearest(there, here.floor_m)?;
+        let gap = &self.floor.cells()[to];
+        let rise_m = (gap.floor_m - here.floor_m).abs();
+        let room_m = gap.ceiling_m.min(here.ceiling_m) - gap.floor_m.max(here.floor_m);
+        // The way back is the same.
+        let is_mutual = self.floor.nearest(here.cell, gap.floor_m) == Some(from);
+        let run_m = f64::from(self.stride) * self.floor.cell_m() * libm::hypot(towards[0].into(), towards[1].into());
+        let steepest_rad = self.vehicle.climb_rad.max(self.vehicle.descent_rad);
+        let is_passable = f64::from(rise_m) <= self.vehicle.step_m.max(libm::tan(steepest_rad) * run_m);
+        let class = if is_passable && f64::from(room_m) >= self.vehicle.height_m { Class::Go } else { Class::NoGo };
+        (is_mutual && rise_m <= HOPELESS_STEP_M && room_m > 0.0).then_some((to, class))
+    }
+
+    fn cost(&self, to: usize, towards: [i32; 2]) -> u64 {
+        let length_m = f64::from(self.stride) * self.floor.cell_m() * libm::hypot(towards[0].into(), towards[1].into());
+        let spare_m = f64::from(self.clearance.of_m[to]) - self.vehicle.width_m / 2.0 - self.vehicle.margin_m;
+        let dearer = 1.0 + DISCOMFORT * (1.0 - spare_m / COMFORT_M).clamp(0.0, 1.0);
+        (length_m * dearer * 1e4).round() as u64
+    }
+}
+
+impl Terrain for Ground<'_> {
+    fn moves(&mut self, state: State, sense: Sense, found: &mut Vec<Move>) {
+        let (cell, direction) = parts(state);
+        let Some(here) = self.class_of(cell, 2 * direction) else { return };
+        for other in [(direction + 1) % DIRECTIONS, (direction + DIRECTIONS - 1) % DIRECTIONS] {
+            let classes = [between(direction, other), 2 * other].map(|turn| self.class_of(cell, turn));
+            if let [Some(between), Some(there)] = classes {
+                let class = here.max(between).max(there);
+                found.push(Move { to: state_of(cell, other), cost: TURN_COST, class });
+            }
+        }
+        let ahead = NEIGHBORS[AROUND[direction]];
+        let towards = if sense == Sense::Ahead { ahead } else { ahead.map(|n| -n) };
+        let Some((next, wheels)) = self.next(cell, towards) else { return };
+        if let Some(there) = self.class_of(next, 2 * direction) {
+            let class = here.max(there).max(wheels);
+            found.push(Move { to: state_of(next, direction), cost: self.cost(next, towards), class });
+        }
+    }
+
+    fn why(&self, from: State, to: State) -> Option<Fault> {
+        let [one, other] = [from, to].map(parts);
+        let turns = if one.0 == other.0 { vec![between(one.1, other.1), 2 * other.1] } else { vec![2 * other.1] };
+        let mut stances = turns.into_iter().filter_map(|turn| self.stance(other.0, turn));
+        if let Some(fault) = stances.find_map(|stance| stance.fault) {
+            return Some(fault);
+        }
+        let [one, other] = [one.0, other.0].map(|cell| f64::from(self.floor.cells()[cell].floor_m));
+        (one != other).then_some(Fault { cause: Cause::Step, value: (one - other).abs(), limit: self.vehicle.step_m })
+    }
+
+    fn class(&mut self, state: State) -> Option<Class> {
+        let (cell, direction) = parts(state);
+        self.class_of(cell, 2 * direction)
+    }
+
+    fn directions(&self, cell: usize) -> Range<u8> {
+        let is_place = self.floor.cells()[cell].cell.iter().all(|n| n.rem_euclid(self.stride) == 0);
+        if is_place { 0..DIRECTIONS as u8 } else { 0..0 }
+    }
+
+    fn pose(&self, state: State) -> Pose {
+        let (cell, direction) = parts(state);
+        let ([x, y], near_m) = self.place(cell);
+        let z = self.stance(cell, 2 * direction).map_or(near_m, |stance| stance.ground_m);
+        Pose { position_m: [x, y, z], heading_rad: (2 * direction) as f64 * FRAC_PI_8 }
+    }
+
+    fn rest(&self, pose: &Pose) -> Option<Rest> {
+        let [x, y, near_m] = pose.position_m;
+        let footprint = Footprint::new(self.vehicle, pose.heading_rad, self.floor.cell_m());
+        let Stance { class, ground_m, climb_rad, lean_rad, .. } = footprint.stand(self.floor, [x, y], near_m)?;
+        Some(Rest { class, height_m: ground_m, climb_rad, lean_rad })
+    }
+
+    fn room_m(&mut self, cell: usize) -> f32 {
+        self.clearance.of_m[cell]
+    }
+}
+
+fn state_of(cell: usize, direction: usize) -> State {
+    State { cell: cell as u32, direction: direction as u8 }
+}
+
+fn parts(state: State) -> (usize, usize) {
+    (state.cell as usize, usize::from(state.direction))
+}
+
+/// The sixteenth of a turn between two directions that are next to each other.
+fn between(one: usize, other: usize) -> usize {
+    let is_left = other == (one + 1) % DIRECTIONS;
+    (2 * one + if is_left { 1 } else { 2 * DIRECTIONS - 1 }) % (2 * DIRECTIONS)
+}
+
+/// What this vehicle gets over at a point.
+fn robot(vehicle: &Vehicle) -> Robot {
+    let slope_rad = vehicle.climb_rad.max(vehicle.side_slope_rad);
+    Robot { height_m: vehicle.height_m as f32, step_m: vehicle.step_m as f32, slope_rad: slope_rad as f32 }
+}

@@ -1,0 +1,203 @@
+//! Shortest ways over any terrain, by the algorithm of Dijkstra (1959).
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::vehicle::{Class, Fault};
+
+/// Where a robot can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct State {
+    /// Number of the cell of the floor.
+    pub cell: u32,
+    /// Which way it faces, in parts of a turn.
+    pub direction: u8,
+}
+
+/// In which sense moves are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// From where a robot is to where it gets.
+    Ahead,
+    /// From where it gets to where it may come from.
+    Back,
+}
+
+/// A move between two states.
+#[derive(Clone, Copy, Debug)]
+pub struct Move {
+    /// The state at its other end.
+    pub to: State,
+    /// What it costs: about its length in tenths of a millimetre.
+    pub cost: u64,
+    /// Whether the robot can make it.
+    pub class: Class,
+}
+
+/// Where a robot can be on a floor, and how it moves there.
+pub trait Terrain {
+    /// The moves from or to a state, in a fixed order.
+    fn moves(&mut self, state: State, sense: Sense, found: &mut Vec<Move>);
+
+    /// Why a move along a way is not [`Class::Go`], or its first state.
+    fn why(&self, from: State, to: State) -> Option<Fault>;
+
+    /// Whether a robot gets through a state; `None` if it cannot even be there.
+    fn class(&mut self, state: State) -> Option<Class>;
+
+    /// The directions in which a robot can face at a cell of the floor; none if the cell is not one of the places.
+    fn directions(&self, cell: usize) -> Range<u8>;
+
+    /// Where the robot is, and which way it faces.
+    fn pose(&self, state: State) -> Pose;
+
+    /// How the robot would be at a place in metres that is not one of the states; `None` if it cannot be there.
+    fn rest(&self, pose: &Pose) -> Option<Rest>;
+
+    /// Radius in metres of what there is room for at a cell.
+    fn room_m(&mut self, cell: usize) -> f32;
+}
+
+/// How a robot is at a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rest {
+    /// Whether it gets through.
+    pub class: Class,
+    /// Its height in metres.
+    pub height_m: f64,
+    /// How it is pitched up, in radians.
+    pub climb_rad: f64,
+    /// How much higher its left is, in radians.
+    pub lean_rad: f64,
+}
+
+/// Where a robot is, and which way it faces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Its place in metres: on the floor, or in the air for a drone.
+    pub position_m: [f64; 3],
+    /// From +x towards +y, in radians.
+    pub heading_rad: f64,
+}
+
+/// How much dearer a move is that may fail; so the best way has as few of the worst moves as possible, and is short only then.
+fn weight(class: Class) -> u64 {
+    match class {
+        Class::Go => 1,
+        Class::Marginal => 1_000,
+        Class::NoGo => 1_000_000,
+    }
+}
+
+/// The states that were reached, each by its best way.
+#[derive(Default)]
+pub struct Routes {
+    by_state: FxHashMap<State, Arrival>,
+    /// The goal, if it was reached.
+    pub goal: Option<State>,
+}
+
+/// How a state was reached.
+#[derive(Clone, Copy)]
+struct Arrival {
+    cost: u64,
+    from: State,
+    class: Class,
+}
+
+impl Routes {
+    /// Searches from all starts at once until a state is a goal. Moves worse than `worst` are left out, and so are states that
+    /// are not `within` bounds.
+    pub fn search(
+        terrain: &mut dyn Terrain,
+        starts: &[State],
+        sense: Sense,
+        worst: Class,
+        within: &dyn Fn(State) -> bool,
+        is_goal: &dyn Fn(State) -> bool,
+    ) -> Self {
+        let mut routes = Self::default();
+        let mut front = BinaryHeap::new();
+        for start in starts {
+            routes.by_state.insert(*start, Arrival { cost: 0, from: *start, class: Class::Go });
+            front.push(Reverse((0, *start)));
+        }
+        let mut moves = Vec::new();
+        while let Some(Reverse((cost, state))) = front.pop() {
+            let here = routes.by_state[&state];
+            if cost > here.cost {
+                continue;
+            }
+            if is_goal(state) {
+                routes.goal = Some(state);
+                return routes;
+            }
+            moves.clear();
+            terrain.moves(state, sense, &mut moves);
+            for Move { to, cost: more, class } in moves.iter().copied().filter(|one| one.class <= worst && within(one.to)) {
+                let arrival = Arrival { cost: here.cost + more * weight(class), from: state, class: class.max(here.class) };
+                let known = routes.by_state.entry(to).or_insert(Arrival { cost: u64::MAX, ..arrival });
+                if arrival.cost < known.cost {
+                    *known = arrival;
+                    front.push(Reverse((arrival.cost, to)));
+                }
+            }
+        }
+        routes
+    }
+
+    /// The widest way from any start to any goal: the room in metres at its narrowest place, 0 if there is none.
+    pub fn widest_m(
+        terrain: &mut dyn Terrain,
+        starts: &[State],
+        within: &dyn Fn(State) -> bool,
+        is_goal: &dyn Fn(State) -> bool,
+    ) -> f32 {
+        // Room is never negative, so its bits are in its order.
+        let room = |terrain: &mut dyn Terrain, state: &State| terrain.room_m(state.cell as usize).to_bits();
+        let mut front: BinaryHeap<(u32, Reverse<State>)> =
+            starts.iter().map(|start| (room(terrain, start), Reverse(*start))).collect();
+        let mut is_known = FxHashSet::default();
+        let mut moves = Vec::new();
+        while let Some((narrowest, Reverse(state))) = front.pop() {
+            if !is_known.insert(state) {
+                continue;
+            }
+            if is_goal(state) {
+                return f32::from_bits(narrowest);
+            }
+            moves.clear();
+            terrain.moves(state, Sense::Ahead, &mut moves);
+            for to in moves.iter().map(|one| one.to).filter(|to| within(*to)) {
+                front.push((room(terrain, &to).min(narrowest), Reverse(to)));
+            }
+        }
+        0.0
+    }
+
+    /// The worst class on the way to a state; `None` if it was not reached.
+    pub fn class(&self, state: State) -> Option<Class> {
+        self.by_state.get(&state).map(|arrival| arrival.class)
+    }
+
+    /// The cheapest to reach of some states.
+    pub fn cheapest(&self, states: &[State]) -> Option<State> {
+        let cost = |state: &State| Some((self.by_state.get(state)?.cost, *state));
+        Some(states.iter().filter_map(cost).min()?.1)
+    }
+
+    /// The states on the way to one that was reached, from its start.
+    pub fn way(&self, goal: State) -> Vec<State> {
+        let mut way = vec![goal];
+        let mut at = goal;
+        while self.by_state[&at].from != at {
+            at = self.by_state[&at].from;
+            way.push(at);
+        }
+        way.reverse();
+        way
+    }
+}

@@ -1,0 +1,66 @@
+//! A robot in its terrain, and where it is when it is at a place.
+
+use super::air::Air;
+use super::floor::{Floor, beside};
+use super::ground::Ground;
+use super::search::{Pose, State, Terrain};
+use super::vehicle::{Class, Profile};
+
+/// Furthest from a place on the map at which a robot is still there, in metres.
+pub const AT_PLACE_M: f64 = 1.0;
+/// Furthest that the floor around a place is above or below that under it, in metres.
+const SAME_FLOOR_M: f64 = 0.5;
+
+/// A robot in its terrain.
+pub struct Survey<'a> {
+    /// The floor.
+    pub floor: &'a Floor,
+    /// What it is for this robot.
+    pub terrain: &'a mut dyn Terrain,
+}
+
+/// What a floor is for a robot.
+pub fn terrain<'a>(floor: &'a Floor, robot: &'a Profile) -> Box<dyn Terrain + 'a> {
+    match robot {
+        Profile::Vehicle(vehicle) => Box::new(Ground::new(floor, vehicle)),
+        Profile::Drone(drone) => Box::new(Air::new(floor, drone)),
+    }
+}
+
+impl Survey<'_> {
+    /// The states nearest to a cell, up to a distance on the map, in which the robot can best be.
+    pub fn near(&mut self, cell: Option<usize>, most_m: f64) -> Vec<State> {
+        let Some(centre) = cell.map(|cell| self.floor.cells()[cell]) else { return Vec::new() };
+        let reach = (most_m / self.floor.cell_m()).floor() as i32;
+        let mut found: Vec<(Class, State)> = Vec::new();
+        for offset in (-reach..=reach).flat_map(|i| (-reach..=reach).map(move |j| [i, j])) {
+            let away_m = libm::hypot(f64::from(offset[0]), f64::from(offset[1])) * self.floor.cell_m();
+            let Some(cell) = self.floor.nearest(beside(centre.cell, offset), centre.floor_m) else { continue };
+            let rise_m = f64::from((self.floor.cells()[cell].floor_m - centre.floor_m).abs());
+            if away_m > most_m || rise_m > away_m.max(SAME_FLOOR_M) {
+                continue;
+            }
+            for direction in self.terrain.directions(cell) {
+                let state = State { cell: cell as u32, direction };
+                found.extend(self.terrain.class(state).map(|class| (class, state)));
+            }
+        }
+        let best = found.iter().map(|(class, _)| *class).min();
+        found.into_iter().filter(|(class, _)| Some(*class) == best).map(|(_, state)| state).collect()
+    }
+
+    /// The states around a start pose in metres, which is on the floor.
+    pub fn at_start(&mut self, [x, y, z]: [f64; 3]) -> Vec<State> {
+        self.near(self.floor.nearest(self.floor.cell_at([x, y]), z as f32), AT_PLACE_M)
+    }
+
+    /// The states around a place in the air in metres.
+    pub fn at_place(&mut self, place_m: [f64; 3]) -> Vec<State> {
+        self.near(self.floor.under(place_m), AT_PLACE_M)
+    }
+
+    /// The poses of a way.
+    pub fn poses(&self, way: &[State]) -> Vec<Pose> {
+        way.iter().map(|state| self.terrain.pose(*state)).collect()
+    }
+}
