@@ -1,5 +1,6 @@
 //! `plume certify`: where a robot gets in a cave, and what stops it.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,6 +8,7 @@ use plume_disk::Existing;
 
 use super::fault::CliError;
 use super::progress::Console;
+use super::signals;
 use plume::Cave;
 use plume::cave::{self, Certified};
 use plume::pipeline::Observer;
@@ -21,9 +23,9 @@ pub struct Certify {
     /// The robot: one of `plume list robots`, or a TOML file
     #[arg(long, value_name = "ROBOT|FILE", default_value = "husky")]
     robot: String,
-    /// The certificate to write, JSON, replacing an existing one
+    /// The file to write, replacing an existing one: .json for the whole certificate with all paths, .png for a plan
     #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    output: Vec<PathBuf>,
 }
 
 impl Certify {
@@ -33,26 +35,29 @@ impl Certify {
     /// An unknown robot, an unfinished cave, the disk, Ctrl-C.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let robot = cave::robot(&self.robot)?;
-        super::signals::listen();
+        let files = self.output.iter().map(|path| Ok((path, form(path)?))).collect::<Result<Vec<_>, CliError>>()?;
+        signals::listen();
         let cave = Cave::open(&self.folder, console)?;
         let chunks = cave.chunks(console.stop());
         let scene = cave.scene(&chunks);
         let certified = cave.certify(&scene, &robot)?;
-        if let Some(output) = &self.output {
-            save(output, &format!("{}\n", certified.json()))?;
+        for (path, form) in files {
+            let written = plume_disk::write_file(path, Existing::Replace, &form(&certified));
+            written.map_err(|source| StoreError::io(path, source))?;
         }
-        if console.is_json() {
-            return console.result(&format!("{:#}\n", certified.json()));
-        }
-        console.result(&text(&certified))
+        let text = if console.is_json() { format!("{:#}\n", certified.json()) } else { certified.text() };
+        console.result(&text)
     }
 }
 
-fn save(output: &Path, text: &str) -> Result<(), CliError> {
-    let written = plume_disk::write_file(output, Existing::Replace, text.as_bytes());
-    Ok(written.map(drop).map_err(|source| StoreError::io(output, source))?)
-}
-
-fn text(certified: &Certified) -> String {
-    format!("{:?}\n", certified.certificate.floor_m2)
+/// How a file with this extension is written.
+fn form(path: &Path) -> Result<fn(&Certified) -> Vec<u8>, CliError> {
+    match path.extension().and_then(OsStr::to_str) {
+        Some("json") => Ok(|certified| format!("{}\n", certified.json()).into_bytes()),
+        Some("png") => Ok(|certified| certified.plan()),
+        _ => Err(CliError::Usage {
+            message: format!("{}: certificates cannot be written to files with this extension", path.display()),
+            hint: "known extensions: .json, .png".into(),
+        }),
+    }
 }

@@ -69,7 +69,9 @@ impl PathCommand {
             return console.result(&format!("{json:#}\n"));
         }
         let output = self.output.display();
-        console.note(&format!("  path      {output}  {length_m:.1} m in {time_s:.0} s, {clearance_m:.2} m clear of the wall"));
+        console.note(&format!(
+            "  path      {output}  {length_m:.1} m in {time_s:.0} s, {clearance_m:.2} m clear of the wall"
+        ));
         if route.class > Class::Go {
             console.note("  note      it leads over places where the robot may fail: see `plume certify`");
         }

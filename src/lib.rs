@@ -50,8 +50,8 @@ pub mod placement;
 pub mod preset;
 #[doc(hidden)]
 pub mod preview;
-mod srgb;
 pub mod robot;
+mod srgb;
 #[doc(hidden)]
 pub mod store;
 #[doc(hidden)]

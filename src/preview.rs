@@ -24,6 +24,7 @@ use plume_graph::Graph;
 
 pub use self::flight::Pace;
 pub use self::furnishing::Furnishing;
+pub use self::map::judged::{Judgement, judged};
 pub use self::theme::Theme;
 
 /// A cave to be shown.
@@ -166,7 +167,8 @@ impl ViewRow {
     }
 }
 
-const MAP: Size = Size { width: 1280, height: 900 };
+/// Default size of maps.
+pub const MAP: Size = Size { width: 1280, height: 900 };
 
 /// All views, the default first.
 pub static VIEWS: &[ViewRow] = &[

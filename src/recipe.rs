@@ -331,7 +331,8 @@ pub fn from_toml<T: DeserializeOwned + JsonSchema>(text: &str, file: &Path) -> R
     let schema = schema::schema_of::<T>();
     let draft = read::toml(text, file)?;
     check::against(&schema, &draft)?;
-    serde_json::from_value(schema::filled(&schema, &draft.value)).map_err(|error| draft.fault("file", error.to_string()))
+    serde_json::from_value(schema::filled(&schema, &draft.value))
+        .map_err(|error| draft.fault("file", error.to_string()))
 }
 
 /// Whether a TOML file has a key at its top.

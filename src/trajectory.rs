@@ -69,7 +69,8 @@ impl Trajectory {
         let stamp = |(number, waypoint): (usize, &Waypoint)| {
             if let Some(last) = number.checked_sub(1).map(|last| &waypoints[last]) {
                 let run_m = (Vector3::from(waypoint.position_m) - Vector3::from(last.position_m)).norm();
-                let turn_rad = Rotation3::from_axis_angle(&Vector3::z_axis(), waypoint.heading_rad - last.heading_rad).angle();
+                let turn_rad =
+                    Rotation3::from_axis_angle(&Vector3::z_axis(), waypoint.heading_rad - last.heading_rad).angle();
                 along_m += run_m;
                 time_s += (run_m / speed_m_s).max(turn_rad / TURN_RAD_S);
             }

@@ -68,17 +68,15 @@ impl<'a> Air<'a> {
 
 impl Terrain for Air<'_> {
     fn moves(&mut self, state: State, _: Sense, found: &mut Vec<Move>) {
-        let (cell, floor) = (state.cell as usize, self.floor);
-        let here = floor.cells()[cell];
-        for towards in NEIGHBORS {
-            let length_m = f64::from(self.stride) * floor.cell_m() * libm::hypot(towards[0].into(), towards[1].into());
-            for next in floor.over(beside(here.cell, towards.map(|n| n * self.stride))) {
-                let there = &floor.cells()[next];
-                if there.floor_m < here.ceiling_m && here.floor_m < there.ceiling_m {
-                    let to = State { cell: next as u32, direction: 0 };
-                    found.push(Move { to, cost: (length_m * 1e4).round() as u64, class: self.class_between(cell, next) });
-                }
-            }
+        let cell = state.cell as usize;
+        let here = self.floor.cells()[cell].cell;
+        let mut cells = Vec::new();
+        self.beside(cell, &mut cells);
+        for next in cells {
+            let there = self.floor.cells()[next].cell;
+            let length_m = libm::hypot((there[0] - here[0]).into(), (there[1] - here[1]).into()) * self.floor.cell_m();
+            let to = State { cell: next as u32, direction: 0 };
+            found.push(Move { to, cost: (length_m * 1e4).round() as u64, class: self.class_between(cell, next) });
         }
     }
 
@@ -92,9 +90,13 @@ impl Terrain for Air<'_> {
         Some(Fault { cause: Cause::Width, value: 2.0 * self.widest_m(to.cell as usize), limit })
     }
 
-    fn class(&mut self, state: State) -> Option<Class> {
+    fn class(&mut self, state: State) -> Class {
         let [surely, just] = self.heights(state.cell as usize);
-        Some(if surely.is_some() { Class::Go } else if just.is_some() { Class::Marginal } else { Class::NoGo })
+        match [surely, just] {
+            [Some(_), _] => Class::Go,
+            [None, Some(_)] => Class::Marginal,
+            [None, None] => Class::NoGo,
+        }
     }
 
     fn directions(&self, cell: usize) -> Range<u8> {
@@ -120,6 +122,15 @@ impl Terrain for Air<'_> {
             _ => Class::NoGo,
         };
         Some(Rest { class, height_m, ..Rest::default() })
+    }
+
+    fn beside(&self, cell: usize, found: &mut Vec<usize>) {
+        let (cells, here) = (self.floor.cells(), &self.floor.cells()[cell]);
+        let meets = |other: &usize| cells[*other].floor_m < here.ceiling_m && here.floor_m < cells[*other].ceiling_m;
+        for towards in NEIGHBORS {
+            let over = self.floor.over(beside(here.cell, towards.map(|n| n * self.stride)));
+            found.extend(over.filter(meets));
+        }
     }
 
     fn room_m(&mut self, cell: usize) -> f32 {

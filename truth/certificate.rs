@@ -6,9 +6,9 @@
 
 use rustc_hash::FxHashSet;
 
-use super::floor::Floor;
+use super::floor::{Floor, NEIGHBORS, beside};
 use super::route::Route;
-use super::search::{Pose, Routes, Sense, State};
+use super::search::{self, Pose, Routes, Sense, State};
 use super::survey::{self, AT_PLACE_M, Survey};
 use super::vehicle::{Cause, Class, Fault, Profile};
 
@@ -94,7 +94,8 @@ impl Certificate {
 impl Survey<'_> {
     fn certify(&mut self, network: &Network, start_m: [f64; 3]) -> Certificate {
         let starts = self.at_start(start_m);
-        let mut from_start = |sense| Routes::search(self.terrain, &starts, sense, Class::Marginal, &|_| true, &|_| false);
+        let mut from_start =
+            |sense| Routes::search(self.terrain, &starts, sense, Class::Marginal, &|_| true, &|_| false);
         let (out, home) = (from_start(Sense::Ahead), from_start(Sense::Back));
         let stations: Vec<Reach> = network.stations.iter().map(|station| self.reach(*station, &out, &home)).collect();
         let furthest = self.furthest(network, &stations, &out);
@@ -146,20 +147,36 @@ impl Survey<'_> {
         });
         let [low_m, high_m] = [ends[0][2].min(ends[1][2]), ends[0][2].max(ends[1][2])];
         let (floor, most_m) = (self.floor, passage.reach_m + BESIDE_M);
-        let is_inside = |state: State| {
-            let gap = &floor.cells()[state.cell as usize];
-            let is_level = f64::from(gap.floor_m) <= high_m && f64::from(gap.ceiling_m) >= low_m;
+        let is_in_passage = |cell: usize| {
+            let gap = &floor.cells()[cell];
+            let is_level = f64::from(gap.floor_m) <= high_m + most_m && f64::from(gap.ceiling_m) >= low_m - most_m;
             is_level && from_line_m(floor.centre_m(gap.cell), line) <= most_m
         };
+        let is_inside = |state: State| is_in_passage(state.cell as usize);
         let there = self.verdict(&one, &other, ends[0], &is_inside);
         let back = self.verdict(&other, &one, ends[1], &is_inside);
-        let ends: FxHashSet<State> = other.iter().copied().collect();
-        let widest_m = 2.0 * Routes::widest_m(self.terrain, &one, &is_inside, &|state| ends.contains(&state));
+        let ends = ends.map(|end| self.around(end));
+        let is_end = |cell: usize| ends[1].contains(&cell);
+        let widest_m = 2.0 * search::widest_m(self.terrain, &ends[0], &is_in_passage, &is_end);
         Through { there, back, widest_m: widest_m.into() }
     }
 
+    /// The cell of the floor under a place in metres, and those beside it.
+    fn around(&self, place_m: [f64; 3]) -> Vec<usize> {
+        let Some(under) = self.floor.under(place_m) else { return Vec::new() };
+        let gap = &self.floor.cells()[under];
+        let beside = NEIGHBORS.iter().filter_map(|towards| self.floor.nearest(beside(gap.cell, *towards), gap.floor_m));
+        [under].into_iter().chain(beside).collect()
+    }
+
     /// Whether the robot gets from one of some states to one of others.
-    fn verdict(&mut self, starts: &[State], goals: &[State], from_m: [f64; 3], is_inside: &dyn Fn(State) -> bool) -> Verdict {
+    fn verdict(
+        &mut self,
+        starts: &[State],
+        goals: &[State],
+        from_m: [f64; 3],
+        is_inside: &dyn Fn(State) -> bool,
+    ) -> Verdict {
         let goals: FxHashSet<State> = goals.iter().copied().collect();
         let is_goal = |state: State| goals.contains(&state);
         let routes = Routes::search(self.terrain, starts, Sense::Ahead, Class::NoGo, is_inside, &is_goal);

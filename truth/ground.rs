@@ -29,34 +29,30 @@ const AROUND: [usize; DIRECTIONS] = [0, 4, 1, 5, 2, 6, 3, 7];
 pub struct Ground<'a> {
     floor: &'a Floor,
     vehicle: &'a Vehicle,
+    /// The vehicle as a point.
+    point: Robot,
     clearance: Clearance,
     /// For each sixteenth of a turn.
     footprints: Vec<Footprint<'a>>,
     /// Cells from one place to the next.
     stride: i32,
     /// For each cell and sixteenth of a turn.
-    known: Vec<Known>,
-}
-
-/// What is known of a stance.
-#[derive(Clone, Copy, PartialEq)]
-enum Known {
-    Nothing,
-    NoFloor,
-    Class(Class),
+    known: Vec<Option<Class>>,
 }
 
 impl<'a> Ground<'a> {
     /// The ground of a floor.
     pub fn new(floor: &'a Floor, vehicle: &'a Vehicle) -> Self {
+        let point = robot(vehicle);
         let footprint = |turn: usize| Footprint::new(vehicle, turn as f64 * FRAC_PI_8, floor.cell_m());
         Self {
             floor,
             vehicle,
-            clearance: Clearance::new(floor, &robot(vehicle)),
+            point,
+            clearance: Clearance::new(floor, &point),
             footprints: (0..2 * DIRECTIONS).map(footprint).collect(),
             stride: (STRIDE_M / floor.cell_m()).round().max(1.0) as i32,
-            known: vec![Known::Nothing; floor.cells().len() * 2 * DIRECTIONS],
+            known: vec![None; floor.cells().len() * 2 * DIRECTIONS],
         }
     }
 
@@ -70,32 +66,23 @@ impl<'a> Ground<'a> {
         (self.floor.centre_m(gap.cell), f64::from(gap.floor_m))
     }
 
-    fn class_of(&mut self, cell: usize, turn: usize) -> Option<Class> {
+    fn class_of(&mut self, cell: usize, turn: usize) -> Class {
         let key = cell * 2 * DIRECTIONS + turn;
-        if self.known[key] == Known::Nothing {
-            self.known[key] = self.stance(cell, turn).map_or(Known::NoFloor, |stance| Known::Class(stance.class));
-        }
-        match self.known[key] {
-            Known::Class(class) => Some(class),
-            _ => None,
-        }
+        let class =
+            self.known[key].unwrap_or_else(|| self.stance(cell, turn).map_or(Class::NoGo, |stance| stance.class));
+        *self.known[key].insert(class)
     }
 
-    /// The place next to a cell, and whether a wheel gets there.
-    fn next(&self, from: usize, towards: [i32; 2]) -> Option<(usize, Class)> {
+    /// The place next to a cell.
+    fn next(&self, from: usize, towards: [i32; 2]) -> Option<usize> {
         let here = &self.floor.cells()[from];
-        let there = beside(here.cell, towards.map(|n| n * self.stride));
-        let to = self.floor.nearest(there, here.floor_m)?;
-        let gap = &self.floor.cells()[to];
-        let rise_m = (gap.floor_m - here.floor_m).abs();
-        let room_m = gap.ceiling_m.min(here.ceiling_m) - gap.floor_m.max(here.floor_m);
+        let to = self.floor.nearest(beside(here.cell, towards.map(|n| n * self.stride)), here.floor_m)?;
+        let there = &self.floor.cells()[to];
+        let is_connected = there.floor_m < here.ceiling_m && here.floor_m < there.ceiling_m;
         // The way back is the same.
-        let is_mutual = self.floor.nearest(here.cell, gap.floor_m) == Some(from);
-        let run_m = f64::from(self.stride) * self.floor.cell_m() * libm::hypot(towards[0].into(), towards[1].into());
-        let steepest_rad = self.vehicle.climb_rad.max(self.vehicle.descent_rad);
-        let is_passable = f64::from(rise_m) <= self.vehicle.step_m.max(libm::tan(steepest_rad) * run_m);
-        let class = if is_passable && f64::from(room_m) >= self.vehicle.height_m { Class::Go } else { Class::NoGo };
-        (is_mutual && rise_m <= HOPELESS_STEP_M && room_m > 0.0).then_some((to, class))
+        let is_mutual = self.floor.nearest(here.cell, there.floor_m) == Some(from);
+        let is_near = (there.floor_m - here.floor_m).abs() <= HOPELESS_STEP_M;
+        (is_connected && is_mutual && is_near).then_some(to)
     }
 
     fn cost(&self, to: usize, towards: [i32; 2]) -> u64 {
@@ -109,35 +96,35 @@ impl<'a> Ground<'a> {
 impl Terrain for Ground<'_> {
     fn moves(&mut self, state: State, sense: Sense, found: &mut Vec<Move>) {
         let (cell, direction) = parts(state);
-        let Some(here) = self.class_of(cell, 2 * direction) else { return };
+        let here = self.class_of(cell, 2 * direction);
         for other in [(direction + 1) % DIRECTIONS, (direction + DIRECTIONS - 1) % DIRECTIONS] {
-            let classes = [between(direction, other), 2 * other].map(|turn| self.class_of(cell, turn));
-            if let [Some(between), Some(there)] = classes {
-                let class = here.max(between).max(there);
-                found.push(Move { to: state_of(cell, other), cost: TURN_COST, class });
-            }
+            let class = here.max(self.class_of(cell, between(direction, other))).max(self.class_of(cell, 2 * other));
+            found.push(Move { to: state_of(cell, other), cost: TURN_COST, class });
         }
         let ahead = NEIGHBORS[AROUND[direction]];
         let towards = if sense == Sense::Ahead { ahead } else { ahead.map(|n| -n) };
-        let Some((next, wheels)) = self.next(cell, towards) else { return };
-        if let Some(there) = self.class_of(next, 2 * direction) {
-            let class = here.max(there).max(wheels);
-            found.push(Move { to: state_of(next, direction), cost: self.cost(next, towards), class });
-        }
+        let Some(next) = self.next(cell, towards) else { return };
+        let class = here.max(self.class_of(next, 2 * direction));
+        found.push(Move { to: state_of(next, direction), cost: self.cost(next, towards), class });
     }
 
     fn why(&self, from: State, to: State) -> Option<Fault> {
         let [one, other] = [from, to].map(parts);
         let turns = if one.0 == other.0 { vec![between(one.1, other.1), 2 * other.1] } else { vec![2 * other.1] };
-        let mut stances = turns.into_iter().filter_map(|turn| self.stance(other.0, turn));
-        if let Some(fault) = stances.find_map(|stance| stance.fault) {
-            return Some(fault);
+        for turn in turns {
+            let Some(stance) = self.stance(other.0, turn) else {
+                let limit = self.vehicle.width_m + 2.0 * self.vehicle.margin_m;
+                let value = 2.0 * f64::from(self.clearance.of_m[other.0]);
+                return Some(Fault { cause: Cause::Width, value, limit });
+            };
+            if stance.fault.is_some() {
+                return stance.fault;
+            }
         }
-        let [one, other] = [one.0, other.0].map(|cell| f64::from(self.floor.cells()[cell].floor_m));
-        (one != other).then_some(Fault { cause: Cause::Step, value: (one - other).abs(), limit: self.vehicle.step_m })
+        None
     }
 
-    fn class(&mut self, state: State) -> Option<Class> {
+    fn class(&mut self, state: State) -> Class {
         let (cell, direction) = parts(state);
         self.class_of(cell, 2 * direction)
     }
@@ -163,6 +150,10 @@ impl Terrain for Ground<'_> {
 
     fn room_m(&mut self, cell: usize) -> f32 {
         self.clearance.of_m[cell]
+    }
+
+    fn beside(&self, cell: usize, found: &mut Vec<usize>) {
+        found.extend(NEIGHBORS.iter().filter_map(|towards| self.floor.next(cell, *towards, &self.point)));
     }
 }
 

@@ -45,8 +45,8 @@ pub trait Terrain {
     /// Why a move along a way is not [`Class::Go`], or its first state.
     fn why(&self, from: State, to: State) -> Option<Fault>;
 
-    /// Whether a robot gets through a state; `None` if it cannot even be there.
-    fn class(&mut self, state: State) -> Option<Class>;
+    /// Whether a robot gets through a state.
+    fn class(&mut self, state: State) -> Class;
 
     /// The directions in which a robot can face at a cell of the floor; none if the cell is not one of the places.
     fn directions(&self, cell: usize) -> Range<u8>;
@@ -59,6 +59,9 @@ pub trait Terrain {
 
     /// Radius in metres of what there is room for at a cell.
     fn room_m(&mut self, cell: usize) -> f32;
+
+    /// The cells beside one onto which something gets that is small enough, in a fixed order.
+    fn beside(&self, cell: usize, found: &mut Vec<usize>);
 }
 
 /// How a robot is at a place.
@@ -137,8 +140,11 @@ impl Routes {
             }
             moves.clear();
             terrain.moves(state, sense, &mut moves);
-            for Move { to, cost: more, class } in moves.iter().copied().filter(|one| one.class <= worst && within(one.to)) {
-                let arrival = Arrival { cost: here.cost + more * weight(class), from: state, class: class.max(here.class) };
+            for Move { to, cost: more, class } in
+                moves.iter().copied().filter(|one| one.class <= worst && within(one.to))
+            {
+                let arrival =
+                    Arrival { cost: here.cost + more * weight(class), from: state, class: class.max(here.class) };
                 let known = routes.by_state.entry(to).or_insert(Arrival { cost: u64::MAX, ..arrival });
                 if arrival.cost < known.cost {
                     *known = arrival;
@@ -147,35 +153,6 @@ impl Routes {
             }
         }
         routes
-    }
-
-    /// The widest way from any start to any goal: the room in metres at its narrowest place, 0 if there is none.
-    pub fn widest_m(
-        terrain: &mut dyn Terrain,
-        starts: &[State],
-        within: &dyn Fn(State) -> bool,
-        is_goal: &dyn Fn(State) -> bool,
-    ) -> f32 {
-        // Room is never negative, so its bits are in its order.
-        let room = |terrain: &mut dyn Terrain, state: &State| terrain.room_m(state.cell as usize).to_bits();
-        let mut front: BinaryHeap<(u32, Reverse<State>)> =
-            starts.iter().map(|start| (room(terrain, start), Reverse(*start))).collect();
-        let mut is_known = FxHashSet::default();
-        let mut moves = Vec::new();
-        while let Some((narrowest, Reverse(state))) = front.pop() {
-            if !is_known.insert(state) {
-                continue;
-            }
-            if is_goal(state) {
-                return f32::from_bits(narrowest);
-            }
-            moves.clear();
-            terrain.moves(state, Sense::Ahead, &mut moves);
-            for to in moves.iter().map(|one| one.to).filter(|to| within(*to)) {
-                front.push((room(terrain, &to).min(narrowest), Reverse(to)));
-            }
-        }
-        0.0
     }
 
     /// The worst class on the way to a state; `None` if it was not reached.
@@ -200,4 +177,33 @@ impl Routes {
         way.reverse();
         way
     }
+}
+
+/// The widest way from any of some cells to a goal: the room in metres at its narrowest place, 0 if there is none.
+pub fn widest_m(
+    terrain: &mut dyn Terrain,
+    starts: &[usize],
+    within: &dyn Fn(usize) -> bool,
+    is_goal: &dyn Fn(usize) -> bool,
+) -> f32 {
+    // Room is never negative, so its bits are in its order.
+    let room = |terrain: &mut dyn Terrain, cell: usize| terrain.room_m(cell).to_bits();
+    let mut front: BinaryHeap<(u32, Reverse<usize>)> =
+        starts.iter().map(|start| (room(terrain, *start), Reverse(*start))).collect();
+    let mut is_known = FxHashSet::default();
+    let mut found = Vec::new();
+    while let Some((narrowest, Reverse(cell))) = front.pop() {
+        if !is_known.insert(cell) {
+            continue;
+        }
+        if is_goal(cell) {
+            return f32::from_bits(narrowest);
+        }
+        found.clear();
+        terrain.beside(cell, &mut found);
+        for to in found.iter().copied().filter(|to| within(*to)) {
+            front.push((room(terrain, to).min(narrowest), Reverse(to)));
+        }
+    }
+    0.0
 }

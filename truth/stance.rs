@@ -81,11 +81,10 @@ impl<'a> Footprint<'a> {
     /// The footprint in cells with this side in metres.
     pub fn new(vehicle: &'a Vehicle, heading_rad: f64, cell_m: f64) -> Self {
         let (sin, cos) = (libm::sin(heading_rad), libm::cos(heading_rad));
-        let onto_map = |along_m: f64, across_m: f64| {
-            [along_m * cos - across_m * sin, along_m * sin + across_m * cos]
-        };
+        let onto_map = |along_m: f64, across_m: f64| [along_m * cos - across_m * sin, along_m * sin + across_m * cos];
         let [fore_m, side_m] = [vehicle.wheel_base_m / 2.0, vehicle.track_m / 2.0];
-        let wheels = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]| onto_map(x * fore_m, y * side_m));
+        let wheels =
+            [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]| onto_map(x * fore_m, y * side_m));
         let inner_m = (vehicle.track_m - vehicle.width_m / 2.0).max(0.0);
         let along = spread(vehicle.length_m / 2.0, cell_m);
         let spot = |along_m: f64, across_m: f64| Spot {
@@ -150,7 +149,9 @@ impl<'a> Footprint<'a> {
                 let there = [x + run_m * self.ahead[0], y + run_m * self.ahead[1]];
                 let Some(to_m) = site.height_m(there, near_m) else { continue };
                 let rise_m = to_m - from_m;
-                let explained_m = run_m * libm::tan(if rise_m > 0.0 { climb_rad } else { descent_rad });
+                // Slopes are judged by the plane of all wheels.
+                let steepest_rad = MARGINAL_RAD + if rise_m > 0.0 { climb_rad } else { descent_rad };
+                let explained_m = run_m * libm::tan(steepest_rad);
                 let limit_m = step_m.max(explained_m);
                 worst.compare(Cause::Step, rise_m.abs(), limit_m, (MARGINAL_STEP - 1.0) * limit_m);
             }

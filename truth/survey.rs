@@ -8,6 +8,8 @@ use super::vehicle::{Class, Profile};
 
 /// Furthest from a place on the map at which a robot is still there, in metres.
 pub const AT_PLACE_M: f64 = 1.0;
+/// How much further from a place than the nearest others still are at it, in metres.
+const AROUND_M: f64 = 0.15;
 /// Furthest that the floor around a place is above or below that under it, in metres.
 const SAME_FLOOR_M: f64 = 0.5;
 
@@ -28,11 +30,11 @@ pub fn terrain<'a>(floor: &'a Floor, robot: &'a Profile) -> Box<dyn Terrain + 'a
 }
 
 impl Survey<'_> {
-    /// The states nearest to a cell, up to a distance on the map, in which the robot can best be.
+    /// The states around the place nearest to a cell, up to a distance on the map, in which the robot can best be.
     pub fn near(&mut self, cell: Option<usize>, most_m: f64) -> Vec<State> {
         let Some(centre) = cell.map(|cell| self.floor.cells()[cell]) else { return Vec::new() };
         let reach = (most_m / self.floor.cell_m()).floor() as i32;
-        let mut found: Vec<(Class, State)> = Vec::new();
+        let mut found: Vec<(Class, f64, State)> = Vec::new();
         for offset in (-reach..=reach).flat_map(|i| (-reach..=reach).map(move |j| [i, j])) {
             let away_m = libm::hypot(f64::from(offset[0]), f64::from(offset[1])) * self.floor.cell_m();
             let Some(cell) = self.floor.nearest(beside(centre.cell, offset), centre.floor_m) else { continue };
@@ -42,11 +44,13 @@ impl Survey<'_> {
             }
             for direction in self.terrain.directions(cell) {
                 let state = State { cell: cell as u32, direction };
-                found.extend(self.terrain.class(state).map(|class| (class, state)));
+                found.push((self.terrain.class(state), away_m, state));
             }
         }
-        let best = found.iter().map(|(class, _)| *class).min();
-        found.into_iter().filter(|(class, _)| Some(*class) == best).map(|(_, state)| state).collect()
+        let order = |a: &&(Class, f64, State), b: &&(Class, f64, State)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
+        let Some((best, nearest_m, _)) = found.iter().min_by(order).copied() else { return Vec::new() };
+        let is_among = |(class, away_m, _): &(Class, f64, State)| *class == best && *away_m <= nearest_m + AROUND_M;
+        found.into_iter().filter(is_among).map(|(.., state)| state).collect()
     }
 
     /// The states around a start pose in metres, which is on the floor.

@@ -4,12 +4,17 @@ use std::path::Path;
 
 use plume_exporters::scene::Scene;
 use plume_exporters::surface;
-use plume_graph::Graph;
-use plume_truth::{Certificate, Class, Fault, Floor, Network, Passage, Route, Verdict, Waypoint};
+use plume_graph::{Graph, StationId};
+use plume_truth::{
+    Cause, Certificate, Class, Fault, Floor, Network, Passage, Reach, Route, Through, Verdict, Waypoint,
+};
 use serde_json::{Value, json};
 
 use super::{Cave, CaveError, read};
 use crate::field::PassageSettings;
+use crate::pipeline;
+use crate::preview::{Judgement, MAP, judged};
+use crate::recipe::Recipe;
 use crate::robot::{ROBOTS, RobotSettings};
 
 /// Side of a cell of the floor in metres.
@@ -27,6 +32,7 @@ pub struct NamedRobot {
 /// A certificate of a cave.
 pub struct Certified<'a> {
     robot: &'a NamedRobot,
+    recipe: &'a Recipe,
     graph: &'a Graph,
     generator: &'a str,
     /// What was found.
@@ -67,15 +73,15 @@ impl Cave {
         let (floor, start_m) = self.floor(scene)?;
         let profile = robot.settings.profile(scene.friction.floor);
         let certificate = Certificate::of(&floor, &profile, &network(&self.graph, self.recipe.passage()), start_m);
-        Ok(Certified { robot, graph: &self.graph, generator: &scene.generator, certificate })
+        Ok(Certified { robot, recipe: &self.recipe, graph: &self.graph, generator: &scene.generator, certificate })
     }
 }
 
 /// The stations and passages of a graph.
 fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
-    let passage = |ends: &[plume_graph::StationId; 2]| {
+    let passage = |ends: &[StationId; 2]| {
         let reaches = ends.map(|end| f64::from(sizes.reach(&graph[end]).aside_m));
-        Passage { ends: ends.map(plume_graph::StationId::index), reach_m: reaches[0].max(reaches[1]) }
+        Passage { ends: ends.map(StationId::index), reach_m: reaches[0].max(reaches[1]) }
     };
     Network {
         stations: graph.nodes.iter().map(|node| node.position.coords.into()).collect(),
@@ -84,25 +90,87 @@ fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
 }
 
 impl Certified<'_> {
+    /// A plan of it as a PNG: passages by their worse direction, the path to the furthest station, and what stops the robot,
+    /// numbered as in [`stops`](Self::stops).
+    pub fn plan(&self) -> Vec<u8> {
+        let Certificate { passages, furthest, .. } = &self.certificate;
+        let route = furthest.as_ref().map(|(_, route)| route.waypoints.iter().map(|one| one.position_m).collect());
+        let judgement = Judgement {
+            what: format!("certificate for {}", self.robot.name),
+            passages: passages.iter().map(|through| worse(through) as usize).collect(),
+            names: [Class::Go, Class::Marginal, Class::NoGo].map(Class::name),
+            route: route.unwrap_or_default(),
+            places: self.stops().map(|(_, _, at_m)| at_m).collect(),
+        };
+        let field = pipeline::field(self.recipe, self.graph);
+        judged(&pipeline::subject(self.recipe, self.graph, &field), &judgement, MAP)
+    }
+
+    /// What keeps the robot from simply getting through passages: the number of the passage, what it is, and where, in metres.
+    pub fn stops(&self) -> impl Iterator<Item = (usize, Fault, [f64; 3])> {
+        let passages = self.certificate.passages.iter().enumerate();
+        passages.filter_map(|(number, through)| {
+            let Through { there, back, .. } = through;
+            let worse = if back.class > there.class { back } else { there };
+            let (fault, at_m) = worse.fault?;
+            Some((number, fault, at_m))
+        })
+    }
+
+    /// Everything in a few lines.
+    pub fn text(&self) -> String {
+        let Certificate { floor_m2, reached_m2, stations, passages, furthest } = &self.certificate;
+        let id = |station: StationId| self.graph[station].id;
+        let share = 100.0 * reached_m2 / floor_m2;
+        let surely = |reach: &&Reach| (reach.there, reach.back) == (Some(Class::Go), Some(Class::Go));
+        let mut lines = vec![
+            format!("{}: {:.0} m² of floor, of which its middle is sure of {share:.0} %", self.robot.name, floor_m2),
+            format!(
+                "stations: {} of {} reached and left again",
+                stations.iter().filter(surely).count(),
+                stations.len()
+            ),
+        ];
+        let count = |class: Class| passages.iter().filter(|through| worse(through) == class).count();
+        let [go, marginal, no_go] = [Class::Go, Class::Marginal, Class::NoGo].map(count);
+        lines.push(format!("passages: {go} go, {marginal} marginal, {no_go} no-go"));
+        if let Some(widest_m) = passages.iter().map(|through| through.widest_m).reduce(f64::min) {
+            lines.push(format!("narrowest passage: {widest_m:.2} m"));
+        }
+        if let Some((number, route)) = furthest {
+            lines.push(format!(
+                "furthest station: {}, {:.1} m from the start",
+                self.graph.nodes[*number].id,
+                route.length_m()
+            ));
+        }
+        lines.extend(self.stops().enumerate().map(|(place, (number, fault, [x, y, z]))| {
+            let [from, to] = self.graph.edges[number].map(id);
+            let class = worse(&passages[number]).name();
+            format!("{:3}  {from}..{to} {class}: {} at {x:.2} {y:.2} {z:.2}", place + 1, said(&fault))
+        }));
+        lines.join("\n") + "\n"
+    }
+
     /// Everything, with ids of stations as in the graph; metres and degrees.
     pub fn json(&self) -> Value {
         let Certificate { floor_m2, reached_m2, stations, passages, furthest } = &self.certificate;
         let id = |number: usize| self.graph.nodes[number].id;
         let name = |class: Option<Class>| class.map_or("none", Class::name);
-        let station = |(number, reach): (usize, &plume_truth::Reach)| {
+        let station = |(number, reach): (usize, &Reach)| {
             json!({
                 "id": id(number), "there": name(reach.there), "back": name(reach.back), "length_m": rounded(reach.length_m),
             })
         };
-        let passage = |(ends, through): (&[plume_graph::StationId; 2], &plume_truth::Through)| {
+        let passage = |(ends, through): (&[StationId; 2], &Through)| {
             json!({
                 "from": self.graph[ends[0]].id, "to": self.graph[ends[1]].id, "widest_m": rounded(through.widest_m),
                 "there": verdict(&through.there), "back": verdict(&through.back),
             })
         };
-        let route = furthest.as_ref().map(|(number, route)| {
-            json!({"to": id(*number), "length_m": rounded(route.length_m()), "path": path(route)})
-        });
+        let route = furthest.as_ref().map(
+            |(number, route)| json!({"to": id(*number), "length_m": rounded(route.length_m()), "path": path(route)}),
+        );
         json!({
             "generator": self.generator,
             "robot": { "name": self.robot.name, "settings": self.robot.settings },
@@ -113,6 +181,23 @@ impl Certified<'_> {
             "route": route,
         })
     }
+}
+
+/// The class of the worse direction.
+fn worse(through: &Through) -> Class {
+    through.there.class.max(through.back.class)
+}
+
+/// A fault in words.
+fn said(fault: &Fault) -> String {
+    let Fault { cause, value, limit } = *fault;
+    if cause == Cause::NoFloor {
+        return "no floor".to_owned();
+    }
+    let [value, limit, decimals] =
+        if cause.is_angle() { [value.to_degrees(), limit.to_degrees(), 0.0] } else { [value, limit, 2.0] };
+    let (unit, decimals) = (if cause.is_angle() { "°" } else { " m" }, decimals as usize);
+    format!("{} {value:.decimals$}{unit}, limit {limit:.decimals$}{unit}", cause.name())
 }
 
 fn verdict(verdict: &Verdict) -> Value {

@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use plume_exporters::scene::Scene;
 use nalgebra::Point3;
+use plume_exporters::scene::Scene;
 use plume_graph::{Graph, Neighbors, Node, StationId};
 use plume_truth::{Certificate, Class, Floor, Network, Profile, Route};
 
@@ -186,7 +186,8 @@ impl<'a> Tree<'a> {
     fn loop_m(&self, [a, b]: [StationId; 2]) -> f64 {
         let ways = [a, b].map(|end| self.from_root(end));
         let shared = ways[0].iter().zip(&ways[1]).take_while(|(one, other)| one == other).count();
-        let length_m = |way: &[StationId]| way.windows(2).map(|pair| self.graph.distance_m(pair[0], pair[1])).sum::<f64>();
+        let length_m =
+            |way: &[StationId]| way.windows(2).map(|pair| self.graph.distance_m(pair[0], pair[1])).sum::<f64>();
         self.graph.distance_m(a, b) + ways.iter().map(|way| length_m(&way[shared - 1..])).sum::<f64>()
     }
 

@@ -9,6 +9,7 @@
 
 mod frame;
 mod furniture;
+pub mod judged;
 mod marks;
 mod sheet;
 mod stones;

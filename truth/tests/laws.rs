@@ -1,58 +1,25 @@
 //! The laws of columns, floors, storeys and maps, on worlds made of boxes.
 
-use plume_truth::{Columns, Floor, Gap, OccupancyMap, Robot, State, Storeys};
+mod world;
+
+use plume_truth::{Columns, Gap, OccupancyMap, Robot, State, Storeys};
 use proptest::prelude::*;
+
+use self::world::World;
 
 const ROBOT: Robot = Robot { height_m: 0.5, step_m: 0.1, slope_rad: 0.5 };
 
-/// Triangles, counter-clockwise from the air.
-#[derive(Clone, Default)]
-struct World {
-    corners: Vec<[f32; 3]>,
-    indices: Vec<u32>,
-}
-
-impl World {
-    /// A convex body between a lower and an upper quadrilateral, given as two opposite corners and the four heights of either;
-    /// `inwards` for a room instead of a solid.
-    fn with(mut self, [low, high]: [[f32; 2]; 2], bottom: [f32; 4], top: [f32; 4], inwards: bool) -> Self {
-        let base = self.corners.len() as u32;
-        let place = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]];
-        for heights in [bottom, top] {
-            self.corners.extend(place.iter().zip(heights).map(|(at, z)| [at[0], at[1], z]));
-        }
-        let sides = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-        for [a, b, c, d] in sides {
-            for [a, b, c] in [[a, b, c], [a, c, d]] {
-                let turned = if inwards { [a, c, b] } else { [a, b, c] };
-                self.indices.extend(turned.map(|corner: u32| base + corner));
-            }
-        }
-        self
-    }
-
-    fn room(low: [f32; 2], high: [f32; 2], floor: f32, ceiling: f32) -> Self {
-        Self::default().with([low, high], [floor; 4], [ceiling; 4], true)
-    }
-
-    fn gaps(&self, cell_m: f64) -> Vec<Gap> {
-        let mut columns = Columns::new(cell_m);
-        columns.add(&self.corners, &self.indices);
-        columns.into_gaps()
-    }
-
-    fn floor(&self, cell_m: f64) -> Floor {
-        let mut columns = Columns::new(cell_m);
-        columns.add(&self.corners, &self.indices);
-        Floor::new(columns)
-    }
+fn gaps(world: &World, cell_m: f64) -> Vec<Gap> {
+    let mut columns = Columns::new(cell_m);
+    columns.add(&world.corners, &world.indices);
+    columns.into_gaps()
 }
 
 #[test]
 fn centres_on_edges_and_corners_are_hit_once() {
     // All corners, and the diagonals of all squares, are on centres of cells.
     let room = World::room([0.5, 0.5], [4.5, 4.5], -1.0, 1.0);
-    let gaps = room.gaps(1.0);
+    let gaps = gaps(&room, 1.0);
     assert_eq!(gaps.len(), 4 * 4);
     assert!(gaps.iter().all(|gap| (gap.floor_m, gap.ceiling_m) == (-1.0, 1.0)));
 }
@@ -63,7 +30,7 @@ fn bodies_may_overlap_each_other_and_the_wall() {
         .with([[0.5, 0.5], [1.5, 1.5]], [-0.5; 4], [0.5; 4], false)
         .with([[0.5, 0.5], [1.5, 1.5]], [0.3; 4], [1.0; 4], false)
         .with([[0.5, 0.5], [1.5, 1.5]], [2.5; 4], [3.5; 4], false);
-    let gaps = world.gaps(0.5);
+    let gaps = gaps(&world, 0.5);
     let middle: Vec<&Gap> = gaps.iter().filter(|gap| gap.cell == [1, 1]).collect();
     assert_eq!(middle.iter().map(|gap| [gap.floor_m, gap.ceiling_m]).collect::<Vec<_>>(), [[1.0, 2.5]]);
     assert_eq!(gaps.len(), 16);
@@ -175,7 +142,7 @@ proptest! {
             columns.add(&world.corners, part.as_flattened());
         }
         let gaps = columns.into_gaps();
-        prop_assert_eq!(&gaps, &world.gaps(0.25));
+        prop_assert_eq!(&gaps, &self::gaps(&world, 0.25));
         prop_assert!(gaps.windows(2).all(|pair| (pair[0].cell, pair[0].ceiling_m) < (pair[1].cell, pair[1].floor_m)));
         prop_assert!(gaps.iter().all(|gap| gap.height_m() > 0.0));
     }
