@@ -34,7 +34,7 @@ impl Certify {
     /// # Errors
     /// An unknown robot, an unfinished cave, the disk, Ctrl-C.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
-        let robot = cave::robot(&self.robot)?;
+        let robot = cave::named_robot(&self.robot)?;
         let files = self.output.iter().map(|path| Ok((path, form(path)?))).collect::<Result<Vec<_>, CliError>>()?;
         signals::listen();
         let cave = Cave::open(&self.folder, console)?;

@@ -24,6 +24,9 @@ pub struct Export {
     /// Targets, separated by commas; see `plume list targets`
     #[arg(long, short, value_name = "TARGET", value_delimiter = ',', required = true)]
     target: Vec<String>,
+    /// Put the packages of these targets inside each package, for example --with truth
+    #[arg(long, value_name = "TARGET", value_delimiter = ',')]
+    with: Vec<String>,
     /// Where to write the package; with several targets, the parent folder of all packages [default: NAME-TARGET]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -39,14 +42,20 @@ pub struct Export {
 }
 
 impl Export {
+    /// An export of one target to a folder.
+    pub fn of_target(target: &str, source: Source, output: Option<PathBuf>, option: Vec<String>) -> Self {
+        Self { source, target: vec![target.to_owned()], with: Vec::new(), output, option, bundle: None, keep: None }
+    }
+
     /// Makes the cave if necessary, then each package.
     ///
     /// # Errors
     /// Bad input, the disk, Ctrl-C, a missing USD library.
     pub fn run(&self, console: &Console, host: &Host) -> Result<(), CliError> {
         let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
+        let inside = self.with.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
-        let wanted = cave::build(choices, &self.option, host.library())?;
+        let wanted = cave::build(choices, &inside, &self.option, host.library())?;
         let input = self.source.resolve(console)?;
         let outputs = self.outputs(input.recipe.name(), &wanted, bundle);
         self.refuse_same_place(&outputs)?;
@@ -95,7 +104,7 @@ impl Export {
 
     /// The first target that needs a USD library.
     pub fn usd_target(&self) -> Option<&'static str> {
-        let wanted = self.target.iter().filter_map(|name| cave::target(name).ok());
+        let wanted = self.target.iter().chain(&self.with).filter_map(|name| cave::target(name).ok());
         wanted.filter(|choice| choice.row.needs_usd()).map(|choice| choice.row.name).next()
     }
 

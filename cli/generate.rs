@@ -8,7 +8,8 @@ use super::Source;
 use super::fault::CliError;
 use super::progress::Console;
 use super::summary::Summary;
-use plume::cave::{self, Input};
+use plume::cave::{self, Cave, Input};
+use plume::pipeline::Pipeline;
 use plume::store::{CaveFolder, Stage};
 
 /// Makes a cave folder. If interrupted, the same command resumes where it stopped. Given a cave folder as input, updates it
@@ -37,10 +38,14 @@ impl Generate {
         }
         note_changes(&input, console);
         let mut summary = Summary::start();
-        cave::make(&input, &folder, last, self.source.force, console, &mut |stage, pipeline| {
-            summary.stage_done(stage, pipeline)
-        })?;
-        summary.place("cave", &output, &folder);
+        let mut done = |stage, pipeline: &Pipeline| summary.stage_done(stage, pipeline);
+        if last != Stage::Texture {
+            cave::make(&input, &folder, last, self.source.force, console, &mut done)?;
+            summary.place("cave", &output, &folder);
+        } else {
+            let cave = Cave::make(input, folder, self.source.force, console, &mut done)?;
+            summary.place("cave", &output, cave.folder());
+        }
         summary.print(console)
     }
 }

@@ -20,6 +20,7 @@ mod progress;
 mod signals;
 mod status;
 mod summary;
+mod truth;
 
 use std::ffi::OsString;
 use std::num::NonZero;
@@ -67,7 +68,7 @@ pub struct Common {
 }
 
 /// What a cave is made from.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Named {
     /// A recipe (TOML), a graph or survey (see `plume list formats`), or a cave folder [default: the default cave]
     #[arg(value_name = "RECIPE|GRAPH|CAVE_DIR")]
@@ -81,7 +82,7 @@ pub struct Named {
 }
 
 /// What a cave is made from, and whether it may replace another.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Source {
     #[command(flatten)]
     named: Named,
@@ -134,10 +135,12 @@ enum Command {
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
-    /// List targets, generators, formats, materials, things, presets and views
+    /// List targets, generators, formats, materials, things, presets, views and robots
     List(list::List),
     /// Check that a package is intact and refers to nothing outside itself
     Check(check::Check),
+    /// Make a cave and write its ground truth: floor, maps, distances, points
+    Truth(truth::Truth),
     /// Certify where a robot gets in a finished cave, and what stops it
     Certify(certify::Certify),
     /// Find a path for a robot through a finished cave
@@ -265,6 +268,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Schema => console.result(&format!("{:#}\n", plume::recipe::editor_schema())),
         Command::List(list) => list.run(console),
         Command::Check(check) => check.run(console),
+        Command::Truth(truth) => truth.run(console, host),
         Command::Certify(certify) => certify.run(console),
         Command::Path(path) => path.run(console),
         Command::Status(status) => status.run(console),

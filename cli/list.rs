@@ -12,10 +12,11 @@ use plume::generators::GENERATORS;
 use plume::material::MATERIALS;
 use plume::preset::PRESETS;
 use plume::preview::VIEWS;
+use plume::robot::{ROBOTS, RobotRow};
 use plume::things::KINDS;
 use plume_survey::{FORMATS, FormatRow};
 
-/// Lists targets, generators, formats, materials, things, presets and views.
+/// Lists targets, generators, formats, materials, things, presets, views and robots.
 #[derive(Args)]
 pub struct List {
     /// Which table [default: all]
@@ -31,6 +32,7 @@ enum Table {
     Things,
     Presets,
     Views,
+    Robots,
 }
 
 /// A row of any table.
@@ -61,6 +63,7 @@ impl List {
             (Table::Things, KINDS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Presets, PRESETS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Views, VIEWS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
+            (Table::Robots, ROBOTS.iter().map(robot).collect()),
         ];
         let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
         if console.is_json() {
@@ -87,6 +90,12 @@ fn target(row: &TargetRow) -> Row {
         "checks": row.checks,
     });
     Row { facts, ..Row::new(&row.usage(), row.summary) }
+}
+
+/// A robot with what it measures.
+fn robot(row: &RobotRow) -> Row {
+    let facts = serde_json::to_value(&row.settings).unwrap_or_default();
+    Row { facts: json!({ "settings": facts }), ..Row::new(row.name, row.summary) }
 }
 
 /// What the format is, whether it can be read or written, and its extensions.

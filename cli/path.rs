@@ -47,7 +47,7 @@ impl PathCommand {
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let format = self.format()?;
         let journey: Journey = self.kind.parse()?;
-        let robot = cave::robot(&self.robot)?;
+        let robot = cave::named_robot(&self.robot)?;
         signals::listen();
         let cave = Cave::open(&self.folder, console)?;
         let chunks = cave.chunks(console.stop());

@@ -43,6 +43,7 @@ mod target;
 #[doc(hidden)]
 pub mod targets;
 mod template;
+pub mod with;
 
 use plume_registry::Registry;
 

@@ -16,7 +16,7 @@
 //! let watch = Unobserved::default();
 //! let cave = Cave::make(input, CaveFolder::open_or_new(&home.join("cave"))?, false, &watch, &mut |_, _| ())?;
 //!
-//! let [wanted] = cave::build(vec![cave::target("obj")?], &["obj.per_chunk=true".to_owned()], None)?.try_into().ok().unwrap();
+//! let [wanted] = cave::build(vec![cave::target("obj")?], &[], &["obj.per_chunk=true".to_owned()], None)?.try_into().ok().unwrap();
 //! let place = Place { path: home.join("package"), bundle: None, existing: Existing::Keep };
 //! let chunks = cave.chunks(watch.stop());
 //! cave::export(&cave.scene(&chunks), &[Order { wanted, place }])?;
@@ -37,7 +37,7 @@ use std::sync::atomic::AtomicBool;
 
 use plume_exporters::scene::Scene;
 
-pub use self::certify::{Certified, NamedRobot, robot};
+pub use self::certify::{Certified, NamedRobot, named_robot};
 pub use self::error::CaveError;
 pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read};
 pub use self::preview::{preview, view_row};
@@ -62,7 +62,7 @@ impl Cave {
     /// Makes what is missing; `force` replaces another cave in the folder.
     ///
     /// # Errors
-    /// As [`make`].
+    /// As [`make`]; if a robot of `world.certify` is not sure to reach every station.
     pub fn make(
         input: Input,
         folder: CaveFolder,
@@ -73,7 +73,9 @@ impl Cave {
         let pipeline = make(&input, &folder, Stage::Texture, force, observer, done)?;
         let (graph, walls) = (pipeline.graph().clone(), pipeline.walls());
         let fingerprint = pipeline.cave_fingerprint().to_owned();
-        Ok(Self { recipe: input.recipe, graph, folder, walls, fingerprint })
+        let cave = Self { recipe: input.recipe, graph, folder, walls, fingerprint };
+        cave.hold_to_certificates(observer)?;
+        Ok(cave)
     }
 
     /// Opens a finished cave folder without writing anything.
@@ -124,6 +126,11 @@ impl Cave {
     }
 
     /// The cave folder.
+    pub fn folder(&self) -> &CaveFolder {
+        &self.folder
+    }
+
+    /// Where the cave folder is.
     pub fn root(&self) -> &Path {
         self.folder.root()
     }

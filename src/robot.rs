@@ -1,15 +1,11 @@
-//! Robots: a table of known ones, and files that describe others.
+//! Robots: a table of known ones, and what describes others.
 //!
 //! Sizes of products are those of their makers' data sheets, without payload. What they get over is less than what is advertised
 //! for them: slopes also have to leave 5° to what the friction of the floor allows.
 
-use std::path::Path;
-
 use plume_truth::{Drone, Profile, Vehicle};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
-
-use crate::recipe::{self, Faults};
 
 /// How far below the slope at which wheels slip a robot surely climbs.
 const CLIMB_RESERVE_DEG: f64 = 5.0;
@@ -23,7 +19,7 @@ pub struct RobotRow {
     /// Its name on the command line.
     pub name: &'static str,
     /// What it is.
-    pub about: &'static str,
+    pub summary: &'static str,
     /// What it measures.
     pub settings: RobotSettings,
 }
@@ -90,32 +86,32 @@ pub struct DroneSettings {
 pub static ROBOTS: [RobotRow; 6] = [
     RobotRow {
         name: "rover",
-        about: "the rover of target mujoco",
+        summary: "the rover of target mujoco",
         settings: vehicle([0.88, 0.68, 0.68], [0.5, 0.56], [0.17, 0.12], [34.0, 30.0], 0.9),
     },
     RobotRow {
         name: "leo",
-        about: "Leo Rover 1.9 by Fictionlab",
+        summary: "Leo Rover 1.9 by Fictionlab",
         settings: vehicle([0.424, 0.445, 0.303], [0.295, 0.354], [0.108, 0.07], [30.0, 25.0], 0.65),
     },
     RobotRow {
         name: "husky",
-        about: "Husky A200 by Clearpath",
+        summary: "Husky A200 by Clearpath",
         settings: vehicle([0.99, 0.67, 0.39], [0.512, 0.555], [0.13, 0.12], [30.0, 25.0], 0.9),
     },
     RobotRow {
         name: "spot",
-        about: "Spot by Boston Dynamics",
+        summary: "Spot by Boston Dynamics",
         settings: vehicle([1.1, 0.5, 0.84], [0.6, 0.34], [0.35, 0.3], [30.0, 25.0], 0.8),
     },
     RobotRow {
         name: "anymal",
-        about: "ANYmal D by ANYbotics",
+        summary: "ANYmal D by ANYbotics",
         settings: vehicle([0.93, 0.53, 0.89], [0.6, 0.43], [0.35, 0.25], [30.0, 25.0], 0.8),
     },
     RobotRow {
         name: "drone",
-        about: "a quadcopter half a metre across",
+        summary: "a quadcopter half a metre across",
         settings: RobotSettings::Drone(DroneSettings { radius_m: 0.25, passage_m: 0.7 }),
     },
 ];
@@ -141,18 +137,18 @@ const fn vehicle(
     })
 }
 
-impl RobotSettings {
-    /// Reads a file: a drone is what has `radius_m`, everything else drives or walks.
-    ///
-    /// # Errors
-    /// All faults, with their lines.
-    pub fn from_toml(text: &str, file: &Path) -> Result<Self, Faults> {
-        if recipe::has_key(text, file, "radius_m")? {
-            return Ok(Self::Drone(recipe::from_toml(text, file)?));
-        }
-        Ok(Self::Vehicle(recipe::from_toml(text, file)?))
-    }
+/// The robot called `name`.
+pub fn robot(name: &str) -> Option<&'static RobotRow> {
+    ROBOTS.iter().find(|row| row.name == name)
+}
 
+/// A list of names of known robots in a recipe.
+pub fn names_schema(_: &mut SchemaGenerator) -> Schema {
+    let names: Vec<&str> = ROBOTS.iter().map(|row| row.name).collect();
+    json_schema!({ "type": "array", "items": { "type": "string", "enum": names } })
+}
+
+impl RobotSettings {
     /// What that means on a floor with this friction.
     pub fn profile(&self, friction: f64) -> Profile {
         let slip_deg = libm::atan(friction).to_degrees();

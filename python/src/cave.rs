@@ -227,7 +227,7 @@ impl Cave {
             let choice = cave::target(target)?;
             let bundle = bundle.map(|name| cave::bundle(name, std::slice::from_ref(&choice))).transpose()?;
             let path = bundle.map_or(path.clone(), |bundle| bundle.file(&path));
-            let wanted = cave::build(vec![choice], &options, Some(&library))?.remove(0);
+            let wanted = cave::build(vec![choice], &[], &options, Some(&library))?.remove(0);
             let name = wanted.choice.name();
             if wanted.target.wants_pieces() {
                 cave.make_pieces(watch, &mut |_, _| ())?;

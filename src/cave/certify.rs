@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 
 use super::{Cave, CaveError, read};
 use crate::field::PassageSettings;
-use crate::pipeline;
+use crate::pipeline::{self, Observer};
 use crate::preview::{Judgement, MAP, judged};
-use crate::recipe::Recipe;
-use crate::robot::{ROBOTS, RobotSettings};
+use crate::recipe::{self, Recipe};
+use crate::robot::{self, ROBOTS, RobotSettings};
 
 /// Side of a cell of the floor in metres.
 const CELL_M: f64 = 0.05;
@@ -43,15 +43,19 @@ pub struct Certified<'a> {
 ///
 /// # Errors
 /// An unknown name, a file that cannot be read, every fault in it.
-pub fn robot(name: &str) -> Result<NamedRobot, CaveError> {
+pub fn named_robot(name: &str) -> Result<NamedRobot, CaveError> {
     let path = Path::new(name);
     if path.extension().is_none_or(|extension| extension != "toml") {
-        let row = ROBOTS.iter().find(|row| row.name == name);
         let names = ROBOTS.iter().map(|row| row.name);
-        let row = row.ok_or_else(|| CaveError::unknown("robot", name, names))?;
+        let row = robot::robot(name).ok_or_else(|| CaveError::unknown("robot", name, names))?;
         return Ok(NamedRobot { name: row.name.to_owned(), settings: row.settings.clone() });
     }
-    let settings = RobotSettings::from_toml(&read(path)?, path)?;
+    let text = read(path)?;
+    // A drone is what has a radius; everything else drives or walks.
+    let settings = match recipe::has_key(&text, path, "radius_m")? {
+        true => RobotSettings::Drone(recipe::from_toml(&text, path)?),
+        false => RobotSettings::Vehicle(recipe::from_toml(&text, path)?),
+    };
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     Ok(NamedRobot { name: stem.unwrap_or_default(), settings })
 }
@@ -63,6 +67,20 @@ impl Cave {
     /// If a chunk cannot be read; if work was stopped.
     pub(super) fn floor(&self, scene: &Scene) -> Result<(Floor, [f64; 3]), CaveError> {
         Ok((surface::floor(scene, CELL_M)?, scene.spawns[0].translation.vector.into()))
+    }
+
+    /// Holds it to the robots of its recipe.
+    ///
+    /// # Errors
+    /// [`CaveError::Failed`] if one of them is not sure to reach every station and to come back; as [`certify`](Self::certify).
+    pub(super) fn hold_to_certificates(&self, observer: &dyn Observer) -> Result<(), CaveError> {
+        let names = &self.recipe.world().certify;
+        if names.is_empty() {
+            return Ok(());
+        }
+        let chunks = self.chunks(observer.stop());
+        let scene = self.scene(&chunks);
+        names.iter().try_for_each(|name| self.certify(&scene, &named_robot(name)?)?.refuse_doubt())
     }
 
     /// Certifies a robot that starts at the first start pose.
@@ -115,6 +133,25 @@ impl Certified<'_> {
             let (fault, at_m) = worse.fault?;
             Some((number, fault, at_m))
         })
+    }
+
+    fn refuse_doubt(&self) -> Result<(), CaveError> {
+        let Certificate { stations, .. } = &self.certificate;
+        let surely = |reach: &&Reach| (reach.there, reach.back) == (Some(Class::Go), Some(Class::Go));
+        let sure = stations.iter().filter(surely).count();
+        if sure == stations.len() {
+            return Ok(());
+        }
+        let name = &self.robot.name;
+        let first = self.stops().next().map(|(number, fault, [x, y, z])| {
+            let [from, to] = self.graph.edges[number].map(|end| self.graph[end].id);
+            format!("; first {from}..{to}: {} at {x:.2} {y:.2} {z:.2}", said(&fault))
+        });
+        let first = first.unwrap_or_default();
+        Err(CaveError::Failed(format!(
+            "world.certify: {name} is sure of {sure} of {} stations{first}; change the seed or the passages, or see `plume certify`",
+            stations.len()
+        )))
     }
 
     /// Everything in a few lines.
@@ -174,7 +211,8 @@ impl Certified<'_> {
         json!({
             "generator": self.generator,
             "robot": { "name": self.robot.name, "settings": self.robot.settings },
-            "frame": "right-handed, Z up, metres; headings in degrees from +x towards +y",
+            "frame": "right-handed, Z up, metres",
+            "path": ["x_m", "y_m", "z_m", "heading_deg", "climb_deg", "lean_deg"],
             "floor": { "area_m2": rounded(*floor_m2), "reached_m2": rounded(*reached_m2), "share": rounded(reached_m2 / floor_m2) },
             "stations": stations.iter().enumerate().map(station).collect::<Value>(),
             "passages": self.graph.edges.iter().zip(passages).map(passage).collect::<Value>(),
@@ -212,11 +250,13 @@ fn verdict(verdict: &Verdict) -> Value {
     json!({ "class": class.name(), "stopped_by": fault, "path": path(route) })
 }
 
-/// Positions and headings.
+/// Positions, headings, climbs and leans.
 fn path(route: &Route) -> Value {
     let pose = |waypoint: &Waypoint| {
         let [x, y, z] = waypoint.position_m.map(rounded);
-        json!([x, y, z, rounded(waypoint.heading_rad.to_degrees())])
+        let turns = [waypoint.heading_rad, waypoint.climb_rad, waypoint.lean_rad];
+        let [heading, climb, lean] = turns.map(|turn| rounded(turn.to_degrees()));
+        json!([x, y, z, heading, climb, lean])
     };
     route.waypoints.iter().map(pose).collect()
 }

@@ -10,6 +10,7 @@ use plume_exporters::package::Files;
 use plume_exporters::place::Place;
 use plume_exporters::scene::Scene;
 use plume_exporters::stage::Library;
+use plume_exporters::with::With;
 use plume_exporters::{Choice, ExportError, Summary, TARGETS, Target, TargetRow};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -44,9 +45,9 @@ pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
 
 /// A target with its options.
 pub struct Wanted {
-    /// The target and options as requested.
+    /// The target as requested.
     pub choice: Choice,
-    /// The target built from them.
+    /// The target built from its options, with others inside if that was requested.
     pub target: Box<dyn Target>,
     settings: Value,
 }
@@ -63,25 +64,48 @@ impl Wanted {
     }
 }
 
-/// The targets with their options, `TARGET.KEY=VALUE`; `library` is the USD library of the host program.
+/// The targets with their options, `TARGET.KEY=VALUE`; each package holds those of `inside` in folders with their names, and
+/// `library` is the USD library of the host program.
 ///
 /// # Errors
-/// Faulty options; a missing USD library.
+/// Faulty options; a missing USD library; the same target twice in a package.
 pub fn build(
     choices: Vec<Choice>,
+    inside: &[Choice],
     options: &[String],
     library: Option<&Arc<dyn Library>>,
 ) -> Result<Vec<Wanted>, CaveError> {
+    let all = choices.iter().chain(inside);
     let schemas: Map<String, Value> =
-        choices.iter().map(|Choice { row, .. }| (row.name.to_owned(), (row.settings)().to_value())).collect();
+        all.map(|Choice { row, .. }| (row.name.to_owned(), (row.settings)().to_value())).collect();
     let schema = json!({"type": "object", "properties": schemas});
     let settings = recipe::options(&schema, options)?;
+    let built = |choice: &Choice| choice.build(settings[choice.row.name].clone(), library).map_err(named);
     let wanted = choices.into_iter().map(|choice| {
-        let settings = settings[choice.row.name].clone();
-        let target = choice.build(settings.clone(), library).map_err(named)?;
-        Ok(Wanted { choice, target, settings })
+        refuse_twice(&choice, inside)?;
+        let own = settings[choice.row.name].clone();
+        let target = built(&choice)?;
+        if inside.is_empty() {
+            return Ok(Wanted { choice, target, settings: own });
+        }
+        let others =
+            inside.iter().map(|other| Ok((other.folder(), built(other)?))).collect::<Result<_, CaveError>>()?;
+        let target = Box::new(With { target, inside: others });
+        let others: Map<String, Value> =
+            inside.iter().map(|other| (other.name(), settings[other.row.name].clone())).collect();
+        Ok(Wanted { choice, target, settings: json!([own, others]) })
     });
     wanted.collect()
+}
+
+/// Refuses a package inside one of the same target, and two of the same target inside one.
+fn refuse_twice(choice: &Choice, inside: &[Choice]) -> Result<(), CaveError> {
+    let names: Vec<String> = [choice].into_iter().chain(inside).map(Choice::name).collect();
+    let twice = names.iter().enumerate().find(|(place, name)| names[..*place].contains(name));
+    twice.map_or(Ok(()), |(_, name)| {
+        let message = format!("a package of target `{name}` cannot hold one of the same target");
+        Err(CaveError::Usage { message, hint: "name each target only once".into() })
+    })
 }
 
 /// An unknown format, with the nearest name.

@@ -21,6 +21,10 @@ pub struct WorldSettings {
     /// Gravity, m/s²: Earth 9.81, Mars 3.71, Moon 1.62.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub gravity: f64,
+    /// Robots that must be sure to reach every station from the first start pose and to come back, such as ["husky"]: a
+    /// finished cave in which one is not is refused. `plume list robots` lists them.
+    #[schemars(schema_with = "crate::robot::names_schema")]
+    pub certify: Vec<String>,
     /// Number of start poses to find, spread over the cave.
     #[schemars(range(min = 1, max = 64))]
     pub spawns: usize,
@@ -28,6 +32,14 @@ pub struct WorldSettings {
 
 impl Default for WorldSettings {
     fn default() -> Self {
-        Self { lights: true, light_spacing_m: 9.0, friction: 0.8, wall_friction: 0.8, gravity: 9.81, spawns: 8 }
+        Self {
+            lights: true,
+            light_spacing_m: 9.0,
+            friction: 0.8,
+            wall_friction: 0.8,
+            gravity: 9.81,
+            certify: Vec::new(),
+            spawns: 8,
+        }
     }
 }

@@ -21,6 +21,7 @@ import plume
 from certified import drive
 from package import require
 from rover import Rover
+from scipy.spatial.transform import Rotation
 
 LEAST_M = 0.5  # shorter paths are left out
 
@@ -77,7 +78,7 @@ def straight(one, other):
     """A way along a line between two stations, which hang in the air."""
     count = max(int(np.linalg.norm(other - one) / 0.1), 2)
     heading_deg = np.degrees(np.arctan2(other[1] - one[1], other[0] - one[0]))
-    return [[*point, heading_deg] for point in np.linspace(one, other, count)]
+    return [[*point, heading_deg, 0.0, 0.0] for point in np.linspace(one, other, count)]
 
 
 def length_m(path):
@@ -93,11 +94,10 @@ def steepest(path):
 
 
 def posed(path):
-    """Level poses as in TUM files."""
+    """Poses as in TUM files."""
     path = np.array(path)
-    half_rad = np.radians(path[:, 3]) / 2
-    flat = np.zeros(len(path))
-    return np.column_stack([flat, path[:, :3], flat, flat, np.sin(half_rad), np.cos(half_rad)])
+    rotations = Rotation.from_euler("ZYX", path[:, 3:] * [1, -1, 1], degrees=True)
+    return np.column_stack([np.zeros(len(path)), path[:, :3], rotations.as_quat()])
 
 
 if __name__ == "__main__":
