@@ -30,6 +30,7 @@ mod error;
 mod input;
 mod preview;
 mod route;
+mod surface;
 mod target;
 
 use std::path::Path;
@@ -42,6 +43,7 @@ pub use self::error::CaveError;
 pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read};
 pub use self::preview::{preview, view_row};
 pub use self::route::Journey;
+pub use self::surface::Surface;
 pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
 use crate::assemble::{self, FolderChunks};
 use crate::pipeline::{self, Disk, Observer, Other, Pipeline, PipelineError};
@@ -146,7 +148,7 @@ impl Cave {
     }
 
     /// The [field](crate::field) at finite `points` in metres: negative in air, zero on the wall, positive in rock.
-    pub fn distances(&self, points: &[[f32; 3]]) -> Vec<f32> {
+    pub fn field(&self, points: &[[f32; 3]]) -> Vec<f32> {
         pipeline::field(&self.recipe, &self.graph).scattered(points)
     }
 

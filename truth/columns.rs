@@ -105,7 +105,7 @@ impl Columns {
 
 /// On which side of an edge a point of the map is: positive on the left. The same number with the other sign for the same edge
 /// the other way round, to the last bit.
-fn side(from: [f64; 3], to: [f64; 3], [x, y]: [f64; 2]) -> f64 {
+pub(super) fn side(from: [f64; 3], to: [f64; 3], [x, y]: [f64; 2]) -> f64 {
     if (to[0], to[1]) < (from[0], from[1]) {
         return -side(to, from, [x, y]);
     }
@@ -114,6 +114,6 @@ fn side(from: [f64; 3], to: [f64; 3], [x, y]: [f64; 2]) -> f64 {
 
 /// Whether a triangle on the left of an edge holds a point on this side of it. Points on an edge or a corner belong to one of
 /// the triangles around it, as if they were moved a little to the left, and far less downwards.
-fn holds(side: f64, from: [f64; 3], to: [f64; 3]) -> bool {
+pub(super) fn holds(side: f64, from: [f64; 3], to: [f64; 3]) -> bool {
     side > 0.0 || side == 0.0 && (to[1] > from[1] || to[1] == from[1] && to[0] < from[0])
 }

@@ -311,6 +311,11 @@ class Cave:
         >>> cave.distance([above, below]) < 0
         array([ True, False])
         """
+    def field(self, points: ArrayLike) -> NDArray[np.float32]: ...
+    def certify(self, robot: str = "husky") -> dict[str, Any]: ...
+    def route(
+        self, kind: str = "longest", *, robot: str = "husky", height: float | None = None, speed: float = 0.5
+    ) -> NDArray[np.float64]: ...
     def export(
         self,
         target: str,
@@ -346,6 +351,9 @@ class Cave:
         'packed.zip'
         """
 
+    def truth(
+        self, path: str | PathLike[str], *, bundle: str | None = None, force: bool = False, **options: Any
+    ) -> Package: ...
     def close(self) -> None:
         """Closes the cave, and removes its folder if it is temporary. Closing twice does no harm."""
 

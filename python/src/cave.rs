@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::Isometry3;
-use numpy::{AllowTypeChange, PyArray1, PyArray3, PyArrayLikeDyn};
-use plume::cave::{self, Order};
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLikeDyn};
+use plume::cave::{self, Journey, Order, Surface};
 use plume::pipeline::Observer;
+use plume::trajectory::{Ride, Trajectory};
 use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
 use plume_exporters::scene;
@@ -32,6 +33,8 @@ use crate::{array, error, json, work};
 pub struct Cave {
     cave: Arc<cave::Cave>,
     placement: OnceLock<Placement>,
+    /// Read when it is first asked for.
+    surface: OnceLock<Surface>,
     closed: AtomicBool,
     /// Removes the temporary folder when called, when the cave is garbage-collected, or when the interpreter exits.
     finalizer: PyOnceLock<Py<PyAny>>,
@@ -47,8 +50,8 @@ struct Placement {
 impl Cave {
     /// The cave; `temporary` is its folder if that is to be removed with it.
     pub fn new(py: Python<'_>, cave: cave::Cave, temporary: Option<PathBuf>) -> PyResult<Bound<'_, Self>> {
-        let (placement, finalizer) = (OnceLock::new(), PyOnceLock::new());
-        let cave = Bound::new(py, Self { cave: Arc::new(cave), placement, closed: AtomicBool::new(false), finalizer })?;
+        let (placement, surface, finalizer) = (OnceLock::new(), OnceLock::new(), PyOnceLock::new());
+        let cave = Bound::new(py, Self { cave: Arc::new(cave), placement, surface, closed: AtomicBool::new(false), finalizer })?;
         if let Some(folder) = temporary {
             let remove = py.import("shutil")?.getattr("rmtree")?;
             let finalizer = py.import("weakref")?.call_method1("finalize", (&cave, remove, folder, true))?;
@@ -67,6 +70,18 @@ impl Cave {
             ));
         }
         Ok(&self.cave)
+    }
+
+    fn surface(&self, py: Python<'_>) -> PyResult<&Surface> {
+        let cave = self.open(py)?;
+        if let Some(surface) = self.surface.get() {
+            return Ok(surface);
+        }
+        let surface = work::run(py, None, |watch| {
+            let chunks = cave.chunks(watch.stop());
+            Surface::of(&cave.scene(&chunks))
+        })?;
+        Ok(self.surface.get_or_init(|| surface))
     }
 
     fn placement(&self, py: Python<'_>) -> PyResult<&Placement> {
@@ -152,12 +167,40 @@ impl Cave {
         json::to_python(py, &things.into())
     }
 
-    /// Approximate signed distance to the wall, sampled from the field that the walls are made from.
+    /// Euclidean signed distance to the triangles that simulators get: walls and things, without gravel.
     ///
-    /// Negative in air, zero on the wall, positive in rock, so its sign tells free space. It is a distance only near the
-    /// wall, and only roughly: up to half a metre away mostly between half and twice the true distance; deeper in the
-    /// rock it levels off at about 1 m. The triangles omit detail finer than a voxel or `mesh.simplify_error_m`, so keep
-    /// a margin. A million points take about a second; one call with many points is faster than many calls.
+    /// Negative in air, positive in rock and in things. Exact but for rounding to float32. The first call reads all chunks, which
+    /// takes about a second for each 100 m of passage, and keeps their triangles; then 100,000 points take about a second.
+    ///
+    /// Args:
+    ///     points: Finite points in the cave's frame as an (n, 3) array, m; taken as float32.
+    ///
+    /// Returns:
+    ///     (n,) float32, m.
+    ///
+    /// Raises:
+    ///     InputError: `points` has another shape, or a coordinate is not finite.
+    ///     StorageError: A file of the cave is missing or was changed.
+    ///
+    /// >>> above, below = cave.spawns[0][:3, 3] + [[0, 0, 0.5], [0, 0, -0.5]]
+    /// >>> cave.distance([above, below]) < 0
+    /// array([ True, False])
+    fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyArrayLikeDyn<'py, f32, AllowTypeChange>,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let (surface, points) = (self.surface(py)?, array::points(&points)?);
+        let distances = work::briefly(py, || Ok(surface.distances(&points)))?;
+        Ok(PyArray1::from_vec(py, distances))
+    }
+
+    /// The field that the walls are made from: negative in air, zero on the wall, positive in rock.
+    ///
+    /// Its sign tells free space without things. It is a distance only near the wall, and only roughly: up to half a metre
+    /// away mostly between half and twice the true distance; deeper in the rock it levels off at about 1 m. The triangles omit
+    /// detail finer than a voxel or `mesh.simplify_error_m`. A million points take about a second; one call with many points is
+    /// faster than many calls.
     ///
     /// Args:
     ///     points: Finite points in the cave's frame as an (n, 3) array, m; taken as float32.
@@ -169,16 +212,86 @@ impl Cave {
     ///     InputError: `points` has another shape, or a coordinate is not finite.
     ///
     /// >>> above, below = cave.spawns[0][:3, 3] + [[0, 0, 0.5], [0, 0, -0.5]]
-    /// >>> cave.distance([above, below]) < 0
+    /// >>> cave.field([above, below]) < 0
     /// array([ True, False])
-    fn distance<'py>(
+    fn field<'py>(
         &self,
         py: Python<'py>,
         points: PyArrayLikeDyn<'py, f32, AllowTypeChange>,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let (cave, points) = (self.open(py)?, array::points(&points)?);
-        let distances = work::briefly(py, || Ok(cave.distances(&points)))?;
-        Ok(PyArray1::from_vec(py, distances))
+        let values = work::briefly(py, || Ok(cave.field(&points)))?;
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    /// Where a robot gets from the first start pose, and what stops it, as `plume certify` tells.
+    ///
+    /// Args:
+    ///     robot: One of `plume list robots`, or a TOML file.
+    ///
+    /// Returns:
+    ///     The certificate as a dict: `robot`, `floor`, a list of `stations` and of `passages` each way ("go", "marginal",
+    ///     "no-go"), what stops the robot and where, and the `route` to the furthest station. Metres and degrees.
+    ///
+    /// Raises:
+    ///     InputError: There is no such robot.
+    ///     StorageError: A file of the cave is missing or was changed.
+    ///
+    /// >>> cave.certify("rover")["passages"][0]["there"]["class"]
+    /// 'go'
+    #[pyo3(signature = (robot="husky"))]
+    fn certify<'py>(&self, py: Python<'py>, robot: &str) -> PyResult<Bound<'py, PyAny>> {
+        let cave = self.open(py)?;
+        let certificate = work::run(py, None, |watch| {
+            let robot = cave::named_robot(robot)?;
+            let chunks = cave.chunks(watch.stop());
+            Ok(cave.certify(&cave.scene(&chunks), &robot)?.json())
+        })?;
+        json::to_python(py, &certificate)
+    }
+
+    /// A path for a robot, as `plume path` finds it: through the middle, smoothed, and held against the floor in every pose.
+    ///
+    /// Args:
+    ///     kind: "longest" (to the furthest station), "loop", "tour" (through all passages and back), or "A..B" between two
+    ///         stations of the graph.
+    ///     robot: One of `plume list robots`, or a TOML file.
+    ///     height: Height over the floor of a level body, such as a camera, m; None for the robot on its wheels.
+    ///     speed: m/s.
+    ///
+    /// Returns:
+    ///     (n, 8) float64: time in s, x, y, z in m, and the orientation as qx, qy, qz, qw; a row of a TUM file each.
+    ///
+    /// Raises:
+    ///     InputError: There is no such robot, kind or station, or the robot does not get there.
+    ///     StorageError: A file of the cave is missing or was changed.
+    ///
+    /// >>> cave.route("longest", robot="rover").shape[1]
+    /// 8
+    #[pyo3(signature = (kind="longest", *, robot="husky", height=None, speed=0.5))]
+    fn route<'py>(
+        &self,
+        py: Python<'py>,
+        kind: &str,
+        robot: &str,
+        height: Option<f64>,
+        speed: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let cave = self.open(py)?;
+        if !(speed > 0.0 && speed.is_finite() && height.is_none_or(f64::is_finite)) {
+            return Err(error::refused(py, "`speed` or `height` is out of range", "give a speed above 0, in m/s"));
+        }
+        let trajectory = work::run(py, None, |watch| {
+            let (journey, robot) = (kind.parse::<Journey>()?, cave::named_robot(robot)?);
+            let chunks = cave.chunks(watch.stop());
+            let route = cave.route(&cave.scene(&chunks), &robot, journey)?;
+            Ok(Trajectory::of(&route, height.map_or(Ride::OnWheels, Ride::Level), speed))
+        })?;
+        let rows = trajectory.stamps.iter().map(|stamp| {
+            let ([x, y, z], [i, j, k, w]) = (stamp.position_m, <[f64; 4]>::from(stamp.rotation.coords));
+            [stamp.time_s, x, y, z, i, j, k, w]
+        });
+        array::rows(py, rows.collect())
     }
 
     /// Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.
@@ -237,6 +350,22 @@ impl Cave {
             let (summary, files) = order.write(&cave.scene(&chunks))?;
             Ok(Package::new(&name, path, &summary, &files))
         })
+    }
+
+    /// Writes the ground truth of the cave: the same as `export("truth", path, ...)`.
+    ///
+    /// >>> cave.truth(folder / "truth", cell_m=0.1).target
+    /// 'truth'
+    #[pyo3(signature = (path, *, bundle=None, force=false, **options))]
+    fn truth(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        bundle: Option<&str>,
+        force: bool,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Package> {
+        self.export(py, "truth", path, bundle, force, options)
     }
 
     /// Closes the cave, and removes its folder if it is temporary. Closing twice does no harm.

@@ -27,7 +27,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
     ("pipeline", &["field", "material", "mesh", "model", "preview", "recipe", "store", "texture", "things"]),
     ("trajectory", &[]),
-    ("cave", &["assemble", "field", "pipeline", "preset", "preview", "recipe", "robot", "store"]),
+    ("cave", &["assemble", "field", "mesh", "pipeline", "preset", "preview", "recipe", "robot", "store"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -137,21 +137,64 @@ def test_the_field_is_zero_on_the_wall_and_changes_sign_there(cave: plume.Cave) 
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         into_air = faces / np.linalg.norm(faces, axis=1, keepdims=True)
         # The mesh omits detail smaller than a voxel.
-        assert np.abs(cave.distance(middles)).mean() < 0.05
+        assert np.abs(cave.field(middles)).mean() < 0.05
         # Further than the mesh is from the field, and less than the width of a slot in the roof.
         step_m = 0.15
-        assert (cave.distance(middles + step_m * into_air) < 0).mean() > 0.95
-        assert (cave.distance(middles - step_m * into_air) > 0).mean() > 0.95
+        assert (cave.field(middles + step_m * into_air) < 0).mean() > 0.95
+        assert (cave.field(middles - step_m * into_air) > 0).mean() > 0.95
 
 
 def test_the_field_does_not_depend_on_who_else_is_asked(cave: plume.Cave) -> None:
     low, high = np.min([c.bounds[0] for c in cave.chunks], axis=0), np.max([c.bounds[1] for c in cave.chunks], axis=0)
     points = np.random.default_rng(0).uniform(low, high, (500, 3)).astype(np.float32)
-    together = cave.distance(points)
+    together = cave.field(points)
     assert together.shape == (500,) and together.dtype == np.float32
-    assert np.array_equal(together, np.concatenate([cave.distance([point]) for point in points]))
-    assert np.array_equal(together[::-2], cave.distance(np.asfortranarray(points)[::-2]))
-    assert (cave.distance([[1e30, 0, 0], [0, 0, -1e6]]) > 0).all()
+    assert np.array_equal(together, np.concatenate([cave.field([point]) for point in points]))
+    assert np.array_equal(together[::-2], cave.field(np.asfortranarray(points)[::-2]))
+    assert (cave.field([[1e30, 0, 0], [0, 0, -1e6]]) > 0).all()
+
+
+def test_the_distance_is_that_to_the_triangles(cave: plume.Cave, tmp_path: Path) -> None:
+    import plyfile  # type: ignore[import-untyped]
+    import trimesh
+    import trimesh.proximity
+
+    [path] = cave.export("ply", tmp_path / "ply").path.glob("*.ply")
+    data = plyfile.PlyData.read(path)
+    labels = {int(label): name for label, name in (c.split()[1:3] for c in data.comments if c.startswith("label "))}
+    face = data["face"].data
+    solid = np.array([labels[label] != "gravel" for label in face["label"]])
+    vertices = np.stack([data["vertex"][axis] for axis in "xyz"], axis=1)
+    mesh = trimesh.Trimesh(vertices, np.stack(face["vertex_indices"][solid]), process=False)
+    points = np.random.default_rng(1).uniform(mesh.bounds[0] - 1, mesh.bounds[1] + 1, (400, 3)).astype(np.float32)
+    _, expected, _ = trimesh.proximity.closest_point(mesh, points)
+    found = cave.distance(points)
+    assert np.abs(np.abs(found) - expected).max() < 1e-4
+    # Where no thing is near, the field knows what is air.
+    field = cave.field(points)
+    clear = np.abs(field) > 0.3
+    assert clear.sum() > 100 and (np.sign(found) == np.sign(field))[clear].mean() > 0.98
+    assert np.abs(cave.distance(mesh.triangles_center[::97].astype(np.float32))).max() < 1e-4
+    assert (cave.distance([[1e6, 0, 0], [0, 0, -1e6]]) > 1e5).all()
+
+
+def test_certificates_and_routes(cave: plume.Cave) -> None:
+    certificate = cave.certify("leo")
+    assert len(certificate["stations"]) == len(cave.graph.positions)
+    assert len(certificate["passages"]) == len(cave.graph.edges)
+    sure = [station["id"] for station in certificate["stations"] if station["there"] == station["back"] == "go"]
+    assert len(sure) > len(certificate["stations"]) / 2
+    route = cave.route("longest", robot="leo", height=0.4)
+    assert route.shape[1] == 8 and np.allclose(np.linalg.norm(route[:, 4:], axis=1), 1)
+    length_m = np.linalg.norm(np.diff(route[:, 1:4], axis=0), axis=1).sum()
+    assert np.isclose(length_m, certificate["route"]["length_m"], rtol=0.05)
+    # A robot is in the open, and no nearer to the rock than half its width.
+    assert cave.distance(route[:, 1:4]).max() < -0.2
+    assert cave.route("tour", robot="leo", speed=1.0)[-1, 0] > route[-1, 0] / 2
+    with pytest.raises(plume.errors.InputError, match="there is no robot"):
+        cave.certify("dalek")
+    with pytest.raises(plume.errors.InputError, match="there is no station 1000000"):
+        cave.route("1000000..0")
 
 
 @pytest.mark.parametrize("points", [[1, 2, 3], [[1, 2]], 4, [[0, 0, np.nan]], [[0, np.inf, 0]]])

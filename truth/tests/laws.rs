@@ -2,7 +2,7 @@
 
 mod world;
 
-use plume_truth::{Columns, Gap, OccupancyMap, Robot, State, Storeys};
+use plume_truth::{Columns, Gap, Inside, OccupancyMap, Robot, State, Storeys};
 use proptest::prelude::*;
 
 use self::world::World;
@@ -145,5 +145,26 @@ proptest! {
         prop_assert_eq!(&gaps, &self::gaps(&world, 0.25));
         prop_assert!(gaps.windows(2).all(|pair| (pair[0].cell, pair[0].ceiling_m) < (pair[1].cell, pair[1].floor_m)));
         prop_assert!(gaps.iter().all(|gap| gap.height_m() > 0.0));
+    }
+
+    /// A point is in the air where the columns say so.
+    #[test]
+    fn points_are_inside_as_columns_are(
+        boxes in prop::collection::vec((0.0_f32..5.0, 0.0_f32..5.0, -0.5_f32..1.5, 0.1_f32..1.0), 0..6),
+        heights in prop::collection::vec(-1.0_f32..3.0, 20),
+    ) {
+        let room = World::room([0.0, 0.0], [6.0, 6.0], 0.0, 2.0);
+        let world = boxes.into_iter().fold(room, |world, (x, y, z, side)| {
+            world.with([[x, y], [x + side, y + side]], [z; 4], [z + side; 4], false)
+        });
+        let gaps = gaps(&world, 0.25);
+        let mut inside = Inside::default();
+        inside.add(&world.corners, &world.indices);
+        for (number, z) in heights.into_iter().enumerate() {
+            let cell = [number as i32 + 2, 2 * number as i32 % 24];
+            let point = [(cell[0] as f32 + 0.5) * 0.25, (cell[1] as f32 + 0.5) * 0.25, z];
+            let is_in_gap = gaps.iter().any(|gap| gap.cell == cell && gap.floor_m < z && z < gap.ceiling_m);
+            prop_assert_eq!(inside.is_air(point), is_in_gap, "{:?}", point);
+        }
     }
 }

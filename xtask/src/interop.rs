@@ -326,7 +326,10 @@ fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
     }
     match Kind::of(package) {
         // The route follows from the cave.
-        Some(Kind::Mujoco) if mujoco::cave_of(package).is_dir() => also("drive", mujoco::drive),
+        Some(Kind::Mujoco) if mujoco::cave_of(package).is_dir() => {
+            also("drive", mujoco::drive);
+            also("certify", mujoco::certify);
+        }
         Some(Kind::Page) if readers.iter().any(|reader| reader.name == "page") => also("page", page::check_faults),
         _ => {}
     }

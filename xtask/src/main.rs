@@ -7,6 +7,7 @@ mod bench;
 mod campaign;
 mod ci;
 mod demo;
+mod drives;
 mod gallery;
 mod interop;
 mod plume;
@@ -19,13 +20,14 @@ mod venv;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 8] = [
+const TASKS: [(&str, &str, Task); 9] = [
     ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("interop", "[--all | PACKAGE_DIR...] open packages with foreign readers", interop::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
+    ("drives", "[SEEDS]           hold certificates of many caves to drives in MuJoCo", drives::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
 ];

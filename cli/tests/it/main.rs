@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod cave_folder;
+mod certify;
 mod cli;
 mod command;
 mod external;

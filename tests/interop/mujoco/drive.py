@@ -124,7 +124,7 @@ def plot_plan(axes, cave, line, track):
     x, y = np.meshgrid(np.arange(low[0], high[0], 0.1), np.arange(low[1], high[1], 0.1))
     _, nearest = tree.query(np.stack([x, y], axis=-1))
     z = np.interp(places_m[nearest], track.along_m, track.grounds[:, 2]) + 0.5
-    field_m = cave.distance(np.stack([x, y, z], axis=-1).reshape(-1, 3)).reshape(x.shape)
+    field_m = cave.field(np.stack([x, y, z], axis=-1).reshape(-1, 3)).reshape(x.shape)
     axes.contourf(x, y, field_m, levels=[-100, 0], colors=["#eeeeee"])
     axes.contour(x, y, field_m, levels=[0], colors=["black"])
     axes.plot(*line.corners.T[:2], "o--", color="tab:blue", label="centreline")

@@ -10,7 +10,7 @@ def heights_m(cave, points):
     """How high points are over the floor of an open cave, straight below or above them; infinite if there is none near."""
     steps_m = np.arange(PROBED_M, -PROBED_M, -STEP_M)
     columns = points[:, None] + steps_m[:, None] * [0, 0, 1]
-    field_m = cave.distance(columns.reshape(-1, 3)).reshape(columns.shape[:2])
+    field_m = cave.field(columns.reshape(-1, 3)).reshape(columns.shape[:2])
     above_m, below_m = field_m[:, :-1], field_m[:, 1:]
     # From the open into the rock; of several floors the one that is next to the point.
     enters = (above_m < 0) & (below_m >= 0)
