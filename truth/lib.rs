@@ -6,7 +6,10 @@
 //! floors over each other as there are. [`Storeys`] divides what a robot reaches into parts that do not overlap on the map, and
 //! [`OccupancyMap`] draws one of them.
 //!
-//! Not promised: anything between the centres of two cells, such as a pole that is thinner than a cell.
+//! [`Voxels`] and [`Distances`] tell of the cubes of a grid what passes through them, and how far their centres are from that; both
+//! hold what they say of the grid and no triangles. [`samples`] spreads points over the surface.
+//!
+//! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell.
 //!
 //! ```
 //! use plume_truth::{Columns, Floor, OccupancyMap, Robot, State, Storeys};
@@ -28,12 +31,21 @@
 //! assert_eq!(map.count(State::Free), 20 * 20);
 //! ```
 
+mod blocks;
 mod columns;
+mod distances;
 mod floor;
 mod map;
+mod samples;
 mod storeys;
+mod vector;
+mod voxels;
 
+pub use blocks::{Block, CELLS, SIDE};
 pub use columns::{Columns, Gap};
+pub use distances::Distances;
 pub use floor::{Floor, Relief, Robot};
 pub use map::{OccupancyMap, State};
+pub use samples::{Sample, samples};
 pub use storeys::Storeys;
+pub use voxels::Voxels;
