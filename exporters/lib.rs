@@ -28,6 +28,7 @@ pub mod frame;
 mod image_format;
 mod inertia;
 pub mod instances;
+mod labels;
 pub mod manifest;
 #[doc(hidden)]
 pub mod names;
@@ -42,6 +43,7 @@ mod target;
 #[doc(hidden)]
 pub mod targets;
 mod template;
+mod zip_entry;
 
 use plume_registry::Registry;
 
