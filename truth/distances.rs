@@ -5,6 +5,9 @@ use super::columns::Gap;
 use super::vector::{cross, dot, minus};
 use super::voxels::heights;
 
+/// More than rounding to single precision, by which the order of triangles could make a difference, in metres.
+const SLACK_M: f32 = 1e-5;
+
 /// Distances from the centres of the cells of a cubic grid, the same as that of [`Voxels`](super::Voxels), to the nearest point of
 /// any triangle; infinite beyond a reach.
 ///
@@ -45,34 +48,36 @@ impl Distances {
 
     fn add_to_block(&mut self, triangle: &Triangle, place: [i32; 3]) {
         let Self { cell_m, reach_m, ref mut distances_m } = *self;
-        // The cells along an axis of which the centre is within reach of the ball around the triangle.
-        let within = triangle.radius_m + reach_m;
-        let cells = |axis: usize| {
-            let first = f64::from(place[axis]) * SIDE as f64 + 0.5;
-            let low = ((triangle.middle[axis] - within) / cell_m - first).ceil().max(0.0);
-            let high = ((triangle.middle[axis] + within) / cell_m - first).floor().min(SIDE as f64 - 1.0);
-            (low as usize..(high + 1.0) as usize, first)
-        };
-        let [(xs, x0), (ys, y0), (zs, z0)] = [cells(0), cells(1), cells(2)];
-        if xs.is_empty() || ys.is_empty() || zs.is_empty() {
+        let [xs, ys, zs] = place.map(|n| centres_m(n, cell_m));
+        let off =
+            |centres_m: [f64; SIDE], axis: usize| centres_m.map(|along_m| (along_m - triangle.middle[axis]) as f32);
+        let [off_x, off_y, off_z] = [off(xs, 0), off(ys, 1), off(zs, 2)];
+        let around_m = triangle.radius_m as f32 + SLACK_M;
+        let within_m = reach_m as f32 + around_m;
+        let is_away = |off: [f32; SIDE]| off.iter().all(|off| off.abs() > within_m);
+        if is_away(off_x) || is_away(off_y) || is_away(off_z) {
             return;
         }
-        let at = |first: f64, n: usize| (first + n as f64) * cell_m;
-        let block = distances_m.entry(place);
-        for i in xs {
-            for j in ys.clone() {
-                let row = (i * SIDE + j) * SIDE;
-                let away = [at(x0, i) - triangle.middle[0], at(y0, j) - triangle.middle[1]];
-                let from_axis = away[0] * away[0] + away[1] * away[1];
-                for k in zs.clone() {
-                    let known_m = &mut block[row + k];
-                    let point = [at(x0, i), at(y0, j), at(z0, k)];
-                    let up = point[2] - triangle.middle[2];
-                    if triangle.may_be_nearer(from_axis + up * up, reach_m.min(f64::from(*known_m))) {
-                        let square = triangle.square_from(point);
-                        if square <= reach_m * reach_m {
-                            *known_m = known_m.min(square.sqrt() as f32);
-                        }
+        let rows = distances_m.entry(place).as_chunks_mut::<SIDE>().0;
+        for (n, row) in rows.iter_mut().enumerate() {
+            let (i, j) = (n / SIDE, n % SIDE);
+            let from_axis = off_x[i] * off_x[i] + off_y[j] * off_y[j];
+            if from_axis > within_m * within_m {
+                continue;
+            }
+            // Most are no nearer to the ball around the triangle than to another one. A loop without branches is told so for
+            // several at once.
+            let mut may_be_nearer = [false; SIDE];
+            for k in 0..SIDE {
+                let most_m = row[k].min(reach_m as f32) + around_m;
+                may_be_nearer[k] = from_axis + off_z[k] * off_z[k] < most_m * most_m;
+            }
+            for k in (0..SIDE).filter(|k| may_be_nearer[*k]) {
+                let point = [xs[i], ys[j], zs[k]];
+                if triangle.may_be_nearer(point, reach_m.min(f64::from(row[k]))) {
+                    let square = triangle.square_from(point);
+                    if square <= reach_m * reach_m {
+                        row[k] = row[k].min(square.sqrt() as f32);
                     }
                 }
             }
@@ -96,11 +101,16 @@ impl Distances {
     }
 }
 
+/// Centres of the cells of a block along an axis.
+fn centres_m(place: i32, cell_m: f64) -> [f64; SIDE] {
+    std::array::from_fn(|n| (f64::from(place) * SIDE as f64 + n as f64 + 0.5) * cell_m)
+}
+
 /// A triangle, and what its distance from many points needs.
 struct Triangle {
     corners: [[f64; 3]; 3],
     edges: [[f64; 3]; 3],
-    /// Perpendicular to the triangle; zero if its corners are on a line.
+    /// Unit normal; zero if the corners are on a line.
     normal: [f64; 3],
     /// Perpendicular to each edge in the plane of the triangle, inwards.
     inwards: [[f64; 3]; 3],
@@ -113,28 +123,34 @@ impl Triangle {
     fn new(corners: [[f64; 3]; 3]) -> Self {
         let [a, b, c] = corners;
         let edges = [minus(b, a), minus(c, b), minus(a, c)];
-        let normal = cross(edges[0], edges[1]);
+        let across = cross(edges[0], edges[1]);
+        let doubled_area = dot(across, across).sqrt();
+        let normal = if doubled_area > 0.0 { across.map(|part| part / doubled_area) } else { across };
         let middle = [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
         let square = |corner| dot(minus(corner, middle), minus(corner, middle));
         let radius_m = corners.map(square).into_iter().fold(0.0, f64::max).sqrt();
         Self { corners, edges, normal, inwards: edges.map(|edge| cross(normal, edge)), middle, radius_m }
     }
 
-    /// Whether a point may be nearer than this, given the square of its distance from the middle.
-    fn may_be_nearer(&self, square: f64, than_m: f64) -> bool {
-        /// More than rounding to single precision, so that the order of triangles makes no difference.
-        const SLACK_M: f64 = 1e-5;
-        let most_m = than_m + self.radius_m + SLACK_M;
-        square < most_m * most_m
+    /// Whether a point may be nearer than this: the triangle is in a disk in its plane.
+    fn may_be_nearer(&self, point: [f64; 3], than_m: f64) -> bool {
+        let off = minus(point, self.middle);
+        let height = dot(off, self.normal);
+        let most_m = than_m + f64::from(SLACK_M);
+        let left = most_m * most_m - height * height;
+        left > 0.0 && {
+            let along_m = self.radius_m + left.sqrt();
+            dot(off, off) - height * height < along_m * along_m
+        }
     }
 
     /// The square of the distance from a point.
     fn square_from(&self, point: [f64; 3]) -> f64 {
         let from = self.corners.map(|corner| minus(point, corner));
-        let steepness = dot(self.normal, self.normal);
-        if steepness > 0.0 && from.iter().zip(self.inwards).all(|(from, inwards)| dot(*from, inwards) >= 0.0) {
+        let has_area = self.normal != [0.0; 3];
+        if has_area && from.iter().zip(self.inwards).all(|(from, inwards)| dot(*from, inwards) >= 0.0) {
             let height = dot(from[0], self.normal);
-            return height * height / steepness;
+            return height * height;
         }
         let square_from_edge = |(from, edge): (&[f64; 3], &[f64; 3])| {
             let length = dot(*edge, *edge);
