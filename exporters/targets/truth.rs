@@ -16,7 +16,7 @@
 //! Gravel is left out: nothing collides with it. Chunks are loaded one at a time, and no triangle is kept.
 
 use minijinja::context;
-use plume_truth::{Robot, Storeys, Voxels};
+use plume_truth::{Floor, Robot, Storeys, Voxels};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -146,13 +146,6 @@ impl Target for Truth {
         scene.check()?;
         let (labels, scratch, mut table) = (Labels::of(scene)?, out.scratch()?, Table::default());
         let world = World::of(scene, &self.0, &labels, scratch.path())?;
-        let mut storeys = Vec::new();
-        if let Some(floor) = &world.floor {
-            let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
-            let reached = Storeys::reached(floor, &self.robot(), &starts);
-            let floors = Floors { floor, storeys: &reached, settings: &self.0 };
-            storeys = floors.write(scratch.path(), &mut table, out)?;
-        }
         if let Some(voxels) = world.voxels {
             grids::write_voxels(voxels, &self.0, &mut table, out)?;
         }
@@ -161,6 +154,14 @@ impl Target for Truth {
         }
         if let Some(cloud) = world.cloud {
             cloud.write(scene, &self.0.files, &mut table, out)?;
+        }
+        // Last, when the grids are gone: the floor takes as much memory as they do.
+        let mut storeys = Vec::new();
+        if let Some(floor) = world.columns.map(Floor::new) {
+            let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
+            let reached = Storeys::reached(&floor, &self.robot(), &starts);
+            let floors = Floors { floor: &floor, storeys: &reached, settings: &self.0 };
+            storeys = floors.write(scratch.path(), &mut table, out)?;
         }
         out.text("labels.json", &pretty(&described(&labels, scene))?)?;
         table.add(Entry::new("labels.json", "what the labels of voxels and points stand for", "1"));

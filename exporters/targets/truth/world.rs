@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use plume_truth::{Columns, Distances, Floor, Gap, Voxels};
+use plume_truth::{Columns, Distances, Gap, Voxels};
 
 use super::cloud::Cloud;
 use super::{Part, TruthSettings};
@@ -12,13 +12,13 @@ use crate::scene::{Content, Scene};
 
 /// The world as far as some parts of the package need it.
 pub struct World {
-    /// The floor, for [`Part::of_floor`].
-    pub floor: Option<Floor>,
+    /// What the floor follows from, for [`Part::OF_FLOOR`].
+    pub columns: Option<Columns>,
     /// The cells of a grid, for [`Part::Occupancy`] and [`Part::Voxels`].
     pub voxels: Option<Voxels>,
     /// For [`Part::Distance`].
     pub distances: Option<Distances>,
-    /// For [`Part::of_cloud`].
+    /// For [`Part::OF_CLOUD`].
     pub cloud: Option<Cloud>,
     /// Number of triangles, gravel included.
     pub triangles: u64,
@@ -96,6 +96,6 @@ impl Gathered {
         if let Some(distances) = &mut distances {
             distances.sign(&air);
         }
-        World { floor: columns.map(Floor::new), voxels, distances, cloud, triangles }
+        World { columns, voxels, distances, cloud, triangles }
     }
 }
