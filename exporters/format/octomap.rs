@@ -2,7 +2,7 @@
 //!
 //! Follows the OctoMap library (Hornung et al. 2013, <https://octomap.github.io>): some lines of text, then for each inner node,
 //! parents first, two bits for each of its eight children. The tree has sixteen levels and its root is centred on the origin, so its
-//! cells are those of [`Voxels`](plume_truth::Voxels). Eight cells of the same kind are one of twice the side.
+//! cells are those of [`Voxels`]. Eight cells of the same kind are one of twice the side.
 //!
 //! ```
 //! use plume_exporters::format::octomap;
