@@ -5,8 +5,8 @@
 //! each chunk is loaded once.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::io::{self, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 use crate::error::{ExportError, at};
 use crate::package::Package;
@@ -76,6 +76,11 @@ pub(crate) struct Stem {
 }
 
 impl Stem {
+    /// A stem of names in the folder of the package itself.
+    pub fn new(name: &str, scratch: &Path) -> Self {
+        Self { folder: "", name: name.to_owned(), scratch: scratch.to_owned() }
+    }
+
     /// An empty file named by the stem and `ending`.
     pub fn grow(&self, ending: &str) -> Result<TempFile, ExportError> {
         let file = format!("{}{ending}", self.name);
@@ -102,6 +107,12 @@ impl TempFile {
     fn create(place: PathBuf, path: String) -> Result<Self, ExportError> {
         let file = File::create_new(&place).map_err(|error| at(&path, &error))?;
         Ok(Self { place, path, file: BufWriter::with_capacity(1 << 16, file) })
+    }
+
+    /// A reader of what has been written so far.
+    pub fn reader(&mut self) -> io::Result<BufReader<File>> {
+        self.flush()?;
+        Ok(BufReader::new(self.reopen()?))
     }
 
     /// A reader of what has been flushed.

@@ -114,6 +114,16 @@ pub enum ExportError {
         /// Bytes the file would have.
         bytes: u64,
     },
+    /// A format does not reach as far as the scene.
+    #[error("{path}: {format} reaches {reach_m} m from the origin, and the scene is larger")]
+    TooFar {
+        /// The path inside the package.
+        path: String,
+        /// The format.
+        format: &'static str,
+        /// How far it reaches, in metres.
+        reach_m: f64,
+    },
     /// An image has a format that the simulator does not read.
     #[error("target `{target}` supports only {} images: {}", names(wanted), path.display())]
     UnfitImage {
@@ -164,6 +174,7 @@ impl ExportError {
             Self::InTheWay { .. } => Some("move it out of the package, then export again"),
             Self::NotOurs { .. } => Some("choose another path, or remove this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
+            Self::TooFar { .. } => Some("choose larger cells (`voxel_m`), or leave the file out (`files`)"),
             Self::UnfitImage { .. } => Some("make the cave with another image format: `--set texture.format=png`"),
             Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {
                 Some("free some space, or make smaller textures")
@@ -186,6 +197,7 @@ impl ExportError {
                 | Self::NotAFile { .. }
                 | Self::FileExists { .. }
                 | Self::TooLarge { .. }
+                | Self::TooFar { .. }
                 | Self::UnfitImage { .. }
         )
     }

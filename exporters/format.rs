@@ -3,13 +3,18 @@
 
 #[doc(hidden)]
 pub mod fbx;
+pub mod geotiff;
 #[doc(hidden)]
 pub mod gltf;
+pub mod las;
 #[doc(hidden)]
 pub mod msh;
 pub mod npy;
 pub mod obj;
+pub mod octomap;
+pub mod pcd;
 #[doc(hidden)]
 pub mod pixels;
 pub mod ply;
+pub mod points;
 pub mod stl;

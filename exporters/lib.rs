@@ -28,6 +28,7 @@ pub mod frame;
 mod image_format;
 mod inertia;
 pub mod instances;
+mod labels;
 pub mod manifest;
 #[doc(hidden)]
 pub mod names;
@@ -44,6 +45,7 @@ mod target;
 pub mod targets;
 mod template;
 pub mod with;
+mod zip_entry;
 
 use plume_registry::Registry;
 

@@ -3,7 +3,7 @@
 use plume_truth::{Columns, Floor};
 
 use crate::error::ExportError;
-use crate::scene::{Content, Scene};
+use crate::scene::Scene;
 
 /// The floor in cells of this side in metres.
 ///
@@ -13,7 +13,7 @@ pub fn floor(scene: &Scene, cell_m: f64) -> Result<Floor, ExportError> {
     let mut columns = Columns::new(cell_m);
     for index in 0..scene.chunks.len() {
         let chunk = scene.chunk(index)?;
-        if !matches!(chunk.content, Content::Gravel { .. }) {
+        if chunk.collides() {
             columns.add(&chunk.visual.positions, &chunk.visual.indices);
         }
     }

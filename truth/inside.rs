@@ -22,7 +22,8 @@ impl Inside {
             let number = self.triangles.len() as u32;
             let bound = |axis: usize, of: fn(f32, f32) -> f32| triangle.iter().map(|corner| corner[axis]).reduce(of);
             let square = |along_m: Option<f32>| square_of(along_m.unwrap_or_default().into());
-            let [low, high] = [f32::min as fn(f32, f32) -> f32, f32::max].map(|of| [0, 1].map(|axis| square(bound(axis, of))));
+            let [low, high] =
+                [f32::min as fn(f32, f32) -> f32, f32::max].map(|of| [0, 1].map(|axis| square(bound(axis, of))));
             for i in low[0]..=high[0] {
                 for j in low[1]..=high[1] {
                     self.squares.entry([i, j]).or_default().push(number);
@@ -36,7 +37,8 @@ impl Inside {
     pub fn is_air(&self, point: [f32; 3]) -> bool {
         let [x, y, z] = point.map(f64::from);
         let over = self.squares.get(&[square_of(x), square_of(y)]);
-        let turns = |number: &u32| turns(self.triangles[*number as usize].map(|corner| corner.map(f64::from)), [x, y, z]);
+        let turns =
+            |number: &u32| turns(self.triangles[*number as usize].map(|corner| corner.map(f64::from)), [x, y, z]);
         over.into_iter().flatten().map(turns).sum::<i32>() == 1
     }
 }

@@ -6,7 +6,12 @@
 //! floors over each other as there are. [`Storeys`] divides what a robot reaches into parts that do not overlap on the map, and
 //! [`OccupancyMap`] draws one of them.
 //!
-//! Not promised: anything between the centres of two cells, such as a pole that is thinner than a cell.
+//! [`Voxels`] and [`Distances`] tell of the cubes of a grid what passes through them, and how far their centres are from that; both
+//! hold what they say of the grid and no triangles. [`samples`] spreads points over the surface.
+//!
+//! [`Certificate`] tells where a robot gets on a floor and what stops it, and [`Route`] is a path for it.
+//!
+//! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell.
 //!
 //! ```
 //! use plume_truth::{Columns, Floor, OccupancyMap, Robot, State, Storeys};
@@ -29,26 +34,35 @@
 //! ```
 
 mod air;
+mod blocks;
 mod certificate;
 mod clearance;
 mod columns;
+mod distances;
 mod floor;
 mod ground;
 mod inside;
 mod map;
 mod route;
+mod samples;
 mod search;
 mod stance;
 mod storeys;
 mod survey;
+mod vector;
 mod vehicle;
+mod voxels;
 
+pub use blocks::{Block, CELLS, SIDE};
 pub use certificate::{Certificate, Network, Passage, Reach, Through, Verdict};
 pub use columns::{Columns, Gap};
+pub use distances::Distances;
 pub use floor::{Floor, Relief, Robot};
 pub use inside::Inside;
 pub use map::{OccupancyMap, State};
 pub use route::{Route, Waypoint};
+pub use samples::{Sample, samples};
 pub use search::Pose;
 pub use storeys::Storeys;
 pub use vehicle::{Cause, Class, Drone, Fault, Profile, Vehicle};
+pub use voxels::Voxels;

@@ -10,12 +10,16 @@ mod fbx;
 mod gltf;
 mod image;
 mod json;
+mod las;
 mod map;
 mod msh;
 mod npz;
 mod obj;
+mod octomap;
+mod pcd;
 mod ply;
 mod stl;
+mod tiff;
 mod unity;
 mod usd;
 mod usdz;
@@ -25,21 +29,25 @@ type Reader = fn(&mut Content<'_>, &mut Found) -> Result<(), Unfit>;
 
 /// Extensions, and what reads such files.
 static READERS: &[(&[&str], Reader)] = &[
+    (&["bt"], octomap::read),
     (&["fbx"], fbx::read),
     (&["glb"], gltf::read_binary),
     (&["gltf"], gltf::read_text),
     (&["jpg", "jpeg"], image::read_jpeg),
     (&["json", "asmdef", "asmref", "uplugin"], json::read),
     (&["ktx2"], image::read_ktx2),
+    (&["las"], las::read),
     (&["md", "txt", "py", "cs"], read_plain),
     (&["meta", "prefab", "mat", "physicmaterial", "asset", "unity"], unity::read),
     (&["msh"], msh::read),
     (&["mtl"], obj::read_materials),
     (&["npz"], npz::read),
     (&["obj"], obj::read),
+    (&["pcd"], pcd::read),
     (&["ply"], ply::read),
     (&["png"], image::read_png),
     (&["stl"], stl::read),
+    (&["tif"], tiff::read),
     (&["usda"], usd::read_text),
     (&["usdc"], usd::read_crate),
     (&["usdz"], usdz::read),

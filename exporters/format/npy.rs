@@ -4,7 +4,7 @@
 //! dictionary, then the numbers, little-endian, the last axis fastest. Archives are compressed and have no time.
 //!
 //! ```
-//! use plume_exporters::format::npy::{self, Archive};
+//! use plume_exporters::format::npy::Archive;
 //!
 //! let mut archive = Archive::default();
 //! archive.add("cells", &[2, 2], &[0_i32, 1, 2, 3])?;
@@ -17,18 +17,16 @@
 use std::io::{self, Cursor, Write};
 
 use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
+
+use crate::zip_entry;
 
 /// A number in an array.
 pub trait Number: Copy {
     /// Its type as NumPy writes it.
     const TYPE: &'static str;
 
-    /// Writes it, little-endian.
-    ///
-    /// # Errors
-    /// Those of `file`.
-    fn write(self, file: &mut dyn Write) -> io::Result<()>;
+    /// Appends its bytes, little-endian.
+    fn push(self, bytes: &mut Vec<u8>);
 }
 
 macro_rules! numbers {
@@ -36,20 +34,20 @@ macro_rules! numbers {
         impl Number for $number {
             const TYPE: &'static str = $name;
 
-            fn write(self, file: &mut dyn Write) -> io::Result<()> {
-                file.write_all(&self.to_le_bytes())
+            fn push(self, bytes: &mut Vec<u8>) {
+                bytes.extend(self.to_le_bytes());
             }
         }
     )*};
 }
 
-numbers!(i16: "<i2", i32: "<i4", f32: "<f4", f64: "<f8");
+numbers!(u8: "|u1", i16: "<i2", i32: "<i4", f32: "<f4", f64: "<f8");
 
-/// Writes an array of this shape.
-///
-/// # Errors
-/// Those of `file`.
-pub fn write<N: Number>(file: &mut dyn Write, shape: &[usize], numbers: &[N]) -> io::Result<()> {
+/// Numbers that are turned into bytes at a time.
+const AT_ONCE: usize = 1 << 12;
+
+/// Writes what is before the numbers of an array of this shape.
+fn write_head<N: Number>(file: &mut dyn Write, shape: &[usize]) -> io::Result<()> {
     /// Magic, version and length of the header.
     const PREFIX: usize = 10;
     /// What the length of prefix and header is a multiple of.
@@ -60,8 +58,7 @@ pub fn write<N: Number>(file: &mut dyn Write, shape: &[usize], numbers: &[N]) ->
     header.extend(std::iter::repeat_n(' ', padding).chain(['\n']));
     file.write_all(b"\x93NUMPY\x01\x00")?;
     file.write_all(&(header.len() as u16).to_le_bytes())?;
-    file.write_all(header.as_bytes())?;
-    numbers.iter().try_for_each(|number| number.write(file))
+    file.write_all(header.as_bytes())
 }
 
 /// An `.npz` being written, in memory.
@@ -79,9 +76,28 @@ impl Archive {
     /// # Errors
     /// If the name is taken.
     pub fn add<N: Number>(&mut self, name: &str, shape: &[usize], numbers: &[N]) -> io::Result<()> {
-        let options = SimpleFileOptions::default().last_modified_time(zip::DateTime::default()).unix_permissions(0o644);
-        self.0.start_file(format!("{name}.npy"), options)?;
-        write(&mut self.0, shape, numbers)
+        self.add_parts(name, shape, std::iter::once(numbers))
+    }
+
+    /// Adds an array whose numbers are in several places.
+    ///
+    /// # Errors
+    /// If the name is taken.
+    pub fn add_parts<'a, N: Number + 'a>(
+        &mut self,
+        name: &str,
+        shape: &[usize],
+        parts: impl Iterator<Item = &'a [N]>,
+    ) -> io::Result<()> {
+        self.0.start_file(format!("{name}.npy"), zip_entry::options())?;
+        write_head::<N>(&mut self.0, shape)?;
+        let mut bytes = Vec::new();
+        for part in parts.flat_map(|part| part.chunks(AT_ONCE)) {
+            bytes.clear();
+            part.iter().for_each(|number| number.push(&mut bytes));
+            self.0.write_all(&bytes)?;
+        }
+        Ok(())
     }
 
     /// The bytes of the file.

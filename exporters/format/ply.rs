@@ -6,20 +6,28 @@
 //!
 //! ```
 //! use plume_exporters::format::ply;
-//! use plume_exporters::scene::Zone;
 //!
 //! let mut file = Vec::new();
-//! ply::write_head(&mut file, &["metres, Z up".to_owned()], 3, 1)?;
+//! ply::write_head(&mut file, &["metres, Z up".to_owned()], &ply::mesh(3, 1))?;
 //! assert!(file.starts_with(b"ply\nformat binary_little_endian 1.0\n"));
-//! assert_ne!(ply::label(Zone::Floor), ply::label(Zone::Ceiling));
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
 use std::io::{self, Write};
 
-use crate::scene::{Mesh, Zone};
+use crate::scene::Mesh;
 
-/// The properties of an element, in the order of their bytes.
+/// A kind of rows.
+pub struct Element<'a> {
+    /// Such as `vertex`.
+    pub name: &'static str,
+    /// Number of rows.
+    pub count: u64,
+    /// Type and name of each property, in the order of their bytes.
+    pub properties: &'a [&'a str],
+}
+
+/// The properties of a mesh.
 const VERTEX: [&str; 12] = [
     "float x",
     "float y",
@@ -36,18 +44,24 @@ const VERTEX: [&str; 12] = [
 ];
 const FACE: [&str; 2] = ["list uchar int vertex_indices", "uchar label"];
 
-/// Writes everything before the vertices. A comment is one line.
+/// The elements of a mesh.
+pub fn mesh(vertices: u64, faces: u64) -> [Element<'static>; 2] {
+    let vertices = Element { name: "vertex", count: vertices, properties: &VERTEX };
+    [vertices, Element { name: "face", count: faces, properties: &FACE }]
+}
+
+/// Writes everything before the rows. A comment is one line.
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_head(file: &mut dyn Write, comments: &[String], vertices: u64, faces: u64) -> io::Result<()> {
+pub fn write_head(file: &mut dyn Write, comments: &[String], elements: &[Element]) -> io::Result<()> {
     writeln!(file, "ply\nformat binary_little_endian 1.0")?;
     for comment in comments {
         writeln!(file, "comment {comment}")?;
     }
-    for (element, count, properties) in [("vertex", vertices, &VERTEX[..]), ("face", faces, &FACE[..])] {
-        writeln!(file, "element {element} {count}")?;
-        for property in properties {
+    for Element { name, count, properties } in elements {
+        writeln!(file, "element {name} {count}")?;
+        for property in *properties {
             writeln!(file, "property {property}")?;
         }
     }
@@ -86,15 +100,6 @@ pub fn write_faces(file: &mut dyn Write, mesh: &Mesh, labels: &[u8], before: u32
         file.write_all(&row)?;
     }
     Ok(())
-}
-
-/// The label of a zone; 0 would be unlabelled.
-pub fn label(zone: Zone) -> u8 {
-    match zone {
-        Zone::Floor => 1,
-        Zone::Wall => 2,
-        Zone::Ceiling => 3,
-    }
 }
 
 fn push(row: &mut Vec<u8>, numbers: &[f32]) {

@@ -12,6 +12,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 use super::Bundle;
+use crate::zip_entry;
 
 /// The file that an archive is written to.
 ///
@@ -94,8 +95,8 @@ impl Packer {
     pub fn new(kind: Bundle, file: Sink) -> io::Result<Self> {
         Ok(match kind {
             // A zip must know at the start of a file whether it may exceed 4 GiB.
-            Bundle::Zip => Self::Zip(Box::new(ZipWriter::new(file)), zip_options().large_file(true)),
-            Bundle::Mjz => Self::Zip(Box::new(ZipWriter::new(file)), zip_options()),
+            Bundle::Zip => Self::Zip(Box::new(ZipWriter::new(file)), zip_entry::options().large_file(true)),
+            Bundle::Mjz => Self::Zip(Box::new(ZipWriter::new(file)), zip_entry::options()),
             Bundle::TarZst => Self::Tar(TarPacker::new(Box::new(zstd_encoder(file)?), "")),
             Bundle::Tgz => Self::Tar(TarPacker::new(
                 Box::new(GzEncoder::new(file, flate2::Compression::default())),
@@ -192,10 +193,6 @@ fn zstd_encoder(file: Sink) -> io::Result<zstd::Encoder<'static, Sink>> {
     Ok(encoder)
 }
 
-fn zip_options() -> SimpleFileOptions {
-    SimpleFileOptions::default().last_modified_time(zip::DateTime::default()).unix_permissions(0o644)
-}
-
 /// Images are compressed already.
 fn zip_method(path: &str) -> CompressionMethod {
     let is_packed = [".png", ".jpg", ".webp", ".usdz"].iter().any(|extension| path.ends_with(extension));
@@ -244,7 +241,7 @@ mod tests {
             let file = Full(Cursor::new(Vec::new()), room);
             let mut zip = ZipWriter::new(Sink { file, at: 0, end: 0, has_failed: false });
             let written = ["a.png", "b.png", "c.png"].into_iter().try_for_each(|path| {
-                zip.start_file(path, zip_options().compression_method(zip_method(path))).map_err(plain)?;
+                zip.start_file(path, zip_entry::options().compression_method(zip_method(path))).map_err(plain)?;
                 zip.write_all(&[7; 100])
             });
             let finished = written.and_then(|()| zip.finish().map_err(plain).map(drop));

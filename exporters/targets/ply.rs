@@ -20,12 +20,10 @@ use crate::format::pixels::Sampler;
 use crate::format::ply;
 use crate::frame::Axes;
 use crate::image_format::ImageFormat;
+use crate::labels::Labels;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
-use labels::Labels;
-
-mod labels;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -140,7 +138,7 @@ impl ChunkFiles for Cloud<'_> {
         let path = self.body.path().to_owned();
         let [vertices, faces] = self.counts;
         out.write(&path, |file| {
-            ply::write_head(file, self.comments, vertices, faces)?;
+            ply::write_head(file, self.comments, &ply::mesh(vertices, faces))?;
             self.body.append_to(file)?;
             self.faces.append_to(file)
         })

@@ -1,35 +1,50 @@
-//! Target `truth`: ground truth for navigation, from the same triangles as the packages of simulators.
+//! Target `truth`: ground truth for robots, from the same triangles as the packages of simulators.
 //!
 //! ```text
 //! floor.npz         every cell of the floor, also those over each other
 //! map_<n>.png       an occupancy map for each storey that a robot reaches from the start poses
 //! map_<n>.yaml      its resolution and origin, as the map server of ROS reads them
-//! storeys.json      what is where
+//! elevation_<n>.tif the numbers of the floor of that storey as a raster
+//! occupancy.bt      which cells of a cubic grid are occupied, free or unknown, as an OctoMap
+//! voxels.npz        the same with labels, as arrays
+//! distance.npz      how far the surface is from the centres of these cells
+//! cloud.*           points on the surface
+//! labels.json       what the labels stand for
+//! truth.json        what is where
 //! README.md
 //! ```
-//! Gravel is left out: nothing collides with it.
+//! Gravel is left out: nothing collides with it. Chunks are loaded one at a time, and no triangle is kept.
 
 use minijinja::context;
-use plume_truth::{Columns, Floor, OccupancyMap, Relief, Robot, State, Storeys};
-use png::{BitDepth, ColorType, Encoder};
+use plume_truth::{Floor, Robot, Storeys, Voxels};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::error::ExportError;
-use crate::format::npy::Archive;
 use crate::frame::Axes;
+use crate::labels::Labels;
 use crate::package::{Package, pretty};
-use crate::scene::{Content, Scene};
+use crate::scene::Scene;
 use crate::{Build, Summary, Target, TargetRow, template};
+use floors::Floors;
+use table::{Entry, FRAME, Table};
+use world::World;
+
+mod cloud;
+mod floors;
+mod grids;
+mod table;
+mod world;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "truth",
-    summary: "ground truth for navigation: the floor as arrays, occupancy maps by storey",
-    revision: 0,
-    opened_by: "NumPy, the map server of ROS 2 (Nav2), image viewers",
-    contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays; PNG and YAML of an occupancy map per storey",
-    tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, against rays through the triangles of target `ply` (trimesh)",
+    summary: "ground truth for robots: floor, occupancy maps, OctoMap, distances, point clouds, elevation, with labels",
+    revision: 1,
+    opened_by: "NumPy, the map server of ROS 2 (Nav2), OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL and QGIS",
+    contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays and as GeoTIFF; PNG and YAML of an occupancy map per storey; an OctoMap; labels and signed distances of voxels; labelled points as PCD, PLY and LAS",
+    tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, the OctoMap library, pypcd4, plyfile, laspy and rasterio, against rays through the triangles of target `ply` (trimesh) and distances from them (libigl)",
     checks: &["truth"],
     images: &[],
     is_single_file: false,
@@ -39,11 +54,44 @@ pub const ROW: TargetRow = TargetRow {
     build: Build::Plain(|table| Ok(Box::new(Truth(serde_json::from_value(table)?)))),
 };
 
+/// A part of the package that can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// `floor.npz`.
+    Floor,
+    /// `map_<n>.png` and `map_<n>.yaml`.
+    Maps,
+    /// `elevation_<n>.tif`.
+    Elevation,
+    /// `occupancy.bt`.
+    Occupancy,
+    /// `voxels.npz`.
+    Voxels,
+    /// `distance.npz`.
+    Distance,
+    /// `cloud.pcd`.
+    Pcd,
+    /// `cloud.ply`.
+    Ply,
+    /// `cloud.las`.
+    Las,
+}
+
+impl Part {
+    /// Those that need the floor.
+    const OF_FLOOR: [Self; 3] = [Self::Floor, Self::Maps, Self::Elevation];
+    /// Those that need points on the surface.
+    const OF_CLOUD: [Self; 3] = [Self::Pcd, Self::Ply, Self::Las];
+}
+
 /// Settings of target `truth`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
 pub struct TruthSettings {
-    /// Side of a cell in metres.
+    /// What to write.
+    pub files: Vec<Part>,
+    /// Side of a cell of the floor in metres.
     #[schemars(range(min = 0.02, max = 1.0))]
     pub cell_m: f64,
     /// Height of the robot of the maps in metres.
@@ -58,11 +106,32 @@ pub struct TruthSettings {
     /// Least area of a storey that gets a map, in square metres.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub least_area_m2: f64,
+    /// Side of a voxel in metres: of the OctoMap, of labels and of distances.
+    #[schemars(range(min = 0.02, max = 1.0))]
+    pub voxel_m: f64,
+    /// How far from the surface distances are told, in metres.
+    #[schemars(range(min = 0.05, max = 5.0))]
+    pub reach_m: f64,
+    /// Points of the clouds per square metre of surface.
+    #[schemars(range(min = 1.0, max = 10000.0))]
+    pub points_per_m2: f64,
 }
 
 impl Default for TruthSettings {
     fn default() -> Self {
-        Self { cell_m: 0.05, height_m: 0.6, step_m: 0.1, slope_deg: 30.0, least_area_m2: 1.0 }
+        let clouds = Part::OF_CLOUD.into_iter();
+        let files = [Part::Floor, Part::Maps, Part::Elevation, Part::Occupancy, Part::Voxels, Part::Distance];
+        Self {
+            files: files.into_iter().chain(clouds).collect(),
+            cell_m: 0.05,
+            height_m: 0.6,
+            step_m: 0.1,
+            slope_deg: 30.0,
+            least_area_m2: 1.0,
+            voxel_m: 0.1,
+            reach_m: 0.5,
+            points_per_m2: 100.0,
+        }
     }
 }
 
@@ -72,49 +141,51 @@ pub struct Truth(
     pub TruthSettings,
 );
 
-/// What is known about a storey.
-#[derive(Serialize)]
-struct Storey {
-    /// Its number in `floor.npz`.
-    storey: u16,
-    area_m2: f64,
-    /// Lowest and highest floor.
-    floor_m: [f32; 2],
-    map: String,
-}
-
 impl Target for Truth {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         scene.check()?;
-        let (floor, triangles) = self.floor(scene)?;
-        let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
-        let storeys = Storeys::reached(&floor, &self.robot(), &starts);
-        let bytes = archive(&floor, &storeys)?;
-        out.write("floor.npz", |file| Ok(file.write_all(&bytes)?))?;
-        let mapped = self.write_maps(&floor, &storeys, out)?;
-        let table = serde_json::json!({
+        let (labels, scratch, mut table) = (Labels::of(scene)?, out.scratch()?, Table::default());
+        let world = World::of(scene, &self.0, &labels, scratch.path())?;
+        if let Some(voxels) = world.voxels {
+            grids::write_voxels(voxels, &self.0, &mut table, out)?;
+        }
+        if let Some(distances) = world.distances {
+            grids::write_distances(distances, &self.0, &mut table, out)?;
+        }
+        if let Some(cloud) = world.cloud {
+            cloud.write(scene, &self.0.files, &mut table, out)?;
+        }
+        // Last, when the grids are gone: the floor takes as much memory as they do.
+        let mut storeys = Vec::new();
+        if let Some(floor) = world.columns.map(Floor::new) {
+            let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
+            let reached = Storeys::reached(&floor, &self.robot(), &starts);
+            let floors = Floors { floor: &floor, storeys: &reached, settings: &self.0 };
+            storeys = floors.write(scratch.path(), &mut table, out)?;
+        }
+        out.text("labels.json", &pretty(&described(&labels, scene))?)?;
+        table.add(Entry::new("labels.json", "what the labels of voxels and points stand for", "1"));
+        let TruthSettings { height_m, step_m, slope_deg, reach_m, .. } = self.0;
+        let told = json!({
             "generator": scene.generator,
-            "frame": "right-handed, Z up, metres",
-            "cell_m": self.0.cell_m,
-            "robot": { "height_m": self.0.height_m, "step_m": self.0.step_m, "slope_deg": self.0.slope_deg },
-            "storeys": mapped,
+            "frame": FRAME,
+            "robot": { "height_m": height_m, "step_m": step_m, "slope_deg": slope_deg },
+            "reach_m": reach_m,
+            "storeys": storeys,
+            "files": table,
         });
-        out.text("storeys.json", &pretty(&table)?)?;
+        out.text("truth.json", &pretty(&told)?)?;
         let values = context! {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
-            least_area_m2 => self.0.least_area_m2,
-            height_m => self.0.height_m,
-            step_m => self.0.step_m,
-            slope_deg => self.0.slope_deg,
-            cells => floor.cells().len(),
-            maps => mapped.len(),
+            settings => minijinja::value::Serde(&self.0),
+            storeys => storeys.len(),
         };
         let readme = include_str!("../templates/truth/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
-        let open = "python -c \"import numpy; print(numpy.load('floor.npz')['z'])\"".to_owned();
-        Ok(Summary { visual_triangles: triangles, collision_triangles: 0, open })
+        let open = "python -c \"import json; print(json.load(open('truth.json')))\"".to_owned();
+        Ok(Summary { visual_triangles: world.triangles, collision_triangles: 0, open })
     }
 
     fn axes(&self) -> Axes {
@@ -127,80 +198,20 @@ impl Truth {
         let TruthSettings { height_m, step_m, slope_deg, .. } = self.0;
         Robot { height_m: height_m as f32, step_m: step_m as f32, slope_rad: slope_deg.to_radians() as f32 }
     }
-
-    /// The floor of all chunks, and the number of their triangles, gravel included.
-    fn floor(&self, scene: &Scene) -> Result<(Floor, u64), ExportError> {
-        let (mut columns, mut triangles) = (Columns::new(self.0.cell_m), 0);
-        for index in 0..scene.chunks.len() {
-            let chunk = scene.chunk(index)?;
-            triangles += chunk.visual.triangles();
-            if !matches!(chunk.content, Content::Gravel { .. }) {
-                columns.add(&chunk.visual.positions, &chunk.visual.indices);
-            }
-        }
-        Ok((Floor::new(columns), triangles))
-    }
-
-    /// Writes a map of each storey that is not too small.
-    fn write_maps(&self, floor: &Floor, storeys: &Storeys, out: &mut dyn Package) -> Result<Vec<Storey>, ExportError> {
-        let mut mapped = Vec::new();
-        for (storey, cells) in (0..).zip(&storeys.sizes) {
-            let area_m2 = *cells as f64 * self.0.cell_m * self.0.cell_m;
-            if area_m2 < self.0.least_area_m2 {
-                continue;
-            }
-            let map = OccupancyMap::of(floor, storeys, storey);
-            let name = format!("map_{}", mapped.len());
-            out.write(&format!("{name}.png"), |file| write_image(file, &map))?;
-            out.text(&format!("{name}.yaml"), &yaml(&name, &map))?;
-            mapped.push(Storey { storey, area_m2, floor_m: map.floor_m, map: format!("{name}.yaml") });
-        }
-        Ok(mapped)
-    }
 }
 
-/// The arrays of `floor.npz`.
-fn archive(floor: &Floor, storeys: &Storeys) -> Result<Vec<u8>, ExportError> {
-    let cells = floor.cells();
-    let count = [cells.len()];
-    let of = |value: fn(&Relief) -> f32| floor.reliefs().iter().map(value).collect::<Vec<f32>>();
-    let indices: Vec<i32> = cells.iter().flat_map(|gap| gap.cell).collect();
-    let storeys: Vec<i16> = storeys.of.iter().map(|storey| storey.map_or(-1, |storey| storey as i16)).collect();
-    let mut archive = Archive::default();
-    archive.add("cell_m", &[], &[floor.cell_m()])?;
-    archive.add("cell", &[cells.len(), 2], &indices)?;
-    archive.add("z", &count, &cells.iter().map(|gap| gap.floor_m).collect::<Vec<f32>>())?;
-    archive.add("headroom", &count, &cells.iter().map(|gap| gap.height_m()).collect::<Vec<f32>>())?;
-    archive.add("slope", &count, &of(|relief| relief.slope_rad))?;
-    archive.add("step", &count, &of(|relief| relief.step_m))?;
-    archive.add("roughness", &count, &of(|relief| relief.roughness_m))?;
-    archive.add("storey", &count, &storeys)?;
-    Ok(archive.finish()?)
-}
-
-/// A map in the greys that the map server of ROS writes and reads, its first row at the top.
-fn write_image(file: &mut dyn std::io::Write, map: &OccupancyMap) -> Result<(), ExportError> {
-    let [width, height] = map.size;
-    let grey = |state: &State| match state {
-        State::Free => 254,
-        State::Occupied => 0,
-        State::Unknown => 205,
-    };
-    let pixels: Vec<u8> = map.cells.chunks_exact(width).rev().flatten().map(grey).collect();
-    let mut encoder = Encoder::new(file, width as u32, height as u32);
-    encoder.set_color(ColorType::Grayscale);
-    encoder.set_depth(BitDepth::Eight);
-    let mut writer = encoder.write_header().map_err(std::io::Error::from)?;
-    writer.write_image_data(&pixels).map_err(std::io::Error::from)?;
-    Ok(writer.finish().map_err(std::io::Error::from)?)
-}
-
-/// What the map server needs to know about an image. With its default threshold for free cells, the grey of unknown ones would
-/// be free.
-fn yaml(name: &str, map: &OccupancyMap) -> String {
-    let OccupancyMap { cell_m, origin_m: [x, y], .. } = map;
-    format!(
-        "image: {name}.png\nmode: trinary\nresolution: {cell_m}\norigin: [{x}, {y}, 0.0]\nnegate: 0\n\
-         occupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
+/// What labels stand for, and the friction of that.
+fn described(labels: &Labels, scene: &Scene) -> serde_json::Value {
+    let labels: Vec<_> = labels
+        .all()
+        .map(|label| {
+            json!({
+                "label": label.number,
+                "name": label.name,
+                "zone": label.zone.map(|zone| zone.name()),
+                "friction": label.zone.map(|zone| scene.friction.of(zone)),
+            })
+        })
+        .collect();
+    json!({ "generator": scene.generator, "unknown": Voxels::UNKNOWN, "free": Voxels::FREE, "labels": labels })
 }

@@ -51,7 +51,10 @@ impl Cave {
     /// The cave; `temporary` is its folder if that is to be removed with it.
     pub fn new(py: Python<'_>, cave: cave::Cave, temporary: Option<PathBuf>) -> PyResult<Bound<'_, Self>> {
         let (placement, surface, finalizer) = (OnceLock::new(), OnceLock::new(), PyOnceLock::new());
-        let cave = Bound::new(py, Self { cave: Arc::new(cave), placement, surface, closed: AtomicBool::new(false), finalizer })?;
+        let cave = Bound::new(
+            py,
+            Self { cave: Arc::new(cave), placement, surface, closed: AtomicBool::new(false), finalizer },
+        )?;
         if let Some(folder) = temporary {
             let remove = py.import("shutil")?.getattr("rmtree")?;
             let finalizer = py.import("weakref")?.call_method1("finalize", (&cave, remove, folder, true))?;

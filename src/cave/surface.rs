@@ -1,7 +1,7 @@
 //! The surface of a finished cave, and how far points are from it.
 
 use nalgebra::Vector3;
-use plume_exporters::scene::{Content, Scene};
+use plume_exporters::scene::Scene;
 use plume_truth::Inside;
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ impl Surface {
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
             let mesh = &chunk.visual;
-            if matches!(chunk.content, Content::Gravel { .. }) {
+            if !chunk.collides() {
                 continue;
             }
             inside.add(&mesh.positions, &mesh.indices);

@@ -6,8 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import laspy
 import numpy as np
+import plyfile
 import pytest
+import rasterio
 from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "interop/truth"))
@@ -15,6 +18,7 @@ sys.path.append(str(Path(__file__).parents[1] / "interop/truth"))
 import check  # noqa: E402 - the check itself
 
 SMALL = ["--set", "graph.nodes=4", "--set", "texture.size_px=256", "--option", "truth.cell_m=0.1"]
+STATES = (0, 255)
 
 
 @pytest.fixture(scope="module")
@@ -30,13 +34,13 @@ def test_a_good_package_passes(folder):
     assert "ground truth" in check.verify(folder / "truth")
 
 
-def in_arrays(change):
-    """A change of the arrays of the floor."""
+def in_arrays(change, name="floor.npz"):
+    """A change of the arrays of a file."""
 
     def edited(package):
-        arrays = dict(np.load(package / "floor.npz"))
+        arrays = dict(np.load(package / name))
         change(arrays)
-        np.savez(package / "floor.npz", **arrays)
+        np.savez(package / name, **arrays)
 
     return edited
 
@@ -101,10 +105,192 @@ def free_the_unknown(package):
 
 
 def tell_another_height(package):
-    path = package / "storeys.json"
+    edit_json(package / "truth.json", lambda told: told["storeys"][0]["floor_m"].__setitem__(0, -99.0))
+
+
+def edit_json(path, change):
     told = json.loads(path.read_text(encoding="utf-8"))
-    told["storeys"][0]["floor_m"][0] -= 1
+    change(told)
     path.write_text(json.dumps(told), encoding="utf-8")
+
+
+def leave_out(package):
+    edit_json(package / "truth.json", lambda told: told["files"].pop())
+
+
+def swap_labels(package):
+    def swap(told):
+        first, second = told["labels"][:2]
+        first["name"], second["name"] = second["name"], first["name"]
+
+    edit_json(package / "labels.json", swap)
+
+
+def grease(package):
+    edit_json(package / "labels.json", lambda told: told["labels"][-1].update(friction=0.01, zone="floor"))
+
+
+def dig(arrays):
+    """An occupied voxel is free."""
+    arrays["label"][~np.isin(arrays["label"], STATES)] = 255
+
+
+def thicken(arrays):
+    """Free voxels below others are occupied."""
+    label = arrays["label"]
+    label[:, :, :, :4][label[:, :, :, :4] == 255] = 2
+
+
+def fill_the_air(arrays):
+    arrays["label"][arrays["label"] == 255] = 0
+
+
+def relabel(arrays):
+    arrays["label"][~np.isin(arrays["label"], STATES)] = 1
+
+
+def in_both(change):
+    """The same change of voxels, and none of the OctoMap to notice it by: that is checked first."""
+
+    def edited(package):
+        in_arrays(change, "voxels.npz")(package)
+        write_octomap(package)
+
+    return edited
+
+
+def write_octomap(package):
+    """Writes the OctoMap anew from the arrays, by its own library."""
+    voxels = check.grids.Blocks(package / "voxels.npz", "label", 0)
+    cells, labels = voxels.cells()
+    tree = check.grids.octomap.OcTree(voxels.side_m)
+    for cell, label in zip(cells[labels != 0], labels[labels != 0], strict=True):
+        tree.updateNode(voxels.centres_m(cell), 2.0 if label != 255 else -2.0, True)
+    tree.updateInnerOccupancy()
+    tree.writeBinary(str(package / "occupancy.bt").encode())
+
+
+def shift_tree(package):
+    path = package / "occupancy.bt"
+    path.write_bytes(path.read_bytes().replace(b"res 0.1\n", b"res 0.2\n"))
+
+
+def flip_a_node(package):
+    path = package / "occupancy.bt"
+    tree = bytearray(path.read_bytes())
+    # The last node has cells as children: one that is free or occupied becomes the other.
+    tree[-2:] = bytes(byte ^ 0b11 if byte & 0b11 in (1, 2) else byte for byte in tree[-2:])
+    tree[-2:] = bytes(byte ^ 0b11000000 if byte >> 6 in (1, 2) else byte for byte in tree[-2:])
+    path.write_bytes(bytes(tree))
+
+
+def stretch(arrays):
+    arrays["distance"] *= np.float32(1.01)
+
+
+def turn_inside_out(arrays):
+    arrays["distance"] *= -1
+
+
+def reach_further(arrays):
+    arrays["distance"][np.isinf(arrays["distance"])] = 0.7
+
+
+def in_cloud(change):
+    """A change of the points of the PLY."""
+
+    def edited(package):
+        data = plyfile.PlyData.read(package / "cloud.ply", mmap=False)
+        change(data["vertex"].data)
+        data.write(package / "cloud.ply")
+
+    return edited
+
+
+def in_all_clouds(change):
+    """A change of the points of all three files."""
+
+    def edited(package):
+        in_cloud(change)(package)
+        rows = plyfile.PlyData.read(package / "cloud.ply", mmap=False)["vertex"].data
+        head, _ = (package / "cloud.pcd").read_bytes().split(b"DATA binary\n")
+        (package / "cloud.pcd").write_bytes(head + b"DATA binary\n" + rows.tobytes())
+        las = laspy.read(package / "cloud.las")
+        las.xyz = np.stack([rows[axis] for axis in "xyz"], axis=1)
+        for name, own in [
+            ("NormalX", "nx"),
+            ("NormalY", "ny"),
+            ("NormalZ", "nz"),
+            ("label",) * 2,
+            ("chunk",) * 2,
+            ("thing",) * 2,
+        ]:
+            las[name] = rows[own]
+        las.classification = np.where(rows["label"] == 1, 2, 1)
+        las.write(package / "cloud.las")
+
+    return edited
+
+
+def lift(rows):
+    rows["z"] += np.float32(0.01)
+
+
+def mirror_normals(rows):
+    rows["nz"] *= -1
+
+
+def swap_codes(rows):
+    rows["label"] = np.where(rows["label"] == 1, 2, rows["label"])
+
+
+def next_chunk(rows):
+    rows["chunk"] = (rows["chunk"] + 1) % (rows["chunk"].max() + 1)
+
+
+def next_thing(rows):
+    of_thing = rows["thing"] > 0
+    rows["thing"][of_thing] = rows["thing"].max() + 1 - rows["thing"][of_thing]
+
+
+def bunch(rows):
+    """Half of the points are where another half is."""
+    half = len(rows) // 2
+    rows[:half] = rows[half : 2 * half]
+
+
+def in_las(package):
+    las = laspy.read(package / "cloud.las")
+    las.classification = np.full(len(las.points), 1, dtype=np.uint8)
+    las.write(package / "cloud.las")
+
+
+def in_raster(change):
+    def edited(package):
+        path = package / "elevation_0.tif"
+        with rasterio.open(path) as raster:
+            profile, names, bands = raster.profile, raster.descriptions, raster.read()
+        bands = change(bands, profile)
+        path.unlink()
+        with rasterio.open(path, "w", **profile) as raster:
+            raster.write(bands)
+            raster.descriptions = names
+
+    return edited
+
+
+def shift_raster(bands, profile):
+    profile["transform"] = profile["transform"] @ rasterio.Affine.translation(1, 0)
+    return bands
+
+
+def swap_bands(bands, _):
+    return bands[[1, 0, 2, 3, 4, 5]]
+
+
+def widen(bands, _):
+    bands[:, np.isnan(bands[0])] = 1.0
+    return bands
 
 
 FAULTS = {
@@ -123,14 +309,63 @@ FAULTS = {
     "another origin": (move_origin, "are free on one side only"),
     "a threshold that frees the unknown": (free_the_unknown, "are free on one side only"),
     "another height": (tell_another_height, r"yaml is at "),
+    "a file that is not listed": (leave_out, "lists other files"),
+    "a raster elsewhere": (in_raster(shift_raster), "another floor"),
+    "bands swapped": (in_raster(swap_bands), "another floor"),
+    "a raster that is everywhere": (in_raster(widen), "has other cells"),
 }
+
+FAULTS_OF_GRIDS = {
+    "labels swapped": (swap_labels, "labels.json has"),
+    "a slippery thing": (grease, "has another friction"),
+    "cells of the OctoMap twice as large": (shift_tree, "has cells of"),
+    "a cell of the OctoMap in another state": (flip_a_node, "are not those of voxels.npz"),
+    "voxels unlike the OctoMap": (in_arrays(dig, "voxels.npz"), "are not those of voxels.npz"),
+    "no surface": (in_both(dig), "that are not occupied"),
+    "a thick surface": (in_both(thicken), "voxels that are occupied"),
+    "no air": (in_both(fill_the_air), "unknown in the air"),
+    "another label": (in_both(relabel), "with another label"),
+    "distances too long": (in_arrays(stretch, "distance.npz"), "a distance is wrong"),
+    "distances inside out": (in_arrays(turn_inside_out, "distance.npz"), "the sign of the other side"),
+    "distances beyond the reach": (in_arrays(reach_further, "distance.npz"), "there are distances beyond"),
+}
+
+FAULTS_OF_CLOUDS = {
+    "points of the PLY off the wall": (in_cloud(lift), "has points elsewhere"),
+    "points off the wall": (in_all_clouds(lift), "m from the mesh"),
+    "normals upside down": (in_all_clouds(mirror_normals), "other normals"),
+    "floor as wall": (in_all_clouds(swap_codes), "other labels"),
+    "points in other chunks": (in_all_clouds(next_chunk), "other chunks"),
+    "points on other things": (in_all_clouds(next_thing), r"thing \d+ is"),
+    "points in bunches": (in_all_clouds(bunch), "points too many or too few"),
+    "classes of LAS": (in_las, "has other classes"),
+}
+
+
+@pytest.fixture(scope="module")
+def world(folder):
+    return check.World(folder / "ply")
+
+
+def noticed(fault, faults, folder, tmp_path, verify):
+    change, message = faults[fault]
+    shutil.copytree(folder / "truth", tmp_path / "truth")
+    change(tmp_path / "truth")
+    with pytest.raises(check.Failure, match=message):
+        verify(tmp_path / "truth")
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_faulty_package_fails(fault, folder, tmp_path):
-    change, message = FAULTS[fault]
-    for target in ("ply", "truth"):
-        shutil.copytree(folder / target, tmp_path / target)
-    change(tmp_path / "truth")
-    with pytest.raises(check.Failure, match=message):
-        check.verify(tmp_path / "truth")
+    shutil.copytree(folder / "ply", tmp_path / "ply")
+    noticed(fault, FAULTS, folder, tmp_path, check.verify)
+
+
+@pytest.mark.parametrize("fault", FAULTS_OF_GRIDS)
+def test_faulty_grids_fail(fault, folder, world, tmp_path):
+    noticed(fault, FAULTS_OF_GRIDS, folder, tmp_path, lambda package: check.grids.verify(package, world, 0.5))
+
+
+@pytest.mark.parametrize("fault", FAULTS_OF_CLOUDS)
+def test_faulty_clouds_fail(fault, folder, world, tmp_path):
+    noticed(fault, FAULTS_OF_CLOUDS, folder, tmp_path, lambda package: check.clouds.verify(package, world))

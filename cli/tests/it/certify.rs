@@ -36,7 +36,8 @@ fn a_robot_is_certified_and_finds_its_way() {
     assert!(desk.run(&[&certify[..], &["--threads", "1"]].concat()).status.success());
     assert!(before == fs::read(desk.path("mouse.json")).unwrap());
 
-    let path = |kind: &str, file: &str| desk.run(&["path", "cave", "--robot", "mouse.toml", "--kind", kind, "-o", file]);
+    let path =
+        |kind: &str, file: &str| desk.run(&["path", "cave", "--robot", "mouse.toml", "--kind", kind, "-o", file]);
     for (kind, file) in [("longest", "a.tum"), ("tour", "b.csv"), ("0..5", "c.yaml")] {
         let output = path(kind, file);
         assert!(output.status.success(), "{kind}: {}", String::from_utf8_lossy(&output.stderr));
@@ -77,8 +78,18 @@ fn wrong_robots_paths_and_files_are_refused() {
 fn a_cave_is_held_to_the_robots_of_its_recipe() {
     let desk = Desk::new();
     // Passages of less than a metre in all.
-    let narrow = ["--set", "passage.width_per_radius=0.1", "--set", "passage.width_min_m=0.6", "--set", "world.certify=[\"husky\"]"];
-    let output = desk.run(&[&["generate", "-o", "cave", "-q", "--set", "graph.nodes=4", "--set", "texture.size_px=256"][..], &narrow].concat());
+    let narrow = [
+        "--set",
+        "passage.width_per_radius=0.1",
+        "--set",
+        "passage.width_min_m=0.6",
+        "--set",
+        "world.certify=[\"husky\"]",
+    ];
+    let output = desk.run(
+        &[&["generate", "-o", "cave", "-q", "--set", "graph.nodes=4", "--set", "texture.size_px=256"][..], &narrow]
+            .concat(),
+    );
     let text = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("world.certify: husky is sure of 0 of 4 stations"), "{text}");

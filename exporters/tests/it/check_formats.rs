@@ -84,6 +84,49 @@ fn ground_truth_is_read() {
 }
 
 #[test]
+fn grids_clouds_and_rasters_are_read() {
+    let truth = package("truth");
+    let cut = |path: &str| truth[path][..truth[path].len() - 1].to_vec();
+    let edited = |path: &str, at: usize| {
+        let mut bytes = truth[path].clone();
+        bytes[at] ^= 1;
+        bytes
+    };
+    let tree_at = truth["occupancy.bt"].windows(6).position(|bytes| bytes == b"\ndata\n").unwrap() + 6;
+    insta::assert_snapshot!(each(&[
+        ("cut.bt", &cut("occupancy.bt")),
+        ("other.bt", &edited("occupancy.bt", tree_at)),
+        ("deep.bt", &[&b"# Octomap OcTree binary file\nsize 9\nres 0.1\ndata\n"[..], &[3; 40]].concat()),
+        ("no.bt", b"# Octomap OcTree binary file\nres 0.1\ndata\n"),
+        ("cut.pcd", &cut("cloud.pcd")),
+        ("text.pcd", b"VERSION 0.7\nSIZE 4\nCOUNT 1\nPOINTS 1\nDATA ascii\n1\n"),
+        ("huge.pcd", b"SIZE 8\nCOUNT 8\nPOINTS 18446744073709551615\nDATA binary\n"),
+        ("no.pcd", b"SIZE 4 4\nCOUNT 1\nPOINTS 1\nDATA binary\n"),
+        ("cut.las", &cut("cloud.las")),
+        ("more.las", &edited("cloud.las", 247)),
+        ("old.las", &edited("cloud.las", 25)),
+        ("cut.tif", &truth["elevation_0.tif"][..500]),
+        ("other.tif", &edited("elevation_0.tif", 0)),
+        ("no.tif", b"II*\0\x08\0\0\0\0\0\0\0\0\0"),
+    ]), @r"
+    cut.bt: ends early
+    other.bt: states 32653 nodes and has 28585
+    deep.bt: has a tree that is too deep
+    no.bt: does not state its size and resolution
+    cut.pcd: ends early
+    text.pcd: is not a binary PCD
+    huge.pcd: ends early
+    no.pcd: has an invalid PCD header
+    cut.las: states 12550 points, which does not match its size
+    more.las: states 12551 points, which does not match its size
+    old.las: is not a LAS 1.4
+    cut.tif: refers to something beyond its end
+    other.tif: is not a little-endian TIFF
+    no.tif: has no strips, or only part of what tells where they are
+    ");
+}
+
+#[test]
 fn markup_is_read() {
     let deep = "<a>".repeat(100_000);
     let many = format!("<a {}/>", (0..2000).map(|n| format!("b{n}=\"\" ")).collect::<String>());
@@ -247,7 +290,12 @@ static PACKAGES: LazyLock<Vec<Forged>> = LazyLock::new(|| {
     more.insert("a.usda".to_owned(), b"#usda 1.0\nasset a = @./rock.png@\n".to_vec());
     more.insert("a.txt.meta".to_owned(), b"guid: 0123456789abcdef0123456789abcdef\n".to_vec());
     amend(&mut more, |_| ());
-    vec![package("gazebo"), package("gltf"), more]
+    let mut truth = package("truth");
+    truth.retain(|path, _| {
+        path == MANIFEST || [".bt", ".pcd", ".las", ".tif"].iter().any(|format| path.ends_with(format))
+    });
+    amend(&mut truth, |_| ());
+    vec![package("gazebo"), package("gltf"), more, truth]
 });
 
 /// A change of some bytes: where, relative to the length, and to what; then how much is kept.
@@ -283,7 +331,7 @@ proptest! {
     }
 
     #[test]
-    fn no_file_makes_the_check_panic(which in 0..3_usize, place: prop::sample::Index, change in change()) {
+    fn no_file_makes_the_check_panic(which in 0..4_usize, place: prop::sample::Index, change in change()) {
         let mut package = PACKAGES[which].clone();
         let paths: Vec<String> = package.keys().filter(|path| *path != MANIFEST).cloned().collect();
         let path = place.get(&paths);

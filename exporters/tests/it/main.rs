@@ -35,6 +35,7 @@ mod things_counted;
 mod told;
 #[path = "sample/touched.rs"]
 mod touched;
+mod truth_package;
 mod unity_package;
 mod unity_things;
 mod unreal_package;

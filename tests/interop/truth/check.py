@@ -2,26 +2,35 @@
 
     check.py PACKAGE_DIR
 
+Floor, maps and rasters:
+
 - Rays straight up and down through the centres of cells, some thousands, meet the floor and what is over it where `floor.npz`
   says, and nowhere else is there air that it does not list.
 - Slope, roughness and step are those of a plane fitted by NumPy.
 - A storey is connected, and no cell of it is over another; beyond its border there is nothing onto which the robot could drive.
+- Each raster, read by rasterio, has the numbers of its storey at their places, and no others.
 - Each map, read by the formula of the map server of Nav2, is free exactly where its storey is, and occupied only beside that.
+
+`grids.py` checks voxels and distances, `clouds.py` points.
 """
 
 import json
 import sys
 from pathlib import Path
 
+import clouds
+import grids
 import numpy as np
-import plyfile
+import rasterio
 import trimesh
 import yaml
+from failure import Failure, require
 from PIL import Image
 from scipy.ndimage import binary_dilation
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
+from world import World
 
 COLUMNS = 4000
 SEED = 1
@@ -34,16 +43,8 @@ RELIEFS = 300
 SEEN_M = 0.3
 # What single and double precision may see differently.
 ROUNDING_M = 1e-5
-GRAVEL = "gravel"
-
-
-class Failure(Exception):
-    """What is wrong with a package."""
-
-
-def require(truth, message):
-    if not truth:
-        raise Failure(message)
+# Bands of a raster.
+BANDS = ("floor", "ceiling", "headroom", "slope", "step", "roughness")
 
 
 class Floor:
@@ -66,32 +67,33 @@ class Floor:
 
 
 def verify(package):
-    floor = Floor(package)
-    told = json.loads((package / "storeys.json").read_text(encoding="utf-8"))
-    missed = check_columns(floor, mesh_of(package.with_name("ply")))
+    floor, world = Floor(package), World(package.with_name("ply"))
+    told = json.loads((package / "truth.json").read_text(encoding="utf-8"))
+    check_table(package, told["files"])
+    missed = check_columns(floor, trimesh.Trimesh(world.vertices, world.faces, process=False))
     check_reliefs(floor)
     check_reach(floor, told["robot"])
     for storey in told["storeys"]:
         check_map(floor, package / storey["map"], storey)
+        check_raster(floor, package / storey["elevation"], storey)
+    found = [grids.verify(package, world, told["reach_m"]), clouds.verify(package, world)]
     free = np.isin(floor.storey, [storey["storey"] for storey in told["storeys"]]).sum() * floor.side_m**2
     return (
         f"ground truth: {len(floor.z)} cells, {missed} of {COLUMNS} columns unlike the rays; "
-        f"{len(told['storeys'])} maps of {free:.0f} m²"
+        f"{len(told['storeys'])} maps of {free:.0f} m²; {'; '.join(found)}"
     )
 
 
-def mesh_of(package):
-    """The triangles of a PLY without gravel."""
-    [path] = package.glob("*.ply")
-    data = plyfile.PlyData.read(path)
-    labels = dict(comment.split()[1:3] for comment in data.comments if comment.startswith("label "))
-    vertices = np.stack([data["vertex"][axis] for axis in "xyz"], axis=1)
-    face = data["face"].data
-    names = np.array([labels[str(label)] for label in np.unique(face["label"])])
-    is_gravel = np.isin(face["label"], [int(label) for label, name in labels.items() if name == GRAVEL])
-    require(len(names) > 0, "the PLY has no labels")
-    corners = np.stack(face["vertex_indices"][~is_gravel]).astype(np.int64)
-    return trimesh.Trimesh(vertices, corners, process=False)
+def check_table(package, files):
+    """`truth.json` lists every file of ground truth, with its unit and frame."""
+    others = {"manifest.json", "instances.json", "truth.json", "README.md", "LICENSE.md"}
+    listed = {entry["file"] for entry in files} | {path.name for path in package.glob("*.yaml")}
+    there = {path.name for path in package.iterdir()} - others
+    require(listed == there, f"truth.json lists other files than there are: {sorted(listed ^ there)}")
+    for entry in files:
+        require(
+            all(entry[key] for key in ("content", "unit", "frame")), f"truth.json says too little of {entry['file']}"
+        )
 
 
 def check_columns(floor, mesh):
@@ -235,6 +237,23 @@ def check_map(floor, path, storey):
     )
     low, high = floor.z[own].min(), floor.z[own].max()
     require(np.allclose(storey["floor_m"], [low, high], atol=1e-5), f"{path.name} is at {low} to {high} m")
+
+
+def check_raster(floor, path, storey):
+    """Each band at the place of each cell, found by the transform of the file."""
+    own = floor.storey == storey["storey"]
+    expected = (floor.z, floor.z + floor.headroom, floor.headroom, floor.slope, floor.step, floor.roughness)
+    with rasterio.open(path) as raster:
+        require(raster.descriptions == BANDS, f"{path.name} has the bands {raster.descriptions}")
+        rows, columns = rasterio.transform.rowcol(raster.transform, *floor.centre_m[own].T)
+        bands = raster.read()
+    require(
+        (np.isfinite(bands[0]).sum(), bands.shape[0]) == (own.sum(), len(BANDS)),
+        f"{path.name} has other cells than {own.sum()}",
+    )
+    for band, name, values in zip(bands, BANDS, expected, strict=True):
+        found = band[rows, columns]
+        require(np.allclose(found, values[own], rtol=0, atol=1e-6, equal_nan=True), f"{path.name}: another {name}")
 
 
 def places(about, state):

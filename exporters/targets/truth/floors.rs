@@ -1,0 +1,191 @@
+//! The files of the floor: arrays, and for each storey a map and a raster.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::ops::Range;
+use std::path::Path;
+
+use plume_truth::{Floor, OccupancyMap, Relief, State, Storeys};
+use png::{BitDepth, ColorType, Encoder};
+use serde::Serialize;
+
+use super::table::{Entry, Table};
+use super::{Part, TruthSettings};
+use crate::error::ExportError;
+use crate::format::geotiff::{self, Raster};
+use crate::format::npy::Archive;
+use crate::package::Package;
+
+/// What is known about a storey.
+#[derive(Serialize)]
+pub struct Storey {
+    /// Its number in `floor.npz`.
+    storey: u16,
+    area_m2: f64,
+    /// Lowest and highest floor.
+    floor_m: [f32; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    map: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    elevation: Option<String>,
+}
+
+/// The floor, and what a robot reaches of it.
+pub struct Floors<'a> {
+    /// All of it.
+    pub floor: &'a Floor,
+    /// Its storeys.
+    pub storeys: &'a Storeys,
+    /// Those of the target.
+    pub settings: &'a TruthSettings,
+}
+
+impl Floors<'_> {
+    /// Writes the files that are wanted; returns the storeys that are not too small.
+    pub fn write(&self, scratch: &Path, table: &mut Table, out: &mut dyn Package) -> Result<Vec<Storey>, ExportError> {
+        let cell_m = self.settings.cell_m;
+        if self.settings.files.contains(&Part::Floor) {
+            let bytes = self.archive()?;
+            out.write("floor.npz", |file| Ok(file.write_all(&bytes)?))?;
+            table.add(Entry::of_cells("floor.npz", "cells of the floor, also those over each other", "m, rad", cell_m));
+        }
+        let mut listed = Vec::new();
+        for (storey, cells) in (0..).zip(&self.storeys.sizes) {
+            let area_m2 = *cells as f64 * cell_m * cell_m;
+            if area_m2 >= self.settings.least_area_m2 {
+                listed.push(self.write_storey(storey, area_m2, listed.len(), scratch, table, out)?);
+            }
+        }
+        Ok(listed)
+    }
+
+    /// Writes the files of a storey, of which the names have this number.
+    fn write_storey(
+        &self,
+        storey: u16,
+        area_m2: f64,
+        number: usize,
+        scratch: &Path,
+        table: &mut Table,
+        out: &mut dyn Package,
+    ) -> Result<Storey, ExportError> {
+        let map = OccupancyMap::of(self.floor, self.storeys, storey);
+        let mut listed = Storey { storey, area_m2, floor_m: map.floor_m, map: None, elevation: None };
+        if self.settings.files.contains(&Part::Maps) {
+            let name = format!("map_{number}");
+            out.write(&format!("{name}.png"), |file| write_image(file, &map))?;
+            out.text(&format!("{name}.yaml"), &yaml(&name, &map))?;
+            table.add(Entry::of_cells(format!("{name}.png"), "occupancy map of a storey", "1", map.cell_m));
+            listed.map = Some(format!("{name}.yaml"));
+        }
+        if self.settings.files.contains(&Part::Elevation) {
+            let path = format!("elevation_{number}.tif");
+            self.write_raster(&path, storey, &map, scratch, out)?;
+            let content = "raster of a storey: floor, ceiling, headroom, slope, step, roughness";
+            table.add(Entry::of_cells(path.clone(), content, "m, rad", map.cell_m));
+            listed.elevation = Some(path);
+        }
+        Ok(listed)
+    }
+
+    /// The arrays of `floor.npz`.
+    fn archive(&self) -> Result<Vec<u8>, ExportError> {
+        let Self { floor, storeys, .. } = self;
+        let cells = floor.cells();
+        let count = [cells.len()];
+        let of = |value: fn(&Relief) -> f32| floor.reliefs().iter().map(value).collect::<Vec<f32>>();
+        let indices: Vec<i32> = cells.iter().flat_map(|gap| gap.cell).collect();
+        let storeys: Vec<i16> = storeys.of.iter().map(|storey| storey.map_or(-1, |storey| storey as i16)).collect();
+        let mut archive = Archive::default();
+        archive.add("cell_m", &[], &[floor.cell_m()])?;
+        archive.add("cell", &[cells.len(), 2], &indices)?;
+        archive.add("z", &count, &cells.iter().map(|gap| gap.floor_m).collect::<Vec<f32>>())?;
+        archive.add("headroom", &count, &cells.iter().map(|gap| gap.height_m()).collect::<Vec<f32>>())?;
+        archive.add("slope", &count, &of(|relief| relief.slope_rad))?;
+        archive.add("step", &count, &of(|relief| relief.step_m))?;
+        archive.add("roughness", &count, &of(|relief| relief.roughness_m))?;
+        archive.add("storey", &count, &storeys)?;
+        Ok(archive.finish()?)
+    }
+
+    /// Writes the numbers of a storey on the cells of its map.
+    fn write_raster(
+        &self,
+        path: &str,
+        storey: u16,
+        map: &OccupancyMap,
+        scratch: &Path,
+        out: &mut dyn Package,
+    ) -> Result<(), ExportError> {
+        let OccupancyMap { cell_m, origin_m: [x, y], size: [width, height], .. } = *map;
+        let corner_m = [x, y + height as f64 * cell_m];
+        let raster = Raster { size: [width as u32, height as u32], corner_m, cell_m, bands: &BANDS };
+        let place = scratch.join(path);
+        let file = BufWriter::new(File::create_new(&place)?);
+        geotiff::write(file, &raster, |rows| self.bands(storey, map, rows)).map_err(|error| named(path, error))?;
+        out.copy(path, &place)?;
+        Ok(std::fs::remove_file(place)?)
+    }
+
+    /// The numbers of some rows of a storey, from the highest y, for each of [`BANDS`].
+    fn bands(&self, storey: u16, map: &OccupancyMap, rows: Range<u32>) -> Vec<Vec<f32>> {
+        let [width, height] = map.size.map(|count| count as i32);
+        let first = map.origin_m.map(|along_m| (along_m / map.cell_m).round() as i32);
+        let own = |cell: [i32; 2]| self.floor.over(cell).find(|number| self.storeys.of[*number] == Some(storey));
+        let cells =
+            rows.flat_map(|row| (0..width).map(move |column| [first[0] + column, first[1] + height - 1 - row as i32]));
+        let numbers: Vec<Option<usize>> = cells.map(own).collect();
+        let gap = |number: usize| self.floor.cells()[number];
+        let relief = |number: usize| self.floor.reliefs()[number];
+        let values: [&dyn Fn(usize) -> f32; BANDS.len()] = [
+            &|number| gap(number).floor_m,
+            &|number| gap(number).ceiling_m,
+            &|number| gap(number).height_m(),
+            &|number| relief(number).slope_rad,
+            &|number| relief(number).step_m,
+            &|number| relief(number).roughness_m,
+        ];
+        let band = |value: &dyn Fn(usize) -> f32| numbers.iter().map(|number| number.map_or(f32::NAN, value)).collect();
+        values.map(band).into()
+    }
+}
+
+/// Names and units of the bands of a raster.
+const BANDS: [(&str, &str); 6] =
+    [("floor", "m"), ("ceiling", "m"), ("headroom", "m"), ("slope", "rad"), ("step", "m"), ("roughness", "m")];
+
+/// The error of the system, or that of the format, with the file.
+fn named(path: &str, error: tiff::TiffError) -> ExportError {
+    let error = match error {
+        tiff::TiffError::IoError(error) => error,
+        other => std::io::Error::other(other),
+    };
+    crate::error::at(path, &error).into()
+}
+
+/// A map in the greys that the map server of ROS writes and reads, its first row at the top.
+fn write_image(file: &mut dyn std::io::Write, map: &OccupancyMap) -> Result<(), ExportError> {
+    let [width, height] = map.size;
+    let grey = |state: &State| match state {
+        State::Free => 254,
+        State::Occupied => 0,
+        State::Unknown => 205,
+    };
+    let pixels: Vec<u8> = map.cells.chunks_exact(width).rev().flatten().map(grey).collect();
+    let mut encoder = Encoder::new(file, width as u32, height as u32);
+    encoder.set_color(ColorType::Grayscale);
+    encoder.set_depth(BitDepth::Eight);
+    let mut writer = encoder.write_header().map_err(std::io::Error::from)?;
+    writer.write_image_data(&pixels).map_err(std::io::Error::from)?;
+    Ok(writer.finish().map_err(std::io::Error::from)?)
+}
+
+/// What the map server needs to know about an image. With its default threshold for free cells, the grey of unknown ones would
+/// be free.
+fn yaml(name: &str, map: &OccupancyMap) -> String {
+    let OccupancyMap { cell_m, origin_m: [x, y], .. } = map;
+    format!(
+        "image: {name}.png\nmode: trinary\nresolution: {cell_m}\norigin: [{x}, {y}, 0.0]\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+}
