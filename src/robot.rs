@@ -7,10 +7,8 @@ use plume_truth::{Drone, Profile, Vehicle};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-/// How far below the slope at which wheels slip a robot surely climbs.
-const CLIMB_RESERVE_DEG: f64 = 5.0;
-/// The same for the way down.
-const DESCENT_RESERVE_DEG: f64 = 3.0;
+/// How far below the slope at which wheels slip a robot surely gets along.
+const RESERVE_DEG: f64 = 5.0;
 /// How much steeper a slope it comes down than up.
 const DESCENT_MORE_DEG: f64 = 5.0;
 
@@ -163,7 +161,7 @@ impl RobotSettings {
 
 impl VehicleSettings {
     fn vehicle(&self, slip_deg: f64) -> Vehicle {
-        let slope_rad = |slope_deg: f64, reserve_deg: f64| slope_deg.min(slip_deg - reserve_deg).max(0.0).to_radians();
+        let slope_rad = |slope_deg: f64| slope_deg.min(slip_deg - RESERVE_DEG).max(0.0).to_radians();
         Vehicle {
             length_m: self.length_m,
             width_m: self.width_m,
@@ -172,9 +170,9 @@ impl VehicleSettings {
             track_m: self.track_m,
             ground_clearance_m: self.ground_clearance_m,
             step_m: self.step_m,
-            climb_rad: slope_rad(self.slope_deg, CLIMB_RESERVE_DEG),
-            descent_rad: slope_rad(self.slope_deg + DESCENT_MORE_DEG, DESCENT_RESERVE_DEG),
-            side_slope_rad: slope_rad(self.side_slope_deg, CLIMB_RESERVE_DEG),
+            climb_rad: slope_rad(self.slope_deg),
+            descent_rad: slope_rad(self.slope_deg + DESCENT_MORE_DEG),
+            side_slope_rad: slope_rad(self.side_slope_deg),
             margin_m: ((self.passage_m - self.width_m) / 2.0).max(0.0),
         }
     }

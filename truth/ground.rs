@@ -15,6 +15,8 @@ const DIRECTIONS: usize = 8;
 const STRIDE_M: f64 = 0.1;
 /// What a turn on the spot by an eighth costs, in tenths of a millimetre: tuned so that it does not wiggle.
 const TURN_COST: u64 = 1_500;
+/// Steepest floor on which a vehicle surely turns on the spot, in radians: 25°. Wheels that skid sideways have little grip left.
+const TURN_RAD: f32 = 0.436;
 /// How much further from the wall than it needs a vehicle would like to be, in metres.
 const COMFORT_M: f64 = 0.5;
 /// How much dearer a way along the wall is.
@@ -97,8 +99,13 @@ impl Terrain for Ground<'_> {
     fn moves(&mut self, state: State, sense: Sense, found: &mut Vec<Move>) {
         let (cell, direction) = parts(state);
         let here = self.class_of(cell, 2 * direction);
+        let is_steep = self.floor.reliefs()[cell].slope_rad > TURN_RAD;
+        let turning = if is_steep { Class::Marginal } else { Class::Go };
         for other in [(direction + 1) % DIRECTIONS, (direction + DIRECTIONS - 1) % DIRECTIONS] {
-            let class = here.max(self.class_of(cell, between(direction, other))).max(self.class_of(cell, 2 * other));
+            let class = turning
+                .max(here)
+                .max(self.class_of(cell, between(direction, other)))
+                .max(self.class_of(cell, 2 * other));
             found.push(Move { to: state_of(cell, other), cost: TURN_COST, class });
         }
         let ahead = NEIGHBORS[AROUND[direction]];
@@ -121,7 +128,9 @@ impl Terrain for Ground<'_> {
                 return stance.fault;
             }
         }
-        None
+        let slope_rad = self.floor.reliefs()[other.0].slope_rad;
+        let is_steep_turn = one.0 == other.0 && slope_rad > TURN_RAD;
+        is_steep_turn.then_some(Fault { cause: Cause::Slope, value: slope_rad.into(), limit: TURN_RAD.into() })
     }
 
     fn class(&mut self, state: State) -> Class {

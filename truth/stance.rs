@@ -115,6 +115,10 @@ impl<'a> Footprint<'a> {
         worst.compare(Cause::Climb, climb_rad, self.vehicle.climb_rad, MARGINAL_RAD);
         worst.compare(Cause::Descent, -climb_rad, self.vehicle.descent_rad, MARGINAL_RAD);
         worst.compare(Cause::SideSlope, lean_rad.abs(), self.vehicle.side_slope_rad, MARGINAL_RAD);
+        // Wheels have one grip for both.
+        let slope_rad = libm::atan(libm::hypot(ground.ahead, ground.left));
+        let steepest_rad = if climb_rad > 0.0 { self.vehicle.climb_rad } else { self.vehicle.descent_rad };
+        worst.compare(Cause::Slope, slope_rad, steepest_rad.max(self.vehicle.side_slope_rad), MARGINAL_RAD);
         self.judge_steps(&mut site, &ground, &mut worst);
         let mut spots = self.spots.iter();
         while let Some(spot) = spots.next().filter(|_| worst.class < Class::NoGo) {

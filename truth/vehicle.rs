@@ -77,6 +77,8 @@ pub enum Cause {
     Descent,
     /// How steeply the floor leans to a side, in radians.
     SideSlope,
+    /// How steep the floor is in all, ahead and to a side, in radians.
+    Slope,
     /// How high or deep a step is, in metres.
     Step,
     /// How high the floor between the wheels is, in metres.
@@ -96,6 +98,7 @@ impl Cause {
             Self::Climb => "climb",
             Self::Descent => "descent",
             Self::SideSlope => "side-slope",
+            Self::Slope => "slope",
             Self::Step => "step",
             Self::Belly => "belly",
             Self::Headroom => "headroom",
@@ -106,7 +109,7 @@ impl Cause {
 
     /// Whether it is measured as an angle.
     pub fn is_angle(self) -> bool {
-        matches!(self, Self::Climb | Self::Descent | Self::SideSlope)
+        matches!(self, Self::Climb | Self::Descent | Self::SideSlope | Self::Slope)
     }
 }
 
