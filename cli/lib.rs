@@ -15,6 +15,7 @@ mod measure;
 mod new;
 mod preview;
 mod progress;
+mod record;
 mod signals;
 mod status;
 mod summary;
@@ -128,6 +129,8 @@ enum Command {
     Pieces(generate::Generate),
     /// Draw a cave within seconds, before it is made
     Preview(preview::Preview),
+    /// Record what sensors on a body measure along a path through a cave
+    Record(record::Record),
     /// Print a commented recipe to start from
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
@@ -255,6 +258,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Things(stage) => stage.run(Stage::Things, console),
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
         Command::Preview(preview) => preview.run(console),
+        Command::Record(record) => record.run(console),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", plume::recipe::editor_schema())),
         Command::List(list) => list.run(console),

@@ -20,12 +20,10 @@ use crate::format::pixels::Sampler;
 use crate::format::ply;
 use crate::frame::Axes;
 use crate::image_format::ImageFormat;
+use crate::labels::Labels;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
-use labels::Labels;
-
-mod labels;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {

@@ -1,10 +1,13 @@
-//! Labels: of the zones of the wall, and of the classes of things.
+//! Labels of surfaces: of the zones of the wall, and of the classes of things.
+//!
+//! A face of the wall that faces up or down within 45° is floor or ceiling, the others are wall; the label of a vertex follows from
+//! its normal. Classes of things follow in the order of the alphabet.
 
 use std::collections::BTreeSet;
 
 use crate::error::ExportError;
 use crate::format::ply;
-use crate::scene::{Chunk, Content, Mesh, Prototype, Scene, Zone};
+use crate::scene::{Chunk, Content, Instance, Mesh, Prototype, Scene, Zone};
 use crate::slope;
 
 /// The label of the first class of things; the zones have those before.
@@ -41,11 +44,16 @@ impl Labels {
         Ok(Self { classes: classes.into_iter().collect(), prototypes: scene.prototypes()? })
     }
 
+    /// Each label with its name, from small to large.
+    pub fn names(&self) -> Vec<(u8, &str)> {
+        let zones = Zone::ALL.map(|zone| (ply::label(zone), zone.name()));
+        let classes = self.classes.iter().map(|class| (self.label(class), class.as_str()));
+        zones.into_iter().chain(classes).collect()
+    }
+
     /// Each label with its name, as in `1 floor`.
     pub fn texts(&self) -> Vec<String> {
-        let zones = Zone::ALL.map(|zone| format!("{} {}", ply::label(zone), zone.name()));
-        let classes = self.classes.iter().zip(FIRST_CLASS..).map(|(class, label)| format!("{label} {class}"));
-        zones.into_iter().chain(classes).collect()
+        self.names().into_iter().map(|(label, name)| format!("{label} {name}")).collect()
     }
 
     /// Those of the visual mesh of a chunk.
@@ -61,6 +69,14 @@ impl Labels {
                 Ok((vec![label; chunk.visual.positions.len()], vec![label; chunk.visual.triangles() as usize]))
             }
         }
+    }
+
+    /// Number of faces of a thing in the visual mesh of its chunk.
+    ///
+    /// # Errors
+    /// [`ExportError::BadScene`] if its prototype is missing.
+    pub fn faces_of(&self, thing: &Instance) -> Result<usize, ExportError> {
+        Ok(thing.prototype_in(&self.prototypes)?.levels[thing.level].mesh.indices.len() / 3)
     }
 
     /// The label of a class.
