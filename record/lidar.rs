@@ -14,7 +14,7 @@ use crate::library::Library;
 use crate::maps::Footprint;
 use crate::rig::{Lidar, Scan};
 use crate::trajectory::Trajectory;
-use crate::world::World;
+use crate::world::{Hit, World};
 
 /// Width of the spot over which the albedo is averaged, in radians: the divergence of common lidars.
 const SPOT_RAD: f32 = 3e-3;
@@ -54,7 +54,15 @@ struct Shot {
     ray: Vector3<f64>,
 }
 
-/// Sweeps number `number` of lidar `lidar` from `time_ns` on.
+/// Where a beam ends.
+struct Met {
+    shot: Shot,
+    /// Its direction in the scene.
+    ray: Vector3<f64>,
+    hit: Hit,
+}
+
+/// Sweep number `number` of lidar `lidar` from `time_ns` on.
 ///
 /// # Errors
 /// If the maps of what it sees cannot be read.
@@ -72,19 +80,19 @@ pub fn sweep(
         let scene_from_lidar = path.at_ns(time_ns + i64::from(shot.after_ns)).pose * body_from_lidar;
         let (origin, ray) = (Point3::from(scene_from_lidar.translation.vector), scene_from_lidar.rotation * shot.ray);
         let hit = world.hit(&origin, &ray, settings.max_m)?;
-        (hit.distance >= settings.min_m).then_some((*shot, ray, hit))
+        (hit.distance >= settings.min_m).then_some(Met { shot: *shot, ray, hit })
     };
     // In blocks, since what neighbours meet is in the cache; points are found in order.
-    let met: Vec<_> = shots.par_chunks(BLOCK).flat_map_iter(|block| block.iter().filter_map(meet)).collect();
-    let mut materials: Vec<u32> = met.iter().map(|(_, _, hit)| world.kind(hit.face).material).collect();
+    let met: Vec<Met> = shots.par_chunks(BLOCK).flat_map_iter(|block| block.iter().filter_map(meet)).collect();
+    let mut materials: Vec<u32> = met.iter().map(|met| world.kind(met.hit.face).material).collect();
     materials.sort_unstable();
     materials.dedup();
     library.need(&materials)?;
     let library = &*library;
     let name = format!("lidar {}", settings.name);
-    let block = |(block, met): (usize, &[(Shot, Vector3<f64>, crate::world::Hit)])| {
+    let block = |(block, met): (usize, &[Met])| {
         let mut noise = Rng::new(stream(seed, &name, number * 4096 + block as u64));
-        let points = met.iter().map(|(shot, ray, hit)| {
+        let points = met.iter().map(|Met { shot, ray, hit }| {
             let range_m = hit.distance + settings.noise_m * noise.normal();
             let surface = world.surface(hit);
             let width = SPOT_RAD * hit.distance as f32 * surface.uv_per_m;
