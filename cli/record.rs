@@ -33,7 +33,7 @@ pub struct Record {
     /// Where to write the recording: a new or empty folder
     #[arg(short, long, value_name = "DIR", required_unless_present = "print_rig")]
     output: Option<PathBuf>,
-    /// Layouts, separated by commas: tum, euroc, kitti; several have a folder each
+    /// Layouts, separated by commas: tum, euroc, kitti, mcap; several have a folder each
     #[arg(long, value_name = "NAME", value_delimiter = ',', default_value = LAYOUTS[0].name)]
     layout: Vec<String>,
     /// Seed of the noise of sensors [default: that of the cave]

@@ -10,14 +10,14 @@ use plume_graph::echo;
 
 use crate::error::RecordError;
 use crate::inertial::{Inertia, Wheeled};
-use crate::layouts::{euroc, kitti, tum};
+use crate::layouts::{euroc, kitti, mcap, tum};
 use crate::lidar::Sweep;
 use crate::picture::Frame;
 use crate::rig::Rig;
 use crate::trajectory::Trajectory;
 
 /// All layouts.
-pub const LAYOUTS: [LayoutRow; 3] = [tum::ROW, euroc::ROW, kitti::ROW];
+pub const LAYOUTS: [LayoutRow; 4] = [tum::ROW, euroc::ROW, kitti::ROW, mcap::ROW];
 
 /// A layout: one row of [`LAYOUTS`].
 pub struct LayoutRow {
@@ -27,8 +27,8 @@ pub struct LayoutRow {
     pub summary: &'static str,
     /// Refuses a rig that it cannot hold: what is wrong, and what to do.
     pub check: fn(&Rig) -> Result<(), (String, &'static str)>,
-    /// Begins one.
-    pub begin: fn(&Rig) -> Box<dyn Layout>,
+    /// Begins one, of a run along a path.
+    pub begin: fn(&Rig, &Trajectory) -> Box<dyn Layout>,
 }
 
 /// A layout that is being written. What is measured comes in the order of time.
@@ -55,7 +55,7 @@ pub trait Layout {
     ///
     /// # Errors
     /// As [`Layout::frame`].
-    fn finish(&mut self, path: &Trajectory, out: &mut Out) -> Result<(), RecordError>;
+    fn finish(&mut self, out: &mut Out) -> Result<(), RecordError>;
 }
 
 /// The folder of a layout.

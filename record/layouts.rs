@@ -3,5 +3,6 @@
 pub mod calibration;
 pub mod euroc;
 pub mod kitti;
+pub mod mcap;
 pub mod pcd;
 pub mod tum;

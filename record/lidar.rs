@@ -46,6 +46,16 @@ pub struct Return {
     pub after_ns: u32,
 }
 
+impl Return {
+    /// Appends x, y, z, intensity, ring and seconds since the beginning of the sweep: 22 bytes, little-endian.
+    pub fn append_to(&self, bytes: &mut Vec<u8>) {
+        self.place.iter().for_each(|along| bytes.extend(along.to_le_bytes()));
+        bytes.extend(self.intensity.to_le_bytes());
+        bytes.extend(self.ring.to_le_bytes());
+        bytes.extend(((f64::from(self.after_ns) * 1e-9) as f32).to_le_bytes());
+    }
+}
+
 /// A direction and its moment.
 #[derive(Clone, Copy)]
 struct Shot {

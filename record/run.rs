@@ -229,7 +229,7 @@ impl<'a> Run<'a> {
             exposures: rig.cameras.iter().map(|_| Exposure::new(&rig.light)).collect(),
             imu: rig.imu.as_ref().map(|imu| Unit::new(imu, world.gravity, seed)),
             wheels: rig.odometry.as_ref().map(|wheels| Wheels::new(wheels, seed)),
-            layouts: order.layouts.iter().map(|row| (folder(row.name), (row.begin)(rig))).collect(),
+            layouts: order.layouts.iter().map(|row| (folder(row.name), (row.begin)(rig, order.path))).collect(),
         })
     }
 
@@ -265,8 +265,7 @@ impl<'a> Run<'a> {
     }
 
     fn finish(mut self, out: &mut dyn Package) -> Result<(), RecordError> {
-        let path = self.order.path;
-        self.each(out, |layout, out| layout.finish(path, out))
+        self.each(out, |layout, out| layout.finish(out))
     }
 
     fn each(

@@ -20,7 +20,7 @@ pub mod tum;
 /// Largest distance of the spline from a given pose, in metres and radians.
 const WITHIN: f64 = 1e-6;
 /// Corrections until then; evenly spaced poses need about thirty.
-const MOST_CORRECTIONS: usize = 2000;
+const MOST_CORRECTIONS: usize = 500;
 
 /// A pose with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -36,17 +36,18 @@ pub const ROW: LayoutRow = LayoutRow {
         true => Err(("needs a camera or an IMU".to_owned(), "add one to the rig, or choose another layout")),
         false => Ok(()),
     },
-    begin: |rig| {
+    begin: |rig, path| {
         let times = [vec![Vec::new(); rig.cameras.len()], vec![Vec::new(); rig.lidars.len()]];
-        Box::new(Euroc { rig: rig.clone(), times, ..Euroc::default() })
+        let (rig, path) = (rig.clone(), path.clone());
+        Box::new(Euroc { rig, path, times, inertia: Vec::new(), wheeled: Vec::new() })
     },
 };
 
 const UNITS_PER_M: f32 = 5000.0;
 
-#[derive(Default)]
 struct Euroc {
     rig: Rig,
+    path: Trajectory,
     /// Times of cameras and of lidars.
     times: [Vec<Vec<i64>>; 2],
     inertia: Vec<Inertia>,
@@ -77,7 +78,7 @@ impl Layout for Euroc {
         self.wheeled.push(*told);
     }
 
-    fn finish(&mut self, path: &Trajectory, out: &mut Out) -> Result<(), RecordError> {
+    fn finish(&mut self, out: &mut Out) -> Result<(), RecordError> {
         for (number, camera) in self.rig.cameras.iter().enumerate() {
             out.bytes(&format!("mav0/cam{number}/data.csv"), list(&self.times[0][number], "png").as_bytes())?;
             out.bytes(&format!("mav0/cam{number}/sensor.yaml"), of_camera(camera).as_bytes())?;
@@ -96,7 +97,7 @@ impl Layout for Euroc {
         }
         let truth = "mav0/state_groundtruth_estimate0";
         let about = sensor("visual-inertial", "true states", &Isometry3::identity(), None);
-        out.bytes(&format!("{truth}/data.csv"), self.states(path).as_bytes())?;
+        out.bytes(&format!("{truth}/data.csv"), self.states().as_bytes())?;
         out.bytes(&format!("{truth}/sensor.yaml"), about.as_bytes())?;
         match orb_slam3(&self.rig, UNITS_PER_M) {
             Some(text) => out.bytes("orbslam3.yaml", text.as_bytes()),
@@ -106,7 +107,7 @@ impl Layout for Euroc {
 }
 
 impl Euroc {
-    fn states(&self, path: &Trajectory) -> String {
+    fn states(&self) -> String {
         let biased = |told: &Inertia| (told.time_ns, told.gyro_bias, told.accel_bias);
         let moments: Vec<(i64, Vector3<f64>, Vector3<f64>)> = match (&self.inertia[..], self.times[0].first()) {
             ([], Some(times)) => times.iter().map(|time_ns| (*time_ns, Vector3::zeros(), Vector3::zeros())).collect(),
@@ -118,7 +119,7 @@ impl Euroc {
             b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n"
                 .to_owned();
         for (time_ns, gyro_bias, accel_bias) in moments {
-            let motion = path.at_ns(time_ns);
+            let motion = self.path.at_ns(time_ns);
             let [i, j, k, w]: [f64; 4] = motion.pose.rotation.coords.into();
             let place: [f64; 3] = motion.pose.translation.vector.into();
             let rest = [motion.velocity, gyro_bias, accel_bias].map(<[f64; 3]>::from);

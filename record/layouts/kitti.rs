@@ -21,21 +21,19 @@ use crate::lens::Lens;
 use crate::lidar::Sweep;
 use crate::picture::Frame;
 use crate::rig::{Output, Rig};
-use crate::trajectory::Trajectory;
 
 /// The row of this layout.
 pub const ROW: LayoutRow = LayoutRow {
     name: "kitti",
     summary: "KITTI odometry: numbered images, Velodyne scans, poses of the first camera",
     check,
-    begin: |rig| Box::new(Kitti { rig: rig.clone(), ..Kitti::default() }),
+    begin: |rig, _| Box::new(Kitti { rig: rig.clone(), frames: Vec::new() }),
 };
 
 /// The factor of KITTI's depth images.
 const UNITS_PER_M: f32 = 256.0;
 const SEQUENCE: &str = "sequences/00";
 
-#[derive(Default)]
 struct Kitti {
     rig: Rig,
     /// Times and poses of the first camera.
@@ -93,7 +91,7 @@ impl Layout for Kitti {
 
     fn wheeled(&mut self, _: &Wheeled) {}
 
-    fn finish(&mut self, _: &Trajectory, out: &mut Out) -> Result<(), RecordError> {
+    fn finish(&mut self, out: &mut Out) -> Result<(), RecordError> {
         let Some((start_ns, start)) = self.frames.first().copied() else { return Ok(()) };
         let times = self.frames.iter().map(|(time_ns, _)| format!("{:e}\n", (time_ns - start_ns) as f64 * 1e-9));
         let poses = self.frames.iter().map(|(_, pose)| rows(&(start.inverse() * pose)) + "\n");

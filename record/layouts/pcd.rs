@@ -12,11 +12,6 @@ pub fn encode(sweep: &Sweep) -> Vec<u8> {
          TYPE F F F F U F\nCOUNT 1 1 1 1 1 1\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA binary\n"
     );
     let mut file = head.into_bytes();
-    for point in &sweep.points {
-        point.place.iter().for_each(|along| file.extend(along.to_le_bytes()));
-        file.extend(point.intensity.to_le_bytes());
-        file.extend(point.ring.to_le_bytes());
-        file.extend(((f64::from(point.after_ns) * 1e-9) as f32).to_le_bytes());
-    }
+    sweep.points.iter().for_each(|point| point.append_to(&mut file));
     file
 }

@@ -32,7 +32,10 @@ pub const ROW: LayoutRow = LayoutRow {
     name: "tum",
     summary: "TUM RGB-D: PNG images and depth, text files; point clouds as PCD",
     check: |_| Ok(()),
-    begin: |rig| Box::new(Tum { rig: rig.clone(), ..Tum::default() }),
+    begin: |rig, path| {
+        let (rig, path) = (rig.clone(), path.clone());
+        Box::new(Tum { rig, path, times: Vec::new(), inertia: Vec::new(), wheeled: Vec::new() })
+    },
 };
 
 /// The factor of the benchmark.
@@ -40,9 +43,9 @@ const UNITS_PER_M: f32 = 5000.0;
 /// How often the true pose is told, besides at every image.
 const TRUTH_NS: usize = 10_000_000;
 
-#[derive(Default)]
 struct Tum {
     rig: Rig,
+    path: Trajectory,
     /// Times of the first camera.
     times: Vec<i64>,
     inertia: Vec<Inertia>,
@@ -75,9 +78,9 @@ impl Layout for Tum {
         self.wheeled.push(*told);
     }
 
-    fn finish(&mut self, path: &Trajectory, out: &mut Out) -> Result<(), RecordError> {
+    fn finish(&mut self, out: &mut Out) -> Result<(), RecordError> {
         self.lists(out)?;
-        out.bytes("groundtruth.txt", self.truth(path).as_bytes())?;
+        out.bytes("groundtruth.txt", self.truth().as_bytes())?;
         if !self.inertia.is_empty() {
             let (accelerometer, imu) = inertia(&self.inertia);
             out.bytes("accelerometer.txt", accelerometer.as_bytes())?;
@@ -130,7 +133,8 @@ impl Tum {
         Ok(())
     }
 
-    fn truth(&self, path: &Trajectory) -> String {
+    fn truth(&self) -> String {
+        let path = &self.path;
         let mut times: BTreeSet<i64> = self.times.iter().copied().collect();
         times.extend((path.start_ns()..=path.end_ns()).step_by(TRUTH_NS));
         let camera = self.rig.cameras.first().map(|camera| camera.body_from_optical());

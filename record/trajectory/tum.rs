@@ -15,8 +15,10 @@ use crate::error::RecordError;
 const MOST_BYTES: u64 = 1 << 26;
 /// Largest coordinate in metres: a cave is smaller.
 const MOST_M: f64 = 1e5;
-/// Latest time in seconds: nanoseconds are counted in 64 bits.
-const MOST_S: f64 = 9e9;
+/// Latest time in seconds, so that 64 bits hold nanoseconds and their differences.
+const MOST_S: f64 = 4e9;
+/// Most lines.
+const MOST_LINES: usize = 200_000;
 
 /// The poses in a file.
 ///
@@ -33,6 +35,9 @@ pub fn read(path: &Path) -> Result<Vec<Stamped>, RecordError> {
 /// # Errors
 /// [`RecordError::Path`] if a line is not a pose.
 pub fn parse(text: &str) -> Result<Vec<Stamped>, RecordError> {
+    if text.lines().count() > MOST_LINES {
+        return Err(RecordError::path(format!("has more than {MOST_LINES} lines"), "record it in parts"));
+    }
     let lines = text.lines().zip(1..).filter(|(line, _)| !line.trim().is_empty() && !line.trim().starts_with('#'));
     let poses = lines.map(|(line, number)| {
         pose(line).ok_or_else(|| {

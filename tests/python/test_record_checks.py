@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
@@ -43,7 +45,7 @@ def folder(tmp_path_factory):
     plume("export", "--target", "ply", "--output", ply, "--keep", cave, *SMALL)
     manifest = json.loads((ply / "manifest.json").read_text(encoding="utf-8"))
     poses.write_text(path_from(manifest["spawns"][0]), encoding="utf-8")
-    rig, layouts = CHECKS / "rig.toml", "tum,euroc,kitti"
+    rig, layouts = CHECKS / "rig.toml", "tum,euroc,kitti,mcap"
     plume("record", cave, "--path", poses, "--rig", rig, "--layout", layouts, "--output", folder / "recording")
     return folder
 
@@ -120,6 +122,44 @@ def columns(*order):
 
 
 STATES = "euroc/mav0/state_groundtruth_estimate0/data.csv"
+
+
+def in_messages(change):
+    """A change of the bytes of a file of messages, which are not compressed for it."""
+
+    def edited(recording):
+        path = recording / "mcap/recording.mcap"
+        with path.open("rb") as file:
+            reader = make_reader(file)
+            records = list(reader.iter_messages())
+        with path.open("wb") as file:
+            writer = Writer(file)
+            writer.start(profile="ros2", library="test")
+            schemas, channels = {}, {}
+            for schema, channel, message in records:
+                if schema.id not in schemas:
+                    schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
+                if channel.id not in channels:
+                    channels[channel.id] = writer.register_channel(channel.topic, "cdr", schemas[schema.id])
+                data = change(channel.topic, message.data)
+                writer.add_message(channels[channel.id], message.log_time, data, message.publish_time)
+            writer.finish()
+
+    return edited
+
+
+def with_other_doubles(topic, change):
+    """The last 24 numbers of a message, as doubles."""
+
+    def changed(name, data):
+        if name != topic:
+            return data
+        numbers = np.frombuffer(data[-24 * 8 :]).copy()
+        return data[: -24 * 8] + change(numbers).tobytes()
+
+    return in_messages(changed)
+
+
 FAULTS = {
     "depth in millimetres": in_images("tum/depth/*.png", lambda pixels: pixels // 5),
     "depth of a thousandth more": in_images("tum/depth/*.png", lambda pixels: pixels * 1.001),
@@ -141,6 +181,10 @@ FAULTS = {
     ),
     "an IMU without gravity": in_rows("euroc/mav0/imu0/data.csv", lambda rows: rows - [0, 0, 0, 0, 0, 0, 9.81], ","),
     "an IMU in degrees": in_rows("euroc/mav0/imu0/data.csv", lambda rows: rows * [1, 57.3, 57.3, 57.3, 1, 1, 1], ","),
+    "an IMU message without gravity": with_other_doubles("/imu", lambda numbers: numbers - np.eye(24)[14] * 9.81),
+    "an image message that is dark": in_messages(
+        lambda topic, data: data[:-30000] + bytes(30000) if topic == "/left/image_raw" else data
+    ),
     "a lidar that stands still": still,
     "scans in another order": swap("kitti/sequences/00/velodyne/000000.bin", "kitti/sequences/00/velodyne/000001.bin"),
 }

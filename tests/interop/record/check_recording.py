@@ -9,6 +9,7 @@ The recording has a folder for each layout, and noise of nothing but images: `te
 - Depth of a frame, moved by the true poses, is that of the fifth frame after it; flow leads to where its points are in the next.
 - Points of the lidar, moved by the path at their times, are on the surfaces; KITTI's scans have the same points.
 - The IMU integrates to the path.
+- ROS 2 messages, decoded by mcap-ros2-support, tell the same.
 - Images are neither dark nor flat nor burnt out, and lists and calibrations name what is there.
 """
 
@@ -23,6 +24,8 @@ import trimesh
 import yaml
 from evo.core.trajectory import PoseTrajectory3D
 from evo.tools import file_interface
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from PIL import Image
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -173,6 +176,7 @@ def verify(folder, world):
     check_layouts(recording, folder)
     check_lidar(recording, folder, world)
     check_inertia(recording, folder)
+    check_messages(recording, folder)
     return f"recording: {len(recording.times)} frames, {other:.4%} of pixels unlike the rays, {moved:.2%} unlike five frames later"
 
 
@@ -407,6 +411,84 @@ def check_inertia(recording, folder):
     require(isinstance(wheels, PoseTrajectory3D) and wheels.path_length > 0.1, "the wheels did not turn")
     ratio = wheels.path_length / np.linalg.norm(np.diff(states[:, 1:4], axis=0), axis=1).sum()
     require(abs(ratio - 1) < 0.02, f"the wheels went {ratio} of the way")
+
+
+def check_messages(recording, folder):
+    """ROS 2 messages, decoded by their own definitions, tell the same as the files of the other layouts."""
+    told = {}
+    with (folder / "mcap/recording.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        require(reader.get_header().profile == "ros2", "the profile is not that of ROS 2")
+        last = 0
+        for _, channel, message, decoded in reader.iter_decoded_messages():
+            require(message.log_time >= last, f"a message of {channel.topic} comes late")
+            last = message.log_time
+            told.setdefault(channel.topic, []).append(decoded)
+    counts = {name: recording.about["counts"][name] for name in ("left", "right", "lidar0", "imu", "odometry")}
+    topics = {"/left/image_raw": "left", "/left/camera_info": "left", "/right/image_raw": "right", "/imu": "imu"}
+    topics |= {"/left/depth": "left", "/lidar0/points": "lidar0", "/odom": "odometry", "/tf": "odometry"}
+    for topic, name in topics.items():
+        require(len(told.get(topic, [])) == counts[name], f"{topic} has {len(told.get(topic, []))} messages")
+    for number, time in enumerate(recording.times):
+        image, depth = told["/left/image_raw"][number], told["/left/depth"][number]
+        require(stamp(image.header) == time, f"{time} is another time")
+        expected = np.asarray(Image.open(recording.folder / recording.images[number]))
+        require(np.array_equal(pixels_of(image, np.uint8, 3), expected), f"image {number} differs by layout")
+        metres = np.nan_to_num(pixels_of(depth, np.float32, 1)[..., 0])
+        require(np.abs(metres - recording.depth(number)).max() < 0.6 / UNITS_PER_M, f"depth {number} differs by layout")
+    info, camera = told["/left/camera_info"][0], recording.camera
+    require(
+        np.allclose(info.k, [camera.focal[0], 0, camera.centre[0], 0, camera.focal[1], camera.centre[1], 0, 0, 1]),
+        "another k",
+    )
+    require([info.width, info.height] == camera.size, "CameraInfo has another size")
+    rows = np.loadtxt(folder / "euroc/mav0/imu0/data.csv", delimiter=",", comments="#")
+    felt = [[*axes(told.angular_velocity), *axes(told.linear_acceleration)] for told in told["/imu"]]
+    require(np.allclose(felt, rows[:, 1:], atol=1e-8), "the IMU differs by layout")
+    check_clouds(recording, told["/lidar0/points"])
+    check_frames(recording, told)
+
+
+def check_clouds(recording, clouds):
+    for cloud, time in zip(clouds, recording.times, strict=False):
+        file = pcd(recording.folder / f"lidar0/{time}.pcd")
+        kinds = {4: "<u2", 7: "<f4"}
+        names, formats = [field.name for field in cloud.fields], [kinds[field.datatype] for field in cloud.fields]
+        layout = {"names": names, "formats": formats, "offsets": [field.offset for field in cloud.fields]}
+        told = np.frombuffer(cloud.data, np.dtype({**layout, "itemsize": cloud.point_step}))
+        alike = len(told) == cloud.width and all(np.array_equal(told[name], file[name]) for name in names)
+        require(alike, f"the points at {time} differ by layout")
+
+
+def check_frames(recording, told):
+    """The true pose and the place of the camera on the body give the pose of the camera."""
+    [mounts] = told["/tf_static"]
+    mount = {mount.child_frame_id: mount.transform for mount in mounts.transforms}
+    truth = {stamp(pose.header): pose.pose.pose for pose in told["/truth"]}
+    for time in recording.times:
+        pose = truth[time]
+        turn, place = Rotation.from_quat(axes(pose.orientation, "xyzw")), np.array(axes(pose.position))
+        optical = mount["left"]
+        turned = turn * Rotation.from_quat(axes(optical.rotation, "xyzw"))
+        expected_turn, expected_place = recording.pose(time)
+        alike(turned.as_matrix(), expected_turn, f"the frame of the camera at {time}")
+        alike(place + turn.apply(axes(optical.translation)), expected_place, f"the place of the camera at {time}")
+    wheels = file_interface.read_tum_trajectory_file(recording.folder / "odometry.txt")
+    places = [axes(pose.pose.pose.position) for pose in told["/odom"]]
+    require(np.allclose(places, wheels.positions_xyz, atol=1e-6), "the wheels differ by layout")
+
+
+def stamp(header):
+    return f"{header.stamp.sec}.{header.stamp.nanosec // 1000:06}"
+
+
+def axes(value, names="xyz"):
+    return [getattr(value, name) for name in names]
+
+
+def pixels_of(image, kind, channels):
+    require(image.step == image.width * channels * np.dtype(kind).itemsize, "rows of an image have another length")
+    return np.frombuffer(image.data, kind).reshape(image.height, image.width, channels)
 
 
 def main():
