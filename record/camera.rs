@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::lens::Lens;
 use crate::library::Library;
-use crate::light::{Lights, Received};
+use crate::light::{Lights, Received, Shadows};
 use crate::noise::Noise;
 use crate::rig::{Camera, Depth};
 use crate::world::{Hit, NO_THING, World};
@@ -61,9 +61,16 @@ impl Eye {
     pub fn look<'a>(&'a self, world: &'a World, scene_from_body: &Isometry3<f64>) -> View<'a> {
         let scene_from_optical = scene_from_body * self.body_from_optical;
         let origin = Point3::from(scene_from_optical.translation.vector);
-        let cast = |ray: &Option<Vector3<f64>>| world.hit(&origin, &(scene_from_optical.rotation * (*ray)?), FAR_M);
-        // In rows, so that neighbours meet what is in the cache.
-        let hits = self.rays.par_chunks(self.width()).flat_map_iter(|row| row.iter().map(cast)).collect();
+        let row = |row: &[Option<Vector3<f64>>]| {
+            let mut before = None;
+            let cast = |ray: &Option<Vector3<f64>>| {
+                let hit = world.hit(&origin, &(scene_from_optical.rotation * (*ray)?), FAR_M, before);
+                before = hit.map(|hit| hit.face);
+                hit
+            };
+            row.iter().map(cast).collect::<Vec<_>>()
+        };
+        let hits = self.rays.par_chunks(self.width()).flat_map_iter(row).collect();
         View { eye: self, world, scene_from_optical, hits }
     }
 }
@@ -134,9 +141,10 @@ impl View<'_> {
         let edges = self.edges();
         let row = |row: usize| {
             let edges = &edges;
+            let mut shadows = lights.shadows();
             (row * width..(row + 1) * width).map(move |place| match edges[place] {
-                true => self.fine(place, lights, library),
-                false => self.received(place, lights, library),
+                true => self.fine(place, lights, library, &mut shadows),
+                false => self.received(place, lights, library, &mut shadows),
             })
         };
         let received: Vec<Received> = (0..self.hits.len() / width).into_par_iter().flat_map_iter(row).collect();
@@ -166,28 +174,38 @@ impl View<'_> {
         pixels.map(|(ray, hit)| ray.as_ref().zip(hit.as_ref()).map_or(nothing, |(ray, hit)| of(ray, hit))).collect()
     }
 
-    fn received(&self, place: usize, lights: &Lights, library: &Library) -> Received {
+    fn received(&self, place: usize, lights: &Lights, library: &Library, shadows: &mut Shadows) -> Received {
         let Some((ray, hit)) = self.eye.rays[place].zip(self.hits[place]) else { return Received::default() };
-        self.along(&ray, &hit, lights, library)
+        self.along(&ray, &hit, lights, library, shadows)
     }
 
-    fn along(&self, ray: &Vector3<f64>, hit: &Hit, lights: &Lights, library: &Library) -> Received {
+    fn along(
+        &self,
+        ray: &Vector3<f64>,
+        hit: &Hit,
+        lights: &Lights,
+        library: &Library,
+        shadows: &mut Shadows,
+    ) -> Received {
         let origin = Point3::from(self.scene_from_optical.translation.vector);
         let maps = library.maps(self.world.kind(hit.face).material);
         let ray = self.scene_from_optical.rotation * ray;
-        maps.map_or_else(Received::default, |maps| lights.received(&origin, &ray, hit, maps, self.eye.pixel_rad))
+        maps.map_or_else(Received::default, |maps| {
+            lights.received(&origin, &ray, hit, maps, self.eye.pixel_rad, shadows)
+        })
     }
 
     /// The mean of several rays through a pixel.
-    fn fine(&self, place: usize, lights: &Lights, library: &Library) -> Received {
+    fn fine(&self, place: usize, lights: &Lights, library: &Library, shadows: &mut Shadows) -> Received {
         let origin = Point3::from(self.scene_from_optical.translation.vector);
         let corner = [place % self.eye.width(), place / self.eye.width()].map(|along| along as f64 - 0.5);
         let mut sum = Received::default();
         for part in 0..FINER * FINER {
             let within = [part % FINER, part / FINER].map(|along| (along as f64 + 0.5) / FINER as f64);
             let Some(ray) = self.eye.lens.ray([corner[0] + within[0], corner[1] + within[1]]) else { continue };
-            let Some(hit) = self.world.hit(&origin, &(self.scene_from_optical.rotation * ray), FAR_M) else { continue };
-            let received = self.along(&ray, &hit, lights, library);
+            let hit = self.world.hit(&origin, &(self.scene_from_optical.rotation * ray), FAR_M, None);
+            let Some(hit) = hit else { continue };
+            let received = self.along(&ray, &hit, lights, library, shadows);
             for channel in 0..3 {
                 sum.direct[channel] += received.direct[channel];
                 sum.ambient[channel] += received.ambient[channel];

@@ -41,6 +41,9 @@ struct Beam {
     sharpness: f32,
 }
 
+/// For each light, the face that last threw a shadow: neighbours often are in the same one.
+pub struct Shadows(Vec<Option<u32>>);
+
 /// What a pixel gets: by the lights, and how much it would get of light from all sides.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Received {
@@ -64,8 +67,21 @@ impl<'a> Lights<'a> {
         Self { world, lighting, headlamp, lamps }
     }
 
+    /// No shadows yet.
+    pub fn shadows(&self) -> Shadows {
+        Shadows(vec![None; self.lamps.len() + usize::from(self.headlamp.is_some())])
+    }
+
     /// What comes along a ray of length 1 from a surface; `pixel_rad` is the angle of a pixel.
-    pub fn received(&self, eye: &Point3<f64>, ray: &Vector3<f64>, hit: &Hit, maps: &Maps, pixel_rad: f32) -> Received {
+    pub fn received(
+        &self,
+        eye: &Point3<f64>,
+        ray: &Vector3<f64>,
+        hit: &Hit,
+        maps: &Maps,
+        pixel_rad: f32,
+        shadows: &mut Shadows,
+    ) -> Received {
         let surface = self.world.surface(hit);
         let flat = if surface.flat_normal.dot(ray) > 0.0 { -surface.flat_normal } else { surface.flat_normal };
         let place = eye + ray * hit.distance;
@@ -74,12 +90,19 @@ impl<'a> Lights<'a> {
         let skin = Skin::of(&surface, &look, view);
         let start = place + flat * OFF_M;
         let mut direct = [0.0; 3];
-        for (lamp, light) in self.shining_at(&place) {
+        for ((lamp, light), shadow) in self.shining_at(&place).zip(&mut shadows.0) {
+            if light == [0.0; 3] {
+                continue;
+            }
             let to_lamp = lamp - place;
             let is_behind = flat.dot(&to_lamp) <= 0.0;
             let incident = skin.reflected(&to_lamp.cast::<f32>().normalize());
-            let is_dark = incident.iter().chain(&light).all(|part| *part == 0.0);
-            if is_behind || is_dark || !self.world.is_free(&start, &(lamp - start), 1.0) {
+            if is_behind || incident == [0.0; 3] {
+                continue;
+            }
+            let thrown_by = self.world.any(&start, &(lamp - start), 1.0, *shadow);
+            if thrown_by.is_some() {
+                *shadow = thrown_by;
                 continue;
             }
             (0..3).for_each(|channel| direct[channel] += incident[channel] * light[channel]);
@@ -88,19 +111,19 @@ impl<'a> Lights<'a> {
         self.through_dust(eye, ray, hit.distance as f32, Received { direct, ambient })
     }
 
-    /// The lamps that reach a place, and the illuminance of each there across its light, in lux.
+    /// The lamps, and the illuminance of each at a place across its light, in lux.
     fn shining_at(&self, place: &Point3<f64>) -> impl Iterator<Item = (Point3<f64>, [f32; 3])> {
         let headlamp = self.headlamp.iter().map(|beam| {
             let lux = beam.towards(place) / square(distance(&beam.place, place));
             (beam.place, HEADLAMP_COLOR.map(|color| color * lux))
         });
         let place = *place;
-        let lamps = self.lamps.iter().filter_map(move |light| {
+        let lamps = self.lamps.iter().map(move |light| {
             let (away, range) = (distance(&light.position, &place), light.range_m as f32);
             // The fall-off of KHR_lights_punctual.
             let window = (1.0 - square(square(away / range))).clamp(0.0, 1.0);
             let lux = light.intensity_cd as f32 * window / square(away);
-            (window > 0.0).then(|| (light.position, light.color.map(|color| color as f32 * lux)))
+            (light.position, light.color.map(|color| color as f32 * lux))
         });
         headlamp.chain(lamps)
     }

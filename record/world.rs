@@ -17,7 +17,7 @@ use plume_exporters::labels::Labels;
 use plume_exporters::scene::{Chunk, Content, Light, Material, Mesh, Scene};
 use serde::Serialize;
 
-use self::triangle::Shear;
+use self::triangle::{Shear, Triangle};
 
 mod triangle;
 
@@ -27,6 +27,8 @@ pub const NO_THING: u32 = 0;
 /// The surfaces around a path.
 pub struct World {
     boxes: CwBvh,
+    /// The corners of the faces in the order of the boxes, which read them one after the other.
+    triangles: Vec<Triangle>,
     /// Corners of the faces, in metres; a face has three.
     faces: Vec<[u32; 3]>,
     corners: Vec<[f32; 3]>,
@@ -114,6 +116,7 @@ impl World {
         let names = labels.names().into_iter();
         let mut world = Self {
             boxes: CwBvh::default(),
+            triangles: Vec::new(),
             faces: Vec::new(),
             corners: Vec::new(),
             normals: Vec::new(),
@@ -170,10 +173,10 @@ impl World {
     }
 
     fn build(&mut self) {
-        let bounds: Vec<Bounds> =
-            self.faces.iter().map(|face| Bounds::of(face.map(|corner| self.corners[corner as usize]))).collect();
+        let bounds: Vec<Bounds> = (0..self.faces.len() as u32).map(|face| Bounds::of(self.corners_of(face))).collect();
         if !bounds.is_empty() {
-            self.boxes = build_cwbvh(&bounds, BvhBuildParams::medium_build(), &mut std::time::Duration::default());
+            self.boxes = build_cwbvh(&bounds, BvhBuildParams::slow_build(), &mut std::time::Duration::default());
+            self.triangles = self.boxes.primitive_indices.iter().map(|face| self.corners_of(*face)).collect();
         }
     }
 
@@ -187,31 +190,46 @@ impl World {
         self.kinds[face as usize]
     }
 
-    /// The nearest surface on a ray, closer than `most` lengths of its direction.
-    pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64) -> Option<Hit> {
+    /// The nearest surface on a ray, closer than `most` lengths of its direction. A face that may be it, such as that of a
+    /// neighbouring ray, makes this faster and changes nothing.
+    pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64, maybe: Option<u32>) -> Option<Hit> {
         let shear = Shear::along(direction);
-        let mut best: Option<Hit> = None;
+        let met = |face: u32, triangle: &Triangle| {
+            let (distance, weights) = shear.meet(origin, triangle)?;
+            (distance <= most).then_some(Hit { distance, face, weights })
+        };
+        let mut best = maybe.and_then(|face| met(face, &self.corners_of(face)));
+        let end = best.map_or(most, |best| best.distance);
         let meet = |_: &Ray, place: usize| {
             let face = self.boxes.primitive_indices[place];
-            let Some((distance, weights)) = shear.meet(origin, self.triangle(face)) else { return f32::INFINITY };
-            let is_nearer = best.is_none_or(|best| (distance, face) < (best.distance, best.face));
-            if distance > most || !is_nearer {
+            let Some(found) = met(face, &self.triangles[place]) else { return f32::INFINITY };
+            if best.is_some_and(|best| (best.distance, best.face) <= (found.distance, face)) {
                 return f32::INFINITY;
             }
-            best = Some(Hit { distance, face, weights });
-            slack(distance)
+            best = Some(found);
+            slack(found.distance)
         };
-        self.boxes.ray_traverse(ray(origin, direction, most), &mut RayHit::none(), meet);
+        self.boxes.ray_traverse(ray(origin, direction, end), &mut RayHit::none(), meet);
         best
     }
 
-    /// Whether nothing is on a ray closer than `most` lengths of its direction.
-    pub fn is_free(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64) -> bool {
+    /// A face on a ray closer than `most` lengths of its direction, if there is one; not the nearest. It is faster if it is the one
+    /// that may be it.
+    pub fn any(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64, maybe: Option<u32>) -> Option<u32> {
         let shear = Shear::along(direction);
-        self.boxes.ray_traverse_miss(ray(origin, direction, most), |_, place| {
-            let met = shear.meet(origin, self.triangle(self.boxes.primitive_indices[place]));
-            if met.is_some_and(|(distance, _)| distance <= most) { 0.0 } else { f32::INFINITY }
-        })
+        let is_met = |triangle: &Triangle| shear.meet(origin, triangle).is_some_and(|(distance, _)| distance <= most);
+        if maybe.is_some_and(|face| is_met(&self.corners_of(face))) {
+            return maybe;
+        }
+        let mut found = None;
+        self.boxes.ray_traverse_miss(ray(origin, direction, most), |_, place| match is_met(&self.triangles[place]) {
+            true => {
+                found = Some(self.boxes.primitive_indices[place]);
+                0.0
+            }
+            false => f32::INFINITY,
+        });
+        found
     }
 
     /// The surface at a hit.
@@ -236,8 +254,13 @@ impl World {
         }
     }
 
+    fn corners_of(&self, face: u32) -> Triangle {
+        let [a, b, c] = self.faces[face as usize];
+        [self.corners[a as usize], self.corners[b as usize], self.corners[c as usize]]
+    }
+
     fn triangle(&self, face: u32) -> [Vector3<f64>; 3] {
-        self.faces[face as usize].map(|corner| Vector3::from(self.corners[corner as usize].map(f64::from)))
+        self.corners_of(face).map(|corner| Vector3::from(corner.map(f64::from)))
     }
 }
 
