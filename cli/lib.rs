@@ -17,6 +17,7 @@ mod new;
 mod path;
 mod preview;
 mod progress;
+mod record;
 mod signals;
 mod status;
 mod summary;
@@ -131,6 +132,8 @@ enum Command {
     Pieces(generate::Generate),
     /// Draw a cave within seconds, before it is made
     Preview(preview::Preview),
+    /// Record what sensors on a body measure along a path through a cave
+    Record(record::Record),
     /// Print a commented recipe to start from
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
@@ -264,6 +267,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Things(stage) => stage.run(Stage::Things, console),
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
         Command::Preview(preview) => preview.run(console),
+        Command::Record(record) => record.run(console),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", plume::recipe::editor_schema())),
         Command::List(list) => list.run(console),

@@ -11,6 +11,7 @@ use super::fault::CliError;
 use super::{Common, signals};
 use plume::pipeline::{Disk, Observer};
 use plume::store::Stage;
+use plume_record::Watch;
 
 /// All printing goes through this.
 pub struct Console {
@@ -59,7 +60,8 @@ impl Console {
         fault(error);
     }
 
-    fn clear(&self) {
+    /// Removes the progress bar.
+    pub fn clear(&self) {
         if let Some((bar, _)) = self.bar.lock().ok().and_then(|mut bar| bar.take()) {
             bar.finish_and_clear();
         }
@@ -89,8 +91,8 @@ pub fn fault(error: &CliError) {
     }
 }
 
-impl Observer for Console {
-    fn begin(&self, stage: Stage, total: usize) {
+impl Console {
+    fn start_bar(&self, prefix: &'static str, total: usize) {
         let bar = if self.quiet || !io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
@@ -98,7 +100,7 @@ impl Observer for Console {
         };
         let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {eta}");
         bar.set_style(style.expect("the template is a constant"));
-        bar.set_prefix(stage.name());
+        bar.set_prefix(prefix);
         // A steady tick takes a thread, which a hidden bar does not need.
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(200));
@@ -108,10 +110,20 @@ impl Observer for Console {
         }
     }
 
-    fn advance(&self, _stage: Stage) {
+    fn advance_bar(&self) {
         if let Some((bar, _)) = self.bar.lock().ok().as_deref().and_then(Option::as_ref) {
             bar.inc(1);
         }
+    }
+}
+
+impl Observer for Console {
+    fn begin(&self, stage: Stage, total: usize) {
+        self.start_bar(stage.name(), total);
+    }
+
+    fn advance(&self, _stage: Stage) {
+        self.advance_bar();
     }
 
     fn end(&self, _stage: Stage) {
@@ -128,5 +140,19 @@ impl Observer for Console {
 
     fn allows_outside_files(&self) -> bool {
         self.disk.allows_outside_files
+    }
+}
+
+impl Watch for Console {
+    fn begin(&self, total: usize) {
+        self.start_bar("record", total);
+    }
+
+    fn advance(&self) {
+        self.advance_bar();
+    }
+
+    fn stop(&self) -> &AtomicBool {
+        signals::stop()
     }
 }

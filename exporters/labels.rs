@@ -13,7 +13,7 @@ const FIRST_CLASS: usize = 4;
 const GRAVEL: &str = "gravel";
 
 /// The labels of a scene.
-pub(crate) struct Labels {
+pub struct Labels {
     /// The classes of things in the order of their labels, which is that of the alphabet.
     classes: Vec<Class>,
     prototypes: Vec<Prototype>,
@@ -27,7 +27,7 @@ struct Class {
 }
 
 /// A label.
-pub(crate) struct Label<'a> {
+pub struct Label<'a> {
     /// Its number; 0 would be unlabelled.
     pub number: u8,
     /// The zone or class that it stands for.
@@ -37,7 +37,7 @@ pub(crate) struct Label<'a> {
 }
 
 /// Labels of the vertices and of the faces of a mesh.
-pub(crate) type OfMesh = (Vec<u8>, Vec<u8>);
+pub type OfMesh = (Vec<u8>, Vec<u8>);
 
 impl Labels {
     /// Those of a scene.
@@ -69,6 +69,11 @@ impl Labels {
         let classes = self.classes.iter().zip(FIRST_CLASS..);
         let classes = classes.map(|(Class { name, zone }, number)| Label { number: number as u8, name, zone: *zone });
         zones.into_iter().chain(classes)
+    }
+
+    /// Each label with its name, from small to large.
+    pub fn names(&self) -> Vec<(u8, &str)> {
+        self.all().map(|label| (label.number, label.name)).collect()
     }
 
     /// Each label with its name, as in `1 floor`.
@@ -127,7 +132,7 @@ impl Labels {
 }
 
 /// The label of a zone.
-pub(crate) fn of_zone(zone: Zone) -> u8 {
+pub fn of_zone(zone: Zone) -> u8 {
     match zone {
         Zone::Floor => 1,
         Zone::Wall => 2,

@@ -28,7 +28,7 @@ pub mod frame;
 mod image_format;
 mod inertia;
 pub mod instances;
-mod labels;
+pub mod labels;
 pub mod manifest;
 #[doc(hidden)]
 pub mod names;

@@ -27,6 +27,7 @@ mod graph;
 pub mod mujoco;
 mod page;
 mod queue;
+pub mod record;
 pub mod truth;
 mod unity;
 pub mod urdf;

@@ -32,6 +32,7 @@ pub fn python() -> Result<()> {
     Plume::package(Profile::Dev)?;
     interop::mujoco::make()?;
     interop::truth::make()?;
+    interop::record::make()?;
     let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);
     let plume = Plume::build(Profile::Dev)?;
     // Each test mostly waits for a separate process.

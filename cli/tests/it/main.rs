@@ -12,3 +12,4 @@ mod handover;
 mod measure;
 mod models;
 mod nothing_lost;
+mod record;

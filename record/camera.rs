@@ -1,0 +1,232 @@
+//! What a camera sees: a ray for each pixel, and what follows from where it ends.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use plume_graph::rng::Rng;
+use plume_graph::seed::stream;
+use rayon::prelude::*;
+
+use crate::lens::Lens;
+use crate::library::Library;
+use crate::light::{Lights, Received, Shadows};
+use crate::noise::Noise;
+use crate::rig::{Camera, Depth};
+use crate::world::{Hit, NO_THING, World};
+
+/// How far rays go, in metres.
+const FAR_M: f64 = 1e4;
+/// Two pixels are on different surfaces if their depths differ by more than this share beyond what a slope explains. Tuned by eye.
+const EDGE: f64 = 0.04;
+/// Rays of a pixel on the edge of a surface, along either axis.
+const FINER: usize = 2;
+
+/// A camera with the ray of each of its pixels.
+pub struct Eye {
+    /// Its lens.
+    pub lens: Lens,
+    /// From its optical frame to the body.
+    pub body_from_optical: Isometry3<f64>,
+    rays: Vec<Option<Vector3<f64>>>,
+    pixel_rad: f32,
+}
+
+/// What it sees from a place.
+pub struct View<'a> {
+    eye: &'a Eye,
+    world: &'a World,
+    /// From its optical frame to the scene.
+    pub scene_from_optical: Isometry3<f64>,
+    hits: Vec<Option<Hit>>,
+}
+
+impl Eye {
+    /// The eye of a camera.
+    pub fn of(camera: &Camera) -> Self {
+        let lens = Lens::of(camera);
+        let [width, height] = lens.size;
+        let row = |y: u32| {
+            let lens = &lens;
+            (0..width).map(move |x| lens.ray([f64::from(x), f64::from(y)]))
+        };
+        let rays = (0..height).into_par_iter().flat_map_iter(row).collect();
+        let pixel_rad = (1.0 / lens.focal) as f32;
+        Self { lens, body_from_optical: camera.body_from_optical(), rays, pixel_rad }
+    }
+
+    /// Number of pixels in a row.
+    pub fn width(&self) -> usize {
+        self.lens.size[0] as usize
+    }
+
+    /// What it sees if the body is at a pose.
+    pub fn look<'a>(&'a self, world: &'a World, scene_from_body: &Isometry3<f64>) -> View<'a> {
+        let scene_from_optical = scene_from_body * self.body_from_optical;
+        let origin = Point3::from(scene_from_optical.translation.vector);
+        let row = |row: &[Option<Vector3<f64>>]| {
+            let mut before = None;
+            let cast = |ray: &Option<Vector3<f64>>| {
+                let hit = world.hit(&origin, &(scene_from_optical.rotation * (*ray)?), FAR_M, before);
+                before = hit.map(|hit| hit.face);
+                hit
+            };
+            row.iter().map(cast).collect::<Vec<_>>()
+        };
+        let hits = self.rays.par_chunks(self.width()).flat_map_iter(row).collect();
+        View { eye: self, world, scene_from_optical, hits }
+    }
+}
+
+impl View<'_> {
+    /// Depth along the axis of a pinhole, or distance from a fisheye, in metres; 0 where nothing is.
+    pub fn depth(&self) -> Vec<f32> {
+        self.each(0.0, |ray, hit| self.depth_of(ray, hit) as f32)
+    }
+
+    /// What a depth sensor makes of it, with the noise of stream `name`, image `number`.
+    pub fn measured_depth(&self, sensor: &Depth, seed: u64, name: &str, number: u64) -> Vec<f32> {
+        let width = self.eye.width();
+        let mut depth = self.depth();
+        let rows = depth.len() / width;
+        depth.par_chunks_mut(width).enumerate().for_each(|(row, pixels)| {
+            let mut noise = Noise::new(Rng::new(stream(seed, name, number * rows as u64 + row as u64)));
+            for pixel in pixels {
+                let spread = sensor.noise_m as f32 * *pixel * *pixel;
+                let measured = *pixel + spread * noise.normal();
+                let is_seen = *pixel > 0.0 && (sensor.min_m..=sensor.max_m).contains(&f64::from(measured));
+                *pixel = if is_seen { measured } else { 0.0 };
+            }
+        });
+        depth
+    }
+
+    /// Unit normals of the faces in the optical frame, towards the camera; zero where nothing is.
+    pub fn normals(&self) -> Vec<[f32; 3]> {
+        let optical_from_scene = self.scene_from_optical.rotation.inverse();
+        self.each([0.0; 3], |ray, hit| {
+            let normal = optical_from_scene * self.world.surface(hit).flat_normal;
+            let towards = if normal.dot(ray) > 0.0 { -normal } else { normal };
+            towards.cast::<f32>().into()
+        })
+    }
+
+    /// Labels; 0 where nothing is.
+    pub fn labels(&self) -> Vec<u8> {
+        self.each(0, |_, hit| self.world.kind(hit.face).label)
+    }
+
+    /// Numbers of things.
+    pub fn things(&self) -> Vec<u32> {
+        self.each(NO_THING, |_, hit| self.world.kind(hit.face).thing)
+    }
+
+    /// From each pixel to where its point will be in the image from another pose of the body, in pixels; `None` where nothing is, or
+    /// where it will be outside of the image.
+    pub fn flow(&self, next_scene_from_body: &Isometry3<f64>) -> Vec<Option<[f32; 2]>> {
+        let next_from_now = (next_scene_from_body * self.eye.body_from_optical).inverse() * self.scene_from_optical;
+        let lens = &self.eye.lens;
+        let width = self.eye.width();
+        let moved = |place: usize| {
+            let ray = self.eye.rays[place]?;
+            let point = next_from_now * Point3::from(ray * self.hits[place]?.distance);
+            let pixel = lens.pixel(&point.coords)?;
+            let is_inside = (0..2).all(|axis| pixel[axis] > -0.5 && pixel[axis] < f64::from(lens.size[axis]) - 0.5);
+            let from = [place % width, place / width];
+            is_inside.then(|| [0, 1].map(|axis| (pixel[axis] - from[axis] as f64) as f32))
+        };
+        (0..self.hits.len()).into_par_iter().map(moved).collect()
+    }
+
+    /// Luminances in cd/m².
+    pub fn image(&self, lights: &Lights, library: &Library) -> Vec<[f32; 3]> {
+        let width = self.eye.width();
+        let edges = self.edges();
+        let row = |row: usize| {
+            let edges = &edges;
+            let mut shadows = lights.shadows();
+            (row * width..(row + 1) * width).map(move |place| match edges[place] {
+                true => self.fine(place, lights, library, &mut shadows),
+                false => self.received(place, lights, library, &mut shadows),
+            })
+        };
+        let received: Vec<Received> = (0..self.hits.len() / width).into_par_iter().flat_map_iter(row).collect();
+        let mut mean = [0.0; 3];
+        for pixel in &received {
+            (0..3).for_each(|channel| mean[channel] += f64::from(pixel.direct[channel]));
+        }
+        let mean = mean.map(|sum| (sum / received.len() as f64) as f32);
+        received.iter().map(|received| lights.luminance(received, mean)).collect()
+    }
+
+    /// The materials that are in view.
+    pub fn materials(&self) -> Vec<u32> {
+        let mut seen = vec![false; self.world.materials.len()];
+        for hit in self.hits.iter().flatten() {
+            seen[self.world.kind(hit.face).material as usize] = true;
+        }
+        (0..).zip(seen).filter(|(_, is_seen)| *is_seen).map(|(number, _)| number).collect()
+    }
+
+    fn depth_of(&self, ray: &Vector3<f64>, hit: &Hit) -> f64 {
+        if self.eye.lens.is_fisheye() { hit.distance } else { hit.distance * ray.z }
+    }
+
+    fn each<T: Copy + Send + Sync>(&self, nothing: T, of: impl Fn(&Vector3<f64>, &Hit) -> T + Sync) -> Vec<T> {
+        let pixels = self.eye.rays.par_iter().zip(&self.hits);
+        pixels.map(|(ray, hit)| ray.as_ref().zip(hit.as_ref()).map_or(nothing, |(ray, hit)| of(ray, hit))).collect()
+    }
+
+    fn received(&self, place: usize, lights: &Lights, library: &Library, shadows: &mut Shadows) -> Received {
+        let Some((ray, hit)) = self.eye.rays[place].zip(self.hits[place]) else { return Received::default() };
+        self.along(&ray, &hit, lights, library, shadows)
+    }
+
+    fn along(
+        &self,
+        ray: &Vector3<f64>,
+        hit: &Hit,
+        lights: &Lights,
+        library: &Library,
+        shadows: &mut Shadows,
+    ) -> Received {
+        let origin = Point3::from(self.scene_from_optical.translation.vector);
+        let maps = library.maps(self.world.kind(hit.face).material);
+        let ray = self.scene_from_optical.rotation * ray;
+        maps.map_or_else(Received::default, |maps| {
+            lights.received(&origin, &ray, hit, maps, self.eye.pixel_rad, shadows)
+        })
+    }
+
+    /// The mean of several rays through a pixel.
+    fn fine(&self, place: usize, lights: &Lights, library: &Library, shadows: &mut Shadows) -> Received {
+        let origin = Point3::from(self.scene_from_optical.translation.vector);
+        let corner = [place % self.eye.width(), place / self.eye.width()].map(|along| along as f64 - 0.5);
+        let mut sum = Received::default();
+        for part in 0..FINER * FINER {
+            let within = [part % FINER, part / FINER].map(|along| (along as f64 + 0.5) / FINER as f64);
+            let Some(ray) = self.eye.lens.ray([corner[0] + within[0], corner[1] + within[1]]) else { continue };
+            let hit = self.world.hit(&origin, &(self.scene_from_optical.rotation * ray), FAR_M, None);
+            let Some(hit) = hit else { continue };
+            let received = self.along(&ray, &hit, lights, library, shadows);
+            for channel in 0..3 {
+                sum.direct[channel] += received.direct[channel];
+                sum.ambient[channel] += received.ambient[channel];
+            }
+        }
+        let share = 1.0 / (FINER * FINER) as f32;
+        Received { direct: sum.direct.map(|part| part * share), ambient: sum.ambient.map(|part| part * share) }
+    }
+
+    /// Pixels at which the depth jumps: its second difference is large.
+    fn edges(&self) -> Vec<bool> {
+        let [width, height] = self.eye.lens.size.map(|side| side as usize);
+        let away = |place: usize| self.hits[place].map_or(FAR_M, |hit| hit.distance);
+        let jumps = |place: usize, step: usize| {
+            let middle = away(place);
+            (away(place - step) - 2.0 * middle + away(place + step)).abs() > EDGE * middle
+        };
+        let is_edge = |place: usize| {
+            let (x, y) = (place % width, place / width);
+            x > 0 && x + 1 < width && jumps(place, 1) || y > 0 && y + 1 < height && jumps(place, width)
+        };
+        (0..self.hits.len()).into_par_iter().map(is_edge).collect()
+    }
+}

@@ -1,0 +1,231 @@
+//! The images of materials, for averages over the footprint of a pixel.
+//!
+//! A texel holds all maps together in eight bytes, so that a look-up touches memory once: base colour as roots of linear light,
+//! normal, occlusion, roughness. Smaller levels are means of four texels, of colours in linear light; the mean of normals becomes
+//! shorter where they differ, from which the shader takes the roughness that is lost.
+
+use image::{ImageReader, RgbImage};
+use plume_exporters::ExportError;
+use plume_exporters::scene::{Image, Material};
+use rayon::prelude::*;
+
+/// The maps of a material, from the full level to a single texel.
+pub struct Maps(Vec<Level>);
+
+struct Level {
+    size: [usize; 2],
+    texels: Vec<[u8; 8]>,
+}
+
+/// What a surface is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Base colour, linear.
+    pub color: [f32; 3],
+    /// Mean normal in the frame of tangent, bitangent and normal; not of length 1.
+    pub normal: [f32; 3],
+    /// Share of light from all sides that arrives.
+    pub occlusion: f32,
+    /// Roughness, which is the root of GGX's α.
+    pub roughness: f32,
+}
+
+/// The footprint of a pixel in texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Its width across the direction of view.
+    pub width: f32,
+    /// Its length along the direction of view.
+    pub length: [f32; 2],
+}
+
+/// Most look-ups along a footprint.
+const MOST_TAPS: f32 = 6.0;
+
+impl Maps {
+    /// Reads the images of a material.
+    ///
+    /// # Errors
+    /// If one cannot be read.
+    pub fn read(material: &Material) -> Result<Self, ExportError> {
+        let images = [&material.base_color, &material.normal, &material.orm];
+        let read: Vec<RgbImage> = images.into_par_iter().map(decoded).collect::<Result<_, _>>()?;
+        let [color, normal, orm] = [&read[0], &read[1], &read[2]];
+        let roots = roots_of_linear();
+        let (width, height) = color.dimensions();
+        // From any size to that of the colours.
+        let near = |image: &RgbImage, x: u32, y: u32| {
+            let scaled = |at: u32, from: u32, to: u32| (u64::from(at) * u64::from(to) / u64::from(from)) as u32;
+            image.get_pixel(scaled(x, width, image.width()), scaled(y, height, image.height())).0
+        };
+        let row = |y: u32| {
+            (0..width).map(move |x| {
+                let [r, g, b] = color.get_pixel(x, y).0.map(|value| roots[usize::from(value)]);
+                let ([nx, ny, nz], [occlusion, roughness, _]) = (near(normal, x, y), near(orm, x, y));
+                [r, g, b, nx, ny, nz, occlusion, roughness]
+            })
+        };
+        let texels = (0..height).into_par_iter().flat_map_iter(row).collect();
+        let mut levels = vec![Level { size: [width as usize, height as usize], texels }];
+        while let Some(smaller) = levels.last().and_then(Level::halved) {
+            levels.push(smaller);
+        }
+        Ok(Self(levels))
+    }
+
+    /// The mean over a footprint around `uv` from the lower left; images repeat.
+    pub fn mean(&self, uv: [f32; 2], footprint: Footprint) -> Look {
+        let [width, height] = self.0[0].size.map(|side| side as f32);
+        let length = libm::sqrtf(square(footprint.length[0] * width) + square(footprint.length[1] * height));
+        let across = footprint.width * libm::sqrtf(width * height);
+        let taps = (length / across.max(1.0)).clamp(1.0, MOST_TAPS).ceil();
+        let level = libm::log2f(across.max(length / taps).max(1.0)).min((self.0.len() - 1) as f32);
+        let (coarse, share) = (level.ceil() as usize, level - level.floor());
+        let fine = level as usize;
+        let mut sum = [0.0; 8];
+        for tap in 0..taps as usize {
+            let along = (tap as f32 + 0.5) / taps - 0.5;
+            let at = [uv[0] + along * footprint.length[0], uv[1] + along * footprint.length[1]];
+            self.0[fine].add(at, 1.0 - share, &mut sum);
+            if share > 0.0 {
+                self.0[coarse].add(at, share, &mut sum);
+            }
+        }
+        let mean = sum.map(|sum| sum / taps);
+        Look {
+            color: [mean[0], mean[1], mean[2]].map(|color| color / (255.0 * 255.0)),
+            normal: [mean[3], mean[4], mean[5]].map(|part| part / 127.5 - 1.0),
+            occlusion: mean[6] / 255.0,
+            roughness: mean[7] / 255.0,
+        }
+    }
+
+    /// Number of bytes in memory.
+    pub fn bytes(&self) -> usize {
+        self.0.iter().map(|level| level.texels.len() * 8).sum()
+    }
+}
+
+impl Level {
+    fn halved(&self) -> Option<Self> {
+        if self.size == [1, 1] {
+            return None;
+        }
+        let size = self.size.map(|side| side.div_ceil(2));
+        let four = |x: usize, y: usize| [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.texel(2 * x + i, 2 * y + j));
+        let row = |y: usize| (0..size[0]).map(move |x| mean_of_four(four(x, y)));
+        Some(Self { size, texels: (0..size[1]).into_par_iter().flat_map_iter(row).collect() })
+    }
+
+    /// The texel at a place, or the last one before the edge.
+    fn texel(&self, x: usize, y: usize) -> [u8; 8] {
+        self.texels[y.min(self.size[1] - 1) * self.size[0] + x.min(self.size[0] - 1)]
+    }
+
+    /// Adds the bilinear mean of four texels, colours in linear light.
+    fn add(&self, [u, v]: [f32; 2], weight: f32, sum: &mut [f32; 8]) {
+        let ((x0, x1), right) = between(u, self.size[0]);
+        let ((y0, y1), below) = between(1.0 - v, self.size[1]);
+        let rows = [(y0, 1.0 - below), (y1, below)];
+        for (y, of_row) in rows {
+            for (x, of_column) in [(x0, 1.0 - right), (x1, right)] {
+                let texel = self.texels[y * self.size[0] + x].map(f32::from);
+                let share = weight * of_row * of_column;
+                for channel in 0..3 {
+                    sum[channel] += share * texel[channel] * texel[channel];
+                }
+                for channel in 3..8 {
+                    sum[channel] += share * texel[channel];
+                }
+            }
+        }
+    }
+}
+
+/// The two texels around a coordinate, and the share of the second.
+fn between(coordinate: f32, size: usize) -> ((usize, usize), f32) {
+    let place = (coordinate - coordinate.floor()) * size as f32 - 0.5;
+    let first = place.floor();
+    let index = first as isize;
+    let wrapped = |index: isize| index.rem_euclid(size as isize) as usize;
+    ((wrapped(index), wrapped(index + 1)), place - first)
+}
+
+fn mean_of_four(texels: [[u8; 8]; 4]) -> [u8; 8] {
+    let mean = |channel: usize| {
+        let values = texels.map(|texel| f32::from(texel[channel]));
+        let mean = if channel < 3 {
+            (values.map(square).iter().sum::<f32>() / 4.0).sqrt()
+        } else {
+            values.iter().sum::<f32>() / 4.0
+        };
+        (mean + 0.5) as u8
+    };
+    [0, 1, 2, 3, 4, 5, 6, 7].map(mean)
+}
+
+fn square(x: f32) -> f32 {
+    x * x
+}
+
+/// From sRGB to the root of linear light.
+fn roots_of_linear() -> [u8; 256] {
+    std::array::from_fn(|value| {
+        let encoded = value as f64 / 255.0;
+        let linear = if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) };
+        (255.0 * linear.sqrt() + 0.5) as u8
+    })
+}
+
+fn decoded(image: &Image) -> Result<RgbImage, ExportError> {
+    let named = |error: &dyn std::fmt::Display| std::io::Error::other(format!("{}: {error}", image.path.display()));
+    let open = || {
+        let mut reader = ImageReader::open(&image.path)?.with_guessed_format()?;
+        reader.no_limits();
+        reader.decode()
+    };
+    Ok(open().map_err(|error: image::ImageError| named(&error))?.into_rgb8())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two columns, dark and light.
+    fn stripes() -> Maps {
+        let texels = (0..64).map(|n| {
+            if n % 2 == 0 { [0, 0, 0, 128, 128, 255, 255, 10] } else { [200, 100, 255, 128, 128, 255, 255, 250] }
+        });
+        let mut levels = vec![Level { size: [8, 8], texels: texels.collect() }];
+        while let Some(smaller) = levels.last().unwrap().halved() {
+            levels.push(smaller);
+        }
+        Maps(levels)
+    }
+
+    #[test]
+    fn a_wide_footprint_has_the_mean_in_linear_light() {
+        let maps = stripes();
+        let wide = maps.mean([0.4, 0.6], Footprint { width: 1.0, length: [1.0, 0.0] });
+        for (color, root) in wide.color.into_iter().zip([200.0_f32, 100.0, 255.0]) {
+            let mean = square(root / 255.0) / 2.0;
+            assert!((color - mean).abs() < 0.01, "{color} {mean}");
+        }
+        assert!((wide.roughness - 130.0 / 255.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_small_footprint_has_a_single_texel() {
+        let maps = stripes();
+        let one = maps.mean([3.5 / 8.0, 0.5], Footprint { width: 0.0, length: [0.0, 0.0] });
+        assert!((one.color[0] - square(200.0 / 255.0)).abs() < 1e-6);
+        assert!((one.normal[2] - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_long_footprint_is_not_blurred_across() {
+        let maps = stripes();
+        let along = maps.mean([3.5 / 8.0, 0.5], Footprint { width: 1.0 / 8.0, length: [0.0, 4.0 / 8.0] });
+        assert!((along.color[0] - square(200.0 / 255.0)).abs() < 1e-3);
+    }
+}
