@@ -80,8 +80,8 @@ impl World<'_> {
             message: "the passages that begin at the start have no loop".into(),
             hint: "`--kind tour` goes through all of them".into(),
         })?;
-        let there = tree.from_root(a);
-        let back = tree.from_root(b).into_iter().rev();
+        let there = tree.branch_to(a);
+        let back = tree.branch_to(b).into_iter().rev();
         self.via(&there.into_iter().chain(back).collect::<Vec<_>>())
     }
 
@@ -175,7 +175,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The stations from the root to one, both included.
-    fn from_root(&self, station: StationId) -> Vec<StationId> {
+    fn branch_to(&self, station: StationId) -> Vec<StationId> {
         let up = std::iter::successors(Some(station), |station| self.parents[station.index()]);
         let mut way: Vec<StationId> = up.collect();
         way.reverse();
@@ -184,7 +184,7 @@ impl<'a> Tree<'a> {
 
     /// Length in metres of the loop that a chord closes.
     fn loop_m(&self, [a, b]: [StationId; 2]) -> f64 {
-        let ways = [a, b].map(|end| self.from_root(end));
+        let ways = [a, b].map(|end| self.branch_to(end));
         let shared = ways[0].iter().zip(&ways[1]).take_while(|(one, other)| one == other).count();
         let length_m =
             |way: &[StationId]| way.windows(2).map(|pair| self.graph.distance_m(pair[0], pair[1])).sum::<f64>();
