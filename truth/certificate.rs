@@ -4,6 +4,8 @@
 //! footprint was compared with the floor, walls and ceiling. What is called [`Class::Go`] keeps the limits of the robot and its
 //! margin in every pose of its way. Not promised: that no other way exists where this finds none, or dynamics.
 
+use std::ops::Add;
+
 use rustc_hash::FxHashSet;
 
 use super::floor::{Floor, NEIGHBORS, beside};
@@ -203,7 +205,7 @@ fn length_m(way: &[Pose]) -> f64 {
         let [a, b] = [pair[0].position_m, pair[1].position_m];
         libm::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
     };
-    way.windows(2).map(away_m).sum()
+    way.windows(2).map(away_m).fold(0.0, f64::add)
 }
 
 /// Distance of a point from a straight line between two others.

@@ -1,6 +1,7 @@
 //! Paths that a robot can follow: through the middle, smoothed, and held against the floor in every pose.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Add;
 
 use super::floor::Floor;
 use super::search::{Pose, Rest, Routes, Sense, State};
@@ -75,7 +76,7 @@ impl Route {
 
     /// Length in metres.
     pub fn length_m(&self) -> f64 {
-        self.waypoints.windows(2).map(|pair| away_m(pair[0].position_m, pair[1].position_m)).sum()
+        self.waypoints.windows(2).map(|pair| away_m(pair[0].position_m, pair[1].position_m)).fold(0.0, f64::add)
     }
 }
 

@@ -70,7 +70,7 @@ impl Checker<'_> {
             return;
         }
         for (name, value) in map {
-            let path = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+            let path = below(key, name);
             match known.get(name) {
                 Some(schema) => self.check(schema, value, &path),
                 None => self.unknown(&path, name, known),
@@ -78,7 +78,7 @@ impl Checker<'_> {
         }
         let required = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
         for name in required.filter(|name| !map.contains_key(*name)) {
-            self.fault(key, |key| (format!("{key}.{name} is missing"), String::new()));
+            self.fault(key, |key| (format!("{} is missing", below(key, name)), String::new()));
         }
     }
 
@@ -172,6 +172,11 @@ impl Checker<'_> {
             Fault { origin: draft.origin(key), message, hint }
         });
     }
+}
+
+/// The path of a key in a section, which has none at the top.
+fn below(section: &str, key: &str) -> String {
+    if section.is_empty() { key.to_owned() } else { format!("{section}.{key}") }
 }
 
 /// The schema inside `anyOf [X, null]` or `type [x, null]`, and whether `null` is allowed.
