@@ -140,7 +140,7 @@ impl Default for GaussianPerlin {
             links: 1,
             link_spacing_m: 10.0,
             ramp_min_deg: 0.0,
-            ramp_max_deg: 28.0,
+            ramp_max_deg: 20.0,
             max_slope_deg: 20.0,
             reach_min_m: 1.5,
             reach_max_m: 6.0,

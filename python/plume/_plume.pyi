@@ -291,12 +291,32 @@ class Cave:
         """
 
     def distance(self, points: ArrayLike) -> NDArray[np.float32]:
-        """Approximate signed distance to the wall, sampled from the field that the walls are made from.
+        """Euclidean signed distance to the triangles that simulators get: walls and things, without gravel.
 
-        Negative in air, zero on the wall, positive in rock, so its sign tells free space. It is a distance only near the
-        wall, and only roughly: up to half a metre away mostly between half and twice the true distance; deeper in the
-        rock it levels off at about 1 m. The triangles omit detail finer than a voxel or `mesh.simplify_error_m`, so keep
-        a margin. A million points take about a second; one call with many points is faster than many calls.
+        Negative in air, positive in rock and in things. Exact but for rounding to float32. The first call reads all chunks, which
+        takes about a second for each 100 m of passage, and keeps their triangles; then 100,000 points take about a second.
+
+        Args:
+            points: Finite points in the cave's frame as an (n, 3) array, m; taken as float32.
+
+        Returns:
+            (n,) float32, m.
+
+        Raises:
+            InputError: `points` has another shape, or a coordinate is not finite.
+            StorageError: A file of the cave is missing or was changed.
+
+        >>> above, below = cave.spawns[0][:3, 3] + [[0, 0, 0.5], [0, 0, -0.5]]
+        >>> cave.distance([above, below]) < 0
+        array([ True, False])
+        """
+    def field(self, points: ArrayLike) -> NDArray[np.float32]:
+        """The field that the walls are made from: negative in air, zero on the wall, positive in rock.
+
+        Its sign tells free space without things. It is a distance only near the wall, and only roughly: up to half a metre
+        away mostly between half and twice the true distance; deeper in the rock it levels off at about 1 m. The triangles omit
+        detail finer than a voxel or `mesh.simplify_error_m`. A million points take about a second; one call with many points is
+        faster than many calls.
 
         Args:
             points: Finite points in the cave's frame as an (n, 3) array, m; taken as float32.
@@ -308,14 +328,48 @@ class Cave:
             InputError: `points` has another shape, or a coordinate is not finite.
 
         >>> above, below = cave.spawns[0][:3, 3] + [[0, 0, 0.5], [0, 0, -0.5]]
-        >>> cave.distance([above, below]) < 0
+        >>> cave.field([above, below]) < 0
         array([ True, False])
         """
-    def field(self, points: ArrayLike) -> NDArray[np.float32]: ...
-    def certify(self, robot: str = "husky") -> dict[str, Any]: ...
+    def certify(self, robot: str = "husky") -> dict[str, Any]:
+        """Where a robot gets from the first start pose, and what stops it, as `plume certify` tells.
+
+        Args:
+            robot: One of `plume list robots`, or a TOML file.
+
+        Returns:
+            The certificate as a dict: `robot`, `floor`, a list of `stations` and of `passages` each way ("go", "marginal",
+            "no-go"), what stops the robot and where, and the `route` to the furthest station. Metres and degrees.
+
+        Raises:
+            InputError: There is no such robot.
+            StorageError: A file of the cave is missing or was changed.
+
+        >>> cave.certify("rover")["passages"][0]["there"]["class"]
+        'go'
+        """
     def route(
         self, kind: str = "longest", *, robot: str = "husky", height: float | None = None, speed: float = 0.5
-    ) -> NDArray[np.float64]: ...
+    ) -> NDArray[np.float64]:
+        """A path for a robot, as `plume path` finds it: through the middle, smoothed, and held against the floor in every pose.
+
+        Args:
+            kind: "longest" (to the furthest station), "loop", "tour" (through all passages and back), or "A..B" between two
+                stations of the graph.
+            robot: One of `plume list robots`, or a TOML file.
+            height: Height over the floor of a level body, such as a camera, m; None for the robot on its wheels.
+            speed: m/s.
+
+        Returns:
+            (n, 8) float64: time in s, x, y, z in m, and the orientation as qx, qy, qz, qw; a row of a TUM file each.
+
+        Raises:
+            InputError: There is no such robot, kind or station, or the robot does not get there.
+            StorageError: A file of the cave is missing or was changed.
+
+        >>> cave.route("longest", robot="rover").shape[1]
+        8
+        """
     def export(
         self,
         target: str,
@@ -353,7 +407,12 @@ class Cave:
 
     def truth(
         self, path: str | PathLike[str], *, bundle: str | None = None, force: bool = False, **options: Any
-    ) -> Package: ...
+    ) -> Package:
+        """Writes the ground truth of the cave: the same as `export("truth", path, ...)`.
+
+        >>> cave.truth(folder / "truth", cell_m=0.1).target
+        'truth'
+        """
     def close(self) -> None:
         """Closes the cave, and removes its folder if it is temporary. Closing twice does no harm."""
 
