@@ -11,7 +11,7 @@ use super::vehicle::{Cause, Class, Fault, Vehicle};
 
 /// Directions in which it moves; and as many between them, through which it turns.
 const DIRECTIONS: usize = 8;
-/// Distance between two places, in metres: a few of the widest tyre's in a footprint.
+/// Distance between two places, in metres.
 const STRIDE_M: f64 = 0.1;
 /// What a turn on the spot by an eighth costs, in tenths of a millimetre: tuned so that it does not wiggle.
 const TURN_COST: u64 = 1_500;

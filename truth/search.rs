@@ -125,8 +125,11 @@ impl Routes {
         let mut routes = Self::default();
         let mut front = BinaryHeap::new();
         for start in starts {
-            routes.by_state.insert(*start, Arrival { cost: 0, from: *start, class: Class::Go });
-            front.push(Reverse((0, *start)));
+            let class = terrain.class(*start);
+            if class <= worst {
+                routes.by_state.insert(*start, Arrival { cost: 0, from: *start, class });
+                front.push(Reverse((0, *start)));
+            }
         }
         let mut moves = Vec::new();
         while let Some(Reverse((cost, state))) = front.pop() {

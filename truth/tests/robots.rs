@@ -93,6 +93,14 @@ fn a_gap_is_as_wide_as_it_is() {
 }
 
 #[test]
+fn a_robot_that_cannot_stand_at_its_start_gets_nowhere() {
+    let low = World::room([0.0, -1.5], [12.0, 1.5], 0.0, 0.4).floor(CELL_M);
+    let found = certificate(&low, &Profile::Vehicle(rover()));
+    assert!(found.stations.iter().all(|reach| reach.there.is_none()) && found.furthest.is_none());
+    assert_eq!((found.reached_m2, found.passages[0].there.class), (0.0, Class::NoGo));
+}
+
+#[test]
 fn what_is_too_high_or_too_low_is_named() {
     let across = |bottom: f32, top: f32| driven(&block([5.0, -2.0], [7.0, 2.0], bottom, top)).there;
     let low = across(-1.0, 0.08);
