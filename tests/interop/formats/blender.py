@@ -33,6 +33,7 @@ IMPORTS = {
 FILES = {
     "gazebo": [],
     "urdf": [],
+    "truth": [],
     "obj": ["**/*.obj"],
     "*": ["*.usd", "*.usda", "*.usdz", *(f"**/*{ending}" for ending in (".fbx", ".glb", ".gltf", ".ply", ".stl"))],
 }
