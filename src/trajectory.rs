@@ -61,6 +61,14 @@ pub struct Stamp {
     pub clearance_m: f64,
 }
 
+impl Stamp {
+    /// Time in seconds, position in metres, and the orientation as x, y, z, w: a row of a TUM file.
+    pub fn row(&self) -> [f64; 8] {
+        let ([x, y, z], [i, j, k, w]) = (self.position_m, <[f64; 4]>::from(self.rotation.coords));
+        [self.time_s, x, y, z, i, j, k, w]
+    }
+}
+
 impl Trajectory {
     /// A route driven at a constant speed in metres a second, with stops to turn on the spot.
     pub fn of(route: &Route, ride: Ride, speed_m_s: f64) -> Self {
@@ -91,18 +99,16 @@ impl Trajectory {
 
     fn tum(&self) -> String {
         let line = |stamp: &Stamp| {
-            let [x, y, z] = stamp.position_m;
-            let [i, j, k, w]: [f64; 4] = stamp.rotation.coords.into();
-            format!("{:.6} {x:.6} {y:.6} {z:.6} {i:.9} {j:.9} {k:.9} {w:.9}\n", stamp.time_s)
+            let [time_s, x, y, z, i, j, k, w] = stamp.row();
+            format!("{time_s:.6} {x:.6} {y:.6} {z:.6} {i:.9} {j:.9} {k:.9} {w:.9}\n")
         };
         self.stamps.iter().map(line).collect()
     }
 
     fn csv(&self) -> String {
         let line = |stamp: &Stamp| {
-            let [x, y, z] = stamp.position_m;
-            let [i, j, k, w]: [f64; 4] = stamp.rotation.coords.into();
-            let Stamp { time_s, along_m, clearance_m, .. } = stamp;
+            let [time_s, x, y, z, i, j, k, w] = stamp.row();
+            let Stamp { along_m, clearance_m, .. } = stamp;
             format!("{time_s:.6},{x:.6},{y:.6},{z:.6},{i:.9},{j:.9},{k:.9},{w:.9},{along_m:.4},{clearance_m:.3}\n")
         };
         let header = "time_s,x_m,y_m,z_m,qx,qy,qz,qw,along_m,clearance_m\n".to_owned();
@@ -112,9 +118,8 @@ impl Trajectory {
     fn yaml(&self) -> String {
         let mut text = "header:\n  stamp: {sec: 0, nanosec: 0}\n  frame_id: map\nposes:\n".to_owned();
         for stamp in &self.stamps {
-            let [x, y, z] = stamp.position_m;
-            let [i, j, k, w]: [f64; 4] = stamp.rotation.coords.into();
-            let nanoseconds = (stamp.time_s * 1e9).round() as u64;
+            let [time_s, x, y, z, i, j, k, w] = stamp.row();
+            let nanoseconds = (time_s * 1e9).round() as u64;
             let (sec, nanosec) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
             let written = write!(
                 text,

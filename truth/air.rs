@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use super::floor::{Floor, NEIGHBORS, beside};
+use super::lattice::Lattice;
 use super::search::{Move, Pose, Rest, Sense, State, Terrain};
 use super::vehicle::{Cause, Class, Drone, Fault};
 
-/// Distance between two places, in metres.
-const STRIDE_M: f64 = 0.1;
 /// How finely the room for other drones is measured, and up to which radius, in metres.
 const ROOM_STEP_M: f64 = 0.05;
 const MOST_ROOM_M: f64 = 1.0;
@@ -16,7 +15,7 @@ const MOST_ROOM_M: f64 = 1.0;
 pub struct Air<'a> {
     floor: &'a Floor,
     drone: &'a Drone,
-    stride: i32,
+    lattice: Lattice,
     /// The drone with its margin and without.
     spheres: [Sphere; 2],
     /// Drones of other sizes, the smallest first.
@@ -39,7 +38,7 @@ impl<'a> Air<'a> {
         Self {
             floor,
             drone,
-            stride: (STRIDE_M / floor.cell_m()).round().max(1.0) as i32,
+            lattice: Lattice::new(floor),
             spheres: [radius_m + margin_m, radius_m].map(sphere),
             others: (1..=sizes).map(|size| sphere(size as f64 * ROOM_STEP_M)).collect(),
             known: vec![None; floor.cells().len()],
@@ -100,8 +99,7 @@ impl Terrain for Air<'_> {
     }
 
     fn directions(&self, cell: usize) -> Range<u8> {
-        let is_place = self.floor.cells()[cell].cell.iter().all(|n| n.rem_euclid(self.stride) == 0);
-        if is_place { 0..1 } else { 0..0 }
+        if self.lattice.holds(self.floor.cells()[cell].cell) { 0..1 } else { 0..0 }
     }
 
     fn pose(&self, state: State) -> Pose {
@@ -128,7 +126,7 @@ impl Terrain for Air<'_> {
         let (cells, here) = (self.floor.cells(), &self.floor.cells()[cell]);
         let meets = |other: &usize| cells[*other].floor_m < here.ceiling_m && here.floor_m < cells[*other].ceiling_m;
         for towards in NEIGHBORS {
-            let over = self.floor.over(beside(here.cell, towards.map(|n| n * self.stride)));
+            let over = self.floor.over(self.lattice.beside(here.cell, towards));
             found.extend(over.filter(meets));
         }
     }

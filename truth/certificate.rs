@@ -4,13 +4,9 @@
 //! footprint was compared with the floor, walls and ceiling. What is called [`Class::Go`] keeps the limits of the robot and its
 //! margin in every pose of its way. Not promised: that no other way exists where this finds none, or dynamics.
 
-use std::ops::Add;
-
-use rustc_hash::FxHashSet;
-
 use super::floor::{Floor, NEIGHBORS, beside};
-use super::route::Route;
-use super::search::{self, Pose, Routes, Sense, State};
+use super::route::{Route, length_m};
+use super::search::{self, Routes, Sense, State};
 use super::survey::{self, AT_PLACE_M, Survey};
 use super::vehicle::{Cause, Class, Fault, Profile};
 
@@ -63,6 +59,13 @@ pub struct Reach {
     pub length_m: f64,
 }
 
+impl Reach {
+    /// Whether the robot surely gets there and back.
+    pub fn is_sure(&self) -> bool {
+        (self.there, self.back) == (Some(Class::Go), Some(Class::Go))
+    }
+}
+
 /// How well a robot gets through a passage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Through {
@@ -96,8 +99,7 @@ impl Certificate {
 impl Survey<'_> {
     fn certify(&mut self, network: &Network, start_m: [f64; 3]) -> Certificate {
         let starts = self.at_start(start_m);
-        let mut from_start =
-            |sense| Routes::search(self.terrain, &starts, sense, Class::Marginal, &|_| true, &|_| false);
+        let mut from_start = |sense| Routes::search(self.terrain, &starts, &[], sense, Class::Marginal, &|_| true);
         let (out, home) = (from_start(Sense::Ahead), from_start(Sense::Back));
         let stations: Vec<Reach> = network.stations.iter().map(|station| self.reach(*station, &out, &home)).collect();
         let furthest = self.furthest(network, &stations, &out);
@@ -125,7 +127,8 @@ impl Survey<'_> {
         let states = self.at_place(station_m);
         let there = out.cheapest(&states);
         let back = home.cheapest(&states).and_then(|state| home.class(state));
-        let length_m = there.map_or(0.0, |goal| length_m(&self.poses(&out.way(goal))));
+        let length_m =
+            there.map_or(0.0, |goal| length_m(self.poses(&out.way(goal)).iter().map(|pose| pose.position_m)));
         Reach { there: there.and_then(|state| out.class(state)), back, length_m }
     }
 
@@ -179,9 +182,7 @@ impl Survey<'_> {
         from_m: [f64; 3],
         is_inside: &dyn Fn(State) -> bool,
     ) -> Verdict {
-        let goals: FxHashSet<State> = goals.iter().copied().collect();
-        let is_goal = |state: State| goals.contains(&state);
-        let routes = Routes::search(self.terrain, starts, Sense::Ahead, Class::NoGo, is_inside, &is_goal);
+        let routes = Routes::search(self.terrain, starts, goals, Sense::Ahead, Class::NoGo, is_inside);
         let Some(goal) = routes.goal else {
             let fault = Fault { cause: Cause::NoFloor, value: 0.0, limit: 0.0 };
             return Verdict { class: Class::NoGo, fault: Some((fault, from_m)), route: Route::default() };
@@ -197,15 +198,6 @@ impl Survey<'_> {
         let route = if class == Class::NoGo { Route::default() } else { Route::along(self, &way, class) };
         Verdict { class, fault, route }
     }
-}
-
-/// Length of a way in metres.
-fn length_m(way: &[Pose]) -> f64 {
-    let away_m = |pair: &[Pose]| {
-        let [a, b] = [pair[0].position_m, pair[1].position_m];
-        libm::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
-    };
-    way.windows(2).map(away_m).fold(0.0, f64::add)
 }
 
 /// Distance of a point from a straight line between two others.

@@ -4,15 +4,14 @@ use std::f64::consts::FRAC_PI_8;
 use std::ops::Range;
 
 use super::clearance::Clearance;
-use super::floor::{Floor, NEIGHBORS, Robot, beside};
+use super::floor::{Floor, NEIGHBORS, Robot};
+use super::lattice::Lattice;
 use super::search::{Move, Pose, Rest, Sense, State, Terrain};
 use super::stance::{Footprint, Stance};
 use super::vehicle::{Cause, Class, Fault, Vehicle};
 
 /// Directions in which it moves; and as many between them, through which it turns.
 const DIRECTIONS: usize = 8;
-/// Distance between two places, in metres.
-const STRIDE_M: f64 = 0.1;
 /// What a turn on the spot by an eighth costs, in tenths of a millimetre: tuned so that it does not wiggle.
 const TURN_COST: u64 = 1_500;
 /// Steepest floor on which a vehicle surely turns on the spot, in radians: 25°. Wheels that skid sideways have little grip left.
@@ -36,8 +35,7 @@ pub struct Ground<'a> {
     clearance: Clearance,
     /// For each sixteenth of a turn.
     footprints: Vec<Footprint<'a>>,
-    /// Cells from one place to the next.
-    stride: i32,
+    lattice: Lattice,
     /// For each cell and sixteenth of a turn.
     known: Vec<Option<Class>>,
 }
@@ -53,7 +51,7 @@ impl<'a> Ground<'a> {
             point,
             clearance: Clearance::new(floor, &point),
             footprints: (0..2 * DIRECTIONS).map(footprint).collect(),
-            stride: (STRIDE_M / floor.cell_m()).round().max(1.0) as i32,
+            lattice: Lattice::new(floor),
             known: vec![None; floor.cells().len() * 2 * DIRECTIONS],
         }
     }
@@ -78,7 +76,7 @@ impl<'a> Ground<'a> {
     /// The place next to a cell.
     fn next(&self, from: usize, towards: [i32; 2]) -> Option<usize> {
         let here = &self.floor.cells()[from];
-        let to = self.floor.nearest(beside(here.cell, towards.map(|n| n * self.stride)), here.floor_m)?;
+        let to = self.floor.nearest(self.lattice.beside(here.cell, towards), here.floor_m)?;
         let there = &self.floor.cells()[to];
         let is_connected = there.floor_m < here.ceiling_m && here.floor_m < there.ceiling_m;
         // The way back is the same.
@@ -88,10 +86,9 @@ impl<'a> Ground<'a> {
     }
 
     fn cost(&self, to: usize, towards: [i32; 2]) -> u64 {
-        let length_m = f64::from(self.stride) * self.floor.cell_m() * libm::hypot(towards[0].into(), towards[1].into());
         let spare_m = f64::from(self.clearance.of_m[to]) - self.vehicle.width_m / 2.0 - self.vehicle.margin_m;
         let dearer = 1.0 + DISCOMFORT * (1.0 - spare_m / COMFORT_M).clamp(0.0, 1.0);
-        (length_m * dearer * 1e4).round() as u64
+        (self.lattice.stride_m(towards) * dearer * 1e4).round() as u64
     }
 }
 
@@ -139,8 +136,7 @@ impl Terrain for Ground<'_> {
     }
 
     fn directions(&self, cell: usize) -> Range<u8> {
-        let is_place = self.floor.cells()[cell].cell.iter().all(|n| n.rem_euclid(self.stride) == 0);
-        if is_place { 0..DIRECTIONS as u8 } else { 0..0 }
+        if self.lattice.holds(self.floor.cells()[cell].cell) { 0..DIRECTIONS as u8 } else { 0..0 }
     }
 
     fn pose(&self, state: State) -> Pose {

@@ -42,6 +42,7 @@ mod distances;
 mod floor;
 mod ground;
 mod inside;
+mod lattice;
 mod map;
 mod route;
 mod samples;

@@ -6,6 +6,7 @@ use std::ops::Add;
 use super::floor::Floor;
 use super::search::{Pose, Rest, Routes, Sense, State};
 use super::survey::{self, Survey};
+use super::vector::away;
 use super::vehicle::{Class, Profile};
 
 /// Rounds of smoothing: tuned so that the corners of the search are gone and those of the passages are not.
@@ -57,8 +58,7 @@ impl Route {
         let mut class = Class::Go;
         for (number, place) in places_m.iter().enumerate() {
             let goals = survey.at_place(*place);
-            let is_goal = |state: State| goals.contains(&state);
-            let routes = Routes::search(survey.terrain, &starts, Sense::Ahead, Class::Marginal, &|_| true, &is_goal);
+            let routes = Routes::search(survey.terrain, &starts, &goals, Sense::Ahead, Class::Marginal, &|_| true);
             let goal = routes.goal.ok_or(number)?;
             let leg = routes.way(goal);
             way.extend(&leg[usize::from(!way.is_empty())..]);
@@ -76,7 +76,7 @@ impl Route {
 
     /// Length in metres.
     pub fn length_m(&self) -> f64 {
-        self.waypoints.windows(2).map(|pair| away_m(pair[0].position_m, pair[1].position_m)).fold(0.0, f64::add)
+        length_m(self.waypoints.iter().map(|waypoint| waypoint.position_m))
     }
 }
 
@@ -86,8 +86,8 @@ fn waypoints(survey: &mut Survey, poses: &[Pose], class: Class) -> Vec<Waypoint>
     places.dedup_by(|next, last| next[..2] == last[..2]);
     let mut found = Vec::new();
     for leg in legs(&places) {
-        let points = smooth(survey, leg, class);
-        found.extend(points.into_iter().filter_map(|pose| waypoint(survey, &pose)));
+        let poses = smooth(survey, leg, class);
+        found.extend(poses.into_iter().filter_map(|(pose, rest)| waypoint(survey, &pose, rest?)));
     }
     found
 }
@@ -105,19 +105,20 @@ fn legs(places: &[[f64; 3]]) -> impl Iterator<Item = &[[f64; 3]]> {
     starts.into_iter().zip(ends).filter(|(start, end)| start < end).map(|(start, end)| &places[start..=end])
 }
 
-/// The poses along a leg, smoothed.
-fn smooth(survey: &Survey, places: &[[f64; 3]], class: Class) -> Vec<Pose> {
+/// The poses along a leg, smoothed, and how the robot is there.
+fn smooth(survey: &Survey, places: &[[f64; 3]], class: Class) -> Vec<(Pose, Option<Rest>)> {
     let mut points = relaxed(places);
     // What is not good enough is put back a few points at a time, which ends when everything is as it was.
     loop {
         let poses = along(&points);
-        let is_bad = |number: &usize| survey.terrain.rest(&poses[*number]).is_none_or(|rest| rest.class > class);
+        let rests: Vec<Option<Rest>> = poses.iter().map(|pose| survey.terrain.rest(pose)).collect();
+        let is_bad = |number: &usize| rests[*number].is_none_or(|rest| rest.class > class);
         let moved = |number: &usize| points[*number] != places[*number];
         let bad: Vec<usize> = (0..points.len()).filter(is_bad).collect();
         let around = |number: &usize| number.saturating_sub(PUT_BACK)..(number + PUT_BACK + 1).min(points.len());
         let put_back: Vec<usize> = bad.iter().flat_map(around).filter(moved).collect();
         if put_back.is_empty() {
-            return poses;
+            return poses.into_iter().zip(rests).collect();
         }
         put_back.into_iter().for_each(|number| points[number] = places[number]);
     }
@@ -131,7 +132,7 @@ fn relaxed(places: &[[f64; 3]]) -> Vec<[f64; 3]> {
         for number in 1..points.len().saturating_sub(1) {
             let middle = [0, 1, 2].map(|axis| (before[number - 1][axis] + before[number + 1][axis]) / 2.0);
             let moved = [0, 1, 2].map(|axis| (before[number][axis] + middle[axis]) / 2.0);
-            if away_m([moved[0], moved[1], 0.0], [places[number][0], places[number][1], 0.0]) <= MOST_MOVED_M {
+            if away([moved[0], moved[1], 0.0], [places[number][0], places[number][1], 0.0]) <= MOST_MOVED_M {
                 points[number] = moved;
             }
         }
@@ -148,12 +149,17 @@ fn along(points: &[[f64; 3]]) -> Vec<Pose> {
     (0..points.len()).map(pose).collect()
 }
 
-fn waypoint(survey: &mut Survey, pose: &Pose) -> Option<Waypoint> {
+fn waypoint(survey: &mut Survey, pose: &Pose, rest: Rest) -> Option<Waypoint> {
     let [x, y, _] = pose.position_m;
-    let Rest { height_m, climb_rad, lean_rad, .. } = survey.terrain.rest(pose)?;
+    let Rest { height_m, climb_rad, lean_rad, .. } = rest;
     let cell = survey.floor.under([x, y, height_m + SAME_FLOOR_M])?;
     let clearance_m = survey.terrain.room_m(cell).into();
     Some(Waypoint { position_m: [x, y, height_m], heading_rad: pose.heading_rad, climb_rad, lean_rad, clearance_m })
+}
+
+/// Length in metres of the line through points.
+pub(super) fn length_m(points: impl Iterator<Item = [f64; 3]> + Clone) -> f64 {
+    points.clone().zip(points.skip(1)).map(|(a, b)| away(a, b)).fold(0.0, f64::add)
 }
 
 fn heading(from: [f64; 3], to: [f64; 3]) -> f64 {
@@ -164,8 +170,4 @@ fn heading(from: [f64; 3], to: [f64; 3]) -> f64 {
 fn turn(from_rad: f64, to_rad: f64) -> f64 {
     let turned = to_rad - from_rad + PI;
     turned - (turned / TAU).floor() * TAU - PI
-}
-
-fn away_m(a: [f64; 3], b: [f64; 3]) -> f64 {
-    libm::sqrt((0..3).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum())
 }

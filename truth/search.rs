@@ -112,16 +112,17 @@ struct Arrival {
 }
 
 impl Routes {
-    /// Searches from all starts at once until a state is a goal. Moves worse than `worst` are left out, and so are states that
+    /// Searches from all starts at once until it comes to a goal; without goals, everywhere. Moves worse than `worst` are left out, and so are states that
     /// are not `within` bounds.
     pub fn search(
         terrain: &mut dyn Terrain,
         starts: &[State],
+        goals: &[State],
         sense: Sense,
         worst: Class,
         within: &dyn Fn(State) -> bool,
-        is_goal: &dyn Fn(State) -> bool,
     ) -> Self {
+        let goals: FxHashSet<State> = goals.iter().copied().collect();
         let mut routes = Self::default();
         let mut front = BinaryHeap::new();
         for start in starts {
@@ -137,7 +138,7 @@ impl Routes {
             if cost > here.cost {
                 continue;
             }
-            if is_goal(state) {
+            if goals.contains(&state) {
                 routes.goal = Some(state);
                 return routes;
             }

@@ -152,6 +152,8 @@ impl<'a> Footprint<'a> {
         let near_m = ground.middle_m + ground.ahead * wheel_base_m / 2.0;
         let strain = (libm::atan(ground.ahead) / climb_rad).clamp(0.0, 1.0);
         let most_m = step_m * (1.0 - CLIMBING * strain);
+        let marginal_m = (MARGINAL_STEP - 1.0) * step_m;
+        let deepest = libm::tan(descent_rad + MARGINAL_RAD);
         for [x, y] in self.treads.iter().copied() {
             let Some(from_m) = site.height_m([x, y], near_m) else { continue };
             for run_m in STEPS_M {
@@ -160,9 +162,8 @@ impl<'a> Footprint<'a> {
                 let rise_m = to_m - from_m;
                 // Slopes are judged by the plane of all wheels.
                 let up_m = rise_m - run_m * ground.ahead.max(0.0);
-                worst.compare(Cause::Step, up_m, most_m, (MARGINAL_STEP - 1.0) * step_m);
-                let deepest_m = step_m.max(run_m * libm::tan(descent_rad + MARGINAL_RAD));
-                worst.compare(Cause::Step, -rise_m, deepest_m, (MARGINAL_STEP - 1.0) * step_m);
+                worst.compare(Cause::Step, up_m, most_m, marginal_m);
+                worst.compare(Cause::Step, -rise_m, step_m.max(run_m * deepest), marginal_m);
             }
         }
     }
@@ -211,8 +212,9 @@ impl Site<'_> {
         const LEAST: u32 = 5;
         let side_m = self.floor.cell_m();
         let (mut sum_m, mut count) = (0.0, 0);
-        for [i, j] in NINE {
-            let height_m = self.height_m([x + i * side_m, y + j * side_m], near_m);
+        let off_m = [-side_m, 0.0, side_m];
+        for [i, j] in off_m.into_iter().flat_map(|i| off_m.map(|j| [i, j])) {
+            let height_m = self.height_m([x + i, y + j], near_m);
             if let Some(height_m) = height_m.filter(|height_m| (height_m - near_m).abs() <= SAME_FLOOR_M) {
                 sum_m += height_m;
                 count += 1;
@@ -221,17 +223,6 @@ impl Site<'_> {
         (count >= LEAST).then(|| sum_m / f64::from(count))
     }
 }
-
-/// A cell and those around it.
-const NINE: [[f64; 2]; 9] = {
-    let mut nine = [[0.0; 2]; 9];
-    let mut n = 0;
-    while n < 9 {
-        nine[n] = [(n / 3) as f64 - 1.0, (n % 3) as f64 - 1.0];
-        n += 1;
-    }
-    nine
-};
 
 /// The worst of what was compared so far.
 #[derive(Default)]

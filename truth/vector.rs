@@ -8,6 +8,11 @@ pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// Distance between two points.
+pub fn away(a: [f64; 3], b: [f64; 3]) -> f64 {
+    libm::sqrt(dot(minus(a, b), minus(a, b)))
+}
+
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

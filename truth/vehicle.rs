@@ -87,7 +87,7 @@ pub enum Cause {
     Headroom,
     /// How much width is free of rock and drops, in metres.
     Width,
-    /// There is no floor under a wheel, or no air around a drone.
+    /// There is no floor, or no air, that leads there.
     NoFloor,
 }
 

@@ -8,7 +8,7 @@ use nalgebra::Isometry3;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLikeDyn};
 use plume::cave::{self, Journey, Order, Surface};
 use plume::pipeline::Observer;
-use plume::trajectory::{Ride, Trajectory};
+use plume::trajectory::{Ride, Stamp, Trajectory};
 use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
 use plume_exporters::scene;
@@ -290,11 +290,7 @@ impl Cave {
             let route = cave.route(&cave.scene(&chunks), &robot, journey)?;
             Ok(Trajectory::of(&route, height.map_or(Ride::OnWheels, Ride::Level), speed))
         })?;
-        let rows = trajectory.stamps.iter().map(|stamp| {
-            let ([x, y, z], [i, j, k, w]) = (stamp.position_m, <[f64; 4]>::from(stamp.rotation.coords));
-            [stamp.time_s, x, y, z, i, j, k, w]
-        });
-        array::rows(py, rows.collect())
+        array::rows(py, trajectory.stamps.iter().map(Stamp::row).collect())
     }
 
     /// Writes the cave as a package for a simulator, as `plume export` does: same cave, same bytes.

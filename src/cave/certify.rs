@@ -80,7 +80,8 @@ impl Cave {
         }
         let chunks = self.chunks(observer.stop());
         let scene = self.scene(&chunks);
-        names.iter().try_for_each(|name| self.certify(&scene, &named_robot(name)?)?.refuse_doubt())
+        let (floor, start_m) = self.floor(&scene)?;
+        names.iter().try_for_each(|name| self.certified(&scene, &floor, start_m, &named_robot(name)?).refuse_doubt())
     }
 
     /// Certifies a robot that starts at the first start pose.
@@ -89,9 +90,19 @@ impl Cave {
     /// If a chunk cannot be read; if work was stopped.
     pub fn certify<'a>(&'a self, scene: &'a Scene, robot: &'a NamedRobot) -> Result<Certified<'a>, CaveError> {
         let (floor, start_m) = self.floor(scene)?;
+        Ok(self.certified(scene, &floor, start_m, robot))
+    }
+
+    fn certified<'a>(
+        &'a self,
+        scene: &'a Scene,
+        floor: &Floor,
+        start_m: [f64; 3],
+        robot: &'a NamedRobot,
+    ) -> Certified<'a> {
         let profile = robot.settings.profile(scene.friction.floor);
-        let certificate = Certificate::of(&floor, &profile, &network(&self.graph, self.recipe.passage()), start_m);
-        Ok(Certified { robot, recipe: &self.recipe, graph: &self.graph, generator: &scene.generator, certificate })
+        let certificate = Certificate::of(floor, &profile, &network(&self.graph, self.recipe.passage()), start_m);
+        Certified { robot, recipe: &self.recipe, graph: &self.graph, generator: &scene.generator, certificate }
     }
 }
 
@@ -135,38 +146,38 @@ impl Certified<'_> {
         })
     }
 
+    /// Number of stations that the robot surely reaches and leaves again.
+    fn sure(&self) -> usize {
+        self.certificate.stations.iter().filter(|reach| reach.is_sure()).count()
+    }
+
+    /// A passage by its stations.
+    fn passage(&self, number: usize) -> String {
+        self.graph.edges[number].map(|end| self.graph[end].id.to_string()).join("..")
+    }
+
     fn refuse_doubt(&self) -> Result<(), CaveError> {
-        let Certificate { stations, .. } = &self.certificate;
-        let surely = |reach: &&Reach| (reach.there, reach.back) == (Some(Class::Go), Some(Class::Go));
-        let sure = stations.iter().filter(surely).count();
-        if sure == stations.len() {
+        let (sure, all) = (self.sure(), self.certificate.stations.len());
+        if sure == all {
             return Ok(());
         }
         let name = &self.robot.name;
-        let first = self.stops().next().map(|(number, fault, [x, y, z])| {
-            let [from, to] = self.graph.edges[number].map(|end| self.graph[end].id);
-            format!("; first {from}..{to}: {} at {x:.2} {y:.2} {z:.2}", said(&fault))
-        });
+        let first = self.stops().next();
+        let first =
+            first.map(|(number, fault, at_m)| format!("; first {}: {}", self.passage(number), said(&fault, at_m)));
         let first = first.unwrap_or_default();
         Err(CaveError::Failed(format!(
-            "world.certify: {name} is sure of {sure} of {} stations{first}; change the seed or the passages, or see `plume certify`",
-            stations.len()
+            "world.certify: {name} is sure of {sure} of {all} stations{first}; change the seed or the passages, or see `plume certify`"
         )))
     }
 
     /// Everything in a few lines.
     pub fn text(&self) -> String {
         let Certificate { floor_m2, reached_m2, stations, passages, furthest } = &self.certificate;
-        let id = |station: StationId| self.graph[station].id;
         let share = 100.0 * reached_m2 / floor_m2;
-        let surely = |reach: &&Reach| (reach.there, reach.back) == (Some(Class::Go), Some(Class::Go));
         let mut lines = vec![
             format!("{}: {:.0} m² of floor, of which its middle is sure of {share:.0} %", self.robot.name, floor_m2),
-            format!(
-                "stations: {} of {} reached and left again",
-                stations.iter().filter(surely).count(),
-                stations.len()
-            ),
+            format!("stations: {} of {} reached and left again", self.sure(), stations.len()),
         ];
         let count = |class: Class| passages.iter().filter(|through| worse(through) == class).count();
         let [go, marginal, no_go] = [Class::Go, Class::Marginal, Class::NoGo].map(count);
@@ -181,10 +192,9 @@ impl Certified<'_> {
                 route.length_m()
             ));
         }
-        lines.extend(self.stops().enumerate().map(|(place, (number, fault, [x, y, z]))| {
-            let [from, to] = self.graph.edges[number].map(id);
+        lines.extend(self.stops().zip(1..).map(|((number, fault, at_m), place)| {
             let class = worse(&passages[number]).name();
-            format!("{:3}  {from}..{to} {class}: {} at {x:.2} {y:.2} {z:.2}", place + 1, said(&fault))
+            format!("{place:3}  {} {class}: {}", self.passage(number), said(&fault, at_m))
         }));
         lines.join("\n") + "\n"
     }
@@ -226,26 +236,28 @@ fn worse(through: &Through) -> Class {
     through.there.class.max(through.back.class)
 }
 
-/// A fault in words.
-fn said(fault: &Fault) -> String {
-    let Fault { cause, value, limit } = *fault;
-    if cause == Cause::NoFloor {
-        return "no floor".to_owned();
-    }
-    let [value, limit, decimals] =
-        if cause.is_angle() { [value.to_degrees(), limit.to_degrees(), 0.0] } else { [value, limit, 2.0] };
-    let (unit, decimals) = (if cause.is_angle() { "°" } else { " m" }, decimals as usize);
-    format!("{} {value:.decimals$}{unit}, limit {limit:.decimals$}{unit}", cause.name())
+/// A fault and where it is in words.
+fn said(fault: &Fault, [x, y, z]: [f64; 3]) -> String {
+    let (name, [value, limit]) = (fault.cause.name(), at_edge(fault));
+    let what = match fault.cause {
+        Cause::NoFloor => "no floor".to_owned(),
+        cause if cause.is_angle() => format!("{name} {value:.0}°, limit {limit:.0}°"),
+        _ => format!("{name} {value:.2} m, limit {limit:.2} m"),
+    };
+    format!("{what} at {x:.2} {y:.2} {z:.2}")
+}
+
+/// Value and limit of a fault in metres or degrees.
+fn at_edge(fault: &Fault) -> [f64; 2] {
+    [fault.value, fault.limit].map(|value| if fault.cause.is_angle() { value.to_degrees() } else { value })
 }
 
 fn verdict(verdict: &Verdict) -> Value {
     let Verdict { class, fault, route } = verdict;
-    let fault = fault.as_ref().map(|(Fault { cause, value, limit }, at)| {
-        let unit = if cause.is_angle() { "deg" } else { "m" };
-        let value_of = |value: f64| rounded(if cause.is_angle() { value.to_degrees() } else { value });
-        json!({
-            "cause": cause.name(), "unit": unit, "value": value_of(*value), "limit": value_of(*limit), "at": at.map(rounded),
-        })
+    let fault = fault.as_ref().map(|(fault, at)| {
+        let unit = if fault.cause.is_angle() { "deg" } else { "m" };
+        let [value, limit] = at_edge(fault).map(rounded);
+        json!({"cause": fault.cause.name(), "unit": unit, "value": value, "limit": limit, "at": at.map(rounded)})
     });
     json!({ "class": class.name(), "stopped_by": fault, "path": path(route) })
 }

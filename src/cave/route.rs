@@ -5,7 +5,7 @@ use std::str::FromStr;
 use nalgebra::Point3;
 use plume_exporters::scene::Scene;
 use plume_graph::{Graph, Neighbors, Node, StationId};
-use plume_truth::{Certificate, Class, Floor, Network, Profile, Route};
+use plume_truth::{Certificate, Floor, Network, Profile, Route};
 
 use super::certify::NamedRobot;
 use super::{Cave, CaveError};
@@ -88,10 +88,7 @@ impl World<'_> {
     /// Down every branch to the last station that the robot reaches and comes back from.
     fn tour(&self) -> Result<Route, CaveError> {
         let reach = self.reach();
-        let is_sure = |station: StationId| {
-            let reach = reach.stations[station.index()];
-            (reach.there, reach.back) == (Some(Class::Go), Some(Class::Go))
-        };
+        let is_sure = |station: StationId| reach.stations[station.index()].is_sure();
         if !self.graph.stations().any(is_sure) {
             return Err(self.stuck());
         }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use plume_exporters::scene::Scene;
+use plume_exporters::surface;
 use plume_truth::Inside;
 use rayon::prelude::*;
 
@@ -21,12 +22,8 @@ impl Surface {
     /// If a chunk cannot be read; if work was stopped.
     pub fn of(scene: &Scene) -> Result<Self, CaveError> {
         let (mut triangles, mut inside) = (Vec::new(), Inside::default());
-        for index in 0..scene.chunks.len() {
-            let chunk = scene.chunk(index)?;
-            let mesh = &chunk.visual;
-            if !chunk.collides() {
-                continue;
-            }
+        for mesh in surface::meshes(scene) {
+            let mesh = mesh?;
             inside.add(&mesh.positions, &mesh.indices);
             let corner = |vertex: u32| Vector3::from(mesh.positions[vertex as usize].map(f64::from));
             triangles.extend(mesh.indices.as_chunks::<3>().0.iter().map(|triangle| triangle.map(corner)));

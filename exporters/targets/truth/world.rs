@@ -8,7 +8,7 @@ use super::cloud::Cloud;
 use super::{Part, TruthSettings};
 use crate::error::ExportError;
 use crate::labels::Labels;
-use crate::scene::{Content, Scene};
+use crate::scene::Scene;
 
 /// The world as far as some parts of the package need it.
 pub struct World {
@@ -65,7 +65,7 @@ impl Gathered {
     fn add(&mut self, scene: &Scene, index: usize, labels: &Labels) -> Result<u64, ExportError> {
         let chunk = scene.chunk(index)?;
         let mesh = &chunk.visual;
-        if matches!(chunk.content, Content::Gravel { .. }) {
+        if !chunk.collides() {
             return Ok(mesh.triangles());
         }
         for columns in [&mut self.columns, &mut self.air].into_iter().flatten() {
