@@ -1,6 +1,7 @@
 //! `plume certify`: where a robot gets in a cave, and what stops it.
 
 use std::ffi::OsStr;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -26,6 +27,9 @@ pub struct Certify {
     /// The file to write, replacing an existing one: .json for the whole certificate with all paths, .png for a plan
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
+    /// A folder for pictures of what stops the robot: stop_1.png and so on, numbered as printed, replacing existing ones
+    #[arg(long, value_name = "DIR")]
+    pictures: Option<PathBuf>,
 }
 
 impl Certify {
@@ -42,12 +46,21 @@ impl Certify {
         let scene = cave.scene(&chunks);
         let certified = cave.certify(&scene, &robot)?;
         for (path, form) in files {
-            let written = plume_disk::write_file(path, Existing::Replace, &form(&certified));
-            written.map_err(|source| StoreError::io(path, source))?;
+            write(path, &form(&certified))?;
+        }
+        if let Some(folder) = &self.pictures {
+            fs::create_dir_all(folder).map_err(|source| StoreError::io(folder, source))?;
+            for (number, picture) in (1..).zip(certified.pictures(console)?) {
+                picture.map_or(Ok(()), |png| write(&folder.join(format!("stop_{number}.png")), &png))?;
+            }
         }
         let text = if console.is_json() { format!("{:#}\n", certified.json()) } else { certified.text() };
         console.result(&text)
     }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    Ok(plume_disk::write_file(path, Existing::Replace, bytes).map_err(|source| StoreError::io(path, source))?)
 }
 
 /// How a file with this extension is written.

@@ -124,6 +124,14 @@ pub enum ExportError {
         /// How far it reaches, in metres.
         reach_m: f64,
     },
+    /// A height field cannot hold the floors of a chunk.
+    #[error("a height field holds one floor, and {area_m2:.0} m² of the floors of {chunk} are above another")]
+    StackedFloors {
+        /// The chunk.
+        chunk: String,
+        /// How much of them, in square metres.
+        area_m2: f64,
+    },
     /// An image has a format that the simulator does not read.
     #[error("target `{target}` supports only {} images: {}", names(wanted), path.display())]
     UnfitImage {
@@ -175,6 +183,7 @@ impl ExportError {
             Self::NotOurs { .. } => Some("choose another path, or remove this one yourself"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
             Self::TooFar { .. } => Some("choose larger cells (`voxel_m`), or leave the file out (`files`)"),
+            Self::StackedFloors { .. } => Some("choose other collision shapes: `collision=pieces`"),
             Self::UnfitImage { .. } => Some("make the cave with another image format: `--set texture.format=png`"),
             Self::Io(source) if source.kind() == io::ErrorKind::StorageFull => {
                 Some("free some space, or make smaller textures")
@@ -198,6 +207,7 @@ impl ExportError {
                 | Self::FileExists { .. }
                 | Self::TooLarge { .. }
                 | Self::TooFar { .. }
+                | Self::StackedFloors { .. }
                 | Self::UnfitImage { .. }
         )
     }

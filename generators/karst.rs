@@ -106,7 +106,7 @@ pub struct Karst {
     /// Dead ends per key point.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub dead_ends: f64,
-    /// Maximum inclination of a passage, in degrees.
+    /// Maximum inclination of the floor of a passage, in degrees.
     #[schemars(range(min = 10.0, max = 45.0))]
     pub slope_max_deg: f64,
     /// Displacement of midpoints relative to the length of their segments: 0 straight, 0.3 winding.

@@ -62,6 +62,11 @@ impl Size {
         Self { width_m, height_m: width_m * height_ratio }
     }
 
+    /// Its section.
+    fn section(self) -> Section {
+        Section { width_m: self.width_m, height_m: self.height_m, shape: Shape::Cave }
+    }
+
     fn clearance_radius(self) -> f64 {
         clearance_radius_m(self.width_m, self.height_m)
     }
@@ -226,15 +231,20 @@ impl Network {
         self.neighbors(station).next().filter(|&other| other < station)
     }
 
-    /// Sets the sizes of passages, given by station.
+    /// Sets the sizes of passages, given by station. Floors stay where they are: ceilings and axes follow.
     pub(super) fn resize(&mut self, size: impl Fn(usize) -> Size) {
-        self.stations.iter_mut().enumerate().for_each(|(index, station)| station.passage_point.size = size(index));
+        for (index, station) in self.stations.iter_mut().enumerate() {
+            let PassagePoint { position, size: before } = &mut station.passage_point;
+            let after = size(index);
+            position.z = millimetres(position.z + after.section().axis_height_m() - before.section().axis_height_m());
+            *before = after;
+        }
     }
 
     fn into_graph(self) -> Graph {
         let vertex = |station: &NetworkStation| {
-            let PassagePoint { position, size: Size { width_m, height_m } } = station.passage_point;
-            Vertex { position, section: Some(Section { width_m, height_m, shape: Shape::Cave }), level: 0 }
+            let PassagePoint { position, size } = station.passage_point;
+            Vertex { position, section: Some(size.section()), level: 0 }
         };
         let mut centreline =
             CentrelineBuilder { vertices: self.stations.iter().map(vertex).collect(), lines: Vec::new() };

@@ -79,7 +79,7 @@ pub struct SpaceColonization {
     /// Random wander of a passage: standard deviation of the angle of each step from its pull, in degrees.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub wander_deg: f64,
-    /// Maximum inclination of a passage, in degrees.
+    /// Maximum inclination of the floor of a passage, in degrees.
     #[schemars(range(min = 1.0, max = 45.0))]
     pub max_slope_deg: f64,
     /// Width of a passage at its end, in metres.

@@ -36,6 +36,11 @@ pub struct Vertex {
 }
 
 impl Vertex {
+    /// Height of the floor in metres; that of the axis if the section is unknown.
+    pub fn floor_z(&self) -> f64 {
+        self.position.z - self.section.map_or(0.0, |section| section.axis_height_m())
+    }
+
     /// Half the width; 0 if unknown.
     pub fn half_width_m(&self) -> f64 {
         self.section.map_or(0.0, |section| 0.5 * section.width_m)

@@ -63,7 +63,13 @@ pub struct PassageSize {
 impl Default for PassageSize {
     /// The default sizes of recipes.
     fn default() -> Self {
-        Self { width_per_radius: 0.6, width_min_m: 1.4, height_ratio: 1.1, floor_drop: 0.5, room_factor: 1.5 }
+        Self {
+            width_per_radius: 0.6,
+            width_min_m: 1.4,
+            height_ratio: 1.1,
+            floor_drop: Section::CAVE_DROP,
+            room_factor: 1.5,
+        }
     }
 }
 

@@ -38,6 +38,18 @@ impl Section {
     /// outline is cut off below it.
     pub const DRIFT_DROP: f64 = 0.8;
 
+    /// The same of a cave, unless a recipe tells otherwise.
+    pub const CAVE_DROP: f64 = 0.5;
+
+    /// Height of the axis, which is where stations lie, above the floor in metres.
+    pub fn axis_height_m(self) -> f64 {
+        let share = match self.shape {
+            Shape::Drift => Self::DRIFT_DROP / (1.0 + Self::DRIFT_DROP),
+            Shape::Cave => Self::CAVE_DROP / (1.0 + Self::CAVE_DROP),
+        };
+        share * self.height_m
+    }
+
     /// The same shape with another width and height.
     pub fn map(self, length_m: impl Fn(f64) -> f64) -> Self {
         Self { width_m: length_m(self.width_m), height_m: length_m(self.height_m), ..self }
@@ -56,7 +68,7 @@ impl Section {
 
 /// The clearance radius of a passage around its axis, which is a third of the height above the floor.
 pub fn clearance_radius_m(width_m: f64, height_m: f64) -> f64 {
-    (0.5 * width_m).max(height_m / 1.5)
+    (0.5 * width_m).max(height_m / (1.0 + Section::CAVE_DROP))
 }
 
 impl Shape {

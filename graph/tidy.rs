@@ -60,20 +60,20 @@ impl CentrelineBuilder {
         self
     }
 
-    /// Evens out heights until hardly any line rises more than `most` per horizontal metre: each one that does pulls its ends
-    /// towards each other, in turn.
+    /// Evens out heights until the floor along hardly any line rises more than `most` per horizontal metre: each one along which
+    /// it does pulls its ends towards each other, in turn.
     fn with_slopes_under(mut self, most: f64) -> Self {
         for _ in 0..SLOPE_ROUNDS {
             let mut steep = false;
             // Overcorrects steep lines, otherwise the passes would converge too slowly.
             for line in 0..self.lines.len() {
                 let [a, b] = self.lines[line];
-                let way = self[b].position - self[a].position;
-                let plan = way.xy().norm();
-                if way.z.abs() > most * plan + 0.001 {
+                let plan = (self[b].position - self[a].position).xy().norm();
+                let rise = self[b].floor_z() - self[a].floor_z();
+                if rise.abs() > most * plan + 0.001 {
                     steep = true;
-                    let excess = way.z.abs() - GENTLER * most * plan;
-                    let each = 0.5 * excess.copysign(way.z);
+                    let excess = rise.abs() - GENTLER * most * plan;
+                    let each = 0.5 * excess.copysign(rise);
                     self[a].position.z += each;
                     self[b].position.z -= each;
                 }

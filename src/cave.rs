@@ -25,6 +25,7 @@
 //! # }
 //! ```
 
+mod blockers;
 mod certify;
 mod error;
 mod input;

@@ -414,15 +414,17 @@ pub fn subject<'a>(recipe: &'a Recipe, graph: &'a Graph, field: &'a CaveField) -
     Subject { name: recipe.name(), graph, passage: recipe.passage(), field, lamp_spacing_m, furnishing: None }
 }
 
-/// What previews show with its things.
+/// The cave as the subject of previews with its things, if it has any.
 pub fn furnished<'a>(
     recipe: &'a Recipe,
     graph: &'a Graph,
     field: &'a CaveField,
-    (shelf, library): &'a (Shelf, Library<'a>),
+    stock: Option<&'a (Shelf, Library<'a>)>,
 ) -> Subject<'a> {
-    let setting = things::setting(recipe, graph, field, library);
-    let furnishing = Some(Furnishing { setting, shelf, mesh: recipe.mesh() });
+    let furnishing = stock.map(|(shelf, library)| {
+        let setting = things::setting(recipe, graph, field, library);
+        Furnishing { setting, shelf, mesh: recipe.mesh() }
+    });
     Subject { furnishing, ..subject(recipe, graph, field) }
 }
 

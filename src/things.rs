@@ -6,7 +6,7 @@
 //!
 //! Promised: a chunk's things follow from the walls of the chunk and its neighbours, the field and the graph, in any order
 //! and on any number of threads. Stones rest on the triangles of the wall, or on larger stones, with their centre of mass
-//! between three supports. Stalagmites stand exactly below their stalactites. Nothing higher than [`WHEEL_M`] stands in the
+//! between three supports. Stalagmites stand exactly below their stalactites. Nothing higher than [`ThingSettings::step_m`] stands in the
 //! corridor. Not promised: the same things for other sizes of chunks, whose triangles differ by millimetres.
 
 mod along;
@@ -54,10 +54,6 @@ pub use shelf::{Dress, Shelf};
 
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
-
-/// Height of a step that wheels take, in metres: the corridor is free of anything higher. A Husky in Bullet climbs pebbles of
-/// 3 cm, and not all of 5 cm.
-pub const WHEEL_M: f64 = 0.025;
 
 /// A thing in a cave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -24,10 +24,10 @@ use crate::error::ExportError;
 use crate::frame::{self, Axes, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Content, Light, Scene, Zone};
+use crate::scene::{Chunk, Content, Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
-use self::chunk::Rock;
+use self::chunk::{Rock, ShapeCount};
 use self::field::Field;
 use self::things::Things;
 
@@ -60,7 +60,7 @@ pub const ROW: TargetRow = TargetRow {
 pub struct MujocoSettings {
     /// Collision shapes: `pieces`, convex pieces of the rock, fast, for floor, walls and ceiling; `flex`, the triangles
     /// of the collision mesh as a rigid flex, exact but slow; `floor_field`, a height field per chunk, fast, but only
-    /// for floors.
+    /// for floors, and refused where passages of a chunk run above one another.
     pub collision: Collision,
     /// Sample spacing of `floor_field` in metres.
     #[schemars(range(min = 0.01, max = 1.0))]
@@ -106,6 +106,11 @@ const EXTENT_M: f64 = 10.0;
 const LIGHT_GAIN: f64 = 2.5;
 /// Near clipping plane, metres.
 const NEAR_M: f64 = 0.05;
+/// Area of floor above another floor that a height field may lose, in square metres: ledges of rock, but no passage.
+const MOST_STACKED_M2: f64 = 4.0;
+/// Collision geoms from which mujoco-warp takes long to start, because it lists all pairs of them: 2,700 took 1.8 s and
+/// 0.9 GB, 12,200 took 46 s and 10.8 GB.
+const MOST_GEOMS_OF_WARP: u64 = 4000;
 /// Far clipping plane, metres.
 const FAR_M: f64 = 500.0;
 
@@ -140,7 +145,7 @@ impl Target for Mujoco {
         let texts = self.values(scene);
         let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
         write_rover(None, &format!("{ROVER}.xml"), out)?;
-        let collision_triangles = match out.bundle() {
+        let shapes = match out.bundle() {
             Some(Bundle::Mjz) => {
                 write_rover(Some((scene, "model.xml", &things)), &format!("{name}_rover.xml"), out)?;
                 self.write_world("model.xml", &options, scene, &chunks, &things, out)?
@@ -153,7 +158,8 @@ impl Target for Mujoco {
                 self.write_world(&world, "", scene, &chunks, &things, out)?
             }
         };
-        let texts = context! { things => things.are_there(), bodies => things.bodies(), ..texts };
+        let geoms = Some(shapes.geoms).filter(|geoms| *geoms > MOST_GEOMS_OF_WARP);
+        let texts = context! { things => things.are_there(), bodies => things.bodies(), geoms, ..texts };
         out.text(
             "README.md",
             &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),
@@ -162,7 +168,7 @@ impl Target for Mujoco {
             Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
             _ => format!("python -m mujoco.viewer --mjcf={name}_rover.xml"),
         };
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles: shapes.triangles, open })
     }
 
     fn axes(&self) -> Axes {
@@ -179,7 +185,7 @@ impl Target for Mujoco {
 }
 
 impl Mujoco {
-    /// Writes the model `path`: some text and the cave. Returns the number of collision triangles.
+    /// Writes the model `path`: some text and the cave. Returns how many collision shapes it has.
     fn write_world(
         &self,
         path: &str,
@@ -188,10 +194,10 @@ impl Mujoco {
         chunks: &[chunk::Names],
         things: &Things,
         out: &mut dyn Package,
-    ) -> Result<u64, ExportError> {
+    ) -> Result<ShapeCount, ExportError> {
         let template = include_str!("../templates/mujoco/world.xml.jinja");
         let world = template::fill(path, template, &self.values(scene));
-        let mut triangles = 0;
+        let mut shapes = ShapeCount::default();
         out.write(path, |file| {
             write!(file, "<mujoco model=\"{}\">\n{options}{world}", scene.name)?;
             things.write_assets(file, &scene.name)?;
@@ -199,30 +205,41 @@ impl Mujoco {
                 if !chunks[..index].iter().any(|before| before.material == chunk.material) {
                     chunk::write_material(file, scene, &chunk.material)?;
                 }
-                triangles += match chunk.content {
+                shapes += match chunk.content {
                     Content::Wall => {
                         let rock = self.rock(scene, index)?;
                         chunk::write_elements(file, scene, chunk, &rock)?;
-                        rock.triangles()
+                        rock.shapes()
                     }
                     Content::Gravel { .. } => {
                         chunk::write_elements(file, scene, chunk, &Rock::Pieces(Vec::new()))?;
-                        0
+                        ShapeCount::default()
                     }
                     Content::Things { .. } => things.write_chunk(file, scene, index, &chunk.chunk)?,
                 };
             }
             Ok(writeln!(file, "</mujoco>")?)
         })?;
-        Ok(triangles)
+        Ok(shapes)
     }
 
     fn rock(&self, scene: &Scene, index: usize) -> Result<Rock, ExportError> {
         Ok(match self.0.collision {
             Collision::Pieces => Rock::Pieces(scene.pieces(index)?),
             Collision::Flex => Rock::Flex(scene.chunk(index)?.collision),
-            Collision::FloorField => Rock::Field(Field::new(&scene.chunk(index)?.visual, self.0.field_spacing_m)),
+            Collision::FloorField => Rock::Field(self.field(&scene.chunk(index)?)?),
         })
+    }
+
+    /// The height field of a chunk, unless one field cannot hold its floors.
+    fn field(&self, chunk: &Chunk) -> Result<Field, ExportError> {
+        let field = Field::new(&chunk.visual, self.0.field_spacing_m);
+        match field.stacked_m2() {
+            area_m2 if area_m2 > MOST_STACKED_M2 => {
+                Err(ExportError::StackedFloors { chunk: chunk.name.clone(), area_m2 })
+            }
+            _ => Ok(field),
+        }
     }
 
     fn values(&self, scene: &Scene) -> Value {

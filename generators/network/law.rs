@@ -1,6 +1,6 @@
 //! The rules of a network.
 //!
-//! A passage is no steeper than allowed, and keeps the minimum angle to the others at its ends. Where it comes nearer to
+//! Neither the axis of a passage nor its floor is steeper than allowed, and it keeps the minimum angle to the others at its ends. Where it comes nearer to
 //! another passage than their clearance radii and the rock between them, the two are also near along the cave: the path
 //! along the cave is at most [`DETOUR`] times the distance through the rock, and at most [`NEARBY`] times the distance to
 //! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in 3D, tested at the
@@ -8,8 +8,8 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::Network;
 use super::ways::Ways;
+use super::{Network, PassagePoint};
 use plume_graph::segment::segment_distance;
 
 /// Limit on the path along the cave between places without rock between them, relative to their distance. Two straight
@@ -21,10 +21,17 @@ const NEARBY: f64 = 2.0;
 impl Network {
     /// Whether a passage between two stations that are already registered as neighbours keeps the rules.
     pub(super) fn is_lawful(&self, a: usize, b: usize) -> bool {
-        self.is_walkable(self.position(b) - self.position(a))
+        self.is_walkable(self.floor(b) - self.floor(a))
+            && self.is_walkable(self.position(b) - self.position(a))
             && self.opens(a, b)
             && self.opens(b, a)
             && self.is_clear(a, b)
+    }
+
+    /// Where the floor is below a station.
+    fn floor(&self, station: usize) -> Point3<f64> {
+        let PassagePoint { position, size } = self.passage_point(station);
+        position - Vector3::z() * size.section().axis_height_m()
     }
 
     /// Whether a passage in this direction is not too steep.

@@ -32,8 +32,8 @@ pub struct NamedRobot {
 /// A certificate of a cave.
 pub struct Certified<'a> {
     robot: &'a NamedRobot,
-    recipe: &'a Recipe,
-    graph: &'a Graph,
+    pub(super) recipe: &'a Recipe,
+    pub(super) graph: &'a Graph,
     generator: &'a str,
     /// What was found.
     pub certificate: Certificate,

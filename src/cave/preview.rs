@@ -24,10 +24,7 @@ pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Obser
     let field = pipeline::field(&input.recipe, &graph);
     let models = pipeline::models(&input.recipe, observer)?;
     let stock = row.shows_things.then(|| pipeline::stock(&input.recipe, &models)).flatten();
-    let subject = match &stock {
-        Some(stock) => pipeline::furnished(&input.recipe, &graph, &field, stock),
-        None => pipeline::subject(&input.recipe, &graph, &field),
-    };
+    let subject = pipeline::furnished(&input.recipe, &graph, &field, stock.as_ref());
     Ok(row.draw(&subject, order)?)
 }
 

@@ -6,11 +6,12 @@
 //! decomposition*, 2009), but measured against the open air instead of the mesh.
 //!
 //! Promised: every point of the surface of a piece is in the rock, or no further from some triangle of the wall that cameras
-//! see than the tolerance of the zone of that triangle (bounded part by part, not sampled). The wall moved back by half a
-//! tolerance at most is covered without a gap, across the borders of chunks too, so no ray leaves the cave. A piece is
-//! closed and convex in exact arithmetic, not flat, and has at most [`MOST_CORNERS`] corners. It follows from the wall of
-//! its chunk and those around it. Not promised: that a piece holds no bubble of air inside, that the tolerance is kept where
-//! rock is thinner than a fiftieth of [`PieceSettings::thickness_m`], or that pieces do not overlap.
+//! see than the tolerance of the zone of that triangle (bounded part by part, not sampled): at the foot of a wall, the floor may
+//! be off by the tolerance of the wall. The wall moved back by half a tolerance at most is covered without a gap, across the
+//! borders of chunks too, so no ray leaves the cave. A piece is closed and convex in exact arithmetic, not flat, and has at most
+//! [`MOST_CORNERS`] corners. It follows from the wall of its chunk and those around it. Not promised: that a piece holds no
+//! bubble of air inside, that the tolerance is kept where rock is thinner than a fiftieth of [`PieceSettings::thickness_m`], or
+//! that pieces do not overlap.
 
 mod body;
 mod cells;

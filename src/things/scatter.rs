@@ -2,11 +2,11 @@
 
 use nalgebra::{Isometry3, Point3, Translation3};
 
+use super::Thing;
 use super::facets::{Facets, beyond_m};
 use super::kind::{KindRow, Place, Scatter};
 use super::place::{Candidate, Site, owns, quantised, without_overlaps};
 use super::rest::{Bed, GOLDEN_ANGLE_RAD, LEAST_LEVEL, about_z, long_edges};
-use super::{Thing, WHEEL_M};
 use crate::field::{CaveField, Heap};
 use crate::noise::smooth_step;
 use plume_graph::Aabb;
@@ -102,7 +102,7 @@ impl<'a> Site<'a> {
                     rank: width_m,
                 };
                 let height_m = prototype.size_m.z * scale - candidate.embedding_m;
-                if height_m > WHEEL_M && self.corridor.is_within(candidate.at, candidate.reach_m()) {
+                if height_m > self.settings.step_m && self.corridor.is_within(candidate.at, candidate.reach_m()) {
                     continue;
                 }
                 found.push((candidate, there));

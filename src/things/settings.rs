@@ -22,10 +22,12 @@ pub struct ThingSettings {
     /// Number of objects for search tasks, such as backpacks and helmets, spread along the passages where there is room.
     #[schemars(range(max = 10000))]
     pub artefacts: u32,
-    /// Width of the way along the passages in which nothing is higher than a wheel can take (2.5 cm), in metres. 0 leaves no way
-    /// free.
+    /// Width of the way along the passages in which nothing is higher than `step_m`, in metres. 0 leaves no way free.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub corridor_m: f64,
+    /// Height of the highest step on that way, in metres: 0.025 is what wheels take, 0.1 leaves steps for robots on legs.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub step_m: f64,
     /// Headroom over that way under what hangs from the ceiling, in metres.
     #[schemars(range(min = 0.0, max = 5.0))]
     pub headroom_m: f64,
@@ -111,6 +113,7 @@ impl Default for ThingSettings {
             sets: 1.0,
             artefacts: 0,
             corridor_m: 1.5,
+            step_m: 0.025,
             headroom_m: 2.0,
             difficulty: 0.0,
             movable_m: 0.0,

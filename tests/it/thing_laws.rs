@@ -18,8 +18,7 @@ use plume::material::{Look, MATERIALS};
 use plume::mesh::measure::Report;
 use plume::mesh::{Grid, MOST_CORNERS, Mesh, MeshSettings, visual_chunk};
 use plume::things::{
-    Body, Dress, KINDS, Kinds, Library, Place, Prototype, Replica, Setting, Shelf, Thing, ThingSettings, WHEEL_M,
-    place, strew,
+    Body, Dress, KINDS, Kinds, Library, Place, Prototype, Replica, Setting, Shelf, Thing, ThingSettings, place, strew,
 };
 
 /// Stones may be this far above what they rest on, or below, beside the depth to which they were sunk.
@@ -265,31 +264,35 @@ fn assert_they_touch(cave: &Cave, things: &[Thing]) {
     }
 }
 
-/// Nothing on the way along the passages is higher than a wheel can take.
+/// Nothing on the way along the passages is higher than a step.
 fn assert_the_corridor_is_free(cave: &Cave, things: &[Thing]) {
+    // A tilted stone stands higher than one that lies flat.
+    let in_the_way = first_in_the_way(cave, things, 1.6 * cave.settings.step_m);
+    assert!(in_the_way.is_none(), "{}: {in_the_way:?} is in the way", cave.name);
+}
+
+/// A thing that is this high, or higher, on the way along the passages.
+fn first_in_the_way<'a>(cave: &Cave, things: &'a [Thing], least_m: f64) -> Option<&'a Thing> {
     let half_m = cave.settings.corridor_m / 2.0;
-    for thing in things.iter().filter(|thing| !hangs(thing)) {
+    things.iter().filter(|thing| !hangs(thing)).find(|thing| {
         let hull = cave.hull(thing);
         let low = hull.iter().map(|at| at.z).fold(f64::MAX, f64::min);
         let high = hull.iter().map(|at| at.z).fold(f64::MIN, f64::max);
-        // A tilted stone stands higher than one that lies flat.
-        if high - low < 1.6 * WHEEL_M {
-            continue;
+        if high - low < least_m {
+            return false;
         }
-        for [a, b] in cave.graph.edges.iter().map(|edge| edge.map(|station| cave.graph[station].position)) {
-            for at in &hull {
+        let mut ways = cave.graph.edges.iter().map(|edge| edge.map(|station| cave.graph[station].position));
+        ways.any(|[a, b]| {
+            hull.iter().any(|at| {
                 let along = b - a;
                 let flat = along.xy().norm_squared().max(1e-9);
                 let share = ((at - a).xy().dot(&along.xy()) / flat).clamp(0.0, 1.0);
                 let nearest = a + along * share;
                 let is_on_the_way = (at - nearest).xy().norm() < 0.9 * half_m && (at.z - nearest.z).abs() < 3.0;
-                if is_on_the_way && low > floor_m(cave, nearest) + cave.settings.headroom_m {
-                    continue;
-                }
-                assert!(!is_on_the_way, "{}: {thing:?} is in the way at {at}", cave.name);
-            }
-        }
-    }
+                is_on_the_way && low <= floor_m(cave, nearest) + cave.settings.headroom_m
+            })
+        })
+    })
 }
 
 /// Height of the floor of a passage, which undulates around it.
@@ -411,6 +414,19 @@ fn difficulty_brings_more_and_larger_stones_and_closes_the_way() {
         before = now;
     }
     assert!(before[2] > 5.0, "only {} stones in the way", before[2]);
+}
+
+#[test]
+fn steps_are_allowed_on_the_way() {
+    let mut cave =
+        Cave::new("steps".to_owned(), small(plume::generators::GENERATORS.default_row(), 6, 3), "limestone", 16.0);
+    cave.settings.cover = 0.2;
+    for step_m in [0.025, 0.1] {
+        cave.settings.step_m = step_m;
+        let things = cave.things();
+        assert_the_corridor_is_free(&cave, &things);
+        assert_eq!(first_in_the_way(&cave, &things, 0.06).is_some(), step_m > 0.06, "{step_m}");
+    }
 }
 
 /// Whether a thing is within half a metre of the middle of a passage.

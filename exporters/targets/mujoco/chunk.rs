@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::io::{self, Write};
+use std::ops::AddAssign;
 
 use crate::error::ExportError;
 use crate::format::{msh, pixels};
@@ -17,6 +18,22 @@ use crate::scene::{ByZone, Chunk, Content, Image, Mesh, Piece, Scene};
 use crate::slope;
 
 use super::field::Field;
+
+/// How many collision shapes there are.
+#[derive(Clone, Copy, Default)]
+pub struct ShapeCount {
+    /// Geoms, each of which may touch each body.
+    pub geoms: u64,
+    /// Their triangles.
+    pub triangles: u64,
+}
+
+impl AddAssign for ShapeCount {
+    fn add_assign(&mut self, other: Self) {
+        self.geoms += other.geoms;
+        self.triangles += other.triangles;
+    }
+}
 
 /// Collision shapes of a chunk.
 pub enum Rock {
@@ -29,12 +46,15 @@ pub enum Rock {
 }
 
 impl Rock {
-    /// Number of collision triangles.
-    pub fn triangles(&self) -> u64 {
+    /// How many they are. A flex is no geom.
+    pub fn shapes(&self) -> ShapeCount {
         match self {
-            Self::Pieces(pieces) => pieces.iter().map(|piece| piece.mesh.triangles()).sum(),
-            Self::Flex(mesh) => mesh.triangles(),
-            Self::Field(field) => field.triangles(),
+            Self::Pieces(pieces) => ShapeCount {
+                geoms: pieces.len() as u64,
+                triangles: pieces.iter().map(|piece| piece.mesh.triangles()).sum(),
+            },
+            Self::Flex(mesh) => ShapeCount { geoms: 0, triangles: mesh.triangles() },
+            Self::Field(field) => ShapeCount { geoms: 1, triangles: field.triangles() },
         }
     }
 

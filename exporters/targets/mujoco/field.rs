@@ -9,13 +9,15 @@ use std::io::{self, Write};
 use nalgebra::{Point2, Vector2};
 
 use crate::frame::micro;
-use crate::scene::Mesh;
+use crate::scene::{Mesh, Zone};
 use crate::slope;
 
 /// Depth of the rock below the lowest sample, metres.
 const BASE_M: f64 = 0.5;
 /// Minimum height of a field, which MuJoCo requires, metres.
 const LEAST_HEIGHT_M: f64 = 0.001;
+/// Least height of a floor above another that makes it one of another passage, in metres: ledges are lower.
+const STOREY_M: f64 = 1.5;
 /// Tolerance for samples outside a triangle, relative to its size, so that neighbours leave no gap.
 const SLACK: f64 = 1e-9;
 
@@ -26,6 +28,8 @@ pub struct Field {
     counts: [usize; 2],
     /// Heights by row from south to north, each from west to east; infinite where there is no floor.
     heights_m: Vec<f64>,
+    /// Where the highest floor is there; negative infinite where there is none on which anything could stand.
+    tops_m: Vec<f64>,
 }
 
 impl Field {
@@ -36,13 +40,26 @@ impl Field {
         let cells = (high - low).map(|length| (length / spacing_m).ceil().max(1.0));
         let counts = [cells.x as usize + 1, cells.y as usize + 1];
         let spacing = (high - low).component_div(&cells);
-        let mut field = Self { low, spacing, counts, heights_m: vec![f64::INFINITY; counts[0] * counts[1]] };
+        let samples = counts[0] * counts[1];
+        let (heights_m, tops_m) = (vec![f64::INFINITY; samples], vec![f64::NEG_INFINITY; samples]);
+        let mut field = Self { low, spacing, counts, heights_m, tops_m };
         for (corners, normal) in mesh.indices.chunks_exact(3).zip(slope::face_normals(mesh)) {
+            let corners = [0, 1, 2].map(|k| mesh.positions[corners[k] as usize].map(f64::from));
             if normal[2] > 0.0 {
-                field.add([0, 1, 2].map(|k| mesh.positions[corners[k] as usize].map(f64::from)));
+                field.each_sample(corners, |[lowest, _], height| *lowest = lowest.min(height));
+            }
+            if slope::zone(normal) == Zone::Floor {
+                field.each_sample(corners, |[_, highest], height| *highest = highest.max(height));
             }
         }
         field
+    }
+
+    /// Area of the floors that are above another one, with a passage between them, in square metres: they are lost.
+    pub fn stacked_m2(&self) -> f64 {
+        let both = self.heights_m.iter().zip(&self.tops_m);
+        let stacked = both.filter(|(lowest, highest)| **highest > **lowest + STOREY_M).count();
+        stacked as f64 * self.spacing.x * self.spacing.y
     }
 
     /// Triangles of its surface.
@@ -92,7 +109,8 @@ impl Field {
         [low_m, (floor().fold(low_m, f64::max) - low_m).max(LEAST_HEIGHT_M)]
     }
 
-    fn add(&mut self, corners: [[f64; 3]; 3]) {
+    /// Calls `update` with the lowest and highest floor of each sample inside a triangle, and its height there.
+    fn each_sample(&mut self, corners: [[f64; 3]; 3], update: impl Fn([&mut f64; 2], f64)) {
         let flat = corners.map(|[x, y, _]| (Point2::new(x, y) - self.low).component_div(&self.spacing));
         let [a, b, c] = flat;
         let area = (b - a).perp(&(c - a));
@@ -106,8 +124,8 @@ impl Field {
             let shares = [(b - at).perp(&(c - at)), (c - at).perp(&(a - at)), (a - at).perp(&(b - at))];
             if area > 0.0 && shares.iter().all(|share| share / area >= -SLACK) {
                 let height: f64 = shares.iter().zip(corners).map(|(share, [_, _, z])| share / area * z).sum();
-                let lowest = &mut self.heights_m[row * self.counts[0] + column];
-                *lowest = lowest.min(height);
+                let sample = row * self.counts[0] + column;
+                update([&mut self.heights_m[sample], &mut self.tops_m[sample]], height);
             }
         }
     }
@@ -116,6 +134,18 @@ impl Field {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn floors_above_each_other_are_counted() {
+        let square = |z: f32| [[0.0, 0.0, z], [2.0, 0.0, z], [2.0, 1.0, z], [0.0, 1.0, z]];
+        let stacked_m2 = |height_m: f32| {
+            let positions = [square(0.0), square(height_m)].concat();
+            let indices = [0, 1, 2, 0, 2, 3, 4, 5, 6].to_vec();
+            Field::new(&Mesh { positions, indices, ..Mesh::default() }, 0.01).stacked_m2()
+        };
+        assert_eq!(stacked_m2(1.4), 0.0);
+        assert!((stacked_m2(1.6) - 1.0).abs() < 0.02, "{}", stacked_m2(1.6));
+    }
 
     #[test]
     fn only_the_lowest_floor_is_kept() {

@@ -15,7 +15,7 @@ use crate::names;
 use crate::package::Package;
 use crate::scene::{Instance, Prototype, Scene};
 
-use super::chunk::write_numbers;
+use super::chunk::{ShapeCount, write_numbers};
 use super::{pose_text, position, quaternion};
 
 /// The things of a scene, and the meshes that they share.
@@ -119,7 +119,7 @@ impl Things {
         writeln!(file, "  </asset>")
     }
 
-    /// Writes the things of a chunk. Returns the number of their collision triangles.
+    /// Writes the things of a chunk. Returns how many collision shapes they have.
     ///
     /// # Errors
     /// As [`Scene::instances`], and those of `file`.
@@ -129,16 +129,16 @@ impl Things {
         scene: &Scene,
         index: usize,
         chunk: &str,
-    ) -> Result<u64, ExportError> {
-        let mut triangles = 0;
+    ) -> Result<ShapeCount, ExportError> {
+        let mut shapes = ShapeCount::default();
         writeln!(file, "  <worldbody>\n    <frame name=\"{}_{chunk}\">", scene.name)?;
         for thing in scene.instances(index)? {
             let prototype = thing.prototype_in(&self.prototypes)?;
-            triangles += prototype.hull.triangles();
+            shapes += ShapeCount { geoms: 1, triangles: prototype.hull.triangles() };
             self.write_thing(file, &scene.name, &thing, prototype)?;
         }
         writeln!(file, "    </frame>\n  </worldbody>")?;
-        Ok(triangles)
+        Ok(shapes)
     }
 
     fn write_thing(
