@@ -29,8 +29,9 @@ const GROUND: f64 = 2.6;
 const LARGER: f64 = 1.3;
 /// Minimum half axis of the region relative to the distance at which attractors are removed, so that some are beyond it.
 const LEAST_REGION: f64 = 3.0;
-/// Turns that a station tries if it is blocked, in degrees.
-const DODGES_DEG: [f64; 5] = [0.0, 25.0, -25.0, 50.0, -50.0];
+/// Turns that a station tries if it is blocked, in degrees, and shares of the slope.
+const DODGES: [(f64, f64); 8] =
+    [(0.0, 1.0), (0.0, 0.5), (25.0, 1.0), (-25.0, 1.0), (25.0, 0.3), (-25.0, 0.3), (50.0, 0.3), (-50.0, 0.3)];
 
 /// The outline of the region that is colonized.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -241,8 +242,8 @@ impl Colony<'_> {
         let pitch_rad = libm::atan2(way.z, way.xy().norm()).clamp(-steepest, steepest);
         let yaw_rad = libm::atan2(way.y, way.x) + (self.settings.wander_deg * rng.normal()).to_radians();
         let from = *network.position(station);
-        DODGES_DEG.into_iter().any(|dodge| {
-            let position = from + self.settings.step_m * ahead(yaw_rad + dodge.to_radians(), pitch_rad);
+        DODGES.into_iter().any(|(turn_deg, share)| {
+            let position = from + self.settings.step_m * ahead(yaw_rad + turn_deg.to_radians(), share * pitch_rad);
             network.lay(station, &[PassagePoint { position, size: self.settings.widest() }], None).is_some()
         })
     }

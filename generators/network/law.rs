@@ -1,10 +1,10 @@
 //! The rules of a network.
 //!
-//! Neither the axis of a passage nor its floor is steeper than allowed, and it keeps the minimum angle to the others at its ends. Where it comes nearer to
-//! another passage than their clearance radii and the rock between them, the two are also near along the cave: the path
-//! along the cave is at most [`DETOUR`] times the distance through the rock, and at most [`NEARBY`] times the distance to
-//! be kept. So passages meet where they join, and nowhere else. Distances are those of centrelines in 3D, tested at the
-//! nearest points and at the four ends.
+//! Neither the axis of a passage nor its floor is steeper than allowed. At its ends it keeps the minimum angle to the others, and
+//! the floor from one to the other is not too steep either. Where it comes nearer to another passage than their clearance radii
+//! and the rock between them, the two are also near along the cave: the path along the cave is at most [`DETOUR`] times the
+//! distance through the rock, and at most [`NEARBY`] times the distance to be kept. So passages meet where they join, and
+//! nowhere else. Distances are those of centrelines in 3D, tested at the nearest points and at the four ends.
 
 use nalgebra::{Point3, Vector3};
 
@@ -46,13 +46,25 @@ impl Network {
         self.steepest_slope * plan_m + SLACK_M
     }
 
-    /// Whether the passage to `to` keeps the minimum angle to the others at `at`.
+    /// Whether the passage to `to` keeps the minimum angle to the others at `at`, and parts from them gently.
     fn opens(&self, at: usize, to: usize) -> bool {
         let way = |other: usize| self.position(other) - self.position(at);
         let own = way(to);
         let most = self.sharpest * own.norm();
-        let mut others = self.neighbors(at).filter(|&other| other != to).map(way);
-        others.all(|other| own.dot(&other) <= most * other.norm())
+        let is_wide = |other: Vector3<f64>| own.dot(&other) <= most * other.norm();
+        let on_floor = |other: usize| self.floor(other) - self.floor(at);
+        let mut others = self.neighbors(at).filter(|&other| other != to);
+        others.all(|other| is_wide(way(other)) && self.parts_gently(on_floor(to), on_floor(other)))
+    }
+
+    /// Whether the floor between two passages that begin at one station, a metre from it, is not too steep. Where one rises and
+    /// the other falls, there would be a ledge.
+    fn parts_gently(&self, one: Vector3<f64>, other: Vector3<f64>) -> bool {
+        // Rounding to millimetres can steepen short passages.
+        const SLACK: f64 = 0.005;
+        let per_m = |way: Vector3<f64>| way / way.xy().norm();
+        let apart = per_m(one) - per_m(other);
+        apart.z.abs() <= self.steepest_slope * apart.xy().norm() + SLACK
     }
 
     fn is_clear(&self, a: usize, b: usize) -> bool {

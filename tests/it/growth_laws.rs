@@ -2,7 +2,7 @@
 
 use crate::common::segment;
 use crate::common::world;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use plume::generators::GENERATORS;
 use plume::graph::{GenerateError, Graph, Neighbors, Node, StationId};
 use segment::distance;
@@ -60,15 +60,40 @@ fn hold(law: impl Fn(&Case, &Graph, &str)) {
     }
 }
 
+fn floor(node: &Node) -> Point3<f64> {
+    node.position - Vector3::z() * node.section.unwrap().axis_height_m()
+}
+
 #[test]
 fn no_floor_is_steeper_than_asked() {
-    let floor = |node: &Node| node.position - Vector3::z() * node.section.unwrap().axis_height_m();
     hold(|case, graph, name| {
         for &[a, b] in &graph.edges {
             let way = floor(&graph[b]) - floor(&graph[a]);
             // Four millimetres are what rounding axes and floors at both ends may add.
             let rise = way.z.abs() - 0.004;
             assert!(libm::atan2(rise, way.xy().norm()).to_degrees() <= case.steepest_deg, "{name} {a:?}-{b:?}");
+        }
+    });
+}
+
+/// A metre from where passages part, the floor between them is no steeper than that of a passage may be.
+#[test]
+fn passages_part_gently() {
+    hold(|case, graph, name| {
+        for (node, others) in graph.stations().zip(graph.neighbors().iter()) {
+            let a_metre_on = |other: &StationId| {
+                let way = floor(&graph[*other]) - floor(&graph[node]);
+                way / way.xy().norm()
+            };
+            for (place, a) in others.iter().enumerate() {
+                for b in &others[place + 1..] {
+                    let apart = a_metre_on(a) - a_metre_on(b);
+                    // What rounding may add.
+                    let rise = apart.z.abs() - 0.01;
+                    let slope_deg = libm::atan2(rise, apart.xy().norm()).to_degrees();
+                    assert!(slope_deg <= case.steepest_deg, "{name} {node:?}: {slope_deg}° from {a:?} to {b:?}");
+                }
+            }
         }
     });
 }
