@@ -34,6 +34,7 @@ pub mod manifest;
 pub mod names;
 pub mod package;
 pub mod place;
+mod rover;
 pub mod scene;
 mod slope;
 mod split_nonmanifold;
