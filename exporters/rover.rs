@@ -15,9 +15,11 @@ pub struct Rover {
     mast: Block,
     head: Block,
     wheel: Wheel,
-    camera: Camera,
+    /// Its camera.
+    pub camera: Camera,
     imu_at_m: [f64; 3],
-    lamp: Lamp,
+    /// Its lamps.
+    pub lamp: Lamp,
 }
 
 /// A box, by halves of its sides as in MJCF.
@@ -50,20 +52,21 @@ struct Wheel {
 
 /// Looks along +X.
 #[derive(Serialize)]
-struct Camera {
+pub struct Camera {
     at_m: [f64; 3],
     /// Vertical field of view.
-    view_deg: f64,
+    pub view_deg: f64,
 }
 
 /// Two of these at either sign of y, each turned outwards.
 #[derive(Serialize)]
-struct Lamp {
+pub struct Lamp {
     at_m: [f64; 3],
     towards: [f64; 3],
     /// From the axis of the cone to its edge.
-    half_angle_deg: f64,
-    intensity_cd: f64,
+    pub half_angle_deg: f64,
+    /// Luminous intensity on the axis.
+    pub intensity_cd: f64,
     range_m: f64,
 }
 
@@ -71,7 +74,8 @@ impl Rover {
     /// The one there is.
     pub fn new() -> Self {
         let (half_m, mass_kg) = ([0.44, 0.2, 0.1], 40.0);
-        let chassis = Chassis { half_m, at_m: [0.0, 0.0, 0.27], mass_kg, inertia_kg_m2: moments(half_m, mass_kg / 3.0) };
+        let chassis =
+            Chassis { half_m, at_m: [0.0, 0.0, 0.27], mass_kg, inertia_kg_m2: moments(half_m, mass_kg / 3.0) };
         let (radius_m, half_width_m, mass_kg) = (0.18, 0.06, 2.5);
         let wheel = Wheel {
             at_m: [0.25, 0.28, radius_m],
