@@ -424,7 +424,8 @@ std::string DriveRover(const fs::path &package, const sdf::World &world_sdf, con
   // Another one: there is a ball in the first.
   const auto world = engine->ConstructWorld(world_sdf);
   OpenWorld(world_sdf, world, package);
-  return ", " + DriveInCave(*root.Model(), spawn, world) + ", " + TurnOnGround(*root.Model(), engine);
+  const auto driven = DriveInCave(*root.Model(), spawn, world);
+  return ", " + driven + ", " + TurnOnGround(*root.Model(), engine);
 }
 
 // How many of the bodies have stayed where they were.

@@ -38,25 +38,27 @@ PAIRS = {
     ("sensor_msgs/msg/PointCloud2", "gz.msgs.PointCloudPacked"),
     ("tf2_msgs/msg/TFMessage", "gz.msgs.Pose_V"),
 }
-BRIDGE = {
-    "type": "array",
-    "minItems": 1,
-    "items": {
-        "type": "object",
-        "required": ["ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name", "direction"],
-        "additionalProperties": False,
-        "properties": {
-            "ros_topic_name": {"type": "string", "pattern": "^/[a-z0-9_/]+$"},
-            "gz_topic_name": {"type": "string", "pattern": "^/[a-z0-9_/]+$"},
-            "ros_type_name": {"type": "string"},
-            "gz_type_name": {"type": "string"},
-            "direction": {"enum": ["BIDIRECTIONAL", "GZ_TO_ROS", "ROS_TO_GZ"]},
-            "lazy": {"type": "boolean"},
-            "publisher_queue": {"type": "integer"},
-            "subscriber_queue": {"type": "integer"},
+BRIDGES = jsonschema.Draft202012Validator(
+    {
+        "type": "array",
+        "minItems": 1,
+        "items": {
+            "type": "object",
+            "required": ["ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name", "direction"],
+            "additionalProperties": False,
+            "properties": {
+                "ros_topic_name": {"type": "string", "pattern": "^/[a-z0-9_/]+$"},
+                "gz_topic_name": {"type": "string", "pattern": "^/[a-z0-9_/]+$"},
+                "ros_type_name": {"type": "string"},
+                "gz_type_name": {"type": "string"},
+                "direction": {"enum": ["BIDIRECTIONAL", "GZ_TO_ROS", "ROS_TO_GZ"]},
+                "lazy": {"type": "boolean"},
+                "publisher_queue": {"type": "integer"},
+                "subscriber_queue": {"type": "integer"},
+            },
         },
-    },
-}
+    }
+)
 CAMERA = {"rgb/image", "rgb/camera_info", "depth/image"}
 # What programs of ROS listen to and what they publish, before remapping, so far as it matters here.
 PROGRAMS = {
@@ -164,10 +166,8 @@ class Running:
 
     def bridges_of(self, node):
         bridges = self.package.yaml(self.parameters[node.name]["config_file"])
-        try:
-            jsonschema.validate(bridges, BRIDGE)
-        except jsonschema.ValidationError as reason:
-            raise Failure(f"{node.name}.yaml: {reason.message}") from reason
+        fault = next(BRIDGES.iter_errors(bridges), None)
+        require(fault is None, f"{node.name}.yaml: {fault and fault.message}")
         return bridges
 
     def topics(self, node, which):
