@@ -63,7 +63,7 @@ fn ground_truth_is_read() {
     let npz = archive.finish().unwrap();
     let map = "image: rock.png\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
     let parameters = b"planner_server:\n  ros__parameters:\n    image: none\n";
-    for (path, bytes) in [("a.npz", &npz[..]), ("a.yaml", map.as_bytes()), ("b.yaml", parameters)] {
+    for (path, bytes) in [("a.npz", &npz[..]), ("a.yaml", map.as_bytes()), ("b.yaml", &parameters[..])] {
         assert_eq!(of(path, bytes), "whole");
     }
     let mut damaged = npz.clone();
