@@ -1,8 +1,9 @@
 //! Writes a resolved [`scene::Scene`] as packages for simulators.
 //!
 //! This crate has never heard of a cave: it gets meshes, encoded textures, lights and poses, in metres and Z up, and
-//! writes what each simulator expects. Targets never name each other; what they share are formats ([`mod@format`], [`stage`]), the
-//! frame changes ([`frame`]) and the sink ([`package`]). A new target is one file in [`targets`] and one row of [`TARGETS`].
+//! writes what each simulator expects. Targets never name each other, unless their package holds that of another ([`with`]);
+//! what they share are formats ([`mod@format`], [`stage`]), the frame changes ([`frame`]) and the sink ([`package`]). A new
+//! target is one file in [`targets`] and one row of [`TARGETS`].
 //!
 //! ```
 //! use plume_exporters::{TARGETS, target};
@@ -34,6 +35,7 @@ pub mod manifest;
 pub mod names;
 pub mod package;
 pub mod place;
+mod rover;
 pub mod scene;
 mod slope;
 mod split_nonmanifold;

@@ -1,8 +1,8 @@
 //! Writes the sample scenes: `sample_package FOLDER [PYTHON]`.
 //!
 //! The chamber, for every target that needs no library: `FOLDER/<target>`, `FOLDER/<target>_chunks` with a file per chunk,
-//! `FOLDER/<target>_meshopt` compressed, `FOLDER/<target>_pieces` with convex pieces where supported, and `FOLDER/fbx_y`
-//! with Y up.
+//! `FOLDER/<target>_meshopt` compressed, `FOLDER/<target>_pieces` with convex pieces where supported, `FOLDER/fbx_y`
+//! with Y up, and `FOLDER/gazebo_ros2` with a rover.
 //!
 //! The chamber with things in it: `FOLDER/<target>_things` and others, for targets that write copies of a mesh.
 //!
@@ -65,6 +65,7 @@ fn write_chambers(folder: &Path) -> Result<()> {
         ("fbx_y", json!({ "up": "y" })),
         ("gltf_meshopt", json!({ "compression": "meshopt" })),
         ("gazebo_pieces", json!({ "collision": "pieces" })),
+        ("gazebo_ros2", json!({ "ros2": true })),
         ("unity_pieces", json!({ "collision": "pieces", "pipeline": "hdrp" })),
         ("urdf_pieces", json!({ "collision": "pieces" })),
         ("unreal_pieces", json!({ "collision": "pieces" })),

@@ -4,6 +4,7 @@
 //! models/<name>/{model.config, model.sdf, meshes/, materials/textures/}   everything that is static
 //! worlds/<name>.sdf                                                       that, and a model per movable thing
 //! README.md
+//! models/<name>_rover/, ros2/                                         with `ros2`: see `gazebo/ros2.rs`
 //! ```
 //! Meshes are OBJ, which every Gazebo since Classic reads, Z up. The model is static, so its collision meshes may be
 //! concave. All URIs are `model://`: the package works from any folder on `GZ_SIM_RESOURCE_PATH`. Occlusion is omitted,
@@ -37,6 +38,7 @@ use crate::{Build, Summary, Target, TargetRow, template};
 use self::bodies::Bodies;
 
 mod bodies;
+mod ros2;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -45,16 +47,17 @@ pub const ROW: TargetRow = TargetRow {
     revision: 0,
     opened_by: "Gazebo Sim Harmonic and later",
     contents: "model and world (SDF 1.9), an OBJ per chunk, a model per movable stone, PBR maps, collision meshes, lamps, \
-        start pose",
+        start pose; with `gazebo.ros2=true` also launch files for ROS 2: bridge, rover, RTAB-Map, Nav2 and its map",
     tested_by: "libsdformat with unknown elements as errors; Gazebo's own physics (ign-physics, dartsim) drops a ball; \
-        pybullet drops a ball onto the concave triangles, and lets go of every loose stone: 95 of 100 stay",
-    checks: &["gazebo", "pybullet", "rest", "trimesh", "orient"],
+        pybullet drops a ball onto the concave triangles, and lets go of every loose stone: 95 of 100 stay. For ROS 2, without \
+        ROS: that physics drives the rover; launch files run on stand-ins, and topics, types, frames and parameters agree",
+    checks: &["gazebo", "ros2", "pybullet", "rest", "trimesh", "orient"],
     images: &ImageFormat::COMMON,
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
     settings: || schemars::schema_for!(GazeboSettings),
-    build: Build::Plain(|table| Ok(Box::new(Gazebo(serde_json::from_value(table)?)))),
+    build: Build::Plain(|table| ros2::build(serde_json::from_value(table)?)),
 };
 
 /// Settings of target `gazebo`.
@@ -71,11 +74,14 @@ pub struct GazeboSettings {
     /// Maximum physics time step in seconds.
     #[schemars(range(min = 0.0001, max = 0.05))]
     pub physics_step_s: f64,
+    /// Add what ROS 2 (Jazzy, with Gazebo Harmonic) needs to drive, map and navigate: launch files, a rover with lamps, RGB-D
+    /// camera, IMU and lidar, the bridge, parameters of RTAB-Map and Nav2, and the map of the floor.
+    pub ros2: bool,
 }
 
 impl Default for GazeboSettings {
     fn default() -> Self {
-        Self { lights: true, ambient: 0.1, collision: Collision::Triangles, physics_step_s: 0.001 }
+        Self { lights: true, ambient: 0.1, collision: Collision::Triangles, physics_step_s: 0.001, ros2: false }
     }
 }
 
@@ -109,6 +115,9 @@ impl Target for Gazebo {
             parts.push(part);
         }
         self.write_texts(&model, scene, &parts, &bodies, out)?;
+        if self.0.ros2 {
+            ros2::write(scene, out)?;
+        }
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
@@ -159,6 +168,7 @@ impl Gazebo {
             ambient => micro(self.0.ambient),
             step_s => micro(self.0.physics_step_s),
             open => open_command(&scene.name),
+            ros2 => self.0.ros2,
         };
         for (path, template) in [
             (format!("{model}/model.config"), include_str!("../templates/gazebo/model.config.jinja")),
@@ -316,11 +326,15 @@ impl LightText {
             name: light.name.clone(),
             position: text(light.position.into()),
             color: text(light.color),
-            // Gazebo drives ogre2 with power scale pi, which cancels the 1/pi of a Lambertian surface.
-            intensity: micro(light.intensity_cd / PI),
+            intensity: micro(intensity(light.intensity_cd)),
             range: micro(light.range_m),
         }
     }
+}
+
+/// The intensity of a light in SDF. Gazebo drives ogre2 with power scale pi, which cancels the 1/pi of a Lambertian surface.
+fn intensity(luminous_cd: f64) -> f64 {
+    luminous_cd / PI
 }
 
 fn open_command(name: &str) -> String {

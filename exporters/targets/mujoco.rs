@@ -24,6 +24,7 @@ use crate::error::ExportError;
 use crate::frame::{self, Axes, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
+use crate::rover::{self, Rover};
 use crate::scene::{Chunk, Content, Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
@@ -97,8 +98,6 @@ pub enum Collision {
 
 /// Name of the rover, and prefix of the names of its parts.
 const ROVER: &str = "rover";
-/// The rover starts this far above the ground and drops, since the ground under its wheels is not flat. Tuned.
-const START_HEIGHT_M: f64 = 0.05;
 /// The extent by which MuJoCo scales its view: about the visibility in a passage. Tuned.
 const EXTENT_M: f64 = 10.0;
 /// MuJoCo's own renderer shows linear colours without gamma, which is too dark; brighter lamps partly compensate. Tuned by
@@ -307,14 +306,14 @@ impl LightText {
 
 /// Writes the rover, alone or at the first start pose of a scene with the given model file and things.
 fn write_rover(cave: Option<(&Scene, &str, &Things)>, path: &str, out: &mut dyn Package) -> Result<(), ExportError> {
-    let lift = Translation3::new(0.0, 0.0, START_HEIGHT_M);
+    let lift = Translation3::new(0.0, 0.0, rover::START_HEIGHT_M);
     let start = cave.map_or(Isometry3::identity(), |(scene, ..)| scene.spawns[0] * lift);
     let cave = cave.map(|(scene, file, things)| {
         // The model file, and so its free bodies, comes before the rover.
         let qpos = format!("{}{} {}", things.coordinates(), position(&start), quaternion(&start));
         context! { name => &scene.name, file, qpos }
     });
-    let values = context! { cave, pose => pose_text(&start) };
+    let values = context! { cave, pose => pose_text(&start), rover => Serde(Rover::new()) };
     out.text(path, &template::fill(path, include_str!("../templates/mujoco/rover.xml.jinja"), &values))
 }
 

@@ -28,6 +28,7 @@ pub mod mujoco;
 mod page;
 mod queue;
 pub mod record;
+mod ros2;
 pub mod truth;
 mod unity;
 pub mod urdf;
@@ -111,9 +112,15 @@ fn checks_of_small_things(
     scene: &Path,
     opened: &mut Opened,
 ) -> Result<Vec<Check>> {
-    let owned = scene.to_owned();
-    let mut checks =
-        vec![Check::new("husky", urdf::check_faults), Check::new("unity", move || unity::check_faults(&owned))];
+    let on_scene = |who, ask: fn(&Path) -> Result<String>| {
+        let scene = scene.to_owned();
+        Check::new(who, move || ask(&scene))
+    };
+    let mut checks = vec![
+        Check::new("husky", urdf::check_faults),
+        on_scene("unity", unity::check_faults),
+        on_scene("ros2", ros2::check_faults),
+    ];
     if readers.iter().any(|reader| reader.name == "physx") {
         checks.push(Check::new("physx", usd::check_faults));
     }
@@ -164,10 +171,12 @@ impl Reader {
     }
 }
 
-static READERS: [Reader; 28] = [
+static READERS: [Reader; 30] = [
     Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
     Reader { name: "rest", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::let_go_of_stones },
     Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
+    Reader { name: "gazebo", of: Kind::Ros2, prepare: gazebo::make, command: gazebo::open },
+    Reader { name: "ros2", of: Kind::Ros2, prepare: ros2::make, command: ros2::check },
     Reader { name: "validator", of: Kind::Gltf, prepare: gltf::make, command: gltf::validate },
     Reader { name: "three", of: Kind::Gltf, prepare: gltf::make_browser, command: gltf::draw },
     Reader { name: "three-fbx", of: Kind::Fbx, prepare: gltf::make_browser, command: gltf::draw },
@@ -199,6 +208,8 @@ static READERS: [Reader; 28] = [
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Gazebo,
+    /// A Gazebo package with launch files: those without are opened by all other readers of Gazebo.
+    Ros2,
     Gltf,
     Unity,
     Fbx,
@@ -220,6 +231,7 @@ impl Kind {
         match package {
             _ if formats::is_marked(package) => Some(Self::Marker),
             _ if formats::is_shelf(package) => Some(Self::Shelf),
+            _ if ros2::is_launched(package) => Some(Self::Ros2),
             _ if package.join("worlds").is_dir() => Some(Self::Gazebo),
             // Packages for Unreal have a `scene.json` too.
             _ if package.join("import_cave.py").is_file() => None,
@@ -348,7 +360,7 @@ pub fn write_scene() -> Result<PathBuf> {
 /// Whether a package of the synthetic scene is opened on its own. The tests of the Python package cover USD, and the MuJoCo
 /// scene has nothing that moves.
 fn opens_alone(package: &Path) -> bool {
-    matches!(Kind::of(package), Some(Kind::Gazebo | Kind::Gltf | Kind::Unity | Kind::Fbx | Kind::Urdf))
+    matches!(Kind::of(package), Some(Kind::Gazebo | Kind::Ros2 | Kind::Gltf | Kind::Unity | Kind::Fbx | Kind::Urdf))
 }
 
 /// Exports a sample for every target. The cave folder stays next to the MuJoCo package, which needs its route.

@@ -62,7 +62,8 @@ fn ground_truth_is_read() {
     archive.add("z", &[2], &[1.0_f32, 2.0]).unwrap();
     let npz = archive.finish().unwrap();
     let map = "image: rock.png\nresolution: 0.1\norigin: [0.0, 0.0, 0.0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
-    for (path, bytes) in [("a.npz", &npz[..]), ("a.yaml", map.as_bytes())] {
+    let parameters = b"planner_server:\n  ros__parameters:\n    image: none\n";
+    for (path, bytes) in [("a.npz", &npz[..]), ("a.yaml", map.as_bytes()), ("b.yaml", &parameters[..])] {
         assert_eq!(of(path, bytes), "whole");
     }
     let mut damaged = npz.clone();

@@ -8,7 +8,7 @@ use plume_exporters::collision::Collision;
 use plume_exporters::frame::{micro, sdf_pose};
 use plume_exporters::package::Memory;
 use plume_exporters::targets::gazebo::{Gazebo, GazeboSettings};
-use plume_exporters::{Summary, Target};
+use plume_exporters::{Summary, Target, target};
 use roxmltree::{Document, Node};
 
 fn export(settings: GazeboSettings) -> Memory {
@@ -167,6 +167,82 @@ fn texts_are_escaped() {
     let description = document.descendants().find(|node| node.has_tag_name("description"));
     assert_eq!(description.unwrap().text(), Some("A bumpy chamber for tests & <examples>"));
     assert!(text(&package, "README.md").contains("tests & <examples>"));
+}
+
+fn for_ros2() -> Memory {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let gazebo = target("gazebo").unwrap().build(serde_json::json!({ "ros2": true }), None).unwrap();
+    let mut memory = Memory::default();
+    gazebo.export(&chamber.scene(), &mut memory).unwrap();
+    memory
+}
+
+#[test]
+fn a_rover_is_added_on_request_only() {
+    let (alone, with) = (export(GazeboSettings::default()), for_ros2());
+    assert!(alone.bytes.keys().all(|path| !path.contains("ros2") && !path.contains("rover")));
+    assert!(with.bytes.contains_key("ros2/maps/map_0.png"), "the chamber has a floor");
+    for (path, bytes) in &alone.bytes {
+        assert!(path == "README.md" || with.bytes[path] == *bytes, "{path} differs");
+    }
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// The rover of MuJoCo has its sizes in halves.
+#[test]
+fn the_rover_is_that_of_mujoco() {
+    let (package, folder) = (for_ros2(), tempfile::tempdir().unwrap());
+    let chamber = sample::Chamber::new(folder.path()).unwrap();
+    let mut other = Memory::default();
+    let mujoco = target("mujoco").unwrap().build(serde_json::json!({}), None).unwrap();
+    mujoco.export(&chamber.scene(), &mut other).unwrap();
+    let mjcf = Document::parse(text(&other, "rover.xml")).unwrap();
+    let sdf = Document::parse(text(&package, "models/chamber_rover/model.sdf")).unwrap();
+    let named = |name: &str, tag: &str| {
+        let found = |node: &Node| node.has_tag_name(tag) && node.attribute("name") == Some(name);
+        mjcf.descendants().find(found).or_else(|| sdf.descendants().find(found)).unwrap_or_else(|| panic!("{name}"))
+    };
+    for part in ["chassis", "deck", "mast", "head"] {
+        let geom = named(&format!("rover_{}", if part == "chassis" { "hull" } else { part }), "geom");
+        let visual = named(part, "visual");
+        let half: Vec<f64> =
+            numbers(child(visual, "geometry/box/size").text().unwrap()).iter().map(|n| n / 2.0).collect();
+        assert_eq!(numbers(geom.attribute("size").unwrap()), half, "{part}");
+        assert_eq!(
+            numbers(geom.attribute("pos").unwrap()),
+            numbers(child(visual, "pose").text().unwrap())[..3],
+            "{part}"
+        );
+    }
+    for wheel in ["front_left", "front_right", "rear_left", "rear_right"] {
+        let body = named(&format!("rover_wheel_{wheel}"), "body");
+        let link = named(&format!("wheel_{wheel}"), "link");
+        assert_eq!(numbers(body.attribute("pos").unwrap()), numbers(child(link, "pose").text().unwrap())[..3]);
+        assert_eq!(number(link, "inertial/mass"), 2.5);
+    }
+    let camera = named("camera", "sensor");
+    assert_eq!(
+        numbers(named("rover_camera", "camera").attribute("pos").unwrap()),
+        numbers(child(camera, "pose").text().unwrap())[..3]
+    );
+}
+
+/// The full text, so that changes show up in review.
+#[test]
+fn texts_for_ros_2_are_golden() {
+    let package = for_ros2();
+    for path in [
+        "models/chamber_rover/model.sdf",
+        "ros2/launch/cave.launch.py",
+        "ros2/config/bridge.yaml",
+        "ros2/config/nav2.yaml",
+    ] {
+        insta::assert_snapshot!(path.replace('/', "_"), text(&package, path));
+    }
 }
 
 /// The full text, so that changes show up in review.

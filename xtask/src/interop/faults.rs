@@ -58,7 +58,7 @@ impl Fault {
     }
 }
 
-static FAULTS: [Fault; 29] = [
+static FAULTS: [Fault; 32] = [
     Fault {
         name: "a hole in the collision mesh",
         reader: "pybullet",
@@ -107,6 +107,27 @@ static FAULTS: [Fault; 29] = [
         message: "has no normals",
         file: "gazebo/models/chamber/meshes/chunk_0_0_0_collision.obj",
         rewrite: |bytes| Some(without_normals(&bytes)),
+    },
+    Fault {
+        name: "an unknown element of the rover",
+        reader: "gazebo",
+        message: "wheel_radios",
+        file: "gazebo_ros2/models/chamber_rover/model.sdf",
+        rewrite: |bytes| replace(&bytes, "<mass>40</mass>", "<mass>40</mass><wheel_radios>1</wheel_radios>"),
+    },
+    Fault {
+        name: "a wheel that turns the other way",
+        reader: "gazebo",
+        message: "the rover drove",
+        file: "gazebo_ros2/models/chamber_rover/model.sdf",
+        rewrite: |bytes| replace(&bytes, "<xyz>0 1 0</xyz>", "<xyz>0 -1 0</xyz>"),
+    },
+    Fault {
+        name: "wheels further apart than they are",
+        reader: "gazebo",
+        message: "the rover turned",
+        file: "gazebo_ros2/models/chamber_rover/model.sdf",
+        rewrite: |bytes| replace(&bytes, "<wheel_separation>0.56<", "<wheel_separation>1.12<"),
     },
     Fault {
         name: "wrong bounds of an accessor",
