@@ -527,7 +527,10 @@ FAULTS_OF_TASKS = {
     "another distance": (in_rows("tasks.csv", lambda row: row.update(geodesic_m="1")), "other distances"),
     "a thing elsewhere": (in_rows("search.csv", lambda row: row.update(x_m="99")), "elsewhere"),
     "another thing": (in_rows("search.csv", lambda row: row.update(id="0")), "has other things"),
-    "a thing nearer to the start": (in_rows("search.csv", lambda row: row.update(from_start_m="0.1")), "another length"),
+    "a thing nearer to the start": (
+        in_rows("search.csv", lambda row: row.update(from_start_m="0.1")),
+        "another length",
+    ),
     "one view only": (overlook, "are seen from no view"),
     "a view elsewhere": (see_through, "a view is elsewhere"),
 }

@@ -80,7 +80,10 @@ def check_lengths(ways):
     starts = np.flatnonzero(ways.from_start == 0)
     require(len(starts) > 0, "no length from the start is 0")
     require(ways.to_goal.shape == (len(ways.goal), len(ways.cell)), "lengths to goals are of another shape")
-    fields = [(starts, ways.from_start), *((goal, lengths) for goal, lengths in zip(ways.goal, ways.to_goal, strict=True))]
+    fields = [
+        (starts, ways.from_start),
+        *((goal, lengths) for goal, lengths in zip(ways.goal, ways.to_goal, strict=True)),
+    ]
     for places, lengths in fields:
         require(np.isfinite(lengths).all(), "a length is not finite")
         require(np.allclose(lengths[places], 0), "a length does not begin with 0")
@@ -130,7 +133,9 @@ def check_episodes(ways, floor, episodes):
         require(np.allclose(np.linalg.norm(turns, axis=1), 1, atol=1e-3), f"{name} has a rotation that is none")
         ends = np.abs([path[0] - start, path[-1] - goal])
         # Wheels rest on a plane, and the floor is as rough as it is.
-        require(ends[:, :2].max() < 0.05 and ends.max() < NEAR_M, f"{name} has a path that is {ends.max()} m from its ends")
+        require(
+            ends[:, :2].max() < 0.05 and ends.max() < NEAR_M, f"{name} has a path that is {ends.max()} m from its ends"
+        )
         steps = np.diff(path, axis=0)
         along = (looks(turns[1:])[1:-1] * (path[2:] - path[:-2])).sum(axis=1) / np.maximum(
             np.linalg.norm(path[2:] - path[:-2], axis=1), 1e-6
@@ -181,7 +186,9 @@ def check_search(package, ways, sought):
         [place] = np.flatnonzero(ways.cell == int(row["cell"]))
         away, _ = ways.tree.query(at)
         own = np.linalg.norm(ways.at[place] - at)
-        require(abs(own - away) < 2e-3 and abs(float(row["away_m"]) - own) < 2e-3, f"{number} is nearer to another cell")
+        require(
+            abs(own - away) < 2e-3 and abs(float(row["away_m"]) - own) < 2e-3, f"{number} is nearer to another cell"
+        )
         told = float(row["from_start_m"])
         require(abs(told - ways.from_start[place]) < 2e-3, f"search.csv has {number} at another length from the start")
     return len(rows)

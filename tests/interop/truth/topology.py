@@ -44,10 +44,14 @@ def check_passages(graph, places):
         x, y, z = places[end] - places[start]
         require(abs(edge["length_m"] - math.hypot(x, y, z)) < 2e-3, f"{name} is {edge['length_m']} m long")
         slope = math.degrees(math.atan2(z, math.hypot(x, y)))
-        require(abs(edge["slope_deg"] - slope) < 2e-3, f"{name} has a slope of {edge['slope_deg']}, not {slope} degrees")
+        require(
+            abs(edge["slope_deg"] - slope) < 2e-3, f"{name} has a slope of {edge['slope_deg']}, not {slope} degrees"
+        )
         require(edge["class"] in CLASSES, f"{name} is {edge['class']}")
         is_go = edge["class"] == "go"
-        require(is_go == ("stopped_by" not in edge), f"{name} is {edge['class']} and stopped by {edge.get('stopped_by')}")
+        require(
+            is_go == ("stopped_by" not in edge), f"{name} is {edge['class']} and stopped by {edge.get('stopped_by')}"
+        )
         if not is_go and edge["stopped_by"] != "no-floor":
             more = edge["value"] - edge["limit"]
             is_beyond = more <= 0 if edge["stopped_by"] in ("headroom", "width") else more >= 0
