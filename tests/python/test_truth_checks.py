@@ -465,7 +465,7 @@ def shorten(arrays):
 
 
 def lengthen(arrays):
-    arrays["to_goal"] *= np.float32(1.5)
+    arrays["to_goal"] *= np.float32(3)
 
 
 def shift_ways(arrays):
