@@ -130,6 +130,7 @@ def check_episodes(ways, floor, episodes):
         points = episode["shortest_paths"][0]
         path = upright([point["position"] for point in points])
         turns = np.array([episode["start_rotation"], *(point["rotation"] for point in points)])
+        require(len(path) > 2, f"{name} has a path of {len(path)} points")
         require(np.allclose(np.linalg.norm(turns, axis=1), 1, atol=1e-3), f"{name} has a rotation that is none")
         ends = np.abs([path[0] - start, path[-1] - goal])
         # Wheels rest on a plane, and the floor is as rough as it is.
