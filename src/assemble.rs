@@ -303,10 +303,7 @@ fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
         let reaches = ends.map(|end| f64::from(sizes.reach(&graph[end]).aside_m));
         Passage { ends: ends.map(StationId::index), reach_m: reaches[0].max(reaches[1]) }
     };
-    Network {
-        stations: graph.nodes.iter().map(station).collect(),
-        passages: graph.edges.iter().map(passage).collect(),
-    }
+    Network { stations: graph.nodes.iter().map(station).collect(), passages: graph.edges.iter().map(passage).collect() }
 }
 
 /// Start poses; if there is no headroom anywhere, the first station, since a scene must have one.

@@ -13,7 +13,7 @@ use plume_truth::Waypoint;
 use serde::Serialize;
 
 use super::TruthSettings;
-use super::tasks::Task;
+use super::tasks::{Task, rounded};
 use crate::error::ExportError;
 use crate::frame;
 use crate::package::Package;
@@ -107,9 +107,4 @@ fn pose(at: &Isometry3<f64>) -> ([f64; 3], [f64; 4]) {
     let half_rad = heading_rad / 2.0 - std::f64::consts::FRAC_PI_4;
     let position = frame::gltf_from_scene(at.translation.vector.into());
     (position, [0.0, libm::sin(half_rad), 0.0, libm::cos(half_rad)])
-}
-
-/// To a ten-thousandth.
-fn rounded(value: f64) -> f64 {
-    (value * 1e4).round() / 1e4
 }

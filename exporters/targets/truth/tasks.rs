@@ -163,8 +163,8 @@ impl<'a> Tasks<'a> {
         let view = |View { place, sees }: &View| {
             json!({
                 "cell": self.territory.cells()[*place],
-                "position": self.territory.at_m()[*place],
-                "from_start_m": self.from_start.length_m(*place),
+                "position": self.territory.at_m()[*place].map(rounded),
+                "from_start_m": rounded(self.from_start.length_m(*place)),
                 "sees": sees,
             })
         };
@@ -207,4 +207,9 @@ impl<'a> Tasks<'a> {
         things.retain(|thing| self.scene.sought.contains(&thing.class));
         Ok(things)
     }
+}
+
+/// To a ten-thousandth.
+pub fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
 }

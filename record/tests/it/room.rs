@@ -7,7 +7,9 @@ use std::sync::atomic::AtomicBool;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use plume_exporters::ImageFormat;
 use plume_exporters::package::Memory;
-use plume_exporters::scene::{ByZone, Chunk, Chunks, Content, Image, Instance, Light, Lod, Material, Mesh, Network, Piece, Prototype, Scene, Zone};
+use plume_exporters::scene::{
+    ByZone, Chunk, Chunks, Content, Image, Instance, Light, Lod, Material, Mesh, Network, Piece, Prototype, Scene, Zone,
+};
 use plume_record::layout;
 use plume_record::rig::Rig;
 use plume_record::trajectory::{Stamped, Trajectory};
