@@ -14,7 +14,7 @@ const OCTILE: f64 = 1.0824;
 const EYE: Eye = Eye { height_m: 0.5, range_m: 4.0, sight_m: 0.1 };
 
 fn rover() -> Profile {
-    robot("rover").unwrap().settings.profile(0.8)
+    robot("rover").expect("it is in the table").settings.profile(0.8)
 }
 
 fn away(a: [f64; 3], b: [f64; 3]) -> f64 {
