@@ -6,6 +6,7 @@ pub mod fbx;
 pub mod geotiff;
 #[doc(hidden)]
 pub mod gltf;
+pub mod graphml;
 pub mod las;
 #[doc(hidden)]
 pub mod msh;
@@ -18,3 +19,4 @@ pub mod pixels;
 pub mod ply;
 pub mod points;
 pub mod stl;
+pub mod survex;

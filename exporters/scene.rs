@@ -18,8 +18,10 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::names;
 
+pub use self::network::{Network, Station};
 pub use self::things::{Gravel, Instance, Prototype, Stone};
 
+mod network;
 mod things;
 
 /// A static world in chunks.
@@ -43,6 +45,10 @@ pub struct Scene<'a> {
     pub spawns: Vec<Isometry3<f64>>,
     /// Lights.
     pub lights: Vec<Light>,
+    /// The passages, as far as they are known; may be empty.
+    pub network: Network,
+    /// Classes of things that are there to be searched for.
+    pub sought: Vec<String>,
     /// Coulomb friction of rubber on the rock.
     pub friction: ByZone,
     /// Downward acceleration in m/s².
@@ -57,7 +63,7 @@ impl Scene<'_> {
     /// Checks what can be checked without loading a chunk.
     ///
     /// # Errors
-    /// [`ExportError::BadScene`] if a name is not safe or not unique, or there is no chunk or no start pose.
+    /// [`ExportError::BadScene`] if a name is not safe or not unique, there is no chunk or no start pose, or a passage leads nowhere.
     pub fn check(&self) -> Result<(), ExportError> {
         if !names::is_safe(&self.name) {
             return Err(self.fault("its name is not `[a-z][a-z0-9_]*`".to_owned()));
@@ -70,7 +76,7 @@ impl Scene<'_> {
         if lights.windows(2).any(|pair| pair[0] == pair[1]) || !lights.into_iter().all(names::is_safe) {
             return Err(self.fault("the name of a light is taken or not `[a-z][a-z0-9_]*`".to_owned()));
         }
-        Ok(())
+        self.network.fault().map_or(Ok(()), |fault| Err(self.fault(fault.to_owned())))
     }
 
     /// Loads a chunk and checks it, so that exporters may index its arrays.

@@ -8,10 +8,10 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Point3};
-use plume_exporters::scene::{self, ByZone, Chunks, Content, Light, Scene};
+use plume_exporters::scene::{self, ByZone, Chunks, Content, Light, Network, Scene, Station};
 
 use self::dressing::{Dressing, Role};
-use crate::field::Field;
+use crate::field::{Field, PassageSettings};
 use crate::mesh;
 use crate::placement::{self, Lamp};
 use crate::recipe::{Recipe, WorldSettings};
@@ -19,7 +19,8 @@ use crate::store::ply::PlyMesh;
 use crate::store::{self, CaveFolder, Facts, LodFacts, Stage, ThingFacts, Unit};
 use crate::texture::{HEIGHT_AMPLITUDE_M, Maps, TextureSettings};
 use crate::things::{Kinds, Thing};
-use plume_graph::Graph;
+use plume_graph::{Graph, Node, StationId};
+use plume_truth::Passage;
 
 /// The things of a role in a chunk of the wall.
 struct Dressed {
@@ -282,6 +283,8 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
         chunks,
         spawns: spawns(field, graph, world.spawns),
         lights: if world.lights { lights(field, graph, world) } else { Vec::new() },
+        network: network(graph, recipe.passage()),
+        sought: recipe.kinds().sought().map(str::to_owned).collect(),
         friction: ByZone { floor: world.friction, wall: world.wall_friction, ceiling: world.wall_friction },
         gravity: world.gravity,
         collision_error_m: recipe.mesh().collision_error_m.into(),
@@ -291,6 +294,16 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
             ceiling: recipe.pieces().ceiling_tolerance_m.into(),
         },
     }
+}
+
+/// The stations and passages of a graph, in its order.
+fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
+    let station = |node: &Node| Station { name: node.id.to_string(), position: node.position, level: node.level };
+    let passage = |ends: &[StationId; 2]| {
+        let reaches = ends.map(|end| f64::from(sizes.reach(&graph[end]).aside_m));
+        Passage { ends: ends.map(StationId::index), reach_m: reaches[0].max(reaches[1]) }
+    };
+    Network { stations: graph.nodes.iter().map(station).collect(), passages: graph.edges.iter().map(passage).collect() }
 }
 
 /// Start poses; if there is no headroom anywhere, the first station, since a scene must have one.

@@ -50,7 +50,6 @@ pub mod placement;
 pub mod preset;
 #[doc(hidden)]
 pub mod preview;
-pub mod robot;
 mod srgb;
 #[doc(hidden)]
 pub mod store;
@@ -75,6 +74,7 @@ pub use graph::{GenerateError, Generator, Graph, VERSION};
 pub use material::{MATERIALS, Material, MaterialRow, Rock};
 pub use mesh::{Grid, Mesh, MeshSettings};
 pub use pipeline::{Observer, Unobserved};
+pub use plume_truth::robot;
 pub use recipe::Recipe;
 pub use registry::{RegisterError, Registry};
 pub use store::{CaveFolder, Stage};

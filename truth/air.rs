@@ -103,11 +103,15 @@ impl Terrain for Air<'_> {
     }
 
     fn pose(&self, state: State) -> Pose {
-        let gap = &self.floor.cells()[state.cell as usize];
+        Pose { position_m: self.place_m(state.cell as usize), heading_rad: 0.0 }
+    }
+
+    fn place_m(&self, cell: usize) -> [f64; 3] {
+        let gap = &self.floor.cells()[cell];
         let [x, y] = self.floor.centre_m(gap.cell);
-        let known = self.known[state.cell as usize].unwrap_or_default();
+        let known = self.known[cell].unwrap_or_default();
         let [low, high] = known[0].or(known[1]).unwrap_or([gap.floor_m, gap.ceiling_m]);
-        Pose { position_m: [x, y, f64::from(low + high) / 2.0], heading_rad: 0.0 }
+        [x, y, f64::from(low + high) / 2.0]
     }
 
     fn rest(&self, pose: &Pose) -> Option<Rest> {

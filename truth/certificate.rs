@@ -6,8 +6,8 @@
 
 use super::floor::{Floor, NEIGHBORS, beside};
 use super::route::{Route, length_m};
+use super::scout::{AT_PLACE_M, Scout};
 use super::search::{self, Routes, Sense, State};
-use super::survey::{self, AT_PLACE_M, Survey};
 use super::vehicle::{Cause, Class, Fault, Profile};
 
 /// Furthest from the end of a passage at which a way along it may begin, as a share of the passage: so every way has a length.
@@ -91,15 +91,16 @@ pub struct Verdict {
 impl Certificate {
     /// Certifies a robot that starts at a place in metres, which is within a metre of its floor.
     pub fn of(floor: &Floor, robot: &Profile, network: &Network, start_m: [f64; 3]) -> Self {
-        let mut terrain = survey::terrain(floor, robot);
-        Survey { floor, terrain: &mut *terrain }.certify(network, start_m)
+        Scout::new(floor, robot).certify(network, start_m)
     }
 }
 
-impl Survey<'_> {
-    fn certify(&mut self, network: &Network, start_m: [f64; 3]) -> Certificate {
+impl Scout<'_> {
+    /// Certifies the robot, which starts at a place in metres within a metre of its floor.
+    pub fn certify(&mut self, network: &Network, start_m: [f64; 3]) -> Certificate {
         let starts = self.at_start(start_m);
-        let mut from_start = |sense| Routes::search(self.terrain, &starts, &[], sense, Class::Marginal, &|_| true);
+        let mut from_start =
+            |sense| Routes::search(&mut *self.terrain, &starts, &[], sense, Class::Marginal, &|_| true);
         let (out, home) = (from_start(Sense::Ahead), from_start(Sense::Back));
         let stations: Vec<Reach> = network.stations.iter().map(|station| self.reach(*station, &out, &home)).collect();
         let furthest = self.furthest(network, &stations, &out);
@@ -162,7 +163,7 @@ impl Survey<'_> {
         let back = self.verdict(&other, &one, ends[1], &is_inside);
         let ends = ends.map(|end| self.around(end));
         let is_end = |cell: usize| ends[1].contains(&cell);
-        let widest_m = 2.0 * search::widest_m(self.terrain, &ends[0], &is_in_passage, &is_end);
+        let widest_m = 2.0 * search::widest_m(&mut *self.terrain, &ends[0], &is_in_passage, &is_end);
         Through { there, back, widest_m: widest_m.into() }
     }
 
@@ -182,7 +183,7 @@ impl Survey<'_> {
         from_m: [f64; 3],
         is_inside: &dyn Fn(State) -> bool,
     ) -> Verdict {
-        let routes = Routes::search(self.terrain, starts, goals, Sense::Ahead, Class::NoGo, is_inside);
+        let routes = Routes::search(&mut *self.terrain, starts, goals, Sense::Ahead, Class::NoGo, is_inside);
         let Some(goal) = routes.goal else {
             let fault = Fault { cause: Cause::NoFloor, value: 0.0, limit: 0.0 };
             return Verdict { class: Class::NoGo, fault: Some((fault, from_m)), route: Route::default() };

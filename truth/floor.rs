@@ -168,15 +168,25 @@ impl<'a> Lookup<'a> {
 
     /// Floor and ceiling in metres at a point of the map in metres: those whose floor is nearest to a height.
     pub fn gap(&mut self, point_m: [f64; 2], near_m: f32) -> Option<[f32; 2]> {
+        let away_m = |gap: &&Gap| (gap.floor_m - near_m).abs();
+        let gap = self.over(point_m).iter().min_by(|a, b| away_m(a).total_cmp(&away_m(b)))?;
+        Some([gap.floor_m, gap.ceiling_m])
+    }
+
+    /// Floor and ceiling in metres of the air at a point of the map and a height in metres.
+    pub fn holding(&mut self, point_m: [f64; 2], z_m: f32) -> Option<[f32; 2]> {
+        let gap = self.over(point_m).iter().find(|gap| gap.floor_m <= z_m && z_m <= gap.ceiling_m)?;
+        Some([gap.floor_m, gap.ceiling_m])
+    }
+
+    /// The cells over a point of the map in metres, from below.
+    fn over(&mut self, point_m: [f64; 2]) -> &'a [Gap] {
         let (tile, place) = Tiles::place(self.floor.cell_at(point_m));
         if tile != self.tile {
             (self.tile, self.ranges) = (tile, self.floor.columns.0.get(&tile).map(|ranges| &**ranges));
         }
-        let [first, end] = self.ranges?[place];
-        let over = &self.floor.cells[first as usize..end as usize];
-        let away_m = |gap: &&Gap| (gap.floor_m - near_m).abs();
-        let gap = over.iter().min_by(|a, b| away_m(a).total_cmp(&away_m(b)))?;
-        Some([gap.floor_m, gap.ceiling_m])
+        let [first, end] = self.ranges.map_or([0; 2], |ranges| ranges[place]);
+        &self.floor.cells[first as usize..end as usize]
     }
 }
 

@@ -153,6 +153,11 @@ impl Terrain for Ground<'_> {
         Some(Rest { class, height_m: ground_m, climb_rad, lean_rad })
     }
 
+    fn place_m(&self, cell: usize) -> [f64; 3] {
+        let ([x, y], z) = self.place(cell);
+        [x, y, z]
+    }
+
     fn room_m(&mut self, cell: usize) -> f32 {
         self.clearance.of_m[cell]
     }

@@ -9,7 +9,9 @@
 //! [`Voxels`] and [`Distances`] tell of the cubes of a grid what passes through them, and how far their centres are from that; both
 //! hold what they say of the grid and no triangles. [`samples`] spreads points over the surface.
 //!
-//! [`Certificate`] tells where a robot gets on a floor and what stops it, and [`Route`] is a path for it.
+//! [`Certificate`] tells where a robot gets on a floor and what stops it, and [`Route`] is a path for it. [`Territory`] is where it
+//! surely gets and comes back from, with the lengths of its ways; [`Episode`]s lead through it, and from [`views`] it sees all of it.
+//! [`robot`] is a table of robots. [`Room`] is what is around a station of a survey.
 //!
 //! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell.
 //!
@@ -39,31 +41,41 @@ mod certificate;
 mod clearance;
 mod columns;
 mod distances;
+mod episodes;
 mod floor;
 mod ground;
 mod inside;
 mod lattice;
 mod map;
+pub mod robot;
+mod room;
 mod route;
 mod samples;
+mod scout;
 mod search;
 mod stance;
 mod storeys;
-mod survey;
+mod territory;
 mod vector;
 mod vehicle;
+mod views;
 mod voxels;
 
 pub use blocks::{Block, CELLS, SIDE};
 pub use certificate::{Certificate, Network, Passage, Reach, Through, Verdict};
 pub use columns::{Columns, Gap};
 pub use distances::Distances;
+pub use episodes::Episode;
 pub use floor::{Floor, Relief, Robot};
 pub use inside::Inside;
 pub use map::{OccupancyMap, State};
+pub use room::Room;
 pub use route::{Route, Waypoint};
 pub use samples::{Sample, samples};
+pub use scout::Scout;
 pub use search::Pose;
 pub use storeys::Storeys;
+pub use territory::{Geodesic, Territory};
 pub use vehicle::{Cause, Class, Drone, Fault, Profile, Vehicle};
+pub use views::{Eye, View, views};
 pub use voxels::Voxels;

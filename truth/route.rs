@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Add;
 
 use super::floor::Floor;
+use super::scout::Scout;
 use super::search::{Pose, Rest, Routes, Sense, State};
-use super::survey::{self, Survey};
 use super::vector::away;
 use super::vehicle::{Class, Profile};
 
@@ -51,27 +51,26 @@ impl Route {
     /// # Errors
     /// The number of the first place that cannot be reached from the one before.
     pub fn via(floor: &Floor, robot: &Profile, start_m: [f64; 3], places_m: &[[f64; 3]]) -> Result<Self, usize> {
-        let mut terrain = survey::terrain(floor, robot);
-        let mut survey = Survey { floor, terrain: &mut *terrain };
-        let mut starts = survey.at_start(start_m);
+        let mut scout = Scout::new(floor, robot);
+        let mut starts = scout.at_start(start_m);
         let mut way: Vec<State> = Vec::new();
         let mut class = Class::Go;
         for (number, place) in places_m.iter().enumerate() {
-            let goals = survey.at_place(*place);
-            let routes = Routes::search(survey.terrain, &starts, &goals, Sense::Ahead, Class::Marginal, &|_| true);
+            let goals = scout.at_place(*place);
+            let routes = Routes::search(&mut *scout.terrain, &starts, &goals, Sense::Ahead, Class::Marginal, &|_| true);
             let goal = routes.goal.ok_or(number)?;
             let leg = routes.way(goal);
             way.extend(&leg[usize::from(!way.is_empty())..]);
             class = class.max(routes.class(goal).unwrap_or_default());
             starts = vec![goal];
         }
-        Ok(Self::along(&mut survey, &way, class))
+        Ok(Self::along(&mut scout, &way, class))
     }
 
     /// The path along a way whose worst class is this.
-    pub(super) fn along(survey: &mut Survey, way: &[State], class: Class) -> Self {
-        let poses = survey.poses(way);
-        Self { waypoints: waypoints(survey, &poses, class), class }
+    pub(super) fn along(scout: &mut Scout, way: &[State], class: Class) -> Self {
+        let poses = scout.poses(way);
+        Self { waypoints: waypoints(scout, &poses, class), class }
     }
 
     /// Length in metres.
@@ -81,13 +80,13 @@ impl Route {
 }
 
 /// Smooths poses between stops; what would be worse than `class` stays as it was found.
-fn waypoints(survey: &mut Survey, poses: &[Pose], class: Class) -> Vec<Waypoint> {
+fn waypoints(scout: &mut Scout, poses: &[Pose], class: Class) -> Vec<Waypoint> {
     let mut places: Vec<[f64; 3]> = poses.iter().map(|pose| pose.position_m).collect();
     places.dedup_by(|next, last| next[..2] == last[..2]);
     let mut found = Vec::new();
     for leg in legs(&places) {
-        let poses = smooth(survey, leg, class);
-        found.extend(poses.into_iter().filter_map(|(pose, rest)| waypoint(survey, &pose, rest?)));
+        let poses = smooth(scout, leg, class);
+        found.extend(poses.into_iter().filter_map(|(pose, rest)| waypoint(scout, &pose, rest?)));
     }
     found
 }
@@ -106,12 +105,12 @@ fn legs(places: &[[f64; 3]]) -> impl Iterator<Item = &[[f64; 3]]> {
 }
 
 /// The poses along a leg, smoothed, and how the robot is there.
-fn smooth(survey: &Survey, places: &[[f64; 3]], class: Class) -> Vec<(Pose, Option<Rest>)> {
+fn smooth(scout: &Scout, places: &[[f64; 3]], class: Class) -> Vec<(Pose, Option<Rest>)> {
     let mut points = relaxed(places);
     // What is not good enough is put back a few points at a time, which ends when everything is as it was.
     loop {
         let poses = along(&points);
-        let rests: Vec<Option<Rest>> = poses.iter().map(|pose| survey.terrain.rest(pose)).collect();
+        let rests: Vec<Option<Rest>> = poses.iter().map(|pose| scout.terrain.rest(pose)).collect();
         let is_bad = |number: &usize| rests[*number].is_none_or(|rest| rest.class > class);
         let moved = |number: &usize| points[*number] != places[*number];
         let bad: Vec<usize> = (0..points.len()).filter(is_bad).collect();
@@ -149,11 +148,11 @@ fn along(points: &[[f64; 3]]) -> Vec<Pose> {
     (0..points.len()).map(pose).collect()
 }
 
-fn waypoint(survey: &mut Survey, pose: &Pose, rest: Rest) -> Option<Waypoint> {
+fn waypoint(scout: &mut Scout, pose: &Pose, rest: Rest) -> Option<Waypoint> {
     let [x, y, _] = pose.position_m;
     let Rest { height_m, climb_rad, lean_rad, .. } = rest;
-    let cell = survey.floor.under([x, y, height_m + SAME_FLOOR_M])?;
-    let clearance_m = survey.terrain.room_m(cell).into();
+    let cell = scout.floor.under([x, y, height_m + SAME_FLOOR_M])?;
+    let clearance_m = scout.terrain.room_m(cell).into();
     Some(Waypoint { position_m: [x, y, height_m], heading_rad: pose.heading_rad, climb_rad, lean_rad, clearance_m })
 }
 

@@ -57,6 +57,9 @@ pub trait Terrain {
     /// How the robot would be at a place in metres that is not one of the states; `None` if it cannot be there.
     fn rest(&self, pose: &Pose) -> Option<Rest>;
 
+    /// Where something small is at a cell, in metres: on the floor, or in the air for a drone.
+    fn place_m(&self, cell: usize) -> [f64; 3];
+
     /// Radius in metres of what there is room for at a cell.
     fn room_m(&mut self, cell: usize) -> f32;
 

@@ -8,6 +8,7 @@ use super::found::Found;
 
 mod fbx;
 mod gltf;
+mod gzip;
 mod image;
 mod json;
 mod las;
@@ -33,11 +34,12 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["fbx"], fbx::read),
     (&["glb"], gltf::read_binary),
     (&["gltf"], gltf::read_text),
+    (&["gz"], gzip::read),
     (&["jpg", "jpeg"], image::read_jpeg),
     (&["json", "asmdef", "asmref", "uplugin"], json::read),
     (&["ktx2"], image::read_ktx2),
     (&["las"], las::read),
-    (&["md", "txt", "py", "cs"], read_plain),
+    (&["md", "txt", "py", "cs", "csv", "svx"], read_plain),
     (&["meta", "prefab", "mat", "physicmaterial", "asset", "unity"], unity::read),
     (&["msh"], msh::read),
     (&["mtl"], obj::read_materials),
@@ -53,7 +55,7 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["usdz"], usdz::read),
     (&["webp"], image::read_webp),
     (&["yaml"], map::read),
-    (&["xml", "sdf", "urdf", "xacro", "world", "config", "mjcf", "dae", "x3d"], xml::read),
+    (&["xml", "sdf", "urdf", "xacro", "world", "config", "mjcf", "dae", "x3d", "graphml"], xml::read),
 ];
 
 /// Reads a file by its extension.

@@ -9,6 +9,13 @@
 //! voxels.npz        the same with labels, as arrays
 //! distance.npz      how far the surface is from the centres of these cells
 //! cloud.*           points on the surface
+//! network.graphml   stations and passages each way, and whether a robot gets through
+//! survey.svx        the same as a cave survey
+//! geodesic.npz      how far it is for the robot from the start and to goals
+//! episodes.json.gz  starts and goals with shortest paths, as Habitat has them
+//! tasks.csv         the same as a table
+//! search.csv        things to be searched for
+//! coverage.json     places from which everything is seen
 //! labels.json       what the labels stand for
 //! truth.json        what is where
 //! README.md
@@ -16,10 +23,11 @@
 //! Gravel is left out: nothing collides with it. Chunks are loaded one at a time, and no triangle is kept.
 
 use minijinja::context;
-use plume_truth::{Floor, Robot, Storeys, Voxels};
+use plume_truth::robot::{self, Known};
+use plume_truth::{Floor, Robot, Scout, Storeys, Voxels};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::error::ExportError;
 use crate::frame::Axes;
@@ -29,22 +37,27 @@ use crate::scene::Scene;
 use crate::{Build, Summary, Target, TargetRow, template};
 use floors::Floors;
 use table::{Entry, FRAME, Table};
+use tasks::Tasks;
+use topology::Topology;
 use world::World;
 
 mod cloud;
 mod floors;
 mod grids;
+mod habitat;
 mod table;
+mod tasks;
+mod topology;
 mod world;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
     name: "truth",
-    summary: "ground truth for robots: floor, occupancy maps, OctoMap, distances, point clouds, elevation, with labels",
-    revision: 1,
-    opened_by: "NumPy, the map server of ROS 2 (Nav2), OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL and QGIS",
-    contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays and as GeoTIFF; PNG and YAML of an occupancy map per storey; an OctoMap; labels and signed distances of voxels; labelled points as PCD, PLY and LAS",
-    tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, the OctoMap library, pypcd4, plyfile, laspy and rasterio, against rays through the triangles of target `ply` (trimesh) and distances from them (libigl)",
+    summary: "ground truth for robots: floor, occupancy maps, OctoMap, distances, point clouds, elevation, with labels; network, survey, geodesics and tasks",
+    revision: 2,
+    opened_by: "NumPy, the map server of ROS 2 (Nav2), OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL, QGIS, networkx, Survex and Habitat",
+    contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays and as GeoTIFF; PNG and YAML of an occupancy map per storey; an OctoMap; labels and signed distances of voxels; labelled points as PCD, PLY and LAS; for a robot, the network of passages as GraphML and Survex, geodesics, PointNav episodes, lists to search for, coverage",
+    tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, the OctoMap library, pypcd4, plyfile, laspy, rasterio, networkx, Survex and SciPy, against rays through the triangles of target `ply` (trimesh) and distances from them (libigl)",
     checks: &["truth"],
     images: &[],
     is_single_file: false,
@@ -76,11 +89,35 @@ pub enum Part {
     Ply,
     /// `cloud.las`.
     Las,
+    /// `network.graphml`.
+    Network,
+    /// `survey.svx`.
+    Survey,
+    /// `geodesic.npz`.
+    Geodesic,
+    /// `episodes.json.gz` and `tasks.csv`.
+    Episodes,
+    /// `search.csv`.
+    Search,
+    /// `coverage.json`.
+    Coverage,
 }
 
 impl Part {
     /// Those that need the floor.
-    const OF_FLOOR: [Self; 3] = [Self::Floor, Self::Maps, Self::Elevation];
+    const OF_FLOOR: [Self; 9] = [
+        Self::Floor,
+        Self::Maps,
+        Self::Elevation,
+        Self::Network,
+        Self::Survey,
+        Self::Geodesic,
+        Self::Episodes,
+        Self::Search,
+        Self::Coverage,
+    ];
+    /// Those that need to know where a robot gets from its start.
+    const OF_TASKS: [Self; 4] = [Self::Geodesic, Self::Episodes, Self::Search, Self::Coverage];
     /// Those that need points on the surface.
     const OF_CLOUD: [Self; 3] = [Self::Pcd, Self::Ply, Self::Las];
 }
@@ -115,14 +152,40 @@ pub struct TruthSettings {
     /// Points of the clouds per square metre of surface.
     #[schemars(range(min = 1.0, max = 10000.0))]
     pub points_per_m2: f64,
+    /// Robot of the network, of geodesics and of tasks: one of `plume list robots`.
+    #[schemars(schema_with = "robot::name_schema")]
+    pub robot: Known,
+    /// Number of goals of geodesics and episodes.
+    #[schemars(range(min = 0, max = 1000))]
+    pub goals: u32,
+    /// Places of goals in metres, instead of those far from the start and from each other.
+    pub goals_at: Vec<[f64; 3]>,
+    /// Number of episodes, each to one of the goals.
+    #[schemars(range(min = 0, max = 100000))]
+    pub episodes: u32,
+    /// Radius of the goals of episodes in metres.
+    #[schemars(range(min = 0.01, max = 10.0))]
+    pub goal_radius_m: f64,
+    /// How far a view of the coverage reaches, in metres.
+    #[schemars(range(min = 0.5, max = 100.0))]
+    pub view_range_m: f64,
+    /// Height of its eye over the floor in metres.
+    #[schemars(range(min = 0.05, max = 10.0))]
+    pub view_height_m: f64,
+    /// Standard deviation of lengths in the survey, in metres; 0 measures without errors.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub tape_sd_m: f64,
+    /// Standard deviation of its compass and clinometer, in degrees.
+    #[schemars(range(min = 0.0, max = 30.0))]
+    pub angle_sd_deg: f64,
 }
 
 impl Default for TruthSettings {
     fn default() -> Self {
-        let clouds = Part::OF_CLOUD.into_iter();
+        let others = Part::OF_CLOUD.into_iter().chain([Part::Network, Part::Survey]).chain(Part::OF_TASKS);
         let files = [Part::Floor, Part::Maps, Part::Elevation, Part::Occupancy, Part::Voxels, Part::Distance];
         Self {
-            files: files.into_iter().chain(clouds).collect(),
+            files: files.into_iter().chain(others).collect(),
             cell_m: 0.05,
             height_m: 0.6,
             step_m: 0.1,
@@ -131,6 +194,15 @@ impl Default for TruthSettings {
             voxel_m: 0.1,
             reach_m: 0.5,
             points_per_m2: 100.0,
+            robot: Known(&robot::ROBOTS[0]),
+            goals: 4,
+            goals_at: Vec::new(),
+            episodes: 50,
+            goal_radius_m: 0.2,
+            view_range_m: 5.0,
+            view_height_m: 0.5,
+            tape_sd_m: 0.0,
+            angle_sd_deg: 0.0,
         }
     }
 }
@@ -156,22 +228,26 @@ impl Target for Truth {
             cloud.write(scene, &self.0.files, &mut table, out)?;
         }
         // Last, when the grids are gone: the floor takes as much memory as they do.
-        let mut storeys = Vec::new();
+        let (mut storeys, mut network) = (Vec::new(), None);
         if let Some(floor) = world.columns.map(Floor::new) {
             let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
             let reached = Storeys::reached(&floor, &self.robot(), &starts);
             let floors = Floors { floor: &floor, storeys: &reached, settings: &self.0 };
             storeys = floors.write(scratch.path(), &mut table, out)?;
+            network = Some(self.write_journeys(scene, &floor, &mut table, out)?);
         }
         out.text("labels.json", &pretty(&described(&labels, scene))?)?;
         table.add(Entry::new("labels.json", "what the labels of voxels and points stand for", "1"));
-        let TruthSettings { height_m, step_m, slope_deg, reach_m, .. } = self.0;
+        let TruthSettings { height_m, step_m, slope_deg, reach_m, robot, .. } = self.0;
         let told = json!({
             "generator": scene.generator,
             "frame": FRAME,
             "robot": { "height_m": height_m, "step_m": step_m, "slope_deg": slope_deg },
             "reach_m": reach_m,
             "storeys": storeys,
+            "journeys": { "robot": robot.0.name, "settings": robot.0.settings },
+            "network": network,
+            "sought": scene.sought,
             "files": table,
         });
         out.text("truth.json", &pretty(&told)?)?;
@@ -194,6 +270,56 @@ impl Target for Truth {
 }
 
 impl Truth {
+    /// Writes what has to do with the network and with the robot that gets through it; returns what is told of the network.
+    fn write_journeys(
+        &self,
+        scene: &Scene,
+        floor: &Floor,
+        table: &mut Table,
+        out: &mut dyn Package,
+    ) -> Result<Value, ExportError> {
+        let wants = |part: Part| self.0.files.contains(&part);
+        let profile = self.0.robot.0.settings.profile(scene.friction.floor);
+        // One for all, as it remembers every place that it has looked at.
+        let mut scout = Scout::new(floor, &profile);
+        let topology = Topology { scene, floor, settings: &self.0 };
+        if wants(Part::Network) {
+            let start_m = scene.spawns[0].translation.vector.into();
+            let certificate = scout.certify(&scene.network.ways(), start_m);
+            topology.write_network(&certificate, table, out)?;
+        }
+        if wants(Part::Survey) {
+            topology.write_survey(table, out)?;
+        }
+        if Part::OF_TASKS.into_iter().any(wants) {
+            self.write_tasks(&Tasks::of(scene, &self.0, floor, &mut scout), &mut scout, table, out)?;
+        }
+        Ok(topology.summary())
+    }
+
+    fn write_tasks(
+        &self,
+        tasks: &Tasks,
+        scout: &mut Scout,
+        table: &mut Table,
+        out: &mut dyn Package,
+    ) -> Result<(), ExportError> {
+        let wants = |part: Part| self.0.files.contains(&part);
+        if wants(Part::Geodesic) {
+            tasks.write_geodesic(table, out)?;
+        }
+        if wants(Part::Episodes) {
+            tasks.write_episodes(scout, table, out)?;
+        }
+        if wants(Part::Search) {
+            tasks.write_search(table, out)?;
+        }
+        if wants(Part::Coverage) {
+            tasks.write_coverage(table, out)?;
+        }
+        Ok(())
+    }
+
     fn robot(&self) -> Robot {
         let TruthSettings { height_m, step_m, slope_deg, .. } = self.0;
         Robot { height_m: height_m as f32, step_m: step_m as f32, slope_rad: slope_deg.to_radians() as f32 }
@@ -201,7 +327,7 @@ impl Truth {
 }
 
 /// What labels stand for, and the friction of that.
-fn described(labels: &Labels, scene: &Scene) -> serde_json::Value {
+fn described(labels: &Labels, scene: &Scene) -> Value {
     let labels: Vec<_> = labels
         .all()
         .map(|label| {

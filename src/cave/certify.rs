@@ -5,17 +5,14 @@ use std::path::Path;
 use plume_exporters::scene::Scene;
 use plume_exporters::surface;
 use plume_graph::{Graph, StationId};
-use plume_truth::{
-    Cause, Certificate, Class, Fault, Floor, Network, Passage, Reach, Route, Through, Verdict, Waypoint,
-};
+use plume_truth::robot::{self, ROBOTS, RobotSettings};
+use plume_truth::{Cause, Certificate, Class, Fault, Floor, Reach, Route, Through, Verdict, Waypoint};
 use serde_json::{Value, json};
 
 use super::{Cave, CaveError, read};
-use crate::field::PassageSettings;
 use crate::pipeline::{self, Observer};
 use crate::preview::{Judgement, MAP, judged};
 use crate::recipe::{self, Recipe};
-use crate::robot::{self, ROBOTS, RobotSettings};
 
 /// Side of a cell of the floor in metres.
 const CELL_M: f64 = 0.05;
@@ -101,20 +98,8 @@ impl Cave {
         robot: &'a NamedRobot,
     ) -> Certified<'a> {
         let profile = robot.settings.profile(scene.friction.floor);
-        let certificate = Certificate::of(floor, &profile, &network(&self.graph, self.recipe.passage()), start_m);
+        let certificate = Certificate::of(floor, &profile, &scene.network.ways(), start_m);
         Certified { robot, recipe: &self.recipe, graph: &self.graph, generator: &scene.generator, certificate }
-    }
-}
-
-/// The stations and passages of a graph.
-fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
-    let passage = |ends: &[StationId; 2]| {
-        let reaches = ends.map(|end| f64::from(sizes.reach(&graph[end]).aside_m));
-        Passage { ends: ends.map(StationId::index), reach_m: reaches[0].max(reaches[1]) }
-    };
-    Network {
-        stations: graph.nodes.iter().map(|node| node.position.coords.into()).collect(),
-        passages: graph.edges.iter().map(passage).collect(),
     }
 }
 

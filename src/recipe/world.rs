@@ -23,7 +23,7 @@ pub struct WorldSettings {
     pub gravity: f64,
     /// Robots that must be sure to reach every station from the first start pose and to come back, such as ["husky"]: a
     /// finished cave in which one is not is refused. `plume list robots` lists them.
-    #[schemars(schema_with = "crate::robot::names_schema")]
+    #[schemars(schema_with = "plume_truth::robot::names_schema")]
     pub certify: Vec<String>,
     /// Number of start poses to find, spread over the cave.
     #[schemars(range(min = 1, max = 64))]

@@ -166,6 +166,11 @@ pub struct Kinds<'a> {
 }
 
 impl<'a> Kinds<'a> {
+    /// The names of those that are objects for search tasks.
+    pub fn sought(self) -> impl Iterator<Item = &'a str> {
+        self.rows().filter(|row| matches!(row.place, Place::Lost)).map(|row| row.name)
+    }
+
     /// Their rows.
     pub fn rows(self) -> impl Iterator<Item = KindRow<'a>> {
         let built_in = KINDS.iter().filter_map(move |row| -> Option<KindRow<'a>> {

@@ -1,5 +1,7 @@
 """The checks of ground truth: a good package passes, and each fault is noticed."""
 
+import csv
+import gzip
 import json
 import shutil
 import subprocess
@@ -17,7 +19,10 @@ sys.path.append(str(Path(__file__).parents[1] / "interop/truth"))
 
 import check  # noqa: E402 - the check itself
 
-SMALL = ["--set", "graph.nodes=4", "--set", "texture.size_px=256", "--option", "truth.cell_m=0.1"]
+SMALL = [
+    *("--set", "graph.nodes=4", "--set", "texture.size_px=256", "--set", "things.artefacts=4"),
+    *("--option", "truth.cell_m=0.1", "--option", "truth.view_range_m=3"),
+]
 STATES = (0, 255)
 
 
@@ -342,6 +347,200 @@ FAULTS_OF_CLOUDS = {
 }
 
 
+def in_text(name, old, new):
+    """A text in which the first of something is another."""
+
+    def edited(package):
+        text = (package / name).read_text(encoding="utf-8")
+        assert old in text
+        (package / name).write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    return edited
+
+
+def in_network(name, value):
+    """The first edge has another value."""
+
+    def edited(package):
+        path = package / "network.graphml"
+        edge, rest = path.read_text(encoding="utf-8").split("<edge", 1)
+        before, after = rest.split(f'<data key="{name}">', 1)
+        changed = f'{before}<data key="{name}">{value}</data>{after.split("</data>", 1)[1]}'
+        path.write_text(f"{edge}<edge{changed}", encoding="utf-8")
+
+    return edited
+
+
+def forget_a_way(package):
+    path = package / "network.graphml"
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    lines.remove(next(line for line in lines if line.startswith("<edge")))
+    path.write_text("".join(lines), encoding="utf-8")
+
+
+def tell_other_sums(package):
+    edit_json(package / "truth.json", lambda told: told["network"]["levels"][0].update(length_m=1.0))
+
+
+def in_leg(change):
+    """The first leg of the survey is read in another way."""
+
+    def edited(package):
+        path = package / "survey.svx"
+        lines = path.read_text(encoding="utf-8").splitlines()
+        first = next(number for number, line in enumerate(lines) if line.startswith("*data normal")) + 1
+        lines[first] = " ".join(change(lines[first].split()))
+        path.write_text("\n".join(lines), encoding="utf-8")
+
+    return edited
+
+
+def turn_tubes(package):
+    """The first room is to the wrong sides, and much wider."""
+    path = package / "survey.svx"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    for number, line in enumerate(lines):
+        if lines[number - 1].startswith("*data passage"):
+            station, left, right, *others = line.split()
+            lines[number] = " ".join([station, f"{float(right) + 2}", f"{float(left) + 2}", *others])
+    path.write_text("\n".join(lines), encoding="utf-8")
+
+
+def forget_rooms(package):
+    path = package / "survey.svx"
+    text, last = path.read_text(encoding="utf-8").rsplit("*data passage", 1)
+    path.write_text(text + last[last.index("*end") :], encoding="utf-8")
+
+
+FAULTS_OF_TOPOLOGY = {
+    "a longer passage": (in_network("length_m", 99.0), "m long"),
+    "another slope": (in_network("slope_deg", 45.5), "has a slope of"),
+    "another class": (in_network("class", "perhaps"), "is perhaps"),
+    "no reason": (in_network("class", "no-go"), "and stopped by None"),
+    "a passage one way": (forget_a_way, "has no way back"),
+    "other sums": (tell_other_sums, "the passages of level 0 are"),
+    "a longer leg": (in_leg(lambda leg: [*leg[:2], str(float(leg[2]) + 1), *leg[3:]]), "m from its place"),
+    "magnetic north": (in_leg(lambda leg: [*leg[:3], str((float(leg[3]) + 5) % 360), *leg[4:]]), "m from its place"),
+    "a leg down": (in_leg(lambda leg: [*leg[:4], "-45"]), "m from its place"),
+    "another station": (in_leg(lambda leg: ["elsewhere", *leg[1:]]), "cavern refuses"),
+    "no survey": (in_text("survey.svx", "*data normal", "*data abnormal"), "cavern refuses"),
+    "wider rooms": (turn_tubes, "are not what rays meet"),
+    "no rooms": (forget_rooms, "has the sections of"),
+}
+
+
+def in_episodes(change):
+    def edited(package):
+        path = package / "episodes.json.gz"
+        with gzip.open(path, "rt") as file:
+            told = json.load(file)
+        change(told["episodes"][0])
+        with gzip.open(path, "wt") as file:
+            json.dump(told, file)
+
+    return edited
+
+
+def in_rows(name, change):
+    """Another first row of a table."""
+
+    def edited(package):
+        with (package / name).open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        change(rows[0])
+        with (package / name).open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows(rows)
+
+    return edited
+
+
+def in_ways(change):
+    return in_arrays(change, "geodesic.npz")
+
+
+def shorten(arrays):
+    arrays["from_start"] *= np.float32(0.9)
+
+
+def lengthen(arrays):
+    arrays["to_goal"] *= np.float32(3)
+
+
+def shift_ways(arrays):
+    arrays["position"] += np.float32(0.2)
+
+
+def swap_goals(arrays):
+    arrays["to_goal"] = arrays["to_goal"][::-1]
+
+
+def keep_z_up(episode):
+    x, y, z = episode["start_position"]
+    episode["start_position"] = [x, -z, y]
+
+
+def look_along_x(episode):
+    for point in episode["shortest_paths"][0]:
+        _, y, _, w = point["rotation"]
+        # A quarter turn about y.
+        point["rotation"] = [0.0, (y + w) * 0.5**0.5, 0.0, (w - y) * 0.5**0.5]
+
+
+def cut_corners(episode):
+    path = episode["shortest_paths"][0]
+    episode["shortest_paths"][0] = [path[0], path[-1]]
+
+
+def stray(episode):
+    path = episode["shortest_paths"][0]
+    path[len(path) // 2]["position"][0] += 3.0
+
+
+def shorten_episode(episode):
+    episode["info"]["geodesic_distance"] = episode["info"]["euclidean_distance"] * 0.9
+
+
+def overlook(package):
+    edit_json(package / "coverage.json", lambda told: told["views"].__delitem__(slice(1, None)))
+
+
+def see_through(package):
+    edit_json(package / "coverage.json", lambda told: told["views"][0].update(position=[0.0, 0.0, 0.0]))
+
+
+FAULTS_OF_TASKS = {
+    "ways too short": (in_ways(shorten), "shorter than the shortest"),
+    "ways too long": (in_ways(lengthen), "much longer than the shortest"),
+    "ways elsewhere": (in_ways(shift_ways), "are not on those of the floor"),
+    "goals swapped": (in_ways(swap_goals), "does not begin with 0"),
+    "another field": (in_episodes(lambda episode: episode.pop("start_room")), "has other fields"),
+    "no distance": (in_episodes(lambda episode: episode["info"].pop("geodesic_distance")), "lacks its distance"),
+    "Z up": (in_episodes(keep_z_up), "m from its ends"),
+    "another axis ahead": (in_episodes(look_along_x), "does not look along its path"),
+    "a path through the rock": (in_episodes(cut_corners), "has a path of 2 points"),
+    "a stray path": (in_episodes(stray), "has a path"),
+    "shorter than the straight line": (in_episodes(shorten_episode), "shorter than the straight line"),
+    "another start in the table": (in_rows("tasks.csv", lambda row: row.update(start_x_m="0")), "another start"),
+    "another heading": (in_rows("tasks.csv", lambda row: row.update(start_heading_deg="17")), "another heading"),
+    "another distance": (in_rows("tasks.csv", lambda row: row.update(geodesic_m="1")), "other distances"),
+    "a thing elsewhere": (in_rows("search.csv", lambda row: row.update(x_m="99")), "elsewhere"),
+    "another thing": (in_rows("search.csv", lambda row: row.update(id="0")), "has other things"),
+    "a thing nearer to the start": (
+        in_rows("search.csv", lambda row: row.update(from_start_m="0.1")),
+        "another length",
+    ),
+    "one view only": (overlook, "are seen from no view"),
+    "a view elsewhere": (see_through, "a view is elsewhere"),
+}
+
+
+@pytest.fixture(scope="module")
+def mesh(world):
+    return check.trimesh.Trimesh(world.vertices, world.faces, process=False)
+
+
 @pytest.fixture(scope="module")
 def world(folder):
     return check.World(folder / "ply")
@@ -369,3 +568,22 @@ def test_faulty_grids_fail(fault, folder, world, tmp_path):
 @pytest.mark.parametrize("fault", FAULTS_OF_CLOUDS)
 def test_faulty_clouds_fail(fault, folder, world, tmp_path):
     noticed(fault, FAULTS_OF_CLOUDS, folder, tmp_path, lambda package: check.clouds.verify(package, world))
+
+
+@pytest.mark.parametrize("fault", FAULTS_OF_TOPOLOGY)
+def test_faulty_networks_fail(fault, folder, mesh, tmp_path):
+    noticed(fault, FAULTS_OF_TOPOLOGY, folder, tmp_path, lambda package: check.topology.verify(package, mesh))
+
+
+@pytest.mark.parametrize("fault", FAULTS_OF_TASKS)
+def test_faulty_tasks_fail(fault, folder, tmp_path):
+    floor = check.Floor(folder / "truth")
+    noticed(fault, FAULTS_OF_TASKS, folder, tmp_path, lambda package: check.tasks.verify(package, floor))
+
+
+def test_a_survey_with_errors_passes(folder, mesh, tmp_path):
+    errors = ["--option", "truth.tape_sd_m=0.05", "--option", "truth.angle_sd_deg=1"]
+    files = ["--option", 'truth.files=["floor", "network", "survey"]']
+    export = ["export", "--target", "truth", "--output", str(tmp_path / "truth"), "--quiet", *SMALL, *errors, *files]
+    subprocess.run([sys.executable, "-m", "plume", *export], check=True)
+    assert "stations" in check.topology.verify(tmp_path / "truth", mesh)

@@ -56,7 +56,7 @@ pub fn prepare() {
 /// Installs them in one call, because each call refreshes the package index first.
 fn debian() -> Vec<&'static str> {
     let graph = graph::CHECKS.iter().flat_map(|check| check.debian);
-    let lists = [&gazebo::DEBIAN[..], &gltf::DEBIAN, &urdf::DEBIAN, &blender::DEBIAN, &assimp::DEBIAN];
+    let lists = [&gazebo::DEBIAN[..], &gltf::DEBIAN, &urdf::DEBIAN, &blender::DEBIAN, &assimp::DEBIAN, &truth::DEBIAN];
     lists.into_iter().flatten().chain(graph).copied().collect()
 }
 

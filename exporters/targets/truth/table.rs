@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// The frame of all files.
+/// The frame of all files that do not say otherwise.
 pub const FRAME: &str = "right-handed, Z up, metres";
 
 /// The files that have been written, in their order.
@@ -29,6 +29,11 @@ impl Entry {
     /// A file, what is in it, and in which unit.
     pub fn new(file: impl Into<String>, content: &'static str, unit: &'static str) -> Self {
         Self { file: file.into(), content, unit, frame: FRAME, resolution_m: None, per_m2: None }
+    }
+
+    /// A file that is in another frame.
+    pub fn of_frame(file: impl Into<String>, content: &'static str, unit: &'static str, frame: &'static str) -> Self {
+        Self { frame, ..Self::new(file, content, unit) }
     }
 
     /// A file with cells of this side.

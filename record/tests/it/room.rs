@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use plume_exporters::ImageFormat;
 use plume_exporters::package::Memory;
 use plume_exporters::scene::{
-    ByZone, Chunk, Chunks, Content, Image, Instance, Light, Lod, Material, Mesh, Piece, Prototype, Scene, Zone,
+    ByZone, Chunk, Chunks, Content, Image, Instance, Light, Lod, Material, Mesh, Network, Piece, Prototype, Scene, Zone,
 };
 use plume_record::layout;
 use plume_record::rig::Rig;
@@ -57,6 +57,8 @@ impl Room {
                 intensity_cd: 10.0,
                 range_m: 20.0,
             }],
+            network: Network::default(),
+            sought: Vec::new(),
             friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
             gravity: 9.81,
             collision_error_m: 0.0,

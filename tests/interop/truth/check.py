@@ -11,7 +11,8 @@ Floor, maps and rasters:
 - Each raster, read by rasterio, has the numbers of its storey at their places, and no others.
 - Each map, read by the formula of the map server of Nav2, is free exactly where its storey is, and occupied only beside that.
 
-`grids.py` checks voxels and distances, `clouds.py` points.
+`grids.py` checks voxels and distances, `clouds.py` points, `topology.py` the network and its survey, `tasks.py` lengths of ways and
+what there is to do.
 """
 
 import json
@@ -22,6 +23,8 @@ import clouds
 import grids
 import numpy as np
 import rasterio
+import tasks
+import topology
 import trimesh
 import yaml
 from failure import Failure, require
@@ -70,13 +73,15 @@ def verify(package):
     floor, world = Floor(package), World(package.with_name("ply"))
     told = json.loads((package / "truth.json").read_text(encoding="utf-8"))
     check_table(package, told["files"])
-    missed = check_columns(floor, trimesh.Trimesh(world.vertices, world.faces, process=False))
+    mesh = trimesh.Trimesh(world.vertices, world.faces, process=False)
+    missed = check_columns(floor, mesh)
     check_reliefs(floor)
     check_reach(floor, told["robot"])
     for storey in told["storeys"]:
         check_map(floor, package / storey["map"], storey)
         check_raster(floor, package / storey["elevation"], storey)
     found = [grids.verify(package, world, told["reach_m"]), clouds.verify(package, world)]
+    found += [topology.verify(package, mesh), tasks.verify(package, floor)]
     free = np.isin(floor.storey, [storey["storey"] for storey in told["storeys"]]).sum() * floor.side_m**2
     return (
         f"ground truth: {len(floor.z)} cells, {missed} of {COLUMNS} columns unlike the rays; "

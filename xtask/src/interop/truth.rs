@@ -3,15 +3,19 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::tools::{Result, root};
+use crate::tools::{Result, ensure_debian, root};
 use crate::venv::Environment;
 
 fn environment() -> Result<Environment> {
     Environment::of_project()?.with(&["tests/interop/truth/requirements.txt"])
 }
 
+/// `cavern` reads the survey.
+pub(super) const DEBIAN: [&str; 1] = ["survex"];
+
 /// Installs it.
 pub fn make() -> Result<()> {
+    ensure_debian(&DEBIAN)?;
     environment().map(drop)
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Vector3};
 use plume_exporters::ImageFormat;
-use plume_exporters::scene::{ByZone, Chunk, Chunks, Content, Image, Material, Mesh, Piece, Scene, Zone};
+use plume_exporters::scene::{ByZone, Chunk, Chunks, Content, Image, Material, Mesh, Network, Piece, Scene, Zone};
 use serde_json::{Value, json};
 
 use crate::sample::write_png;
@@ -95,6 +95,8 @@ impl Marker {
             chunks: self,
             spawns: vec![Isometry3::translation(-1.0, 1.0, 0.0)],
             lights: Vec::new(),
+            network: Network::default(),
+            sought: Vec::new(),
             friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
             gravity: 9.80665,
             collision_error_m: 0.0,

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use plume_exporters::ImageFormat;
-use plume_exporters::scene::{ByZone, Chunk, Chunks, Content, Image, Light, Lod, Material, Mesh, Piece, Scene, Zone};
+use plume_exporters::scene::{
+    ByZone, Chunk, Chunks, Content, Image, Light, Lod, Material, Mesh, Network, Piece, Scene, Zone,
+};
 
 /// Half the length of the chamber along x, metres.
 const REACH_M: f64 = 6.0;
@@ -71,6 +73,8 @@ impl Chamber {
                 UnitQuaternion::from_euler_angles(0.0, 0.0, 0.5),
             )],
             lights: [-3.0, 3.0].map(lamp).into(),
+            network: Network::default(),
+            sought: Vec::new(),
             friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
             gravity: 9.80665,
             collision_error_m: 0.0,

@@ -3,9 +3,10 @@
 //! Sizes of products are those of their makers' data sheets, without payload. What they get over is less than what is advertised
 //! for them: slopes also have to leave 5° to what the friction of the floor allows.
 
-use plume_truth::{Drone, Profile, Vehicle};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+
+use super::vehicle::{Drone, Profile, Vehicle};
 
 /// How far below the slope at which wheels slip a robot surely gets along.
 const RESERVE_DEG: f64 = 5.0;
@@ -140,10 +141,49 @@ pub fn robot(name: &str) -> Option<&'static RobotRow> {
     ROBOTS.iter().find(|row| row.name == name)
 }
 
-/// A list of names of known robots in a recipe.
-pub fn names_schema(_: &mut SchemaGenerator) -> Schema {
+/// The name of a known robot in settings.
+pub fn name_schema(_: &mut SchemaGenerator) -> Schema {
     let names: Vec<&str> = ROBOTS.iter().map(|row| row.name).collect();
-    json_schema!({ "type": "array", "items": { "type": "string", "enum": names } })
+    json_schema!({ "type": "string", "enum": names })
+}
+
+/// A list of such names.
+pub fn names_schema(generator: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "array", "items": name_schema(generator) })
+}
+
+/// A known robot, in settings by its name.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Known(
+    /// Its row.
+    pub &'static RobotRow,
+);
+
+impl TryFrom<String> for Known {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        robot(&name).map(Self).ok_or_else(|| "there is no such robot".to_owned())
+    }
+}
+
+impl From<Known> for String {
+    fn from(Known(row): Known) -> Self {
+        row.name.to_owned()
+    }
+}
+
+impl PartialEq for Known {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.name == other.0.name
+    }
+}
+
+impl std::fmt::Debug for Known {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(out, "{}", self.0.name)
+    }
 }
 
 impl RobotSettings {

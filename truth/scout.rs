@@ -13,25 +13,28 @@ const AROUND_M: f64 = 0.15;
 /// Furthest that the floor around a place is above or below that under it, in metres.
 const SAME_FLOOR_M: f64 = 0.5;
 
-/// A robot in its terrain.
-pub struct Survey<'a> {
+/// A robot on a floor. It looks at a place once, however often it is asked.
+pub struct Scout<'a> {
     /// The floor.
-    pub floor: &'a Floor,
+    pub(super) floor: &'a Floor,
     /// What it is for this robot.
-    pub terrain: &'a mut dyn Terrain,
+    pub(super) terrain: Box<dyn Terrain + 'a>,
 }
 
-/// What a floor is for a robot.
-pub fn terrain<'a>(floor: &'a Floor, robot: &'a Profile) -> Box<dyn Terrain + 'a> {
-    match robot {
-        Profile::Vehicle(vehicle) => Box::new(Ground::new(floor, vehicle)),
-        Profile::Drone(drone) => Box::new(Air::new(floor, drone)),
+impl<'a> Scout<'a> {
+    /// A robot on a floor.
+    pub fn new(floor: &'a Floor, robot: &'a Profile) -> Self {
+        let terrain: Box<dyn Terrain> = match robot {
+            Profile::Vehicle(vehicle) => Box::new(Ground::new(floor, vehicle)),
+            Profile::Drone(drone) => Box::new(Air::new(floor, drone)),
+        };
+        Self { floor, terrain }
     }
 }
 
-impl Survey<'_> {
+impl Scout<'_> {
     /// The states around the place nearest to a cell, up to a distance on the map, in which the robot can best be.
-    pub fn near(&mut self, cell: Option<usize>, most_m: f64) -> Vec<State> {
+    pub(super) fn near(&mut self, cell: Option<usize>, most_m: f64) -> Vec<State> {
         let Some(centre) = cell.map(|cell| self.floor.cells()[cell]) else { return Vec::new() };
         let reach = (most_m / self.floor.cell_m()).floor() as i32;
         let mut found: Vec<(Class, f64, State)> = Vec::new();
@@ -54,17 +57,17 @@ impl Survey<'_> {
     }
 
     /// The states around a start pose in metres, which is on the floor.
-    pub fn at_start(&mut self, [x, y, z]: [f64; 3]) -> Vec<State> {
+    pub(super) fn at_start(&mut self, [x, y, z]: [f64; 3]) -> Vec<State> {
         self.near(self.floor.nearest(self.floor.cell_at([x, y]), z as f32), AT_PLACE_M)
     }
 
     /// The states around a place in the air in metres.
-    pub fn at_place(&mut self, place_m: [f64; 3]) -> Vec<State> {
+    pub(super) fn at_place(&mut self, place_m: [f64; 3]) -> Vec<State> {
         self.near(self.floor.under(place_m), AT_PLACE_M)
     }
 
     /// The poses of a way.
-    pub fn poses(&self, way: &[State]) -> Vec<Pose> {
+    pub(super) fn poses(&self, way: &[State]) -> Vec<Pose> {
         way.iter().map(|state| self.terrain.pose(*state)).collect()
     }
 }
