@@ -14,19 +14,19 @@ mod strips;
 mod studio;
 
 /// The default cave, whose longest loop has 27 m with this seed.
-const DEFAULT: Cave = Cave { name: "default", arguments: &["--seed", "11"] };
-const DRY: Cave = Cave { name: "humidity-0", arguments: &["--seed", "11", "--set", "look.humidity=0"] };
-const MOIST: Cave = Cave { name: "humidity-0.5", arguments: &["--seed", "11", "--set", "look.humidity=0.5"] };
-const WET: Cave = Cave { name: "humidity-1", arguments: &["--seed", "11", "--set", "look.humidity=1"] };
-const BARE: Cave = Cave { name: "bare", arguments: &["--seed", "11", "--set", "things.cover=0"] };
-const BASALT: Cave = Cave { name: "basalt", arguments: &["--seed", "11", "--set", "rock.kind=basalt"] };
-const GRANITE: Cave = Cave { name: "drilled", arguments: &["--seed", "11", "--set", "rock.kind=drilled"] };
+const DEFAULT: Cave = Cave::new("default", "--seed 11");
+const DRY: Cave = Cave::new("humidity-0", "--seed 11 --set look.humidity=0");
+const MOIST: Cave = Cave::new("humidity-0.5", "--seed 11 --set look.humidity=0.5");
+const WET: Cave = Cave::new("humidity-1", "--seed 11 --set look.humidity=1");
+const BARE: Cave = Cave::new("bare", "--seed 11 --set things.cover=0");
+const BASALT: Cave = Cave::new("basalt", "--seed 11 --set rock.kind=basalt");
+const GRANITE: Cave = Cave::new("drilled", "--seed 11 --set rock.kind=drilled");
 
 /// Caves that no run goes through.
 const ELSEWHERE: [Cave; 3] = [
-    Cave { name: "elsewhere-limestone", arguments: &["--seed", "5", "--set", "graph.nodes=20"] },
-    Cave { name: "elsewhere-basalt", arguments: &["--seed", "6", "--set", "graph.nodes=20", "--set", "rock.kind=basalt"] },
-    Cave { name: "elsewhere-drilled", arguments: &["--seed", "7", "--set", "graph.nodes=20", "--set", "rock.kind=drilled"] },
+    Cave::new("elsewhere-limestone", "--seed 5 --set graph.nodes=20"),
+    Cave::new("elsewhere-basalt", "--seed 6 --set graph.nodes=20 --set rock.kind=basalt"),
+    Cave::new("elsewhere-drilled", "--seed 7 --set graph.nodes=20 --set rock.kind=drilled"),
 ];
 
 const HEADLAMP: &str = "tests/interop/slam/rigs/headlamp.toml";
@@ -74,8 +74,10 @@ pub fn run(chosen: &[String]) -> Result<()> {
     let studio = Studio::open()?;
     let vocabulary = vocabulary(&studio)?;
     let wanted = |variant: &&Variant| chosen.is_empty() || chosen.iter().any(|name| name == variant.name);
-    let judged: Vec<Result<()>> = VARIANTS.iter().filter(wanted).map(|variant| judge(&studio, variant, &vocabulary)).collect();
-    println!("{}", run_program(studio.script("table.py").arg(studio.place("")).args(VARIANTS.map(|variant| variant.name)))?);
+    let judged: Vec<Result<()>> =
+        VARIANTS.iter().filter(wanted).map(|variant| judge(&studio, variant, &vocabulary)).collect();
+    let names = VARIANTS.map(|variant| variant.name);
+    println!("{}", run_program(studio.script("table.py").arg(studio.place("")).args(names))?);
     judged.into_iter().collect()
 }
 

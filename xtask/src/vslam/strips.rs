@@ -6,10 +6,10 @@ use super::studio::{Cave, Studio};
 
 /// A cave of each rock, as users are shown it.
 const ROCKS: [Cave; 4] = [
-    Cave { name: "strip-limestone", arguments: &["samples/cave.toml"] },
-    Cave { name: "strip-basalt", arguments: &["samples/lava-tube.toml"] },
-    Cave { name: "strip-drilled", arguments: &["samples/mine.toml"] },
-    Cave { name: "strip-salt", arguments: &["samples/salt-mine.toml"] },
+    Cave::new("strip-limestone", "samples/cave.toml"),
+    Cave::new("strip-basalt", "samples/lava-tube.toml"),
+    Cave::new("strip-drilled", "samples/mine.toml"),
+    Cave::new("strip-salt", "samples/salt-mine.toml"),
 ];
 
 const RIG: &str = "tests/interop/slam/rigs/strip.toml";
@@ -18,7 +18,7 @@ const RIG: &str = "tests/interop/slam/rigs/strip.toml";
 pub fn run(studio: &Studio) -> Result<()> {
     for cave in &ROCKS {
         let recording = studio.record(cave, &studio.path(cave, "longest")?, RIG)?;
-        let picture = studio.place(&format!("strips/{}.png", cave.name));
+        let picture = studio.place(&format!("strips/{}.png", cave.name()));
         println!("{}", run_program(studio.script("strip.py").args([&recording, &picture]))?);
     }
     Ok(())

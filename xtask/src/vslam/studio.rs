@@ -10,8 +10,20 @@ use crate::venv::Environment;
 
 /// A cave: its name, and what `plume generate` is told.
 pub struct Cave {
-    pub name: &'static str,
-    pub arguments: &'static [&'static str],
+    name: &'static str,
+    arguments: &'static str,
+}
+
+impl Cave {
+    /// Arguments are separated by spaces.
+    pub const fn new(name: &'static str, arguments: &'static str) -> Self {
+        Self { name, arguments }
+    }
+
+    /// As files and folders are called.
+    pub fn name(&self) -> &str {
+        self.name
+    }
 }
 
 /// The folder for them all, and what makes them.
@@ -59,10 +71,10 @@ impl Studio {
     pub fn path(&self, cave: &Cave, kind: &str) -> Result<PathBuf> {
         let path = self.place(&format!("paths/{}.{kind}.tum", cave.name));
         if !path.exists() {
-            let (cave, path) = (self.cave(cave)?, path.to_string_lossy());
-            let through = ["path", &cave.to_string_lossy(), "--kind", kind, "--height", "0.5", "--speed", "1.0"].map(str::to_owned);
-            let told: Vec<&str> = through.iter().map(String::as_str).chain(["--quiet", "-o", &path]).collect();
-            self.plume.show(&told)?;
+            let places = [&self.cave(cave)?, &path].map(|place| place.to_string_lossy().into_owned());
+            let [cave, path] = &places;
+            let carried = ["--kind", kind, "--height", "0.5", "--speed", "1.0", "--quiet"];
+            self.plume.show(&[&["path", cave], &carried[..], &["-o", path]].concat())?;
         }
         Ok(path)
     }
@@ -82,7 +94,9 @@ impl Studio {
     fn cave(&self, cave: &Cave) -> Result<PathBuf> {
         let folder = self.place(&format!("caves/{}", cave.name));
         let output = folder.to_string_lossy();
-        self.plume.show(&[&["generate"], cave.arguments, &["--quiet", "-o", &output]].concat())?;
+        let mut command = vec!["generate", "--quiet", "-o", &output];
+        command.extend(cave.arguments.split(' '));
+        self.plume.show(&command)?;
         Ok(folder)
     }
 }
