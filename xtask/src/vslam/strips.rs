@@ -4,12 +4,12 @@ use crate::tools::{Result, run as run_program};
 
 use super::studio::{Cave, Studio};
 
-/// A cave of each rock, as users are shown it.
+/// Mined rock in mines, and the caves of the variants.
 const ROCKS: [Cave; 4] = [
-    Cave::new("strip-limestone", "samples/cave.toml"),
-    Cave::new("strip-basalt", "samples/lava-tube.toml"),
-    Cave::new("strip-drilled", "samples/mine.toml"),
-    Cave::new("strip-salt", "samples/salt-mine.toml"),
+    super::DEFAULT,
+    super::BASALT,
+    Cave::new("mine", "samples/mine.toml --set graph.nodes=30"),
+    Cave::new("salt-mine", "samples/salt-mine.toml"),
 ];
 
 const RIG: &str = "tests/interop/slam/rigs/strip.toml";
