@@ -94,7 +94,7 @@ fn judge(studio: &Studio, variant: &Variant, vocabulary: &Path) -> Result<()> {
     run_program(&mut judge).map(drop).inspect_err(|reason| eprintln!("{}: {reason}", variant.name))
 }
 
-/// The vocabulary of ORB-SLAM3, or one of our own: see `vocabulary.py`.
+/// The vocabulary by which ORB-SLAM3 knows places again: see `vocabulary.py`.
 fn vocabulary(studio: &Studio) -> Result<PathBuf> {
     let vocabulary = studio.place("vocabulary.txt");
     if vocabulary.exists() {
