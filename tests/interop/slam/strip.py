@@ -3,8 +3,10 @@
 strip.py RUN_DIR OUT.png
 """
 
+import json
 import sys
 from pathlib import Path
+from zlib import crc32
 
 import cv2
 import numpy as np
@@ -13,7 +15,6 @@ from recording import Recording
 FRAMES = 6
 WIDTH_PX = 480
 NEAR_M, FAR_M = 0.3, 10.0
-SEED = 3
 
 
 def strip(recording):
@@ -38,9 +39,12 @@ def depth(recording, number):
 
 
 def labels(recording, number):
-    """In colours that are the same in all strips."""
+    """A colour for each class, the same in all strips."""
+    about = json.loads((recording.folder / "recording.json").read_text(encoding="utf-8"))
+    palette = np.zeros((256, 3), dtype=np.uint8)
+    for row in about["labels"]:
+        palette[row["label"]] = np.random.default_rng(crc32(row["class"].encode())).integers(40, 255, 3)
     found = cv2.imread(str(recording.folder / f"label/{recording.times[number]}.png"), cv2.IMREAD_UNCHANGED)
-    palette = np.random.default_rng(SEED).integers(40, 255, (65536, 3), dtype=np.uint8)
     return palette[shrunk(found, cv2.INTER_NEAREST)]
 
 
