@@ -31,7 +31,7 @@ const TASKS: [(&str, &str, Task); 10] = [
     ("drives", "[SEEDS]           hold certificates of many caves to drives in MuJoCo", drives::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
-    ("vslam", "[VARIANT...|strips] what recorded runs are worth to visual SLAM; about an hour", vslam::run),
+    ("vslam", "[VARIANT...|strips] what recorded runs are worth to visual SLAM; 45 CPU minutes", vslam::run),
 ];
 
 fn main() -> ExitCode {

@@ -2,7 +2,7 @@
 //!
 //! ORB-SLAM3 judges runs along a lap of the same cave in other rock, air and light: with the calibration that `plume record`
 //! writes, held to the truth by `evo`. All that is made stays below `target/vslam`, so that a run that was stopped goes on; remove
-//! the folder to begin again. About an hour on two cores. `strips` are pictures of a few frames for each rock instead.
+//! the folder to begin again. Some 45 CPU minutes. `strips` are pictures of a few frames for each rock instead.
 
 use std::fs;
 use std::path::{Path, PathBuf};
