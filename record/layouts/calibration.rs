@@ -17,24 +17,23 @@ pub fn orb_slam3(rig: &Rig, units_per_m: f32) -> Option<String> {
     let lens = Lens::of(camera);
     let [width, height] = lens.size;
     let baseline_m = rig.cameras.get(1).and_then(|other| baseline_m(camera, other)).filter(|_| is_plain(camera));
-    let model = match (&lens.model, baseline_m) {
-        (rig::Lens::Fisheye { .. }, _) => "KannalaBrandt8",
-        (_, Some(_)) => "Rectified",
-        _ => "PinHole",
-    };
+    // A stereo pair could also be "Rectified", but then ORB-SLAM3 1.0 crashes when it prints what it has read.
+    let model = if lens.is_fisheye() { "KannalaBrandt8" } else { "PinHole" };
+    let cameras: &[&str] = if baseline_m.is_some() { &["Camera1", "Camera2"] } else { &["Camera1"] };
     let mut text = format!("%YAML:1.0\n\nFile.version: \"1.0\"\nCamera.type: \"{model}\"\n");
     let mut line = |key: &str, value: String| writeln!(text, "{key}: {value}").expect("a string grows");
-    for (key, value) in ["fx", "fy", "cx", "cy"].into_iter().zip(intrinsics(&lens)) {
-        line(&format!("Camera1.{key}"), decimal(value));
-    }
-    for (key, value) in coefficients(&lens) {
-        line(&format!("Camera1.{key}"), decimal(value));
+    for name in cameras {
+        let focal_and_centre = ["fx", "fy", "cx", "cy"].into_iter().zip(intrinsics(&lens));
+        for (key, value) in focal_and_centre.chain(coefficients(&lens)) {
+            line(&format!("{name}.{key}"), decimal(value));
+        }
     }
     line("Camera.width", width.to_string());
     line("Camera.height", height.to_string());
     line("Camera.fps", format!("{}", camera.rate_hz.round().max(1.0) as u32));
     line("Camera.RGB", "1".into());
     if let Some(baseline_m) = baseline_m {
+        line("Stereo.T_c1_c2", matrix(&Isometry3::translation(baseline_m, 0.0, 0.0)));
         line("Stereo.b", decimal(baseline_m));
         line("Stereo.ThDepth", "40.0".into());
     } else if camera.outputs.contains(&Output::Depth) || camera.outputs.contains(&Output::ExactDepth) {

@@ -17,10 +17,11 @@ mod targets;
 mod test;
 mod tools;
 mod venv;
+mod vslam;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 9] = [
+const TASKS: [(&str, &str, Task); 10] = [
     ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
@@ -30,6 +31,7 @@ const TASKS: [(&str, &str, Task); 9] = [
     ("drives", "[SEEDS]           hold certificates of many caves to drives in MuJoCo", drives::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
+    ("vslam", "[VARIANT...|strips] what recorded runs are worth to visual SLAM; 45 CPU minutes", vslam::run),
 ];
 
 fn main() -> ExitCode {
