@@ -6,11 +6,13 @@
 
 use std::fmt::Write;
 
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use plume_truth::{Route, Waypoint};
 
 /// How fast a robot turns on the spot, in radians a second.
 const TURN_RAD_S: f64 = 0.6;
+/// Longest time between two poses of a turn on the spot, in seconds.
+const TURN_STEP_S: f64 = 0.25;
 /// Over how many waypoints a height over the floor is averaged, either way.
 const LEVEL_OVER: usize = 4;
 
@@ -73,19 +75,38 @@ impl Trajectory {
     /// A route driven at a constant speed in metres a second, with stops to turn on the spot.
     pub fn of(route: &Route, ride: Ride, speed_m_s: f64) -> Self {
         let waypoints = &route.waypoints;
-        let (mut time_s, mut along_m) = (0.0, 0.0);
-        let stamp = |(number, waypoint): (usize, &Waypoint)| {
-            if let Some(last) = number.checked_sub(1).map(|last| &waypoints[last]) {
-                let run_m = (Vector3::from(waypoint.position_m) - Vector3::from(last.position_m)).norm();
-                let turn_rad =
-                    Rotation3::from_axis_angle(&Vector3::z_axis(), waypoint.heading_rad - last.heading_rad).angle();
-                along_m += run_m;
-                time_s += (run_m / speed_m_s).max(turn_rad / TURN_RAD_S);
-            }
+        let mut trajectory = Self { stamps: Vec::with_capacity(waypoints.len()) };
+        for (number, waypoint) in waypoints.iter().enumerate() {
             let (position_m, rotation) = placed(waypoints, number, ride);
-            Stamp { time_s, along_m, position_m, rotation, clearance_m: waypoint.clearance_m }
-        };
-        Self { stamps: waypoints.iter().enumerate().map(stamp).collect() }
+            let clearance_m = waypoint.clearance_m;
+            let stamp = Stamp { time_s: 0.0, along_m: 0.0, position_m, rotation, clearance_m };
+            match trajectory.stamps.last() {
+                None => trajectory.stamps.push(stamp),
+                Some(&last) => trajectory.go_to(last, stamp, speed_m_s),
+            }
+        }
+        trajectory
+    }
+
+    /// Adds the way from the last pose to the next, whose time and place along the path follow. Where turning takes longer than
+    /// getting there it turns first: a curve through poses that are far apart in time would leave the path.
+    fn go_to(&mut self, last: Stamp, next: Stamp, speed_m_s: f64) {
+        let run_m = (Vector3::from(next.position_m) - Vector3::from(last.position_m)).norm();
+        let turn = last.rotation.rotation_to(&next.rotation);
+        let (run_s, turn_s) = (run_m / speed_m_s, turn.angle() / TURN_RAD_S);
+        let along_m = last.along_m + run_m;
+        if turn_s <= run_s {
+            self.stamps.push(Stamp { time_s: last.time_s + run_s, along_m, ..next });
+            return;
+        }
+        let steps = (turn_s / TURN_STEP_S).ceil();
+        self.stamps.extend((1..=steps as usize).map(|step| {
+            let share = step as f64 / steps;
+            Stamp { time_s: last.time_s + share * turn_s, rotation: turn.powf(share) * last.rotation, ..last }
+        }));
+        if run_s > 0.0 {
+            self.stamps.push(Stamp { time_s: last.time_s + turn_s + run_s, along_m, ..next });
+        }
     }
 
     /// The text of a file.
@@ -147,5 +168,32 @@ fn placed(waypoints: &[Waypoint], number: usize, ride: Ride) -> ([f64; 3], UnitQ
             let mean_m = around.iter().map(|waypoint| waypoint.position_m[2]).sum::<f64>() / around.len() as f64;
             ([position_m[0], position_m[1], mean_m + height_m], yaw)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use plume_truth::Class;
+
+    use super::*;
+
+    #[test]
+    fn a_robot_stays_where_it_turns() {
+        let waypoint = |x, heading_rad| Waypoint {
+            position_m: [x, 0.0, 0.0],
+            heading_rad,
+            climb_rad: 0.0,
+            lean_rad: 0.0,
+            clearance_m: 1.0,
+        };
+        let back = std::f64::consts::PI;
+        let waypoints = vec![waypoint(0.0, 0.0), waypoint(1.0, 0.0), waypoint(1.0, back), waypoint(0.5, back)];
+        let stamps = Trajectory::of(&Route { waypoints, class: Class::Go }, Ride::OnWheels, 0.5).stamps;
+        assert!(stamps.windows(2).all(|pair| pair[0].time_s < pair[1].time_s));
+        let turning = stamps.iter().filter(|stamp| stamp.position_m[0] == 1.0).count();
+        assert!(turning as f64 > back / TURN_RAD_S / TURN_STEP_S, "{turning}");
+        let last = stamps[stamps.len() - 1];
+        assert!((last.time_s - (3.0 + back / TURN_RAD_S)).abs() < 1e-9 && (last.along_m - 1.5).abs() < 1e-9);
+        assert!((last.rotation.angle() - back).abs() < 1e-9);
     }
 }
