@@ -11,7 +11,8 @@
 //!
 //! [`Certificate`] tells where a robot gets on a floor and what stops it, and [`Route`] is a path for it.
 //!
-//! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell.
+//! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell. [`Thin`]
+//! holds that for drones, which must not touch it.
 //!
 //! ```
 //! use plume_truth::{Columns, Floor, OccupancyMap, Robot, State, Storeys};
@@ -50,6 +51,7 @@ mod search;
 mod stance;
 mod storeys;
 mod survey;
+mod thin;
 mod vector;
 mod vehicle;
 mod voxels;
@@ -65,5 +67,6 @@ pub use route::{Route, Waypoint};
 pub use samples::{Sample, samples};
 pub use search::Pose;
 pub use storeys::Storeys;
+pub use thin::Thin;
 pub use vehicle::{Cause, Class, Drone, Fault, Profile, Vehicle};
 pub use voxels::Voxels;

@@ -156,6 +156,38 @@ fn a_drone_flies_over_what_stops_wheels() {
 }
 
 #[test]
+fn a_drone_keeps_away_from_what_is_thinner_than_a_cell() {
+    // Straws across the corridor that hang down to its floor between the centres of cells, except for a gap at one side.
+    let straws = (-30..=5)
+        .map(|n| n as f32 * 0.05)
+        .fold(corridor(), |world, y| world.with([[5.998, y - 0.002], [6.002, y + 0.002]], [0.0; 4], [2.0; 4], false));
+    let route = through(&straws, &Profile::Drone(Drone { radius_m: 0.25, margin_m: 0.1 })).there.route;
+    assert_eq!(route.class, Class::Go);
+    let away_m = |[x, y, _]: [f64; 3]| libm::hypot(x - 6.0, (y - 0.25).max(0.0));
+    let nearest_m = route.waypoints.iter().map(|waypoint| away_m(waypoint.position_m)).fold(f64::INFINITY, f64::min);
+    assert!((0.25..0.6).contains(&nearest_m), "{nearest_m} m");
+}
+
+#[test]
+fn a_robot_does_not_turn_where_it_slips_onto_a_steeper_floor() {
+    // A ledge along y between a wall and a ramp of 30° down, onto which the way turns from the side.
+    let onto_ledge = |brink: f32| {
+        let drop = -4.0 * 30_f32.to_radians().tan();
+        let world = World::room([0.0, -1.0], [9.0, 5.0], -2.0, 3.0)
+            .with([[-1.0, -2.0], [brink, 6.0]], [-9.0; 4], [0.0; 4], false)
+            .with([[brink, -2.0], [brink + 4.0, 6.0]], [-9.0; 4], [0.0, drop, drop, 0.0], false)
+            .with([[-1.0, 1.0], [4.5, 6.0]], [-1.0; 4], [4.0; 4], false);
+        let stations = vec![[1.5, 0.0, 0.5], [5.0, 4.0, 0.5]];
+        let network = Network { stations, passages: vec![Passage { ends: [0, 1], reach_m: 3.0 }] };
+        let robot = Profile::Vehicle(rover());
+        Certificate::of(&world.floor(CELL_M), &robot, &network, [1.5, 0.0, 0.0]).passages.remove(0).there
+    };
+    let wide = onto_ledge(5.8);
+    assert_eq!(wide.class, Class::Go, "{:?}", wide.fault);
+    assert_eq!(cause(&onto_ledge(5.1)), Some((Class::Marginal, Cause::Slope)));
+}
+
+#[test]
 fn a_path_goes_through_the_middle_and_around_corners() {
     // Around a wall that leaves a door at one side.
     let world = block([5.5, -1.4], [6.5, 0.3], -1.0, 3.0);

@@ -50,3 +50,10 @@ def straight(one, other):
 
 def length_m(poses):
     return np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1).sum()
+
+
+def poses_called_go(certificate):
+    """The poses of all paths that are called go."""
+    verdicts = [passage[way] for passage in certificate["passages"] for way in ("there", "back")]
+    paths = [verdict["path"] for verdict in verdicts if verdict["class"] == "go"]
+    return np.concatenate([*paths, *([certificate["route"]["path"]] if certificate["route"] else [])])
