@@ -122,7 +122,7 @@ impl Cave {
         let mut is_good = true;
         for judge in judges {
             let certificate = folder.join(format!("{}.json", judge.robot));
-            judge.certify(plume.program(), &cave, &certificate)?;
+            certify::certify(plume.program(), &cave, judge.robot, &certificate)?;
             let mut drives = judge.drive(&self.name, &folder.join(judge.target), &cave, &certificate)?;
             is_good &= show(drives.args(["--passages", self.passages, "--results"]).arg(results)).is_ok();
         }

@@ -330,7 +330,7 @@ fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
         // The route follows from the cave.
         Some(Kind::Mujoco) if mujoco::cave_of(package).is_dir() => {
             also("drive", mujoco::drive);
-            also("certify", |package| certify::ROVER.check(package));
+            also("certify", certify::check);
         }
         Some(Kind::Page) if readers.iter().any(|reader| reader.name == "page") => also("page", page::check_faults),
         _ => {}

@@ -37,10 +37,17 @@ def triangles_of(package):
     _, model = read_world(package)
     corners, triangles = [], []
     for file, _ in read_collisions(model, package):
-        some, _, _, faces, _, _ = igl.readOBJ(str(file))
+        some, faces = read_obj(file)
         triangles.append(faces + sum(map(len, corners)))
         corners.append(some)
     return np.concatenate(corners), np.concatenate(triangles)
+
+
+def read_obj(file):
+    lines = [line.split() for line in file.read_text(encoding="utf-8").splitlines()]
+    corners = np.array([line[1:4] for line in lines if line and line[0] == "v"], dtype=float)
+    faces = [[int(corner.split("/")[0]) - 1 for corner in line[1:4]] for line in lines if line and line[0] == "f"]
+    return corners, np.array(faces)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,9 @@ def main(results):
     print("|---|---|---|---|---|---|")
     groups = sorted({group_of(one) for one in found}, reverse=True)
     said = [line for group in groups for line in rows(group, [one for one in found if group_of(one) == group])]
-    print("\n".join([*said, "", *(recall(group, [one for one in found if group_of(one) == group]) for group in groups)]))
+    print(
+        "\n".join([*said, "", *(recall(group, [one for one in found if group_of(one) == group]) for group in groups)])
+    )
     failed = [(one["cave"], one["robot"], drive) for one in found for drive in one["drives"] if is_wrong(drive)]
     for cave, robot, drive in failed:
         print(f"{robot} in {cave}: {drive['path']} {drive['fault']} after {drive['passed_m']} of {drive['length_m']} m")

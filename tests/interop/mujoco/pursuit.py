@@ -5,7 +5,9 @@ import numpy as np
 SPEED_M_S = 0.5
 TURN_GAIN = 3.0  # rad/s for each rad off course; tuned: skidding wheels turn less than they are told
 TURN_MOST_RAD_S = 1.5
-SPOT_RAD = 0.35  # further off course it stops to turn: a tank whose inner wheels all but stand still pivots on them no longer
+SPOT_RAD = (
+    0.35  # further off course it stops to turn: a tank whose inner wheels all but stand still pivots on them no longer
+)
 CONTROL_S = 0.1
 STUCK_S = 10.0
 LEAN_DEG = 50.0
