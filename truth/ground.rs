@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_8;
 use std::ops::Range;
 
 use super::clearance::Clearance;
-use super::floor::{Floor, NEIGHBORS, Robot, beside};
+use super::floor::{Floor, NEIGHBORS, Robot};
 use super::lattice::Lattice;
 use super::search::{Move, Pose, Rest, Sense, State, Terrain};
 use super::stance::{Footprint, Stance};
@@ -16,9 +16,6 @@ const DIRECTIONS: usize = 8;
 const TURN_COST: u64 = 1_500;
 /// Steepest floor on which a vehicle surely turns on the spot, in radians: 25°. Wheels that skid sideways have little grip left.
 const TURN_RAD: f32 = 0.436;
-/// How far downhill it may slip as it turns, in metres: tuned, as a rover that turned on 21° slipped so far, onto 30°, where it
-/// slipped on.
-const SLIP_M: f64 = 0.3;
 /// How much further from the wall than it needs a vehicle would like to be, in metres.
 const COMFORT_M: f64 = 0.5;
 /// How much dearer a way along the wall is.
@@ -88,16 +85,6 @@ impl<'a> Ground<'a> {
         (is_connected && is_mutual && is_near).then_some(to)
     }
 
-    /// The steepest floor in radians at a cell and as far downhill of it as a vehicle slips that turns there.
-    fn turning_rad(&self, cell: usize) -> f32 {
-        let (floor, here) = (self.floor, &self.floor.cells()[cell]);
-        let reach = (SLIP_M / floor.cell_m()).round() as i32;
-        let aside = NEIGHBORS.iter().flat_map(|[x, y]| [reach, (reach + 1) / 2].map(|away| [x * away, y * away]));
-        let near = aside.filter_map(|offset| floor.nearest(beside(here.cell, offset), here.floor_m));
-        let below = near.filter(|other| floor.cells()[*other].floor_m < here.floor_m);
-        below.chain([cell]).map(|cell| floor.reliefs()[cell].slope_rad).fold(0.0, f32::max)
-    }
-
     fn cost(&self, to: usize, towards: [i32; 2]) -> u64 {
         let spare_m = f64::from(self.clearance.of_m[to]) - self.vehicle.width_m / 2.0 - self.vehicle.margin_m;
         let dearer = 1.0 + DISCOMFORT * (1.0 - spare_m / COMFORT_M).clamp(0.0, 1.0);
@@ -109,7 +96,8 @@ impl Terrain for Ground<'_> {
     fn moves(&mut self, state: State, sense: Sense, found: &mut Vec<Move>) {
         let (cell, direction) = parts(state);
         let here = self.class_of(cell, 2 * direction);
-        let turning = if self.turning_rad(cell) > TURN_RAD { Class::Marginal } else { Class::Go };
+        let is_steep = self.floor.reliefs()[cell].slope_rad > TURN_RAD;
+        let turning = if is_steep { Class::Marginal } else { Class::Go };
         for other in [(direction + 1) % DIRECTIONS, (direction + DIRECTIONS - 1) % DIRECTIONS] {
             let class = turning
                 .max(here)
@@ -137,7 +125,7 @@ impl Terrain for Ground<'_> {
                 return stance.fault;
             }
         }
-        let slope_rad = self.turning_rad(other.0);
+        let slope_rad = self.floor.reliefs()[other.0].slope_rad;
         let is_steep_turn = one.0 == other.0 && slope_rad > TURN_RAD;
         is_steep_turn.then_some(Fault { cause: Cause::Slope, value: slope_rad.into(), limit: TURN_RAD.into() })
     }

@@ -169,22 +169,30 @@ fn a_drone_keeps_away_from_what_is_thinner_than_a_cell() {
 }
 
 #[test]
-fn a_robot_does_not_turn_where_it_slips_onto_a_steeper_floor() {
-    // A ledge along y between a wall and a ramp of 30° down, onto which the way turns from the side.
-    let onto_ledge = |brink: f32| {
-        let drop = -4.0 * 30_f32.to_radians().tan();
-        let world = World::room([0.0, -1.0], [9.0, 5.0], -2.0, 3.0)
-            .with([[-1.0, -2.0], [brink, 6.0]], [-9.0; 4], [0.0; 4], false)
-            .with([[brink, -2.0], [brink + 4.0, 6.0]], [-9.0; 4], [0.0, drop, drop, 0.0], false)
-            .with([[-1.0, 1.0], [4.5, 6.0]], [-1.0; 4], [4.0; 4], false);
-        let stations = vec![[1.5, 0.0, 0.5], [5.0, 4.0, 0.5]];
-        let network = Network { stations, passages: vec![Passage { ends: [0, 1], reach_m: 3.0 }] };
+fn a_slope_takes_more_grip_where_it_also_leans() {
+    // A corridor too narrow to turn in, on a plane that rises by these for each metre ahead and to the left.
+    let on_plane = |ahead: f32, left: f32| {
+        let top = |x: f32, y: f32| ahead * x + left * y;
+        let heights = [top(0.0, -0.6), top(12.0, -0.6), top(12.0, 0.6), top(0.0, 0.6)];
+        let world = World::room([0.0, -0.6], [12.0, 0.6], -2.0, 9.0).with(
+            [[0.0, -0.6], [12.0, 0.6]],
+            [-3.0; 4],
+            heights,
+            false,
+        );
+        let stations = [1.5, 10.5].map(|x| [f64::from(x), 0.0, f64::from(top(x, 0.0)) + 0.5]).to_vec();
+        let network = Network { stations, passages: vec![Passage { ends: [0, 1], reach_m: 1.0 }] };
+        let start_m = [1.5, 0.0, f64::from(top(1.5, 0.0))];
         let robot = Profile::Vehicle(rover());
-        Certificate::of(&world.floor(CELL_M), &robot, &network, [1.5, 0.0, 0.0]).passages.remove(0).there
+        Certificate::of(&world.floor(CELL_M), &robot, &network, start_m).passages.remove(0).there
     };
-    let wide = onto_ledge(5.8);
-    assert_eq!(wide.class, Class::Go, "{:?}", wide.fault);
-    assert_eq!(cause(&onto_ledge(5.1)), Some((Class::Marginal, Cause::Slope)));
+    let diagonal = |slope_deg: f32| {
+        let share = slope_deg.to_radians().tan() * std::f32::consts::FRAC_1_SQRT_2;
+        on_plane(share, share).class
+    };
+    let straight = on_plane(24_f32.to_radians().tan(), 0.0);
+    assert_eq!(straight.class, Class::Go, "{:?}", straight.fault);
+    assert_eq!([20.0, 24.0].map(diagonal), [Class::Go, Class::Marginal]);
 }
 
 #[test]
