@@ -169,13 +169,21 @@ impl Sphere {
         let mut free = Vec::from_iter((own[0] <= own[1]).then_some(own));
         let mut narrowed = Vec::new();
         for (offset, half_m) in &self.columns {
+            let column = beside(gap.cell, *offset);
             narrowed.clear();
-            for other in &floor.cells()[floor.over(beside(gap.cell, *offset))] {
+            for other in &floor.cells()[floor.over(column)] {
                 let [low, high] = [f64::from(other.floor_m) + half_m, f64::from(other.ceiling_m) - half_m];
                 let both = free.iter().map(|range: &[f64; 2]| [range[0].max(low), range[1].min(high)]);
                 narrowed.extend(both.filter(|[low, high]| low <= high));
             }
             std::mem::swap(&mut free, &mut narrowed);
+            for z in floor.thin().over(column).iter().copied().map(f64::from) {
+                narrowed.clear();
+                let around =
+                    free.iter().flat_map(|[low, high]| [[*low, high.min(z - half_m)], [low.max(z + half_m), *high]]);
+                narrowed.extend(around.filter(|[low, high]| low <= high));
+                std::mem::swap(&mut free, &mut narrowed);
+            }
             if free.is_empty() {
                 return None;
             }

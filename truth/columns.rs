@@ -55,28 +55,15 @@ impl Columns {
         }
     }
 
-    fn add_triangle(&mut self, [a, b, c]: [[f64; 3]; 3]) {
-        let twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        if twice_area == 0.0 {
-            return;
-        }
-        // On the map all are taken counter-clockwise, so that where the surface folds both sides hit the same centres.
-        let is_entry = twice_area < 0.0;
-        let [b, c] = if is_entry { [c, b] } else { [b, c] };
-        let bound = |axis: usize, of: fn(f64, f64) -> f64| of(of(a[axis], b[axis]), c[axis]) / self.cell_m;
-        let first = [0, 1].map(|axis| (bound(axis, f64::min) - 0.5).floor() as i32);
-        let last = [0, 1].map(|axis| (bound(axis, f64::max) - 0.5).ceil() as i32);
-        for j in first[1]..=last[1] {
-            for i in first[0]..=last[0] {
-                let centre = [i, j].map(|n| (f64::from(n) + 0.5) * self.cell_m);
-                let [of_a, of_b, of_c] = [side(b, c, centre), side(c, a, centre), side(a, b, centre)];
-                let is_inside = holds(of_a, b, c) && holds(of_b, c, a) && holds(of_c, a, b);
-                if is_inside {
-                    let z = (a[2] * of_a + b[2] * of_b + c[2] * of_c) / (of_a + of_b + of_c);
-                    self.crossings.push(Crossing { cell: [i, j], z_m: z as f32, is_entry });
-                }
-            }
-        }
+    fn add_triangle(&mut self, triangle: [[f64; 3]; 3]) {
+        each_crossing(self.cell_m, triangle, &mut |crossing| self.crossings.push(crossing));
+    }
+
+    /// Whether a triangle, its corners in metres, is met by the line through the centre of any cell with this side in metres.
+    pub(super) fn meet(cell_m: f64, triangle: [[f64; 3]; 3]) -> bool {
+        let mut is_met = false;
+        each_crossing(cell_m, triangle, &mut |_| is_met = true);
+        is_met
     }
 
     /// The air in all columns, by cell and from below.
@@ -100,6 +87,30 @@ impl Columns {
             }
         }
         gaps
+    }
+}
+
+fn each_crossing(cell_m: f64, [a, b, c]: [[f64; 3]; 3], found: &mut impl FnMut(Crossing)) {
+    let twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    if twice_area == 0.0 {
+        return;
+    }
+    // On the map all are taken counter-clockwise, so that where the surface folds both sides hit the same centres.
+    let is_entry = twice_area < 0.0;
+    let [b, c] = if is_entry { [c, b] } else { [b, c] };
+    let bound = |axis: usize, of: fn(f64, f64) -> f64| of(of(a[axis], b[axis]), c[axis]) / cell_m;
+    let first = [0, 1].map(|axis| (bound(axis, f64::min) - 0.5).floor() as i32);
+    let last = [0, 1].map(|axis| (bound(axis, f64::max) - 0.5).ceil() as i32);
+    for j in first[1]..=last[1] {
+        for i in first[0]..=last[0] {
+            let centre = [i, j].map(|n| (f64::from(n) + 0.5) * cell_m);
+            let [of_a, of_b, of_c] = [side(b, c, centre), side(c, a, centre), side(a, b, centre)];
+            let is_inside = holds(of_a, b, c) && holds(of_b, c, a) && holds(of_c, a, b);
+            if is_inside {
+                let z = (a[2] * of_a + b[2] * of_b + c[2] * of_c) / (of_a + of_b + of_c);
+                found(Crossing { cell: [i, j], z_m: z as f32, is_entry });
+            }
+        }
     }
 }
 

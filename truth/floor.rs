@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::columns::{Columns, Gap};
+use super::thin::Thin;
 
 /// Least height of the air over a floor, in metres: lower cracks are left out.
 const LEAST_HEIGHT_M: f32 = 0.05;
@@ -29,6 +30,7 @@ pub struct Floor {
     cells: Vec<Gap>,
     reliefs: Vec<Relief>,
     columns: Tiles,
+    thin: Thin,
 }
 
 /// The shape of the floor around a cell.
@@ -55,15 +57,25 @@ impl Floor {
             columns.insert(column[0].cell, [first, end]);
             first = end;
         }
-        let mut floor = Self { cell_m, cells, reliefs: Vec::new(), columns };
+        let mut floor = Self { cell_m, cells, reliefs: Vec::new(), columns, thin: Thin::new(cell_m) };
         let window = window(cell_m);
         floor.reliefs = floor.cells.iter().map(|cell| floor.relief_of(cell, &window)).collect();
         floor
     }
 
+    /// The same floor, with what is thinner than its cells in the air over it.
+    pub fn with_thin(self, thin: Thin) -> Self {
+        Self { thin, ..self }
+    }
+
     /// Side of a cell in metres.
     pub fn cell_m(&self) -> f64 {
         self.cell_m
+    }
+
+    /// What is thinner than its cells.
+    pub fn thin(&self) -> &Thin {
+        &self.thin
     }
 
     /// The cells, by place and from below.

@@ -13,7 +13,8 @@
 //! surely gets and comes back from, with the lengths of its ways; [`Episode`]s lead through it, and from [`views`] it sees all of it.
 //! [`robot`] is a table of robots. [`Room`] is what is around a station of a survey.
 //!
-//! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell.
+//! Not promised of floors and maps: anything between the centres of two cells, such as a pole that is thinner than a cell. [`Thin`]
+//! holds that for drones, which must not touch it.
 //!
 //! ```
 //! use plume_truth::{Columns, Floor, OccupancyMap, Robot, State, Storeys};
@@ -56,6 +57,7 @@ mod search;
 mod stance;
 mod storeys;
 mod territory;
+mod thin;
 mod vector;
 mod vehicle;
 mod views;
@@ -76,6 +78,7 @@ pub use scout::Scout;
 pub use search::Pose;
 pub use storeys::Storeys;
 pub use territory::{Geodesic, Territory};
+pub use thin::Thin;
 pub use vehicle::{Cause, Class, Drone, Fault, Profile, Vehicle};
 pub use views::{Eye, View, views};
 pub use voxels::Voxels;

@@ -14,6 +14,9 @@ const MARGINAL_STEP: f64 = 1.25;
 /// How much of its step a vehicle loses where it climbs as steeply as it can: tuned, as wheels on a slope of 27° were stuck at a
 /// bump of half the step.
 const CLIMBING: f64 = 0.6;
+/// How the shares of grip that a slope ahead and one to a side take add up, as a power: tuned, as a rover slipped on floors of 32° to 33°
+/// that leaned 20° to a side, and drove straight up and down them.
+const GRIP: f64 = 1.5;
 /// Room under and over a body that simply gets through, in metres: floors are known at the centres of cells only.
 const SPARE_M: f64 = 0.03;
 /// Furthest that the floor under a wheel is from that under the middle, in metres: more is another floor.
@@ -118,10 +121,8 @@ impl<'a> Footprint<'a> {
         worst.compare(Cause::Climb, climb_rad, self.vehicle.climb_rad, MARGINAL_RAD);
         worst.compare(Cause::Descent, -climb_rad, self.vehicle.descent_rad, MARGINAL_RAD);
         worst.compare(Cause::SideSlope, lean_rad.abs(), self.vehicle.side_slope_rad, MARGINAL_RAD);
-        // Wheels have one grip for both.
         let slope_rad = libm::atan(libm::hypot(ground.ahead, ground.left));
-        let steepest_rad = if climb_rad > 0.0 { self.vehicle.climb_rad } else { self.vehicle.descent_rad };
-        worst.compare(Cause::Slope, slope_rad, steepest_rad.max(self.vehicle.side_slope_rad), MARGINAL_RAD);
+        worst.compare(Cause::Slope, slope_rad, self.steepest_rad(&ground), MARGINAL_RAD);
         self.judge_steps(&mut site, &ground, &mut worst);
         let mut spots = self.spots.iter();
         while let Some(spot) = spots.next().filter(|_| worst.class < Class::NoGo) {
@@ -129,6 +130,18 @@ impl<'a> Footprint<'a> {
         }
         let Worst { class, fault, .. } = worst;
         Some(Stance { ground_m: ground.middle_m, climb_rad, lean_rad, class, fault })
+    }
+
+    /// The steepest slope in the direction of that of a plane. Wheels have one grip for climbing and for not slipping sideways.
+    fn steepest_rad(&self, ground: &Ground) -> f64 {
+        let Vehicle { climb_rad, descent_rad, side_slope_rad, .. } = *self.vehicle;
+        let ahead_rad = if ground.ahead > 0.0 { climb_rad } else { descent_rad };
+        let share = |rise: f64, most_rad: f64| libm::pow(rise.abs() / libm::tan(most_rad), GRIP);
+        let used = share(ground.ahead, ahead_rad) + share(ground.left, side_slope_rad);
+        if used == 0.0 {
+            return ahead_rad;
+        }
+        libm::atan(libm::hypot(ground.ahead, ground.left) / libm::pow(used, 1.0 / GRIP))
     }
 
     /// The plane with the least squares of distances to the floor under the four wheels.

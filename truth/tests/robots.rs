@@ -156,6 +156,46 @@ fn a_drone_flies_over_what_stops_wheels() {
 }
 
 #[test]
+fn a_drone_keeps_away_from_what_is_thinner_than_a_cell() {
+    // Straws across the corridor that hang down to its floor between the centres of cells, except for a gap at one side.
+    let straws = (-30..=5)
+        .map(|n| n as f32 * 0.05)
+        .fold(corridor(), |world, y| world.with([[5.998, y - 0.002], [6.002, y + 0.002]], [0.0; 4], [2.0; 4], false));
+    let route = through(&straws, &Profile::Drone(Drone { radius_m: 0.25, margin_m: 0.1 })).there.route;
+    assert_eq!(route.class, Class::Go);
+    let away_m = |[x, y, _]: [f64; 3]| libm::hypot(x - 6.0, (y - 0.25).max(0.0));
+    let nearest_m = route.waypoints.iter().map(|waypoint| away_m(waypoint.position_m)).fold(f64::INFINITY, f64::min);
+    assert!((0.25..0.6).contains(&nearest_m), "{nearest_m} m");
+}
+
+#[test]
+fn a_slope_takes_more_grip_where_it_also_leans() {
+    // A corridor too narrow to turn in, on a plane that rises by these for each metre ahead and to the left.
+    let on_plane = |ahead: f32, left: f32| {
+        let top = |x: f32, y: f32| ahead * x + left * y;
+        let heights = [top(0.0, -0.6), top(12.0, -0.6), top(12.0, 0.6), top(0.0, 0.6)];
+        let world = World::room([0.0, -0.6], [12.0, 0.6], -2.0, 9.0).with(
+            [[0.0, -0.6], [12.0, 0.6]],
+            [-3.0; 4],
+            heights,
+            false,
+        );
+        let stations = [1.5, 10.5].map(|x| [f64::from(x), 0.0, f64::from(top(x, 0.0)) + 0.5]).to_vec();
+        let network = Network { stations, passages: vec![Passage { ends: [0, 1], reach_m: 1.0 }] };
+        let start_m = [1.5, 0.0, f64::from(top(1.5, 0.0))];
+        let robot = Profile::Vehicle(rover());
+        Certificate::of(&world.floor(CELL_M), &robot, &network, start_m).passages.remove(0).there
+    };
+    let diagonal = |slope_deg: f32| {
+        let share = slope_deg.to_radians().tan() * std::f32::consts::FRAC_1_SQRT_2;
+        on_plane(share, share).class
+    };
+    let straight = on_plane(24_f32.to_radians().tan(), 0.0);
+    assert_eq!(straight.class, Class::Go, "{:?}", straight.fault);
+    assert_eq!([20.0, 24.0].map(diagonal), [Class::Go, Class::Marginal]);
+}
+
+#[test]
 fn a_path_goes_through_the_middle_and_around_corners() {
     // Around a wall that leaves a door at one side.
     let world = block([5.5, -1.4], [6.5, 0.3], -1.0, 3.0);

@@ -1,47 +1,134 @@
-//! `cargo xtask drives [SEEDS]`: holds certificates to drives. Default caves of that many seeds, ten unless told otherwise, and one
-//! cave of every sample recipe; about four CPU minutes for ten.
+//! `cargo xtask drives [SEEDS] [--all] [--resume]`: holds certificates to drives of a rover in MuJoCo and a Husky in Bullet.
+//!
+//! Default caves of that many seeds, ten unless told otherwise; with `--all` also every sample recipe, which are every preset and
+//! generator, and caves of three layers, of four seeds each. About 45 CPU seconds for a default cave and both robots. Caves are
+//! removed once they were driven, unless a path failed. Results are lines of `target/drives/results.jsonl`; with `--resume`, what
+//! is there already is not driven again, for which the program must not have changed.
 
-use std::fs;
+use std::collections::HashSet;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use crate::interop::mujoco;
+use serde_json::Value;
+
+use crate::interop::certify::{self, JUDGES, Judge};
 use crate::plume::{Plume, Profile};
 use crate::samples;
-use crate::tools::{Result, root};
+use crate::tools::{Result, root, show};
 
-/// Passages that are driven in a cave, of each class.
-const PASSAGES: &str = "12";
+/// Seeds of default caves.
+const SEEDS: u64 = 10;
+/// Seeds of every other kind of cave.
+const OTHERS: u64 = 4;
 
 /// The task.
 pub fn run(arguments: &[String]) -> Result<()> {
-    let seeds: usize = match arguments {
-        [] => 10,
+    let (flags, counts): (Vec<&String>, Vec<&String>) = arguments.iter().partition(|word| word.starts_with("--"));
+    let seeds = match counts[..] {
+        [] => SEEDS,
         [count] => count.parse().map_err(|_| format!("{count} is no number of seeds"))?,
         _ => return Err("one number at most".to_owned()),
     };
-    let plume = Plume::package(Profile::Dev)?;
-    let folder = root().join("target/drives");
-    let mut caves = Vec::new();
-    for seed in 1..=seeds {
-        caves.extend(cave(&plume, &folder, &format!("seed_{seed}"), &["--seed", &seed.to_string()])?);
-        let layers = ["--seed", &seed.to_string(), "--set", "graph.layers=3"];
-        caves.extend(cave(&plume, &folder, &format!("layers_{seed}"), &layers)?);
+    if let Some(flag) = flags.iter().find(|flag| !["--all", "--resume"].contains(&flag.as_str())) {
+        return Err(format!("{flag} is neither --all nor --resume"));
     }
-    for recipe in samples::recipes()? {
-        let name = recipe.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        caves.extend(cave(&plume, &folder, &name, &[&recipe.to_string_lossy()])?);
+    let has = |name: &str| flags.iter().any(|flag| *flag == name);
+    let mut caves = default_caves(seeds);
+    if has("--all") {
+        caves.extend(other_caves()?);
     }
-    let status = mujoco::drives(PASSAGES, &caves)?.status().map_err(|error| format!("cannot run Python: {error}"))?;
-    if status.success() { Ok(()) } else { Err("a path that is called go was not driven".to_owned()) }
+    drive(&caves, has("--resume"))
 }
 
-/// The package for MuJoCo of a cave, and the cave, made unless they are there.
-fn cave(plume: &Plume, folder: &Path, name: &str, input: &[&str]) -> Result<[PathBuf; 2]> {
-    let [package, cave] = ["mujoco", "cave"].map(|what| folder.join(format!("{name}.{what}")));
-    fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let places = [package.to_string_lossy(), cave.to_string_lossy()];
-    let coarse = ["--set", "texture.density_px_per_m=5", "--quiet"];
-    let command = ["export", "--target", "mujoco", "-o", &places[0], "--keep", &places[1]];
-    plume.show(&[&command[..], &coarse, input].concat())?;
-    Ok([package, cave])
+/// A cave that is made, driven and removed.
+struct Cave {
+    name: String,
+    /// What it is made of, for the command line.
+    input: Vec<String>,
+    /// Passages that are driven, of each class.
+    passages: &'static str,
+}
+
+/// Little goes wrong in them, so many are driven and few passages of each.
+fn default_caves(seeds: u64) -> Vec<Cave> {
+    let cave = |seed: u64| Cave { name: format!("seed_{seed}"), input: of_seed(seed), passages: "2" };
+    (1..=seeds).map(cave).collect()
+}
+
+fn other_caves() -> Result<Vec<Cave>> {
+    let cave = |kind: &str, seed: u64, input: &[String]| Cave {
+        name: format!("{kind}_{seed}"),
+        input: [input, &of_seed(seed)].concat(),
+        passages: "6",
+    };
+    let recipes = samples::recipes()?;
+    let layers = ["--set", "graph.layers=3"].map(str::to_owned);
+    let of_seed = |seed: u64| {
+        let sample = move |recipe: &PathBuf| {
+            let kind = recipe.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+            cave(&kind, seed, &[recipe.to_string_lossy().into_owned()])
+        };
+        let deep = cave("three-layers", seed, &layers);
+        recipes.iter().map(sample).chain([deep]).collect::<Vec<_>>()
+    };
+    Ok((1..=OTHERS).flat_map(of_seed).collect())
+}
+
+fn of_seed(seed: u64) -> Vec<String> {
+    vec!["--seed".to_owned(), seed.to_string()]
+}
+
+fn drive(caves: &[Cave], resumes: bool) -> Result<()> {
+    let plume = Plume::package(Profile::Dev)?;
+    let folder = root().join("target/drives");
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let results = folder.join("results.jsonl");
+    if !resumes && results.exists() {
+        fs::remove_file(&results).map_err(|error| error.to_string())?;
+    }
+    let driven = driven(&results)?;
+    for cave in caves {
+        let is_new = |judge: &Judge| !driven.contains(&(cave.name.clone(), judge.robot.to_owned()));
+        let judges: Vec<Judge> = JUDGES.into_iter().filter(is_new).collect();
+        if !judges.is_empty() {
+            cave.drive(&plume, &folder.join(&cave.name), &judges, &results)?;
+        }
+    }
+    show(&mut certify::table(&results)?)
+}
+
+/// The caves that were driven, and by which robot.
+fn driven(results: &Path) -> Result<HashSet<(String, String)>> {
+    let Ok(file) = File::open(results) else { return Ok(HashSet::new()) };
+    let parse = |line: std::io::Result<String>| {
+        let line: Value = serde_json::from_str(&line.map_err(|error| error.to_string())?)
+            .map_err(|error| format!("{}: {error}", results.display()))?;
+        let text = |key: &str| line[key].as_str().unwrap_or_default().to_owned();
+        Ok((text("cave"), text("robot")))
+    };
+    BufReader::new(file).lines().map(parse).collect()
+}
+
+impl Cave {
+    /// Makes the cave and drives in it; it stays in the folder only if a path was not driven that should have been.
+    fn drive(&self, plume: &Plume, folder: &Path, judges: &[Judge], results: &Path) -> Result<()> {
+        let (cave, targets) = (folder.join("cave"), JUDGES.map(|judge| judge.target).join(","));
+        let [output, kept] = [folder, &cave].map(|path| path.to_string_lossy().into_owned());
+        let export = ["export", "--target", &targets, "-o", &output, "--keep", &kept, "--force", "--quiet"];
+        let coarse = ["--set", "texture.density_px_per_m=5"];
+        let input: Vec<&str> = self.input.iter().map(String::as_str).collect();
+        plume.show(&[&export[..], &coarse, &input].concat())?;
+        let mut is_good = true;
+        for judge in judges {
+            let certificate = folder.join(format!("{}.json", judge.robot));
+            certify::certify(plume.program(), &cave, judge.robot, &certificate)?;
+            let mut drives = judge.drive(&self.name, &folder.join(judge.target), &cave, &certificate)?;
+            is_good &= show(drives.args(["--passages", self.passages, "--results"]).arg(results)).is_ok();
+        }
+        if is_good {
+            fs::remove_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        }
+        Ok(())
+    }
 }

@@ -19,6 +19,7 @@ use queue::{Check, Tally};
 
 mod assimp;
 mod blender;
+pub mod certify;
 mod faults;
 mod formats;
 mod gazebo;
@@ -341,7 +342,7 @@ fn checks_of_export(readers: &[&'static Reader], package: &Path) -> Vec<Check> {
         // The route follows from the cave.
         Some(Kind::Mujoco) if mujoco::cave_of(package).is_dir() => {
             also("drive", mujoco::drive);
-            also("certify", mujoco::certify);
+            also("certify", certify::check);
         }
         Some(Kind::Page) if readers.iter().any(|reader| reader.name == "page") => also("page", page::check_faults),
         _ => {}

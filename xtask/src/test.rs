@@ -31,6 +31,7 @@ pub fn rust(arguments: &[String]) -> Result<()> {
 pub fn python() -> Result<()> {
     Plume::package(Profile::Dev)?;
     interop::mujoco::make()?;
+    interop::certify::make()?;
     interop::truth::make()?;
     interop::record::make()?;
     let (python, scene) = (interop::usd::environment()?.python(), interop::write_scene()?);

@@ -20,6 +20,7 @@ import numpy as np
 import plume
 from floor import heights_m
 from package import TOLERANCE_M, Wall, require, run
+from pursuit import LEAN_DEG, STUCK_S, is_tipped, pursue
 from route import route
 from rover import Rover
 from scipy.spatial import cKDTree
@@ -27,13 +28,7 @@ from scipy.spatial import cKDTree
 ROUTE_M = 22.0
 ARRIVED_M = 20.0
 DURATION_S = 120.0
-STUCK_S = 10.0
-SPEED_M_S = 0.5
 LOOK_AHEAD_M = 1.0
-TURN_GAIN = 3.0  # rad/s for each rad off course; tuned: skidding wheels turn less than they are told
-TURN_MOST_RAD_S = 1.5
-CONTROL_S = 0.1
-LEAN_DEG = 50.0
 SPOKES = 24
 SLACK_M = 0.01
 
@@ -94,15 +89,11 @@ def follow(rover, line, goal_m, duration_s):
     while passed_m < goal_m and rover.data.time < min(duration_s, passed_at_s + STUCK_S):
         before_m, passed_m = passed_m, line.along_m(rover.position, passed_m, LOOK_AHEAD_M)
         passed_at_s = rover.data.time if passed_m > before_m else passed_at_s
-        target = line.at(passed_m + LOOK_AHEAD_M) - rover.position
-        ahead, left, up = rover.axes.T
-        off_course_rad = np.arctan2(target @ left, target @ ahead)
-        turn_rad_s = np.clip(TURN_GAIN * off_course_rad, -TURN_MOST_RAD_S, TURN_MOST_RAD_S)
-        rover.steer(SPEED_M_S * max(np.cos(off_course_rad), 0), turn_rad_s)
-        rover.run(CONTROL_S)
+        pursue(rover, line.at(passed_m + LOOK_AHEAD_M))
+        up = rover.axes[:, 2]
         hub = rover.position + rover.wheel_radius_m * up
         rows.append((rover.data.time, passed_m, hub, rover.position, up, *rover.spokes(SPOKES)))
-        if up[2] < np.cos(np.radians(LEAN_DEG)):
+        if is_tipped(rover):
             break
     return Track(*map(np.array, zip(*rows, strict=True)))
 

@@ -2,10 +2,12 @@
 
 import mujoco
 import numpy as np
-from package import name_of, require
+from package import COLLISION_GROUP, name_of, require
 
 WHEELS = ["front_left", "front_right", "rear_left", "rear_right"]
 SIDES = np.array([1, -1, 1, -1])  # left is where a turn to the left takes back
+AWAY_M = 1e4
+DOWN = np.array([0.0, 0.0, -1.0])
 
 
 class Rover:
@@ -41,6 +43,26 @@ class Rover:
     def run(self, duration_s):
         mujoco.mj_step(self.model, self.data, round(duration_s / self.model.opt.timestep))
         require(np.isfinite(self.data.qpos).all(), "the simulation diverged")
+
+    def put_down(self, position, rotation):
+        """At rest; the rotation is a quaternion, its scalar last."""
+        x, y, z, w = rotation
+        address = self.model.jnt_qposadr[self.model.body("rover").jntadr[0]]
+        self.data.qvel[:] = 0
+        self.data.ctrl[:] = 0
+        self.data.qpos[address : address + 7] = [*position, w, x, y, z]
+        mujoco.mj_forward(self.model, self.data)
+
+    def floor_m(self, points):
+        """Heights of the rock under points; NaN where there is none. The rover is out of the way afterwards."""
+        self.put_down([0, 0, AWAY_M], [0, 0, 0, 1])
+        groups, hit = np.arange(6, dtype=np.uint8) == COLLISION_GROUP, np.zeros(1, dtype=np.int32)
+        down = [mujoco.mj_ray(self.model, self.data, point, DOWN, groups, 1, -1, hit) for point in points]
+        return np.where(np.array(down) >= 0, points[:, 2] - down, np.nan)
+
+    @property
+    def time_s(self):
+        return self.data.time
 
     @property
     def position(self):

@@ -7,8 +7,9 @@ more than 50 degrees. A line for each cave; fails if the rover does not arrive i
 """
 
 import plume
-from drive import LEAN_DEG, SPEED_M_S, follow
+from drive import follow
 from package import require, run
+from pursuit import LEAN_DEG, SPEED_M_S
 from route import longest_route
 from rover import Rover
 

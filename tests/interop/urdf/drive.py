@@ -10,31 +10,30 @@ from the side.
 
 import json
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
 import pybullet as p
-import pybullet_data
 from package import require, run
 from picture import draw
 from world import hits, loaded, start_poses
+
+sys.path.append(str(Path(__file__).parents[1]))
+from husky import STEP_S, Husky  # noqa: E402
 
 WAY_M = 20.0
 GOAL_M = 21.0  # along the line, because corners are cut
 SPARE_M = 1.5  # beyond it, to look ahead at
 LINE_STEP_M = 0.1
 
-STEP_S = 1 / 240
 TICK_STEPS = 12
 PATIENCE_S = 60.0
 
 SPEED_M_S = 0.8
 LOOK_AHEAD_M = 1.2  # tuned: less and it weaves, more and it cuts corners
 TURN_PER_S = 1.5
-WHEEL_RADIUS_M = 0.17775
-TRACK_M = 0.5708
 SKID = 1.9  # four wheels that cannot steer turn slower than two would; the ROS driver of the Husky says 1.875
-TORQUE_N_M = 40.0
 
 EYE_M = 0.6
 GROUND_M = 0.15
@@ -50,10 +49,10 @@ def verify(package, graph, picture):
     with loaded(package) as world:
         poses = start_poses(world)
         check_grounded(poses)
-        start, line = flattest(poses, ways(json.loads(Path(graph).read_text())))
-        husky = stand(start)
+        (position, rotation), line = flattest(poses, ways(json.loads(Path(graph).read_text())))
+        husky = Husky(position + START_M * UP, rotation)
         track = drive(husky, world, line)
-        p.removeBody(husky)
+        p.removeBody(husky.body)
         moved = np.abs(p.getBasePositionAndOrientation(world)[0]).max()
         floor, ceiling = hits(track["position"] + 0.1 * UP, DOWN), hits(track["position"] + 0.1 * UP, UP)
         draw(picture, line, track, floor, ceiling)
@@ -110,33 +109,23 @@ def on_floor(way):
     return line
 
 
-def stand(pose):
-    position, rotation = pose
-    p.setAdditionalSearchPath(pybullet_data.getDataPath())
-    return p.loadURDF("husky/husky.urdf", (position + START_M * UP).tolist(), rotation.tolist())
-
-
 def drive(husky, world, line):
     """Follows the line; returns the observations of each tick, until the end of the line or the time limit."""
-    p.setTimeStep(STEP_S)
-    joints = {p.getJointInfo(husky, joint)[1].decode(): joint for joint in range(p.getNumJoints(husky))}
-    sides = [[joints[f"{end}_{side}_wheel"] for end in ("front", "rear")] for side in ("left", "right")]
     track = {"position": [], "up": [], "depth_m": [], "line": []}
     nearest = 0
     for _ in range(round(PATIENCE_S / STEP_S / TICK_STEPS)):
-        position, rotation = p.getBasePositionAndOrientation(husky)
-        axes = np.array(p.getMatrixFromQuaternion(rotation)).reshape(3, 3)
+        position, axes = husky.position, husky.axes
         nearest = follow(line, nearest, position)
         track["position"].append(position)
         track["up"].append(axes[2, 2])
-        track["depth_m"].append(max((-contact[8] for contact in p.getContactPoints(husky, world)), default=0.0))
+        track["depth_m"].append(max((-contact[8] for contact in p.getContactPoints(husky.body, world)), default=0.0))
         track["line"].append(nearest)
         if nearest * LINE_STEP_M >= GOAL_M:
             break
         target = axes.T @ (line[min(nearest + round(LOOK_AHEAD_M / LINE_STEP_M), len(line) - 1)] - position)
-        steer(husky, sides, math.atan2(target[1], target[0]))
-        for _ in range(TICK_STEPS):
-            p.stepSimulation()
+        off_course_rad = math.atan2(target[1], target[0])
+        husky.steer(SPEED_M_S * max(math.cos(off_course_rad), 0.0), SKID * TURN_PER_S * off_course_rad)
+        husky.run(TICK_STEPS * STEP_S)
     return {key: np.array(values) for key, values in track.items()}
 
 
@@ -144,19 +133,6 @@ def follow(line, nearest, position):
     """The nearest point of the line within the next metre; it never goes back."""
     some = line[nearest : nearest + round(1 / LINE_STEP_M)]
     return nearest + int(np.argmin(np.linalg.norm((some - position)[:, :2], axis=1)))
-
-
-def steer(husky, sides, angle):
-    speed = SPEED_M_S * max(math.cos(angle), 0.0)
-    turn = SKID * TURN_PER_S * angle * TRACK_M / 2
-    for wheels, side_speed in zip(sides, (speed - turn, speed + turn), strict=True):
-        p.setJointMotorControlArray(
-            husky,
-            wheels,
-            p.VELOCITY_CONTROL,
-            targetVelocities=[side_speed / WHEEL_RADIUS_M] * 2,
-            forces=[TORQUE_N_M] * 2,
-        )
 
 
 def check(track, line, floor, ceiling):

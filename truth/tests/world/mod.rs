@@ -1,6 +1,6 @@
 //! Worlds made of boxes.
 
-use plume_truth::{Columns, Floor};
+use plume_truth::{Columns, Floor, Thin};
 
 /// Triangles, counter-clockwise from the air.
 #[derive(Clone, Default)]
@@ -35,8 +35,9 @@ impl World {
 
     /// Its floor.
     pub fn floor(&self, cell_m: f64) -> Floor {
-        let mut columns = Columns::new(cell_m);
+        let (mut columns, mut thin) = (Columns::new(cell_m), Thin::new(cell_m));
         columns.add(&self.corners, &self.indices);
-        Floor::new(columns)
+        thin.add(&self.corners, &self.indices);
+        Floor::new(columns).with_thin(thin)
     }
 }

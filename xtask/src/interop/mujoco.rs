@@ -51,18 +51,6 @@ pub fn drive(package: &Path) -> Result<String> {
     run(script("drive.py", package)?.arg(cave_of(package)))
 }
 
-/// Holds the certificate of a cave to a few drives.
-pub(super) fn certify(package: &Path) -> Result<String> {
-    run(&mut drives("2", &[package.to_owned(), cave_of(package)])?)
-}
-
-/// Holds certificates of caves to drives along that many paths of each class; packages and caves by turns.
-pub fn drives(passages: &str, folders: &[PathBuf]) -> Result<Command> {
-    let mut command = Command::new(environment()?.python());
-    command.arg(root().join("tests/interop/mujoco/drives.py")).args(["--passages", passages]).args(folders);
-    Ok(command)
-}
-
 fn script(name: &str, package: &Path) -> Result<Command> {
     let mut command = Command::new(environment()?.python());
     command.arg(root().join("tests/interop/mujoco").join(name)).arg(package);

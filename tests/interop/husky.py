@@ -1,0 +1,79 @@
+"""The Husky of `pybullet_data` in a world that Bullet has loaded, steered like a tank."""
+
+import numpy as np
+import pybullet as p
+import pybullet_data
+from drop_pybullet import gravity, load_collisions, read_collisions, read_world
+
+STEP_S = 1 / 240
+WHEEL_RADIUS_M = 0.17775
+TRACK_M = 0.5708
+TORQUE_N_M = 40.0
+AWAY_M = 1e4
+FAR_M = 100.0
+RAYS_AT_ONCE = p.MAX_RAY_INTERSECTION_BATCH_SIZE - 1
+
+
+class Husky:
+    """Its origin is on the ground between its wheels; ahead is +X."""
+
+    def __init__(self, position, rotation=(0, 0, 0, 1)):
+        p.setTimeStep(STEP_S)
+        p.setAdditionalSearchPath(pybullet_data.getDataPath())
+        self.body = p.loadURDF("husky/husky.urdf", list(position), list(rotation))
+        self.joints = {
+            p.getJointInfo(self.body, joint)[1].decode(): joint for joint in range(p.getNumJoints(self.body))
+        }
+        self.sides = [[self.joints[f"{end}_{side}_wheel"] for end in ("front", "rear")] for side in ("left", "right")]
+        self.steps = 0
+
+    @classmethod
+    def of(cls, package):
+        """In a world of its own, on the triangles of a Gazebo package."""
+        world, model = read_world(package)
+        p.connect(p.DIRECT)
+        p.setGravity(*gravity(world))
+        load_collisions(read_collisions(model, package), p.GEOM_FORCE_CONCAVE_TRIMESH)
+        return cls([0, 0, AWAY_M])
+
+    def steer(self, speed_m_s, turn_rad_s):
+        """Commands the wheels for a speed ahead and a turn to the left, as if no wheel slipped."""
+        turn_m_s = turn_rad_s * TRACK_M / 2
+        for wheels, rim_m_s in zip(self.sides, (speed_m_s - turn_m_s, speed_m_s + turn_m_s), strict=True):
+            speeds = [rim_m_s / WHEEL_RADIUS_M] * len(wheels)
+            torques = [TORQUE_N_M] * len(wheels)
+            p.setJointMotorControlArray(self.body, wheels, p.VELOCITY_CONTROL, targetVelocities=speeds, forces=torques)
+
+    def run(self, duration_s):
+        for _ in range(round(duration_s / STEP_S)):
+            p.stepSimulation()
+            self.steps += 1
+
+    def put_down(self, position, rotation):
+        """At rest; the rotation is a quaternion, its scalar last."""
+        p.resetBasePositionAndOrientation(self.body, list(position), list(rotation))
+        p.resetBaseVelocity(self.body, [0, 0, 0], [0, 0, 0])
+        for wheel in sum(self.sides, []):
+            p.resetJointState(self.body, wheel, 0, 0)
+        self.steer(0, 0)
+
+    def floor_m(self, points):
+        """Heights of the rock under points; NaN where there is none. The Husky is out of the way afterwards."""
+        self.put_down([0, 0, AWAY_M], [0, 0, 0, 1])
+        hits = []
+        for some in (points[start : start + RAYS_AT_ONCE] for start in range(0, len(points), RAYS_AT_ONCE)):
+            hits += p.rayTestBatch(some.tolist(), (some - [0, 0, FAR_M]).tolist())
+        return np.array([hit[3][2] if hit[0] >= 0 else np.nan for hit in hits])
+
+    @property
+    def time_s(self):
+        return self.steps * STEP_S
+
+    @property
+    def position(self):
+        return np.array(p.getBasePositionAndOrientation(self.body)[0])
+
+    @property
+    def axes(self):
+        """Ahead, left and up, as columns."""
+        return np.array(p.getMatrixFromQuaternion(p.getBasePositionAndOrientation(self.body)[1])).reshape(3, 3)
