@@ -10,15 +10,36 @@ use crate::scene::{Chunk, Content, Mesh, Scene};
 /// # Errors
 /// As [`Scene::chunk`].
 pub fn floor(scene: &Scene, cell_m: f64) -> Result<Floor, ExportError> {
-    let (mut columns, mut thin) = (Columns::new(cell_m), Thin::new(cell_m));
-    for chunk in chunks(scene) {
-        let Chunk { content, visual: Mesh { positions, indices, .. }, .. } = chunk?;
-        columns.add(&positions, &indices);
-        if matches!(content, Content::Things { .. }) {
-            thin.add(&positions, &indices);
+    let mut builder = FloorBuilder::new(cell_m);
+    chunks(scene).try_for_each(|chunk| chunk.map(|chunk| builder.add(&chunk)))?;
+    Ok(builder.finish())
+}
+
+/// A floor that is made chunk by chunk.
+pub struct FloorBuilder {
+    columns: Columns,
+    thin: Thin,
+}
+
+impl FloorBuilder {
+    /// Nothing yet, in cells of this side in metres.
+    pub fn new(cell_m: f64) -> Self {
+        Self { columns: Columns::new(cell_m), thin: Thin::new(cell_m) }
+    }
+
+    /// Adds a chunk with which something collides.
+    pub fn add(&mut self, chunk: &Chunk) {
+        let Mesh { positions, indices, .. } = &chunk.visual;
+        self.columns.add(positions, indices);
+        if matches!(chunk.content, Content::Things { .. }) {
+            self.thin.add(positions, indices);
         }
     }
-    Ok(Floor::new(columns).with_thin(thin))
+
+    /// The floor of all chunks.
+    pub fn finish(self) -> Floor {
+        Floor::new(self.columns).with_thin(self.thin)
+    }
 }
 
 /// Its meshes in full detail, loaded one at a time; an error as by [`Scene::chunk`].

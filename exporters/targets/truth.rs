@@ -34,6 +34,7 @@ use crate::frame::Axes;
 use crate::labels::Labels;
 use crate::package::{Package, pretty};
 use crate::scene::Scene;
+use crate::surface::FloorBuilder;
 use crate::{Build, Summary, Target, TargetRow, template};
 use floors::Floors;
 use table::{Entry, FRAME, Table};
@@ -229,7 +230,7 @@ impl Target for Truth {
         }
         // Last, when the grids are gone: the floor takes as much memory as they do.
         let (mut storeys, mut network) = (Vec::new(), None);
-        if let Some(floor) = world.columns.map(Floor::new) {
+        if let Some(floor) = world.floor.map(FloorBuilder::finish) {
             let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
             let reached = Storeys::reached(&floor, &self.robot(), &starts);
             let floors = Floors { floor: &floor, storeys: &reached, settings: &self.0 };

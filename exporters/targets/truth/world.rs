@@ -9,11 +9,12 @@ use super::{Part, TruthSettings};
 use crate::error::ExportError;
 use crate::labels::Labels;
 use crate::scene::Scene;
+use crate::surface::FloorBuilder;
 
 /// The world as far as some parts of the package need it.
 pub struct World {
     /// What the floor follows from, for [`Part::OF_FLOOR`].
-    pub columns: Option<Columns>,
+    pub floor: Option<FloorBuilder>,
     /// The cells of a grid, for [`Part::Occupancy`] and [`Part::Voxels`].
     pub voxels: Option<Voxels>,
     /// For [`Part::Distance`].
@@ -37,7 +38,7 @@ impl World {
 }
 
 struct Gathered {
-    columns: Option<Columns>,
+    floor: Option<FloorBuilder>,
     /// Columns of the grid of voxels and distances.
     air: Option<Columns>,
     voxels: Option<Voxels>,
@@ -53,7 +54,7 @@ impl Gathered {
         let has_distances = wants(&[Part::Distance]);
         let cloud = wants(&Part::OF_CLOUD).then(|| Cloud::new(scene.seed, points_per_m2, scratch));
         Ok(Self {
-            columns: wants(&Part::OF_FLOOR).then(|| Columns::new(cell_m)),
+            floor: wants(&Part::OF_FLOOR).then(|| FloorBuilder::new(cell_m)),
             air: (has_voxels || has_distances).then(|| Columns::new(voxel_m)),
             voxels: has_voxels.then(|| Voxels::new(voxel_m)),
             distances: has_distances.then(|| Distances::new(voxel_m, reach_m)),
@@ -68,8 +69,11 @@ impl Gathered {
         if !chunk.collides() {
             return Ok(mesh.triangles());
         }
-        for columns in [&mut self.columns, &mut self.air].into_iter().flatten() {
-            columns.add(&mesh.positions, &mesh.indices);
+        if let Some(floor) = &mut self.floor {
+            floor.add(&chunk);
+        }
+        if let Some(air) = &mut self.air {
+            air.add(&mesh.positions, &mesh.indices);
         }
         if let Some(distances) = &mut self.distances {
             distances.add(&mesh.positions, &mesh.indices);
@@ -88,7 +92,7 @@ impl Gathered {
     }
 
     fn finish(self, triangles: u64) -> World {
-        let Self { columns, air, mut voxels, mut distances, cloud } = self;
+        let Self { floor, air, mut voxels, mut distances, cloud } = self;
         let air: Vec<Gap> = air.map(Columns::into_gaps).unwrap_or_default();
         if let Some(voxels) = &mut voxels {
             voxels.fill(&air);
@@ -96,6 +100,6 @@ impl Gathered {
         if let Some(distances) = &mut distances {
             distances.sign(&air);
         }
-        World { columns, voxels, distances, cloud, triangles }
+        World { floor, voxels, distances, cloud, triangles }
     }
 }
