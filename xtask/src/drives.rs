@@ -1,7 +1,7 @@
 //! `cargo xtask drives [SEEDS] [--all] [--resume]`: holds certificates to drives of a rover in MuJoCo and a Husky in Bullet.
 //!
 //! Default caves of that many seeds, ten unless told otherwise; with `--all` also every sample recipe, which are every preset and
-//! generator, and caves of three layers, of four seeds each. About 45 CPU seconds for a default cave and both robots. Caves are
+//! generator, and caves of three layers, of four seeds each. About 40 CPU seconds for a default cave and both robots. Caves are
 //! removed once they were driven, unless a path failed. Results are lines of `target/drives/results.jsonl`; with `--resume`, what
 //! is there already is not driven again, for which the program must not have changed.
 
