@@ -48,13 +48,11 @@ impl Network {
 
     /// Whether the passage to `to` keeps the minimum angle to the others at `at`, and parts from them gently.
     fn opens(&self, at: usize, to: usize) -> bool {
-        let way = |other: usize| self.position(other) - self.position(at);
+        let way = |other: usize| self.floor(other) - self.floor(at);
         let own = way(to);
         let most = self.sharpest * own.norm();
-        let is_wide = |other: Vector3<f64>| own.dot(&other) <= most * other.norm();
-        let on_floor = |other: usize| self.floor(other) - self.floor(at);
-        let mut others = self.neighbors(at).filter(|&other| other != to);
-        others.all(|other| is_wide(way(other)) && self.parts_gently(on_floor(to), on_floor(other)))
+        let mut others = self.neighbors(at).filter(|&other| other != to).map(way);
+        others.all(|other| own.dot(&other) <= most * other.norm() && self.parts_gently(own, other))
     }
 
     /// Whether the floor between two passages that begin at one station, a metre from it, is not too steep. Where one rises and

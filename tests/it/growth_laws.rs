@@ -103,7 +103,7 @@ fn passages_at_a_station_keep_their_angles() {
     hold(|case, graph, name| {
         for (node, others) in graph.stations().zip(graph.neighbors().iter()) {
             assert!(others.len() <= 4, "{name} {node:?}");
-            let way = |other: StationId| graph[other].position - graph[node].position;
+            let way = |other: StationId| floor(&graph[other]) - floor(&graph[node]);
             for (place, &a) in others.iter().enumerate() {
                 for &b in &others[place + 1..] {
                     assert!(way(a).angle(&way(b)).to_degrees() > case.junction_deg - 0.1, "{name} {node:?}");

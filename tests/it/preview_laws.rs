@@ -228,7 +228,7 @@ fn views_show_things_on_any_number_of_threads() {
         let order = Order { size: Some(Size::new(640, 360).unwrap()), ..order(row.formats[0], &stop) };
         let bare = row.draw(&pipeline::subject(&recipe, &graph, &field), &order).unwrap();
         let furnished = |threads| {
-            let subject = pipeline::furnished(&recipe, &graph, &field, &stock);
+            let subject = pipeline::furnished(&recipe, &graph, &field, Some(&stock));
             with_threads(threads, || row.draw(&subject, &order).unwrap())
         };
         let one = furnished(1);

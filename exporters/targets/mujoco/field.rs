@@ -144,7 +144,7 @@ mod tests {
             Field::new(&Mesh { positions, indices, ..Mesh::default() }, 0.01).stacked_m2()
         };
         assert_eq!(stacked_m2(1.4), 0.0);
-        assert!((stacked_m2(1.6) - 1.0).abs() < 0.02, "{}", stacked_m2(1.6));
+        assert!((stacked_m2(1.6) - 1.0).abs() < 0.03, "{}", stacked_m2(1.6));
     }
 
     #[test]
