@@ -5,9 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use plume_disk::Existing;
 
 use super::fault::CliError;
+use super::output;
 use super::progress::Console;
 use super::signals;
 use plume::Cave;
@@ -46,21 +46,17 @@ impl Certify {
         let scene = cave.scene(&chunks);
         let certified = cave.certify(&scene, &robot)?;
         for (path, form) in files {
-            write(path, &form(&certified))?;
+            output::replace(path, &form(&certified))?;
         }
         if let Some(folder) = &self.pictures {
             fs::create_dir_all(folder).map_err(|source| StoreError::io(folder, source))?;
             for (number, picture) in (1..).zip(certified.pictures(console)?) {
-                picture.map_or(Ok(()), |png| write(&folder.join(format!("stop_{number}.png")), &png))?;
+                picture.map_or(Ok(()), |png| output::replace(&folder.join(format!("stop_{number}.png")), &png))?;
             }
         }
         let text = if console.is_json() { format!("{:#}\n", certified.json()) } else { certified.text() };
         console.result(&text)
     }
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    Ok(plume_disk::write_file(path, Existing::Replace, bytes).map_err(|source| StoreError::io(path, source))?)
 }
 
 /// How a file with this extension is written.

@@ -14,6 +14,7 @@ mod likeness;
 mod list;
 mod measure;
 mod new;
+mod output;
 mod path;
 mod preview;
 mod progress;

@@ -3,17 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use plume_disk::Existing;
 use plume_truth::Class;
 use serde_json::json;
 
 use super::fault::CliError;
+use super::output;
 use super::progress::Console;
 use super::signals;
 use plume::Cave;
 use plume::cave::{self, Journey};
 use plume::pipeline::Observer;
-use plume::store::StoreError;
 use plume::trajectory::{Format, Ride, Trajectory};
 
 /// Finds a path for a robot through a finished cave: through the middle, smoothed, and held against the floor in every pose.
@@ -55,8 +54,7 @@ impl PathCommand {
         let route = cave.route(&scene, &robot, journey)?;
         let ride = self.height.map_or(Ride::OnWheels, Ride::Level);
         let trajectory = Trajectory::of(&route, ride, self.speed);
-        let written = plume_disk::write_file(&self.output, Existing::Replace, trajectory.text(format).as_bytes());
-        written.map_err(|source| StoreError::io(&self.output, source))?;
+        output::replace(&self.output, trajectory.text(format).as_bytes())?;
         let clearance_m = route.waypoints.iter().map(|waypoint| waypoint.clearance_m).fold(f64::INFINITY, f64::min);
         let (length_m, time_s) = trajectory.stamps.last().map_or((0.0, 0.0), |last| (last.along_m, last.time_s));
         if console.is_json() {

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use plume_disk::Existing;
 use serde_json::json;
 
 use super::fault::CliError;
+use super::output;
 use super::progress::Console;
 use super::{Named, flight};
 use plume::cave;
@@ -191,15 +191,14 @@ fn refuse_nowhere(output: &Path) -> Result<(), CliError> {
 }
 
 /// Writes what was drawn and returns its size.
-fn save(output: &Path, drawn: &Drawn) -> Result<usize, CliError> {
+fn save(path: &Path, drawn: &Drawn) -> Result<usize, CliError> {
     match drawn {
         Drawn::File(bytes) => {
-            let written = plume_disk::write_file(output, Existing::Replace, bytes);
-            written.map_err(|source| StoreError::io(output, source))?;
+            output::replace(path, bytes)?;
             Ok(bytes.len())
         }
         Drawn::Frames(frames) => {
-            flight::save(output, frames)?;
+            flight::save(path, frames)?;
             Ok(frames.iter().map(Vec::len).sum())
         }
     }

@@ -123,3 +123,10 @@ pub struct Fault {
     /// With how much of that it would simply get through.
     pub limit: f64,
 }
+
+impl Fault {
+    /// Its value and limit in degrees or metres.
+    pub fn at_edge(&self) -> [f64; 2] {
+        [self.value, self.limit].map(|value| if self.cause.is_angle() { value.to_degrees() } else { value })
+    }
+}

@@ -223,7 +223,7 @@ fn worse(through: &Through) -> Class {
 
 /// A fault and where it is in words.
 fn said(fault: &Fault, [x, y, z]: [f64; 3]) -> String {
-    let (name, [value, limit]) = (fault.cause.name(), at_edge(fault));
+    let (name, [value, limit]) = (fault.cause.name(), fault.at_edge());
     let what = match fault.cause {
         Cause::NoFloor => "no floor".to_owned(),
         cause if cause.is_angle() => format!("{name} {value:.0}°, limit {limit:.0}°"),
@@ -232,16 +232,11 @@ fn said(fault: &Fault, [x, y, z]: [f64; 3]) -> String {
     format!("{what} at {x:.2} {y:.2} {z:.2}")
 }
 
-/// Value and limit of a fault in metres or degrees.
-fn at_edge(fault: &Fault) -> [f64; 2] {
-    [fault.value, fault.limit].map(|value| if fault.cause.is_angle() { value.to_degrees() } else { value })
-}
-
 fn verdict(verdict: &Verdict) -> Value {
     let Verdict { class, fault, route } = verdict;
     let fault = fault.as_ref().map(|(fault, at)| {
         let unit = if fault.cause.is_angle() { "deg" } else { "m" };
-        let [value, limit] = at_edge(fault).map(rounded);
+        let [value, limit] = fault.at_edge().map(rounded);
         json!({"cause": fault.cause.name(), "unit": unit, "value": value, "limit": limit, "at": at.map(rounded)})
     });
     json!({ "class": class.name(), "stopped_by": fault, "path": path(route) })

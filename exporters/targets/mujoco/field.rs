@@ -46,10 +46,7 @@ impl Field {
         for (corners, normal) in mesh.indices.chunks_exact(3).zip(slope::face_normals(mesh)) {
             let corners = [0, 1, 2].map(|k| mesh.positions[corners[k] as usize].map(f64::from));
             if normal[2] > 0.0 {
-                field.each_sample(corners, |[lowest, _], height| *lowest = lowest.min(height));
-            }
-            if slope::zone(normal) == Zone::Floor {
-                field.each_sample(corners, |[_, highest], height| *highest = highest.max(height));
+                field.add(corners, slope::zone(normal) == Zone::Floor);
             }
         }
         field
@@ -109,8 +106,8 @@ impl Field {
         [low_m, (floor().fold(low_m, f64::max) - low_m).max(LEAST_HEIGHT_M)]
     }
 
-    /// Calls `update` with the lowest and highest floor of each sample inside a triangle, and its height there.
-    fn each_sample(&mut self, corners: [[f64; 3]; 3], update: impl Fn([&mut f64; 2], f64)) {
+    /// Adds a triangle that faces upwards, and on which something can stand or not.
+    fn add(&mut self, corners: [[f64; 3]; 3], carries: bool) {
         let flat = corners.map(|[x, y, _]| (Point2::new(x, y) - self.low).component_div(&self.spacing));
         let [a, b, c] = flat;
         let area = (b - a).perp(&(c - a));
@@ -125,7 +122,10 @@ impl Field {
             if area > 0.0 && shares.iter().all(|share| share / area >= -SLACK) {
                 let height: f64 = shares.iter().zip(corners).map(|(share, [_, _, z])| share / area * z).sum();
                 let sample = row * self.counts[0] + column;
-                update([&mut self.heights_m[sample], &mut self.tops_m[sample]], height);
+                self.heights_m[sample] = self.heights_m[sample].min(height);
+                if carries {
+                    self.tops_m[sample] = self.tops_m[sample].max(height);
+                }
             }
         }
     }

@@ -219,8 +219,8 @@ fn judged(verdict: &Verdict) -> Vec<(&'static str, String)> {
     let mut values = vec![("class", verdict.class.name().to_owned())];
     if let Some((fault, _)) = verdict.fault {
         values.push(("stopped_by", fault.cause.name().to_owned()));
-        let edge = |value: f64| rounded(if fault.cause.is_angle() { value.to_degrees() } else { value }).to_string();
-        values.extend([("value", edge(fault.value)), ("limit", edge(fault.limit))]);
+        let [value, limit] = fault.at_edge().map(|value| rounded(value).to_string());
+        values.extend([("value", value), ("limit", limit)]);
     }
     values
 }
