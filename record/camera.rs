@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::lens::Lens;
 use crate::library::Library;
-use crate::light::{Lights, Received, Shadows};
+use crate::light::{Lights, Received, Sight};
 use crate::noise::Noise;
 use crate::rig::{Camera, Depth};
 use crate::world::{Hit, NO_THING, World};
@@ -18,6 +18,8 @@ const FAR_M: f64 = 1e4;
 const EDGE: f64 = 0.04;
 /// Rays of a pixel on the edge of a surface, along either axis.
 const FINER: usize = 2;
+/// Pixels along either side of a tile, whose rays are followed together.
+const TILE: usize = 8;
 
 /// A camera with the ray of each of its pixels.
 pub struct Eye {
@@ -61,17 +63,42 @@ impl Eye {
     pub fn look<'a>(&'a self, world: &'a World, scene_from_body: &Isometry3<f64>) -> View<'a> {
         let scene_from_optical = scene_from_body * self.body_from_optical;
         let origin = Point3::from(scene_from_optical.translation.vector);
-        let row = |row: &[Option<Vector3<f64>>]| {
-            let mut before = None;
-            let cast = |ray: &Option<Vector3<f64>>| {
-                let hit = world.hit(&origin, &(scene_from_optical.rotation * (*ray)?), FAR_M, before);
-                before = hit.map(|hit| hit.face);
-                hit
-            };
-            row.iter().map(cast).collect::<Vec<_>>()
+        let hits_of = |tile: Tile| {
+            let rays = tile.places().filter_map(|place| Some((place, scene_from_optical.rotation * self.rays[place]?)));
+            let (places, rays): (Vec<usize>, Vec<Vector3<f64>>) = rays.unzip();
+            places.into_iter().zip(world.hits(&origin, &rays, FAR_M)).collect()
         };
-        let hits = self.rays.par_chunks(self.width()).flat_map_iter(row).collect();
-        View { eye: self, world, scene_from_optical, hits }
+        View { eye: self, world, scene_from_optical, hits: self.by_tiles(None, hits_of) }
+    }
+
+    /// A value for every pixel, from those of each tile and their places; those that are left out have the first.
+    fn by_tiles<T: Copy + Send>(&self, nothing: T, of: impl Fn(Tile) -> Vec<(usize, T)> + Send + Sync) -> Vec<T> {
+        let [width, height] = self.lens.size.map(|side| side as usize);
+        let starts = |side: usize| (0..side).step_by(TILE);
+        let tile = |x: usize, y: usize| Tile { x: [x, width.min(x + TILE)], y: [y, height.min(y + TILE)], width };
+        let tiles: Vec<Tile> = starts(height).flat_map(|y| starts(width).map(move |x| tile(x, y))).collect();
+        let values: Vec<Vec<(usize, T)>> = tiles.into_par_iter().map(of).collect();
+        let mut all = vec![nothing; width * height];
+        values.into_iter().flatten().for_each(|(place, value)| all[place] = value);
+        all
+    }
+}
+
+/// A part of an image.
+#[derive(Clone, Copy)]
+struct Tile {
+    /// From the first column to behind the last one.
+    x: [usize; 2],
+    /// Likewise with rows.
+    y: [usize; 2],
+    /// Of the image.
+    width: usize,
+}
+
+impl Tile {
+    /// The places of its pixels in the image.
+    fn places(self) -> impl Iterator<Item = usize> {
+        (self.y[0]..self.y[1]).flat_map(move |y| (self.x[0]..self.x[1]).map(move |x| y * self.width + x))
     }
 }
 
@@ -137,17 +164,8 @@ impl View<'_> {
 
     /// Luminances in cd/m².
     pub fn image(&self, lights: &Lights, library: &Library) -> Vec<[f32; 3]> {
-        let width = self.eye.width();
         let edges = self.edges();
-        let row = |row: usize| {
-            let edges = &edges;
-            let mut shadows = lights.shadows();
-            (row * width..(row + 1) * width).map(move |place| match edges[place] {
-                true => self.fine(place, lights, library, &mut shadows),
-                false => self.received(place, lights, library, &mut shadows),
-            })
-        };
-        let received: Vec<Received> = (0..self.hits.len() / width).into_par_iter().flat_map_iter(row).collect();
+        let received = self.eye.by_tiles(Received::default(), |tile| self.received(tile, &edges, lights, library));
         let mut mean = [0.0; 3];
         for pixel in &received {
             (0..3).for_each(|channel| mean[channel] += f64::from(pixel.direct[channel]));
@@ -174,45 +192,45 @@ impl View<'_> {
         pixels.map(|(ray, hit)| ray.as_ref().zip(hit.as_ref()).map_or(nothing, |(ray, hit)| of(ray, hit))).collect()
     }
 
-    fn received(&self, place: usize, lights: &Lights, library: &Library, shadows: &mut Shadows) -> Received {
-        let Some((ray, hit)) = self.eye.rays[place].zip(self.hits[place]) else { return Received::default() };
-        self.along(&ray, &hit, lights, library, shadows)
-    }
-
-    fn along(
-        &self,
-        ray: &Vector3<f64>,
-        hit: &Hit,
-        lights: &Lights,
-        library: &Library,
-        shadows: &mut Shadows,
-    ) -> Received {
+    /// What the pixels of a tile receive.
+    fn received(&self, tile: Tile, edges: &[bool], lights: &Lights, library: &Library) -> Vec<(usize, Received)> {
+        let (fine, plain): (Vec<usize>, Vec<usize>) = tile.places().partition(|place| edges[*place]);
+        let plain =
+            plain.into_iter().filter_map(|place| Some((place, self.sight(self.eye.rays[place]?, self.hits[place]?))));
+        let (mut places, mut sights): (Vec<usize>, Vec<Sight>) = plain.unzip();
+        let once = places.len();
+        let finer = self.fine(&fine);
+        places.extend(finer.iter().map(|(place, _)| place));
+        sights.extend(finer.into_iter().map(|(_, sight)| sight));
         let origin = Point3::from(self.scene_from_optical.translation.vector);
-        let maps = library.maps(self.world.kind(hit.face).material);
-        let ray = self.scene_from_optical.rotation * ray;
-        maps.map_or_else(Received::default, |maps| {
-            lights.received(&origin, &ray, hit, maps, self.eye.pixel_rad, shadows)
-        })
-    }
-
-    /// The mean of several rays through a pixel.
-    fn fine(&self, place: usize, lights: &Lights, library: &Library, shadows: &mut Shadows) -> Received {
-        let origin = Point3::from(self.scene_from_optical.translation.vector);
-        let corner = [place % self.eye.width(), place / self.eye.width()].map(|along| along as f64 - 0.5);
-        let mut sum = Received::default();
-        for part in 0..FINER * FINER {
-            let within = [part % FINER, part / FINER].map(|along| (along as f64 + 0.5) / FINER as f64);
-            let Some(ray) = self.eye.lens.ray([corner[0] + within[0], corner[1] + within[1]]) else { continue };
-            let hit = self.world.hit(&origin, &(self.scene_from_optical.rotation * ray), FAR_M, None);
-            let Some(hit) = hit else { continue };
-            let received = self.along(&ray, &hit, lights, library, shadows);
-            for channel in 0..3 {
-                sum.direct[channel] += received.direct[channel];
-                sum.ambient[channel] += received.ambient[channel];
-            }
+        let received = lights.received(&origin, &sights, library, self.eye.pixel_rad);
+        let mut sums: Vec<(usize, Received)> = places.iter().copied().zip(received).collect();
+        let parts = sums.split_off(once);
+        for of_pixel in parts.chunk_by(|a, b| a.0 == b.0) {
+            sums.push((of_pixel[0].0, Received::mean(of_pixel.iter().map(|(_, received)| received), FINER * FINER)));
         }
-        let share = 1.0 / (FINER * FINER) as f32;
-        Received { direct: sum.direct.map(|part| part * share), ambient: sum.ambient.map(|part| part * share) }
+        sums
+    }
+
+    /// What several rays through each of some pixels see.
+    fn fine(&self, places: &[usize]) -> Vec<(usize, Sight)> {
+        let origin = Point3::from(self.scene_from_optical.translation.vector);
+        let rays_of = |place: usize| {
+            let corner = [place % self.eye.width(), place / self.eye.width()].map(|along| along as f64 - 0.5);
+            (0..FINER * FINER).filter_map(move |part| {
+                let within = [part % FINER, part / FINER].map(|along| (along as f64 + 0.5) / FINER as f64);
+                Some((place, self.eye.lens.ray([corner[0] + within[0], corner[1] + within[1]])?))
+            })
+        };
+        let (places, rays): (Vec<usize>, Vec<Vector3<f64>>) = places.iter().copied().flat_map(rays_of).unzip();
+        let turned: Vec<Vector3<f64>> = rays.iter().map(|ray| self.scene_from_optical.rotation * ray).collect();
+        let hits = self.world.hits(&origin, &turned, FAR_M);
+        let seen = places.into_iter().zip(turned).zip(hits);
+        seen.filter_map(|((place, ray), hit)| Some((place, Sight { ray, hit: hit? }))).collect()
+    }
+
+    fn sight(&self, ray: Vector3<f64>, hit: Hit) -> Sight {
+        Sight { ray: self.scene_from_optical.rotation * ray, hit }
     }
 
     /// Pixels at which the depth jumps: its second difference is large.

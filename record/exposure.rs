@@ -1,8 +1,8 @@
 //! From luminance to the values of a sensor: exposure, noise, and sRGB.
 //!
 //! A pixel collects electrons in proportion to luminance, with the noise of their number and of reading them (the model of EMVA
-//! 1288, without dark current and fixed patterns). Where the longest exposure does not fill it, gain does, and raises the noise.
-//! Left out: the mosaic of colour filters, motion blur, vignetting, bloom.
+//! 1288, without dark current and fixed patterns). Where the longest exposure does not fill it, gain does, and raises the noise;
+//! where the highest gain does not, images are dark. Left out: the mosaic of colour filters, motion blur, vignetting, bloom.
 
 use plume_graph::rng::Rng;
 use plume_graph::seed::stream;
@@ -13,8 +13,8 @@ use crate::rig::Lighting;
 
 /// The mean of the values of an automatically exposed image. Tuned by eye.
 const MEAN_VALUE: f32 = 0.3;
-/// How much of the way to the right exposure is taken with each image.
-const FOLLOW: f64 = 0.3;
+/// The time in which the exposure gets all but 1/e of the way to the right one, in seconds. Tuned: cameras take a few frames at 30 Hz.
+const SETTLING_S: f64 = 0.1;
 /// Every how many pixels are measured, along either axis.
 const METERED: usize = 8;
 /// Above this share of white, the sensor's response bends instead of ending.
@@ -26,15 +26,18 @@ const TABLE: usize = 4096;
 pub struct Exposure {
     lighting: Lighting,
     white_cd_m2: Option<f64>,
+    /// How much of the way to the right exposure is taken with each image.
+    share: f64,
     values: Vec<u8>,
 }
 
 impl Exposure {
-    /// Before the first image.
-    pub fn new(lighting: &Lighting) -> Self {
+    /// Before the first of so many images a second.
+    pub fn new(lighting: &Lighting, rate_hz: f64) -> Self {
         let fixed = (lighting.white_cd_m2 > 0.0).then_some(lighting.white_cd_m2);
         let values = (0..=TABLE).map(|n| (255.0 * srgb(n as f64 / TABLE as f64) + 0.5) as u8).collect();
-        Self { lighting: lighting.clone(), white_cd_m2: fixed, values }
+        let share = 1.0 - libm::exp(-1.0 / (rate_hz * SETTLING_S));
+        Self { lighting: lighting.clone(), white_cd_m2: fixed, share, values }
     }
 
     /// Adapts to an image of luminances.
@@ -50,9 +53,9 @@ impl Exposure {
             let is_brighter = self.mean_value(&sample, libm::exp2(middle)) > MEAN_VALUE;
             [low, high] = if is_brighter { [middle, high] } else { [low, middle] };
         }
-        let wanted = 0.5 * (low + high);
+        let wanted = (0.5 * (low + high)).max(libm::log2(self.lighting.least_white_cd_m2()));
         let before = self.white_cd_m2.map_or(wanted, libm::log2);
-        self.white_cd_m2 = Some(libm::exp2(before + FOLLOW * (wanted - before)));
+        self.white_cd_m2 = Some(libm::exp2(before + self.share * (wanted - before)));
     }
 
     fn mean_value(&self, sample: &[[f32; 3]], white_cd_m2: f64) -> f32 {
@@ -112,12 +115,10 @@ mod tests {
 
     #[test]
     fn exposure_follows_the_light() {
-        let mut exposure = Exposure::new(&Lighting {
-            read_noise: 0.0,
-            full_well: 1e6,
-            electrons_per_cd_m2: 1e9,
-            ..Lighting::default()
-        });
+        let mut exposure = Exposure::new(
+            &Lighting { read_noise: 0.0, full_well: 1e6, electrons_per_cd_m2: 1e9, ..Lighting::default() },
+            10.0,
+        );
         for light in [5.0, 0.01] {
             (0..40).for_each(|_| exposure.meter(&grey(light), 64));
             let (mean, _) = mean_and_deviation(&exposure.develop(&grey(light), 64, 1, "test", 0));
@@ -127,17 +128,43 @@ mod tests {
 
     #[test]
     fn a_fixed_exposure_stays() {
-        let mut exposure = Exposure::new(&Lighting { white_cd_m2: 2.0, ..Lighting::default() });
+        let mut exposure = Exposure::new(&Lighting { white_cd_m2: 2.0, ..Lighting::default() }, 10.0);
         exposure.meter(&grey(0.01), 64);
         let (mean, _) = mean_and_deviation(&exposure.develop(&grey(0.8), 64, 1, "test", 0));
         assert!((mean - 255.0 * srgb(0.4)).abs() < 1.0, "{mean}");
+    }
+
+    /// As much of the way in as much time, whatever the rate.
+    #[test]
+    fn exposure_settles_in_time() {
+        let [slow, fast] = [10.0, 40.0].map(|rate_hz| {
+            let mut exposure = Exposure::new(&Lighting::default(), rate_hz);
+            exposure.meter(&grey(0.1), 64);
+            (0..rate_hz as usize / 10).for_each(|_| exposure.meter(&grey(10.0), 64));
+            exposure.white_cd_m2.unwrap()
+        });
+        assert!((slow / fast - 1.0).abs() < 1e-3, "{slow} {fast}");
+    }
+
+    #[test]
+    fn what_the_highest_gain_does_not_brighten_stays_dark() {
+        let faint = Lighting { electrons_per_cd_m2: 100.0, read_noise: 0.0, ..Lighting::default() };
+        let mean = |lighting: &Lighting| {
+            let mut exposure = Exposure::new(lighting, 10.0);
+            (0..20).for_each(|_| exposure.meter(&grey(0.1), 64));
+            mean_and_deviation(&exposure.develop(&grey(0.1), 64, 1, "test", 0)).0
+        };
+        let [bound, free] =
+            [faint.clone(), Lighting { max_gain: 1e6, ..faint.clone() }].map(|lighting| mean(&lighting));
+        let right = 255.0 * srgb(0.1 / faint.least_white_cd_m2());
+        assert!((bound - right).abs() < 3.0 && free > 2.0 * bound, "{bound} {free} {right}");
     }
 
     #[test]
     fn darkness_is_noisy() {
         let dark = Lighting { electrons_per_cd_m2: 100.0, ..Lighting::default() };
         let [few, many] = [dark.clone(), Lighting { electrons_per_cd_m2: 1e6, ..dark }].map(|lighting| {
-            let mut exposure = Exposure::new(&lighting);
+            let mut exposure = Exposure::new(&lighting, 10.0);
             exposure.meter(&grey(0.5), 64);
             mean_and_deviation(&exposure.develop(&grey(0.5), 64, 1, "test", 0)).1
         });

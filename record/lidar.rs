@@ -89,7 +89,7 @@ pub fn sweep(
     let meet = |shot: &Shot| {
         let scene_from_lidar = path.at_ns(time_ns + i64::from(shot.after_ns)).pose * body_from_lidar;
         let (origin, ray) = (Point3::from(scene_from_lidar.translation.vector), scene_from_lidar.rotation * shot.ray);
-        let hit = world.hit(&origin, &ray, settings.max_m, None)?;
+        let hit = world.hit(&origin, &ray, settings.max_m)?;
         (hit.distance >= settings.min_m).then_some(Met { shot: *shot, ray, hit })
     };
     // In blocks, since what neighbours meet is in the cache; points are found in order.

@@ -9,7 +9,8 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 use plume_exporters::scene::Light;
 
-use crate::maps::{Footprint, Look, Maps};
+use crate::library::Library;
+use crate::maps::{Footprint, Look};
 use crate::rig::Lighting;
 use crate::world::{Hit, Surface, World};
 
@@ -41,8 +42,13 @@ struct Beam {
     sharpness: f32,
 }
 
-/// For each light, the face that last threw a shadow: neighbours often are in the same one.
-pub struct Shadows(Vec<Option<u32>>);
+/// What a ray sees.
+pub struct Sight {
+    /// Its direction in the scene, of length 1.
+    pub ray: Vector3<f64>,
+    /// Where it ends.
+    pub hit: Hit,
+}
 
 /// What a pixel gets: by the lights, and how much it would get of light from all sides.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,65 +73,45 @@ impl<'a> Lights<'a> {
         Self { world, lighting, headlamp, lamps }
     }
 
-    /// No shadows yet.
-    pub fn shadows(&self) -> Shadows {
-        Shadows(vec![None; self.lamps.len() + usize::from(self.headlamp.is_some())])
+    /// What comes along rays from the surfaces that they see; `pixel_rad` is the angle of a pixel. Shadows are followed together, which
+    /// is fast if the rays are close to each other.
+    pub fn received(&self, eye: &Point3<f64>, sights: &[Sight], library: &Library, pixel_rad: f32) -> Vec<Received> {
+        let spots: Vec<Spot> = sights.iter().map(|sight| self.spot(eye, sight, library, pixel_rad)).collect();
+        let mut direct = vec![[0.0; 3]; spots.len()];
+        for source in self.sources() {
+            let lit = (0..spots.len()).filter_map(|number| Some((number, spots[number].lit_by(&source)?)));
+            let (numbers, light): (Vec<usize>, Vec<[f32; 3]>) = lit.unzip();
+            let starts: Vec<Point3<f64>> = numbers.iter().map(|number| spots[*number].start).collect();
+            let shaded = self.world.shaded(&source.place(), &starts);
+            for ((number, light), _) in numbers.into_iter().zip(light).zip(shaded).filter(|(_, is_shaded)| !is_shaded) {
+                (0..3).for_each(|channel| direct[number][channel] += light[channel]);
+            }
+        }
+        let received = direct.into_iter().zip(&spots).zip(sights);
+        let through_dust = |((direct, spot), sight): (([f32; 3], &Spot), &Sight)| {
+            self.through_dust(eye, &sight.ray, sight.hit.distance as f32, Received { direct, ambient: spot.ambient })
+        };
+        received.map(through_dust).collect()
     }
 
-    /// What comes along a ray of length 1 from a surface; `pixel_rad` is the angle of a pixel.
-    pub fn received(
-        &self,
-        eye: &Point3<f64>,
-        ray: &Vector3<f64>,
-        hit: &Hit,
-        maps: &Maps,
-        pixel_rad: f32,
-        shadows: &mut Shadows,
-    ) -> Received {
+    fn spot(&self, eye: &Point3<f64>, Sight { ray, hit }: &Sight, library: &Library, pixel_rad: f32) -> Spot {
         let surface = self.world.surface(hit);
         let flat = if surface.flat_normal.dot(ray) > 0.0 { -surface.flat_normal } else { surface.flat_normal };
         let place = eye + ray * hit.distance;
         let view = -ray.cast::<f32>();
-        let look = maps.mean(surface.uv, footprint(&surface, &view, hit.distance as f32, pixel_rad));
-        let skin = Skin::of(&surface, &look, view);
-        let start = place + flat * OFF_M;
-        let mut direct = [0.0; 3];
-        for ((lamp, light), shadow) in self.shining_at(&place).zip(&mut shadows.0) {
-            if light == [0.0; 3] {
-                continue;
-            }
-            let to_lamp = lamp - place;
-            let is_behind = flat.dot(&to_lamp) <= 0.0;
-            let incident = skin.reflected(&to_lamp.cast::<f32>().normalize());
-            if is_behind || incident == [0.0; 3] {
-                continue;
-            }
-            let thrown_by = self.world.any(&start, &(lamp - start), 1.0, *shadow);
-            if thrown_by.is_some() {
-                *shadow = thrown_by;
-                continue;
-            }
-            (0..3).for_each(|channel| direct[channel] += incident[channel] * light[channel]);
+        let maps = library.maps(self.world.kind(hit.face).material);
+        let look = maps.map(|maps| maps.mean(surface.uv, footprint(&surface, &view, hit.distance as f32, pixel_rad)));
+        Spot {
+            place,
+            start: place + flat * OFF_M,
+            flat,
+            skin: look.map(|look| Skin::of(&surface, &look, view)),
+            ambient: look.map_or([0.0; 3], |look| look.color.map(|color| color * look.occlusion)),
         }
-        let ambient = look.color.map(|color| color * look.occlusion);
-        self.through_dust(eye, ray, hit.distance as f32, Received { direct, ambient })
     }
 
-    /// The lamps, and the illuminance of each at a place across its light, in lux.
-    fn shining_at(&self, place: &Point3<f64>) -> impl Iterator<Item = (Point3<f64>, [f32; 3])> {
-        let headlamp = self.headlamp.iter().map(|beam| {
-            let lux = beam.towards(place) / square(distance(&beam.place, place));
-            (beam.place, HEADLAMP_COLOR.map(|color| color * lux))
-        });
-        let place = *place;
-        let lamps = self.lamps.iter().map(move |light| {
-            let (away, range) = (distance(&light.position, &place), light.range_m as f32);
-            // The fall-off of KHR_lights_punctual.
-            let window = (1.0 - square(square(away / range))).clamp(0.0, 1.0);
-            let lux = light.intensity_cd as f32 * window / square(away);
-            (light.position, light.color.map(|color| color as f32 * lux))
-        });
-        headlamp.chain(lamps)
+    fn sources(&self) -> impl Iterator<Item = Source<'_>> {
+        self.headlamp.iter().map(Source::Headlamp).chain(self.lamps.iter().map(|lamp| Source::Lamp(lamp)))
     }
 
     fn through_dust(&self, eye: &Point3<f64>, ray: &Vector3<f64>, way_m: f32, received: Received) -> Received {
@@ -145,6 +131,79 @@ impl<'a> Lights<'a> {
     pub fn luminance(&self, received: &Received, mean: [f32; 3]) -> [f32; 3] {
         let stray = self.lighting.ambient_cd_m2 as f32;
         [0, 1, 2].map(|k| received.direct[k] + received.ambient[k] * (stray + BOUNCE * mean[k]))
+    }
+}
+
+/// Where light comes from.
+enum Source<'a> {
+    Headlamp(&'a Beam),
+    Lamp(&'a Light),
+}
+
+impl Source<'_> {
+    fn place(&self) -> Point3<f64> {
+        match self {
+            Self::Headlamp(beam) => beam.place,
+            Self::Lamp(lamp) => lamp.position,
+        }
+    }
+
+    /// Illuminance at a place across its light, in lux.
+    fn lux_at(&self, place: &Point3<f64>) -> [f32; 3] {
+        match self {
+            Self::Headlamp(beam) => {
+                let lux = beam.towards(place) / square(distance(&beam.place, place));
+                HEADLAMP_COLOR.map(|color| color * lux)
+            }
+            Self::Lamp(lamp) => {
+                let (away, range) = (distance(&lamp.position, place), lamp.range_m as f32);
+                // The fall-off of KHR_lights_punctual.
+                let window = (1.0 - square(square(away / range))).clamp(0.0, 1.0);
+                let lux = lamp.intensity_cd as f32 * window / square(away);
+                lamp.color.map(|color| color as f32 * lux)
+            }
+        }
+    }
+}
+
+/// A place that a ray sees, and what it does with light.
+struct Spot {
+    place: Point3<f64>,
+    /// A little off it, where rays of shadow start.
+    start: Point3<f64>,
+    /// Unit normal of the face, towards the viewer.
+    flat: Vector3<f64>,
+    /// Black if its maps are not in memory.
+    skin: Option<Skin>,
+    /// Luminance for 1 cd/m² from all sides.
+    ambient: [f32; 3],
+}
+
+impl Spot {
+    /// Its luminance by a light that nothing shades; `None` if that is nothing.
+    fn lit_by(&self, source: &Source) -> Option<[f32; 3]> {
+        let light = source.lux_at(&self.place);
+        let to_lamp = source.place() - self.place;
+        if light == [0.0; 3] || self.flat.dot(&to_lamp) <= 0.0 {
+            return None;
+        }
+        let incident = self.skin.as_ref()?.reflected(&to_lamp.cast::<f32>().normalize());
+        (incident != [0.0; 3]).then(|| [0, 1, 2].map(|channel| incident[channel] * light[channel]))
+    }
+}
+
+impl Received {
+    /// The mean of several rays; those that are missing saw nothing.
+    pub fn mean<'a>(of: impl Iterator<Item = &'a Self>, rays: usize) -> Self {
+        let mut sum = Self::default();
+        for received in of {
+            (0..3).for_each(|channel| {
+                sum.direct[channel] += received.direct[channel];
+                sum.ambient[channel] += received.ambient[channel];
+            });
+        }
+        let share = 1.0 / rays as f32;
+        Self { direct: sum.direct.map(|part| part * share), ambient: sum.ambient.map(|part| part * share) }
     }
 }
 

@@ -131,24 +131,31 @@ impl Level {
             for (x, of_column) in [(x0, 1.0 - right), (x1, right)] {
                 let texel = self.texels[y * self.size[0] + x].map(f32::from);
                 let share = weight * of_row * of_column;
-                for channel in 0..3 {
-                    sum[channel] += share * texel[channel] * texel[channel];
-                }
-                for channel in 3..8 {
-                    sum[channel] += share * texel[channel];
+                let [r, g, b, ..] = texel;
+                // All channels alike, so that they are added at once.
+                let factor = [r, g, b, 1.0, 1.0, 1.0, 1.0, 1.0];
+                for channel in 0..8 {
+                    sum[channel] += share * texel[channel] * factor[channel];
                 }
             }
         }
     }
 }
 
-/// The two texels around a coordinate, and the share of the second.
+/// The two texels around a coordinate, of as many as `size`, and the share of the second.
 fn between(coordinate: f32, size: usize) -> ((usize, usize), f32) {
-    let place = (coordinate - coordinate.floor()) * size as f32 - 0.5;
-    let first = place.floor();
-    let index = first as isize;
-    let wrapped = |index: isize| index.rem_euclid(size as isize) as usize;
-    ((wrapped(index), wrapped(index + 1)), place - first)
+    let place = (coordinate - rounded_down(coordinate) as f32) * size as f32 - 0.5;
+    let first = rounded_down(place);
+    let last = size as i32 - 1;
+    let second = if first >= last { 0 } else { first + 1 };
+    let wrapped = if first < 0 { last } else { first };
+    ((wrapped as usize, second as usize), place - first as f32)
+}
+
+/// The largest whole number that is not larger. `f32::floor` is a call where it has to run on every processor.
+fn rounded_down(value: f32) -> i32 {
+    let towards_zero = value as i32;
+    towards_zero - i32::from(value < towards_zero as f32)
 }
 
 fn mean_of_four(texels: [[u8; 8]; 4]) -> [u8; 8] {

@@ -327,6 +327,9 @@ pub struct Lighting {
     /// Electrons that a pixel collects at 1 cd/m² in the longest time of exposure: small ones make dark images noisy.
     #[schemars(range(min = 1.0, max = 1e9))]
     pub electrons_per_cd_m2: f64,
+    /// How much gain brightens an image at the most where the longest exposure does not; 16 are 24 dB.
+    #[schemars(range(min = 1.0, max = 1e9))]
+    pub max_gain: f64,
     /// Electrons of a pixel that is white at the lowest gain.
     #[schemars(range(min = 100.0, max = 1e6))]
     pub full_well: f64,
@@ -347,9 +350,17 @@ impl Default for Lighting {
             dust_per_m: 0.0,
             white_cd_m2: 0.0,
             electrons_per_cd_m2: 30_000.0,
+            max_gain: 16.0,
             full_well: 10_000.0,
             read_noise: 4.0,
         }
+    }
+}
+
+impl Lighting {
+    /// The luminance in cd/m² that is white in the longest exposure at the highest gain.
+    pub(crate) fn least_white_cd_m2(&self) -> f64 {
+        self.full_well / (self.electrons_per_cd_m2 * self.max_gain)
     }
 }
 

@@ -226,7 +226,7 @@ impl<'a> Run<'a> {
             world,
             library: Library::new(&world.materials),
             eyes: rig.cameras.iter().map(Eye::of).collect(),
-            exposures: rig.cameras.iter().map(|_| Exposure::new(&rig.light)).collect(),
+            exposures: rig.cameras.iter().map(|camera| Exposure::new(&rig.light, camera.rate_hz)).collect(),
             imu: rig.imu.as_ref().map(|imu| Unit::new(imu, world.gravity, seed)),
             wheels: rig.odometry.as_ref().map(|wheels| Wheels::new(wheels, seed)),
             layouts: order.layouts.iter().map(|row| (folder(row.name), (row.begin)(rig, order.path))).collect(),

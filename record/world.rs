@@ -3,7 +3,7 @@
 //! A hierarchy of boxes (crate `obvhs`: built by PLOC, Meister and Bittner 2018, walked eight boxes at a time, Ylitie, Karras and
 //! Laine 2017) finds candidates in single precision, with boxes a little larger than what they hold. Triangles are met in double
 //! precision by the watertight test of Woop, Benthin and Wald (2013), so no ray slips through an edge. Of triangles at the same
-//! distance the first counts.
+//! distance the first counts. Rays of neighbouring pixels are followed together ([`World::hits`], [`World::shaded`]).
 
 use glam::Vec3A;
 use nalgebra::{Point3, Vector3};
@@ -19,6 +19,7 @@ use serde::Serialize;
 
 use self::triangle::{Shear, Triangle};
 
+mod bundle;
 mod triangle;
 
 /// The number of rock and gravel, which are no things.
@@ -115,19 +116,10 @@ impl World {
         let labels = Labels::of(scene)?;
         let names = labels.names().into_iter();
         let mut world = Self {
-            boxes: CwBvh::default(),
-            triangles: Vec::new(),
-            faces: Vec::new(),
-            corners: Vec::new(),
-            normals: Vec::new(),
-            tangents: Vec::new(),
-            uvs: Vec::new(),
-            kinds: Vec::new(),
-            materials: Vec::new(),
             lamps: scene.lights.clone(),
             gravity: scene.gravity,
             labels: names.map(|(label, class)| Label { label, class: class.to_owned() }).collect(),
-            things: Vec::new(),
+            ..Self::empty()
         };
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
@@ -137,6 +129,24 @@ impl World {
         }
         world.build();
         Ok(world)
+    }
+
+    fn empty() -> Self {
+        Self {
+            boxes: CwBvh::default(),
+            triangles: Vec::new(),
+            faces: Vec::new(),
+            corners: Vec::new(),
+            normals: Vec::new(),
+            tangents: Vec::new(),
+            uvs: Vec::new(),
+            kinds: Vec::new(),
+            materials: Vec::new(),
+            lamps: Vec::new(),
+            gravity: 0.0,
+            labels: Vec::new(),
+            things: Vec::new(),
+        }
     }
 
     fn add(&mut self, scene: &Scene, index: usize, chunk: &Chunk, labels: &Labels) -> Result<(), ExportError> {
@@ -191,46 +201,22 @@ impl World {
         self.kinds[face as usize]
     }
 
-    /// The nearest surface on a ray, closer than `most` lengths of its direction. A face that may be it, such as that of a
-    /// neighbouring ray, makes this faster and changes nothing.
-    pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64, maybe: Option<u32>) -> Option<Hit> {
+    /// The nearest surface on a ray, closer than `most` lengths of its direction.
+    pub fn hit(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64) -> Option<Hit> {
         let shear = Shear::along(direction);
-        let met = |face: u32, triangle: &Triangle| {
-            let (distance, weights) = shear.meet(origin, triangle)?;
-            (distance <= most).then_some(Hit { distance, face, weights })
-        };
-        let mut best = maybe.and_then(|face| met(face, &self.corners_of(face)));
-        let end = best.map_or(most, |best| best.distance);
+        let mut best: Option<Hit> = None;
         let meet = |_: &Ray, place: usize| {
             let face = self.boxes.primitive_indices[place];
-            let Some(found) = met(face, &self.triangles[place]) else { return f32::INFINITY };
-            if best.is_some_and(|best| (best.distance, best.face) <= (found.distance, face)) {
+            let met = shear.meet(origin, &self.triangles[place]).filter(|(distance, _)| *distance <= most);
+            let is_best = |distance: f64| best.is_none_or(|best| (distance, face) < (best.distance, best.face));
+            let Some((distance, weights)) = met.filter(|(distance, _)| is_best(*distance)) else {
                 return f32::INFINITY;
-            }
-            best = Some(found);
-            slack(found.distance)
+            };
+            best = Some(Hit { distance, face, weights });
+            slack(distance)
         };
-        self.boxes.ray_traverse(ray(origin, direction, end), &mut RayHit::none(), meet);
+        self.boxes.ray_traverse(ray(origin, direction, most), &mut RayHit::none(), meet);
         best
-    }
-
-    /// A face on a ray closer than `most` lengths of its direction, if there is one; not the nearest. It is faster if it is the one
-    /// that may be it.
-    pub fn any(&self, origin: &Point3<f64>, direction: &Vector3<f64>, most: f64, maybe: Option<u32>) -> Option<u32> {
-        let shear = Shear::along(direction);
-        let is_met = |triangle: &Triangle| shear.meet(origin, triangle).is_some_and(|(distance, _)| distance <= most);
-        if maybe.is_some_and(|face| is_met(&self.corners_of(face))) {
-            return maybe;
-        }
-        let mut found = None;
-        self.boxes.ray_traverse_miss(ray(origin, direction, most), |_, place| match is_met(&self.triangles[place]) {
-            true => {
-                found = Some(self.boxes.primitive_indices[place]);
-                0.0
-            }
-            false => f32::INFINITY,
-        });
-        found
     }
 
     /// The surface at a hit.

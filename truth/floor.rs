@@ -90,7 +90,7 @@ impl Floor {
 
     /// The cell of the map that holds a point in metres.
     pub fn cell_at(&self, point_m: [f64; 2]) -> [i32; 2] {
-        point_m.map(|along_m| (along_m / self.cell_m).floor() as i32)
+        point_m.map(|along_m| rounded_down(along_m / self.cell_m))
     }
 
     /// Numbers of the cells over a cell of the map, from below.
@@ -162,15 +162,18 @@ impl Floor {
 /// Looks up many points near each other.
 pub struct Lookup<'a> {
     floor: &'a Floor,
-    tile: [i32; 2],
-    ranges: Option<&'a [[u32; 2]; TILE * TILE]>,
+    /// The last tile with each pair of odd and even numbers: those that meet at a corner have a place each.
+    tiles: [Seen<'a>; 4],
 }
+
+/// The number of a tile, and the ranges over its cells if it has any.
+type Seen<'a> = ([i32; 2], Option<&'a [[u32; 2]; TILE * TILE]>);
 
 impl<'a> Lookup<'a> {
     /// Looks up points of a floor.
     pub fn new(floor: &'a Floor) -> Self {
         // No tile is there.
-        Self { floor, tile: [i32::MIN; 2], ranges: None }
+        Self { floor, tiles: [([i32::MIN; 2], None); 4] }
     }
 
     /// Side of a cell in metres.
@@ -194,10 +197,11 @@ impl<'a> Lookup<'a> {
     /// The cells over a point of the map in metres, from below.
     fn over(&mut self, point_m: [f64; 2]) -> &'a [Gap] {
         let (tile, place) = Tiles::place(self.floor.cell_at(point_m));
-        if tile != self.tile {
-            (self.tile, self.ranges) = (tile, self.floor.columns.0.get(&tile).map(|ranges| &**ranges));
+        let seen = &mut self.tiles[((tile[0] & 1) << 1 | tile[1] & 1) as usize];
+        if seen.0 != tile {
+            *seen = (tile, self.floor.columns.0.get(&tile).map(|ranges| &**ranges));
         }
-        let [first, end] = self.ranges.map_or([0; 2], |ranges| ranges[place]);
+        let [first, end] = seen.1.map_or([0; 2], |ranges| ranges[place]);
         &self.floor.cells[first as usize..end as usize]
     }
 }
@@ -246,6 +250,12 @@ impl Tiles {
         let [i, j] = cell.map(|n| n.rem_euclid(TILE as i32) as usize);
         (cell.map(|n| n.div_euclid(TILE as i32)), i * TILE + j)
     }
+}
+
+/// The largest whole number that is not larger. `f64::floor` is a call where it has to run on every processor.
+fn rounded_down(value: f64) -> i32 {
+    let towards_zero = value as i32;
+    towards_zero - i32::from(value < f64::from(towards_zero))
 }
 
 pub(super) fn beside(cell: [i32; 2], towards: [i32; 2]) -> [i32; 2] {

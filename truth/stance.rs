@@ -249,6 +249,10 @@ struct Worst {
 impl Worst {
     /// Compares a value with its limit, beyond which `marginal` more is marginal.
     fn compare(&mut self, cause: Cause, value: f64, limit: f64, marginal: f64) {
+        // Most are within their limits, and divisions are slow.
+        if value <= limit {
+            return;
+        }
         let excess = (value - limit) / marginal;
         if excess <= self.excess {
             return;
