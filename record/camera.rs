@@ -74,12 +74,14 @@ impl Eye {
     /// A value for every pixel, from those of each tile and their places; those that are left out have the first.
     fn by_tiles<T: Copy + Send>(&self, nothing: T, of: impl Fn(Tile) -> Vec<(usize, T)> + Send + Sync) -> Vec<T> {
         let [width, height] = self.lens.size.map(|side| side as usize);
-        let starts = |side: usize| (0..side).step_by(TILE);
-        let tile = |x: usize, y: usize| Tile { x: [x, width.min(x + TILE)], y: [y, height.min(y + TILE)], width };
-        let tiles: Vec<Tile> = starts(height).flat_map(|y| starts(width).map(move |x| tile(x, y))).collect();
-        let values: Vec<Vec<(usize, T)>> = tiles.into_par_iter().map(of).collect();
         let mut all = vec![nothing; width * height];
-        values.into_iter().flatten().for_each(|(place, value)| all[place] = value);
+        all.par_chunks_mut(TILE * width).enumerate().for_each(|(row, values)| {
+            let (y, first) = (TILE * row, TILE * row * width);
+            for x in (0..width).step_by(TILE) {
+                let tile = Tile { x: [x, width.min(x + TILE)], y: [y, height.min(y + TILE)], width };
+                of(tile).into_iter().for_each(|(place, value)| values[place - first] = value);
+            }
+        });
         all
     }
 }

@@ -80,15 +80,16 @@ impl Maps {
         let across = footprint.width * libm::sqrtf(width * height);
         let taps = (length / across.max(1.0)).clamp(1.0, MOST_TAPS).ceil();
         let level = libm::log2f(across.max(length / taps).max(1.0)).min((self.0.len() - 1) as f32);
-        let (coarse, share) = (level.ceil() as usize, level - level.floor());
         let fine = level as usize;
+        // Only where they are equally good are two levels mixed, over half of the way: half as many look-ups.
+        let share = (2.0 * (level - fine as f32) - 0.5).clamp(0.0, 1.0);
+        let levels = [(fine, 1.0 - share), (fine + 1, share)];
         let mut sum = [0.0; 8];
         for tap in 0..taps as usize {
             let along = (tap as f32 + 0.5) / taps - 0.5;
             let at = [uv[0] + along * footprint.length[0], uv[1] + along * footprint.length[1]];
-            self.0[fine].add(at, 1.0 - share, &mut sum);
-            if share > 0.0 {
-                self.0[coarse].add(at, share, &mut sum);
+            for (level, share) in levels.into_iter().filter(|(_, share)| *share > 0.0) {
+                self.0[level].add(at, share, &mut sum);
             }
         }
         let mean = sum.map(|sum| sum / taps);

@@ -1,9 +1,14 @@
 """The Husky of `pybullet_data` in a world that Bullet has loaded, steered like a tank."""
 
+import tempfile
+from pathlib import Path
+
 import numpy as np
 import pybullet as p
 import pybullet_data
 from drop_pybullet import gravity, load_collisions, read_collisions, read_world
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 STEP_S = 1 / 240
 WHEEL_RADIUS_M = 0.17775
@@ -11,6 +16,7 @@ TRACK_M = 0.5708
 TORQUE_N_M = 40.0
 AWAY_M = 1e4
 FAR_M = 100.0
+THINGS = "things_"  # how the names of their meshes begin
 RAYS_AT_ONCE = p.MAX_RAY_INTERSECTION_BATCH_SIZE - 1
 
 
@@ -29,11 +35,18 @@ class Husky:
 
     @classmethod
     def of(cls, package):
-        """In a world of its own, on the triangles of a Gazebo package."""
+        """In a world of its own, on the triangles of the rock and the hulls of the things of a Gazebo package.
+
+        Stones are small: Bullet lets wheels sink into their triangles, which then hold them."""
         world, model = read_world(package)
         p.connect(p.DIRECT)
         p.setGravity(*gravity(world))
-        load_collisions(read_collisions(model, package), p.GEOM_FORCE_CONCAVE_TRIMESH)
+        collisions = read_collisions(model, package)
+        things = [collision for collision in collisions if collision[0].name.startswith(THINGS)]
+        rock = [collision for collision in collisions if collision not in things]
+        load_collisions(rock, p.GEOM_FORCE_CONCAVE_TRIMESH)
+        with tempfile.TemporaryDirectory() as folder:
+            load_collisions([(in_bodies(file, Path(folder)), friction) for file, friction in things], 0)
         return cls([0, 0, AWAY_M])
 
     def steer(self, speed_m_s, turn_rad_s):
@@ -77,3 +90,20 @@ class Husky:
     def axes(self):
         """Ahead, left and up, as columns."""
         return np.array(p.getMatrixFromQuaternion(p.getBasePositionAndOrientation(self.body)[1])).reshape(3, 3)
+
+
+def in_bodies(file, folder):
+    """A copy of an OBJ in which each body is an object: Bullet makes a hull of each."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    corners = [line for line in lines if line.startswith("v ")]
+    faces = np.array([[int(corner.split("/")[0]) for corner in line.split()[1:]] for line in lines if line[:2] == "f "])
+    edges = np.concatenate([faces[:, :2], faces[:, 1:]]) - 1
+    joined = coo_matrix((np.ones(len(edges)), edges.T), shape=[len(corners)] * 2)
+    body_of = connected_components(joined, directed=False)[1][faces[:, 0] - 1]
+    copy = folder / file.name
+    with copy.open("w", encoding="utf-8") as out:
+        out.write("\n".join(corners) + "\n")
+        for body in np.unique(body_of):
+            out.write(f"o {body}\n")
+            out.writelines("f {} {} {}\n".format(*face) for face in faces[body_of == body])
+    return copy

@@ -3,7 +3,7 @@
 //! Default caves of that many seeds, ten unless told otherwise; with `--all` also every sample recipe, which are every preset and
 //! generator, and caves of three layers, of four seeds each. About 40 CPU seconds for a default cave and both robots. Caves are
 //! removed once they were driven, unless a path failed. Results are lines of `target/drives/results.jsonl`; with `--resume`, what
-//! is there already is not driven again, for which the program must not have changed.
+//! is there already is not driven again, for which certificates must not have changed.
 
 use std::collections::HashSet;
 use std::fs::{self, File};
@@ -34,11 +34,8 @@ pub fn run(arguments: &[String]) -> Result<()> {
         return Err(format!("{flag} is neither --all nor --resume"));
     }
     let has = |name: &str| flags.iter().any(|flag| *flag == name);
-    let mut caves = default_caves(seeds);
-    if has("--all") {
-        caves.extend(other_caves()?);
-    }
-    drive(&caves, has("--resume"))
+    let others = if has("--all") { other_caves()? } else { Vec::new() };
+    drive(&in_turns(default_caves(seeds), others), has("--resume"))
 }
 
 /// A cave that is made, driven and removed.
@@ -75,12 +72,23 @@ fn other_caves() -> Result<Vec<Cave>> {
     Ok((1..=OTHERS).flat_map(of_seed).collect())
 }
 
+/// Both kinds evenly mixed, so that a campaign that is stopped has driven as large a share of either.
+fn in_turns(some: Vec<Cave>, others: Vec<Cave>) -> Vec<Cave> {
+    let shares = |caves: Vec<Cave>| {
+        let count = caves.len();
+        caves.into_iter().enumerate().map(move |(number, cave)| (number as f64 / count as f64, cave))
+    };
+    let mut all: Vec<(f64, Cave)> = shares(some).chain(shares(others)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.into_iter().map(|(_, cave)| cave).collect()
+}
+
 fn of_seed(seed: u64) -> Vec<String> {
     vec!["--seed".to_owned(), seed.to_string()]
 }
 
 fn drive(caves: &[Cave], resumes: bool) -> Result<()> {
-    let plume = Plume::package(Profile::Dev)?;
+    let plume = Plume::build(Profile::Dev)?;
     let folder = root().join("target/drives");
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let results = folder.join("results.jsonl");
