@@ -1,9 +1,9 @@
-//! `cargo xtask drives [SEEDS] [--all] [--resume]`: holds certificates to drives of a rover in MuJoCo and a Husky in Bullet.
+//! `cargo xtask drives [SEEDS | campaign]`: holds certificates to drives of a rover in MuJoCo and a Husky in Bullet.
 //!
-//! Default caves of that many seeds, ten unless told otherwise; with `--all` also every sample recipe, which are every preset and
-//! generator, and caves of three layers, of four seeds each. About 40 CPU seconds for a default cave and both robots. Caves are
-//! removed once they were driven, unless a path failed. Results are lines of `target/drives/results.jsonl`; with `--resume`, what
-//! is there already is not driven again, for which certificates must not have changed.
+//! Default caves of that many seeds, ten unless told otherwise, whose results are lines of `target/drives/results.jsonl`. The campaign
+//! has 300 default caves, and every sample recipe, which are every preset and generator, and caves of three layers, of four seeds each.
+//! It takes hours, so it goes on where it was stopped, on any machine: its results are in `docs/drives.jsonl`. That file is to be removed
+//! when certificates change. Caves are removed once they were driven, unless a path failed.
 
 use std::collections::HashSet;
 use std::fs::{self, File};
@@ -19,23 +19,34 @@ use crate::tools::{Result, root, show};
 
 /// Seeds of default caves.
 const SEEDS: u64 = 10;
+/// The same of the campaign.
+const MANY_SEEDS: u64 = 300;
 /// Seeds of every other kind of cave.
 const OTHERS: u64 = 4;
+/// What came of the campaign so far.
+const CAMPAIGN: &str = "docs/drives.jsonl";
 
 /// The task.
 pub fn run(arguments: &[String]) -> Result<()> {
-    let (flags, counts): (Vec<&String>, Vec<&String>) = arguments.iter().partition(|word| word.starts_with("--"));
-    let seeds = match counts[..] {
-        [] => SEEDS,
-        [count] => count.parse().map_err(|_| format!("{count} is no number of seeds"))?,
-        _ => return Err("one number at most".to_owned()),
-    };
-    if let Some(flag) = flags.iter().find(|flag| !["--all", "--resume"].contains(&flag.as_str())) {
-        return Err(format!("{flag} is neither --all nor --resume"));
+    let folder = root().join("target/drives");
+    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    match arguments {
+        [] => drive_anew(&folder, SEEDS),
+        [word] if word == "campaign" => {
+            let caves = in_turns(default_caves(MANY_SEEDS), other_caves()?);
+            drive(&caves, &folder, &root().join(CAMPAIGN))
+        }
+        [count] => drive_anew(&folder, count.parse().map_err(|_| format!("{count} is no number of seeds"))?),
+        _ => Err("a number of seeds, or the word campaign".to_owned()),
     }
-    let has = |name: &str| flags.iter().any(|flag| *flag == name);
-    let others = if has("--all") { other_caves()? } else { Vec::new() };
-    drive(&in_turns(default_caves(seeds), others), has("--resume"))
+}
+
+fn drive_anew(folder: &Path, seeds: u64) -> Result<()> {
+    let results = folder.join("results.jsonl");
+    if results.exists() {
+        fs::remove_file(&results).map_err(|error| format!("{}: {error}", results.display()))?;
+    }
+    drive(&default_caves(seeds), folder, &results)
 }
 
 /// A cave that is made, driven and removed.
@@ -87,23 +98,18 @@ fn of_seed(seed: u64) -> Vec<String> {
     vec!["--seed".to_owned(), seed.to_string()]
 }
 
-fn drive(caves: &[Cave], resumes: bool) -> Result<()> {
+/// Drives in caves that are not among the results.
+fn drive(caves: &[Cave], folder: &Path, results: &Path) -> Result<()> {
     let plume = Plume::build(Profile::Dev)?;
-    let folder = root().join("target/drives");
-    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let results = folder.join("results.jsonl");
-    if !resumes && results.exists() {
-        fs::remove_file(&results).map_err(|error| error.to_string())?;
-    }
-    let driven = driven(&results)?;
+    let driven = driven(results)?;
     for cave in caves {
         let is_new = |judge: &Judge| !driven.contains(&(cave.name.clone(), judge.robot.to_owned()));
         let judges: Vec<Judge> = JUDGES.into_iter().filter(is_new).collect();
         if !judges.is_empty() {
-            cave.drive(&plume, &folder.join(&cave.name), &judges, &results)?;
+            cave.drive(&plume, &folder.join(&cave.name), &judges, results)?;
         }
     }
-    show(&mut certify::table(&results)?)
+    show(&mut certify::table(results)?)
 }
 
 /// The caves that were driven, and by which robot.

@@ -30,7 +30,7 @@ const TASKS: [(&str, &str, Task); 10] = [
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     (
         "drives",
-        "[SEEDS] [--all] [--resume] hold certificates of many caves to drives in MuJoCo and Bullet",
+        "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet",
         drives::run,
     ),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
