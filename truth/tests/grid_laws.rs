@@ -182,8 +182,8 @@ impl Seek for Counted<'_> {
     }
 }
 
-/// Cells of a tunnel of so many rooms in a row that are told: of all rooms, of the last one before the next is added, and the most
-/// at once. The first is counted in bytes that are written, the last in bytes that are read.
+/// Bytes of a tunnel of so many rooms in a row: those in the file, those that the last room added to it, and the most that are read
+/// from it for a square.
 fn held(rooms: usize) -> [usize; 3] {
     let [written, read] = [Cell::new(0), Cell::new(0)];
     let file = Counted { file: Cursor::default(), written: &written, read: &read };
