@@ -10,7 +10,7 @@
 //!
 //! use plume_exporters::format::npy::Archive;
 //!
-//! let mut file = Cursor::default();
+//! let mut file = Cursor::new(Vec::new());
 //! let mut archive = Archive::new(&mut file);
 //! archive.add("cells", &[2, 2], [0_i32, 1, 2, 3])?;
 //! archive.add("height", &[], [0.5_f32])?;

@@ -59,7 +59,7 @@ fn meshes_are_read() {
 
 #[test]
 fn ground_truth_is_read() {
-    let mut npz = Cursor::default();
+    let mut npz = Cursor::new(Vec::new());
     let mut archive = Archive::new(&mut npz);
     archive.add("z", &[2], [1.0_f32, 2.0]).unwrap();
     archive.finish().unwrap();
