@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::Target;
 use crate::error::ExportError;
-use crate::manifest::ThingsEntry;
+use crate::manifest::{Count, ThingsEntry};
 use crate::package::Package;
 use crate::scene::{Instance, Scene};
 
@@ -12,33 +12,43 @@ use crate::scene::{Instance, Scene};
 pub const INSTANCES: &str = "instances.json";
 
 /// Writes the file, if the scene has things, and counts them: those that the package of `target` has as parts of the static world
-/// are not movable.
+/// are not movable. Only those of one chunk are in memory.
 ///
 /// # Errors
 /// If the things of a chunk cannot be read; those of the package.
 pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<Option<ThingsEntry>, ExportError> {
-    let mut things = list(scene)?;
-    if !target.moves_things() {
-        things.iter_mut().for_each(|thing| thing["movable"] = false.into());
+    let mut count = Count::default();
+    for index in 0..scene.chunks.len() {
+        scene.instances(index)?.iter().for_each(|thing| count.add(&thing.class, &thing.prototype));
     }
-    let Some(counted) = count(&things) else {
+    let Some(counted) = count.finish() else {
         return Ok(None);
     };
-    let things: Vec<String> = things.iter().map(Value::to_string).collect();
     out.write(INSTANCES, |file| {
         let (generator, frame) = (json!(scene.generator), json!("right-handed, Z up, metres"));
         writeln!(file, r#"{{"generator": {generator}, "frame": {frame}, "things": ["#)?;
-        Ok(writeln!(file, "{}\n]}}", things.join(",\n"))?)
+        let mut separator = "";
+        for index in 0..scene.chunks.len() {
+            for thing in scene.instances(index)? {
+                let movable = thing.movable && target.moves_things();
+                write!(file, "{separator}{}", entry(&Instance { movable, ..thing }))?;
+                separator = ",\n";
+            }
+        }
+        Ok(writeln!(file, "\n]}}")?)
     })?;
     Ok(Some(counted))
 }
 
 /// Counts things of the file, without those that lack a class or a prototype; `None` if there are none.
 pub(crate) fn count(things: &[Value]) -> Option<ThingsEntry> {
-    let text = |thing: &Value, key: &str| thing.get(key).and_then(Value::as_str).map(str::to_owned);
-    let pairs: Vec<_> =
-        things.iter().filter_map(|thing| Some((text(thing, "class")?, text(thing, "prototype")?))).collect();
-    ThingsEntry::count(pairs.iter().map(|(class, prototype)| (&**class, &**prototype)))
+    let mut count = Count::default();
+    for thing in things {
+        if let (Some(class), Some(prototype)) = (thing["class"].as_str(), thing["prototype"].as_str()) {
+            count.add(class, prototype);
+        }
+    }
+    count.finish()
 }
 
 /// How many things of a scene move when they are pushed.

@@ -27,6 +27,7 @@ use crate::scene::{Image, Scene};
 use crate::target::Target;
 
 use self::recorder::ChunkFacts;
+pub(crate) use self::things::Count;
 pub use self::things::ThingsEntry;
 
 pub(crate) mod recorder;

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use plume_disk::sealed::hex;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use tempfile::TempDir;
+use tempfile::{NamedTempFile, TempDir};
 
 use crate::bundle::Bundle;
 use crate::error::{ExportError, at};
@@ -84,6 +84,23 @@ impl dyn Package + '_ {
         self.close().map_err(|error| at(path, &error))?;
         self.files().0.insert(path.to_owned(), entry);
         Ok(())
+    }
+
+    /// Writes the file `path` with the content from `fill`, which may go back in it: it is made in the folder `scratch` and copied.
+    ///
+    /// # Errors
+    /// As [`write`](#method.write).
+    pub fn write_by(
+        &mut self,
+        scratch: &Path,
+        path: &str,
+        fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        let place = NamedTempFile::new_in(scratch).map_err(|error| at(path, &error))?;
+        let mut file = BufWriter::with_capacity(1 << 16, place.as_file());
+        fill(&mut file)?;
+        file.flush().map_err(|error| at(path, &error))?;
+        self.copy(path, place.path())
     }
 
     /// Copies the file `from` on the disk to `path`.

@@ -43,6 +43,11 @@ impl<T: Copy> Blocks<T> {
         &mut self.entry(cell.map(|n| n.div_euclid(SIDE as i32)))[(i * SIDE + j) * SIDE + k]
     }
 
+    /// Combines the cells of a block with those of another one at its place.
+    pub fn join(&mut self, place: [i32; 3], cells: impl Iterator<Item = T>, combine: fn(T, T) -> T) {
+        self.entry(place).iter_mut().zip(cells).for_each(|(own, other)| *own = combine(*own, other));
+    }
+
     /// All blocks, by place.
     pub fn into_sorted(mut self) -> Vec<Block<T>> {
         self.blocks.sort_unstable_by_key(|block| block.place);

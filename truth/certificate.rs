@@ -99,12 +99,20 @@ impl Scout<'_> {
     /// Certifies the robot, which starts at a place in metres within a metre of its floor.
     pub fn certify(&mut self, network: &Network, start_m: [f64; 3]) -> Certificate {
         let starts = self.at_start(start_m);
-        let mut from_start =
-            |sense| Routes::search(&mut *self.terrain, &starts, &[], sense, Class::Marginal, &|_| true);
-        let (out, home) = (from_start(Sense::Ahead), from_start(Sense::Back));
-        let stations: Vec<Reach> = network.stations.iter().map(|station| self.reach(*station, &out, &home)).collect();
+        // One after the other, as each has every state of the floor.
+        let out = self.everywhere(&starts, Sense::Ahead);
+        let mut stations: Vec<Reach> = network.stations.iter().map(|station| self.there(*station, &out)).collect();
         let furthest = self.furthest(network, &stations, &out);
-        let (places, reached) = self.places(&out, &home);
+        let sure = self.sure(&out);
+        drop(out);
+        let home = self.everywhere(&starts, Sense::Back);
+        for (reach, station) in stations.iter_mut().zip(&network.stations) {
+            reach.back = home.cheapest(&self.at_place(*station)).and_then(|state| home.class(state));
+        }
+        let is_back = |state: &State| home.class(*state) == Some(Class::Go);
+        let reached = sure.chunk_by(|a, b| a.cell == b.cell).filter(|states| states.iter().any(is_back)).count();
+        drop(home);
+        let places = (0..self.floor.cells().len()).filter(|cell| !self.terrain.directions(*cell).is_empty()).count();
         let passages = network.passages.iter().map(|passage| self.through(network, passage)).collect();
         let cell_m2 = self.floor.cell_m() * self.floor.cell_m();
         let floor_m2 = self.floor.cells().len() as f64 * cell_m2;
@@ -112,25 +120,25 @@ impl Scout<'_> {
         Certificate { floor_m2, reached_m2, stations, passages, furthest }
     }
 
-    /// Number of all places, and of those that the robot surely reaches and comes back from.
-    fn places(&self, out: &Routes, home: &Routes) -> (usize, usize) {
-        let is_sure = |state| [out, home].iter().all(|routes| routes.class(state) == Some(Class::Go));
-        let states = |cell: usize| {
-            let directions = self.terrain.directions(cell);
-            directions.map(move |direction| State { cell: cell as u32, direction })
-        };
-        let all = (0..self.floor.cells().len()).filter(|cell| states(*cell).len() > 0);
-        all.fold((0, 0), |(places, reached), cell| (places + 1, reached + usize::from(states(cell).any(is_sure))))
+    /// The ways between the start and everywhere.
+    fn everywhere(&mut self, starts: &[State], sense: Sense) -> Routes {
+        Routes::search(&mut *self.terrain, starts, &[], sense, Class::Marginal, &|_| true)
     }
 
-    /// How well the robot gets to a station and back.
-    fn reach(&mut self, station_m: [f64; 3], out: &Routes, home: &Routes) -> Reach {
-        let states = self.at_place(station_m);
-        let there = out.cheapest(&states);
-        let back = home.cheapest(&states).and_then(|state| home.class(state));
+    /// The states that are surely reached, by cell.
+    fn sure(&self, routes: &Routes) -> Vec<State> {
+        let of_cell =
+            |cell: usize| self.terrain.directions(cell).map(move |direction| State { cell: cell as u32, direction });
+        let all = (0..self.floor.cells().len()).flat_map(of_cell);
+        all.filter(|state| routes.class(*state) == Some(Class::Go)).collect()
+    }
+
+    /// How well the robot gets to a station.
+    fn there(&mut self, station_m: [f64; 3], out: &Routes) -> Reach {
+        let there = out.cheapest(&self.at_place(station_m));
         let length_m =
             there.map_or(0.0, |goal| length_m(self.poses(&out.way(goal)).iter().map(|pose| pose.position_m)));
-        Reach { there: there.and_then(|state| out.class(state)), back, length_m }
+        Reach { there: there.and_then(|state| out.class(state)), back: None, length_m }
     }
 
     fn furthest(&mut self, network: &Network, stations: &[Reach], out: &Routes) -> Option<(usize, Route)> {

@@ -29,10 +29,10 @@ impl Gap {
 
 /// Where a line, followed upwards, passes from air into something solid or out of it.
 #[derive(Clone, Copy)]
-struct Crossing {
-    cell: [i32; 2],
-    z_m: f32,
-    is_entry: bool,
+pub(super) struct Crossing {
+    pub cell: [i32; 2],
+    pub z_m: f32,
+    pub is_entry: bool,
 }
 
 impl Columns {
@@ -57,6 +57,16 @@ impl Columns {
 
     fn add_triangle(&mut self, triangle: [[f64; 3]; 3]) {
         each_crossing(self.cell_m, triangle, &mut |crossing| self.crossings.push(crossing));
+    }
+
+    /// The crossings so far, in no order.
+    pub(super) fn into_crossings(self) -> Vec<Crossing> {
+        self.crossings
+    }
+
+    /// Adds crossings of triangles that were added to other columns of the same grid.
+    pub(super) fn join(&mut self, crossings: impl Iterator<Item = Crossing>) {
+        self.crossings.extend(crossings);
     }
 
     /// Whether a triangle, its corners in metres, is met by the line through the centre of any cell with this side in metres.

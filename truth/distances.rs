@@ -84,6 +84,11 @@ impl Distances {
         }
     }
 
+    /// Adds what triangles elsewhere made of a block of the same grid.
+    pub(super) fn join(&mut self, place: [i32; 3], distances_m: impl Iterator<Item = f32>) {
+        self.distances_m.join(place, distances_m, f32::min);
+    }
+
     /// Makes the distances in the air negative, given the air in the columns of the same grid, once all triangles are there. All the
     /// air gets blocks: minus infinity is air beyond the reach, and infinity is rock.
     pub fn sign(&mut self, air: &[Gap]) {

@@ -7,7 +7,7 @@
 //! [`OccupancyMap`] draws one of them.
 //!
 //! [`Voxels`] and [`Distances`] tell of the cubes of a grid what passes through them, and how far their centres are from that; both
-//! hold what they say of the grid and no triangles. [`samples`] spreads points over the surface.
+//! hold what they say of the grid and no triangles. [`Grid`] makes them part by part, square by square. [`samples`] spreads points over the surface.
 //!
 //! [`Certificate`] tells where a robot gets on a floor and what stops it, and [`Route`] is a path for it. [`Territory`] is where it
 //! surely gets and comes back from, with the lengths of its ways; [`Episode`]s lead through it, and from [`views`] it sees all of it.
@@ -44,6 +44,7 @@ mod columns;
 mod distances;
 mod episodes;
 mod floor;
+mod grid;
 mod ground;
 mod inside;
 mod lattice;
@@ -69,6 +70,7 @@ pub use columns::{Columns, Gap};
 pub use distances::Distances;
 pub use episodes::Episode;
 pub use floor::{Floor, Relief, Robot};
+pub use grid::{Grid, Stack, Told};
 pub use inside::Inside;
 pub use map::{OccupancyMap, State};
 pub use room::Room;

@@ -106,12 +106,24 @@ pub struct Routes {
     pub goal: Option<State>,
 }
 
-/// How a state was reached.
+/// How a state was reached. There is one for every state of the floor, so the state that it was reached from is not a [`State`]: next
+/// to it, the class takes no room.
 #[derive(Clone, Copy)]
 struct Arrival {
     cost: u64,
-    from: State,
+    from_cell: u32,
+    from_direction: u8,
     class: Class,
+}
+
+impl Arrival {
+    fn new(cost: u64, from: State, class: Class) -> Self {
+        Self { cost, from_cell: from.cell, from_direction: from.direction, class }
+    }
+
+    fn from(&self) -> State {
+        State { cell: self.from_cell, direction: self.from_direction }
+    }
 }
 
 impl Routes {
@@ -131,7 +143,7 @@ impl Routes {
         for start in starts {
             let class = terrain.class(*start);
             if class <= worst {
-                routes.by_state.insert(*start, Arrival { cost: 0, from: *start, class });
+                routes.by_state.insert(*start, Arrival::new(0, *start, class));
                 front.push(Reverse((0, *start)));
             }
         }
@@ -150,8 +162,7 @@ impl Routes {
             for Move { to, cost: more, class } in
                 moves.iter().copied().filter(|one| one.class <= worst && within(one.to))
             {
-                let arrival =
-                    Arrival { cost: here.cost + more * weight(class), from: state, class: class.max(here.class) };
+                let arrival = Arrival::new(here.cost + more * weight(class), state, class.max(here.class));
                 let known = routes.by_state.entry(to).or_insert(Arrival { cost: u64::MAX, ..arrival });
                 if arrival.cost < known.cost {
                     *known = arrival;
@@ -177,8 +188,8 @@ impl Routes {
     pub fn way(&self, goal: State) -> Vec<State> {
         let mut way = vec![goal];
         let mut at = goal;
-        while self.by_state[&at].from != at {
-            at = self.by_state[&at].from;
+        while self.by_state[&at].from() != at {
+            at = self.by_state[&at].from();
             way.push(at);
         }
         way.reverse();

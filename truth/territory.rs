@@ -38,7 +38,7 @@ pub struct Territory {
 
 /// How far it is from the start to everywhere, or from everywhere to a goal.
 pub struct Geodesic {
-    /// For each state, in hundredths of a millimetre.
+    /// For each place, in hundredths of a millimetre.
     lengths: Vec<u32>,
     /// For each state the next one towards the start or the goal, which is its own.
     next: Vec<u32>,
@@ -76,9 +76,11 @@ impl Territory {
             inside.map(|(to, length)| (number[*to as usize], *length))
         });
         let ahead = Links::new(moves);
+        let starts = starts.into_iter().map(|state| number[state as usize]).collect();
+        // Each is as large as all that stays.
+        drop((explored, number, is_own, own));
         let back = ahead.reversed();
         let at_m = cells.iter().map(|cell| scout.terrain.place_m(*cell as usize)).collect();
-        let starts = starts.into_iter().map(|state| number[state as usize]).collect();
         Self { cells, at_m, states, place_of, ahead, back, starts }
     }
 
@@ -161,7 +163,9 @@ impl Territory {
             }
         }
         let by_length = |a: &u32, b: &u32| lengths[*a as usize].cmp(&lengths[*b as usize]);
-        let nearest = (0..self.cells.len()).filter_map(|place| self.states_at(place).min_by(by_length)).collect();
+        let nearest: Vec<u32> =
+            (0..self.cells.len()).filter_map(|place| self.states_at(place).min_by(by_length)).collect();
+        let lengths = nearest.iter().map(|state| lengths[*state as usize]).collect();
         Geodesic { lengths, next, nearest }
     }
 }
@@ -169,7 +173,7 @@ impl Territory {
 impl Geodesic {
     /// Length in metres from the start to a place, or from there to the goal, whichever way the robot faces.
     pub fn length_m(&self, place: usize) -> f64 {
-        f64::from(self.lengths[self.nearest[place] as usize]) / PER_M
+        f64::from(self.lengths[place]) / PER_M
     }
 
     /// A state and those after it, to the start or the goal.

@@ -114,6 +114,8 @@ impl<'a> Sights<'a> {
         };
         let mut seen: Vec<u32> = near.copied().filter(|place| is_seen(place)).collect();
         seen.sort_unstable();
+        // There are many, which stay.
+        seen.shrink_to_fit();
         seen
     }
 }

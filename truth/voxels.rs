@@ -56,6 +56,11 @@ impl Voxels {
         }
     }
 
+    /// Adds what triangles elsewhere made of a block of the same grid.
+    pub(super) fn join(&mut self, place: [i32; 3], states: impl Iterator<Item = u8>) {
+        self.states.join(place, states, u8::max);
+    }
+
     /// Marks what is free, given the air in the columns of the same grid, once all triangles are there.
     ///
     /// No surface passes through the other cells, so each is on one side of all: that of its centre.

@@ -3,18 +3,23 @@
 //! Follows <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>, version 1.0: a header as a Python
 //! dictionary, then the numbers, little-endian, the last axis fastest. Archives are compressed and have no time.
 //!
+//! Nothing of an array is held in memory.
+//!
 //! ```
+//! use std::io::Cursor;
+//!
 //! use plume_exporters::format::npy::Archive;
 //!
-//! let mut archive = Archive::default();
-//! archive.add("cells", &[2, 2], &[0_i32, 1, 2, 3])?;
-//! archive.add("height", &[], &[0.5_f32])?;
-//! let bytes = archive.finish()?;
-//! assert!(bytes.starts_with(b"PK"));
+//! let mut file = Cursor::new(Vec::new());
+//! let mut archive = Archive::new(&mut file);
+//! archive.add("cells", &[2, 2], [0_i32, 1, 2, 3])?;
+//! archive.add("height", &[], [0.5_f32])?;
+//! archive.finish()?;
+//! assert!(file.into_inner().starts_with(b"PK"));
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Read, Seek, Write};
 
 use zip::ZipWriter;
 
@@ -43,8 +48,10 @@ macro_rules! numbers {
 
 numbers!(u8: "|u1", i16: "<i2", i32: "<i4", f32: "<f4", f64: "<f8");
 
-/// Numbers that are turned into bytes at a time.
-const AT_ONCE: usize = 1 << 12;
+/// Bytes that are compressed at a time.
+const AT_ONCE: usize = 1 << 14;
+/// Bytes of an array beyond which its entry has the longer form of ZIP64, well before it must.
+const MOST_BYTES: usize = 1 << 31;
 
 /// Writes what is before the numbers of an array of this shape.
 fn write_head<N: Number>(file: &mut dyn Write, shape: &[usize]) -> io::Result<()> {
@@ -61,50 +68,58 @@ fn write_head<N: Number>(file: &mut dyn Write, shape: &[usize]) -> io::Result<()
     file.write_all(header.as_bytes())
 }
 
-/// An `.npz` being written, in memory.
-pub struct Archive(ZipWriter<Cursor<Vec<u8>>>);
+/// An `.npz` being written.
+pub struct Archive<W: Write + Seek>(ZipWriter<W>);
 
-impl Default for Archive {
-    fn default() -> Self {
-        Self(ZipWriter::new(Cursor::default()))
+impl<W: Write + Seek> Archive<W> {
+    /// An archive without arrays in an empty file.
+    pub fn new(file: W) -> Self {
+        Self(ZipWriter::new(file))
     }
-}
 
-impl Archive {
     /// Adds an array of this shape; one without axes is a number.
     ///
     /// # Errors
-    /// If the name is taken.
-    pub fn add<N: Number>(&mut self, name: &str, shape: &[usize], numbers: &[N]) -> io::Result<()> {
-        self.add_parts(name, shape, std::iter::once(numbers))
-    }
-
-    /// Adds an array whose numbers are in several places.
-    ///
-    /// # Errors
-    /// If the name is taken.
-    pub fn add_parts<'a, N: Number + 'a>(
+    /// If the name is taken; those of the file.
+    pub fn add<N: Number>(
         &mut self,
         name: &str,
         shape: &[usize],
-        parts: impl Iterator<Item = &'a [N]>,
+        numbers: impl IntoIterator<Item = N>,
     ) -> io::Result<()> {
-        self.0.start_file(format!("{name}.npy"), zip_entry::options())?;
-        write_head::<N>(&mut self.0, shape)?;
+        self.start::<N>(name, shape)?;
         let mut bytes = Vec::new();
-        for part in parts.flat_map(|part| part.chunks(AT_ONCE)) {
-            bytes.clear();
-            part.iter().for_each(|number| number.push(&mut bytes));
-            self.0.write_all(&bytes)?;
+        for number in numbers {
+            number.push(&mut bytes);
+            if bytes.len() >= AT_ONCE {
+                self.0.write_all(&bytes)?;
+                bytes.clear();
+            }
         }
-        Ok(())
+        self.0.write_all(&bytes)
     }
 
-    /// The bytes of the file.
+    /// Adds an array whose numbers are there as their bytes, little-endian.
     ///
     /// # Errors
-    /// If an array was too large.
-    pub fn finish(self) -> io::Result<Vec<u8>> {
-        Ok(self.0.finish()?.into_inner())
+    /// If the name is taken; those of the file and of `bytes`.
+    pub fn add_bytes<N: Number>(&mut self, name: &str, shape: &[usize], bytes: &mut dyn Read) -> io::Result<()> {
+        self.start::<N>(name, shape)?;
+        io::copy(bytes, &mut self.0).map(drop)
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn finish(self) -> io::Result<()> {
+        Ok(self.0.finish().map(drop)?)
+    }
+
+    fn start<N: Number>(&mut self, name: &str, shape: &[usize]) -> io::Result<()> {
+        let bytes = shape.iter().product::<usize>() * size_of::<N>();
+        let options = zip_entry::options().large_file(bytes > MOST_BYTES);
+        self.0.start_file(format!("{name}.npy"), options)?;
+        write_head::<N>(&mut self.0, shape)
     }
 }

@@ -14,14 +14,28 @@ pub struct ThingsEntry {
     pub classes: BTreeMap<String, u64>,
 }
 
-impl ThingsEntry {
-    /// Counts things, given the class and the prototype of each; `None` if there are none.
-    pub(crate) fn count<'a>(things: impl Iterator<Item = (&'a str, &'a str)>) -> Option<Self> {
-        let (mut prototypes, mut classes) = (BTreeSet::new(), BTreeMap::new());
-        for (class, prototype) in things {
-            prototypes.insert(prototype);
-            *classes.entry(class.to_owned()).or_default() += 1;
+/// Things that are counted one after the other.
+#[derive(Default)]
+pub(crate) struct Count {
+    prototypes: BTreeSet<String>,
+    classes: BTreeMap<String, u64>,
+}
+
+impl Count {
+    /// Counts one more, of a class and a prototype.
+    pub fn add(&mut self, class: &str, prototype: &str) {
+        if !self.prototypes.contains(prototype) {
+            self.prototypes.insert(prototype.to_owned());
         }
-        (!classes.is_empty()).then_some(Self { prototypes: prototypes.len() as u64, classes })
+        match self.classes.get_mut(class) {
+            Some(count) => *count += 1,
+            None => drop(self.classes.insert(class.to_owned(), 1)),
+        }
+    }
+
+    /// All of them; `None` if there are none.
+    pub fn finish(self) -> Option<ThingsEntry> {
+        let Self { prototypes, classes } = self;
+        (!classes.is_empty()).then_some(ThingsEntry { prototypes: prototypes.len() as u64, classes })
     }
 }

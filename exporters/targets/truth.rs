@@ -20,7 +20,10 @@
 //! truth.json        what is where
 //! README.md
 //! ```
-//! Gravel is left out: nothing collides with it. Chunks are loaded one at a time, and no triangle is kept.
+//! Gravel is left out: nothing collides with it. Chunks are loaded one at a time, and no triangle is kept. Voxels, distances and clouds
+//! are made on the disk. The floor is in memory, because storeys and shortest ways are about all of it.
+
+use std::path::Path;
 
 use minijinja::context;
 use plume_truth::robot::{self, Known};
@@ -46,6 +49,7 @@ mod cloud;
 mod floors;
 mod grids;
 mod habitat;
+mod layer;
 mod table;
 mod tasks;
 mod topology;
@@ -119,6 +123,8 @@ impl Part {
     ];
     /// Those that need to know where a robot gets from its start.
     const OF_TASKS: [Self; 4] = [Self::Geodesic, Self::Episodes, Self::Search, Self::Coverage];
+    /// Those that need the states of voxels.
+    const OF_STATES: [Self; 2] = [Self::Occupancy, Self::Voxels];
     /// Those that need points on the surface.
     const OF_CLOUD: [Self; 3] = [Self::Pcd, Self::Ply, Self::Las];
 }
@@ -219,23 +225,22 @@ impl Target for Truth {
         scene.check()?;
         let (labels, scratch, mut table) = (Labels::of(scene)?, out.scratch()?, Table::default());
         let world = World::of(scene, &self.0, &labels, scratch.path())?;
-        if let Some(voxels) = world.voxels {
-            grids::write_voxels(voxels, &self.0, &mut table, out)?;
+        if let Some(states) = world.states {
+            grids::write_states(states, &self.0, scratch.path(), &mut table, out)?;
         }
         if let Some(distances) = world.distances {
-            grids::write_distances(distances, &self.0, &mut table, out)?;
+            grids::write_distances(distances, &self.0, scratch.path(), &mut table, out)?;
         }
         if let Some(cloud) = world.cloud {
             cloud.write(scene, &self.0.files, &mut table, out)?;
         }
-        // Last, when the grids are gone: the floor takes as much memory as they do.
         let (mut storeys, mut network) = (Vec::new(), None);
         if let Some(floor) = world.floor.map(FloorBuilder::finish) {
             let starts: Vec<[f64; 3]> = scene.spawns.iter().map(|pose| pose.translation.vector.into()).collect();
             let reached = Storeys::reached(&floor, &self.robot(), &starts);
             let floors = Floors { floor: &floor, storeys: &reached, settings: &self.0 };
             storeys = floors.write(scratch.path(), &mut table, out)?;
-            network = Some(self.write_journeys(scene, &floor, &mut table, out)?);
+            network = Some(self.write_journeys(scene, &floor, scratch.path(), &mut table, out)?);
         }
         out.text("labels.json", &pretty(&described(&labels, scene))?)?;
         table.add(Entry::new("labels.json", "what the labels of voxels and points stand for", "1"));
@@ -276,6 +281,7 @@ impl Truth {
         &self,
         scene: &Scene,
         floor: &Floor,
+        scratch: &Path,
         table: &mut Table,
         out: &mut dyn Package,
     ) -> Result<Value, ExportError> {
@@ -293,7 +299,8 @@ impl Truth {
             topology.write_survey(table, out)?;
         }
         if Part::OF_TASKS.into_iter().any(wants) {
-            self.write_tasks(&Tasks::of(scene, &self.0, floor, &mut scout), &mut scout, table, out)?;
+            let tasks = Tasks::of(scene, &self.0, floor, &mut scout);
+            self.write_tasks(&tasks, &mut scout, scratch, table, out)?;
         }
         Ok(topology.summary())
     }
@@ -302,12 +309,13 @@ impl Truth {
         &self,
         tasks: &Tasks,
         scout: &mut Scout,
+        scratch: &Path,
         table: &mut Table,
         out: &mut dyn Package,
     ) -> Result<(), ExportError> {
         let wants = |part: Part| self.0.files.contains(&part);
         if wants(Part::Geodesic) {
-            tasks.write_geodesic(table, out)?;
+            tasks.write_geodesic(scratch, table, out)?;
         }
         if wants(Part::Episodes) {
             tasks.write_episodes(scout, table, out)?;

@@ -1,6 +1,9 @@
 //! The laws of voxels, distances and samples, on any triangles.
 
-use plume_truth::{Block, Columns, Distances, Gap, SIDE, Voxels, samples};
+use std::cell::Cell;
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
+
+use plume_truth::{Block, Columns, Distances, Gap, Grid, SIDE, Told, Voxels, samples};
 use proptest::prelude::*;
 
 type Point = [f64; 3];
@@ -130,6 +133,89 @@ fn a_room_is_free_inside_occupied_around_and_unknown_beyond() {
     assert_eq!(inside, 10 * 6 * 20, "all the air has blocks");
 }
 
+/// The states and distances of a world that is added in parts.
+fn cells_in_parts<'a>(parts: impl Iterator<Item = &'a [[[f32; 3]; 3]]>) -> (Vec<([i32; 3], u8)>, Vec<([i32; 3], f32)>) {
+    let told = Told { cell_m: CELL_M, has_states: true, reach_m: Some(REACH_M) };
+    let mut grid = Grid::new(told, Cursor::new(Vec::new()));
+    for part in parts {
+        let indices: Vec<u32> = (0..3 * part.len() as u32).collect();
+        grid.add(part.as_flattened(), &indices, &vec![ROCK; part.len()]).unwrap();
+    }
+    let (mut states, mut distances) = (Vec::new(), Vec::new());
+    let add = |stack: plume_truth::Stack| {
+        states.extend(cells(&stack.states));
+        distances.extend(cells(&stack.distances_m));
+        io::Result::Ok(())
+    };
+    grid.finish(add).unwrap();
+    (states, distances)
+}
+
+/// A file in memory that counts what is written and read.
+struct Counted<'a> {
+    file: Cursor<Vec<u8>>,
+    written: &'a Cell<usize>,
+    read: &'a Cell<usize>,
+}
+
+impl Write for Counted<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.written.set(self.written.get() + bytes.len());
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Read for Counted<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.read.set(self.read.get() + bytes.len());
+        self.file.read(bytes)
+    }
+}
+
+impl Seek for Counted<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// Bytes of a tunnel of so many rooms in a row: those in the file, those that the last room added to it, and the most that are read
+/// from it for a square.
+fn held(rooms: usize) -> [usize; 3] {
+    let [written, read] = [Cell::new(0), Cell::new(0)];
+    let file = Counted { file: Cursor::default(), written: &written, read: &read };
+    let mut grid = Grid::new(Told { cell_m: CELL_M, has_states: true, reach_m: Some(REACH_M) }, file);
+    let mut of_last = 0;
+    for number in 0..rooms {
+        let x = number as f32 * 2.0;
+        let room = room([x, 0.0, 0.0], [x + 1.5, 1.0, 1.0]);
+        let (before, indices) = (written.get(), (0..36).collect::<Vec<u32>>());
+        grid.add(room.as_flattened(), &indices, &[ROCK; 12]).unwrap();
+        of_last = written.get() - before;
+    }
+    let (mut most, mut before) = (0, 0);
+    let square = |_| {
+        most = most.max(read.get() - before);
+        before = read.get();
+        io::Result::Ok(())
+    };
+    grid.finish(square).unwrap();
+    [written.get(), of_last, most]
+}
+
+/// What is added goes to the file at once, and comes back square by square.
+#[test]
+fn a_longer_tunnel_is_not_held_longer() {
+    let [short, long] = [held(4), held(64)];
+    assert_eq!(long[0], 16 * short[0], "a tunnel of 64 rooms is 16 times as long as one of 4");
+    assert!(short[1] > 0 && short[2] > 0);
+    assert_eq!(long[1..], short[1..], "what waits for the file, and what is read at once");
+    assert!(long[2] < long[0] / 64, "less than a room at once");
+}
+
 #[test]
 fn the_largest_label_is_told() {
     let mut voxels = Voxels::new(1.0);
@@ -197,6 +283,21 @@ proptest! {
         triangles.rotate_left(turn % count);
         triangles.reverse();
         prop_assert!(before == (voxels_of(&triangles, &[]), distances_of(&triangles, &[])));
+    }
+
+    /// Nor does the division into parts, or their order.
+    #[test]
+    fn grids_are_made_in_parts(
+        mut triangles in prop::collection::vec(triangle(), 1..12),
+        size in 1_usize..6,
+        turn in 0_usize..8,
+    ) {
+        let air = air_of(&triangles);
+        let whole = (voxels_of(&triangles, &air), distances_of(&triangles, &air));
+        prop_assert!(whole == cells_in_parts(triangles.chunks(size)));
+        let count = triangles.len();
+        triangles.rotate_left(turn % count);
+        prop_assert!(whole == cells_in_parts(triangles.rchunks(size)));
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! The files of the floor: arrays, and for each storey a map and a raster.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{self, BufWriter};
 use std::ops::Range;
 use std::path::Path;
 
-use plume_truth::{Floor, OccupancyMap, Relief, State, Storeys};
+use plume_truth::{Floor, Gap, OccupancyMap, State, Storeys};
 use png::{BitDepth, ColorType, Encoder};
 use serde::Serialize;
 
@@ -45,8 +45,7 @@ impl Floors<'_> {
     pub fn write(&self, scratch: &Path, table: &mut Table, out: &mut dyn Package) -> Result<Vec<Storey>, ExportError> {
         let cell_m = self.settings.cell_m;
         if self.settings.files.contains(&Part::Floor) {
-            let bytes = self.archive()?;
-            out.write("floor.npz", |file| Ok(file.write_all(&bytes)?))?;
+            out.write_by(scratch, "floor.npz", |file| Ok(self.write_arrays(file)?))?;
             table.add(Entry::of_cells("floor.npz", "cells of the floor, also those over each other", "m, rad", cell_m));
         }
         let mut listed = Vec::new();
@@ -88,24 +87,21 @@ impl Floors<'_> {
         Ok(listed)
     }
 
-    /// The arrays of `floor.npz`.
-    fn archive(&self) -> Result<Vec<u8>, ExportError> {
-        let Self { floor, storeys, .. } = self;
-        let cells = floor.cells();
+    /// Writes the arrays of `floor.npz`.
+    fn write_arrays(&self, file: &mut BufWriter<&File>) -> io::Result<()> {
+        let (cells, reliefs) = (self.floor.cells(), self.floor.reliefs());
         let count = [cells.len()];
-        let of = |value: fn(&Relief) -> f32| floor.reliefs().iter().map(value).collect::<Vec<f32>>();
-        let indices: Vec<i32> = cells.iter().flat_map(|gap| gap.cell).collect();
-        let storeys: Vec<i16> = storeys.of.iter().map(|storey| storey.map_or(-1, |storey| storey as i16)).collect();
-        let mut archive = Archive::default();
-        archive.add("cell_m", &[], &[floor.cell_m()])?;
-        archive.add("cell", &[cells.len(), 2], &indices)?;
-        archive.add("z", &count, &cells.iter().map(|gap| gap.floor_m).collect::<Vec<f32>>())?;
-        archive.add("headroom", &count, &cells.iter().map(|gap| gap.height_m()).collect::<Vec<f32>>())?;
-        archive.add("slope", &count, &of(|relief| relief.slope_rad))?;
-        archive.add("step", &count, &of(|relief| relief.step_m))?;
-        archive.add("roughness", &count, &of(|relief| relief.roughness_m))?;
-        archive.add("storey", &count, &storeys)?;
-        Ok(archive.finish()?)
+        let storey = |storey: &Option<u16>| storey.map_or(-1, |storey| storey as i16);
+        let mut archive = Archive::new(file);
+        archive.add("cell_m", &[], [self.floor.cell_m()])?;
+        archive.add("cell", &[cells.len(), 2], cells.iter().flat_map(|gap| gap.cell))?;
+        archive.add("z", &count, cells.iter().map(|gap| gap.floor_m))?;
+        archive.add("headroom", &count, cells.iter().map(Gap::height_m))?;
+        archive.add("slope", &count, reliefs.iter().map(|relief| relief.slope_rad))?;
+        archive.add("step", &count, reliefs.iter().map(|relief| relief.step_m))?;
+        archive.add("roughness", &count, reliefs.iter().map(|relief| relief.roughness_m))?;
+        archive.add("storey", &count, self.storeys.of.iter().map(storey))?;
+        archive.finish()
     }
 
     /// Writes the numbers of a storey on the cells of its map.
@@ -120,11 +116,9 @@ impl Floors<'_> {
         let OccupancyMap { cell_m, origin_m: [x, y], size: [width, height], .. } = *map;
         let corner_m = [x, y + height as f64 * cell_m];
         let raster = Raster { size: [width as u32, height as u32], corner_m, cell_m, bands: &BANDS };
-        let place = scratch.join(path);
-        let file = BufWriter::new(File::create_new(&place)?);
-        geotiff::write(file, &raster, |rows| self.bands(storey, map, rows)).map_err(|error| named(path, error))?;
-        out.copy(path, &place)?;
-        Ok(std::fs::remove_file(place)?)
+        out.write_by(scratch, path, |file| {
+            geotiff::write(file, &raster, |rows| self.bands(storey, map, rows)).map_err(|error| named(path, error))
+        })
     }
 
     /// The numbers of some rows of a storey, from the highest y, for each of [`BANDS`].

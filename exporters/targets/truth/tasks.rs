@@ -1,5 +1,7 @@
 //! The files of what there is to do for a robot: lengths of its ways, episodes, what to search for, and where to look around.
 
+use std::path::Path;
+
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use plume_graph::rng::Rng;
 use plume_graph::seed;
@@ -74,23 +76,19 @@ impl<'a> Tasks<'a> {
     }
 
     /// Writes `geodesic.npz`.
-    pub fn write_geodesic(&self, table: &mut Table, out: &mut dyn Package) -> Result<(), ExportError> {
-        let count = self.territory.cells().len();
-        let cells: Vec<i32> = self.territory.cells().iter().map(|cell| *cell as i32).collect();
-        let lengths =
-            |geodesic: &Geodesic| (0..count).map(|place| geodesic.length_m(place) as f32).collect::<Vec<f32>>();
-        let to_goals: Vec<Vec<f32>> = self.goals.iter().map(|(_, geodesic)| lengths(geodesic)).collect();
-        let goals: Vec<i32> = self.goals.iter().map(|(place, _)| *place as i32).collect();
-        let positions: Vec<f32> = self.territory.at_m().iter().flatten().map(|along_m| *along_m as f32).collect();
-        let mut archive = Archive::default();
-        archive.add("cell_m", &[], &[self.floor.cell_m()])?;
-        archive.add("cell", &[count], &cells)?;
-        archive.add("position", &[count, 3], &positions)?;
-        archive.add("from_start", &[count], &lengths(&self.from_start))?;
-        archive.add("goal", &[goals.len()], &goals)?;
-        archive.add_parts("to_goal", &[goals.len(), count], to_goals.iter().map(Vec::as_slice))?;
-        let bytes = archive.finish()?;
-        out.write("geodesic.npz", |file| Ok(file.write_all(&bytes)?))?;
+    pub fn write_geodesic(&self, scratch: &Path, table: &mut Table, out: &mut dyn Package) -> Result<(), ExportError> {
+        let (cells, at_m) = (self.territory.cells(), self.territory.at_m());
+        out.write_by(scratch, "geodesic.npz", |file| {
+            let mut archive = Archive::new(file);
+            archive.add("cell_m", &[], [self.floor.cell_m()])?;
+            archive.add("cell", &[cells.len()], cells.iter().map(|cell| *cell as i32))?;
+            archive.add("position", &[cells.len(), 3], at_m.iter().flatten().map(|along_m| *along_m as f32))?;
+            archive.add("from_start", &[cells.len()], self.lengths_m(&self.from_start))?;
+            archive.add("goal", &[self.goals.len()], self.goals.iter().map(|(place, _)| *place as i32))?;
+            let to_goals = self.goals.iter().flat_map(|(_, geodesic)| self.lengths_m(geodesic));
+            archive.add("to_goal", &[self.goals.len(), cells.len()], to_goals)?;
+            Ok(archive.finish()?)
+        })?;
         let content = "lengths of the shortest ways of the robot, from the start and to goals, at cells of the floor";
         table.add(Entry::of_cells("geodesic.npz", content, "m", self.floor.cell_m()));
         Ok(())
@@ -184,6 +182,11 @@ impl<'a> Tasks<'a> {
         Ok(())
     }
 
+    /// The lengths of the ways to all places.
+    fn lengths_m(&self, geodesic: &Geodesic) -> impl Iterator<Item = f32> {
+        (0..self.territory.cells().len()).map(move |place| geodesic.length_m(place) as f32)
+    }
+
     fn tasks(&self, scout: &mut Scout) -> Vec<Task> {
         let mut random = Rng::new(seed::stream(self.scene.seed, "episodes", 0));
         let count = self.settings.episodes as usize;
@@ -202,9 +205,9 @@ impl<'a> Tasks<'a> {
     fn sought(&self) -> Result<Vec<Instance>, ExportError> {
         let mut things = Vec::new();
         for index in 0..self.scene.chunks.len() {
-            things.extend(self.scene.instances(index)?);
+            let all = self.scene.instances(index)?.into_iter();
+            things.extend(all.filter(|thing| self.scene.sought.contains(&thing.class)));
         }
-        things.retain(|thing| self.scene.sought.contains(&thing.class));
         Ok(things)
     }
 }
