@@ -21,8 +21,11 @@ fn length(a: Point) -> f64 {
     a.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
-/// All cells of some blocks, with their values.
-fn cells<T: Copy>(blocks: &[Block<T>]) -> Vec<([i32; 3], T)> {
+/// Cells with their values.
+type Cells<T> = Vec<([i32; 3], T)>;
+
+/// All cells of some blocks.
+fn cells<T: Copy>(blocks: &[Block<T>]) -> Cells<T> {
     let cell = |place: [i32; 3], n: usize| {
         let within = [n / (SIDE * SIDE), n / SIDE % SIDE, n % SIDE];
         [0, 1, 2].map(|axis| place[axis] * SIDE as i32 + within[axis] as i32)
@@ -134,12 +137,12 @@ fn a_room_is_free_inside_occupied_around_and_unknown_beyond() {
 }
 
 /// The states and distances of a world that is added in parts.
-fn cells_in_parts<'a>(parts: impl Iterator<Item = &'a [[[f32; 3]; 3]]>) -> (Vec<([i32; 3], u8)>, Vec<([i32; 3], f32)>) {
+fn cells_in_parts<'a>(parts: impl Iterator<Item = &'a [[[f32; 3]; 3]]>) -> (Cells<u8>, Cells<f32>) {
     let told = Told { cell_m: CELL_M, has_states: true, reach_m: Some(REACH_M) };
     let mut grid = Grid::new(told, Cursor::new(Vec::new()));
     for part in parts {
         let indices: Vec<u32> = (0..3 * part.len() as u32).collect();
-        grid.add(part.as_flattened(), &indices, &vec![ROCK; part.len()]).unwrap();
+        grid.add(part.as_flattened(), &indices, &vec![ROCK; part.len()]).expect("it is in memory");
     }
     let (mut states, mut distances) = (Vec::new(), Vec::new());
     let add = |stack: plume_truth::Stack| {
@@ -147,7 +150,7 @@ fn cells_in_parts<'a>(parts: impl Iterator<Item = &'a [[[f32; 3]; 3]]>) -> (Vec<
         distances.extend(cells(&stack.distances_m));
         io::Result::Ok(())
     };
-    grid.finish(add).unwrap();
+    grid.finish(add).expect("it is in memory");
     (states, distances)
 }
 
@@ -193,7 +196,7 @@ fn held(rooms: usize) -> [usize; 3] {
         let x = number as f32 * 2.0;
         let room = room([x, 0.0, 0.0], [x + 1.5, 1.0, 1.0]);
         let (before, indices) = (written.get(), (0..36).collect::<Vec<u32>>());
-        grid.add(room.as_flattened(), &indices, &[ROCK; 12]).unwrap();
+        grid.add(room.as_flattened(), &indices, &[ROCK; 12]).expect("it is in memory");
         of_last = written.get() - before;
     }
     let (mut most, mut before) = (0, 0);
@@ -202,7 +205,7 @@ fn held(rooms: usize) -> [usize; 3] {
         before = read.get();
         io::Result::Ok(())
     };
-    grid.finish(square).unwrap();
+    grid.finish(square).expect("it is in memory");
     [written.get(), of_last, most]
 }
 

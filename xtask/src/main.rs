@@ -28,11 +28,7 @@ const TASKS: [(&str, &str, Task); 10] = [
     ("interop", "[--all | PACKAGE_DIR...] open packages with foreign readers", interop::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
-    (
-        "drives",
-        "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet",
-        drives::run,
-    ),
+    ("drives", "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet", drives::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
     ("vslam", "[VARIANT...|strips] what recorded runs are worth to visual SLAM; 45 CPU minutes", vslam::run),
