@@ -19,33 +19,23 @@ const LEAST_COSINE: f64 = 0.7;
 const SLACK: f64 = 1e-9;
 /// Corners that are not farther ahead than this have no image, in metres.
 const NEAR_M: f64 = 1e-3;
+/// The end of a ray for which nothing else matters.
+const NOTHING_MORE: f64 = f64::NEG_INFINITY;
 
 impl World {
     /// The nearest surface on each ray from one point, closer than `most` lengths of its direction.
     pub fn hits(&self, origin: &Point3<f64>, directions: &[Vector3<f64>], most: f64) -> Vec<Option<Hit>> {
-        let mut hits = vec![None; directions.len()];
+        let mut hits: Vec<Option<Hit>> = vec![None; directions.len()];
         let sheared: Vec<Shear> = directions.iter().map(Shear::along).collect();
         self.each_bundle(origin, directions, &mut |bundle| {
-            let mut ends: Vec<f64> = bundle.depths.iter().map(|depth| depth * most).collect();
-            let mut far = largest(&ends);
-            self.follow(bundle, far, |place, triangle, image| {
+            self.follow(bundle, most, |ray, place| {
+                let (distance, weights) = sheared[ray].meet(origin, &self.triangles[place])?;
                 let face = self.boxes.primitive_indices[place];
-                let mut is_nearer = false;
-                for ray in bundle.through(image) {
-                    let number = bundle.numbers[ray];
-                    let Some((distance, weights)) = sheared[number].meet(origin, triangle) else { continue };
-                    let best: &mut Option<Hit> = &mut hits[number];
-                    let is_best = best.is_none_or(|best| (distance, face) < (best.distance, best.face));
-                    if distance <= most && is_best {
-                        *best = Some(Hit { distance, face, weights });
-                        ends[ray] = distance * bundle.depths[ray];
-                        is_nearer = true;
-                    }
-                }
-                if is_nearer {
-                    far = largest(&ends);
-                }
-                far
+                let is_best = hits[ray].is_none_or(|best| (distance, face) < (best.distance, best.face));
+                (distance <= most && is_best).then(|| {
+                    hits[ray] = Some(Hit { distance, face, weights });
+                    distance
+                })
             });
         });
         hits
@@ -57,24 +47,12 @@ impl World {
         let directions: Vec<Vector3<f64>> = places.iter().map(|place| place - lamp).collect();
         let sheared: Vec<Shear> = directions.iter().map(|direction| Shear::along(&-direction)).collect();
         self.each_bundle(lamp, &directions, &mut |bundle| {
-            let mut ends = bundle.depths.clone();
-            let mut far = largest(&ends);
-            self.follow(bundle, far, |_, triangle, image| {
-                let mut is_nearer = false;
-                for ray in bundle.through(image) {
-                    let number = bundle.numbers[ray];
-                    let is_before = !shaded[number] && image.near <= ends[ray];
-                    let met = is_before.then(|| sheared[number].meet(&places[number], triangle)).flatten();
-                    if met.is_some_and(|(distance, _)| distance <= 1.0) {
-                        shaded[number] = true;
-                        ends[ray] = 0.0;
-                        is_nearer = true;
-                    }
-                }
-                if is_nearer {
-                    far = largest(&ends);
-                }
-                far
+            self.follow(bundle, 1.0, |ray, place| {
+                let (distance, _) = sheared[ray].meet(&places[ray], &self.triangles[place])?;
+                (distance <= 1.0).then(|| {
+                    shaded[ray] = true;
+                    NOTHING_MORE
+                })
             });
         });
         shaded
@@ -96,28 +74,36 @@ impl World {
         }
     }
 
-    /// Gives every triangle that a bundle may meet, by its place, with its image, roughly from near to far. What is given back is
-    /// how far ahead the rest may be.
-    fn follow(&self, bundle: &Bundle, far: f64, mut meet: impl FnMut(usize, &Triangle, &Image) -> f64) {
+    /// Lets rays of a bundle meet the triangles that may be before their ends, by place and roughly from near to far. A ray ends after
+    /// `most` lengths of its direction, or where `meet` tells it to.
+    fn follow(&self, bundle: &Bundle, most: f64, mut meet: impl FnMut(usize, usize) -> Option<f64>) {
         if self.boxes.nodes.is_empty() {
             return;
         }
-        let mut far = slack(far);
+        let mut ends: Vec<f64> = bundle.depths.iter().map(|depth| depth * most).collect();
+        let mut far = slack(largest(&ends));
         let mut ahead = vec![(0.0, Part::Node(0))];
         while let Some((near, part)) = ahead.pop() {
             if near > far {
                 continue;
             }
-            match part {
-                Part::Node(index) => self.open(index, bundle, far, &mut ahead),
-                Part::Leaf(first, count) => {
-                    for place in first as usize..(first + count) as usize {
-                        let triangle = &self.triangles[place];
-                        let Some(image) = bundle.image(triangle) else { continue };
-                        far = slack(meet(place, triangle, &image));
+            let (first, count) = match part {
+                Part::Node(index) => {
+                    self.open(index, bundle, far, &mut ahead);
+                    continue;
+                }
+                Part::Leaf(first, count) => (first as usize, count as usize),
+            };
+            for place in first..first + count {
+                let Some(image) = bundle.image(&self.triangles[place]) else { continue };
+                for ray in bundle.through(&image) {
+                    let is_before = image.near <= ends[ray];
+                    if let Some(end) = is_before.then(|| meet(bundle.numbers[ray], place)).flatten() {
+                        ends[ray] = end * bundle.depths[ray];
                     }
                 }
             }
+            far = slack(largest(&ends));
         }
     }
 
@@ -265,7 +251,7 @@ fn widen([low, high]: &mut [[f64; 2]; 2], slope: [f64; 2]) {
 }
 
 fn largest(of: &[f64]) -> f64 {
-    of.iter().copied().fold(0.0, f64::max)
+    of.iter().copied().fold(NOTHING_MORE, f64::max)
 }
 
 fn single(of: &Vector3<f64>) -> Vec3A {

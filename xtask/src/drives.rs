@@ -100,7 +100,7 @@ fn of_seed(seed: u64) -> Vec<String> {
 
 /// Drives in caves that are not among the results.
 fn drive(caves: &[Cave], folder: &Path, results: &Path) -> Result<()> {
-    let plume = Plume::build(Profile::Dev)?;
+    let plume = Plume::build(Profile::Release)?;
     let driven = driven(results)?;
     for cave in caves {
         let is_new = |judge: &Judge| !driven.contains(&(cave.name.clone(), judge.robot.to_owned()));
