@@ -17,19 +17,17 @@ pub const INSTANCES: &str = "instances.json";
 /// # Errors
 /// If the things of a chunk cannot be read; those of the package.
 pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Result<Option<ThingsEntry>, ExportError> {
-    let mut count = Count::default();
-    for index in 0..scene.chunks.len() {
-        scene.instances(index)?.iter().for_each(|thing| count.add(&thing.class, &thing.prototype));
-    }
-    let Some(counted) = count.finish() else {
+    let Some(first) = first_with_things(scene)? else {
         return Ok(None);
     };
+    let mut count = Count::default();
     out.write(INSTANCES, |file| {
         let (generator, frame) = (json!(scene.generator), json!("right-handed, Z up, metres"));
         writeln!(file, r#"{{"generator": {generator}, "frame": {frame}, "things": ["#)?;
         let mut separator = "";
-        for index in 0..scene.chunks.len() {
+        for index in first..scene.chunks.len() {
             for thing in scene.instances(index)? {
+                count.add(&thing.class, &thing.prototype);
                 let movable = thing.movable && target.moves_things();
                 write!(file, "{separator}{}", entry(&Instance { movable, ..thing }))?;
                 separator = ",\n";
@@ -37,7 +35,16 @@ pub fn write(target: &dyn Target, scene: &Scene, out: &mut dyn Package) -> Resul
         }
         Ok(writeln!(file, "\n]}}")?)
     })?;
-    Ok(Some(counted))
+    Ok(count.finish())
+}
+
+fn first_with_things(scene: &Scene) -> Result<Option<usize>, ExportError> {
+    for index in 0..scene.chunks.len() {
+        if !scene.instances(index)?.is_empty() {
+            return Ok(Some(index));
+        }
+    }
+    Ok(None)
 }
 
 /// Counts things of the file, without those that lack a class or a prototype; `None` if there are none.

@@ -197,26 +197,25 @@ impl View<'_> {
     /// What the pixels of a tile receive.
     fn received(&self, tile: Tile, edges: &[bool], lights: &Lights, library: &Library) -> Vec<(usize, Received)> {
         let (fine, plain): (Vec<usize>, Vec<usize>) = tile.places().partition(|place| edges[*place]);
-        let plain =
-            plain.into_iter().filter_map(|place| Some((place, self.sight(self.eye.rays[place]?, self.hits[place]?))));
-        let (mut places, mut sights): (Vec<usize>, Vec<Sight>) = plain.unzip();
-        let once = places.len();
-        let finer = self.fine(&fine);
-        places.extend(finer.iter().map(|(place, _)| place));
-        sights.extend(finer.into_iter().map(|(_, sight)| sight));
-        let origin = Point3::from(self.scene_from_optical.translation.vector);
-        let received = lights.received(&origin, &sights, library, self.eye.pixel_rad);
-        let mut sums: Vec<(usize, Received)> = places.iter().copied().zip(received).collect();
-        let parts = sums.split_off(once);
-        for of_pixel in parts.chunk_by(|a, b| a.0 == b.0) {
-            sums.push((of_pixel[0].0, Received::mean(of_pixel.iter().map(|(_, received)| received), FINER * FINER)));
-        }
-        sums
+        let seen_once = plain.into_iter().filter_map(|place| Some((place, self.sight(place)?)));
+        let (places, sights): (Vec<usize>, Vec<Sight>) = seen_once.chain(self.fine(&fine)).unzip();
+        let received = lights.received(&self.origin(), &sights, library, self.eye.pixel_rad);
+        let by_ray: Vec<(usize, Received)> = places.into_iter().zip(received).collect();
+        let mean = |of_pixel: &[(usize, Received)]| {
+            let place = of_pixel[0].0;
+            let rays = if edges[place] { FINER * FINER } else { 1 };
+            (place, Received::mean(of_pixel.iter().map(|(_, received)| received), rays))
+        };
+        by_ray.chunk_by(|a, b| a.0 == b.0).map(mean).collect()
+    }
+
+    /// What the ray of a pixel sees.
+    fn sight(&self, place: usize) -> Option<Sight> {
+        Some(Sight { ray: self.scene_from_optical.rotation * self.eye.rays[place]?, hit: self.hits[place]? })
     }
 
     /// What several rays through each of some pixels see.
     fn fine(&self, places: &[usize]) -> Vec<(usize, Sight)> {
-        let origin = Point3::from(self.scene_from_optical.translation.vector);
         let rays_of = |place: usize| {
             let corner = [place % self.eye.width(), place / self.eye.width()].map(|along| along as f64 - 0.5);
             (0..FINER * FINER).filter_map(move |part| {
@@ -226,13 +225,14 @@ impl View<'_> {
         };
         let (places, rays): (Vec<usize>, Vec<Vector3<f64>>) = places.iter().copied().flat_map(rays_of).unzip();
         let turned: Vec<Vector3<f64>> = rays.iter().map(|ray| self.scene_from_optical.rotation * ray).collect();
-        let hits = self.world.hits(&origin, &turned, FAR_M);
+        let hits = self.world.hits(&self.origin(), &turned, FAR_M);
         let seen = places.into_iter().zip(turned).zip(hits);
         seen.filter_map(|((place, ray), hit)| Some((place, Sight { ray, hit: hit? }))).collect()
     }
 
-    fn sight(&self, ray: Vector3<f64>, hit: Hit) -> Sight {
-        Sight { ray: self.scene_from_optical.rotation * ray, hit }
+    /// Where the camera is.
+    fn origin(&self) -> Point3<f64> {
+        Point3::from(self.scene_from_optical.translation.vector)
     }
 
     /// Pixels at which the depth jumps: its second difference is large.

@@ -26,6 +26,7 @@ mod triangle;
 pub const NO_THING: u32 = 0;
 
 /// The surfaces around a path.
+#[derive(Default)]
 pub struct World {
     boxes: CwBvh,
     /// The corners of the faces in the order of the boxes, which read them one after the other.
@@ -92,6 +93,13 @@ pub struct Hit {
     pub weights: [f64; 2],
 }
 
+impl Hit {
+    /// Whether it comes before another one on its ray: of those at the same distance, the first face does.
+    fn precedes(&self, other: Option<Self>) -> bool {
+        other.is_none_or(|other| (self.distance, self.face) < (other.distance, other.face))
+    }
+}
+
 /// A surface where a ray has met it.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
@@ -119,7 +127,7 @@ impl World {
             lamps: scene.lights.clone(),
             gravity: scene.gravity,
             labels: names.map(|(label, class)| Label { label, class: class.to_owned() }).collect(),
-            ..Self::empty()
+            ..Self::default()
         };
         for index in 0..scene.chunks.len() {
             let chunk = scene.chunk(index)?;
@@ -129,24 +137,6 @@ impl World {
         }
         world.build();
         Ok(world)
-    }
-
-    fn empty() -> Self {
-        Self {
-            boxes: CwBvh::default(),
-            triangles: Vec::new(),
-            faces: Vec::new(),
-            corners: Vec::new(),
-            normals: Vec::new(),
-            tangents: Vec::new(),
-            uvs: Vec::new(),
-            kinds: Vec::new(),
-            materials: Vec::new(),
-            lamps: Vec::new(),
-            gravity: 0.0,
-            labels: Vec::new(),
-            things: Vec::new(),
-        }
     }
 
     fn add(&mut self, scene: &Scene, index: usize, chunk: &Chunk, labels: &Labels) -> Result<(), ExportError> {
@@ -298,8 +288,11 @@ impl Boundable for Bounds {
 }
 
 fn ray(origin: &Point3<f64>, direction: &Vector3<f64>, most: f64) -> Ray {
-    let single = |of: &Vector3<f64>| Vec3A::new(of.x as f32, of.y as f32, of.z as f32);
     Ray::new(single(&origin.coords), single(direction), 0.0, slack(most))
+}
+
+fn single(of: &Vector3<f64>) -> Vec3A {
+    Vec3A::new(of.x as f32, of.y as f32, of.z as f32)
 }
 
 /// A distance in single precision that is surely not shorter.

@@ -11,7 +11,7 @@ use obvhs::aabb::Aabb;
 use obvhs::cwbvh::BRANCHING;
 
 use super::triangle::{Shear, Triangle};
-use super::{Hit, World, slack};
+use super::{Hit, World, single, slack};
 
 /// The least cosine between a ray and the axis of its pyramid; where they are farther apart, the rays are parted.
 const LEAST_COSINE: f64 = 0.7;
@@ -30,10 +30,9 @@ impl World {
         self.each_bundle(origin, directions, &mut |bundle| {
             self.follow(bundle, most, |ray, place| {
                 let (distance, weights) = sheared[ray].meet(origin, &self.triangles[place])?;
-                let face = self.boxes.primitive_indices[place];
-                let is_best = hits[ray].is_none_or(|best| (distance, face) < (best.distance, best.face));
-                (distance <= most && is_best).then(|| {
-                    hits[ray] = Some(Hit { distance, face, weights });
+                let hit = Hit { distance, face: self.boxes.primitive_indices[place], weights };
+                (distance <= most && hit.precedes(hits[ray])).then(|| {
+                    hits[ray] = Some(hit);
                     distance
                 })
             });
@@ -254,10 +253,6 @@ fn largest(of: &[f64]) -> f64 {
     of.iter().copied().fold(NOTHING_MORE, f64::max)
 }
 
-fn single(of: &Vector3<f64>) -> Vec3A {
-    Vec3A::new(of.x as f32, of.y as f32, of.z as f32)
-}
-
 #[cfg(test)]
 mod tests {
     use plume_graph::rng::Rng;
@@ -267,7 +262,7 @@ mod tests {
 
     /// Triangles of all sizes within ten metres of a place, also around its middle and behind it.
     fn soup(rng: &mut Rng, middle: [f32; 3]) -> World {
-        let mut world = World::empty();
+        let mut world = World::default();
         for face in 0..400_u32 {
             let size = libm::exp2(rng.between(-4.0, 2.5));
             let corner: [f64; 3] = std::array::from_fn(|_| rng.between(-10.0, 10.0));

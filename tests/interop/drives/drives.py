@@ -2,8 +2,8 @@
 
     drives.py [--passages N] [--results FILE] rover|husky NAME PACKAGE_DIR CERTIFICATE.json GRAPH.json
 
-The rover is that of a MuJoCo package, on its convex pieces; the Husky is that of `pybullet_data`, in Bullet, on the triangles of a
-Gazebo package. Either is put down at the start of a path, and follows it by pure pursuit:
+The rover is that of a MuJoCo package, on its convex pieces; the Husky is that of `pybullet_data`, in Bullet, on the triangles of
+the rock and the hulls of the things of a Gazebo package. Either is put down at the start of a path, and follows it by pure pursuit:
 
 - the path to the station that is furthest from the start of those that the certificate is sure of;
 - the paths through passages that are called go, each way, at most N: the steepest first;

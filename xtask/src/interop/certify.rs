@@ -18,7 +18,7 @@ pub struct Judge {
 
 /// The sample rover, on convex pieces in MuJoCo.
 const ROVER: Judge = Judge { robot: "rover", target: "mujoco" };
-/// That, and the Husky on triangles in Bullet.
+/// That, and the Husky on triangles of rock and hulls of things in Bullet.
 pub const JUDGES: [Judge; 2] = [ROVER, Judge { robot: "husky", target: "gazebo" }];
 
 /// Passages that are driven of each class where drives are one check among many.
