@@ -1,5 +1,7 @@
 //! The floor: a multi-level surface map.
 
+use std::ops::Range;
+
 use rustc_hash::FxHashMap;
 
 use super::columns::{Columns, Gap};
@@ -94,9 +96,25 @@ impl Floor {
     }
 
     /// Numbers of the cells over a cell of the map, from below.
-    pub fn over(&self, cell: [i32; 2]) -> std::ops::Range<usize> {
+    pub fn over(&self, cell: [i32; 2]) -> Range<usize> {
         let [first, end] = self.columns.get(cell);
         first as usize..end as usize
+    }
+
+    /// Appends the ranges of numbers over cells of the map whose first coordinate is this.
+    pub(super) fn ranges_over(&self, row: i32, columns: Range<i32>, ranges: &mut Vec<[u32; 2]>) {
+        let side = TILE as i32;
+        let mut from = columns.start;
+        while from < columns.end {
+            let end = columns.end.min((from.div_euclid(side) + 1) * side);
+            let (tile, place) = Tiles::place([row, from]);
+            let count = (end - from) as usize;
+            match self.columns.0.get(&tile) {
+                Some(over) => ranges.extend_from_slice(&over[place..place + count]),
+                None => ranges.resize(ranges.len() + count, [0; 2]),
+            }
+            from = end;
+        }
     }
 
     /// The shape of the floor around each cell.
@@ -181,13 +199,6 @@ impl<'a> Lookup<'a> {
         self.floor.cell_m
     }
 
-    /// Floor and ceiling in metres at a point of the map in metres: those whose floor is nearest to a height.
-    pub fn gap(&mut self, point_m: [f64; 2], near_m: f32) -> Option<[f32; 2]> {
-        let away_m = |gap: &&Gap| (gap.floor_m - near_m).abs();
-        let gap = self.over(point_m).iter().min_by(|a, b| away_m(a).total_cmp(&away_m(b)))?;
-        Some([gap.floor_m, gap.ceiling_m])
-    }
-
     /// Floor and ceiling in metres of the air at a point of the map and a height in metres.
     pub fn holding(&mut self, point_m: [f64; 2], z_m: f32) -> Option<[f32; 2]> {
         let gap = self.over(point_m).iter().find(|gap| gap.floor_m <= z_m && z_m <= gap.ceiling_m)?;
@@ -253,7 +264,7 @@ impl Tiles {
 }
 
 /// The largest whole number that is not larger. `f64::floor` is a call where it has to run on every processor.
-fn rounded_down(value: f64) -> i32 {
+pub(super) fn rounded_down(value: f64) -> i32 {
     let towards_zero = value as i32;
     towards_zero - i32::from(value < f64::from(towards_zero))
 }

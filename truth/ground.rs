@@ -9,9 +9,11 @@ use super::lattice::Lattice;
 use super::search::{Move, Pose, Rest, Sense, State, Terrain};
 use super::stance::{Footprint, Stance};
 use super::vehicle::{Cause, Class, Fault, Vehicle};
+use super::window::Window;
 
 /// Directions in which it moves; and as many between them, through which it turns.
 const DIRECTIONS: usize = 8;
+const TURNS: usize = 2 * DIRECTIONS;
 /// What a turn on the spot by an eighth costs, in tenths of a millimetre: tuned so that it does not wiggle.
 const TURN_COST: u64 = 1_500;
 /// Steepest floor on which a vehicle surely turns on the spot, in radians: 25°. Wheels that skid sideways have little grip left.
@@ -36,41 +38,48 @@ pub struct Ground<'a> {
     /// For each sixteenth of a turn.
     footprints: Vec<Footprint<'a>>,
     lattice: Lattice,
-    /// For each cell and sixteenth of a turn.
-    known: Vec<Option<Class>>,
+    /// For each cell, once it is known.
+    known: Vec<Option<Classes>>,
+    /// The floor around the cell that was looked at last.
+    window: Window<'a>,
 }
 
 impl<'a> Ground<'a> {
     /// The ground of a floor.
     pub fn new(floor: &'a Floor, vehicle: &'a Vehicle) -> Self {
         let point = robot(vehicle);
-        let footprint = |turn: usize| Footprint::new(vehicle, turn as f64 * FRAC_PI_8, floor.cell_m());
+        let footprint = |turn: usize| Footprint::new(vehicle, turn as f64 * FRAC_PI_8, floor);
+        let footprints: Vec<Footprint> = (0..TURNS).map(footprint).collect();
         Self {
             floor,
             vehicle,
             point,
             clearance: Clearance::new(floor, &point),
-            footprints: (0..2 * DIRECTIONS).map(footprint).collect(),
             lattice: Lattice::new(floor),
-            known: vec![None; floor.cells().len() * 2 * DIRECTIONS],
+            known: vec![None; floor.cells().len()],
+            window: footprints[0].window(floor, [0; 2]),
+            footprints,
         }
     }
 
     fn stance(&self, cell: usize, turn: usize) -> Option<Stance> {
-        let (at_m, near_m) = self.place(cell);
-        self.footprints[turn].stand(self.floor, at_m, near_m)
-    }
-
-    fn place(&self, cell: usize) -> ([f64; 2], f64) {
-        let gap = &self.floor.cells()[cell];
-        (self.floor.centre_m(gap.cell), f64::from(gap.floor_m))
+        let (gap, footprint) = (&self.floor.cells()[cell], &self.footprints[turn]);
+        footprint.stand(&footprint.window(self.floor, gap.cell), gap.floor_m.into())
     }
 
     fn class_of(&mut self, cell: usize, turn: usize) -> Class {
-        let key = cell * 2 * DIRECTIONS + turn;
-        let class =
-            self.known[key].unwrap_or_else(|| self.stance(cell, turn).map_or(Class::NoGo, |stance| stance.class));
-        *self.known[key].insert(class)
+        let classes = self.known[cell].unwrap_or_else(|| self.classes_of(cell));
+        self.known[cell].insert(classes).get(turn)
+    }
+
+    /// All at once, as most are asked for in the end.
+    fn classes_of(&mut self, cell: usize) -> Classes {
+        let gap = &self.floor.cells()[cell];
+        self.window.move_to(gap.cell);
+        let class = |footprint: &Footprint| {
+            footprint.stand(&self.window, gap.floor_m.into()).map_or(Class::NoGo, |stance| stance.class)
+        };
+        Classes::of(self.footprints.iter().map(class))
     }
 
     /// The place next to a cell.
@@ -89,6 +98,20 @@ impl<'a> Ground<'a> {
         let spare_m = f64::from(self.clearance.of_m[to]) - self.vehicle.width_m / 2.0 - self.vehicle.margin_m;
         let dearer = 1.0 + DISCOMFORT * (1.0 - spare_m / COMFORT_M).clamp(0.0, 1.0);
         (self.lattice.stride_m(towards) * dearer * 1e4).round() as u64
+    }
+}
+
+/// How well a vehicle stands in each sixteenth of a turn, in two bits each.
+#[derive(Clone, Copy)]
+struct Classes(u32);
+
+impl Classes {
+    fn of(classes: impl Iterator<Item = Class>) -> Self {
+        Self(classes.zip(0..).fold(0, |all, (class, turn)| all | (class as u32) << (2 * turn)))
+    }
+
+    fn get(self, turn: usize) -> Class {
+        [Class::Go, Class::Marginal, Class::NoGo][(self.0 >> (2 * turn) & 3) as usize]
     }
 }
 
@@ -141,21 +164,22 @@ impl Terrain for Ground<'_> {
 
     fn pose(&self, state: State) -> Pose {
         let (cell, direction) = parts(state);
-        let ([x, y], near_m) = self.place(cell);
+        let [x, y, near_m] = self.place_m(cell);
         let z = self.stance(cell, 2 * direction).map_or(near_m, |stance| stance.ground_m);
         Pose { position_m: [x, y, z], heading_rad: (2 * direction) as f64 * FRAC_PI_8 }
     }
 
     fn rest(&self, pose: &Pose) -> Option<Rest> {
         let [x, y, near_m] = pose.position_m;
-        let footprint = Footprint::new(self.vehicle, pose.heading_rad, self.floor.cell_m());
-        let Stance { class, ground_m, climb_rad, lean_rad, .. } = footprint.stand(self.floor, [x, y], near_m)?;
+        let stance = Footprint::stand_at(self.vehicle, pose.heading_rad, self.floor, [x, y], near_m)?;
+        let Stance { class, ground_m, climb_rad, lean_rad, .. } = stance;
         Some(Rest { class, height_m: ground_m, climb_rad, lean_rad })
     }
 
     fn place_m(&self, cell: usize) -> [f64; 3] {
-        let ([x, y], z) = self.place(cell);
-        [x, y, z]
+        let gap = &self.floor.cells()[cell];
+        let [x, y] = self.floor.centre_m(gap.cell);
+        [x, y, f64::from(gap.floor_m)]
     }
 
     fn room_m(&mut self, cell: usize) -> f32 {
@@ -178,7 +202,7 @@ fn parts(state: State) -> (usize, usize) {
 /// The sixteenth of a turn between two directions that are next to each other.
 fn between(one: usize, other: usize) -> usize {
     let is_left = other == (one + 1) % DIRECTIONS;
-    (2 * one + if is_left { 1 } else { 2 * DIRECTIONS - 1 }) % (2 * DIRECTIONS)
+    (2 * one + if is_left { 1 } else { TURNS - 1 }) % TURNS
 }
 
 /// What this vehicle gets over at a point.

@@ -63,6 +63,7 @@ mod vector;
 mod vehicle;
 mod views;
 mod voxels;
+mod window;
 
 pub use blocks::{Block, CELLS, SIDE};
 pub use certificate::{Certificate, Network, Passage, Reach, Through, Verdict};

@@ -3,8 +3,9 @@
 //! Its wheels rest on a plane, and its body is level with that. What is under, over and beside the body is compared with the
 //! plane, cell by cell of the footprint. Not promised: suspensions, tracks or gaits, which get over more.
 
-use super::floor::{Floor, Lookup};
+use super::floor::{Floor, rounded_down};
 use super::vehicle::{Cause, Class, Fault, Vehicle};
+use super::window::{Place, Size, Window};
 
 /// How much steeper than its limits a floor may be before there is no hope for a vehicle: 6°. Drives of a rover on four wheels
 /// just above its limit were a matter of chance.
@@ -41,21 +42,21 @@ pub struct Stance {
     pub fault: Option<Fault>,
 }
 
-/// The footprint of a vehicle that faces one way.
+/// The footprint of a vehicle that faces one way, by places in a window around the cell that holds its middle.
 pub struct Footprint<'a> {
     vehicle: &'a Vehicle,
-    ahead: [f64; 2],
-    /// From the middle, in metres on the map.
-    wheels: [[f64; 2]; 4],
+    size: Size,
+    /// The cells that each wheel rests on.
+    wheels: [[Place; 9]; 4],
     /// From the sides inwards: that is where rock is met first.
     spots: Vec<Spot>,
-    /// Under the front wheels.
-    treads: Vec<[f64; 2]>,
+    /// Under the front wheels, and at [`STEPS_M`] ahead of that.
+    treads: Vec<[Place; 1 + STEPS_M.len()]>,
 }
 
-/// A cell of a footprint, from its middle.
+/// A cell of a footprint.
 struct Spot {
-    offset_m: [f64; 2],
+    place: Place,
     along_m: f64,
     across_m: f64,
     part: Part,
@@ -84,17 +85,29 @@ impl Ground {
 }
 
 impl<'a> Footprint<'a> {
-    /// The footprint in cells with this side in metres.
-    pub fn new(vehicle: &'a Vehicle, heading_rad: f64, cell_m: f64) -> Self {
+    /// The footprint on a floor, of which the middle is in the middle of a cell.
+    pub fn new(vehicle: &'a Vehicle, heading_rad: f64, floor: &Floor) -> Self {
+        Self::at(vehicle, heading_rad, floor.cell_m(), floor.centre_m([0; 2]))
+    }
+
+    /// The footprint in cells with this side in metres, of which the middle is that far from the lower corner of its cell.
+    fn at(vehicle: &'a Vehicle, heading_rad: f64, cell_m: f64, middle_m: [f64; 2]) -> Self {
         let (sin, cos) = (libm::sin(heading_rad), libm::cos(heading_rad));
-        let onto_map = |along_m: f64, across_m: f64| [along_m * cos - across_m * sin, along_m * sin + across_m * cos];
+        let size = Size::of(vehicle, cell_m);
+        let cell = |along_m: f64, across_m: f64| {
+            let offset_m = [along_m * cos - across_m * sin, along_m * sin + across_m * cos];
+            [0, 1].map(|axis| rounded_down((middle_m[axis] + offset_m[axis]) / cell_m))
+        };
+        let place = |along_m: f64, across_m: f64| size.place(cell(along_m, across_m));
         let [fore_m, side_m] = [vehicle.wheel_base_m / 2.0, vehicle.track_m / 2.0];
-        let wheels =
-            [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]| onto_map(x * fore_m, y * side_m));
+        let wheel = |[x, y]: [f64; 2]| {
+            let [i, j] = cell(x * fore_m, y * side_m);
+            std::array::from_fn(|n| size.place([i + n as i32 / 3 - 1, j + n as i32 % 3 - 1]))
+        };
         let inner_m = (vehicle.track_m - vehicle.width_m / 2.0).max(0.0);
         let along = spread(vehicle.length_m / 2.0, cell_m);
         let spot = |along_m: f64, across_m: f64| Spot {
-            offset_m: onto_map(along_m, across_m),
+            place: place(along_m, across_m),
             along_m,
             across_m,
             part: match across_m.abs() {
@@ -107,15 +120,43 @@ impl<'a> Footprint<'a> {
         across.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
         let spots = across.iter().flat_map(|across_m| along.iter().map(|along_m| spot(*along_m, *across_m))).collect();
         let tyre = spread(vehicle.width_m / 2.0 - side_m, cell_m);
-        let under = |side: f64| tyre.iter().map(move |across_m| onto_map(fore_m, side * side_m + across_m));
-        Self { vehicle, ahead: [cos, sin], wheels, spots, treads: [1.0, -1.0].into_iter().flat_map(under).collect() }
+        let tread = |across_m: f64| {
+            let [near_m, far_m] = STEPS_M;
+            [0.0, near_m, far_m].map(|run_m| place(fore_m + run_m, across_m))
+        };
+        let under = |side: f64| tyre.iter().map(move |across_m| tread(side * side_m + across_m));
+        Self {
+            vehicle,
+            size,
+            wheels: [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(wheel),
+            spots,
+            treads: [1.0, -1.0].into_iter().flat_map(under).collect(),
+        }
+    }
+
+    /// The floor around a cell of the map, as far as this footprint needs it; it suits footprints of the vehicle in all directions.
+    pub fn window<'f>(&self, floor: &'f Floor, middle: [i32; 2]) -> Window<'f> {
+        Window::around(floor, self.size, middle)
+    }
+
+    /// How a vehicle stands at any point of the map in metres.
+    pub fn stand_at(
+        vehicle: &'a Vehicle,
+        heading_rad: f64,
+        floor: &Floor,
+        at_m: [f64; 2],
+        near_m: f64,
+    ) -> Option<Stance> {
+        let (cell, cell_m) = (floor.cell_at(at_m), floor.cell_m());
+        let middle_m = [0, 1].map(|axis| at_m[axis] - f64::from(cell[axis]) * cell_m);
+        let footprint = Self::at(vehicle, heading_rad, cell_m, middle_m);
+        footprint.stand(&footprint.window(floor, cell), near_m)
     }
 
     /// How the vehicle stands here; `None` if there is no floor under one of its wheels. Once it is clear that it does not get
     /// through, nothing more is compared.
-    pub fn stand(&self, floor: &Floor, at_m: [f64; 2], near_m: f64) -> Option<Stance> {
-        let mut site = Site { floor: Lookup::new(floor), at_m };
-        let ground = self.ground(&mut site, near_m)?;
+    pub fn stand(&self, window: &Window, near_m: f64) -> Option<Stance> {
+        let ground = self.ground(window, near_m)?;
         let (climb_rad, lean_rad) = (libm::atan(ground.ahead), libm::atan(ground.left));
         let mut worst = Worst::default();
         worst.compare(Cause::Climb, climb_rad, self.vehicle.climb_rad, MARGINAL_RAD);
@@ -123,10 +164,10 @@ impl<'a> Footprint<'a> {
         worst.compare(Cause::SideSlope, lean_rad.abs(), self.vehicle.side_slope_rad, MARGINAL_RAD);
         let slope_rad = libm::atan(libm::hypot(ground.ahead, ground.left));
         worst.compare(Cause::Slope, slope_rad, self.steepest_rad(&ground), MARGINAL_RAD);
-        self.judge_steps(&mut site, &ground, &mut worst);
+        self.judge_steps(window, &ground, &mut worst);
         let mut spots = self.spots.iter();
         while let Some(spot) = spots.next().filter(|_| worst.class < Class::NoGo) {
-            self.judge_spot(&mut site, &ground, spot, &mut worst);
+            self.judge_spot(window, &ground, spot, &mut worst);
         }
         let Worst { class, fault, .. } = worst;
         Some(Stance { ground_m: ground.middle_m, climb_rad, lean_rad, class, fault })
@@ -145,10 +186,10 @@ impl<'a> Footprint<'a> {
     }
 
     /// The plane with the least squares of distances to the floor under the four wheels.
-    fn ground(&self, site: &mut Site, near_m: f64) -> Option<Ground> {
+    fn ground(&self, window: &Window, near_m: f64) -> Option<Ground> {
         let mut heights_m = [0.0; 4];
-        for (height_m, wheel) in heights_m.iter_mut().zip(self.wheels) {
-            *height_m = site.tread_m(wheel, near_m)?;
+        for (height_m, wheel) in heights_m.iter_mut().zip(&self.wheels) {
+            *height_m = under_wheel_m(window, wheel, near_m)?;
         }
         let [front_left, front_right, rear_left, rear_right] = heights_m;
         let rise = |one: [f64; 2], other: [f64; 2], away_m: f64| (one[0] + one[1] - other[0] - other[1]) / 2.0 / away_m;
@@ -160,18 +201,17 @@ impl<'a> Footprint<'a> {
     }
 
     /// Compares how the floor rises and falls just ahead of the front wheels.
-    fn judge_steps(&self, site: &mut Site, ground: &Ground, worst: &mut Worst) {
+    fn judge_steps(&self, window: &Window, ground: &Ground, worst: &mut Worst) {
         let Vehicle { step_m, climb_rad, descent_rad, wheel_base_m, .. } = *self.vehicle;
         let near_m = ground.middle_m + ground.ahead * wheel_base_m / 2.0;
         let strain = (libm::atan(ground.ahead) / climb_rad).clamp(0.0, 1.0);
         let most_m = step_m * (1.0 - CLIMBING * strain);
         let marginal_m = (MARGINAL_STEP - 1.0) * step_m;
         let deepest = libm::tan(descent_rad + MARGINAL_RAD);
-        for [x, y] in self.treads.iter().copied() {
-            let Some(from_m) = site.height_m([x, y], near_m) else { continue };
-            for run_m in STEPS_M {
-                let there = [x + run_m * self.ahead[0], y + run_m * self.ahead[1]];
-                let Some(to_m) = site.height_m(there, near_m) else { continue };
+        for [from, ahead @ ..] in &self.treads {
+            let Some(from_m) = height_m(window, *from, near_m) else { continue };
+            for (there, run_m) in ahead.iter().zip(STEPS_M) {
+                let Some(to_m) = height_m(window, *there, near_m) else { continue };
                 let rise_m = to_m - from_m;
                 // Slopes are judged by the plane of all wheels.
                 let up_m = rise_m - run_m * ground.ahead.max(0.0);
@@ -182,13 +222,13 @@ impl<'a> Footprint<'a> {
     }
 
     /// Compares what is under and over a cell of the footprint with the plane of the wheels.
-    fn judge_spot(&self, site: &mut Site, ground: &Ground, spot: &Spot, worst: &mut Worst) {
+    fn judge_spot(&self, window: &Window, ground: &Ground, spot: &Spot, worst: &mut Worst) {
         let Vehicle { height_m, ground_clearance_m, wheel_base_m, .. } = *self.vehicle;
         let under_m = ground.under(spot);
         let overhang_m = (spot.along_m.abs() - wheel_base_m / 2.0).max(0.0);
         // Bumpers are higher than bellies: about as the floor of a slope of 45° under them.
         let most_m = ground_clearance_m + overhang_m;
-        let Some([up_m, room_m]) = site.gap(spot.offset_m, under_m).map(|gap| gap.map(|z| z - under_m)) else {
+        let Some([up_m, room_m]) = gap(window, spot.place, under_m).map(|gap| gap.map(|z| z - under_m)) else {
             return worst.narrow(2.0 * spot.across_m.abs(), self.vehicle);
         };
         if spot.part == Part::Belly {
@@ -202,39 +242,40 @@ impl<'a> Footprint<'a> {
     }
 }
 
-/// The floor around the middle of a footprint.
-struct Site<'a> {
-    floor: Lookup<'a>,
-    at_m: [f64; 2],
+impl Size {
+    /// A window that holds all that a vehicle is over, and what is ahead of its wheels.
+    fn of(vehicle: &Vehicle, cell_m: f64) -> Self {
+        let body_m = libm::hypot(vehicle.length_m, vehicle.width_m + 2.0 * vehicle.margin_m) / 2.0;
+        let [fore_m, side_m] = [vehicle.wheel_base_m / 2.0, vehicle.track_m / 2.0];
+        let tyre_m = (vehicle.width_m / 2.0 - side_m).abs();
+        let ahead_m = libm::hypot(fore_m + STEPS_M[STEPS_M.len() - 1], side_m + tyre_m);
+        // The middle is anywhere in its cell, and a wheel rests on the cells around its own.
+        Self::new((body_m.max(ahead_m) / cell_m).ceil() as i32 + 2)
+    }
 }
 
-impl Site<'_> {
-    /// Floor and ceiling at an offset from the middle.
-    fn gap(&mut self, [x, y]: [f64; 2], near_m: f64) -> Option<[f64; 2]> {
-        let gap = self.floor.gap([self.at_m[0] + x, self.at_m[1] + y], near_m as f32)?;
-        Some(gap.map(f64::from))
-    }
+/// Floor and ceiling at a place.
+fn gap(window: &Window, place: Place, near_m: f64) -> Option<[f64; 2]> {
+    Some(window.gap(place, near_m as f32)?.map(f64::from))
+}
 
-    fn height_m(&mut self, offset_m: [f64; 2], near_m: f64) -> Option<f64> {
-        Some(self.gap(offset_m, near_m)?[0])
-    }
+fn height_m(window: &Window, place: Place, near_m: f64) -> Option<f64> {
+    Some(gap(window, place, near_m)?[0])
+}
 
-    /// Height of the floor under a wheel: the mean of the cells that it rests on.
-    fn tread_m(&mut self, [x, y]: [f64; 2], near_m: f64) -> Option<f64> {
-        /// Least number of cells with floor, of nine.
-        const LEAST: u32 = 5;
-        let side_m = self.floor.cell_m();
-        let (mut sum_m, mut count) = (0.0, 0);
-        let off_m = [-side_m, 0.0, side_m];
-        for [i, j] in off_m.into_iter().flat_map(|i| off_m.map(|j| [i, j])) {
-            let height_m = self.height_m([x + i, y + j], near_m);
-            if let Some(height_m) = height_m.filter(|height_m| (height_m - near_m).abs() <= SAME_FLOOR_M) {
-                sum_m += height_m;
-                count += 1;
-            }
+/// Height of the floor under a wheel: the mean of the cells that it rests on.
+fn under_wheel_m(window: &Window, wheel: &[Place; 9], near_m: f64) -> Option<f64> {
+    /// Least number of cells with floor, of nine.
+    const LEAST: u32 = 5;
+    let (mut sum_m, mut count) = (0.0, 0);
+    for place in wheel {
+        let height_m = height_m(window, *place, near_m);
+        if let Some(height_m) = height_m.filter(|height_m| (height_m - near_m).abs() <= SAME_FLOOR_M) {
+            sum_m += height_m;
+            count += 1;
         }
-        (count >= LEAST).then(|| sum_m / f64::from(count))
     }
+    (count >= LEAST).then(|| sum_m / f64::from(count))
 }
 
 /// The worst of what was compared so far.

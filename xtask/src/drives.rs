@@ -8,7 +8,11 @@
 use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
+use std::num::NonZero;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use serde_json::Value;
 
@@ -102,13 +106,24 @@ fn of_seed(seed: u64) -> Vec<String> {
 fn drive(caves: &[Cave], folder: &Path, results: &Path) -> Result<()> {
     let plume = Plume::build(Profile::Release)?;
     let driven = driven(results)?;
-    for cave in caves {
-        let is_new = |judge: &Judge| !driven.contains(&(cave.name.clone(), judge.robot.to_owned()));
-        let judges: Vec<Judge> = JUDGES.into_iter().filter(is_new).collect();
-        if !judges.is_empty() {
-            cave.drive(&plume, &folder.join(&cave.name), &judges, results)?;
+    let left = Mutex::new(caves.iter());
+    let next = || left.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let drive_some = || -> Result<()> {
+        while let Some(cave) = next() {
+            let is_new = |judge: &Judge| !driven.contains(&(cave.name.clone(), judge.robot.to_owned()));
+            let judges: Vec<Judge> = JUDGES.into_iter().filter(is_new).collect();
+            if !judges.is_empty() {
+                cave.drive(&plume, &folder.join(&cave.name), &judges, results)?;
+            }
         }
-    }
+        Ok(())
+    };
+    // Each simulator takes one core.
+    let workers = thread::available_parallelism().map_or(1, NonZero::get);
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(drive_some)).collect();
+        workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+    })?;
     show(&mut certify::table(results)?)
 }
 
