@@ -131,7 +131,7 @@ impl View<'_> {
     pub fn normals(&self) -> Vec<[f32; 3]> {
         let optical_from_scene = self.scene_from_optical.rotation.inverse();
         self.each([0.0; 3], |ray, hit| {
-            let normal = optical_from_scene * self.world.surface(hit).flat_normal;
+            let normal = optical_from_scene * self.world.facet(hit.face).flat_normal;
             let towards = if normal.dot(ray) > 0.0 { -normal } else { normal };
             towards.cast::<f32>().into()
         })
@@ -196,9 +196,20 @@ impl View<'_> {
 
     /// What the pixels of a tile receive.
     fn received(&self, tile: Tile, edges: &[bool], lights: &Lights, library: &Library) -> Vec<(usize, Received)> {
-        let (fine, plain): (Vec<usize>, Vec<usize>) = tile.places().partition(|place| edges[*place]);
-        let seen_once = plain.into_iter().filter_map(|place| Some((place, self.sight(place)?)));
-        let (places, sights): (Vec<usize>, Vec<Sight>) = seen_once.chain(self.fine(&fine)).unzip();
+        let (mut places, mut sights) = (Vec::with_capacity(TILE * TILE), Vec::with_capacity(TILE * TILE));
+        let mut fine = Vec::new();
+        for place in tile.places() {
+            if edges[place] {
+                fine.push(place);
+            } else if let Some(sight) = self.sight(place) {
+                places.push(place);
+                sights.push(sight);
+            }
+        }
+        for (place, sight) in self.fine(&fine) {
+            places.push(place);
+            sights.push(sight);
+        }
         let received = lights.received(&self.origin(), &sights, library, self.eye.pixel_rad);
         let by_ray: Vec<(usize, Received)> = places.into_iter().zip(received).collect();
         let mean = |of_pixel: &[(usize, Received)]| {
@@ -223,6 +234,9 @@ impl View<'_> {
                 Some((place, self.eye.lens.ray([corner[0] + within[0], corner[1] + within[1]])?))
             })
         };
+        if places.is_empty() {
+            return Vec::new();
+        }
         let (places, rays): (Vec<usize>, Vec<Vector3<f64>>) = places.iter().copied().flat_map(rays_of).unzip();
         let turned: Vec<Vector3<f64>> = rays.iter().map(|ray| self.scene_from_optical.rotation * ray).collect();
         let hits = self.world.hits(&self.origin(), &turned, FAR_M);

@@ -79,17 +79,16 @@ impl Exposure {
         let read2 = (read_noise * read_noise) as f32;
         let scale = 1.0 / (electrons_per_cd_m2 * white as f32);
         let rows = image.len() / width;
-        let row = |row: usize| {
+        let mut values = vec![[0; 3]; image.len()];
+        values.par_chunks_mut(width).zip(image.par_chunks(width)).enumerate().for_each(|(row, (values, lights))| {
             let mut noise = Noise::new(Rng::new(stream(seed, name, number * rows as u64 + row as u64)));
-            image[row * width..][..width].iter().map(move |pixel| {
-                pixel.map(|light| {
-                    let electrons = light * electrons_per_cd_m2;
-                    let measured = electrons + noise.normal() * (electrons + read2).sqrt();
-                    self.value(measured * scale)
-                })
-            })
-        };
-        (0..rows).into_par_iter().flat_map_iter(row).collect()
+            for (value, light) in values.as_flattened_mut().iter_mut().zip(lights.as_flattened()) {
+                let electrons = light * electrons_per_cd_m2;
+                let measured = electrons + noise.normal() * (electrons + read2).sqrt();
+                *value = self.value(measured * scale);
+            }
+        });
+        values
     }
 }
 

@@ -104,14 +104,14 @@ pub fn sweep(
         let mut noise = Rng::new(stream(seed, &name, number * 4096 + block as u64));
         let points = met.iter().map(|Met { shot, ray, hit }| {
             let range_m = hit.distance + settings.noise_m * noise.normal();
-            let surface = world.surface(hit);
-            let width = SPOT_RAD * hit.distance as f32 * surface.uv_per_m;
+            let facet = world.facet(hit.face);
+            let width = SPOT_RAD * hit.distance as f32 * facet.uv_per_m;
             let footprint = Footprint { width, length: [width, 0.0] };
-            let look = library.maps(world.kind(hit.face).material).map(|maps| maps.mean(surface.uv, footprint));
+            let look = library.maps(facet.kind.material).map(|maps| maps.mean(facet.at(hit.weights).uv, footprint));
             let albedo = look.map_or(0.0, |look| luminance(look.color));
             Return {
                 place: (shot.ray * range_m).cast::<f32>().into(),
-                intensity: albedo * surface.flat_normal.dot(ray).abs() as f32,
+                intensity: albedo * facet.flat_normal.dot(ray).abs() as f32,
                 ring: shot.ring,
                 after_ns: shot.after_ns,
             }

@@ -6,13 +6,14 @@
 //! Light that walls throw at each other is left out, but for a constant: see [`BOUNCE`]. Dust scatters the headlamp's light
 //! once, evenly in all directions, and takes light away on both ways; it casts no shadows.
 
+use fearless_simd::{Level, dispatch};
 use nalgebra::{Isometry3, Point3, Vector3};
 use plume_exporters::scene::Light;
 
 use crate::library::Library;
 use crate::maps::{Footprint, Look};
 use crate::rig::Lighting;
-use crate::world::{Hit, Surface, World};
+use crate::world::{Facet, Hit, Surface, World};
 
 /// Share of the mean luminance of an image that falls on everything in it: the walls around a point in a passage fill its
 /// sky, and about a third of what they send is seen from the camera. Tuned by hand.
@@ -76,14 +77,18 @@ impl<'a> Lights<'a> {
     /// What comes along rays from the surfaces that they see; `pixel_rad` is the angle of a pixel. Shadows are followed together, which
     /// is fast if the rays are close to each other.
     pub fn received(&self, eye: &Point3<f64>, sights: &[Sight], library: &Library, pixel_rad: f32) -> Vec<Received> {
-        let spots: Vec<Spot> = sights.iter().map(|sight| self.spot(eye, sight, library, pixel_rad)).collect();
+        let spots = dispatch!(Level::new(), _simd => self.spots(eye, sights, library, pixel_rad));
         let mut direct = vec![[0.0; 3]; spots.len()];
         for source in self.sources() {
-            let lit = (0..spots.len()).filter_map(|number| Some((number, spots[number].lit_by(&source)?)));
-            let (numbers, light): (Vec<usize>, Vec<[f32; 3]>) = lit.unzip();
-            let starts: Vec<Point3<f64>> = numbers.iter().map(|number| spots[*number].start).collect();
+            let (mut lit, mut starts) = (Vec::with_capacity(spots.len()), Vec::with_capacity(spots.len()));
+            for (number, spot) in spots.iter().enumerate() {
+                if let Some(light) = spot.lit_by(&source) {
+                    lit.push((number, light));
+                    starts.push(spot.start);
+                }
+            }
             let shaded = self.world.shaded(&source.place(), &starts);
-            for ((number, light), _) in numbers.into_iter().zip(light).zip(shaded).filter(|(_, is_shaded)| !is_shaded) {
+            for ((number, light), _) in lit.into_iter().zip(shaded).filter(|(_, is_shaded)| !is_shaded) {
                 (0..3).for_each(|channel| direct[number][channel] += light[channel]);
             }
         }
@@ -94,20 +99,27 @@ impl<'a> Lights<'a> {
         received.map(through_dust).collect()
     }
 
-    fn spot(&self, eye: &Point3<f64>, Sight { ray, hit }: &Sight, library: &Library, pixel_rad: f32) -> Spot {
-        let surface = self.world.surface(hit);
-        let flat = if surface.flat_normal.dot(ray) > 0.0 { -surface.flat_normal } else { surface.flat_normal };
-        let place = eye + ray * hit.distance;
-        let view = -ray.cast::<f32>();
-        let maps = library.maps(self.world.kind(hit.face).material);
-        let look = maps.map(|maps| maps.mean(surface.uv, footprint(&surface, &view, hit.distance as f32, pixel_rad)));
-        Spot {
-            place,
-            start: place + flat * OFF_M,
-            flat,
-            skin: look.map(|look| Skin::of(&surface, &look, view)),
-            ambient: look.map_or([0.0; 3], |look| look.color.map(|color| color * look.occlusion)),
+    #[inline(always)]
+    fn spots(&self, eye: &Point3<f64>, sights: &[Sight], library: &Library, pixel_rad: f32) -> Vec<Spot> {
+        let mut spots = Vec::with_capacity(sights.len());
+        let mut last: Option<Facet> = None;
+        for Sight { ray, hit } in sights {
+            // Neighbours often see the same face.
+            let known = last.take().filter(|facet| facet.face == hit.face);
+            let facet = last.insert(known.unwrap_or_else(|| self.world.facet(hit.face)));
+            let flat = if facet.flat_normal.dot(ray) > 0.0 { -facet.flat_normal } else { facet.flat_normal };
+            let place = eye + ray * hit.distance;
+            let mut spot = Spot { place, start: place + flat * OFF_M, flat, skin: None, ambient: [0.0; 3] };
+            if let Some(maps) = library.maps(facet.kind.material) {
+                let (surface, view) = (facet.at(hit.weights), -ray.cast::<f32>());
+                let width = hit.distance as f32 * pixel_rad * facet.uv_per_m;
+                let look = maps.mean(surface.uv, footprint(&surface, &view, width));
+                spot.skin = Some(Skin::of(&surface, &facet.flat_normal, &look, view));
+                spot.ambient = look.color.map(|color| color * look.occlusion);
+            }
+            spots.push(spot);
         }
+        spots
     }
 
     fn sources(&self) -> impl Iterator<Item = Source<'_>> {
@@ -243,12 +255,9 @@ struct Skin {
 }
 
 impl Skin {
-    fn of(surface: &Surface, look: &Look, view: Vector3<f32>) -> Self {
-        let front = if surface.normal.dot(&view) < 0.0 && surface.flat_normal.cast::<f32>().dot(&view) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
+    fn of(surface: &Surface, flat_normal: &Vector3<f64>, look: &Look, view: Vector3<f32>) -> Self {
+        let front =
+            if surface.normal.dot(&view) < 0.0 && flat_normal.cast::<f32>().dot(&view) < 0.0 { -1.0 } else { 1.0 };
         let (tangent, handedness) = surface.tangent;
         let across = surface.normal.cross(&tangent) * handedness;
         let [x, y, z] = look.normal;
@@ -282,9 +291,8 @@ impl Skin {
     }
 }
 
-/// The footprint of a pixel on a surface.
-fn footprint(surface: &Surface, view: &Vector3<f32>, distance_m: f32, pixel_rad: f32) -> Footprint {
-    let width = distance_m * pixel_rad * surface.uv_per_m;
+/// The footprint of a pixel on a surface, which is as wide as this in texture coordinates.
+fn footprint(surface: &Surface, view: &Vector3<f32>, width: f32) -> Footprint {
     let cosine = surface.normal.dot(view).abs().max(0.05);
     let along = view - surface.normal * surface.normal.dot(view);
     let (tangent, handedness) = surface.tangent;

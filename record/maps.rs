@@ -74,6 +74,7 @@ impl Maps {
     }
 
     /// The mean over a footprint around `uv` from the lower left; images repeat.
+    #[inline(always)]
     pub fn mean(&self, uv: [f32; 2], footprint: Footprint) -> Look {
         let [width, height] = self.0[0].size.map(|side| side as f32);
         let length = libm::sqrtf(square(footprint.length[0] * width) + square(footprint.length[1] * height));
@@ -83,13 +84,10 @@ impl Maps {
         let fine = level as usize;
         // Only where they are equally good are two levels mixed, over half of the way: half as many look-ups.
         let share = (2.0 * (level - fine as f32) - 0.5).clamp(0.0, 1.0);
-        let levels = [(fine, 1.0 - share), (fine + 1, share)];
         let mut sum = [0.0; 8];
-        for tap in 0..taps as usize {
-            let along = (tap as f32 + 0.5) / taps - 0.5;
-            let at = [uv[0] + along * footprint.length[0], uv[1] + along * footprint.length[1]];
-            for (level, share) in levels.into_iter().filter(|(_, share)| *share > 0.0) {
-                self.0[level].add(at, share, &mut sum);
+        for (level, share) in [(fine, 1.0 - share), (fine + 1, share)] {
+            if share > 0.0 {
+                self.0[level].add_along(uv, footprint.length, taps, share, &mut sum);
             }
         }
         let mean = sum.map(|sum| sum / taps);
@@ -123,27 +121,40 @@ impl Level {
         self.texels[y.min(self.size[1] - 1) * self.size[0] + x.min(self.size[0] - 1)]
     }
 
-    /// Adds the bilinear mean of four texels, colours in linear light.
-    fn add(&self, [u, v]: [f32; 2], weight: f32, sum: &mut [f32; 8]) {
-        let ((x0, x1), right) = between(u, self.size[0]);
-        let ((y0, y1), below) = between(1.0 - v, self.size[1]);
-        let rows = [(y0, 1.0 - below), (y1, below)];
-        for (y, of_row) in rows {
-            for (x, of_column) in [(x0, 1.0 - right), (x1, right)] {
-                let texel = self.texels[y * self.size[0] + x].map(f32::from);
-                let share = weight * of_row * of_column;
-                let [r, g, b, ..] = texel;
-                // All channels alike, so that they are added at once.
-                let factor = [r, g, b, 1.0, 1.0, 1.0, 1.0, 1.0];
-                for channel in 0..8 {
-                    sum[channel] += share * texel[channel] * factor[channel];
-                }
+    /// Adds the bilinear mean of four texels at each of some points on a line around a middle, colours in linear light.
+    #[inline(always)]
+    fn add_along(&self, middle: [f32; 2], length: [f32; 2], points: f32, weight: f32, sum: &mut [f32; 8]) {
+        let [width, height] = self.size;
+        for point in 0..points as usize {
+            let along = (point as f32 + 0.5) / points - 0.5;
+            let ((x0, x1), right) = between(middle[0] + along * length[0], width);
+            let ((y0, y1), below) = between(1.0 - (middle[1] + along * length[1]), height);
+            let [above, below] = [weight * (1.0 - below), weight * below];
+            for (place, share) in [
+                (y0 * width + x0, above * (1.0 - right)),
+                (y0 * width + x1, above * right),
+                (y1 * width + x0, below * (1.0 - right)),
+                (y1 * width + x1, below * right),
+            ] {
+                add(&self.texels[place], share, sum);
             }
         }
     }
 }
 
+/// Adds a texel, colours in linear light: written such that all channels are added at once.
+#[inline(always)]
+fn add(texel: &[u8; 8], weight: f32, sum: &mut [f32; 8]) {
+    const SQUARED: [f32; 8] = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    const PLAIN: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+    for channel in 0..8 {
+        let value = f32::from(texel[channel]);
+        sum[channel] += weight * (value * (SQUARED[channel] * value + PLAIN[channel]));
+    }
+}
+
 /// The two texels around a coordinate, of as many as `size`, and the share of the second.
+#[inline(always)]
 fn between(coordinate: f32, size: usize) -> ((usize, usize), f32) {
     let place = (coordinate - rounded_down(coordinate) as f32) * size as f32 - 0.5;
     let first = rounded_down(place);
@@ -154,6 +165,7 @@ fn between(coordinate: f32, size: usize) -> ((usize, usize), f32) {
 }
 
 /// The largest whole number that is not larger. `f32::floor` is a call where it has to run on every processor.
+#[inline(always)]
 fn rounded_down(value: f32) -> i32 {
     let towards_zero = value as i32;
     towards_zero - i32::from(value < towards_zero as f32)

@@ -100,19 +100,48 @@ impl Hit {
     }
 }
 
+/// What all points of a face have in common, and what differs at its corners.
+#[derive(Clone)]
+pub struct Facet {
+    /// Its number.
+    pub face: u32,
+    /// What it is.
+    pub kind: Kind,
+    /// Unit normal, against rays that see it from the front.
+    pub flat_normal: Vector3<f64>,
+    /// Change of the texture coordinates per metre of surface, at the most.
+    pub uv_per_m: f32,
+    normals: [Vector3<f32>; 3],
+    tangents: [Vector3<f32>; 3],
+    handedness: f32,
+    uvs: [[f32; 2]; 3],
+}
+
 /// A surface where a ray has met it.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// Unit normal of the face, against the ray if seen from the front.
-    pub flat_normal: Vector3<f64>,
     /// Unit normal between those of its corners.
     pub normal: Vector3<f32>,
     /// Unit tangent along the first texture coordinate, and the handedness.
     pub tangent: (Vector3<f32>, f32),
     /// Texture coordinates from the lower left.
     pub uv: [f32; 2],
-    /// Change of the texture coordinates per metre of surface, at the most.
-    pub uv_per_m: f32,
+}
+
+impl Facet {
+    /// The surface at these weights of the second and third corner.
+    #[inline(always)]
+    pub fn at(&self, weights: [f64; 2]) -> Surface {
+        let [b, c] = weights.map(|weight| weight as f32);
+        let a = 1.0 - b - c;
+        let between = |of: &[Vector3<f32>; 3]| of[0] * a + of[1] * b + of[2] * c;
+        let along = |axis: usize| self.uvs[0][axis] * a + self.uvs[1][axis] * b + self.uvs[2][axis] * c;
+        Surface {
+            normal: unit(between(&self.normals)),
+            tangent: (unit(between(&self.tangents)), self.handedness),
+            uv: [along(0), along(1)],
+        }
+    }
 }
 
 impl World {
@@ -209,24 +238,20 @@ impl World {
         best
     }
 
-    /// The surface at a hit.
-    pub fn surface(&self, hit: &Hit) -> Surface {
-        let face = self.faces[hit.face as usize];
-        let [b, c] = hit.weights.map(|weight| weight as f32);
-        let weights = [1.0 - b - c, b, c];
-        let mix3 =
-            |of: &[[f32; 3]]| (0..3).map(|k| Vector3::from(of[face[k] as usize]) * weights[k]).sum::<Vector3<f32>>();
-        let tangents = face.map(|corner| self.tangents[corner as usize]);
-        let tangent: Vector3<f32> =
-            (0..3).map(|k| Vector3::new(tangents[k][0], tangents[k][1], tangents[k][2]) * weights[k]).sum();
-        let uvs = face.map(|corner| self.uvs[corner as usize]);
-        let uv = [0, 1].map(|axis| (0..3).map(|k| uvs[k][axis] * weights[k]).sum());
-        let triangle = self.triangle(hit.face);
-        Surface {
+    /// A face, from which the surface follows at each of its points.
+    pub fn facet(&self, face: u32) -> Facet {
+        let corners = self.faces[face as usize].map(|corner| corner as usize);
+        let tangents = corners.map(|corner| self.tangents[corner]);
+        let uvs = corners.map(|corner| self.uvs[corner]);
+        let triangle = self.triangle(face);
+        Facet {
+            face,
+            kind: self.kinds[face as usize],
             flat_normal: flat_normal(triangle),
-            normal: unit(mix3(&self.normals)),
-            tangent: (unit(tangent), tangents[0][3]),
-            uv,
+            normals: corners.map(|corner| Vector3::from(self.normals[corner])),
+            tangents: tangents.map(|[x, y, z, _]| Vector3::new(x, y, z)),
+            handedness: tangents[0][3],
+            uvs,
             uv_per_m: uv_per_m(triangle, uvs),
         }
     }

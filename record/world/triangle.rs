@@ -23,7 +23,7 @@ impl Shear {
     }
 
     /// Distance along the direction, and the weights of the second and third corner; triangles count from both sides.
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, origin: &Point3<f64>, corners: &Triangle) -> Option<(f64, [f64; 2])> {
         let [a, b, c] = corners;
         let (a, b, c) = (self.sheared(origin, a), self.sheared(origin, b), self.sheared(origin, c));
@@ -40,7 +40,7 @@ impl Shear {
     }
 
     /// A corner in a frame in which the ray is the z axis.
-    #[inline]
+    #[inline(always)]
     fn sheared(&self, origin: &Point3<f64>, corner: &[f32; 3]) -> [f64; 3] {
         let [x, y, z] = self.axes;
         let [shear_x, shear_y, shear_z] = self.shear;
