@@ -80,13 +80,7 @@ impl<'a> Lights<'a> {
         let spots = dispatch!(Level::new(), _simd => self.spots(eye, sights, library, pixel_rad));
         let mut direct = vec![[0.0; 3]; spots.len()];
         for source in self.sources() {
-            let (mut lit, mut starts) = (Vec::with_capacity(spots.len()), Vec::with_capacity(spots.len()));
-            for (number, spot) in spots.iter().enumerate() {
-                if let Some(light) = spot.lit_by(&source) {
-                    lit.push((number, light));
-                    starts.push(spot.start);
-                }
-            }
+            let (lit, starts) = dispatch!(Level::new(), _simd => lit_by(&spots, &source));
             let shaded = self.world.shaded(&source.place(), &starts);
             for ((number, light), _) in lit.into_iter().zip(shaded).filter(|(_, is_shaded)| !is_shaded) {
                 (0..3).for_each(|channel| direct[number][channel] += light[channel]);
@@ -161,6 +155,7 @@ impl Source<'_> {
     }
 
     /// Illuminance at a place across its light, in lux.
+    #[inline(always)]
     fn lux_at(&self, place: &Point3<f64>) -> [f32; 3] {
         match self {
             Self::Headlamp(beam) => {
@@ -191,8 +186,22 @@ struct Spot {
     ambient: [f32; 3],
 }
 
+/// The spots that are lit by a source if nothing is between, their luminances, and where rays of shadow start.
+#[inline(always)]
+fn lit_by(spots: &[Spot], source: &Source) -> (Vec<(usize, [f32; 3])>, Vec<Point3<f64>>) {
+    let (mut lit, mut starts) = (Vec::with_capacity(spots.len()), Vec::with_capacity(spots.len()));
+    for (number, spot) in spots.iter().enumerate() {
+        if let Some(light) = spot.lit_by(source) {
+            lit.push((number, light));
+            starts.push(spot.start);
+        }
+    }
+    (lit, starts)
+}
+
 impl Spot {
     /// Its luminance by a light that nothing shades; `None` if that is nothing.
+    #[inline(always)]
     fn lit_by(&self, source: &Source) -> Option<[f32; 3]> {
         let light = source.lux_at(&self.place);
         let to_lamp = source.place() - self.place;
@@ -221,6 +230,7 @@ impl Received {
 
 impl Beam {
     /// Its intensity towards a place, in candela.
+    #[inline(always)]
     fn towards(&self, place: &Point3<f64>) -> f32 {
         let towards = place - self.place;
         let cosine = (towards.dot(&self.ahead) / towards.norm().max(1e-9)) as f32;
@@ -255,6 +265,7 @@ struct Skin {
 }
 
 impl Skin {
+    #[inline(always)]
     fn of(surface: &Surface, flat_normal: &Vector3<f64>, look: &Look, view: Vector3<f32>) -> Self {
         let front =
             if surface.normal.dot(&view) < 0.0 && flat_normal.cast::<f32>().dot(&view) < 0.0 { -1.0 } else { 1.0 };
@@ -273,6 +284,7 @@ impl Skin {
     }
 
     /// Luminance for a lux across its light from this direction.
+    #[inline(always)]
     fn reflected(&self, light: &Vector3<f32>) -> [f32; 3] {
         let cos_light = self.normal.dot(light);
         if cos_light <= 0.0 {
@@ -292,6 +304,7 @@ impl Skin {
 }
 
 /// The footprint of a pixel on a surface, which is as wide as this in texture coordinates.
+#[inline(always)]
 fn footprint(surface: &Surface, view: &Vector3<f32>, width: f32) -> Footprint {
     let cosine = surface.normal.dot(view).abs().max(0.05);
     let along = view - surface.normal * surface.normal.dot(view);

@@ -268,7 +268,7 @@ impl Bundle {
         let [begin, end] = span(simd, &self.ahead, &middle, &half);
         let mut seen = begin.simd_le(f32x8::splat(simd, far)) & end.simd_ge(zero);
         for side in &self.sides {
-            seen = seen & span(simd, side, &middle, &half)[1].simd_ge(zero);
+            seen &= span(simd, side, &middle, &half)[1].simd_ge(zero);
         }
         let mut near = [0.0; LANES];
         near.copy_from_slice(begin.as_slice());
@@ -319,8 +319,8 @@ impl Bundle {
 fn span<S: Simd>(simd: S, direction: &[f32; 3], middle: &[f32x8<S>; 3], half: &[f32x8<S>; 3]) -> [f32x8<S>; 2] {
     let [mut place, mut reach] = [f32x8::splat(simd, 0.0); 2];
     for axis in 0..3 {
-        place = place + middle[axis] * f32x8::splat(simd, direction[axis]);
-        reach = reach + half[axis] * f32x8::splat(simd, direction[axis].abs());
+        place += middle[axis] * f32x8::splat(simd, direction[axis]);
+        reach += half[axis] * f32x8::splat(simd, direction[axis].abs());
     }
     [place - reach, place + reach]
 }
