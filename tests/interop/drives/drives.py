@@ -10,6 +10,7 @@ the rock and the hulls of the things of a Gazebo package. Either is put down at 
 - the paths of at most N that are called marginal, and, since those that are called no-go have none, the straight line over the
   floor between the stations of at most N of these, drawn by lot.
 
+Where it gets no further for three seconds, it backs up and tries again, as navigation stacks do.
 It fails where it is stuck for ten seconds, leans more than 50 degrees, strays by more than a metre or falls. What is called go
 must be driven to its end, and nowhere on it may the floor rise or fall over half a metre by more than the friction of the cave
 holds, less 5 degrees. Appends what came of it to a file of JSON lines, which `table.py` sums up.
@@ -40,6 +41,9 @@ LOOK_AHEAD_M = 0.4
 ARRIVED_M = 0.3  # from the end
 ABOVE_M = 0.02  # a robot is put down from here
 STRAY_M = 1.0
+BACK_AFTER_S = 3.0  # without getting further
+BACK_S = 1.5
+BACK_M_S = 0.3
 FALL_M = 0.15  # within a command: no slope at the speed of a drive
 SLOPE_OVER_M = 0.5
 RESERVE_DEG = 5.0
@@ -139,11 +143,15 @@ def drive(robot, poses):
     """What stops the robot, how far it came, and how far it was to go."""
     put_down(robot, poses[0])
     line = Line(poses[:, :3])
-    passed_m, passed_at_s = 0.0, robot.time_s
+    passed_m, passed_at_s, backed_at_s = 0.0, robot.time_s, robot.time_s
     while passed_m < line.length_m - ARRIVED_M:
         before_m, passed_m = passed_m, line.along_m(robot.position, passed_m, LOOK_AHEAD_M)
         passed_at_s = robot.time_s if passed_m > before_m else passed_at_s
         height_m = robot.position[2]
+        if robot.time_s > max(passed_at_s, backed_at_s) + BACK_AFTER_S:
+            robot.steer(-BACK_M_S, 0)
+            robot.run(BACK_S)
+            height_m, backed_at_s = robot.position[2], robot.time_s
         pursue(robot, line.at(min(passed_m + LOOK_AHEAD_M, line.length_m)))
         if is_tipped(robot):
             return "tips over", passed_m, line.length_m
