@@ -80,10 +80,11 @@ impl<'a> Lights<'a> {
         let spots = dispatch!(Level::new(), _simd => self.spots(eye, sights, library, pixel_rad));
         let mut direct = vec![[0.0; 3]; spots.len()];
         for source in self.sources() {
-            let (lit, starts) = dispatch!(Level::new(), _simd => lit_by(&spots, &source));
+            let lit = dispatch!(Level::new(), _simd => lit_by(&spots, &source));
+            let starts: Vec<Point3<f64>> = lit.iter().map(|lit| lit.start).collect();
             let shaded = self.world.shaded(&source.place(), &starts);
-            for ((number, light), _) in lit.into_iter().zip(shaded).filter(|(_, is_shaded)| !is_shaded) {
-                (0..3).for_each(|channel| direct[number][channel] += light[channel]);
+            for (Lit { spot, light, .. }, _) in lit.into_iter().zip(shaded).filter(|(_, is_shaded)| !is_shaded) {
+                (0..3).for_each(|channel| direct[spot][channel] += light[channel]);
             }
         }
         let received = direct.into_iter().zip(&spots).zip(sights);
@@ -186,17 +187,26 @@ struct Spot {
     ambient: [f32; 3],
 }
 
-/// The spots that are lit by a source if nothing is between, their luminances, and where rays of shadow start.
+/// A spot that a source lights if nothing is between.
+struct Lit {
+    /// Number of the spot.
+    spot: usize,
+    /// Its luminance.
+    light: [f32; 3],
+    /// Where the ray of shadow starts.
+    start: Point3<f64>,
+}
+
+/// The spots that a source lights if nothing is between.
 #[inline(always)]
-fn lit_by(spots: &[Spot], source: &Source) -> (Vec<(usize, [f32; 3])>, Vec<Point3<f64>>) {
-    let (mut lit, mut starts) = (Vec::with_capacity(spots.len()), Vec::with_capacity(spots.len()));
+fn lit_by(spots: &[Spot], source: &Source) -> Vec<Lit> {
+    let mut lit = Vec::with_capacity(spots.len());
     for (number, spot) in spots.iter().enumerate() {
         if let Some(light) = spot.lit_by(source) {
-            lit.push((number, light));
-            starts.push(spot.start);
+            lit.push(Lit { spot: number, light, start: spot.start });
         }
     }
-    (lit, starts)
+    lit
 }
 
 impl Spot {
