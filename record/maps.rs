@@ -66,11 +66,16 @@ impl Maps {
             })
         };
         let texels = (0..height).into_par_iter().flat_map_iter(row).collect();
-        let mut levels = vec![Level { size: [width as usize, height as usize], texels }];
+        Ok(Self::of(Level { size: [width as usize, height as usize], texels }))
+    }
+
+    /// The maps whose full level is this.
+    fn of(full: Level) -> Self {
+        let mut levels = vec![full];
         while let Some(smaller) = levels.last().and_then(Level::halved) {
             levels.push(smaller);
         }
-        Ok(Self(levels))
+        Self(levels)
     }
 
     /// The mean over a footprint around `uv` from the lower left; images repeat.
@@ -225,11 +230,7 @@ mod tests {
         let texels = (0..64).map(|n| {
             if n % 2 == 0 { [0, 0, 0, 128, 128, 255, 255, 10] } else { [200, 100, 255, 128, 128, 255, 255, 250] }
         });
-        let mut levels = vec![Level { size: [8, 8], texels: texels.collect() }];
-        while let Some(smaller) = levels.last().unwrap().halved() {
-            levels.push(smaller);
-        }
-        Maps(levels)
+        Maps::of(Level { size: [8, 8], texels: texels.collect() })
     }
 
     #[test]
@@ -244,13 +245,9 @@ mod tests {
     }
 
     #[test]
-    fn means_are_the_same_on_every_width() {
+    fn means_are_the_same_in_wide_vectors() {
         let texels = (0..60_u8).map(|n| std::array::from_fn(|channel| n.wrapping_mul(37 + channel as u8)));
-        let mut levels = vec![Level { size: [10, 6], texels: texels.collect() }];
-        while let Some(smaller) = levels.last().unwrap().halved() {
-            levels.push(smaller);
-        }
-        let maps = Maps(levels);
+        let maps = Maps::of(Level { size: [10, 6], texels: texels.collect() });
         let mut rng = Rng::new(stream(1, "means", 0));
         let widest = fearless_simd::Level::new();
         for _ in 0..10_000 {

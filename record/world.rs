@@ -101,7 +101,6 @@ impl Hit {
 }
 
 /// What all points of a face have in common, and what differs at its corners.
-#[derive(Clone)]
 pub struct Facet {
     /// Its number.
     pub face: u32,
