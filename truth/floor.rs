@@ -144,13 +144,8 @@ impl Floor {
 
     /// The floor over a cell of the map that is nearest to a height in metres.
     pub fn nearest(&self, cell: [i32; 2], z_m: f32) -> Option<usize> {
-        self.nearest_of(self.over(cell), z_m)
-    }
-
-    /// Of some cells, that whose floor is nearest to a height in metres.
-    pub(super) fn nearest_of(&self, numbers: Range<usize>, z_m: f32) -> Option<usize> {
         let away_m = |number: &usize| (self.cells[*number].floor_m - z_m).abs();
-        numbers.min_by(|a, b| away_m(a).total_cmp(&away_m(b)))
+        self.over(cell).min_by(|a, b| away_m(a).total_cmp(&away_m(b)))
     }
 
     /// The cell of the floor under a point in the air in metres, or else the nearest over the same cell of the map.

@@ -1,5 +1,6 @@
 //! The floor around a cell, side by side: for those who look up most of it many times.
 
+use super::columns::Gap;
 use super::floor::Floor;
 
 /// A square of cells of the map.
@@ -56,7 +57,9 @@ impl<'a> Window<'a> {
     /// Floor and ceiling in metres at a place: those whose floor is nearest to a height.
     pub fn gap(&self, Place(place): Place, near_m: f32) -> Option<[f32; 2]> {
         let [first, end] = self.ranges[place];
-        let gap = self.floor.cells()[self.floor.nearest_of(first as usize..end as usize, near_m)?];
+        let away_m = |gap: &&Gap| (gap.floor_m - near_m).abs();
+        let over = &self.floor.cells()[first as usize..end as usize];
+        let gap = over.iter().min_by(|a, b| away_m(a).total_cmp(&away_m(b)))?;
         Some([gap.floor_m, gap.ceiling_m])
     }
 }
