@@ -16,8 +16,6 @@ const DIRECTIONS: usize = 8;
 const TURNS: usize = 2 * DIRECTIONS;
 /// What a turn on the spot by an eighth costs, in tenths of a millimetre: tuned so that it does not wiggle.
 const TURN_COST: u64 = 1_500;
-/// Steepest floor on which a vehicle surely turns on the spot, in radians: 25°. Wheels that skid sideways have little grip left.
-const TURN_RAD: f32 = 0.436;
 /// How much further from the wall than it needs a vehicle would like to be, in metres.
 const COMFORT_M: f64 = 0.5;
 /// How much dearer a way along the wall is.
@@ -82,6 +80,10 @@ impl<'a> Ground<'a> {
         Classes::of(self.footprints.iter().map(class))
     }
 
+    fn is_too_steep_to_turn(&self, cell: usize) -> bool {
+        f64::from(self.floor.reliefs()[cell].slope_rad) > self.vehicle.turn_rad
+    }
+
     /// The place next to a cell.
     fn next(&self, from: usize, towards: [i32; 2]) -> Option<usize> {
         let here = &self.floor.cells()[from];
@@ -119,8 +121,7 @@ impl Terrain for Ground<'_> {
     fn moves(&mut self, state: State, sense: Sense, found: &mut Vec<Move>) {
         let (cell, direction) = parts(state);
         let here = self.class_of(cell, 2 * direction);
-        let is_steep = self.floor.reliefs()[cell].slope_rad > TURN_RAD;
-        let turning = if is_steep { Class::Marginal } else { Class::Go };
+        let turning = if self.is_too_steep_to_turn(cell) { Class::Marginal } else { Class::Go };
         for other in [(direction + 1) % DIRECTIONS, (direction + DIRECTIONS - 1) % DIRECTIONS] {
             let class = turning
                 .max(here)
@@ -148,9 +149,9 @@ impl Terrain for Ground<'_> {
                 return stance.fault;
             }
         }
-        let slope_rad = self.floor.reliefs()[other.0].slope_rad;
-        let is_steep_turn = one.0 == other.0 && slope_rad > TURN_RAD;
-        is_steep_turn.then_some(Fault { cause: Cause::Slope, value: slope_rad.into(), limit: TURN_RAD.into() })
+        let is_steep_turn = one.0 == other.0 && self.is_too_steep_to_turn(other.0);
+        let value = self.floor.reliefs()[other.0].slope_rad.into();
+        is_steep_turn.then_some(Fault { cause: Cause::Slope, value, limit: self.vehicle.turn_rad })
     }
 
     fn class(&mut self, state: State) -> Class {

@@ -12,8 +12,8 @@ use super::window::{Place, Size, Window};
 const MARGINAL_RAD: f64 = 0.105;
 /// The same for steps, as a share of the limit.
 const MARGINAL_STEP: f64 = 1.25;
-/// How much of its step a vehicle loses where it climbs as steeply as it can: tuned, as wheels on a slope of 27° were stuck at a
-/// bump of half the step.
+/// How much of its step a vehicle loses on a floor as steep as it can climb: tuned, as wheels on a slope of 27° were stuck at a bump of
+/// half the step.
 const CLIMBING: f64 = 0.6;
 /// How the shares of grip that a slope ahead and one to a side take add up, as a power: tuned, as a rover slipped on floors of 32° to 33°
 /// that leaned 20° to a side, and drove straight up and down them.
@@ -81,6 +81,10 @@ struct Ground {
 impl Ground {
     fn under(&self, spot: &Spot) -> f64 {
         self.middle_m + self.ahead * spot.along_m + self.left * spot.across_m
+    }
+
+    fn slope_rad(&self) -> f64 {
+        libm::atan(libm::hypot(self.ahead, self.left))
     }
 }
 
@@ -162,8 +166,7 @@ impl<'a> Footprint<'a> {
         worst.compare(Cause::Climb, climb_rad, self.vehicle.climb_rad, MARGINAL_RAD);
         worst.compare(Cause::Descent, -climb_rad, self.vehicle.descent_rad, MARGINAL_RAD);
         worst.compare(Cause::SideSlope, lean_rad.abs(), self.vehicle.side_slope_rad, MARGINAL_RAD);
-        let slope_rad = libm::atan(libm::hypot(ground.ahead, ground.left));
-        worst.compare(Cause::Slope, slope_rad, self.steepest_rad(&ground), MARGINAL_RAD);
+        worst.compare(Cause::Slope, ground.slope_rad(), self.steepest_rad(&ground), MARGINAL_RAD);
         self.judge_steps(window, &ground, &mut worst);
         let mut spots = self.spots.iter();
         while let Some(spot) = spots.next().filter(|_| worst.class < Class::NoGo) {
@@ -193,18 +196,16 @@ impl<'a> Footprint<'a> {
         }
         let [front_left, front_right, rear_left, rear_right] = heights_m;
         let rise = |one: [f64; 2], other: [f64; 2], away_m: f64| (one[0] + one[1] - other[0] - other[1]) / 2.0 / away_m;
-        Some(Ground {
-            middle_m: heights_m.iter().sum::<f64>() / 4.0,
-            ahead: rise([front_left, front_right], [rear_left, rear_right], self.vehicle.wheel_base_m),
-            left: rise([front_left, rear_left], [front_right, rear_right], self.vehicle.track_m),
-        })
+        let ahead = rise([front_left, front_right], [rear_left, rear_right], self.vehicle.wheel_base_m);
+        let left = rise([front_left, rear_left], [front_right, rear_right], self.vehicle.track_m);
+        Some(Ground { middle_m: heights_m.iter().sum::<f64>() / 4.0, ahead, left })
     }
 
     /// Compares how the floor rises and falls just ahead of the front wheels.
     fn judge_steps(&self, window: &Window, ground: &Ground, worst: &mut Worst) {
         let Vehicle { step_m, climb_rad, descent_rad, wheel_base_m, .. } = *self.vehicle;
         let near_m = ground.middle_m + ground.ahead * wheel_base_m / 2.0;
-        let strain = (libm::atan(ground.ahead) / climb_rad).clamp(0.0, 1.0);
+        let strain = (ground.slope_rad() / climb_rad).min(1.0);
         let most_m = step_m * (1.0 - CLIMBING * strain);
         let marginal_m = (MARGINAL_STEP - 1.0) * step_m;
         let deepest = libm::tan(descent_rad + MARGINAL_RAD);
@@ -223,16 +224,16 @@ impl<'a> Footprint<'a> {
 
     /// Compares what is under and over a cell of the footprint with the plane of the wheels.
     fn judge_spot(&self, window: &Window, ground: &Ground, spot: &Spot, worst: &mut Worst) {
-        let Vehicle { height_m, ground_clearance_m, wheel_base_m, .. } = *self.vehicle;
+        let Vehicle { height_m, ground_clearance_m, wheel_base_m, step_m, .. } = *self.vehicle;
         let under_m = ground.under(spot);
-        let overhang_m = (spot.along_m.abs() - wheel_base_m / 2.0).max(0.0);
-        // Bumpers are higher than bellies: about as the floor of a slope of 45° under them.
-        let most_m = ground_clearance_m + overhang_m;
+        // Wheels meet what is beside and between them when the vehicle turns, and bumpers may be as low as the belly.
+        let is_between_axles = spot.along_m.abs() <= wheel_base_m / 2.0;
+        let most_m = if is_between_axles { ground_clearance_m.min(step_m) } else { ground_clearance_m };
         let Some([up_m, room_m]) = gap(window, spot.place, under_m).map(|gap| gap.map(|z| z - under_m)) else {
             return worst.narrow(2.0 * spot.across_m.abs(), self.vehicle);
         };
         if spot.part == Part::Belly {
-            worst.compare(Cause::Belly, up_m - overhang_m, ground_clearance_m - SPARE_M, SPARE_M);
+            worst.compare(Cause::Belly, up_m, ground_clearance_m - SPARE_M, SPARE_M);
         } else if up_m > most_m || up_m < -DROP_M || spot.part == Part::Nothing && room_m < height_m {
             return worst.narrow(2.0 * spot.across_m.abs(), self.vehicle);
         }

@@ -32,6 +32,8 @@ pub struct Vehicle {
     pub descent_rad: f64,
     /// Steepest slope across its way, in radians.
     pub side_slope_rad: f64,
+    /// Steepest floor on which it turns on the spot, in radians.
+    pub turn_rad: f64,
     /// Room on either side that keeps it free of rock when it strays from its path, in metres.
     pub margin_m: f64,
 }

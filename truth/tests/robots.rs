@@ -24,6 +24,7 @@ fn rover() -> Vehicle {
         climb_rad: 25_f64.to_radians(),
         descent_rad: 35_f64.to_radians(),
         side_slope_rad: 25_f64.to_radians(),
+        turn_rad: 25_f64.to_radians(),
         margin_m: 0.1,
     }
 }
@@ -119,7 +120,7 @@ fn what_is_too_high_or_too_low_is_named() {
     };
     let low = kerb(0.1);
     assert_eq!(low.class, Class::Go, "{:?}", low.fault);
-    assert_eq!(cause(&kerb(0.2)), Some((Class::NoGo, Cause::Belly)));
+    assert_eq!(cause(&kerb(0.14)), Some((Class::Marginal, Cause::Belly)));
 }
 
 #[test]
@@ -139,6 +140,48 @@ fn a_ramp_may_be_passable_only_down() {
     assert_eq!(through.there.class, Class::Marginal, "{:?}", through.there.fault);
     assert_eq!(cause(&through.back), None);
     assert_eq!((found.stations[0].there, found.stations[0].back), (Some(Class::Go), Some(Class::Marginal)));
+}
+
+#[test]
+fn a_bumper_meets_the_foot_of_a_ramp() {
+    let rise = 2.0 * 20_f32.to_radians().tan();
+    let ramp = World::room([0.0, -1.5], [12.0, 1.5], 0.0, 4.0)
+        .with([[5.0, -2.0], [7.0, 2.0]], [-1.0; 4], [0.0, rise, rise, 0.0], false)
+        .with([[7.0, -2.0], [13.0, 2.0]], [-1.0; 4], [rise; 4], false);
+    let class = |length_m| through(&ramp, &Profile::Vehicle(Vehicle { length_m, ..rover() })).there.class;
+    assert_eq!(class(0.7), Class::Go);
+    assert!(class(1.5) > Class::Go);
+}
+
+#[test]
+fn what_is_beside_the_wheels_must_be_no_higher_than_a_step() {
+    let lane = |top: f32| {
+        let kerb = |inner: f32, outer: f32| [[3.0, inner], [9.0, outer]];
+        corridor().with(kerb(-2.0, -0.4), [-1.0; 4], [top; 4], false).with(kerb(0.4, 2.0), [-1.0; 4], [top; 4], false)
+    };
+    let low = driven(&lane(0.08)).there;
+    assert_eq!(low.class, Class::Go, "{:?}", low.fault);
+    assert_eq!(cause(&driven(&lane(0.13)).there), Some((Class::Marginal, Cause::Width)));
+}
+
+#[test]
+fn wheels_turn_on_gentle_slopes_only() {
+    // Up 10°, around two blocks.
+    let top = 12.0 * 10_f32.to_radians().tan();
+    let world = World::room([0.0, -1.5], [12.0, 1.5], 0.0, 5.0)
+        .with([[0.0, -2.0], [12.0, 2.0]], [-1.0; 4], [0.0, top, top, 0.0], false)
+        .with([[4.0, -2.0], [4.5, 0.2]], [-1.0; 4], [6.0; 4], false)
+        .with([[7.0, -0.2], [7.5, 2.0]], [-1.0; 4], [6.0; 4], false);
+    let network = Network {
+        stations: [1.5, 10.5].map(|x| [x, 0.0, 0.5 + x * 10_f64.to_radians().tan()]).to_vec(),
+        passages: vec![Passage { ends: [0, 1], reach_m: 1.5 }],
+    };
+    let there = |turn_deg: f64| {
+        let robot = Profile::Vehicle(Vehicle { turn_rad: turn_deg.to_radians(), ..rover() });
+        Certificate::of(&world.floor(CELL_M), &robot, &network, network.stations[0]).passages.remove(0).there
+    };
+    assert_eq!(there(12.0).class, Class::Go);
+    assert_eq!(cause(&there(8.0)), Some((Class::Marginal, Cause::Slope)));
 }
 
 #[test]
