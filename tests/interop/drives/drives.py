@@ -31,7 +31,7 @@ from scipy.spatial.transform import Rotation
 sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "mujoco")]
 from husky import Husky  # noqa: E402
 from package import Failure  # noqa: E402
-from pursuit import STUCK_S, is_tipped, pursue  # noqa: E402
+from pursuit import STUCK_S, Pursuit, is_tipped  # noqa: E402
 from route import Line  # noqa: E402
 from rover import Rover  # noqa: E402
 
@@ -142,7 +142,7 @@ def slope_deg(robot, poses):
 def drive(robot, poses):
     """What stops the robot, how far it came, and how far it was to go."""
     put_down(robot, poses[0])
-    line = Line(poses[:, :3])
+    line, pursuit = Line(poses[:, :3]), Pursuit(robot)
     passed_m, passed_at_s, backed_at_s = 0.0, robot.time_s, robot.time_s
     while passed_m < line.length_m - ARRIVED_M:
         before_m, passed_m = passed_m, line.along_m(robot.position, passed_m, LOOK_AHEAD_M)
@@ -152,7 +152,7 @@ def drive(robot, poses):
             robot.steer(-BACK_M_S, 0)
             robot.run(BACK_S)
             height_m, backed_at_s = robot.position[2], robot.time_s
-        pursue(robot, line.at(min(passed_m + LOOK_AHEAD_M, line.length_m)))
+        pursuit.steer(line.at(min(passed_m + LOOK_AHEAD_M, line.length_m)))
         if is_tipped(robot):
             return "tips over", passed_m, line.length_m
         if height_m - robot.position[2] > FALL_M:

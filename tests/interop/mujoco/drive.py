@@ -20,7 +20,7 @@ import numpy as np
 import plume
 from floor import heights_m
 from package import TOLERANCE_M, Wall, require, run
-from pursuit import LEAN_DEG, STUCK_S, is_tipped, pursue
+from pursuit import LEAN_DEG, STUCK_S, Pursuit, is_tipped
 from route import route
 from rover import Rover
 from scipy.spatial import cKDTree
@@ -85,11 +85,11 @@ def check_grip(rover, friction):
 
 def follow(rover, line, goal_m, duration_s):
     """Drives to that place on the line, or until the time is up or the rover is stuck or on its side."""
-    rows, passed_m, passed_at_s = [], 0.0, rover.data.time
+    pursuit, rows, passed_m, passed_at_s = Pursuit(rover), [], 0.0, rover.data.time
     while passed_m < goal_m and rover.data.time < min(duration_s, passed_at_s + STUCK_S):
         before_m, passed_m = passed_m, line.along_m(rover.position, passed_m, LOOK_AHEAD_M)
         passed_at_s = rover.data.time if passed_m > before_m else passed_at_s
-        pursue(rover, line.at(passed_m + LOOK_AHEAD_M))
+        pursuit.steer(line.at(passed_m + LOOK_AHEAD_M))
         up = rover.axes[:, 2]
         hub = rover.position + rover.wheel_radius_m * up
         rows.append((rover.data.time, passed_m, hub, rover.position, up, *rover.spokes(SPOKES)))
