@@ -1,7 +1,5 @@
 //! The air as a drone sees it: how high it can fly over each place of the floor, and where it gets from there.
 
-use std::ops::Range;
-
 use super::floor::{Floor, NEIGHBORS, beside};
 use super::lattice::Lattice;
 use super::search::{Move, Pose, Rest, Sense, State, Terrain};
@@ -98,8 +96,8 @@ impl Terrain for Air<'_> {
         }
     }
 
-    fn directions(&self, cell: usize) -> Range<u8> {
-        if self.lattice.holds(self.floor.cells()[cell].cell) { 0..1 } else { 0..0 }
+    fn directions(&self, cell: usize) -> u8 {
+        if self.lattice.holds(self.floor.cells()[cell].cell) { 1 } else { 0 }
     }
 
     fn pose(&self, state: State) -> Pose {

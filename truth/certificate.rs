@@ -112,7 +112,7 @@ impl Scout<'_> {
         let is_back = |state: &State| home.class(*state) == Some(Class::Go);
         let reached = sure.chunk_by(|a, b| a.cell == b.cell).filter(|states| states.iter().any(is_back)).count();
         drop(home);
-        let places = (0..self.floor.cells().len()).filter(|cell| !self.terrain.directions(*cell).is_empty()).count();
+        let places = (0..self.floor.cells().len()).filter(|cell| self.terrain.directions(*cell) > 0).count();
         let passages = network.passages.iter().map(|passage| self.through(network, passage)).collect();
         let cell_m2 = self.floor.cell_m() * self.floor.cell_m();
         let floor_m2 = self.floor.cells().len() as f64 * cell_m2;
@@ -127,8 +127,9 @@ impl Scout<'_> {
 
     /// The states that are surely reached, by cell.
     fn sure(&self, routes: &Routes) -> Vec<State> {
-        let of_cell =
-            |cell: usize| self.terrain.directions(cell).map(move |direction| State { cell: cell as u32, direction });
+        let of_cell = |cell: usize| {
+            (0..self.terrain.directions(cell)).map(move |direction| State { cell: cell as u32, direction })
+        };
         let all = (0..self.floor.cells().len()).flat_map(of_cell);
         all.filter(|state| routes.class(*state) == Some(Class::Go)).collect()
     }

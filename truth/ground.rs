@@ -1,7 +1,6 @@
 //! The ground as a vehicle sees it: where it can stand, which way it can face there, and where it gets from there.
 
 use std::f64::consts::FRAC_PI_8;
-use std::ops::Range;
 
 use super::clearance::Clearance;
 use super::floor::{Floor, NEIGHBORS, Robot};
@@ -159,8 +158,8 @@ impl Terrain for Ground<'_> {
         self.class_of(cell, 2 * direction)
     }
 
-    fn directions(&self, cell: usize) -> Range<u8> {
-        if self.lattice.holds(self.floor.cells()[cell].cell) { 0..DIRECTIONS as u8 } else { 0..0 }
+    fn directions(&self, cell: usize) -> u8 {
+        if self.lattice.holds(self.floor.cells()[cell].cell) { DIRECTIONS as u8 } else { 0 }
     }
 
     fn pose(&self, state: State) -> Pose {

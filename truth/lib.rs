@@ -38,6 +38,7 @@
 
 mod air;
 mod blocks;
+mod by_state;
 mod certificate;
 mod clearance;
 mod columns;

@@ -45,7 +45,7 @@ impl Scout<'_> {
             if away_m > most_m || rise_m > away_m.max(SAME_FLOOR_M) {
                 continue;
             }
-            for direction in self.terrain.directions(cell) {
+            for direction in 0..self.terrain.directions(cell) {
                 let state = State { cell: cell as u32, direction };
                 found.push((self.terrain.class(state), away_m, state));
             }

@@ -2,10 +2,10 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::ops::Range;
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashSet;
 
+use super::by_state::ByState;
 use super::vehicle::{Class, Fault};
 
 /// Where a robot can be.
@@ -48,8 +48,8 @@ pub trait Terrain {
     /// Whether a robot gets through a state.
     fn class(&mut self, state: State) -> Class;
 
-    /// The directions in which a robot can face at a cell of the floor; none if the cell is not one of the places.
-    fn directions(&self, cell: usize) -> Range<u8>;
+    /// In how many directions a robot can face at a cell of the floor; 0 if the cell is not one of the places.
+    fn directions(&self, cell: usize) -> u8;
 
     /// Where the robot is, and which way it faces.
     fn pose(&self, state: State) -> Pose;
@@ -101,15 +101,15 @@ fn weight(class: Class) -> u64 {
 /// The states that were reached, each by its best way.
 #[derive(Default)]
 pub struct Routes {
-    by_state: FxHashMap<State, Arrival>,
+    arrivals: ByState<Arrival>,
     /// The goal, if it was reached.
     pub goal: Option<State>,
 }
 
-/// How a state was reached. There is one for every state of the floor, so the state that it was reached from is not a [`State`]: next
-/// to it, the class takes no room.
+/// How a state was reached. The state that it was reached from is not a [`State`]: next to it, the class would take more room.
 #[derive(Clone, Copy)]
 struct Arrival {
+    /// [`u64::MAX`] if the state was not reached.
     cost: u64,
     from_cell: u32,
     from_direction: u8,
@@ -117,6 +117,8 @@ struct Arrival {
 }
 
 impl Arrival {
+    const NONE: Self = Self { cost: u64::MAX, from_cell: 0, from_direction: 0, class: Class::NoGo };
+
     fn new(cost: u64, from: State, class: Class) -> Self {
         Self { cost, from_cell: from.cell, from_direction: from.direction, class }
     }
@@ -143,16 +145,13 @@ impl Routes {
         for start in starts {
             let class = terrain.class(*start);
             if class <= worst {
-                routes.by_state.insert(*start, Arrival::new(0, *start, class));
+                *routes.arrivals.entry(*start, terrain, Arrival::NONE) = Arrival::new(0, *start, class);
                 front.push(Reverse((0, *start)));
             }
         }
         let mut moves = Vec::new();
         while let Some(Reverse((cost, state))) = front.pop() {
-            let here = routes.by_state[&state];
-            if cost > here.cost {
-                continue;
-            }
+            let Some(here) = routes.arrival(state).copied().filter(|here| cost <= here.cost) else { continue };
             if goals.contains(&state) {
                 routes.goal = Some(state);
                 return routes;
@@ -163,7 +162,7 @@ impl Routes {
                 moves.iter().copied().filter(|one| one.class <= worst && within(one.to))
             {
                 let arrival = Arrival::new(here.cost + more * weight(class), state, class.max(here.class));
-                let known = routes.by_state.entry(to).or_insert(Arrival { cost: u64::MAX, ..arrival });
+                let known = routes.arrivals.entry(to, terrain, Arrival::NONE);
                 if arrival.cost < known.cost {
                     *known = arrival;
                     front.push(Reverse((arrival.cost, to)));
@@ -173,25 +172,25 @@ impl Routes {
         routes
     }
 
+    fn arrival(&self, state: State) -> Option<&Arrival> {
+        self.arrivals.get(state).filter(|arrival| arrival.cost < u64::MAX)
+    }
+
     /// The worst class on the way to a state; `None` if it was not reached.
     pub fn class(&self, state: State) -> Option<Class> {
-        self.by_state.get(&state).map(|arrival| arrival.class)
+        self.arrival(state).map(|arrival| arrival.class)
     }
 
     /// The cheapest to reach of some states.
     pub fn cheapest(&self, states: &[State]) -> Option<State> {
-        let cost = |state: &State| Some((self.by_state.get(state)?.cost, *state));
+        let cost = |state: &State| Some((self.arrival(*state)?.cost, *state));
         Some(states.iter().filter_map(cost).min()?.1)
     }
 
     /// The states on the way to one that was reached, from its start.
     pub fn way(&self, goal: State) -> Vec<State> {
-        let mut way = vec![goal];
-        let mut at = goal;
-        while self.by_state[&at].from() != at {
-            at = self.by_state[&at].from();
-            way.push(at);
-        }
+        let from = |state: &State| self.arrival(*state).map(Arrival::from).filter(|from| from != state);
+        let mut way: Vec<State> = std::iter::successors(Some(goal), from).collect();
         way.reverse();
         way
     }

@@ -8,8 +8,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use rustc_hash::FxHashMap;
-
+use super::by_state::ByState;
 use super::scout::Scout;
 use super::search::{Move, Pose, Sense, State};
 use super::vector::away;
@@ -19,6 +18,9 @@ use super::vehicle::Class;
 const PER_M: f64 = 1e5;
 /// What a turn by an eighth counts, so that of ways of the same length that with the fewest turns is taken.
 const TURN: u32 = 1;
+
+/// The number of no state.
+const NONE: u32 = u32::MAX;
 
 /// The places that a robot surely reaches and leaves again. From any of them it gets to any other.
 pub struct Territory {
@@ -46,11 +48,10 @@ pub struct Geodesic {
     nearest: Vec<u32>,
 }
 
-/// Moves from each state.
+/// Where moves from each state lead.
 struct Links {
     first: Vec<u32>,
-    /// Each to where, and how long.
-    moves: Vec<(u32, u32)>,
+    moves: Vec<u32>,
 }
 
 impl Territory {
@@ -61,7 +62,7 @@ impl Territory {
         let (is_own, starts) = explored.core();
         let mut own: Vec<u32> = (0..explored.states.len() as u32).filter(|state| is_own[*state as usize]).collect();
         own.sort_unstable_by_key(|state| explored.states[*state as usize]);
-        let mut number = vec![u32::MAX; explored.states.len()];
+        let mut number = vec![NONE; explored.states.len()];
         own.iter().zip(0..).for_each(|(old, new)| number[*old as usize] = new);
         let states: Vec<State> = own.iter().map(|state| explored.states[*state as usize]).collect();
         let mut cells: Vec<u32> = states.iter().map(|state| state.cell).collect();
@@ -72,8 +73,7 @@ impl Territory {
             .zip(0..)
             .for_each(|(of, place)| place_of.extend(of.iter().map(|_| place)));
         let moves = own.iter().map(|from| {
-            let inside = explored.ahead.of(*from).iter().filter(|(to, _)| is_own[*to as usize]);
-            inside.map(|(to, length)| (number[*to as usize], *length))
+            explored.ahead.of(*from).iter().filter(|to| is_own[**to as usize]).map(|to| number[*to as usize])
         });
         let ahead = Links::new(moves);
         let starts = starts.into_iter().map(|state| number[state as usize]).collect();
@@ -141,6 +141,12 @@ impl Territory {
         to_goal.chain(state).map(|state| self.states[state as usize]).collect()
     }
 
+    /// How long a move between two states is.
+    fn length(&self, one: u32, other: u32) -> u32 {
+        let [one, other] = [one, other].map(|state| self.place_of[state as usize] as usize);
+        if one == other { TURN } else { (away(self.at_m[one], self.at_m[other]) * PER_M).round() as u32 }
+    }
+
     fn search(&self, sense: Sense, from: &[u32]) -> Geodesic {
         let links = if sense == Sense::Ahead { &self.ahead } else { &self.back };
         let mut lengths = vec![u32::MAX; self.states.len()];
@@ -154,8 +160,8 @@ impl Territory {
             if length > lengths[state as usize] {
                 continue;
             }
-            for (to, more) in links.of(state) {
-                let length = length.saturating_add(*more);
+            for to in links.of(state) {
+                let length = length.saturating_add(self.length(state, *to));
                 if length < lengths[*to as usize] {
                     (lengths[*to as usize], next[*to as usize]) = (length, state);
                     front.push(Reverse((length, *to)));
@@ -189,7 +195,7 @@ impl Geodesic {
 }
 
 impl Links {
-    fn new(moves: impl Iterator<Item = impl Iterator<Item = (u32, u32)>>) -> Self {
+    fn new(moves: impl Iterator<Item = impl Iterator<Item = u32>>) -> Self {
         let mut links = Self { first: vec![0], moves: Vec::new() };
         for of in moves {
             links.moves.extend(of);
@@ -198,19 +204,19 @@ impl Links {
         links
     }
 
-    fn of(&self, state: u32) -> &[(u32, u32)] {
+    fn of(&self, state: u32) -> &[u32] {
         &self.moves[self.first[state as usize] as usize..self.first[state as usize + 1] as usize]
     }
 
     fn reversed(&self) -> Self {
         let mut first = vec![0_u32; self.first.len()];
-        self.moves.iter().for_each(|(to, _)| first[*to as usize + 1] += 1);
+        self.moves.iter().for_each(|to| first[*to as usize + 1] += 1);
         (1..first.len()).for_each(|state| first[state] += first[state - 1]);
         let mut place = first.clone();
-        let mut moves = vec![(0, 0); self.moves.len()];
+        let mut moves = vec![0; self.moves.len()];
         for from in 0..self.first.len() as u32 - 1 {
-            for (to, length) in self.of(from) {
-                moves[place[*to as usize] as usize] = (from, *length);
+            for to in self.of(from) {
+                moves[place[*to as usize] as usize] = from;
                 place[*to as usize] += 1;
             }
         }
@@ -223,7 +229,7 @@ impl Links {
         let mut left = vec![from];
         is_reached[from as usize] = true;
         while let Some(state) = left.pop() {
-            for (to, _) in self.of(state) {
+            for to in self.of(state) {
                 if !std::mem::replace(&mut is_reached[*to as usize], true) {
                     left.push(*to);
                 }
@@ -246,21 +252,20 @@ impl Explored {
         let mut states: Vec<State> = scout.at_start(start_m);
         states.retain(|state| scout.terrain.class(*state) == Class::Go);
         let starts = states.len() as u32;
-        let mut numbers: FxHashMap<State, u32> = states.iter().copied().zip(0..).collect();
+        let mut numbers = ByState::default();
+        states.iter().zip(0..).for_each(|(state, number)| *numbers.entry(*state, &*scout.terrain, NONE) = number);
         let (mut ahead, mut found) = (Links { first: vec![0], moves: Vec::new() }, Vec::new());
         let mut next = 0;
         while let Some(state) = states.get(next).copied() {
             found.clear();
             scout.terrain.moves(state, Sense::Ahead, &mut found);
-            let from_m = scout.terrain.place_m(state.cell as usize);
             for Move { to, .. } in found.iter().filter(|one| one.class == Class::Go) {
-                let number = *numbers.entry(*to).or_insert_with(|| {
+                let number = numbers.entry(*to, &*scout.terrain, NONE);
+                if *number == NONE {
+                    *number = states.len() as u32;
                     states.push(*to);
-                    states.len() as u32 - 1
-                });
-                let length_m = away(from_m, scout.terrain.place_m(to.cell as usize));
-                let length = if to.cell == state.cell { TURN } else { (length_m * PER_M).round() as u32 };
-                ahead.moves.push((number, length));
+                }
+                ahead.moves.push(*number);
             }
             ahead.first.push(ahead.moves.len() as u32);
             next += 1;
