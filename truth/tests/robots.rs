@@ -173,7 +173,7 @@ fn wheels_turn_on_gentle_slopes_only() {
         .with([[4.0, -2.0], [4.5, 0.2]], [-1.0; 4], [6.0; 4], false)
         .with([[7.0, -0.2], [7.5, 2.0]], [-1.0; 4], [6.0; 4], false);
     let network = Network {
-        stations: [1.5, 10.5].map(|x| [x, 0.0, 0.5 + x * 10_f64.to_radians().tan()]).to_vec(),
+        stations: [1.5, 10.5].map(|x| [x, 0.0, 0.5 + x * f64::from(top) / 12.0]).to_vec(),
         passages: vec![Passage { ends: [0, 1], reach_m: 1.5 }],
     };
     let there = |turn_deg: f64| {
