@@ -1,5 +1,7 @@
 """The Husky of `pybullet_data` in a world that Bullet has loaded, steered like a tank."""
 
+import contextlib
+import os
 import tempfile
 from pathlib import Path
 
@@ -90,6 +92,14 @@ class Husky:
     def axes(self):
         """Ahead, left and up, as columns."""
         return np.array(p.getMatrixFromQuaternion(p.getBasePositionAndOrientation(self.body)[1])).reshape(3, 3)
+
+
+@contextlib.contextmanager
+def only_own_words():
+    """Bullet prints what it thinks of the Husky."""
+    with os.fdopen(os.dup(1), "w") as stdout:
+        os.dup2(2, 1)
+        yield lambda words: print(words, file=stdout, flush=True)
 
 
 def in_bodies(file, folder):

@@ -17,9 +17,7 @@ holds, less 5 degrees. Appends what came of it to a file of JSON lines, which `t
 """
 
 import argparse
-import contextlib
 import json
-import os
 import sys
 from collections import Counter
 from pathlib import Path
@@ -29,7 +27,7 @@ from paths import CLASSES, paths_of, some
 from scipy.spatial.transform import Rotation
 
 sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[1] / "mujoco")]
-from husky import Husky  # noqa: E402
+from husky import Husky, only_own_words  # noqa: E402
 from package import Failure  # noqa: E402
 from pursuit import STUCK_S, Pursuit, is_tipped  # noqa: E402
 from route import Line  # noqa: E402
@@ -75,14 +73,6 @@ def main():
         say(f"{given.robot}: {given.name}: {summary(found)}")
     if faults:
         sys.exit("\n".join(f"{given.name}: {fault}" for fault in faults))
-
-
-@contextlib.contextmanager
-def only_own_words():
-    """Bullet prints what it thinks of the Husky."""
-    with os.fdopen(os.dup(1), "w") as stdout:
-        os.dup2(2, 1)
-        yield lambda words: print(words, file=stdout, flush=True)
 
 
 def judge(robot, furthest, passages, most):
