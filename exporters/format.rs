@@ -18,5 +18,6 @@ pub mod pcd;
 pub mod pixels;
 pub mod ply;
 pub mod points;
+pub mod ros2;
 pub mod stl;
 pub mod survex;

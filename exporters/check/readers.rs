@@ -13,6 +13,7 @@ mod image;
 mod json;
 mod las;
 mod map;
+mod mcap;
 mod msh;
 mod npz;
 mod obj;
@@ -39,6 +40,7 @@ static READERS: &[(&[&str], Reader)] = &[
     (&["json", "asmdef", "asmref", "uplugin"], json::read),
     (&["ktx2"], image::read_ktx2),
     (&["las"], las::read),
+    (&["mcap"], mcap::read),
     (&["md", "txt", "py", "cs", "csv", "svx"], read_plain),
     (&["meta", "prefab", "mat", "physicmaterial", "asset", "unity"], unity::read),
     (&["msh"], msh::read),

@@ -5,6 +5,7 @@
 //! map_<n>.png       an occupancy map for each storey that a robot reaches from the start poses
 //! map_<n>.yaml      its resolution and origin, as the map server of ROS reads them
 //! elevation_<n>.tif the numbers of the floor of that storey as a raster
+//! elevation_<n>.mcap the same as messages of grid_map, for ROS 2
 //! occupancy.bt      which cells of a cubic grid are occupied, free or unknown, as an OctoMap
 //! voxels.npz        the same with labels, as arrays
 //! distance.npz      how far the surface is from the centres of these cells
@@ -60,9 +61,9 @@ pub const ROW: TargetRow = TargetRow {
     name: "truth",
     summary: "ground truth for robots: floor, occupancy maps, OctoMap, distances, point clouds, elevation, with labels; network, survey, geodesics and tasks",
     revision: 2,
-    opened_by: "NumPy, the map server of ROS 2 (Nav2), OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL, QGIS, networkx, Survex and Habitat",
-    contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays and as GeoTIFF; PNG and YAML of an occupancy map per storey; an OctoMap; labels and signed distances of voxels; labelled points as PCD, PLY and LAS; for a robot, the network of passages as GraphML and Survex, geodesics, PointNav episodes, lists to search for, coverage",
-    tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, the OctoMap library, pypcd4, plyfile, laspy, rasterio, networkx, Survex and SciPy, against rays through the triangles of target `ply` (trimesh) and distances from them (libigl)",
+    opened_by: "NumPy, the map server and grid_map of ROS 2 (Nav2), OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL, QGIS, networkx, Survex and Habitat",
+    contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays, as GeoTIFF and as messages of grid_map; PNG and YAML of an occupancy map per storey; an OctoMap; labels and signed distances of voxels; labelled points as PCD, PLY and LAS; for a robot, the network of passages as GraphML and Survex, geodesics, PointNav episodes, lists to search for, coverage",
+    tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, the OctoMap library, pypcd4, plyfile, laspy, rasterio, mcap-ros2-support, networkx, Survex and SciPy, against rays through the triangles of target `ply` (trimesh) and distances from them (libigl)",
     checks: &["truth"],
     images: &[],
     is_single_file: false,
@@ -82,6 +83,8 @@ pub enum Part {
     Maps,
     /// `elevation_<n>.tif`.
     Elevation,
+    /// `elevation_<n>.mcap`.
+    GridMap,
     /// `occupancy.bt`.
     Occupancy,
     /// `voxels.npz`.
@@ -110,10 +113,11 @@ pub enum Part {
 
 impl Part {
     /// Those that need the floor.
-    const OF_FLOOR: [Self; 9] = [
+    const OF_FLOOR: [Self; 10] = [
         Self::Floor,
         Self::Maps,
         Self::Elevation,
+        Self::GridMap,
         Self::Network,
         Self::Survey,
         Self::Geodesic,
@@ -190,9 +194,10 @@ pub struct TruthSettings {
 impl Default for TruthSettings {
     fn default() -> Self {
         let others = Part::OF_CLOUD.into_iter().chain([Part::Network, Part::Survey]).chain(Part::OF_TASKS);
-        let files = [Part::Floor, Part::Maps, Part::Elevation, Part::Occupancy, Part::Voxels, Part::Distance];
+        let of_floor = [Part::Floor, Part::Maps, Part::Elevation, Part::GridMap];
+        let files = of_floor.into_iter().chain([Part::Occupancy, Part::Voxels, Part::Distance]);
         Self {
-            files: files.into_iter().chain(others).collect(),
+            files: files.chain(others).collect(),
             cell_m: 0.05,
             height_m: 0.6,
             step_m: 0.1,

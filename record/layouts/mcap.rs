@@ -10,19 +10,15 @@
 //! | `/truth` | `nav_msgs/Odometry` | `world` to `base_link` |
 //! | `/tf`, `/tf_static` | `tf2_msgs/TFMessage` | `odom` to `base_link` by the wheels, or `world` to `base_link` without; the sensors |
 //!
-//! Follows the MCAP specification (crate `mcap`), its profile `ros2`, and REP 103, 105 and 118. The file is `recording.mcap`, in chunks
-//! compressed by Zstandard.
+//! Follows REP 103, 105 and 118. The file is `recording.mcap`.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 
-use mcap::records::MessageHeader;
-use mcap::{Compression, WriteOptions, Writer};
 use nalgebra::{Isometry3, Vector3};
+use plume_exporters::format::ros2::{Bag, Cdr, Kind, Message};
 use tempfile::TempDir;
 
-use self::message::Cdr;
 use super::calibration::{coefficients, intrinsics};
 use crate::error::RecordError;
 use crate::inertial::{Inertia, Wheeled};
@@ -40,9 +36,7 @@ pub const ROW: LayoutRow = LayoutRow {
     name: "mcap",
     summary: "MCAP: ROS 2 messages in one file",
     check: |_| Ok(()),
-    begin: |rig, path| {
-        Box::new(Mcap { rig: rig.clone(), path: path.clone(), told: Vec::new(), open: None, channels: BTreeMap::new() })
-    },
+    begin: |rig, path| Box::new(Mcap { rig: rig.clone(), path: path.clone(), told: Vec::new(), open: None }),
 };
 
 const FILE: &str = "recording.mcap";
@@ -56,22 +50,12 @@ struct Mcap {
     /// Messages of what needs no file, until the next that does.
     told: Vec<Message>,
     open: Option<Open>,
-    /// Number of the channel and of its last message, by topic.
-    channels: BTreeMap<String, (u16, u32)>,
 }
 
 /// The file while it grows.
 struct Open {
     folder: TempDir,
-    writer: Writer<BufWriter<File>>,
-}
-
-/// A message and where it goes.
-struct Message {
-    topic: String,
-    kind: &'static message::Kind,
-    time_ns: i64,
-    data: Vec<u8>,
+    bag: Bag<BufWriter<File>>,
 }
 
 impl Layout for Mcap {
@@ -113,16 +97,16 @@ impl Layout for Mcap {
 
     fn finish(&mut self, out: &mut Out) -> Result<(), RecordError> {
         self.write(out)?;
-        let Some(Open { folder, mut writer }) = self.open.take() else { return Ok(()) };
-        writer.finish().map_err(failed)?;
+        let Some(Open { folder, bag }) = self.open.take() else { return Ok(()) };
+        bag.finish()?;
         let path = format!("{}{FILE}", out.folder);
         Ok(out.package.copy(&path, &folder.path().join(FILE))?)
     }
 }
 
 impl Mcap {
-    fn tell(&mut self, topic: String, kind: &'static message::Kind, time_ns: i64, data: Vec<u8>) {
-        self.told.push(Message { topic, kind, time_ns, data });
+    fn tell(&mut self, topic: String, kind: &'static Kind, time_ns: i64, data: Vec<u8>) {
+        self.told.push(Message { topic, kind, time_ns, data, is_latched: false });
     }
 
     fn truth(&mut self, time_ns: i64) {
@@ -140,30 +124,15 @@ impl Mcap {
         let open = match &mut self.open {
             Some(open) => open,
             none => {
-                let sensors = transforms(self.path.start_ns(), &mounts(&self.rig));
-                let start_ns = self.path.start_ns();
-                self.told.insert(
-                    0,
-                    Message { topic: "/tf_static".into(), kind: &message::TF, time_ns: start_ns, data: sensors },
-                );
-                none.insert(Open::begin(out)?)
+                let mut open = Open::begin(out)?;
+                let (topic, time_ns) = ("/tf_static".to_owned(), self.path.start_ns());
+                let data = transforms(time_ns, &mounts(&self.rig));
+                open.bag.write(Message { topic, kind: &message::TF, time_ns, data, is_latched: true })?;
+                none.insert(open)
             }
         };
-        for Message { topic, kind, time_ns, data } in self.told.drain(..) {
-            let (channel, sequence) = match self.channels.get_mut(&topic) {
-                Some(known) => known,
-                None => {
-                    let schema =
-                        open.writer.add_schema(kind.name, "ros2msg", kind.definition().as_bytes()).map_err(failed)?;
-                    let channel = open.writer.add_channel(schema, &topic, "cdr", &profiles(&topic)).map_err(failed)?;
-                    self.channels.entry(topic).or_insert((channel, 0))
-                }
-            };
-            let time = u64::try_from(time_ns).unwrap_or_default();
-            let header =
-                MessageHeader { channel_id: *channel, sequence: *sequence, log_time: time, publish_time: time };
-            open.writer.write_to_known_channel(&header, &data).map_err(failed)?;
-            *sequence += 1;
+        for message in self.told.drain(..) {
+            open.bag.write(message)?;
         }
         Ok(())
     }
@@ -173,27 +142,7 @@ impl Open {
     fn begin(out: &mut Out) -> Result<Self, RecordError> {
         let folder = out.package.scratch()?;
         let file = BufWriter::new(File::create_new(folder.path().join(FILE))?);
-        let options = WriteOptions::new().profile("ros2").library("plume").compression(Some(Compression::Zstd));
-        let writer = options.compression_level(3).create(file).map_err(failed)?;
-        Ok(Self { folder, writer })
-    }
-}
-
-/// That `ros2 bag play` offers the static transforms to those who come late.
-fn profiles(topic: &str) -> BTreeMap<String, String> {
-    let durability = if topic == "/tf_static" { 1 } else { 2 };
-    let text = format!(
-        "- history: 1\n  depth: 10\n  reliability: 1\n  durability: {durability}\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  \
-         lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    sec: 9223372036\n    \
-         nsec: 854775807\n  avoid_ros_namespace_conventions: false"
-    );
-    BTreeMap::from([("offered_qos_profiles".to_owned(), text)])
-}
-
-fn failed(error: mcap::McapError) -> RecordError {
-    match error {
-        mcap::McapError::Io(error) => error.into(),
-        other => std::io::Error::other(other).into(),
+        Ok(Self { folder, bag: Bag::create(file)? })
     }
 }
 

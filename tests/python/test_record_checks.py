@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
-from mcap.writer import Writer
+from messages import in_messages
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
@@ -124,30 +123,6 @@ def columns(*order):
 STATES = "euroc/mav0/state_groundtruth_estimate0/data.csv"
 
 
-def in_messages(change):
-    """A change of the bytes of a file of messages, which are not compressed for it."""
-
-    def edited(recording):
-        path = recording / "mcap/recording.mcap"
-        with path.open("rb") as file:
-            reader = make_reader(file)
-            records = list(reader.iter_messages())
-        with path.open("wb") as file:
-            writer = Writer(file)
-            writer.start(profile="ros2", library="test")
-            schemas, channels = {}, {}
-            for schema, channel, message in records:
-                if schema.id not in schemas:
-                    schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
-                if channel.id not in channels:
-                    channels[channel.id] = writer.register_channel(channel.topic, "cdr", schemas[schema.id])
-                data = change(channel.topic, message.data)
-                writer.add_message(channels[channel.id], message.log_time, data, message.publish_time)
-            writer.finish()
-
-    return edited
-
-
 def with_other_doubles(topic, change):
     """The last 24 numbers of a message, as doubles."""
 
@@ -157,7 +132,7 @@ def with_other_doubles(topic, change):
         numbers = np.frombuffer(data[-24 * 8 :]).copy()
         return data[: -24 * 8] + change(numbers).tobytes()
 
-    return in_messages(changed)
+    return in_messages("mcap/recording.mcap", changed)
 
 
 FAULTS = {

@@ -13,6 +13,7 @@ import numpy as np
 import plyfile
 import pytest
 import rasterio
+from messages import in_messages
 from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "interop/truth"))
@@ -298,6 +299,23 @@ def widen(bands, _):
     return bands
 
 
+def in_grid_map(change):
+    return in_messages("elevation_0.mcap", lambda _, data: change(data))
+
+
+def shift_grid_map(data):
+    """The place of the middle along x follows the head, the header and the sides: 4, 16 and 24 bytes."""
+    (x,) = np.frombuffer(data[44:52])
+    return data[:44] + np.float64(x + 0.1).tobytes() + data[52:]
+
+
+def smooth_grid_map(data):
+    """Roughness is the last of six layers; behind it are the indices of the start, of four bytes."""
+    count = len(data) // 6 // 4 // 2
+    numbers = np.frombuffer(data[-4 - 4 * count : -4], dtype=np.float32)
+    return data[: -4 - 4 * count] + (numbers / 2).tobytes() + data[-4:]
+
+
 FAULTS = {
     "a floor too high": (in_arrays(raise_floor), "columns are not what rays meet"),
     "a ceiling too low": (in_arrays(lower_ceiling), "columns are not what rays meet"),
@@ -318,6 +336,8 @@ FAULTS = {
     "a raster elsewhere": (in_raster(shift_raster), "another floor"),
     "bands swapped": (in_raster(swap_bands), "another floor"),
     "a raster that is everywhere": (in_raster(widen), "has other cells"),
+    "messages elsewhere": (in_grid_map(shift_grid_map), "elevation_0.mcap: another floor"),
+    "smooth messages": (in_grid_map(smooth_grid_map), "elevation_0.mcap: another roughness"),
 }
 
 FAULTS_OF_GRIDS = {

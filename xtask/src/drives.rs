@@ -107,13 +107,19 @@ fn drive(caves: &[Cave], folder: &Path, results: &Path) -> Result<()> {
     let plume = Plume::build(Profile::Release)?;
     let driven = driven(results)?;
     let left = Mutex::new(caves.iter());
-    let next = || left.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let left = || left.lock().unwrap_or_else(PoisonError::into_inner);
+    let next = || left().next();
+    // Nobody waits for hours to be told.
+    let give_up = |error: String| {
+        *left() = [].iter();
+        error
+    };
     let drive_some = || -> Result<()> {
         while let Some(cave) = next() {
             let is_new = |judge: &Judge| !driven.contains(&(cave.name.clone(), judge.robot.to_owned()));
             let judges: Vec<Judge> = JUDGES.into_iter().filter(is_new).collect();
             if !judges.is_empty() {
-                cave.drive(&plume, &folder.join(&cave.name), &judges, results)?;
+                cave.drive(&plume, &folder.join(&cave.name), &judges, results).map_err(give_up)?;
             }
         }
         Ok(())

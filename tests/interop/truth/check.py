@@ -8,7 +8,8 @@ Floor, maps and rasters:
   says, and nowhere else is there air that it does not list.
 - Slope, roughness and step are those of a plane fitted by NumPy.
 - A storey is connected, and no cell of it is over another; beyond its border there is nothing onto which the robot could drive.
-- Each raster, read by rasterio, has the numbers of its storey at their places, and no others.
+- Each raster, read by rasterio, has the numbers of its storey at their places, and no others; so have the messages of grid_map, decoded
+  by their own definition, where rows go down from the largest x and columns from the largest y.
 - Each map, read by the formula of the map server of Nav2, is free exactly where its storey is, and occupied only beside that.
 
 `grids.py` checks voxels and distances, `clouds.py` points, `topology.py` the network and its survey, `tasks.py` lengths of ways and
@@ -28,6 +29,8 @@ import topology
 import trimesh
 import yaml
 from failure import Failure, require
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 from PIL import Image
 from scipy.ndimage import binary_dilation
 from scipy.sparse import coo_matrix
@@ -48,6 +51,7 @@ SEEN_M = 0.3
 ROUNDING_M = 1e-5
 # Bands of a raster.
 BANDS = ("floor", "ceiling", "headroom", "slope", "step", "roughness")
+LAYERS = ["elevation", *BANDS[1:]]
 
 
 class Floor:
@@ -80,6 +84,7 @@ def verify(package):
     for storey in told["storeys"]:
         check_map(floor, package / storey["map"], storey)
         check_raster(floor, package / storey["elevation"], storey)
+        check_grid_map(floor, package / storey["grid_map"], storey)
     found = [grids.verify(package, world, told["reach_m"]), clouds.verify(package, world)]
     found += [topology.verify(package, mesh), tasks.verify(package, floor)]
     free = np.isin(floor.storey, [storey["storey"] for storey in told["storeys"]]).sum() * floor.side_m**2
@@ -246,18 +251,56 @@ def check_map(floor, path, storey):
 
 def check_raster(floor, path, storey):
     """Each band at the place of each cell, found by the transform of the file."""
-    own = floor.storey == storey["storey"]
-    expected = (floor.z, floor.z + floor.headroom, floor.headroom, floor.slope, floor.step, floor.roughness)
     with rasterio.open(path) as raster:
         require(raster.descriptions == BANDS, f"{path.name} has the bands {raster.descriptions}")
-        rows, columns = rasterio.transform.rowcol(raster.transform, *floor.centre_m[own].T)
-        bands = raster.read()
-    require(
-        (np.isfinite(bands[0]).sum(), bands.shape[0]) == (own.sum(), len(BANDS)),
-        f"{path.name} has other cells than {own.sum()}",
-    )
-    for band, name, values in zip(bands, BANDS, expected, strict=True):
-        found = band[rows, columns]
+        transform, bands = raster.transform, raster.read()
+
+    def at(centres_m):
+        rows, columns = rasterio.transform.rowcol(transform, *centres_m.T)
+        return bands[:, rows, columns]
+
+    check_values(floor, path, storey, np.isfinite(bands[0]).sum(), at)
+
+
+def check_grid_map(floor, path, storey):
+    """Each layer at the place of each cell, found by the geometry of the messages."""
+    with path.open("rb") as file:
+        maps = [map_ for *_, map_ in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()]
+    require(len(maps) > 0, f"{path.name} has no message")
+    layers = [layers_of(map_, path) for map_ in maps]
+
+    def at(centres_m):
+        found = np.full((len(LAYERS), len(centres_m)), np.nan)
+        for map_, values in zip(maps, layers, strict=True):
+            middle = np.array([map_.info.pose.position.x, map_.info.pose.position.y])
+            corner = middle + np.array([map_.info.length_x, map_.info.length_y]) / 2
+            rows, columns = np.floor((corner - centres_m) / map_.info.resolution).astype(int).T
+            here = (rows >= 0) & (rows < values.shape[1]) & (columns >= 0) & (columns < values.shape[2])
+            found[:, here] = values[:, rows[here], columns[here]]
+        return found
+
+    check_values(floor, path, storey, sum(np.isfinite(values[0]).sum() for values in layers), at)
+
+
+def layers_of(map_, path):
+    """The numbers of a message by layer, row and column."""
+    require((map_.layers, map_.basic_layers) == (LAYERS, LAYERS[:1]), f"{path.name} has the layers {map_.layers}")
+    require((map_.outer_start_index, map_.inner_start_index) == (0, 0), f"{path.name} does not begin at its start")
+    sides = [map_.info.length_x, map_.info.length_y]
+    rows, columns = np.round(np.array(sides) / map_.info.resolution).astype(int)
+    expected = [("column_index", columns, rows * columns), ("row_index", rows, rows)]
+    for array in map_.data:
+        found = [(one.label, one.size, one.stride) for one in array.layout.dim]
+        require(found == expected and array.layout.data_offset == 0, f"{path.name} has the dimensions {found}")
+    return np.array([np.reshape(array.data, (columns, rows)).T for array in map_.data])
+
+
+def check_values(floor, path, storey, count, at):
+    """As many numbers as the storey has cells, and at each what the floor says."""
+    own = floor.storey == storey["storey"]
+    require(count == own.sum(), f"{path.name} has other cells than {own.sum()}")
+    expected = (floor.z, floor.z + floor.headroom, floor.headroom, floor.slope, floor.step, floor.roughness)
+    for name, found, values in zip(BANDS, at(floor.centre_m[own]), expected, strict=True):
         require(np.allclose(found, values[own], rtol=0, atol=1e-6, equal_nan=True), f"{path.name}: another {name}")
 
 
