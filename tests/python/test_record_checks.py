@@ -120,6 +120,7 @@ def columns(*order):
     return lambda rows: rows[:, order]
 
 
+RECORDING = "mcap/recording.mcap"
 STATES = "euroc/mav0/state_groundtruth_estimate0/data.csv"
 
 
@@ -132,7 +133,7 @@ def with_other_doubles(topic, change):
         numbers = np.frombuffer(data[-24 * 8 :]).copy()
         return data[: -24 * 8] + change(numbers).tobytes()
 
-    return in_messages("mcap/recording.mcap", changed)
+    return in_messages(RECORDING, changed)
 
 
 FAULTS = {
@@ -158,7 +159,7 @@ FAULTS = {
     "an IMU in degrees": in_rows("euroc/mav0/imu0/data.csv", lambda rows: rows * [1, 57.3, 57.3, 57.3, 1, 1, 1], ","),
     "an IMU message without gravity": with_other_doubles("/imu", lambda numbers: numbers - np.eye(24)[14] * 9.81),
     "an image message that is dark": in_messages(
-        lambda topic, data: data[:-30000] + bytes(30000) if topic == "/left/image_raw" else data
+        RECORDING, lambda topic, data: data[:-30000] + bytes(30000) if topic == "/left/image_raw" else data
     ),
     "a lidar that stands still": still,
     "scans in another order": swap("kitti/sequences/00/velodyne/000000.bin", "kitti/sequences/00/velodyne/000001.bin"),
