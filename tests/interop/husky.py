@@ -27,6 +27,9 @@ class Husky:
 
     def __init__(self, position, rotation=(0, 0, 0, 1)):
         p.setTimeStep(STEP_S)
+        # Its cone of friction holds wheels sideways that only skid ahead: a Husky rolled on instead of turning on the spot. Without,
+        # `drives/limits.py` agrees better with MuJoCo.
+        p.setPhysicsEngineParameter(enableConeFriction=0)
         p.setAdditionalSearchPath(pybullet_data.getDataPath())
         self.body = p.loadURDF("husky/husky.urdf", list(position), list(rotation))
         self.joints = {
