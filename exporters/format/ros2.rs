@@ -50,6 +50,7 @@ pub const POSE: Kind = Kind {
     fields: "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
     parts: &[],
 };
+
 /// A message that is being encoded: its head, then what follows it.
 pub struct Cdr(Vec<u8>);
 

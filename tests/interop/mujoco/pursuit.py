@@ -4,9 +4,8 @@ import numpy as np
 
 SPEED_M_S = 0.5
 TURN_GAIN = 3.0  # rad/s for each rad off course; tuned: skidding wheels turn less than they are told
-TURN_MOST_RAD_S = 1.5
+TURN_MOST_RAD_S = 1.5  # also on the spot: slowly, wheels that skid do not turn it at all
 SPOT_RAD = 0.35  # further off course it stops to turn: a tank pivots on inner wheels that all but stand still no longer
-SPOT_RAD_S = TURN_MOST_RAD_S  # slowly, wheels that skid do not turn it at all
 AHEAD_RAD = 0.1  # and until it is as near to its course: otherwise it dithers between both, and slips down slopes
 CONTROL_S = 0.1
 STUCK_S = 10.0
@@ -26,7 +25,7 @@ class Pursuit:
         off_course_rad = np.arctan2(away @ left, away @ ahead)
         self.is_turning = abs(off_course_rad) > (AHEAD_RAD if self.is_turning else SPOT_RAD)
         if self.is_turning:
-            self.robot.steer(0, np.copysign(SPOT_RAD_S, off_course_rad))
+            self.robot.steer(0, np.copysign(TURN_MOST_RAD_S, off_course_rad))
         else:
             turn_rad_s = np.clip(TURN_GAIN * off_course_rad, -TURN_MOST_RAD_S, TURN_MOST_RAD_S)
             self.robot.steer(SPEED_M_S * np.cos(off_course_rad) ** 2, turn_rad_s)
