@@ -51,6 +51,7 @@ mod floors;
 mod grids;
 mod habitat;
 mod layer;
+mod sheet;
 mod table;
 mod tasks;
 mod topology;
@@ -61,7 +62,7 @@ pub const ROW: TargetRow = TargetRow {
     name: "truth",
     summary: "ground truth for robots: floor, occupancy maps, OctoMap, distances, point clouds, elevation, with labels; network, survey, geodesics and tasks",
     revision: 2,
-    opened_by: "NumPy, the map server and grid_map of ROS 2 (Nav2), OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL, QGIS, networkx, Survex and Habitat",
+    opened_by: "NumPy, Nav2, grid_map for ROS 2, OctoMap, PCL, Open3D, CloudCompare, PDAL, GDAL, QGIS, networkx, Survex and Habitat",
     contents: "floor height, headroom, slope, step and roughness per cell as NumPy arrays, as GeoTIFF and as messages of grid_map; PNG and YAML of an occupancy map per storey; an OctoMap; labels and signed distances of voxels; labelled points as PCD, PLY and LAS; for a robot, the network of passages as GraphML and Survex, geodesics, PointNav episodes, lists to search for, coverage",
     tested_by: "NumPy, Pillow and PyYAML by the formulas of Nav2, the OctoMap library, pypcd4, plyfile, laspy, rasterio, mcap-ros2-support, networkx, Survex and SciPy, against rays through the triangles of target `ply` (trimesh) and distances from them (libigl)",
     checks: &["truth"],

@@ -1,24 +1,19 @@
-//! The files of the floor: arrays, and for each storey a map and a raster.
+//! The files of the floor: arrays, and for each storey a map, a raster and messages.
 
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::ops::Range;
 use std::path::Path;
 
-use plume_truth::{Floor, Gap, OccupancyMap, Relief, State, Storeys};
+use plume_truth::{Floor, Gap, OccupancyMap, State, Storeys};
 use png::{BitDepth, ColorType, Encoder};
 use serde::Serialize;
 
+use super::sheet::Sheet;
 use super::table::{Entry, Table};
 use super::{Part, TruthSettings};
 use crate::error::ExportError;
-use crate::format::geotiff::{self, Raster};
 use crate::format::npy::Archive;
-use crate::format::ros2::{Bag, GridMap, Message};
 use crate::package::Package;
-
-/// Most cells along either axis in a message, so that none is larger than 6 MB.
-const TILE: usize = 512;
 
 /// What is known about a storey.
 #[derive(Serialize)]
@@ -75,6 +70,7 @@ impl Floors<'_> {
         out: &mut dyn Package,
     ) -> Result<Storey, ExportError> {
         let map = OccupancyMap::of(self.floor, self.storeys, storey);
+        let sheet = Sheet { floor: self.floor, storeys: self.storeys, storey, map: &map };
         let mut listed = Storey { storey, area_m2, floor_m: map.floor_m, map: None, elevation: None, grid_map: None };
         if self.settings.files.contains(&Part::Maps) {
             let name = format!("map_{number}");
@@ -85,14 +81,14 @@ impl Floors<'_> {
         }
         if self.settings.files.contains(&Part::Elevation) {
             let path = format!("elevation_{number}.tif");
-            self.write_raster(&path, storey, &map, scratch, out)?;
+            sheet.write_raster(&path, scratch, out)?;
             let content = "raster of a storey: floor, ceiling, headroom, slope, step, roughness";
             table.add(Entry::of_cells(path.clone(), content, "m, rad", map.cell_m));
             listed.elevation = Some(path);
         }
         if self.settings.files.contains(&Part::GridMap) {
             let path = format!("elevation_{number}.mcap");
-            self.write_grid_map(&path, storey, &map, scratch, out)?;
+            sheet.write_grid_map(&path, scratch, out)?;
             let content = "the same as messages of grid_map";
             table.add(Entry::of_cells(path.clone(), content, "m, rad", map.cell_m));
             listed.grid_map = Some(path);
@@ -116,123 +112,6 @@ impl Floors<'_> {
         archive.add("storey", &count, self.storeys.of.iter().map(storey))?;
         archive.finish()
     }
-
-    /// Writes the numbers of a storey on the cells of its map.
-    fn write_raster(
-        &self,
-        path: &str,
-        storey: u16,
-        map: &OccupancyMap,
-        scratch: &Path,
-        out: &mut dyn Package,
-    ) -> Result<(), ExportError> {
-        let OccupancyMap { cell_m, origin_m: [x, y], size: [width, height], .. } = *map;
-        let corner_m = [x, y + height as f64 * cell_m];
-        let raster = Raster {
-            size: [width as u32, height as u32],
-            corner_m,
-            cell_m,
-            bands: &BANDS.map(|band| (band.name, band.unit)),
-        };
-        out.write_by(scratch, path, |file| {
-            geotiff::write(file, &raster, |rows| self.bands(storey, map, rows)).map_err(|error| named(path, error))
-        })
-    }
-
-    /// The numbers of some rows of a storey, from the highest y, for each of [`BANDS`].
-    fn bands(&self, storey: u16, map: &OccupancyMap, rows: Range<u32>) -> Vec<Vec<f32>> {
-        let [width, height] = map.size;
-        let cells = rows.flat_map(|row| (0..width).map(move |column| [column, height - 1 - row as usize]));
-        let numbers: Vec<Option<usize>> = cells.map(|cell| self.at(storey, map, cell)).collect();
-        let of = |band: &Band| numbers.iter().map(|number| self.value(band, *number)).collect();
-        BANDS.iter().map(of).collect()
-    }
-
-    /// Writes the numbers of a storey as messages, each of a part of its map.
-    fn write_grid_map(
-        &self,
-        path: &str,
-        storey: u16,
-        map: &OccupancyMap,
-        scratch: &Path,
-        out: &mut dyn Package,
-    ) -> Result<(), ExportError> {
-        let firsts = |axis: usize| (0..map.size[axis]).step_by(TILE);
-        out.write_by(scratch, path, |file| {
-            let mut bag = Bag::create(file)?;
-            for first in firsts(0).flat_map(|x| firsts(1).map(move |y| [x, y])) {
-                if let Some(data) = self.tile(storey, map, first) {
-                    let topic = "/elevation".to_owned();
-                    bag.write(Message { topic, kind: &GridMap::KIND, time_ns: 0, data, is_latched: true })?;
-                }
-            }
-            Ok(bag.finish()?)
-        })
-    }
-
-    /// The message of a part of a map that begins at a cell; `None` if the storey is not there.
-    fn tile(&self, storey: u16, map: &OccupancyMap, first: [usize; 2]) -> Option<Vec<u8>> {
-        let [width, height] = [0, 1].map(|axis| TILE.min(map.size[axis] - first[axis]));
-        let cells = (0..height).flat_map(|y| (0..width).map(move |x| [first[0] + x, first[1] + y]));
-        let numbers: Vec<Option<usize>> = cells.map(|cell| self.at(storey, map, cell)).collect();
-        numbers.iter().find_map(|number| *number)?;
-        let middle =
-            |axis: usize, count: usize| map.origin_m[axis] + (first[axis] as f64 + count as f64 / 2.0) * map.cell_m;
-        let grid = GridMap {
-            frame: "map",
-            cell_m: map.cell_m,
-            middle_m: [middle(0, width), middle(1, height)],
-            size: [width, height],
-            layers: &BANDS.map(|band| band.layer),
-        };
-        Some(grid.encode(|layer, [x, y]| self.value(&BANDS[layer], numbers[y * width + x])))
-    }
-
-    /// The number of the floor of a storey at a cell of its map.
-    fn at(&self, storey: u16, map: &OccupancyMap, cell: [usize; 2]) -> Option<usize> {
-        let first = |axis: usize| (map.origin_m[axis] / map.cell_m).round() as i32;
-        let cell = [0, 1].map(|axis| first(axis) + cell[axis] as i32);
-        self.floor.over(cell).find(|number| self.storeys.of[*number] == Some(storey))
-    }
-
-    /// What a band says of a cell; NaN where there is no floor.
-    fn value(&self, band: &Band, number: Option<usize>) -> f32 {
-        number.map_or(f32::NAN, |number| (band.value)(&self.floor.cells()[number], &self.floor.reliefs()[number]))
-    }
-}
-
-/// What rasters and messages say of a cell.
-#[derive(Clone, Copy)]
-struct Band {
-    name: &'static str,
-    /// Its name in messages, where the floor is called as programs for grid_map do.
-    layer: &'static str,
-    unit: &'static str,
-    value: fn(&Gap, &Relief) -> f32,
-}
-
-impl Band {
-    const fn new(name: &'static str, unit: &'static str, value: fn(&Gap, &Relief) -> f32) -> Self {
-        Self { name, layer: name, unit, value }
-    }
-}
-
-static BANDS: [Band; 6] = [
-    Band { layer: "elevation", ..Band::new("floor", "m", |gap, _| gap.floor_m) },
-    Band::new("ceiling", "m", |gap, _| gap.ceiling_m),
-    Band::new("headroom", "m", |gap, _| gap.height_m()),
-    Band::new("slope", "rad", |_, relief| relief.slope_rad),
-    Band::new("step", "m", |_, relief| relief.step_m),
-    Band::new("roughness", "m", |_, relief| relief.roughness_m),
-];
-
-/// The error of the system, or that of the format, with the file.
-fn named(path: &str, error: tiff::TiffError) -> ExportError {
-    let error = match error {
-        tiff::TiffError::IoError(error) => error,
-        other => std::io::Error::other(other),
-    };
-    crate::error::at(path, &error).into()
 }
 
 /// A map in the greys that the map server of ROS writes and reads, its first row at the top.

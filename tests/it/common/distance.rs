@@ -31,44 +31,55 @@ impl Distances {
     }
 }
 
+/// Least side in metres of the cubes by which triangles are found: with smaller ones each triangle is in hundreds.
+const LEAST_SIDE_M: f64 = 0.1;
+
 /// The triangles of a mesh by the cubes of space they touch, for distances up to a reach.
 pub struct Near {
     triangles: Vec<[Point; 3]>,
+    /// Lowest and highest coordinates of each.
+    bounds: Vec<[Point; 2]>,
     cubes: HashMap<[i64; 3], Vec<usize>>,
+    side: f64,
     reach: f64,
 }
 
 impl Near {
     /// Of a mesh, with a reach in metres.
     pub fn new(mesh: &Mesh, reach: f64) -> Self {
+        let side = reach.max(LEAST_SIDE_M);
         let triangles: Vec<_> = mesh.triangles.iter().map(|&t| corners(mesh, t)).collect();
+        let bounds: Vec<_> = triangles.iter().map(|[a, b, c]| [a.inf(b).inf(c), a.sup(b).sup(c)]).collect();
         let mut cubes: HashMap<_, Vec<usize>> = HashMap::new();
-        for (index, triangle) in triangles.iter().enumerate() {
-            let end = |pick: fn(f64, f64) -> f64, margin: f64| -> [i64; 3] {
-                std::array::from_fn(|i| {
-                    let [a, b, c] = triangle.map(|p| p[i]);
-                    ((pick(a, pick(b, c)) + margin) / reach).floor() as i64
-                })
-            };
-            let (low, high) = (end(f64::min, -reach), end(f64::max, reach));
-            for x in low[0]..=high[0] {
-                for y in low[1]..=high[1] {
-                    for z in low[2]..=high[2] {
+        for (index, [low, high]) in bounds.iter().enumerate() {
+            let first = low.map(|c| ((c - reach) / side).floor() as i64);
+            let last = high.map(|c| ((c + reach) / side).floor() as i64);
+            for x in first.x..=last.x {
+                for y in first.y..=last.y {
+                    for z in first.z..=last.z {
                         cubes.entry([x, y, z]).or_default().push(index);
                     }
                 }
             }
         }
-        Self { triangles, cubes, reach }
+        Self { triangles, bounds, cubes, side, reach }
     }
 
     /// The distance of a point in metres; the reach, if it is further.
     pub fn distance(&self, point: Point) -> f64 {
-        let cube = std::array::from_fn(|i| (point[i] / self.reach).floor() as i64);
+        let cube = std::array::from_fn(|i| (point[i] / self.side).floor() as i64);
         let near = self.cubes.get(&cube).map(Vec::as_slice).unwrap_or_default();
-        let distances = near.iter().map(|&t| distance_to_triangle(point, self.triangles[t]));
-        distances.fold(self.reach, f64::min)
+        near.iter().fold(self.reach, |least, &index| {
+            if distance_to_box(point, self.bounds[index]) >= least {
+                return least;
+            }
+            least.min(distance_to_triangle(point, self.triangles[index]))
+        })
     }
+}
+
+fn distance_to_box(point: Point, [low, high]: [Point; 2]) -> f64 {
+    (low - point).sup(&(point - high)).sup(&Point::zeros()).norm()
 }
 
 /// The corners of a triangle in metres.
