@@ -4,6 +4,7 @@
 
 mod certify;
 mod check;
+mod dataset;
 mod export;
 mod fault;
 mod flight;
@@ -135,6 +136,8 @@ enum Command {
     Preview(preview::Preview),
     /// Record what sensors on a body measure along a path through a cave
     Record(record::Record),
+    /// Make many caves from one specification, for training and benchmarks
+    Dataset(dataset::Dataset),
     /// Print a commented recipe to start from
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
@@ -160,6 +163,7 @@ impl Command {
     fn usd_target(&self) -> Option<&'static str> {
         match self {
             Self::Export(export) => export.usd_target(),
+            Self::Dataset(dataset) => dataset.usd_target(),
             _ => None,
         }
     }
@@ -174,15 +178,20 @@ impl Command {
 pub enum Host {
     /// The `plume` binary, which has no Python inside: for USD it hands over to the other.
     Binary,
-    /// The `plume` command of the Python package, with its USD library.
-    Python(Arc<dyn Library>),
+    /// The `plume` command of the Python package.
+    Python {
+        /// Its USD library.
+        library: Arc<dyn Library>,
+        /// The interpreter: `sys.executable`, which knows its environment, as the program of the process may not.
+        interpreter: PathBuf,
+    },
 }
 
 impl Host {
     fn library(&self) -> Option<&Arc<dyn Library>> {
         match self {
             Self::Binary => None,
-            Self::Python(library) => Some(library),
+            Self::Python { library, .. } => Some(library),
         }
     }
 }
@@ -269,6 +278,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
         Command::Preview(preview) => preview.run(console),
         Command::Record(record) => record.run(console),
+        Command::Dataset(dataset) => dataset.run(console, host),
         Command::New(new) => new.run(console),
         Command::Schema => console.result(&format!("{:#}\n", plume::recipe::editor_schema())),
         Command::List(list) => list.run(console),

@@ -93,14 +93,22 @@ pub fn fault(error: &CliError) {
 
 impl Console {
     fn start_bar(&self, prefix: &'static str, total: usize) {
+        self.start_bar_at(prefix, total, 0);
+    }
+
+    /// Starts a progress bar of which some is done.
+    pub fn start_bar_at(&self, prefix: &'static str, total: usize, done: usize) {
         let bar = if self.quiet || !io::stderr().is_terminal() {
             ProgressBar::hidden()
         } else {
             ProgressBar::new(total as u64)
         };
-        let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {eta}");
+        let style = ProgressStyle::with_template("  {prefix:9} {bar:32} {pos}/{len} {per_sec} {eta}");
         bar.set_style(style.expect("the template is a constant"));
         bar.set_prefix(prefix);
+        bar.set_position(done as u64);
+        // What was done before says nothing about the rate.
+        bar.reset_eta();
         // A steady tick takes a thread, which a hidden bar does not need.
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(200));
@@ -110,7 +118,8 @@ impl Console {
         }
     }
 
-    fn advance_bar(&self) {
+    /// Advances the progress bar.
+    pub fn advance_bar(&self) {
         if let Some((bar, _)) = self.bar.lock().ok().as_deref().and_then(Option::as_ref) {
             bar.inc(1);
         }

@@ -12,6 +12,7 @@ mod read;
 mod schema;
 mod world;
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -232,6 +233,15 @@ impl Recipe {
         &self.output
     }
 
+    /// The range of a number, such as that of `mesh.voxel_m`, for the chosen generator and rock; `None` if there is no such number.
+    pub fn range(&self, key: &str) -> Option<RangeInclusive<f64>> {
+        let (section, name) = key.split_once('.')?;
+        let schema = &schema::of(&self.resolved)["properties"][section]["properties"][name];
+        let is_number = ["integer", "number"].iter().any(|kind| schema["type"] == *kind);
+        let end = |name: &str, without: f64| schema[name].as_f64().unwrap_or(without);
+        is_number.then(|| end("minimum", f64::NEG_INFINITY)..=end("maximum", f64::INFINITY))
+    }
+
     /// The recipe as commented TOML that reads back as itself.
     pub fn to_toml(&self) -> String {
         print::commented(&schema::of(&self.resolved), &self.resolved)
@@ -333,6 +343,14 @@ pub fn from_toml<T: DeserializeOwned + JsonSchema>(text: &str, file: &Path) -> R
     check::against(&schema, &draft)?;
     serde_json::from_value(schema::filled(&schema, &draft.value))
         .map_err(|error| draft.fault("file", error.to_string()))
+}
+
+/// A fault of a key in a TOML file that no schema can express.
+pub fn fault_in(text: &str, file: &Path, key: &str, message: &str) -> Faults {
+    match read::toml(text, file) {
+        Ok(draft) => draft.fault(key, message.to_owned()),
+        Err(faults) => faults,
+    }
 }
 
 /// Whether a TOML file has a key at its top.

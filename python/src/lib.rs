@@ -21,6 +21,7 @@ mod usd;
 mod work;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use plume_cli::Host;
@@ -30,7 +31,9 @@ use crate::usd::UsdCore;
 
 #[pymodule]
 mod _plume {
-    use super::{Arc, Bound, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, UsdCore, pyfunction};
+    use super::{
+        Arc, Bound, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, UsdCore, interpreter, pyfunction,
+    };
 
     #[pymodule_export]
     use super::cave::Cave;
@@ -63,7 +66,12 @@ mod _plume {
     /// Runs a command line, `plume` first, and returns its exit code. Takes over Ctrl-C, SIGTERM and SIGHUP, so it is
     /// meant for the process of the command.
     #[pyfunction]
-    fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-        py.detach(|| plume_cli::run(arguments, &Host::Python(Arc::new(UsdCore::default()))))
+    fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
+        let host = Host::Python { library: Arc::new(UsdCore::default()), interpreter: interpreter(py)? };
+        Ok(py.detach(|| plume_cli::run(arguments, &host)))
     }
+}
+
+fn interpreter(py: Python<'_>) -> PyResult<PathBuf> {
+    py.import("sys")?.getattr("executable")?.extract()
 }

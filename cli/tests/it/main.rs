@@ -7,6 +7,7 @@ mod cave_folder;
 mod certify;
 mod cli;
 mod command;
+mod dataset;
 mod external;
 mod handover;
 mod measure;

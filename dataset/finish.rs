@@ -1,0 +1,104 @@
+//! What stands at the top of a dataset once its caves are made: index, card, contact sheet, sums.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use plume::cave::CaveError;
+use plume::pipeline::Observer;
+use plume_disk::sealed::sha256;
+use serde_json::Value;
+
+use crate::card::card;
+use crate::folder::{DATASET, Folder};
+use crate::index::{self, Failure};
+use crate::item::{RECORD, Record};
+use crate::local::Answer;
+use crate::plan::Plan;
+use crate::sheet::sheet;
+
+/// Sums of all files.
+pub const SUMS: &str = "SHA256SUMS";
+/// CPU seconds.
+pub const COSTS: &str = "costs.csv";
+
+/// What a dataset came to.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Number of caves in it.
+    pub caves: usize,
+    /// Those that are not, by number.
+    pub failures: Vec<Failure>,
+    /// How many of them this run has made.
+    pub made: usize,
+    /// CPU seconds that these took.
+    pub cpu_s: f64,
+}
+
+/// Writes what stands at the top of a dataset. `faults` says why caves are missing, by their numbers.
+///
+/// # Errors
+/// If a record is damaged, the disk fails, or work was stopped.
+pub fn finish(
+    plan: &Plan,
+    folder: &Folder,
+    faults: &BTreeMap<usize, String>,
+    observer: &dyn Observer,
+) -> Result<Outcome, CaveError> {
+    let (mut records, mut failures) = (Vec::new(), Vec::new());
+    for number in 0..plan.len() {
+        if folder.has(number) {
+            records.push(folder.record(number)?);
+        } else {
+            let fault = faults.get(&number).map_or("was not made", String::as_str).to_owned();
+            failures.push(Failure { item: number, seed: plan.item(number).seed, fault });
+        }
+    }
+    let mut files = sums_of(folder, &records)?;
+    let records = index::without_leaks(records, &mut failures);
+    let rows: Vec<_> = records.iter().map(|record| index::row(plan, record)).collect();
+    let failed: Vec<_> = failures.iter().map(Failure::row).collect();
+    let json: Value = rows.iter().cloned().map(Value::Object).collect();
+    let sheet = sheet(plan, &records, observer)?;
+    let card = card(plan, &rows, &failures, sheet.is_some());
+    let top = [
+        ("README.md", Some(card.into_bytes())),
+        ("failed.csv", Some(index::csv(&failed)?)),
+        ("index.csv", Some(index::csv(&rows)?)),
+        ("index.json", Some(format!("{json:#}\n").into_bytes())),
+        ("sheet.png", sheet),
+    ];
+    for (name, bytes) in top {
+        if let Some(bytes) = bytes {
+            folder.write(name, &bytes)?;
+            files.push((name.to_owned(), sha256(&bytes)));
+        }
+    }
+    files.sort();
+    let sums: String = files.into_iter().map(|(path, sum)| format!("{sum}  {path}\n")).collect();
+    folder.write(SUMS, sums.as_bytes())?;
+    Ok(Outcome { caves: records.len(), failures, made: 0, cpu_s: 0.0 })
+}
+
+/// Adds what caves took to what earlier runs have told.
+///
+/// # Errors
+/// I/O errors.
+pub fn note_costs(folder: &Folder, answers: &[Answer]) -> Result<(), CaveError> {
+    let path = folder.root().join(COSTS);
+    let mut text = std::fs::read_to_string(path).unwrap_or_else(|_| "item,cpu_s\n".to_owned());
+    for answer in answers.iter().filter(|answer| answer.fault.is_none()) {
+        let _ = writeln!(text, "{},{:.3}", answer.item, answer.cpu_s);
+    }
+    folder.write(COSTS, text.as_bytes())
+}
+
+/// The sums of the files of caves, also of those that are left out of the index.
+fn sums_of(folder: &Folder, records: &[Record]) -> Result<Vec<(String, String)>, CaveError> {
+    let mut sums = vec![(DATASET.to_owned(), sha256(&folder.read(DATASET)?))];
+    for record in records {
+        let at = format!("items/{:06}", record.item);
+        sums.extend(record.files.iter().map(|file| (format!("{at}/{}", file.path), file.sha256.clone())));
+        sums.push((format!("{at}/{RECORD}"), sha256(&folder.read(&format!("{at}/{RECORD}"))?)));
+    }
+    Ok(sums)
+}
