@@ -1,16 +1,15 @@
 //! `plume dataset`: many caves from one specification.
 
-use std::ffi::OsStr;
+use std::ffi::OsString;
 use std::io::BufReader;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::{env, io, thread};
 
 use clap::Args;
 use cpu_time::ProcessTime;
 use plume::pipeline::Observer;
-use plume_dataset::local::{self, Answer};
+use plume_dataset::local::{self, Answer, Worker};
 use plume_dataset::{Outcome, Plan, Watch, item, run};
 use serde_json::{Value, json};
 
@@ -50,14 +49,15 @@ impl Dataset {
             return serve(&plan, &root, console, host);
         }
         plan.targets(host.library())?;
-        let binary = env::current_exe().map_err(|error| CliError::Failed(format!("cannot find plume: {error}")))?;
-        let program: &[&OsStr] = match host {
-            Host::Binary => &[binary.as_os_str()],
-            Host::Python { interpreter, .. } => &[interpreter.as_os_str(), "-m".as_ref(), "plume".as_ref()],
+        let worker = Worker {
+            program: program(host)?,
+            spec: self.spec.clone(),
+            root: root.clone(),
+            allows_programs: console.allows_programs(),
+            allows_outside_files: console.allows_outside_files(),
         };
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        let workers = self.workers.map_or(cores, usize::from);
-        let outcome = run(&plan, &root, workers, || self.worker(program, &root, console), console)?;
+        let outcome = run(&plan, &worker, self.workers.map_or(cores, usize::from), console)?;
         told(console, &root, &outcome)
     }
 
@@ -65,20 +65,15 @@ impl Dataset {
     pub fn usd_target(&self) -> Option<&'static str> {
         Plan::usd_target(&self.spec)
     }
+}
 
-    /// The command line of a worker; `program` is that of this process.
-    fn worker(&self, program: &[&OsStr], root: &Path, console: &Console) -> Command {
-        let mut command = Command::new(program[0]);
-        command.args(&program[1..]).arg("dataset").arg(&self.spec).arg("--output").arg(root);
-        command.args(["--worker", "--quiet", "--threads", "1"]);
-        if console.allows_programs() {
-            command.arg("--allow-run");
-        }
-        if console.allows_outside_files() {
-            command.arg("--allow-outside");
-        }
-        command
-    }
+/// The command that this process is.
+fn program(host: &Host) -> Result<Vec<OsString>, CliError> {
+    let binary = || env::current_exe().map_err(|error| CliError::Failed(format!("cannot find plume: {error}")));
+    Ok(match host {
+        Host::Binary => vec![binary()?.into_os_string()],
+        Host::Python { interpreter, .. } => vec![interpreter.into(), "-m".into(), "plume".into()],
+    })
 }
 
 /// The life of a worker.
@@ -93,7 +88,8 @@ fn serve(plan: &Plan, root: &Path, console: &Console, host: &Host) -> Result<(),
 }
 
 fn told(console: &Console, root: &Path, outcome: &Outcome) -> Result<(), CliError> {
-    let Outcome { caves, failures, made, cpu_s } = outcome;
+    let Outcome { rows, failures, made, cpu_s } = outcome;
+    let caves = rows.len();
     if console.is_json() {
         let failed: Vec<Value> =
             failures.iter().map(|failure| json!({"item": failure.item, "fault": failure.fault})).collect();

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use plume::cave::CaveError;
 use plume::pipeline::Observer;
 use plume_disk::sealed::sha256;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::card::card;
 use crate::folder::{DATASET, Folder};
@@ -24,8 +24,8 @@ pub const COSTS: &str = "costs.csv";
 /// What a dataset came to.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Number of caves in it.
-    pub caves: usize,
+    /// The index: a row for each cave in it.
+    pub rows: Vec<Map<String, Value>>,
     /// Those that are not, by number.
     pub failures: Vec<Failure>,
     /// How many of them this run has made.
@@ -76,7 +76,7 @@ pub fn finish(
     files.sort();
     let sums: String = files.into_iter().map(|(path, sum)| format!("{sum}  {path}\n")).collect();
     folder.write(SUMS, sums.as_bytes())?;
-    Ok(Outcome { caves: records.len(), failures, made: 0, cpu_s: 0.0 })
+    Ok(Outcome { rows, failures, made: 0, cpu_s: 0.0 })
 }
 
 /// Adds what caves took to what earlier runs have told.

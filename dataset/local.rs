@@ -4,7 +4,9 @@
 //! a line of JSON. It ends when its input does, so none outlives whoever asks. A worker that dies is replaced, and what it was asked
 //! for is asked for again, but not for ever.
 
+use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, ErrorKind, Write};
+use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, mpsc};
@@ -23,6 +25,36 @@ const ATTEMPTS: u32 = 3;
 const READY: &str = "ready";
 /// How often it is looked whether to stop.
 const PATIENCE: Duration = Duration::from_millis(50);
+
+/// How a worker is started.
+#[derive(Clone, Debug)]
+pub struct Worker {
+    /// The `plume` command: a program and its first arguments.
+    pub program: Vec<OsString>,
+    /// The specification.
+    pub spec: PathBuf,
+    /// The folder of the dataset.
+    pub root: PathBuf,
+    /// Whether recipes may run programs.
+    pub allows_programs: bool,
+    /// Whether surveys may include files from outside their own folder.
+    pub allows_outside_files: bool,
+}
+
+impl Worker {
+    /// Its command line.
+    ///
+    /// # Panics
+    /// If there is no program.
+    pub fn command(&self) -> Command {
+        let mut command = Command::new(&self.program[0]);
+        command.args(&self.program[1..]).arg("dataset").arg(&self.spec).arg("--output").arg(&self.root);
+        command.args(["--worker", "--quiet", "--threads", "1"]);
+        command.args(self.allows_programs.then_some("--allow-run"));
+        command.args(self.allows_outside_files.then_some("--allow-outside"));
+        command
+    }
+}
 
 /// What a worker says of a cave.
 #[derive(Debug, Serialize, Deserialize)]

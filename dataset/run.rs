@@ -1,8 +1,6 @@
 //! Makes a whole dataset: the caves that are missing, then what stands at the top.
 
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
 use plume::cave::CaveError;
@@ -11,7 +9,7 @@ use plume::pipeline::Observer;
 use crate::finish::{Outcome, finish, note_costs};
 use crate::folder::Folder;
 use crate::item;
-use crate::local::{self, Answer};
+use crate::local::{self, Answer, Worker};
 use crate::plan::Plan;
 
 /// Follows the making of a dataset.
@@ -24,18 +22,13 @@ pub trait Watch: Observer {
     fn end_caves(&self);
 }
 
-/// Makes the caves that are missing in a folder by so many processes, each of which `worker` starts; then index, card, sheet and sums.
+/// Makes the caves that are missing in the folder of the worker by so many of them; then index, card, sheet and sums.
 /// After an interruption it goes on where it was stopped.
 ///
 /// # Errors
 /// A faulty recipe; if another run works in the folder, it holds something else, the disk fails, or work was stopped.
-pub fn run(
-    plan: &Plan,
-    root: &Path,
-    workers: usize,
-    worker: impl Fn() -> Command + Sync,
-    watch: &dyn Watch,
-) -> Result<Outcome, CaveError> {
+pub fn run(plan: &Plan, worker: &Worker, workers: usize, watch: &dyn Watch) -> Result<Outcome, CaveError> {
+    let root = worker.root.as_path();
     plan.verify()?;
     let folder = Folder::open(root, plan)?;
     let missing: Vec<usize> = (0..plan.len()).filter(|number| !folder.has(*number)).collect();
@@ -45,7 +38,7 @@ pub fn run(
         answers.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
     };
     watch.begin_caves(plan.len(), plan.len() - missing.len());
-    let asked = local::ask(&missing, workers.min(missing.len()), worker, watch.stop(), &hear);
+    let asked = local::ask(&missing, workers.min(missing.len()), || worker.command(), watch.stop(), &hear);
     watch.end_caves();
     // What workers that were killed have left.
     plume_disk::sweep(&item::workshop(root));

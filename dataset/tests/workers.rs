@@ -11,8 +11,11 @@ use std::time::Duration;
 use plume::cave::CaveError;
 use plume_dataset::local::{Answer, ask};
 
+/// Caves, each with why it could not be made.
+type Heard = Vec<(usize, Option<String>)>;
+
 /// Asks workers that run this script for ten caves.
-fn asked(script: &str, stop: &AtomicBool) -> (Vec<(usize, Option<String>)>, Result<(), CaveError>) {
+fn asked(script: &str, stop: &AtomicBool) -> (Heard, Result<(), CaveError>) {
     let heard = Mutex::new(Vec::new());
     let worker = || {
         let mut command = Command::new("sh");
@@ -27,7 +30,7 @@ fn asked(script: &str, stop: &AtomicBool) -> (Vec<(usize, Option<String>)>, Resu
     (heard, result)
 }
 
-fn answers(script: &str) -> (Vec<(usize, Option<String>)>, Result<(), CaveError>) {
+fn answers(script: &str) -> (Heard, Result<(), CaveError>) {
     asked(script, &AtomicBool::new(false))
 }
 

@@ -14,6 +14,7 @@ __all__ = [
     "Chunk",
     "ChunkIterator",
     "Chunks",
+    "Dataset",
     "Graph",
     "Light",
     "Lod",
@@ -23,6 +24,7 @@ __all__ = [
     "Textures",
     "VisualMesh",
     "__version__",
+    "dataset",
     "generate",
     "generators",
     "main",
@@ -92,6 +94,42 @@ def open(folder: str | PathLike[str]) -> Cave:
 
     >>> plume.open(cave.folder).recipe == cave.recipe
     True
+    """
+
+def dataset(
+    spec: str | PathLike[str],
+    folder: str | PathLike[str] | None = None,
+    *,
+    workers: int | None = None,
+    progress: Callable[[str, int, int], object] | None = None,
+    allow_run: bool = False,
+    allow_outside: bool = False,
+) -> Dataset:
+    r"""Makes a dataset: many caves from one specification.
+
+    The same specification and version of Plume give the same bytes, for any number of workers. Ctrl-C raises KeyboardInterrupt, if
+    this is the main thread; the same call then resumes where it stopped. Caves are made by processes of this interpreter
+    (`sys.executable`).
+
+    Args:
+        spec: The path of the specification (TOML); docs/datasets.md tells its keys.
+        folder: The folder to write; by default the name of the dataset.
+        workers: Number of processes; one per core by default.
+        progress: Called from time to time as `progress("caves", done, total)`. An exception that it raises stops the work.
+        allow_run: Allow recipes to run programs, as the generator "external" does.
+        allow_outside: Allow surveys to include files from outside their own folder.
+
+    Raises:
+        RecipeError: The specification, or the recipe of a cave, is faulty.
+        StorageError: The folder contains something else, another run works in it, or the disk fails.
+
+    >>> spec = folder / "pair.toml"
+    >>> _ = spec.write_text('seeds = [1, 2]\nsheet = 0\nset = ["graph.nodes=3", "mesh.voxel_m=0.5", "texture.size_px=256"]')
+    >>> pair = plume.dataset(spec, folder / "pair")
+    >>> [(cave["seed"], cave["stations"], cave["path"]) for cave in pair.caves]
+    [(1, 3, 'items/000000'), (2, 3, 'items/000001')]
+    >>> plume.open(pair.path / pair.caves[0]["path"] / "cave").recipe.seed
+    1
     """
 
 def targets() -> dict[str, str]:
@@ -609,6 +647,20 @@ class Light:
     @property
     def range_m(self) -> float:
         """Distance beyond which it can be ignored, m."""
+
+@final
+class Dataset:
+    """A finished dataset."""
+
+    @property
+    def path(self) -> Path:
+        """Its folder."""
+    @property
+    def caves(self) -> list[dict[str, Any]]:
+        """The index: for each cave a dict of its part, seed, path, what was drawn, hashes and measures."""
+    @property
+    def failed(self) -> dict[int, str]:
+        """Why caves could not be made or are left out, by their numbers."""
 
 @final
 class Package:

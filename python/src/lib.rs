@@ -6,6 +6,7 @@
 mod array;
 mod cave;
 mod chunk;
+mod dataset;
 mod error;
 mod generator;
 mod graph;
@@ -39,6 +40,8 @@ mod _plume {
     use super::cave::Cave;
     #[pymodule_export]
     use super::chunk::{Chunk, ChunkIterator, Chunks};
+    #[pymodule_export]
+    use super::dataset::{Dataset, dataset};
     #[pymodule_export]
     use super::generator::register_generator;
     #[pymodule_export]

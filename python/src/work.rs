@@ -16,6 +16,7 @@ use std::time::Duration;
 use plume::cave::CaveError;
 use plume::pipeline::Observer;
 use plume::store::Stage;
+use plume_dataset::local::Answer;
 use pyo3::prelude::*;
 
 use crate::error;
@@ -100,7 +101,7 @@ pub struct Watch {
 
 #[derive(Clone, Copy, PartialEq)]
 struct Progress {
-    stage: Stage,
+    stage: &'static str,
     done: usize,
     total: usize,
 }
@@ -120,27 +121,31 @@ impl Watch {
         change(&mut self.progress.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
+    fn step(&self) {
+        self.set(|progress| {
+            if let Some(progress) = progress {
+                progress.done += 1;
+            }
+        });
+    }
+
     fn tell(&self, to: Option<&Bound<'_, PyAny>>, told: &mut Option<Progress>) -> PyResult<()> {
         let now = *self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let Some((to, now)) = to.zip(now).filter(|(_, now)| *told != Some(*now)) else {
             return Ok(());
         };
         *told = Some(now);
-        to.call1((now.stage.name(), now.done, now.total)).map(drop)
+        to.call1((now.stage, now.done, now.total)).map(drop)
     }
 }
 
 impl Observer for Watch {
     fn begin(&self, stage: Stage, total: usize) {
-        self.set(|progress| *progress = Some(Progress { stage, done: 0, total }));
+        self.set(|progress| *progress = Some(Progress { stage: stage.name(), done: 0, total }));
     }
 
     fn advance(&self, _stage: Stage) {
-        self.set(|progress| {
-            if let Some(progress) = progress {
-                progress.done += 1;
-            }
-        });
+        self.step();
     }
 
     fn end(&self, _stage: Stage) {}
@@ -156,6 +161,18 @@ impl Observer for Watch {
     fn allows_outside_files(&self) -> bool {
         self.outside_files.load(Ordering::Relaxed)
     }
+}
+
+impl plume_dataset::Watch for Watch {
+    fn begin_caves(&self, all: usize, done: usize) {
+        self.set(|progress| *progress = Some(Progress { stage: "caves", done, total: all }));
+    }
+
+    fn heard(&self, _: &Answer) {
+        self.step();
+    }
+
+    fn end_caves(&self) {}
 }
 
 fn outcome<T>(py: Python<'_>, result: thread::Result<Result<T, CaveError>>) -> PyResult<T> {
