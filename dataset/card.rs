@@ -68,7 +68,7 @@ fn contents(plan: &Plan) -> String {
     line("index.csv, index.json", "a line per cave: part, seed, what was drawn, hashes, measures");
     line("items/000000/recipe.toml", "what this cave is made from");
     line("items/000000/item.json", "what is known about it, and SHA-256 of its files");
-    spec.targets.iter().for_each(|target| line(&format!("items/000000/{}", target.replace(':', "-")), "its package"));
+    spec.packages().for_each(|package| line(&format!("items/000000/{package}"), "its package"));
     if spec.keep_caves || spec.targets.is_empty() {
         line("items/000000/cave", "its cave folder, for `plume export`");
     }

@@ -57,10 +57,9 @@ pub fn check(root: &Path) -> Result<Report, CaveError> {
     let rows: Vec<Value> =
         serde_json::from_str(&rows).map_err(|error| StoreError::damaged(&root.join("index.json"), error))?;
     faults.extend(leaks(&rows));
-    let packages = rows.iter().flat_map(|row| spec.targets.iter().map(move |target| (row, target)));
-    let packages: Vec<String> = packages
-        .map(|(row, target)| format!("{}/{}", row["path"].as_str().unwrap_or_default(), target.replace(':', "-")))
-        .collect();
+    let path = |row: &Value| row["path"].as_str().unwrap_or_default().to_owned();
+    let packages: Vec<String> =
+        rows.iter().flat_map(|row| spec.packages().map(move |package| format!("{}/{package}", path(row)))).collect();
     faults.par_extend(packages.par_iter().flat_map_iter(|package| faults_of(root, package)));
     Ok(Report { name: spec.name, caves: rows.len(), files: sums.len(), faults })
 }

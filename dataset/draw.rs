@@ -93,7 +93,7 @@ impl Vary {
     /// The value at a share of the way from low to high, evenly in what `scale` makes of it.
     fn between(&self, share: f64, scale: fn(f64) -> f64, unscale: fn(f64) -> f64) -> Value {
         let [low, high] = self.ends().expect("the values were checked");
-        if !self.values.iter().all(crate::spec::is_whole) {
+        if !self.values.iter().all(is_whole) {
             return rounded(unscale(scale(low) + (scale(high) - scale(low)) * share));
         }
         // Every whole number has an interval around it.
@@ -105,4 +105,8 @@ impl Vary {
 /// A number that reads well in a recipe: to a millionth.
 pub(crate) fn rounded(value: f64) -> Value {
     json!((value * 1e6).round() / 1e6)
+}
+
+fn is_whole(value: &Value) -> bool {
+    value.is_i64() || value.is_u64()
 }

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use crate::card::card;
 use crate::folder::{DATASET, Folder};
 use crate::index::{self, Failure};
-use crate::item::{RECORD, Record};
+use crate::item::{self, RECORD, Record};
 use crate::local::Answer;
 use crate::plan::Plan;
 use crate::sheet::sheet;
@@ -96,7 +96,7 @@ pub fn note_costs(folder: &Folder, answers: &[Answer]) -> Result<(), CaveError> 
 fn sums_of(folder: &Folder, records: &[Record]) -> Result<Vec<(String, String)>, CaveError> {
     let mut sums = vec![(DATASET.to_owned(), sha256(&folder.read(DATASET)?))];
     for record in records {
-        let at = format!("items/{:06}", record.item);
+        let at = item::path(record.item);
         sums.extend(record.files.iter().map(|file| (format!("{at}/{}", file.path), file.sha256.clone())));
         sums.push((format!("{at}/{RECORD}"), sha256(&folder.read(&format!("{at}/{RECORD}"))?)));
     }

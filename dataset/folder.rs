@@ -96,7 +96,7 @@ impl Folder {
 
     /// Whether the cave of this number is done.
     pub fn has(&self, number: usize) -> bool {
-        item::folder(&self.root, number).join(RECORD).is_file()
+        self.root.join(item::path(number)).join(RECORD).is_file()
     }
 
     /// What is known about a cave that is done.
@@ -104,7 +104,7 @@ impl Folder {
     /// # Errors
     /// If its record cannot be read, or is damaged.
     pub fn record(&self, number: usize) -> Result<Record, CaveError> {
-        read(&item::folder(&self.root, number).join(RECORD))
+        read(&self.root.join(item::path(number)).join(RECORD))
     }
 
     /// The bytes of a file of the folder.

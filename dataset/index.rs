@@ -3,7 +3,7 @@
 use plume::cave::CaveError;
 use serde_json::{Map, Value, json};
 
-use crate::item::Record;
+use crate::item::{self, Record};
 use crate::plan::Plan;
 use crate::spec::Part;
 
@@ -42,7 +42,7 @@ pub fn row(plan: &Plan, record: &Record) -> Map<String, Value> {
     put("item", json!(record.item));
     put("part", json!(record.part));
     put("seed", json!(record.seed));
-    put("path", json!(format!("items/{:06}", record.item)));
+    put("path", json!(item::path(record.item)));
     for vary in &plan.spec().vary {
         put(&vary.key, record.drawn.get(&vary.key).cloned().unwrap_or_default());
     }

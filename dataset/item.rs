@@ -27,6 +27,8 @@ pub const CERTIFICATE: &str = "certificate.json";
 /// Its cave folder, if that is kept.
 pub const CAVE: &str = "cave";
 
+/// Name of the folder of all caves.
+const ITEMS: &str = "items";
 /// Name of the folder in which caves are made.
 pub(crate) const WORKSHOP: &str = "work";
 
@@ -62,9 +64,9 @@ pub struct FileSum {
     pub sha256: String,
 }
 
-/// Where the cave of a number goes in a dataset.
-pub fn folder(root: &Path, number: usize) -> PathBuf {
-    root.join("items").join(format!("{number:06}"))
+/// The path of a cave in its dataset, with `/`.
+pub fn path(number: usize) -> String {
+    format!("{ITEMS}/{number:06}")
 }
 
 /// Where the caves of a dataset are made: beside all items, as whoever makes a staging folder looks through the folder around it.
@@ -83,7 +85,7 @@ pub fn make(
     library: Option<&Arc<dyn Library>>,
     observer: &dyn Observer,
 ) -> Result<(), CaveError> {
-    let place = folder(root, number);
+    let place = root.join(path(number));
     if place.join(RECORD).is_file() {
         return Ok(());
     }
@@ -93,7 +95,7 @@ pub fn make(
     fs::create_dir(&work).map_err(|error| StoreError::io(&work, error))?;
     let record = fill(plan, &item, &work, library, observer)?;
     write(&work.join(RECORD), &(pretty(&record) + "\n"))?;
-    fs::create_dir_all(root.join("items")).map_err(|error| StoreError::io(root, error))?;
+    fs::create_dir_all(root.join(ITEMS)).map_err(|error| StoreError::io(root, error))?;
     match plume_disk::publish(&work, &place) {
         // Another process has made the same.
         Err(error) if [ErrorKind::AlreadyExists, ErrorKind::DirectoryNotEmpty].contains(&error.kind()) => Ok(()),

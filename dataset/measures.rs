@@ -6,6 +6,7 @@ use plume_graph::Graph;
 use plume_graph::realism::{Likeness, Verdict};
 use plume_truth::{Certificate, Class};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Numbers of a cave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +59,7 @@ impl Measures {
             depth_m: rounded(heights().fold(f64::MIN, f64::max) - heights().fold(f64::MAX, f64::min)),
             slope_mean_deg: rounded(mean),
             slope_max_deg: rounded(max),
-            realism: named(verdict).to_owned(),
+            realism: json!(verdict).as_str().unwrap_or_default().to_owned(),
             chunks: 0,
             triangles: 0,
             collision_triangles: 0,
@@ -125,15 +126,6 @@ fn slopes_deg(graph: &Graph) -> [f64; 2] {
         (sum, length_m, max) = (sum + slope * way.norm(), length_m + way.norm(), max.max(slope));
     }
     [if length_m > 0.0 { sum / length_m } else { 0.0 }, max]
-}
-
-fn named(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Real => "real",
-        Verdict::Unusual => "unusual",
-        Verdict::Unreal => "unreal",
-        Verdict::TooSmall => "too_small",
-    }
 }
 
 /// To a thousandth.

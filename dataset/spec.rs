@@ -1,10 +1,10 @@
 //! What a dataset is made from.
 
+use plume::cave;
 use plume_graph::rng::Rng;
 use plume_graph::seed::stream;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::curve::Task;
 use crate::draw::Vary;
@@ -57,6 +57,13 @@ impl Default for Spec {
             split: Shares::default(),
             vary: Vec::new(),
         }
+    }
+}
+
+impl Spec {
+    /// The folders of the packages of a cave; targets that are not known have none.
+    pub fn packages(&self) -> impl Iterator<Item = String> {
+        self.targets.iter().filter_map(|name| Some(cave::target(name).ok()?.folder()))
     }
 }
 
@@ -129,9 +136,4 @@ impl Shares {
     pub(crate) fn is_possible(&self) -> bool {
         self.train + self.validation + self.test > 0.0
     }
-}
-
-/// Whether a value is a whole number.
-pub(crate) fn is_whole(value: &Value) -> bool {
-    value.is_i64() || value.is_u64()
 }
