@@ -54,8 +54,8 @@ impl Folder {
     pub fn open(root: &Path, plan: &Plan) -> Result<Self, CaveError> {
         // A run that was killed at once has left nothing else.
         plume_disk::sweep(root);
-        let is_new = !root.join(DATASET).is_file();
-        if is_new && !is_vacant(root)? {
+        let is_new = || !root.join(DATASET).is_file();
+        if is_new() && !is_vacant(root)? {
             return Err(CaveError::Usage {
                 message: format!("{}: the folder is not empty and has no dataset", root.display()),
                 hint: "choose a new or empty folder".into(),
@@ -68,7 +68,8 @@ impl Folder {
             return Err(StoreError::InUse { path: root.to_owned() }.into());
         }
         let folder = Self { root: root.to_owned(), _lock: lock };
-        if is_new {
+        // Asked again, as another run may have begun before the lock was taken.
+        if is_new() {
             let identity = Identity {
                 version: plume::VERSION.to_owned(),
                 fingerprint: plan.fingerprint().to_owned(),
