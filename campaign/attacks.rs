@@ -1,6 +1,7 @@
 //! The attacks.
 
 mod damage;
+mod datasets;
 mod failing_disk;
 mod fuzz;
 mod hostile_folder;
@@ -25,6 +26,7 @@ pub const ATTACKS: &[Attack] = &[
     races::ATTACK,
     stops::ATTACK,
     kills::ATTACK,
+    datasets::ATTACK,
     failing_disk::ATTACK,
     damage::ATTACK,
     kept_folders::ATTACK,

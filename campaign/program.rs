@@ -1,7 +1,7 @@
 //! Running `plume` so that neither a hang nor a flood of words harms the campaign.
 
 use std::ffi::{OsStr, OsString};
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{Read, Seek};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
@@ -132,11 +132,28 @@ impl Running {
         self
     }
 
+    /// The processes that it has started, as far as they run.
+    pub fn children(&self) -> Vec<Pid> {
+        let pid = self.child.id();
+        let listed = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).unwrap_or_default();
+        listed.split_whitespace().filter_map(|child| Pid::from_raw(child.parse().ok()?)).collect()
+    }
+
+    /// Waits until it ends or its time limit is up; processes that it has left running go on.
+    pub fn wait_alone(mut self) -> Outcome {
+        let end = self.end();
+        self.outcome(end)
+    }
+
     /// Waits until it ends or its time limit is up.
     pub fn wait(mut self) -> Outcome {
         let end = self.end();
         // Processes that it has left running are killed with it.
         self.stop();
+        self.outcome(end)
+    }
+
+    fn outcome(self, end: End) -> Outcome {
         let took = self.started.elapsed();
         let [stdout, stderr] = [self.out, self.err].map(text);
         Outcome { end, stdout, stderr, took, line: self.line }

@@ -6,15 +6,16 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::{env, io, thread};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use cpu_time::ProcessTime;
 use plume::pipeline::Observer;
-use plume_dataset::local::{self, Answer, Worker};
-use plume_dataset::{Outcome, Plan, Watch, item, run};
+use plume_dataset::local::{self, Processes, Worker};
+use plume_dataset::{Engine, Outcome, Plan, Reply, Watch, item, run};
 use serde_json::{Value, json};
 
 use super::Host;
 use super::fault::CliError;
+use super::handover::Need;
 use super::progress::Console;
 use super::signals;
 
@@ -28,16 +29,40 @@ pub struct Dataset {
     /// The folder to write [default: the name of the dataset]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// What makes the caves: processes of this machine, or tasks of a Ray cluster
+    #[arg(long, value_enum, default_value_t = EngineName::Processes)]
+    engine: EngineName,
+    /// The Ray cluster, such as `auto` or HOST:PORT [default: one of this machine]
+    #[arg(long, value_name = "ADDRESS")]
+    address: Option<String>,
     /// Number of processes that make caves [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     workers: Option<u16>,
-    /// Make the caves whose numbers are asked for on standard input
+    /// Make the caves whose numbers come on standard input
     #[arg(long, hide = true)]
     worker: bool,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EngineName {
+    Processes,
+    Ray,
+}
+
+/// What the tasks of a Ray cluster need to know.
+pub struct RayTasks {
+    /// The specification.
+    pub spec: PathBuf,
+    /// The cluster, as `ray.init` takes it.
+    pub address: Option<String>,
+    /// Whether recipes may run programs.
+    pub allows_programs: bool,
+    /// Whether surveys may include files from outside their own folder.
+    pub allows_outside_files: bool,
+}
+
 impl Dataset {
-    /// Makes the caves that are missing, then what stands at the top.
+    /// Makes the caves that are missing, then the files that describe them.
     ///
     /// # Errors
     /// A faulty specification, the disk, another run in the folder, Ctrl-C, a missing USD library.
@@ -49,21 +74,28 @@ impl Dataset {
             return serve(&plan, &root, console, host);
         }
         plan.targets(host.library())?;
-        let worker = Worker {
-            program: program(host)?,
-            spec: self.spec.clone(),
-            root: root.clone(),
-            allows_programs: console.allows_programs(),
-            allows_outside_files: console.allows_outside_files(),
-        };
-        let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        let outcome = run(&plan, &worker, self.workers.map_or(cores, usize::from), console)?;
-        told(console, &root, &outcome)
+        let engine = self.engine(console, host)?;
+        let outcome = run(&plan, &root, &*engine, console)?;
+        summarise(console, &root, &outcome)
     }
 
-    /// The first target that needs a USD library.
-    pub fn usd_target(&self) -> Option<&'static str> {
-        Plan::usd_target(&self.spec)
+    /// What it needs of the Python package.
+    pub fn need(&self) -> Option<Need> {
+        match self.engine {
+            EngineName::Ray => Some(Need::Ray),
+            EngineName::Processes => Plan::usd_target(&self.spec).map(Need::Usd),
+        }
+    }
+
+    fn engine(&self, console: &Console, host: &Host) -> Result<Box<dyn Engine>, CliError> {
+        let spec = self.spec.clone();
+        let (allows_programs, allows_outside_files) = (console.allows_programs(), console.allows_outside_files());
+        if let (EngineName::Ray, Host::Python { ray, .. }) = (self.engine, host) {
+            return Ok(ray(RayTasks { spec, address: self.address.clone(), allows_programs, allows_outside_files }));
+        }
+        let worker = Worker { program: program(host)?, spec, allows_programs, allows_outside_files };
+        let cores = thread::available_parallelism().map_or(1, NonZero::get);
+        Ok(Box::new(Processes { worker, count: self.workers.map_or(cores, usize::from) }))
     }
 }
 
@@ -76,7 +108,7 @@ fn program(host: &Host) -> Result<Vec<OsString>, CliError> {
     })
 }
 
-/// The life of a worker.
+/// Serves requests, as a worker.
 fn serve(plan: &Plan, root: &Path, console: &Console, host: &Host) -> Result<(), CliError> {
     let make = |number: usize| {
         let clock = ProcessTime::now();
@@ -87,7 +119,7 @@ fn serve(plan: &Plan, root: &Path, console: &Console, host: &Host) -> Result<(),
         .map_err(|error| CliError::Failed(format!("a worker: {error}")))
 }
 
-fn told(console: &Console, root: &Path, outcome: &Outcome) -> Result<(), CliError> {
+fn summarise(console: &Console, root: &Path, outcome: &Outcome) -> Result<(), CliError> {
     let Outcome { rows, failures, made, cpu_s } = outcome;
     let caves = rows.len();
     if console.is_json() {
@@ -110,9 +142,9 @@ impl Watch for Console {
         self.start_bar_at("caves", all, done);
     }
 
-    fn heard(&self, answer: &Answer) {
-        if let Some(fault) = &answer.fault {
-            self.note(&format!("  left out  {:06}: {fault}", answer.item));
+    fn cave_done(&self, reply: &Reply) {
+        if let Some(fault) = &reply.fault {
+            self.note(&format!("  left out  {:06}: {fault}", reply.item));
         }
         self.advance_bar();
     }

@@ -21,6 +21,9 @@ pub struct Generate {
     /// The cave folder to write [default: the name of the cave, or the cave folder given as input]
     #[arg(short, long, value_name = "CAVE_DIR")]
     output: Option<PathBuf>,
+    /// Take what these cave folders have of the cave, as `plume chunk` makes them
+    #[arg(long, value_name = "CAVE_DIR", num_args = 1..)]
+    parts: Vec<PathBuf>,
 }
 
 impl Generate {
@@ -36,6 +39,7 @@ impl Generate {
         if let Some(named) = input.folder.as_ref().filter(|named| **named != output) {
             folder = folder.based_on(CaveFolder::open(named)?);
         }
+        folder = cave::with_parts(folder, &self.parts)?;
         note_changes(&input, console);
         let mut summary = Summary::start();
         let mut done = |stage, pipeline: &Pipeline| summary.stage_done(stage, pipeline);

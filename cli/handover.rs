@@ -23,12 +23,31 @@ except Exception as error:
     print('!', error)
 ";
 
-/// Runs the same command line in a Python that can write USD. On Unix that replaces this process; elsewhere its exit code is
+/// What only the Python package can do.
+pub enum Need {
+    /// A target that is written by a USD library.
+    Usd(&'static str),
+    /// Tasks of Ray.
+    Ray,
+}
+
+impl Need {
+    fn reason(&self) -> String {
+        match self {
+            Self::Usd(target) => format!("target `{target}` is written by the Python package usd-core"),
+            Self::Ray => {
+                "the engine ray is used by the Python package plume-caves, which comes with usd-core".to_owned()
+            }
+        }
+    }
+}
+
+/// Runs the same command line in a Python that can do it. On Unix that replaces this process; elsewhere its exit code is
 /// returned.
 ///
 /// # Errors
 /// [`ExportError::MissingPart`], which lists every place searched.
-pub fn to_python(target: &str, arguments: &[OsString]) -> Result<u8, CliError> {
+pub fn to_python(need: &Need, arguments: &[OsString]) -> Result<u8, CliError> {
     let mut looked = String::new();
     for candidate in candidates() {
         match probe(&candidate.python) {
@@ -40,8 +59,8 @@ pub fn to_python(target: &str, arguments: &[OsString]) -> Result<u8, CliError> {
     }
     Err(ExportError::MissingPart {
         message: format!(
-            "target `{target}` is written by the Python package usd-core, and no Python was found that has it \
-             together with plume {VERSION}; looked at{looked}"
+            "{}, and no Python was found that has it together with plume {VERSION}; looked at{looked}",
+            need.reason()
         ),
         hint: format!("`pip install .` in the sources of plume {VERSION}, then run that Python's `plume`, or name it in {VARIABLE}"),
     }

@@ -4,6 +4,7 @@
 
 mod certify;
 mod check;
+mod chunk;
 mod dataset;
 mod export;
 mod fault;
@@ -32,9 +33,12 @@ use std::sync::{Arc, Mutex};
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
+use plume_dataset::Engine;
 use plume_exporters::stage::Library;
 
+pub use self::dataset::RayTasks;
 pub use self::fault::CliError;
+use self::handover::Need;
 use self::progress::Console;
 use plume::cave::Input;
 use plume::store::Stage;
@@ -132,6 +136,8 @@ enum Command {
     Texture(generate::Generate),
     /// Make the graph, the mesh and the convex pieces of a cave folder
     Pieces(generate::Generate),
+    /// Make some chunks of a cave, so that many machines can share a large one
+    Chunk(chunk::Chunk),
     /// Draw a cave within seconds, before it is made
     Preview(preview::Preview),
     /// Record what sensors on a body measure along a path through a cave
@@ -159,11 +165,11 @@ enum Command {
 }
 
 impl Command {
-    /// Targets that need the USD library of a host program.
-    fn usd_target(&self) -> Option<&'static str> {
+    /// What it needs of the Python package.
+    fn need(&self) -> Option<Need> {
         match self {
-            Self::Export(export) => export.usd_target(),
-            Self::Dataset(dataset) => dataset.usd_target(),
+            Self::Export(export) => export.usd_target().map(Need::Usd),
+            Self::Dataset(dataset) => dataset.need(),
             _ => None,
         }
     }
@@ -184,6 +190,8 @@ pub enum Host {
         library: Arc<dyn Library>,
         /// The interpreter: `sys.executable`, which knows its environment, as the program of the process may not.
         interpreter: PathBuf,
+        /// Its engine ray.
+        ray: fn(RayTasks) -> Box<dyn Engine>,
     },
 }
 
@@ -209,8 +217,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     if !cli.command.only_prints() {
         start_threads(cli.common.threads.map_or(0, usize::from));
     }
-    let result = match (host, cli.command.usd_target()) {
-        (Host::Binary, Some(target)) => handover::to_python(target, &arguments),
+    let result = match (host, cli.command.need()) {
+        (Host::Binary, Some(need)) => handover::to_python(&need, &arguments),
         _ => dispatch(&cli.command, &console, host).map(|()| 0),
     };
     result.unwrap_or_else(|error| {
@@ -276,6 +284,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Mesh(stage) => stage.run(Stage::Mesh, console),
         Command::Things(stage) => stage.run(Stage::Things, console),
         Command::Pieces(stage) => stage.run(Stage::Pieces, console),
+        Command::Chunk(chunk) => chunk.run(console),
         Command::Preview(preview) => preview.run(console),
         Command::Record(record) => record.run(console),
         Command::Dataset(dataset) => dataset.run(console, host),

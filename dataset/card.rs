@@ -99,7 +99,7 @@ fn varied(plan: &Plan) -> String {
     text + "\n"
 }
 
-/// A histogram of numbers, or a count of words; nothing where all are alike or none is told.
+/// A histogram of numbers, or a count of words; nothing where all are alike or there is none.
 fn histogram<'a>(key: &str, values: impl Iterator<Item = &'a Value>) -> String {
     let values: Vec<&Value> = values.filter(|value| !value.is_null()).collect();
     let numbers: Vec<f64> = values.iter().filter_map(|value| value.as_f64()).collect();

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use crate::finish::{COSTS, SUMS};
 use crate::folder::{self, DATASET, LOCK};
-use crate::item::WORKSHOP;
+use crate::item::WORK;
 
 /// Largest size of a file.
 const MOST_BYTES: u64 = 4 << 30;
@@ -89,7 +89,7 @@ fn files(root: &Path) -> Result<BTreeSet<String>, StoreError> {
             let name = format!("{folder}{}", entry.file_name().to_string_lossy());
             if entry.file_type().map_err(named)?.is_dir() {
                 // Caves that were being made when a run was killed.
-                if name != WORKSHOP {
+                if name != WORK {
                     folders.push(name + "/");
                 }
             } else if ![COSTS, LOCK, SUMS].contains(&name.as_str()) {

@@ -1,4 +1,4 @@
-//! What stands at the top of a dataset once its caves are made: index, card, contact sheet, sums.
+//! The files that describe a dataset, written once its caves are made: index, card, contact sheet, sums.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,10 +9,11 @@ use plume_disk::sealed::sha256;
 use serde_json::{Map, Value};
 
 use crate::card::card;
+use crate::engine::Reply;
 use crate::folder::{DATASET, Folder};
 use crate::index::{self, Failure};
 use crate::item::{self, RECORD, Record};
-use crate::local::Answer;
+
 use crate::plan::Plan;
 use crate::sheet::sheet;
 
@@ -34,7 +35,7 @@ pub struct Outcome {
     pub cpu_s: f64,
 }
 
-/// Writes what stands at the top of a dataset. `faults` says why caves are missing, by their numbers.
+/// Writes the files that describe a dataset. `faults` says why caves are missing, by their numbers.
 ///
 /// # Errors
 /// If a record is damaged, the disk fails, or work was stopped.
@@ -60,14 +61,14 @@ pub fn finish(
     let json: Value = rows.iter().cloned().map(Value::Object).collect();
     let sheet = sheet(plan, &records, observer)?;
     let card = card(plan, &rows, &failures, sheet.is_some());
-    let top = [
+    let described = [
         ("README.md", Some(card.into_bytes())),
         ("failed.csv", Some(index::csv(&failed)?)),
         ("index.csv", Some(index::csv(&rows)?)),
         ("index.json", Some(format!("{json:#}\n").into_bytes())),
         ("sheet.png", sheet),
     ];
-    for (name, bytes) in top {
+    for (name, bytes) in described {
         if let Some(bytes) = bytes {
             folder.write(name, &bytes)?;
             files.push((name.to_owned(), sha256(&bytes)));
@@ -79,15 +80,15 @@ pub fn finish(
     Ok(Outcome { rows, failures, made: 0, cpu_s: 0.0 })
 }
 
-/// Adds what caves took to what earlier runs have told.
+/// Adds what caves took to the costs that earlier runs have recorded.
 ///
 /// # Errors
 /// I/O errors.
-pub fn note_costs(folder: &Folder, answers: &[Answer]) -> Result<(), CaveError> {
+pub fn record_costs(folder: &Folder, replies: &[Reply]) -> Result<(), CaveError> {
     let path = folder.root().join(COSTS);
     let mut text = std::fs::read_to_string(path).unwrap_or_else(|_| "item,cpu_s\n".to_owned());
-    for answer in answers.iter().filter(|answer| answer.fault.is_none()) {
-        let _ = writeln!(text, "{},{:.3}", answer.item, answer.cpu_s);
+    for reply in replies.iter().filter(|reply| reply.fault.is_none()) {
+        let _ = writeln!(text, "{},{:.3}", reply.item, reply.cpu_s);
     }
     folder.write(COSTS, text.as_bytes())
 }

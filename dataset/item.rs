@@ -30,7 +30,7 @@ pub const CAVE: &str = "cave";
 /// Name of the folder of all caves.
 const ITEMS: &str = "items";
 /// Name of the folder in which caves are made.
-pub(crate) const WORKSHOP: &str = "work";
+pub(crate) const WORK: &str = "work";
 
 /// What is known about a finished cave of a dataset.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,8 +70,8 @@ pub fn path(number: usize) -> String {
 }
 
 /// Where the caves of a dataset are made: beside all items, as whoever makes a staging folder looks through the folder around it.
-pub(crate) fn workshop(root: &Path) -> PathBuf {
-    root.join(WORKSHOP)
+pub fn work_folder(root: &Path) -> PathBuf {
+    root.join(WORK)
 }
 
 /// Makes a cave; it appears whole or not at all. Does nothing if it is there already.
@@ -90,16 +90,25 @@ pub fn make(
         return Ok(());
     }
     let item = plan.item(number);
-    let staging = Staging::new(&workshop(root)).map_err(|error| StoreError::io(root, error))?;
+    let staging = Staging::new(&work_folder(root)).map_err(|error| StoreError::io(root, error))?;
     let work = staging.path().join("item");
     fs::create_dir(&work).map_err(|error| StoreError::io(&work, error))?;
     let record = fill(plan, &item, &work, library, observer)?;
     write(&work.join(RECORD), &(pretty(&record) + "\n"))?;
+    Ok(adopt(root, number, &work)?)
+}
+
+/// Moves a finished cave, which may have been made elsewhere, into its place in the dataset. Both are on one file system.
+///
+/// # Errors
+/// If the disk fails.
+pub fn adopt(root: &Path, number: usize, folder: &Path) -> Result<(), StoreError> {
+    let place = root.join(path(number));
     fs::create_dir_all(root.join(ITEMS)).map_err(|error| StoreError::io(root, error))?;
-    match plume_disk::publish(&work, &place) {
+    match plume_disk::publish(folder, &place) {
         // Another process has made the same.
         Err(error) if [ErrorKind::AlreadyExists, ErrorKind::DirectoryNotEmpty].contains(&error.kind()) => Ok(()),
-        published => Ok(published.map_err(|error| StoreError::io(&place, error))?),
+        published => published.map_err(|error| StoreError::io(&place, error)),
     }
 }
 

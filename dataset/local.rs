@@ -1,12 +1,12 @@
-//! Makes the caves of a plan in processes of this machine.
+//! Makes the caves of a plan in worker processes on this machine.
 //!
-//! A worker is the same program, which is asked for caves by their numbers, one per line on its standard input, and answers each with
-//! a line of JSON. It ends when its input does, so none outlives whoever asks. A worker that dies is replaced, and what it was asked
-//! for is asked for again, but not for ever.
+//! A worker is the same program. It reads the numbers of caves from its standard input, one per line, and replies to each with
+//! a line of JSON. It ends when its input does, so none outlives the run that started it. A worker that dies is replaced, and its
+//! request repeated, but not for ever.
 
 use std::ffi::OsString;
-use std::io::{self, BufRead, BufReader, ErrorKind, Write};
-use std::path::PathBuf;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, mpsc};
@@ -14,17 +14,38 @@ use std::thread;
 use std::time::Duration;
 
 use plume::cave::CaveError;
-use plume::pipeline::PipelineError;
-use plume::store::StoreError;
-use plume_exporters::ExportError;
-use serde::{Deserialize, Serialize};
 
-/// How often a cave is asked for if workers die of it.
+use crate::engine::{Engine, Reply};
+use crate::plan::Plan;
+
+/// How often a cave is requested if workers die of it.
 const ATTEMPTS: u32 = 3;
 /// What a worker says first, once it has read the specification.
 const READY: &str = "ready";
-/// How often it is looked whether to stop.
-const PATIENCE: Duration = Duration::from_millis(50);
+/// How often the stop flag is read.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Worker processes as the engine of a dataset.
+#[derive(Clone, Debug)]
+pub struct Processes {
+    /// How each is started.
+    pub worker: Worker,
+    /// How many there are at most.
+    pub count: usize,
+}
+
+impl Engine for Processes {
+    fn make(
+        &self,
+        _plan: &Plan,
+        numbers: &[usize],
+        root: &Path,
+        stop: &AtomicBool,
+        on_reply: &(dyn Fn(Reply) + Sync),
+    ) -> Result<(), CaveError> {
+        dispatch(numbers, self.count.min(numbers.len()), || self.worker.command(root), stop, on_reply)
+    }
+}
 
 /// How a worker is started.
 #[derive(Clone, Debug)]
@@ -33,8 +54,6 @@ pub struct Worker {
     pub program: Vec<OsString>,
     /// The specification.
     pub spec: PathBuf,
-    /// The folder of the dataset.
-    pub root: PathBuf,
     /// Whether recipes may run programs.
     pub allows_programs: bool,
     /// Whether surveys may include files from outside their own folder.
@@ -42,13 +61,13 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Its command line.
+    /// Its command line; `root` is the folder of the dataset.
     ///
     /// # Panics
     /// If there is no program.
-    pub fn command(&self) -> Command {
+    pub fn command(&self, root: &Path) -> Command {
         let mut command = Command::new(&self.program[0]);
-        command.args(&self.program[1..]).arg("dataset").arg(&self.spec).arg("--output").arg(&self.root);
+        command.args(&self.program[1..]).arg("dataset").arg(&self.spec).arg("--output").arg(root);
         command.args(["--worker", "--quiet", "--threads", "1"]);
         command.args(self.allows_programs.then_some("--allow-run"));
         command.args(self.allows_outside_files.then_some("--allow-outside"));
@@ -56,85 +75,47 @@ impl Worker {
     }
 }
 
-/// What a worker says of a cave.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct Answer {
-    /// Its number.
-    pub item: usize,
-    /// What it took.
-    pub cpu_s: f64,
-    /// Why it could not be made.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fault: Option<String>,
-    /// Whether no other can be made either, as the disk is full.
-    #[serde(default)]
-    pub is_final: bool,
-}
-
-/// Answers until the input ends: the life of a worker. Sets `stop` then, as nobody waits for what is being made.
+/// Serves requests until the input ends, as a worker does. Sets `stop` then, as nobody waits for what is being made.
 ///
 /// # Errors
-/// If an answer cannot be written.
+/// If a reply cannot be written.
 pub fn serve(
-    questions: impl BufRead + Send,
-    mut answers: impl Write,
+    requests: impl BufRead + Send,
+    mut replies: impl Write,
     stop: &AtomicBool,
     mut make: impl FnMut(usize) -> Result<f64, CaveError>,
 ) -> io::Result<()> {
-    writeln!(answers, "{READY}")?;
-    answers.flush()?;
-    let (asked, numbers) = mpsc::channel();
+    writeln!(replies, "{READY}")?;
+    replies.flush()?;
+    let (requested, numbers) = mpsc::channel();
     thread::scope(|scope| {
         scope.spawn(move || {
-            for line in questions.lines().map_while(Result::ok) {
+            for line in requests.lines().map_while(Result::ok) {
                 if let Ok(number) = line.trim().parse() {
-                    let _ = asked.send(number);
+                    let _ = requested.send(number);
                 }
             }
             stop.store(true, Ordering::Relaxed);
         });
         for item in numbers {
-            let answer = match make(item) {
-                Ok(cpu_s) => Answer { item, cpu_s, fault: None, is_final: false },
-                Err(error) => Answer { item, cpu_s: 0.0, fault: Some(error.to_string()), is_final: is_final(&error) },
-            };
-            let line = serde_json::to_string(&answer).expect("it is plain data");
-            writeln!(answers, "{line}")?;
-            answers.flush()?;
+            let line = serde_json::to_string(&Reply::of(item, make(item))).expect("it is plain data");
+            writeln!(replies, "{line}")?;
+            replies.flush()?;
         }
         Ok(())
     })
 }
 
-/// Whether an error is not that of a cave, so that all others would meet it too.
-fn is_final(error: &CaveError) -> bool {
-    let source = match error {
-        CaveError::Interrupted | CaveError::Pipeline(PipelineError::Interrupted) => return true,
-        CaveError::Export(ExportError::MissingPart { .. }) => return true,
-        CaveError::Pipeline(PipelineError::Store(StoreError::Io { source, .. })) => source,
-        CaveError::Export(ExportError::Io(source) | ExportError::Load { source, .. }) => source,
-        _ => return false,
-    };
-    let of_the_disk = [
-        ErrorKind::StorageFull,
-        ErrorKind::QuotaExceeded,
-        ErrorKind::FileTooLarge,
-        ErrorKind::ReadOnlyFilesystem,
-        ErrorKind::PermissionDenied,
-    ];
-    of_the_disk.contains(&source.kind())
-}
-
-/// Asks workers for caves, and hands on what they say in whatever order it comes.
+/// Requests caves from workers, and passes on their replies in whatever order they come.
 ///
 /// # Errors
-/// If a worker cannot be started; the first answer that is final; [`CaveError::Interrupted`] once `stop` is set.
-pub fn ask(
+/// If a worker cannot be started; the first reply that is final; [`CaveError::Interrupted`] once `stop` is set.
+pub fn dispatch(
     numbers: &[usize],
     workers: usize,
     worker: impl Fn() -> Command + Sync,
     stop: &AtomicBool,
-    hear: &(dyn Fn(Answer) + Sync),
+    on_reply: &(dyn Fn(Reply) + Sync),
 ) -> Result<(), CaveError> {
     let left = Mutex::new(numbers.iter());
     let fault = Mutex::new(None);
@@ -153,29 +134,29 @@ pub fn ask(
             .map(|child| {
                 let (next, end, worker) = (&next, &end, &worker);
                 scope.spawn(move || {
-                    let mut line = Line { child, pipes: None, worker };
+                    let mut connection = Connection { child, pipes: None, worker };
                     while let Some(number) = next() {
-                        match line.ask(number, &is_stopped) {
-                            Ok(answer) => answer.into_iter().for_each(hear),
+                        match connection.request(number, &is_stopped) {
+                            Ok(reply) => reply.into_iter().for_each(on_reply),
                             Err(error) => end(error),
                         }
                     }
-                    line.close();
+                    connection.close();
                 })
             })
             .collect();
-        // A worker that is asked for a cave is not waited for once there is a reason to stop.
+        // Workers that are making a cave are not waited for once there is a reason to stop.
         scope.spawn(|| {
             while !done.load(Ordering::Relaxed) {
                 if is_stopped() {
                     running.iter().for_each(kill);
                 }
-                thread::sleep(PATIENCE);
+                thread::sleep(POLL_INTERVAL);
             }
         });
         for handle in handles {
             if handle.join().is_err() {
-                end(CaveError::Failed("a thread that asks workers has panicked".into()));
+                end(CaveError::Failed("a thread of a worker has panicked".into()));
             }
         }
         done.store(true, Ordering::Relaxed);
@@ -192,27 +173,27 @@ fn kill(child: &Mutex<Option<Child>>) {
     }
 }
 
-/// The line to a worker.
-struct Line<'a, W> {
+/// The connection to a worker.
+struct Connection<'a, W> {
     child: &'a Mutex<Option<Child>>,
     pipes: Option<(ChildStdin, BufReader<ChildStdout>)>,
     worker: &'a W,
 }
 
-impl<W: Fn() -> Command> Line<'_, W> {
-    /// What a worker says of a cave; `None` if it was stopped.
-    fn ask(&mut self, number: usize, is_stopped: &dyn Fn() -> bool) -> Result<Option<Answer>, CaveError> {
+impl<W: Fn() -> Command> Connection<'_, W> {
+    /// The reply of a worker; `None` if work was stopped.
+    fn request(&mut self, number: usize, is_stopped: &dyn Fn() -> bool) -> Result<Option<Reply>, CaveError> {
         let (mut has_started, mut end) = (false, String::new());
         for _ in 0..ATTEMPTS {
             if is_stopped() {
                 return Ok(None);
             }
             has_started |= self.start()?;
-            match self.try_to_ask(number) {
-                Some(Answer { is_final: true, fault, .. }) => {
+            match self.exchange(number) {
+                Some(Reply { is_final: true, fault, .. }) => {
                     return Err(CaveError::Failed(fault.unwrap_or_default()));
                 }
-                Some(answer) => return Ok(Some(answer)),
+                Some(reply) => return Ok(Some(reply)),
                 None => end = self.close(),
             }
         }
@@ -220,7 +201,7 @@ impl<W: Fn() -> Command> Line<'_, W> {
             return Err(CaveError::Failed(format!("no worker starts: {ATTEMPTS} ended at once, the last with {end}")));
         }
         let fault = format!("{ATTEMPTS} workers died of it, the last with {end}; perhaps of too little memory");
-        Ok(Some(Answer { item: number, cpu_s: 0.0, fault: Some(fault), is_final: false }))
+        Ok(Some(Reply { item: number, cpu_s: 0.0, fault: Some(fault), is_final: false }))
     }
 
     /// Starts a worker unless there is one; whether it is ready.
@@ -231,22 +212,22 @@ impl<W: Fn() -> Command> Line<'_, W> {
         let mut command = (self.worker)();
         let failed = |error| CaveError::Failed(format!("cannot start a worker: {error}"));
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
-        let questions = child.stdin.take().expect("it is piped");
-        let mut answers = BufReader::new(child.stdout.take().expect("it is piped"));
+        let requests = child.stdin.take().expect("it is piped");
+        let mut replies = BufReader::new(child.stdout.take().expect("it is piped"));
         *self.child.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
         let mut greeting = String::new();
-        let is_ready = answers.read_line(&mut greeting).is_ok() && greeting.trim_end() == READY;
-        self.pipes = Some((questions, answers));
+        let is_ready = replies.read_line(&mut greeting).is_ok() && greeting.trim_end() == READY;
+        self.pipes = Some((requests, replies));
         Ok(is_ready)
     }
 
-    /// What the worker says of a cave; `None` if it dies.
-    fn try_to_ask(&mut self, number: usize) -> Option<Answer> {
-        let (questions, answers) = self.pipes.as_mut()?;
-        writeln!(questions, "{number}").and_then(|()| questions.flush()).ok()?;
+    /// The reply of the worker; `None` if it dies.
+    fn exchange(&mut self, number: usize) -> Option<Reply> {
+        let (requests, replies) = self.pipes.as_mut()?;
+        writeln!(requests, "{number}").and_then(|()| requests.flush()).ok()?;
         let mut line = String::new();
-        answers.read_line(&mut line).ok()?;
-        serde_json::from_str(&line).ok().filter(|answer: &Answer| answer.item == number)
+        replies.read_line(&mut line).ok()?;
+        serde_json::from_str(&line).ok().filter(|reply: &Reply| reply.item == number)
     }
 
     /// Ends the worker by ending its input; how it ended.

@@ -134,13 +134,13 @@ impl Plan {
         let own = [("name", json!(self.spec.name)), ("seed", json!(item.seed))];
         let own = own.map(|(key, value)| (key.to_owned(), value));
         // What comes later takes precedence.
-        let told: Vec<String> = self.spec.set.iter().cloned().chain(drawn.chain(own).map(pair)).collect();
+        let settings: Vec<String> = self.spec.set.iter().cloned().chain(drawn.chain(own).map(pair)).collect();
         let Some(difficulty) = item.drawn(DIFFICULTY).and_then(Value::as_f64) else {
-            return self.source(item, &told);
+            return self.source(item, &settings);
         };
         // Which keys there are depends on the generator and the rock.
-        let curve = self.spec.task.settings(difficulty, &self.source(item, &told)?.recipe);
-        self.source(item, &curve.into_iter().map(pair).chain(told).collect::<Vec<_>>())
+        let curve = self.spec.task.settings(difficulty, &self.source(item, &settings)?.recipe);
+        self.source(item, &curve.into_iter().map(pair).chain(settings).collect::<Vec<_>>())
     }
 
     /// The targets, with their options.

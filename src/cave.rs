@@ -34,6 +34,8 @@ mod route;
 mod surface;
 mod target;
 
+use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -41,7 +43,7 @@ use plume_exporters::scene::Scene;
 
 pub use self::certify::{Certified, NamedRobot, named_robot};
 pub use self::error::CaveError;
-pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read};
+pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read, with_parts};
 pub use self::preview::{preview, view_row};
 pub use self::route::Journey;
 pub use self::surface::Surface;
@@ -174,13 +176,7 @@ pub fn make<'a>(
     observer: &'a dyn Observer,
     done: &mut dyn FnMut(Stage, &Pipeline),
 ) -> Result<Pipeline<'a>, PipelineError> {
-    let is_own = input.folder.as_deref() == Some(folder.root());
-    let other = match (force, is_own) {
-        (true, _) => Other::Replace,
-        (false, true) => Other::Renew,
-        (false, false) => Other::Refuse,
-    };
-    let pipeline = Pipeline::start(&input.recipe, input.graph.clone(), folder, last, other, observer)?;
+    let pipeline = start(input, folder, last, force, observer)?;
     done(Stage::Graph, &pipeline);
     let stages: &[Stage] = match last {
         Stage::Graph => &[],
@@ -190,12 +186,72 @@ pub fn make<'a>(
         Stage::Texture => &[Stage::Preview, Stage::Mesh, Stage::Things, Stage::Texture],
         Stage::Pieces => &[Stage::Preview, Stage::Mesh, Stage::Pieces],
     };
-    for &stage in stages {
+    let has_pieces = |part: &CaveFolder| !part.units(Stage::Pieces).is_empty();
+    let pieces_of_parts = folder.parts().iter().any(has_pieces).then_some(&Stage::Pieces);
+    for &stage in stages.iter().chain(pieces_of_parts.filter(|_| last == Stage::Texture)) {
         pipeline.make(stage)?;
         done(stage, &pipeline);
     }
     pipeline.settle()?;
     Ok(pipeline)
+}
+
+/// Makes `stages` of some chunks in `folder`, without those of any others but what these take of their neighbours; see
+/// [`Pipeline::part`]. Returns the meshes of those that have a wall.
+///
+/// # Errors
+/// As [`make`].
+pub fn make_part(
+    input: &Input,
+    folder: &CaveFolder,
+    numbers: Range<usize>,
+    stages: &BTreeSet<Stage>,
+    force: bool,
+    observer: &dyn Observer,
+) -> Result<Vec<Unit>, PipelineError> {
+    let last = if stages.contains(&Stage::Texture) { Stage::Texture } else { Stage::Mesh };
+    let pipeline = start(input, folder, last, force, observer)?;
+    let walls = pipeline.part(numbers, stages)?;
+    pipeline.settle()?;
+    Ok(walls)
+}
+
+/// Numbers of chunks along x, y and z in the grid of the cave of this input, for [`make_part`].
+///
+/// # Errors
+/// An impossible graph or grid.
+pub fn chunk_grid(input: &Input, observer: &dyn Observer) -> Result<[i32; 3], CaveError> {
+    let graph = preview::graph_of(input, observer)?;
+    Ok(pipeline::chunk_grid(&input.recipe, &graph)?)
+}
+
+/// What [`make_part`] makes of chunks unless told otherwise.
+pub const CHUNK_STAGES: [Stage; 3] = [Stage::Mesh, Stage::Things, Stage::Texture];
+
+/// A stage of chunks by its name.
+///
+/// # Errors
+/// [`CaveError::Usage`], which suggests the nearest.
+pub fn chunk_stage(name: &str) -> Result<Stage, CaveError> {
+    let stages = [&CHUNK_STAGES[..], &[Stage::Pieces]].concat();
+    let stage = stages.iter().find(|stage| stage.name() == name).copied();
+    stage.ok_or_else(|| CaveError::unknown("stage", name, stages.iter().map(|stage| stage.name())))
+}
+
+fn start<'a>(
+    input: &'a Input,
+    folder: &'a CaveFolder,
+    last: Stage,
+    force: bool,
+    observer: &'a dyn Observer,
+) -> Result<Pipeline<'a>, PipelineError> {
+    let is_own = input.folder.as_deref() == Some(folder.root());
+    let other = match (force, is_own) {
+        (true, _) => Other::Replace,
+        (false, true) => Other::Renew,
+        (false, false) => Other::Refuse,
+    };
+    Pipeline::start(&input.recipe, input.graph.clone(), folder, last, other, observer)
 }
 
 /// SHA-256 of everything that the cave of this input follows from.

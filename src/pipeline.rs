@@ -8,6 +8,7 @@ mod maps;
 mod models;
 mod needs;
 mod outside;
+mod part;
 mod pieces;
 mod program;
 mod status;
@@ -23,6 +24,7 @@ pub use self::error::PipelineError;
 pub use self::models::Models;
 pub use self::needs::Needs;
 pub use self::outside::{Disk, Machine};
+pub use self::part::chunk_grid;
 pub use self::status::{StageStatus, State};
 pub use self::things::stock;
 use crate::field::{Aabb, CaveField};
@@ -117,6 +119,7 @@ impl<'a> Pipeline<'a> {
         let is_given = given.is_some();
         let pipeline = Self::plan(recipe, given, folder, observer)?;
         Needs::estimate(recipe, &pipeline.graph).refuse_excess(recipe, last)?;
+        pipeline.refuse_other_parts()?;
         if other == Other::Refuse {
             pipeline.refuse_other_cave()?;
         }
@@ -205,21 +208,22 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// If there is no valid grid or no wall, the disk fails, or the observer stops.
     pub fn mesh(&self) -> Result<(), PipelineError> {
-        self.refuse_absurd_size()?;
-        let field = self.field();
-        let grid = Grid::new(field.bounds(), self.recipe.mesh())?;
-        let indices = grid.indices();
-        let names: Vec<(String, ChunkIndex)> = indices.map(|index| (chunk_name(index), index)).collect();
-        self.each(Stage::Mesh, &names, |(name, index)| {
-            self.unit(Stage::Mesh, name, || {
-                let meshes = mesh::chunk(&field, &grid, *index, self.recipe.mesh());
+        let (field, grid) = field_and_grid(self.recipe, &self.graph)?;
+        self.meshes(&field, &grid, &grid.indices().collect::<Vec<_>>())?;
+        if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
+    }
+
+    fn meshes(&self, field: &CaveField, grid: &Grid, chunks: &[ChunkIndex]) -> Result<(), PipelineError> {
+        self.each(Stage::Mesh, chunks, |index| {
+            let name = chunk_name(*index);
+            self.unit(Stage::Mesh, &name, || {
+                let meshes = mesh::chunk(field, grid, *index, self.recipe.mesh());
                 Ok(match &meshes {
-                    Some(meshes) => (self.write_meshes(name, meshes)?, Facts::Mesh(meshes.into())),
+                    Some(meshes) => (self.write_meshes(&name, meshes)?, Facts::Mesh(meshes.into())),
                     None => (Vec::new(), Facts::Mesh(MeshFacts::default())),
                 })
             })
-        })?;
-        if self.walls().is_empty() { Err(PipelineError::Empty) } else { Ok(()) }
+        })
     }
 
     /// Makes the textures and coarser levels of all chunks.
@@ -227,13 +231,15 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// If the meshes are missing, the disk fails, or the observer stops.
     pub fn texture(&self) -> Result<(), PipelineError> {
-        let field = self.field();
-        let walls: Vec<Unit> = self.walls();
-        self.each(Stage::Texture, &walls, |wall| {
+        self.textures(&self.field(), &self.walls())
+    }
+
+    fn textures(&self, field: &CaveField, walls: &[Unit]) -> Result<(), PipelineError> {
+        self.each(Stage::Texture, walls, |wall| {
             self.unit(Stage::Texture, &wall.name, || {
                 let mesh = store::read_mesh(self.folder, &wall.name)?;
                 let (texture, lod) = (self.recipe.texture(), self.recipe.lod());
-                let written = store::write_textured(self.folder, &wall.name, &mesh, &field, texture, lod)?;
+                let written = store::write_textured(self.folder, &wall.name, &mesh, field, texture, lod)?;
                 let facts = TextureFacts::new(&written.textured, &written.levels);
                 Ok((written.files, Facts::Texture(facts)))
             })
@@ -287,15 +293,6 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Checks the size before the field is built, whose memory grows with it.
-    fn refuse_absurd_size(&self) -> Result<(), PipelineError> {
-        let bounds = station_bounds(&self.graph, self.recipe.passage().width_per_radius);
-        match bounds.map(|bounds| Grid::new(bounds, self.recipe.mesh())) {
-            Some(Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. }))) => Err(error.into()),
-            _ => Ok(()),
-        }
-    }
-
     fn refuse_other_cave(&self) -> Result<(), PipelineError> {
         for (stage, name) in
             [(Stage::Graph, "recipe, graph or version"), (Stage::Mesh, "shape"), (Stage::Texture, "look")]
@@ -306,6 +303,15 @@ impl<'a> Pipeline<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Protects from making a whole cave anew where its parts were to be put together.
+    fn refuse_other_parts(&self) -> Result<(), PipelineError> {
+        let is_other = |unit: &Unit| unit.fingerprint != self.graph_fingerprint;
+        match self.folder.parts().iter().find(|part| part.units(Stage::Graph).iter().any(is_other)) {
+            Some(part) => Err(PipelineError::OtherPart { path: part.root().to_path_buf() }),
+            None => Ok(()),
+        }
     }
 
     /// Protects a graph that was edited by hand from being overwritten by a generated one.
@@ -406,6 +412,23 @@ pub fn models(recipe: &Recipe, observer: &dyn Observer) -> Result<Models, Pipeli
 /// The field of the cave described by this recipe and graph.
 pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
     CaveField::new(graph, recipe.passage(), recipe.rock().clone(), recipe.look().clone(), recipe.seed())
+}
+
+/// The field, and the grid over it.
+fn field_and_grid(recipe: &Recipe, graph: &Graph) -> Result<(CaveField, Grid), GridError> {
+    refuse_absurd_size(recipe, graph)?;
+    let field = field(recipe, graph);
+    let grid = Grid::new(field.bounds(), recipe.mesh())?;
+    Ok((field, grid))
+}
+
+/// Checks the size before the field is built, whose memory grows with it.
+fn refuse_absurd_size(recipe: &Recipe, graph: &Graph) -> Result<(), GridError> {
+    let bounds = station_bounds(graph, recipe.passage().width_per_radius);
+    match bounds.map(|bounds| Grid::new(bounds, recipe.mesh())) {
+        Some(Err(error @ (GridError::TooFar { .. } | GridError::TooManyChunks { .. }))) => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// The cave as the subject of previews.

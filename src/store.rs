@@ -57,7 +57,7 @@ use self::records::Event;
 pub use self::temporary::TemporaryFolder;
 pub use self::thing::{read_things, write_things};
 pub use self::unit::{
-    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_name, collision_path, image_path, is_model_path,
+    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_index, chunk_name, collision_path, image_path, is_model_path,
     is_plain_name, lod_path, pieces_path, textured_path, things_path, wall_path,
 };
 
@@ -77,6 +77,8 @@ pub struct CaveFolder {
     root: PathBuf,
     /// A folder whose finished units are reused where they fit.
     base: Option<Box<CaveFolder>>,
+    /// Folders that have parts of this cave.
+    parts: Vec<CaveFolder>,
     work: Mutex<Work>,
 }
 
@@ -160,13 +162,24 @@ impl CaveFolder {
     /// # Errors
     /// If it cannot be read or its manifest is damaged.
     pub fn open(root: &Path) -> Result<Self, StoreError> {
-        Ok(Self { root: root.to_path_buf(), base: None, work: Mutex::new(Work::read(root)?) })
+        Ok(Self { root: root.to_path_buf(), base: None, parts: Vec::new(), work: Mutex::new(Work::read(root)?) })
     }
 
     /// The same folder, which reuses finished units of `base` where they fit.
     #[must_use]
     pub fn based_on(self, base: Self) -> Self {
         Self { base: Some(Box::new(base)), ..self }
+    }
+
+    /// The same folder, which takes finished units of these, which have parts of the same cave.
+    #[must_use]
+    pub fn with_parts(self, parts: Vec<Self>) -> Self {
+        Self { parts, ..self }
+    }
+
+    /// The folders that have parts of this cave.
+    pub fn parts(&self) -> &[Self] {
+        &self.parts
     }
 
     /// Makes the folder if necessary and locks it until it is settled. Must be called before writing to it.
@@ -356,19 +369,21 @@ impl CaveFolder {
         records::append(&mut work.run().journal, event).map_err(|e| StoreError::io(&self.root.join(JOURNAL), e))
     }
 
-    /// Reuses a finished unit of the folder that this one is [based on](Self::based_on), if it has an intact one that
-    /// follows from `fingerprint`.
+    /// Reuses a finished unit of the folder that this one is [based on](Self::based_on) or of one of its
+    /// [parts](Self::with_parts), if it is intact and follows from `fingerprint`.
     ///
     /// # Errors
     /// If a file cannot be read or written.
     pub fn take_over(&self, stage: Stage, name: &str, fingerprint: &str) -> Result<bool, StoreError> {
-        let Some(base) = &self.base else { return Ok(false) };
-        let Some(unit) = base.finished(stage, name, fingerprint)? else { return Ok(false) };
-        for record in &unit.files {
-            self.copy_from(base, record)?;
+        for other in self.base.iter().map(Box::as_ref).chain(&self.parts) {
+            let Some(unit) = other.finished(stage, name, fingerprint)? else { continue };
+            for record in &unit.files {
+                self.copy_from(other, record)?;
+            }
+            self.commit(unit)?;
+            return Ok(true);
         }
-        self.commit(unit)?;
-        Ok(true)
+        Ok(false)
     }
 
     /// A hard link where the file system supports it, since no file of a cave folder is ever written in place.

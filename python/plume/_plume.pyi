@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, final, overload
+from typing import Any, Literal, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,10 +24,13 @@ __all__ = [
     "Textures",
     "VisualMesh",
     "__version__",
+    "chunk_grid",
     "dataset",
     "generate",
     "generators",
     "main",
+    "make_chunks",
+    "make_item",
     "materials",
     "open",
     "presets",
@@ -48,6 +51,7 @@ def generate(
     *,
     folder: str | PathLike[str] | None = None,
     force: bool = False,
+    parts: Sequence[str | PathLike[str]] | None = None,
     threads: int | None = None,
     progress: Callable[[str, int, int], object] | None = None,
     allow_run: bool = False,
@@ -66,6 +70,7 @@ def generate(
         folder: The cave folder to write. By default the cave folder named by `recipe`, otherwise a temporary one, which
             is removed when the Cave is closed or garbage-collected.
         force: Replace another cave in the folder.
+        parts: Cave folders made by `make_chunks` for the same recipe, whose chunks are taken.
         threads: Number of threads; one per core by default.
         progress: Called from time to time as `progress(stage, done, total)`, where `stage` is "graph", "preview",
             "mesh" or "texture" and the numbers count chunks, except that the first two stages count as 1. An
@@ -85,6 +90,67 @@ def generate(
     (3, dtype('float32'), 'texture')
     """
 
+def chunk_grid(
+    recipe: Recipe | Mapping[str, Any] | str | PathLike[str] | None = None,
+    seed: int | None = None,
+    *,
+    allow_run: bool = False,
+    allow_outside: bool = False,
+) -> tuple[int, int, int]:
+    """The numbers of chunks along x, y and z in the grid of a cave, for `make_chunks`. Most chunks have no wall.
+
+    Args:
+        recipe: As for `generate`.
+        seed: Takes precedence over the seed of the recipe.
+        allow_run: Allow the recipe to run a program, as the generator "external" does.
+        allow_outside: Allow surveys to include files from outside their own folder.
+
+    >>> plume.chunk_grid({"graph": {"nodes": 3}}, seed=7)
+    (1, 1, 1)
+    """
+
+def make_chunks(
+    recipe: Recipe | Mapping[str, Any] | str | PathLike[str] | None,
+    numbers: range,
+    folder: str | PathLike[str],
+    *,
+    seed: int | None = None,
+    stages: Sequence[str] | None = None,
+    parts: Sequence[str | PathLike[str]] | None = None,
+    threads: int | None = None,
+    progress: Callable[[str, int, int], object] | None = None,
+    allow_run: bool = False,
+    allow_outside: bool = False,
+) -> list[str]:
+    """Makes some chunks of a cave, so that many machines can share a large one; `generate(parts=…)` puts them together. See also
+    plume.ray.
+
+    A chunk follows from the recipe and its number, and is the same wherever it is made. Its things and convex pieces also follow
+    from the walls of its neighbours, which are meshed too unless one of the `parts` has them.
+
+    Args:
+        recipe: As for `generate`.
+        numbers: A range of numbers, in the order of the grid: x fastest, z slowest.
+        folder: The cave folder to write.
+        seed: Takes precedence over the seed of the recipe.
+        stages: What to make of the chunks: "mesh", "things", "texture", "pieces".
+        parts: Cave folders for the same recipe, from which finished chunks are taken.
+        threads: Number of threads; one per core by default.
+        progress: As for `generate`.
+        allow_run: Allow the recipe to run a program, as the generator "external" does.
+        allow_outside: Allow surveys to include files from outside their own folder.
+
+    Returns:
+        The names of the chunks that have a wall.
+
+    >>> tiny = {"graph": {"nodes": 3}, "mesh": {"voxel_m": 0.5}, "texture": {"size_px": 256}}
+    >>> plume.make_chunks(tiny, range(0, 1), folder / "part", seed=7)
+    ['chunk_0_0_0']
+    >>> with plume.generate(tiny, seed=7, parts=[folder / "part"]) as cave:
+    ...     len(cave.chunks)
+    1
+    """
+
 def open(folder: str | PathLike[str]) -> Cave:
     """Opens a finished cave folder without changing it.
 
@@ -100,6 +166,8 @@ def dataset(
     spec: str | PathLike[str],
     folder: str | PathLike[str] | None = None,
     *,
+    engine: Literal["processes", "ray"] = "processes",
+    address: str | None = None,
     workers: int | None = None,
     progress: Callable[[str, int, int], object] | None = None,
     allow_run: bool = False,
@@ -107,14 +175,15 @@ def dataset(
 ) -> Dataset:
     r"""Makes a dataset: many caves from one specification.
 
-    The same specification and version of Plume give the same bytes, for any number of workers. Ctrl-C raises KeyboardInterrupt, if
-    this is the main thread; the same call then resumes where it stopped. Caves are made by processes of this interpreter
-    (`sys.executable`).
+    The same specification and version of Plume give the same bytes, for any number of workers and any engine. Ctrl-C raises
+    KeyboardInterrupt, if this is the main thread; the same call then resumes where it stopped.
 
     Args:
-        spec: The path of the specification (TOML); docs/datasets.md tells its keys.
+        spec: The path of the specification (TOML); docs/datasets.md lists its keys.
         folder: The folder to write; by default the name of the dataset.
-        workers: Number of processes; one per core by default.
+        engine: Who makes the caves: "processes" of this interpreter (`sys.executable`), or tasks of a cluster, "ray"; see plume.ray.
+        address: The cluster of the engine "ray", as `ray.init` takes it.
+        workers: Number of processes; one per core by default. A cluster has its own.
         progress: Called from time to time as `progress("caves", done, total)`. An exception that it raises stops the work.
         allow_run: Allow recipes to run programs, as the generator "external" does.
         allow_outside: Allow surveys to include files from outside their own folder.
@@ -130,6 +199,32 @@ def dataset(
     [(1, 3, 'items/000000'), (2, 3, 'items/000001')]
     >>> plume.open(pair.path / pair.caves[0]["path"] / "cave").recipe.seed
     1
+    """
+
+def make_item(
+    spec: str | PathLike[str],
+    number: int,
+    folder: str | PathLike[str],
+    *,
+    fingerprint: str,
+    allow_run: bool,
+    allow_outside: bool,
+) -> tuple[str, str | None]:
+    """Makes a cave of a dataset in `folder / path`; for tasks of a cluster.
+
+    Args:
+        spec: The path of the specification.
+        number: The number of the cave.
+        folder: A folder for caves of this dataset.
+        fingerprint: That of the run, so that another version of Plume, or other files, are refused.
+        allow_run: Allow recipes to run programs.
+        allow_outside: Allow surveys to include files from outside their own folder.
+
+    Returns:
+        The path of the cave below the folder, and why it could not be made, if it could not.
+
+    Raises:
+        PlumeError: No other cave can be made either.
     """
 
 def targets() -> dict[str, str]:

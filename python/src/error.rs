@@ -33,6 +33,7 @@ fn class(error: &CaveError) -> &'static str {
         | CaveError::Pipeline(
             PipelineError::Store(_)
             | PipelineError::OtherCave { .. }
+            | PipelineError::OtherPart { .. }
             | PipelineError::EditedGraph { .. }
             | PipelineError::ChangedFiles { .. },
         )

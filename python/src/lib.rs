@@ -15,6 +15,7 @@ mod light;
 mod make;
 mod mesh;
 mod package;
+mod ray;
 mod recipe;
 mod tables;
 mod texture;
@@ -28,12 +29,13 @@ use std::sync::Arc;
 use plume_cli::Host;
 use pyo3::prelude::*;
 
+use crate::ray::Ray;
 use crate::usd::UsdCore;
 
 #[pymodule]
 mod _plume {
     use super::{
-        Arc, Bound, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, UsdCore, interpreter, pyfunction,
+        Arc, Bound, Host, OsString, PyModule, PyModuleMethods, PyResult, Python, Ray, UsdCore, interpreter, pyfunction,
     };
 
     #[pymodule_export]
@@ -41,7 +43,7 @@ mod _plume {
     #[pymodule_export]
     use super::chunk::{Chunk, ChunkIterator, Chunks};
     #[pymodule_export]
-    use super::dataset::{Dataset, dataset};
+    use super::dataset::{Dataset, dataset, make_item};
     #[pymodule_export]
     use super::generator::register_generator;
     #[pymodule_export]
@@ -49,7 +51,7 @@ mod _plume {
     #[pymodule_export]
     use super::light::Light;
     #[pymodule_export]
-    use super::make::{generate, open};
+    use super::make::{chunk_grid, generate, make_chunks, open};
     #[pymodule_export]
     use super::mesh::{Lod, Mesh, VisualMesh};
     #[pymodule_export]
@@ -70,7 +72,8 @@ mod _plume {
     /// meant for the process of the command.
     #[pyfunction]
     fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
-        let host = Host::Python { library: Arc::new(UsdCore::default()), interpreter: interpreter(py)? };
+        let library = Arc::new(UsdCore::default());
+        let host = Host::Python { library, interpreter: interpreter(py)?, ray: |tasks| Box::new(Ray(tasks)) };
         Ok(py.detach(|| plume_cli::run(arguments, &host)))
     }
 }

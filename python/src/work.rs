@@ -16,7 +16,7 @@ use std::time::Duration;
 use plume::cave::CaveError;
 use plume::pipeline::Observer;
 use plume::store::Stage;
-use plume_dataset::local::Answer;
+use plume_dataset::Reply;
 use pyo3::prelude::*;
 
 use crate::error;
@@ -168,7 +168,7 @@ impl plume_dataset::Watch for Watch {
         self.set(|progress| *progress = Some(Progress { stage: "caves", done, total: all }));
     }
 
-    fn heard(&self, _: &Answer) {
+    fn cave_done(&self, _: &Reply) {
         self.step();
     }
 

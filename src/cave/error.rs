@@ -97,6 +97,7 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::Model { error, .. } => error.hint.to_owned(),
         PipelineError::TooLarge { remedy, .. } => format!("{remedy}, or raise output.max_gb"),
         PipelineError::OtherCave { .. } => "choose another folder, or make it anew with --force".into(),
+        PipelineError::OtherPart { .. } => "make the part again, or leave it out".into(),
         PipelineError::EditedGraph { .. } => {
             "to keep your edits, name the cave folder and leave `graph` and `seed` as they were; --force discards them"
                 .into()

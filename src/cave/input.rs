@@ -60,9 +60,7 @@ impl Input {
 
 fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> {
     if !CaveFolder::is_at(folder) {
-        let message = format!("{}: does not contain a cave", folder.display());
-        let hint = "name a recipe, a graph, or a folder made by `plume generate -o`".into();
-        return Err(CaveError::Usage { message, hint });
+        return Err(no_cave(folder, "name a recipe, a graph, or a folder made by `plume generate -o`"));
     }
     let path = folder.join(store::RECIPE);
     let text = read(&path)?;
@@ -75,6 +73,23 @@ fn cave_folder(folder: &Path, overrides: &[String]) -> Result<Input, CaveError> 
         input.changes.push(GRAPH_EDITED.to_owned());
     }
     Ok(input)
+}
+
+/// The folder, which takes from `parts` what they have of its cave.
+///
+/// # Errors
+/// If one is no cave folder, or cannot be read.
+pub fn with_parts(folder: CaveFolder, parts: &[PathBuf]) -> Result<CaveFolder, CaveError> {
+    let open = |part: &PathBuf| match CaveFolder::is_at(part) {
+        true => Ok(CaveFolder::open(part)?),
+        false => Err(no_cave(part, "name folders made by `plume chunk -o`")),
+    };
+    Ok(folder.with_parts(parts.iter().map(open).collect::<Result<_, CaveError>>()?))
+}
+
+fn no_cave(folder: &Path, hint: &str) -> CaveError {
+    let message = format!("{}: does not contain a cave", folder.display());
+    CaveError::Usage { message, hint: hint.into() }
 }
 
 /// Whether the graph of a cave folder was edited.

@@ -46,6 +46,12 @@ pub enum PipelineError {
         /// The first stage that differs.
         stage: &'static str,
     },
+    /// What was to be a part of the cave is one of another.
+    #[error("{}: is a part of another cave (its recipe, graph or version differs)", path.display())]
+    OtherPart {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The folder's graph was edited, and the recipe asks for another.
     #[error("{}: was edited by hand, and the recipe now makes another graph", path.display())]
     EditedGraph {

@@ -1,6 +1,6 @@
 //! Plan and profile of the cave, for people who look into its folder.
 
-use super::{Pipeline, PipelineError, field, subject};
+use super::{Pipeline, PipelineError, field, refuse_absurd_size, subject};
 use crate::preview::{Drawn, Format, Order, Pace, Subject, Theme, view};
 use crate::store::{self, Facts, FileRecord, Stage};
 
@@ -15,7 +15,7 @@ impl Pipeline<'_> {
     pub fn preview(&self) -> Result<(), PipelineError> {
         self.each(Stage::Preview, &[store::WHOLE_CAVE], |name| {
             self.unit(Stage::Preview, name, || {
-                self.refuse_absurd_size()?;
+                refuse_absurd_size(self.recipe, &self.graph)?;
                 let field = field(self.recipe, &self.graph);
                 let subject = subject(self.recipe, &self.graph, &field);
                 let maps: Result<Vec<_>, _> = MAPS.iter().map(|map| self.draw(map, &subject)).collect();

@@ -12,10 +12,15 @@ impl Pipeline<'_> {
     /// # Errors
     /// If the meshes are missing, the disk fails, or the observer stops.
     pub fn pieces(&self) -> Result<(), PipelineError> {
-        let walls: Vec<Unit> = self.walls();
-        self.each(Stage::Pieces, &walls, |wall| {
+        let walls = self.walls();
+        self.pieces_behind(&walls, &walls)
+    }
+
+    /// Makes the pieces behind some of the walls; `all` has their neighbours.
+    pub(super) fn pieces_behind(&self, walls: &[Unit], all: &[Unit]) -> Result<(), PipelineError> {
+        self.each(Stage::Pieces, walls, |wall| {
             self.unit(Stage::Pieces, &wall.name, || {
-                let (mesh, around) = self.with_neighbours(&wall.name, &walls)?;
+                let (mesh, around) = self.with_neighbours(&wall.name, all)?;
                 let pieces = mesh::pieces(&mesh, &around, self.recipe.pieces());
                 let file = store::write_pieces(self.folder, &wall.name, &pieces)?;
                 Ok((vec![file], Facts::Pieces(PieceFacts { pieces: pieces.len() })))

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::{Models, Pipeline, PipelineError};
+use super::{Models, Pipeline, PipelineError, field_and_grid};
 use crate::field::CaveField;
 use crate::material::Material;
-use crate::mesh::{ChunkIndex, Grid};
+use crate::mesh::Grid;
 use crate::recipe::Recipe;
-use crate::store::{self, Facts, PROTOTYPES, Stage, ThingFacts, Unit, WHOLE_CAVE, chunk_name};
+use crate::store::{self, Facts, PROTOTYPES, Stage, ThingFacts, Unit, WHOLE_CAVE};
 use crate::texture::{LodSettings, TextureSettings};
 use crate::things::{self, Dress, Library, Setting, Shelf};
 use plume_graph::{Aabb, Graph};
@@ -27,13 +27,23 @@ impl Pipeline<'_> {
     /// # Errors
     /// If the meshes are missing, the disk fails, or the observer stops.
     pub fn things(&self) -> Result<(), PipelineError> {
-        let field = self.field();
+        let (field, grid) = field_and_grid(self.recipe, &self.graph)?;
+        let walls = self.walls();
+        self.things_on(&field, &grid, &walls, &walls)
+    }
+
+    /// Makes the prototypes, and the things of some of the walls; `all` has their neighbours.
+    pub(super) fn things_on(
+        &self,
+        field: &CaveField,
+        grid: &Grid,
+        walls: &[Unit],
+        all: &[Unit],
+    ) -> Result<(), PipelineError> {
         self.unit(Stage::Things, WHOLE_CAVE, || self.prototypes())?;
         let library = library(self.recipe, self.folder)?;
-        let grid = Grid::new(field.bounds(), self.recipe.mesh())?;
-        let walls: Vec<Unit> = self.walls();
-        self.each(Stage::Things, &walls, |wall| {
-            self.unit(Stage::Things, &wall.name, || self.things_of(&wall.name, &walls, &grid, &field, &library))
+        self.each(Stage::Things, walls, |wall| {
+            self.unit(Stage::Things, &wall.name, || self.things_of(&wall.name, all, grid, field, &library))
         })
     }
 
@@ -63,7 +73,7 @@ impl Pipeline<'_> {
     ) -> Result<Made, PipelineError> {
         let setting = setting(self.recipe, &self.graph, field, library);
         let (wall, around) = self.with_neighbours(name, walls)?;
-        let index = grid.indices().find(|index| chunk_name(*index) == name).unwrap_or(ChunkIndex([0; 3]));
+        let index = store::chunk_index(name).expect("walls are named after their chunks");
         let Aabb { min, max } = grid.chunk_bounds(index);
         let bounds = Aabb { min: min.map(f64::from), max: max.map(f64::from) };
         let near = || std::iter::once(&wall).chain(&around);

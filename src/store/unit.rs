@@ -124,7 +124,7 @@ pub fn chunk_name(ChunkIndex([x, y, z]): ChunkIndex) -> String {
 }
 
 /// The inverse of [`chunk_name`].
-fn chunk_index(name: &str) -> Option<ChunkIndex> {
+pub fn chunk_index(name: &str) -> Option<ChunkIndex> {
     let numbers: Vec<i32> = name.strip_prefix("chunk_")?.split('_').map(str::parse).collect::<Result<_, _>>().ok()?;
     let index = ChunkIndex(numbers.try_into().ok()?);
     (chunk_name(index) == name).then_some(index)

@@ -5,6 +5,7 @@
 
 mod cave_folder;
 mod certify;
+mod chunk;
 mod cli;
 mod command;
 mod dataset;
