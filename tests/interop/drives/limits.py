@@ -6,8 +6,8 @@ The Husky of `pybullet_data` in Bullet, or the rover of a MuJoCo package. Prints
 
 - the highest step across its whole way that it climbs,
 - the highest box between its left wheels over which it turns on the spot,
-- how far it turns on the spot in four seconds, by friction and by slope as a share of that at which wheels slip: the least of
-  three headings.
+- how far it turns on the spot in four seconds, and how far it slides meanwhile, by friction and by slope as a share of that at which
+  wheels slip: the least turn and the longest way of three headings.
 """
 
 import sys
@@ -48,9 +48,10 @@ def main(package):
         climbed = [height_m for height_m in HEIGHTS_M if climbs(make(box=STEP, height_m=height_m))]
         turned = [height_m for height_m in HEIGHTS_M if turns(make(box=BETWEEN, height_m=height_m))]
         say(f"climbs steps of {span(climbed)}, turns over boxes of {span(turned)}")
-        say("friction " + " ".join(f"{share:7.0%}" for share in SHARES))
+        say("friction " + " ".join(f"{share:12.0%}" for share in SHARES))
         for friction in FRICTIONS:
-            say(f"{friction:8.1f} " + " ".join(f"{turn_on_slope(make, friction, share):6.0f}°" for share in SHARES))
+            turned = [turn_on_slope(make, friction, share) for share in SHARES]
+            say(f"{friction:8.1f} " + " ".join(f"{deg:5.0f}° {slid_m:.2f} m" for deg, slid_m in turned))
 
 
 def husky(friction=FRICTION, slope_rad=0.0, box=None, height_m=0.0):
@@ -107,9 +108,11 @@ def turn_on_slope(make, friction, share):
 
     def turned(heading_deg):
         start(robot, heading_deg)
-        return turned_deg(robot, TURN_RAD_S)
+        before = robot.position
+        return turned_deg(robot, TURN_RAD_S), np.linalg.norm(robot.position - before)
 
-    return min(map(turned, HEADINGS_DEG))
+    turns_deg, slides_m = zip(*map(turned, HEADINGS_DEG), strict=True)
+    return min(turns_deg), max(slides_m)
 
 
 def start(robot, heading_deg):
