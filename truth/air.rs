@@ -77,6 +77,10 @@ impl Terrain for Air<'_> {
         }
     }
 
+    fn why_no_stop(&self, _: usize) -> Option<Fault> {
+        None
+    }
+
     fn why(&self, _: State, to: State) -> Option<Fault> {
         let gap = &self.floor.cells()[to.cell as usize];
         let limit = 2.0 * (self.drone.radius_m + self.drone.margin_m);

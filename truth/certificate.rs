@@ -107,7 +107,8 @@ impl Scout<'_> {
         drop(out);
         let home = self.everywhere(&starts, Sense::Back);
         for (reach, station) in stations.iter_mut().zip(&network.stations) {
-            reach.back = home.cheapest(&self.at_place(*station)).and_then(|state| home.class(state));
+            let state = home.cheapest(&self.at_place(*station));
+            reach.back = state.and_then(|state| Some(self.class_with_stops(&home.way(state), home.class(state)?)));
         }
         let is_back = |state: &State| home.class(*state) == Some(Class::Go);
         let reached = sure.chunk_by(|a, b| a.cell == b.cell).filter(|states| states.iter().any(is_back)).count();
@@ -137,9 +138,10 @@ impl Scout<'_> {
     /// How well the robot gets to a station.
     fn there(&mut self, station_m: [f64; 3], out: &Routes) -> Reach {
         let there = out.cheapest(&self.at_place(station_m));
-        let length_m =
-            there.map_or(0.0, |goal| length_m(self.poses(&out.way(goal)).iter().map(|pose| pose.position_m)));
-        Reach { there: there.and_then(|state| out.class(state)), back: None, length_m }
+        let way = there.map(|goal| out.way(goal)).unwrap_or_default();
+        let length_m = length_m(self.poses(&way).iter().map(|pose| pose.position_m));
+        let class = there.and_then(|state| out.class(state)).map(|class| self.class_with_stops(&way, class));
+        Reach { there: class, back: None, length_m }
     }
 
     fn furthest(&mut self, network: &Network, stations: &[Reach], out: &Routes) -> Option<(usize, Route)> {
@@ -199,6 +201,10 @@ impl Scout<'_> {
         };
         let way = routes.way(goal);
         let class = routes.class(goal).unwrap_or(Class::NoGo);
+        if let (Class::Go, Some(fault)) = (class, self.steep_stop(&way)) {
+            let class = Class::Marginal;
+            return Verdict { class, fault: Some(fault), route: Route::along(self, &way, class) };
+        }
         if class == Class::Go {
             return Verdict { class, fault: None, route: Route::along(self, &way, class) };
         }

@@ -80,7 +80,11 @@ impl<'a> Ground<'a> {
     }
 
     fn is_too_steep_to_turn(&self, cell: usize) -> bool {
-        f64::from(self.floor.reliefs()[cell].slope_rad) > self.vehicle.turn_rad
+        self.slope_rad(cell) > self.vehicle.turn_rad
+    }
+
+    fn slope_rad(&self, cell: usize) -> f64 {
+        self.floor.reliefs()[cell].slope_rad.into()
     }
 
     /// The place next to a cell.
@@ -149,8 +153,13 @@ impl Terrain for Ground<'_> {
             }
         }
         let is_steep_turn = one.0 == other.0 && self.is_too_steep_to_turn(other.0);
-        let value = self.floor.reliefs()[other.0].slope_rad.into();
+        let value = self.slope_rad(other.0);
         is_steep_turn.then_some(Fault { cause: Cause::Slope, value, limit: self.vehicle.turn_rad })
+    }
+
+    fn why_no_stop(&self, cell: usize) -> Option<Fault> {
+        let (value, limit) = (self.slope_rad(cell), self.vehicle.stop_rad);
+        (value > limit).then_some(Fault { cause: Cause::Slope, value, limit })
     }
 
     fn class(&mut self, state: State) -> Class {

@@ -11,9 +11,12 @@ use super::vehicle::{Drone, Profile, Vehicle};
 /// How far below the slope at which wheels slip a robot surely gets along. Drives are held to 5° over half a metre, where a floor is up to
 /// half a degree steeper than the plane of the wheels.
 const RESERVE_DEG: f64 = 6.0;
-/// Steepest floor on which wheels that skid sideways turn a robot on the spot, as a share of the slope at which they slip. Tuned: a rover and
-/// a Husky turn on floors up to 0.6, but slide by up to 0.9 m meanwhile; at 0.58 a rover slid onto steeper floor and tipped over.
-const TURNING: f64 = 0.5;
+/// Steepest floor on which wheels that skid sideways turn a robot on the spot, as a share of the slope at which they slip: a rover and a
+/// Husky turn there by 42° or more in four seconds at any friction from 0.3 to 1, and by less the steeper it is.
+const TURNING: f64 = 0.6;
+/// The same for turns of about a right angle or more. Tuned: meanwhile they slide by 0.6 m and more; at 0.58 a rover slid onto steeper floor
+/// and tipped over.
+const STOPPING: f64 = 0.5;
 /// How much steeper a slope it comes down than up.
 const DESCENT_MORE_DEG: f64 = 5.0;
 
@@ -218,6 +221,7 @@ impl VehicleSettings {
             descent_rad: slope_rad(self.slope_deg + DESCENT_MORE_DEG),
             side_slope_rad: slope_rad(self.side_slope_deg),
             turn_rad: (TURNING * slip_deg).to_radians(),
+            stop_rad: (STOPPING * slip_deg).to_radians(),
             margin_m: ((self.passage_m - self.width_m) / 2.0).max(0.0),
         }
     }

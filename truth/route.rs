@@ -7,7 +7,7 @@ use super::floor::Floor;
 use super::scout::Scout;
 use super::search::{Pose, Rest, Routes, Sense, State};
 use super::vector::away;
-use super::vehicle::{Class, Profile};
+use super::vehicle::{Class, Fault, Profile};
 
 /// Rounds of smoothing: tuned so that the corners of the search are gone and those of the passages are not.
 const ROUNDS: usize = 60;
@@ -64,6 +64,7 @@ impl Route {
             class = class.max(routes.class(goal).unwrap_or_default());
             starts = vec![goal];
         }
+        let class = scout.class_with_stops(&way, class);
         Ok(Self::along(&mut scout, &way, class))
     }
 
@@ -91,14 +92,35 @@ fn waypoints(scout: &mut Scout, poses: &[Pose], class: Class) -> Vec<Waypoint> {
     found
 }
 
-/// The parts of a way between stops, which both have.
-fn legs(places: &[[f64; 3]]) -> impl Iterator<Item = &[[f64; 3]]> {
-    let turns = |number: &usize| {
+impl Scout<'_> {
+    /// The class of a way along which the robot also has to stop and turn.
+    pub(super) fn class_with_stops(&self, way: &[State], class: Class) -> Class {
+        self.steep_stop(way).map_or(class, |_| class.max(Class::Marginal))
+    }
+
+    /// Why the robot does not surely turn at one of the stops on a way, and where that is, in metres.
+    pub(super) fn steep_stop(&self, way: &[State]) -> Option<(Fault, [f64; 3])> {
+        let mut stands = way.to_vec();
+        stands.dedup_by_key(|state| state.cell);
+        let places: Vec<[f64; 3]> = self.poses(&stands).iter().map(|pose| pose.position_m).collect();
+        let fault = |stop: usize| Some((self.terrain.why_no_stop(stands[stop].cell as usize)?, places[stop]));
+        stops(&places).find_map(fault)
+    }
+}
+
+/// The places at which a robot stops and turns on the spot.
+fn stops(places: &[[f64; 3]]) -> impl Iterator<Item = usize> {
+    let is_stop = |number: &usize| {
         let headings = [number - 1, *number].map(|from| heading(places[from], places[from + 1]));
         turn(headings[0], headings[1]).abs() > STOP_RAD
     };
+    (1..places.len().saturating_sub(1)).filter(is_stop)
+}
+
+/// The parts of a way between stops, which both have.
+fn legs(places: &[[f64; 3]]) -> impl Iterator<Item = &[[f64; 3]]> {
     let last = places.len().saturating_sub(1);
-    let stops: Vec<usize> = (1..last).filter(turns).collect();
+    let stops: Vec<usize> = stops(places).collect();
     let starts: Vec<usize> = [0].into_iter().chain(stops.iter().copied()).collect();
     let ends: Vec<usize> = stops.into_iter().chain([last]).collect();
     starts.into_iter().zip(ends).filter(|(start, end)| start < end).map(|(start, end)| &places[start..=end])

@@ -45,6 +45,9 @@ pub trait Terrain {
     /// Why a move along a way is not [`Class::Go`], or its first state.
     fn why(&self, from: State, to: State) -> Option<Fault>;
 
+    /// Why a robot does not surely turn by about a right angle or more at a cell.
+    fn why_no_stop(&self, cell: usize) -> Option<Fault>;
+
     /// Whether a robot gets through a state.
     fn class(&mut self, state: State) -> Class;
 

@@ -32,8 +32,10 @@ pub struct Vehicle {
     pub descent_rad: f64,
     /// Steepest slope across its way, in radians.
     pub side_slope_rad: f64,
-    /// Steepest floor on which it turns on the spot, in radians.
+    /// Steepest floor on which it turns on the spot by an eighth, as in a bend, in radians.
     pub turn_rad: f64,
+    /// Steepest floor on which it stops to turn by about a right angle or more, in radians.
+    pub stop_rad: f64,
     /// Room on either side that keeps it free of rock when it strays from its path, in metres.
     pub margin_m: f64,
 }

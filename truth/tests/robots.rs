@@ -25,6 +25,7 @@ fn rover() -> Vehicle {
         descent_rad: 35_f64.to_radians(),
         side_slope_rad: 25_f64.to_radians(),
         turn_rad: 25_f64.to_radians(),
+        stop_rad: 25_f64.to_radians(),
         margin_m: 0.1,
     }
 }
@@ -182,6 +183,26 @@ fn wheels_turn_on_gentle_slopes_only() {
     };
     assert_eq!(there(12.0).class, Class::Go);
     assert_eq!(cause(&there(8.0)), Some((Class::Marginal, Cause::Slope)));
+}
+
+#[test]
+fn wheels_stop_to_turn_back_on_gentler_slopes_only() {
+    // Up 10° and down again.
+    let top = 12.0 * 10_f32.to_radians().tan();
+    let world = World::room([0.0, -1.5], [12.0, 1.5], 0.0, 5.0).with(
+        [[0.0, -2.0], [12.0, 2.0]],
+        [-1.0; 4],
+        [0.0, top, top, 0.0],
+        false,
+    );
+    let [low, high] = [1.5, 10.5].map(|x| [x, 0.0, 0.5 + x * f64::from(top) / 12.0]);
+    let class = |stop_deg: f64, places: &[[f64; 3]]| {
+        let robot = Profile::Vehicle(Vehicle { stop_rad: stop_deg.to_radians(), ..rover() });
+        Route::via(&world.floor(CELL_M), &robot, low, places).unwrap().class
+    };
+    assert_eq!(class(12.0, &[high, low]), Class::Go);
+    assert_eq!(class(8.0, &[high, low]), Class::Marginal);
+    assert_eq!(class(8.0, &[high]), Class::Go);
 }
 
 #[test]
