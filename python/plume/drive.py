@@ -1,5 +1,7 @@
 """An environment of Gymnasium in which a rover drives to a place in a cave, in MuJoCo.
 
+    import plume.gym
+
     drive = gymnasium.make("plume/Drive-v0", dataset="drive", part="train", difficulty=(0.0, 0.5))
     observation, info = drive.reset(seed=1)
 

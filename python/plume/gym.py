@@ -1,8 +1,12 @@
 """Environments of Gymnasium: `pip install plume-caves[gym]`.
 
+    import gymnasium
+    import plume.gym
+
     gymnasium.make("plume/Drive-v0", dataset="drive", difficulty=(0.0, 0.5))
 
-Gymnasium finds them by itself; what they do is said where they are: `plume.drive.Drive`.
+Importing this module registers them; `gymnasium.make("plume.gym:plume/Drive-v0")` imports it too. What they do is said where they are:
+`plume.drive.Drive`.
 """
 
 import gymnasium
@@ -10,7 +14,4 @@ import gymnasium
 STEPS = 600
 """The default limit of an episode: a minute of driving."""
 
-
-def register() -> None:
-    """Registers all environments; Gymnasium calls this when it is imported, in the namespace `plume`."""
-    gymnasium.register(id="Drive-v0", entry_point="plume.drive:Drive", max_episode_steps=STEPS)
+gymnasium.register(id="plume/Drive-v0", entry_point="plume.drive:Drive", max_episode_steps=STEPS)

@@ -3,6 +3,7 @@
 import gymnasium
 import numpy as np
 import plume
+import plume.gym
 import pytest
 from gymnasium.utils.env_checker import check_env
 from plume.drive import Drive
