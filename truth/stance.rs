@@ -3,6 +3,8 @@
 //! Its wheels rest on a plane, and its body is level with that. What is under, over and beside the body is compared with the
 //! plane, cell by cell of the footprint. Not promised: suspensions, tracks or gaits, which get over more.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::floor::{Floor, rounded_down};
 use super::vehicle::{Cause, Class, Fault, Vehicle};
 use super::window::{Place, Size, Window};
@@ -18,6 +20,11 @@ const CLIMBING: f64 = 0.6;
 /// How the shares of grip that a slope ahead and one to a side take add up, as a power: tuned, as a rover slipped on floors of 32° to 33°
 /// that leaned 20° to a side, and drove straight up and down them.
 const GRIP: f64 = 1.5;
+/// How far a vehicle slips to either side of its path where it is steep, as a share of its length: a rover that followed a path on a floor of
+/// 28° was 0.2 m beside it, where the floor was steeper, and tipped over.
+const DRIFT: f64 = 0.23;
+/// Where it is steep, as a share of the steepest slope. Tuned.
+const STEEP: f64 = 0.7;
 /// Room under and over a body that simply gets through, in metres: floors are known at the centres of cells only.
 const SPARE_M: f64 = 0.03;
 /// Furthest that the floor under a wheel is from that under the middle, in metres: more is another floor.
@@ -48,6 +55,8 @@ pub struct Footprint<'a> {
     size: Size,
     /// The cells that each wheel rests on.
     wheels: [[Place; 9]; 4],
+    /// The same as far to the left and to the right as it may slip.
+    aside: [[[Place; 9]; 4]; 2],
     /// From the sides inwards: that is where rock is met first.
     spots: Vec<Spot>,
     /// Under the front wheels, and at [`STEPS_M`] ahead of that.
@@ -104,9 +113,11 @@ impl<'a> Footprint<'a> {
         };
         let place = |along_m: f64, across_m: f64| size.place(cell(along_m, across_m));
         let [fore_m, side_m] = [vehicle.wheel_base_m / 2.0, vehicle.track_m / 2.0];
-        let wheel = |[x, y]: [f64; 2]| {
-            let [i, j] = cell(x * fore_m, y * side_m);
-            std::array::from_fn(|n| size.place([i + n as i32 / 3 - 1, j + n as i32 % 3 - 1]))
+        let wheels = |aside_m: f64| {
+            [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]: [f64; 2]| {
+                let [i, j] = cell(x * fore_m, y * side_m + aside_m);
+                std::array::from_fn(|n| size.place([i + n as i32 / 3 - 1, j + n as i32 % 3 - 1]))
+            })
         };
         let inner_m = (vehicle.track_m - vehicle.width_m / 2.0).max(0.0);
         let along = spread(vehicle.length_m / 2.0, cell_m);
@@ -132,7 +143,8 @@ impl<'a> Footprint<'a> {
         Self {
             vehicle,
             size,
-            wheels: [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(wheel),
+            wheels: wheels(0.0),
+            aside: [DRIFT, -DRIFT].map(|share| wheels(share * vehicle.length_m)),
             spots,
             treads: [1.0, -1.0].into_iter().flat_map(under).collect(),
         }
@@ -160,13 +172,17 @@ impl<'a> Footprint<'a> {
     /// How the vehicle stands here; `None` if there is no floor under one of its wheels. Once it is clear that it does not get
     /// through, nothing more is compared.
     pub fn stand(&self, window: &Window, near_m: f64) -> Option<Stance> {
-        let ground = self.ground(window, near_m)?;
+        let ground = self.ground(window, &self.wheels, near_m)?;
         let (climb_rad, lean_rad) = (libm::atan(ground.ahead), libm::atan(ground.left));
         let mut worst = Worst::default();
         worst.compare(Cause::Climb, climb_rad, self.vehicle.climb_rad, MARGINAL_RAD);
         worst.compare(Cause::Descent, -climb_rad, self.vehicle.descent_rad, MARGINAL_RAD);
         worst.compare(Cause::SideSlope, lean_rad.abs(), self.vehicle.side_slope_rad, MARGINAL_RAD);
-        worst.compare(Cause::Slope, ground.slope_rad(), self.steepest_rad(&ground), MARGINAL_RAD);
+        let steepest_rad = self.steepest_rad(&ground);
+        worst.compare(Cause::Slope, ground.slope_rad(), steepest_rad, MARGINAL_RAD);
+        if ground.slope_rad() > STEEP * steepest_rad {
+            self.judge_aside(window, near_m, &mut worst);
+        }
         self.judge_steps(window, &ground, &mut worst);
         let mut spots = self.spots.iter();
         while let Some(spot) = spots.next().filter(|_| worst.class < Class::NoGo) {
@@ -188,10 +204,18 @@ impl<'a> Footprint<'a> {
         libm::atan(libm::hypot(ground.ahead, ground.left) / libm::pow(used, 1.0 / GRIP))
     }
 
-    /// The plane with the least squares of distances to the floor under the four wheels.
-    fn ground(&self, window: &Window, near_m: f64) -> Option<Ground> {
+    /// Compares how steep the floor is to either side: marginal at worst, as the vehicle may not slip there. Where there is no floor, it
+    /// cannot.
+    fn judge_aside(&self, window: &Window, near_m: f64, worst: &mut Worst) {
+        for ground in self.aside.iter().filter_map(|wheels| self.ground(window, wheels, near_m)) {
+            worst.compare(Cause::Slope, ground.slope_rad(), self.steepest_rad(&ground), FRAC_PI_2);
+        }
+    }
+
+    /// The plane with the least squares of distances to the floor under four wheels.
+    fn ground(&self, window: &Window, wheels: &[[Place; 9]; 4], near_m: f64) -> Option<Ground> {
         let mut heights_m = [0.0; 4];
-        for (height_m, wheel) in heights_m.iter_mut().zip(&self.wheels) {
+        for (height_m, wheel) in heights_m.iter_mut().zip(wheels) {
             *height_m = under_wheel_m(window, wheel, near_m)?;
         }
         let [front_left, front_right, rear_left, rear_right] = heights_m;
@@ -244,14 +268,15 @@ impl<'a> Footprint<'a> {
 }
 
 impl Size {
-    /// A window that holds all that a vehicle is over, and what is ahead of its wheels.
+    /// A window that holds all that a vehicle is over, and what is ahead of its wheels and beside them.
     fn of(vehicle: &Vehicle, cell_m: f64) -> Self {
         let body_m = libm::hypot(vehicle.length_m, vehicle.width_m + 2.0 * vehicle.margin_m) / 2.0;
         let [fore_m, side_m] = [vehicle.wheel_base_m / 2.0, vehicle.track_m / 2.0];
         let tyre_m = (vehicle.width_m / 2.0 - side_m).abs();
         let ahead_m = libm::hypot(fore_m + STEPS_M[STEPS_M.len() - 1], side_m + tyre_m);
+        let aside_m = libm::hypot(fore_m, side_m + DRIFT * vehicle.length_m);
         // The middle is anywhere in its cell, and a wheel rests on the cells around its own.
-        Self::new((body_m.max(ahead_m) / cell_m).ceil() as i32 + 2)
+        Self::new((body_m.max(ahead_m).max(aside_m) / cell_m).ceil() as i32 + 2)
     }
 }
 

@@ -206,6 +206,25 @@ fn wheels_stop_to_turn_back_on_gentler_slopes_only() {
 }
 
 #[test]
+fn where_it_is_steep_the_floor_beside_counts_too() {
+    // Up a ridge 0.8 m wide, 0.2 m above what is beside it.
+    let class = |slope_deg: f32| {
+        let top = 12.0 * slope_deg.to_radians().tan();
+        let low = [-0.2, top - 0.2, top - 0.2, -0.2];
+        let world = World::room([0.0, -0.75], [12.0, 0.75], -0.2, 7.0)
+            .with([[0.0, -2.0], [12.0, 2.0]], [-1.0; 4], low, false)
+            .with([[0.0, -0.4], [12.0, 0.4]], [-1.0; 4], [0.0, top, top, 0.0], false);
+        let stations = [1.5, 10.5].map(|x| [x, 0.0, 0.5 + x * f64::from(top) / 12.0]).to_vec();
+        let network = Network { stations, passages: vec![Passage { ends: [0, 1], reach_m: 1.5 }] };
+        let start_m = network.stations[0];
+        let robot = Profile::Vehicle(rover());
+        Certificate::of(&world.floor(CELL_M), &robot, &network, start_m).passages.remove(0).there.class
+    };
+    assert_eq!(class(14.0), Class::Go);
+    assert_ne!(class(20.0), Class::Go);
+}
+
+#[test]
 fn a_drone_flies_over_what_stops_wheels() {
     let drone = |radius_m| Profile::Drone(Drone { radius_m, margin_m: 0.05 });
     // A wall with a window half a metre high over it.

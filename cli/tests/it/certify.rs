@@ -28,7 +28,7 @@ fn a_robot_is_certified_and_finds_its_way() {
     assert!(text.starts_with("mouse: ") && text.contains("stations: 12 of 12 reached and left again\n"), "{text}");
     let certificate: Value = serde_json::from_str(&fs::read_to_string(desk.path("mouse.json")).unwrap()).unwrap();
     assert_eq!(certificate["robot"]["settings"]["radius_m"], Value::Null);
-    assert!(certificate["floor"]["share"].as_f64().unwrap() > 0.5);
+    assert!(certificate["floor"]["share"].as_f64().unwrap() > 0.4);
     assert!(fs::read(desk.path("mouse.png")).unwrap().starts_with(b"\x89PNG"));
 
     // The same bytes again, whatever the number of threads.
