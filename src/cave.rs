@@ -163,7 +163,7 @@ impl Cave {
     }
 }
 
-/// Makes the stages up to `last` in `folder`, calls `done` after each, and settles the folder. If the folder is itself the
+/// Makes the stages up to `last` in `folder`, and the pieces that its parts have, calls `done` after each, and settles the folder. If the folder is itself the
 /// input, it follows edits of its recipe and graph; `force` replaces another cave.
 ///
 /// # Errors

@@ -104,7 +104,7 @@ class Drive(gymnasium.Env[Observation, NDArray[np.float32]]):
         if dataset is None:
             dataset = self._made(difficulty)
         self._caves = _caves(Path(dataset), part, difficulty)
-        self._models: OrderedDict[Path, Rover] = OrderedDict()
+        self._models: OrderedDict[Path, tuple[Rover, Floats]] = OrderedDict()
         self._most_models, self._distance_m, self._sensor = models, distance_m, sensor
         self._rays = _lidar() if sensor == "lidar" else _depth()
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
@@ -132,8 +132,8 @@ class Drive(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise InputError(f"there is no cave {number} in this part of the dataset", f"its caves are {numbers}")
         folder = self._caves[number]
         self._cave = number
-        self._rover = self._rover_of(folder)
-        self._path, heading_rad = self._stretch(_path(folder))
+        self._rover, poses = self._loaded(folder)
+        self._path, heading_rad = self._stretch(poses)
         self._rover.put_down(self._path.corners[0], heading_rad)
         self._passed_m = self._path.along_m(self._rover.position, 0.0)
         return self._observation(), self._info(is_success=False)
@@ -157,7 +157,7 @@ class Drive(gymnasium.Env[Observation, NDArray[np.float32]]):
             self._temporary.cleanup()
 
     def _made(self, difficulty: float | tuple[float, float] | None) -> Path:
-        low, high = (difficulty, difficulty) if isinstance(difficulty, float | int) else difficulty or (0.0, 1.0)
+        low, high = _range(difficulty)
         self._temporary = tempfile.TemporaryDirectory(prefix="plume-drive-")
         home = Path(self._temporary.name)
         spec = home / "drive.toml"
@@ -167,9 +167,10 @@ class Drive(gymnasium.Env[Observation, NDArray[np.float32]]):
         spec.write_text(f"seeds = [1, {CAVES}]\n{settings}{shares}{vary}", encoding="utf-8")
         return plume.dataset(spec, home / "drive").path
 
-    def _rover_of(self, folder: Path) -> "Rover":
+    def _loaded(self, folder: Path) -> tuple["Rover", Floats]:
+        """The rover in a cave, and the path there."""
         if folder not in self._models:
-            self._models[folder] = Rover(folder / "mujoco")
+            self._models[folder] = (Rover(folder / "mujoco"), _path(folder))
         self._models.move_to_end(folder)
         while len(self._models) > self._most_models:
             self._models.popitem(last=False)

@@ -36,6 +36,8 @@ ATTEMPTS = 3
 """How often a task is run if workers die of it; as with processes."""
 POLL_S = 0.05
 """How long work that was stopped goes on."""
+PARTIAL = "partial"
+"""The part that is being unpacked."""
 TASKS_PER_CPU = 2
 """Tasks that are submitted before others are done: enough to keep all workers busy."""
 MOST_CHUNKS_PER_TASK = 64
@@ -107,12 +109,12 @@ def generate(
         count = grid[0] * grid[1] * grid[2]
         size = chunks_per_task or _chunks_per_task(count, _cpus(ray))
         ranges = [range(first, min(first + size, count)) for first in range(0, count, size)]
-        packed_base = ray.put(_packed(base))
+        packed_base, make_chunks = ray.put(_packed(base)), _remote(ray, _make_chunks)
 
         walls: dict[int, Any] = {}
 
         def mesh(task: int) -> Any:
-            return _remote(ray, _make_chunks).remote(packed_base, ranges[task], ["mesh"])
+            return make_chunks.remote(packed_base, ranges[task], ["mesh"])
 
         for task, reference in _made(ray, home, "mesh", ranges, range(len(ranges)), mesh, progress):
             walls[task] = reference
@@ -122,13 +124,15 @@ def generate(
 
         def finish(task: int) -> Any:
             around = [walls[other] for other in sorted(_around(ranges[task], grid, size))]
-            return _remote(ray, _make_chunks).remote(packed_base, ranges[task], stages, *around)
+            return make_chunks.remote(packed_base, ranges[task], stages, *around)
 
         for _ in _made(ray, home, "texture", ranges, with_wall, finish, progress):
             pass
-    parts = [base, *sorted(home.glob("mesh-*")), *sorted(home.glob("texture-*"))]
-    cave = plume.generate(base, folder=folder, parts=parts, progress=progress)
-    shutil.rmtree(home)
+    cave = plume.generate(base, folder=folder, parts=[base, *_parts(home)], progress=progress)
+    for own in [base, home / PARTIAL, *_parts(home)]:
+        shutil.rmtree(own, ignore_errors=True)
+    if not any(home.iterdir()):
+        home.rmdir()
     return cave
 
 
@@ -143,10 +147,14 @@ def _base(home: Path, recipe: Any, seed: int | None, allow_run: bool, allow_outs
     if kept.is_file() and kept.read_bytes() == (new / "graph.json").read_bytes():
         shutil.rmtree(new)
         return base
-    for other in home.iterdir():
-        if other != new:
-            shutil.rmtree(other)
+    for other in [base, *_parts(home)]:
+        shutil.rmtree(other, ignore_errors=True)
     return new.rename(base)
+
+
+def _parts(home: Path) -> list[Path]:
+    """What tasks have made; whatever else is there is the user's."""
+    return [part for stage in ("mesh", "texture") for part in sorted(home.glob(f"{stage}-*-*"))]
 
 
 def _made(
@@ -180,7 +188,7 @@ def _made(
             continue
         task, reference = completed
         place = home / _name(stage, ranges[task])
-        partial = place.with_name(place.name + ".partial")
+        partial = home / PARTIAL
         shutil.rmtree(partial, ignore_errors=True)
         try:
             packed = _result(ray, reference)
@@ -234,12 +242,10 @@ def _items(
 ) -> Iterator[tuple[int, float, str | None, str | None] | None]:
     """The engine of datasets: numbers of caves, CPU seconds, why a cave could not be made, its folder; None every now and then."""
     with _cluster(address) as ray:
-        files = ray.put(_files(Path(spec)))
+        path, files, make_item = str(Path(spec).absolute()), ray.put(_files(Path(spec))), _remote(ray, _make_item)
 
         def make(number: int) -> Any:
-            return _remote(ray, _make_item).remote(
-                str(Path(spec).absolute()), files, number, fingerprint, allow_run, allow_outside
-            )
+            return make_item.remote(path, files, number, fingerprint, allow_run, allow_outside)
 
         for completed in _as_completed(ray, numbers, make):
             if completed is None:

@@ -1,7 +1,8 @@
 //! Part of a cave: some of its chunks, so that a large cave can be made by many machines.
 //!
 //! A chunk follows from the recipe, the graph and its number. Its things, and the pieces of rock behind its wall, follow
-//! from the walls of its neighbours too, so these are meshed with it, unless a [base](crate::store::CaveFolder::based_on) has them.
+//! from the walls of its neighbours too, so these are meshed with it, unless one of the
+//! [other parts](crate::store::CaveFolder::with_parts) has them.
 
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -87,8 +87,12 @@ def test_what_was_made_is_not_made_again(cluster, tmp_path):
 def test_parts_of_another_cave_are_removed(cluster, tmp_path):
     parts = tmp_path / "cave-parts"
     plume.make_chunks(plume.Recipe(CAVE, seed=4), range(2), parts / "mesh-0-1", stages=["mesh"])
+    (parts / "mine").mkdir()
+    (parts / "mine/note.txt").write_text("mine")
     with plume.ray.generate(plume.Recipe(CAVE, seed=3), folder=tmp_path / "cave", chunks_per_task=2) as cave:
         assert cave.recipe.seed == 3
+    assert [path.name for path in parts.iterdir()] == ["mine"]
+    assert (parts / "mine/note.txt").read_text() == "mine"
 
 
 def test_a_dataset_is_the_same_although_a_machine_dies(cluster, tmp_path):
