@@ -16,6 +16,8 @@ from trimesh.ray.ray_util import contains_points
 COLLISION_GROUP = 3
 # How far the surface of convex pieces may be from the visual mesh, before or behind it, by default; metres.
 TOLERANCE_M = {"floor": 0.02, "wall": 0.05, "ceiling": 0.05}
+# Kinds of things with an open mouth, which their convex hull closes: the README tells this among the limits.
+HOLLOW = ("duct",)
 # Rays that miss an edge between two triangles, or a second wall close behind the first, tell inside from outside wrongly for 5 of
 # 1000 points, and which ones depends on the processor: the majority of many directions decides.
 DIRECTIONS = np.random.default_rng(1).normal(size=(15, 3))
@@ -65,6 +67,8 @@ class Wall:
         for geom in [geom for geom in seen if not geom.name.startswith(f"{name}_gravel_")]:
             asset = meshes[geom.meshname]
             shape = placed(files[package / spec.meshdir / asset.file], asset, geom)
+            if geom.name.startswith(tuple(f"{name}_{kind}_" for kind in HOLLOW)):
+                shape = shape.convex_hull
             # A chunk has a mesh of its own.
             (chunks if geom.name == geom.meshname else things).append(shape)
         wall = trimesh.util.concatenate(chunks)
