@@ -21,3 +21,4 @@ pub mod points;
 pub mod ros2;
 pub mod stl;
 pub mod survex;
+pub mod tileset;

@@ -67,6 +67,7 @@ pub static TARGETS: Registry<TargetRow> = Registry::new(&[
     targets::usdz::ROW,
     targets::glb::ROW,
     targets::gltf::ROW,
+    targets::tiles::ROW,
     targets::fbx::ROW,
     targets::obj::ROW,
     targets::ply::ROW,

@@ -10,6 +10,7 @@ pub mod mujoco;
 pub mod obj;
 pub mod ply;
 pub mod stl;
+pub mod tiles;
 pub mod truth;
 pub mod unity;
 pub mod unreal;

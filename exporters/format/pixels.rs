@@ -1,4 +1,4 @@
-//! Rearranges the channels of images and writes them as PNG; samples colours of images.
+//! Rearranges the channels of images, or makes them smaller, and writes them as PNG; samples colours of images.
 //!
 //! Compressed fast and with one filter, as the images of a scene are. Memory: one image. The pixels of a JPEG are the same on
 //! every machine, although its decoder (`zune-jpeg`) has one routine for AVX2, one for NEON and one for the rest: all
@@ -7,7 +7,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, Write};
 
-use image::{ImageError, ImageReader, RgbImage};
+use image::{ImageError, ImageReader, RgbImage, imageops};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter};
 
 use crate::error::{ExportError, at};
@@ -26,6 +26,14 @@ pub fn remap<const N: usize>(
     out: &mut dyn Write,
     map: impl Fn([u8; 3]) -> [u8; N],
 ) -> Result<(), ExportError> {
+    encode(&read(image)?, out, map)
+}
+
+fn encode<const N: usize>(
+    pixels: &RgbImage,
+    out: &mut dyn Write,
+    map: impl Fn([u8; 3]) -> [u8; N],
+) -> Result<(), ExportError> {
     let color = const {
         match N {
             1 => ColorType::Grayscale,
@@ -34,20 +42,46 @@ pub fn remap<const N: usize>(
             _ => panic!("a PNG has 1, 3 or 4 channels here"),
         }
     };
-    let read = read(image)?;
-    let mut encoder = Encoder::new(out, read.width(), read.height());
+    let mut encoder = Encoder::new(out, pixels.width(), pixels.height());
     encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Paeth);
     let mut writer = encoder.write_header().map_err(io::Error::from)?;
     let mut stream = writer.stream_writer_with_size(PNG_CHUNK).map_err(io::Error::from)?;
-    for row in read.rows() {
+    for row in pixels.rows() {
         let row: Vec<u8> = row.flat_map(|pixel| map(pixel.0)).collect();
         stream.write_all(&row)?;
     }
     stream.finish().map_err(io::Error::from)?;
     Ok(writer.finish().map_err(io::Error::from)?)
+}
+
+/// An image that is made smaller step by step.
+pub struct Pyramid(RgbImage);
+
+impl Pyramid {
+    /// Reads the image.
+    ///
+    /// # Errors
+    /// If it cannot be read, with its path.
+    pub fn open(image: &Image) -> Result<Self, ExportError> {
+        read(image).map(Self)
+    }
+
+    /// Half its width and height, rounded down, each pixel the mean of those that it covers.
+    pub fn halve(&mut self) {
+        let [width, height] = [self.0.width(), self.0.height()].map(|side| (side / 2).max(1));
+        self.0 = imageops::thumbnail(&self.0, width, height);
+    }
+
+    /// Writes it as an 8-bit PNG.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: &mut dyn Write) -> Result<(), ExportError> {
+        encode(&self.0, out, |pixel| pixel)
+    }
 }
 
 /// Colours of an image at texture coordinates, with bilinear filtering.
@@ -203,6 +237,23 @@ mod tests {
         }
         assert_eq!(sampler.at([1.0 / 3.0, 0.75]), [25, 7, 255], "half-way from the first to the second");
         assert_eq!(sampler.at([0.0, 0.25]), [50, 97, 254], "half-way from the last back to the first");
+    }
+
+    #[test]
+    fn a_halved_image_has_the_means_of_its_pixels() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut pyramid = Pyramid::open(&on_disk(folder.path(), sample().into(), ImageFormat::Png)).unwrap();
+        pyramid.halve();
+        let mut bytes = Vec::new();
+        pyramid.write(&mut bytes).unwrap();
+        let half = image::load_from_memory(&bytes).unwrap().into_rgb8();
+        assert_eq!(half.dimensions(), (1, 1));
+        let mean = |channel: fn(u32, u32) -> u32| {
+            (0..2).flat_map(|y| (0..3).map(move |x| channel(x, y))).sum::<u32>().div_ceil(6) as u8
+        };
+        assert_eq!(half.get_pixel(0, 0).0, [mean(|x, _| x * 50), mean(|_, y| y * 90 + 7), mean(|x, _| 255 - x)]);
+        pyramid.halve();
+        assert_eq!(pyramid.0.dimensions(), (1, 1), "no image has no pixels");
     }
 
     #[test]

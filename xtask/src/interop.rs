@@ -172,7 +172,7 @@ impl Reader {
     }
 }
 
-static READERS: [Reader; 30] = [
+static READERS: [Reader; 32] = [
     Reader { name: "pybullet", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::drop_balls },
     Reader { name: "rest", of: Kind::Gazebo, prepare: gazebo::make_bullet, command: gazebo::let_go_of_stones },
     Reader { name: "gazebo", of: Kind::Gazebo, prepare: gazebo::make, command: gazebo::open },
@@ -180,6 +180,8 @@ static READERS: [Reader; 30] = [
     Reader { name: "ros2", of: Kind::Ros2, prepare: ros2::make, command: ros2::check },
     Reader { name: "validator", of: Kind::Gltf, prepare: gltf::make, command: gltf::validate },
     Reader { name: "three", of: Kind::Gltf, prepare: gltf::make_browser, command: gltf::draw },
+    Reader { name: "validator", of: Kind::Tiles, prepare: gltf::make, command: gltf::validate },
+    Reader { name: "tiles", of: Kind::Tiles, prepare: gltf::make_browser, command: gltf::stream },
     Reader { name: "three-fbx", of: Kind::Fbx, prepare: gltf::make_browser, command: gltf::draw },
     Reader { name: "page", of: Kind::Page, prepare: gltf::make_browser, command: page::open },
     Reader { name: "check_urdf", of: Kind::Urdf, prepare: urdf::install_parser, command: urdf::parse },
@@ -212,6 +214,7 @@ enum Kind {
     /// A Gazebo package with launch files: those without are opened by all other readers of Gazebo.
     Ros2,
     Gltf,
+    Tiles,
     Unity,
     Fbx,
     Urdf,
@@ -237,6 +240,7 @@ impl Kind {
             // Packages for Unreal have a `scene.json` too.
             _ if package.join("import_cave.py").is_file() => None,
             _ if package.join("scene.json").is_file() => Some(Self::Gltf),
+            _ if package.join("tileset.json").is_file() => Some(Self::Tiles),
             _ if package.join("Runtime").is_dir() => Some(Self::Unity),
             _ if holds(package, &["fbx"]) => Some(Self::Fbx),
             _ if urdf::file_of(package).is_some() => Some(Self::Urdf),

@@ -31,6 +31,7 @@ mod sample;
 mod strewn;
 mod thing_laws;
 mod things_counted;
+mod tiles_package;
 #[path = "sample/told.rs"]
 mod told;
 #[path = "sample/touched.rs"]

@@ -28,7 +28,7 @@ fn output_folders_are_refused_with_a_message() {
     usage: output was not written by an export and is not replaced: DIR/home/ (hint: choose another path, or remove this one yourself)
     usage: output is not a folder: DIR/home/letter.txt
     system: DIR/home/letter.txt/cave: Not a directory (os error 20)
-    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unity, unreal, urdf, usd, usdz, glb, gltf, fbx, obj, ply, stl, assimp:<id>, truth
+    usage: unknown target `gazebi`; known targets are gazebo, isaac, mujoco, unity, unreal, urdf, usd, usdz, glb, gltf, tiles, fbx, obj, ply, stl, assimp:<id>, truth
     ");
     assert_eq!(fs::read(folder.path().join("home/letter.txt")).unwrap(), b"dear");
 }

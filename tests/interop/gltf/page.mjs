@@ -6,15 +6,12 @@
 // anything but itself, shows nothing, or shows the same whatever is done to it.
 import fs from 'node:fs';
 import path from 'node:path';
-import puppeteer from 'puppeteer-core';
+import { launch } from './browser.mjs';
 
 const WIDTH = 1280;
 const HEIGHT = 800;
 const TIMEOUT_MS = 120_000;
 const DEED_TIMEOUT_MS = 15_000;
-const CHROMIUM = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
-const FLAGS = ['--no-sandbox', '--headless=new', '--use-gl=angle', '--use-angle=swiftshader',
-  '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 // Of the pixels of the view: how many must differ from the paper, and from before after each deed.
 const LEAST_DRAWN = 0.01;
 const LEAST_CHANGED = 0.03;
@@ -24,11 +21,7 @@ if (!folder) throw new Error('usage: page.mjs FOLDER');
 const name = fs.readdirSync(folder).find((file) => file.endsWith('.html'));
 const file = path.resolve(folder, name);
 
-const browser = await puppeteer.launch({
-  executablePath: CHROMIUM.find((program) => fs.existsSync(program)),
-  args: FLAGS,
-  protocolTimeout: TIMEOUT_MS,
-});
+const browser = await launch(TIMEOUT_MS);
 try {
   const faults = [];
   const page = await browser.newPage();

@@ -40,6 +40,9 @@ function allowed({ code, pointer }, document) {
     // At a density of texels the side of a map follows from its chunk, in steps of 64 px. Any GPU since OpenGL 2 takes that.
     case 'IMAGE_NPOT_DIMENSIONS':
       return true;
+    // Tiles share their images.
+    case 'URI_GLB':
+      return pointer.startsWith('/images/');
     case 'UNSUPPORTED_EXTENSION': {
       const name = at(document, pointer);
       if (!UNKNOWN.includes(name)) return false;

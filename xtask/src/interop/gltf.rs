@@ -23,15 +23,23 @@ pub(super) fn make_browser() -> Result<()> {
     make()
 }
 
-/// The picture is next to the package: `<package>.png`.
 pub(super) fn draw(package: &Path) -> Result<Command> {
+    Ok(picture("shot.mjs", package))
+}
+
+pub(super) fn stream(package: &Path) -> Result<Command> {
+    Ok(picture("tiles.mjs", package))
+}
+
+/// The picture is next to the package: `<package>.png`.
+fn picture(script: &str, package: &Path) -> Command {
     let mut command = Command::new("node");
-    command.arg(folder().join("shot.mjs")).arg(package).arg("--out").arg(package.with_extension("png"));
-    Ok(command)
+    command.arg(folder().join(script)).arg(package).arg("--out").arg(package.with_extension("png"));
+    command
 }
 
 fn files(package: &Path) -> Vec<PathBuf> {
-    let folders = [package.to_owned(), package.join("chunks")];
+    let folders = [package.to_owned(), package.join("chunks"), package.join("tiles")];
     let is_gltf = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "glb" || ending == "gltf");
     let mut files: Vec<PathBuf> = folders.iter().flat_map(|folder| files_of(folder).filter(is_gltf)).collect();
     files.sort();

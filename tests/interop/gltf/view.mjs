@@ -1,0 +1,70 @@
+// What pages that draw a cave with three.js share: renderer, camera, exposure, and what the picture is like.
+import * as THREE from 'three';
+
+// No rock has this colour: what shows it is a hole.
+const BACKGROUND = [255, 0, 255];
+
+// Mean brightness that the camera aims at, and how far it opens for it. Tuned by eye: brighter, rock looks like plaster.
+const [BRIGHTNESS, MOST_EXPOSURE] = [0.2, 5];
+
+/// A renderer as large as the window, and a scene whose background is seen through holes only.
+export function stage() {
+  const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+  renderer.setSize(innerWidth, innerHeight);
+  renderer.toneMapping = THREE.ACESFilmicToneMapping;
+  document.body.append(renderer.domElement);
+  const scene = new THREE.Scene();
+  scene.background = new THREE.Color().setRGB(...BACKGROUND.map((part) => part / 255), THREE.SRGBColorSpace);
+  return { renderer, scene };
+}
+
+/// Draws twice: as a camera would, once the light has been measured. Gives what was measured.
+export function expose(renderer, scene, camera) {
+  renderer.render(scene, camera);
+  const measured = measure(renderer);
+  renderer.toneMappingExposure = Math.min(MOST_EXPOSURE, BRIGHTNESS / measured.mean);
+  renderer.render(scene, camera);
+  return measured;
+}
+
+/// A floor seen at a grazing angle is a blur without.
+export function sharpen(scene, anisotropy) {
+  scene.traverse(({ material }) => {
+    for (const map of ['map', 'normalMap', 'roughnessMap', 'aoMap']) if (material?.[map]) material[map].anisotropy = anisotropy;
+  });
+}
+
+/// At eye height over the spawn pose, looking along its +X and a little down; its +Z is up. The headlamp hangs beside
+/// the eye: light from the eye itself shows no relief.
+export function cameraAt(spawn, eye) {
+  const turn = new THREE.Quaternion(...spawn.rotation);
+  const at = (x, y, z) => new THREE.Vector3(x, y, z).applyQuaternion(turn).add(new THREE.Vector3(...spawn.position));
+  const camera = new THREE.PerspectiveCamera(65, innerWidth / innerHeight, 0.05, 500);
+  camera.position.copy(at(0, 0, eye));
+  camera.up.copy(new THREE.Vector3(0, 0, 1).applyQuaternion(turn));
+  camera.lookAt(at(3, 0, eye - 0.3));
+  const headlamp = new THREE.PointLight(0xfff4e0, 9);
+  headlamp.position.copy(at(0, 0.36, eye + 0.22));
+  return [camera, headlamp];
+}
+
+export function trianglesOf({ geometry, isInstancedMesh, count }) {
+  return (geometry.index ?? geometry.attributes.position).count / 3 * (isInstancedMesh ? count : 1);
+}
+
+function measure(renderer) {
+  const gl = renderer.getContext();
+  const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+  gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  let [sum, squares, holes] = [0, 0, 0];
+  for (let i = 0; i < pixels.length; i += 4) {
+    const [r, g, b] = pixels.subarray(i, i + 3);
+    if (r === BACKGROUND[0] && g === BACKGROUND[1] && b === BACKGROUND[2]) holes += 1;
+    const grey = (r + g + b) / 765;
+    sum += grey;
+    squares += grey * grey;
+  }
+  const count = pixels.length / 4;
+  const mean = sum / count;
+  return { mean, deviation: Math.sqrt(Math.max(0, squares / count - mean * mean)), background: holes / count };
+}
