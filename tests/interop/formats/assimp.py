@@ -21,7 +21,7 @@ import cave
 Y_UP = {".glb", ".gltf"}
 MESHES = [f"**/*{ending}" for ending in (".fbx", ".glb", ".gltf", ".ply", ".stl")]
 NAME, COLOR_IMAGE = ("?mat.name", 0), ("$tex.file", 1)
-FILES = {"*": MESHES, "obj": ["**/*.obj"], "gazebo": [], "urdf": [], "truth": []}
+FILES = {"*": MESHES, "obj": ["**/*.obj"], "gazebo": [], "urdf": [], "truth": [], "tiles": []}
 
 
 def by_assimp(path):

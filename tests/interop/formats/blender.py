@@ -34,6 +34,7 @@ FILES = {
     "gazebo": [],
     "urdf": [],
     "truth": [],
+    "tiles": [],
     "obj": ["**/*.obj"],
     "*": ["*.usd", "*.usda", "*.usdz", *(f"**/*{ending}" for ending in (".fbx", ".glb", ".gltf", ".ply", ".stl"))],
 }

@@ -44,4 +44,4 @@ def numbers(document, index, path):
     return read.reshape(-1, width) if width > 1 else read
 
 
-READERS = [Reader("pygltflib", by_pygltflib, {"*": ["**/*.glb", "**/*.gltf"]})]
+READERS = [Reader("pygltflib", by_pygltflib, {"*": ["**/*.glb", "**/*.gltf"], "tiles": []})]

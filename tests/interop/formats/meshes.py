@@ -97,7 +97,14 @@ def named(folder, uris):
     return joined(by_trimesh(folder / uri.split("://")[1]) for uri in uris)
 
 
-MESHES = {"obj": ["**/*.obj"], "ply": ["**/*.ply"], "stl": ["**/*.stl"], "*": ["**/*.glb", "**/*.gltf"]}
+MESHES = {
+    "obj": ["**/*.obj"],
+    "ply": ["**/*.ply"],
+    "stl": ["**/*.stl"],
+    "*": ["**/*.glb", "**/*.gltf"],
+    # Things are instances, which this reader does not know.
+    "tiles": [],
+}
 READERS = [
     Reader("trimesh", by_trimesh, MESHES, materials),
     Reader("trimesh through SDF", of_sdf, {"gazebo": ["worlds/*.sdf"]}),
