@@ -13,6 +13,7 @@ mod interop;
 mod plume;
 mod realism;
 mod samples;
+mod scale;
 mod targets;
 mod test;
 mod tools;
@@ -21,7 +22,7 @@ mod vslam;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 10] = [
+const TASKS: [(&str, &str, Task); 11] = [
     ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
@@ -30,6 +31,7 @@ const TASKS: [(&str, &str, Task); 10] = [
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     ("drives", "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet", drives::run),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
+    ("scale", "[KM...]            CPU seconds, peak memory and disk of large caves by stage and target", scale::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
     ("vslam", "[VARIANT...|strips] what recorded runs are worth to visual SLAM; 45 CPU minutes", vslam::run),
 ];
