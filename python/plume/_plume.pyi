@@ -231,7 +231,7 @@ def targets() -> dict[str, str]:
     """Targets for `Cave.export` by name, with what each writes.
 
     >>> " ".join(sorted(plume.targets()))
-    'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl truth unity unreal urdf usd usdz'
+    'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl tiles truth unity unreal urdf usd usdz'
     """
 
 def generators() -> dict[str, str]:

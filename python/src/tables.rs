@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 /// Targets for `Cave.export` by name, with what each writes.
 ///
 /// >>> " ".join(sorted(plume.targets()))
-/// 'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl truth unity unreal urdf usd usdz'
+/// 'assimp:<id> fbx gazebo glb gltf isaac mujoco obj ply stl tiles truth unity unreal urdf usd usdz'
 #[pyfunction]
 pub fn targets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     table(py, TARGETS.iter().map(|row| (row.usage(), row.summary)))
