@@ -177,11 +177,12 @@ mod tests {
 
     #[test]
     fn a_finer_level_replaces_a_coarser_one() {
-        let levels = [("far", 0.05), ("near", 0.07), ("close", 0.0)].map(|(name, error_m)| (name.to_owned(), error_m));
+        let levels =
+            [("far", 0.05), ("near", 0.0625), ("close", 0.0)].map(|(name, error_m)| (name.to_owned(), error_m));
         let tile = Tile::levels(bounds(0.0), levels.into_iter());
         let value = serde_json::to_value(&tile).unwrap();
         assert_eq!(value["content"]["uri"], "far");
-        assert_eq!((value["geometricError"].as_f64(), &value["refine"]), (Some(0.07), &json!("REPLACE")));
+        assert_eq!((value["geometricError"].as_f64(), &value["refine"]), (Some(0.0625), &json!("REPLACE")));
         assert_eq!(
             value["children"][0]["children"][0],
             json!({
