@@ -23,7 +23,7 @@ mod readme;
 pub use copies::Copies;
 pub use geometry::buffer_file;
 pub use layout::{Layout, level_buffer};
-pub use material::image_files;
+pub use material::{image_files, images};
 pub use payload::Payload;
 pub use readme::Readme;
 

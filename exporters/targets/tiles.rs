@@ -146,6 +146,7 @@ impl Writer<'_> {
             let name = names::level(&name, number);
             let part = Chunk {
                 name: name.clone(),
+                // Coarser levels of things and gravel are one mesh, as those of a wall are.
                 content: Content::Wall,
                 visual: lod.mesh,
                 lods: Vec::new(),
@@ -189,7 +190,7 @@ impl Writer<'_> {
         let numbers = 1..=levels;
         let name = |number: usize| format!("{}_lod{number}", full.name);
         let file = |number: usize, role: &str| self.scratch.path().join(format!("{}_{role}.png", name(number)));
-        let roles = [("base_color", &full.base_color), ("normal", &full.normal), ("orm", &full.orm)];
+        let roles = gltf::images(full);
         for (role, image) in roles {
             let files: Vec<PathBuf> = numbers.clone().map(|number| file(number, role)).collect();
             if !files.iter().all(|file| file.exists()) {

@@ -112,7 +112,8 @@ impl Layout {
     }
 }
 
-fn images(material: &scene::Material) -> [(&'static str, &Image); 3] {
+/// The images of a material that glTF has, with their roles.
+pub fn images(material: &scene::Material) -> [(&'static str, &Image); 3] {
     [("base_color", &material.base_color), ("normal", &material.normal), ("orm", &material.orm)]
 }
 

@@ -26,8 +26,24 @@ export function launch(timeoutMs) {
   });
 }
 
-/// Starts the browser, and a server of folders by the first part of the path.
-export async function open(folders) {
+/// Opens a page, and judges what it says in `window.report`: prints a summary, or the faults and fails. A picture of the page
+/// goes to `out`. Folders are served by the first part of the path.
+export async function judge({ folders, page, out, verify, summary }) {
+  const { browser, url, close } = await open(folders);
+  try {
+    const report = await reportOf(browser, url(page), out);
+    const faults = report.error ? [report.error] : verify(report);
+    if (faults.length) throw new Error(faults.join('; '));
+    console.log(summary(report));
+  } catch (error) {
+    console.error(`error: ${error.message}`);
+    process.exitCode = 1;
+  } finally {
+    await close();
+  }
+}
+
+async function open(folders) {
   const server = http.createServer((request, response) => serve(folders, request, response)).listen(0, '127.0.0.1');
   const browser = await launch(TIMEOUT_MS);
   const close = async () => {
@@ -45,13 +61,13 @@ function serve(folders, request, response) {
   fs.createReadStream(file).pipe(response);
 }
 
-/// What a page says in `window.report`; a picture of it goes to `out`. Fails if the page does.
-export async function reportOf(browser, address, out) {
+/// Fails if the page does.
+async function reportOf(browser, address, out) {
   const page = await browser.newPage();
   const failure = new Promise((_, reject) => page.on('pageerror', reject));
   await page.setViewport({ width: WIDTH, height: HEIGHT });
-  await page.goto(address);
-  await Promise.race([page.waitForFunction('window.report', { timeout: TIMEOUT_MS }), failure]);
+  const loaded = page.goto(address).then(() => page.waitForFunction('window.report', { timeout: TIMEOUT_MS }));
+  await Promise.race([loaded, failure]);
   const report = await page.evaluate('window.report');
   await page.screenshot({ path: out });
   return report;

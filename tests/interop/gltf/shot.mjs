@@ -6,7 +6,7 @@
 // Fails if a mesh, a texture or a colour space is missing, or the picture is dark or flat: an inside-out or unlit cave.
 import fs from 'node:fs';
 import path from 'node:path';
-import { faultsOfPicture, open, reportOf } from './browser.mjs';
+import { faultsOfPicture, judge } from './browser.mjs';
 
 const EYE_M = 1.0;
 // What each reader makes of a material. three.js reads neither roughness nor tangents from FBX.
@@ -18,20 +18,16 @@ if (!folder || flag !== '--out' || !out) throw new Error('usage: shot.mjs PACKAG
 const here = import.meta.dirname;
 const fbx = filesOf(folder, '.fbx').concat(filesOf(path.join(folder, 'chunks'), '.fbx'));
 const format = fbx.length ? 'fbx' : 'gltf';
-const { browser, url, close } = await open({ package: path.resolve(folder), three: path.join(here, 'node_modules/three'), page: here });
-try {
-  const query = new URLSearchParams({ eye: EYE_M, spawn: Number(spawn), fbx: JSON.stringify(fbx) });
-  const report = await reportOf(browser, url(`page/shot.html?${query}`), out);
-  const faults = verify(report);
-  if (faults.length) throw new Error(faults.join('; '));
-  console.log(`three.js ${report.revision}: ${report.meshes.length} meshes, ${report.triangles} triangles drawn, ` +
-    `mean brightness ${report.mean.toFixed(3)}, contrast ${report.deviation.toFixed(3)}`);
-} catch (error) {
-  console.error(`error: ${error.message}`);
-  process.exitCode = 1;
-} finally {
-  await close();
-}
+const query = new URLSearchParams({ eye: EYE_M, spawn: Number(spawn), fbx: JSON.stringify(fbx) });
+await judge({
+  folders: { package: path.resolve(folder), three: path.join(here, 'node_modules/three'), page: here },
+  page: `page/shot.html?${query}`,
+  out,
+  verify,
+  summary: ({ revision, meshes, triangles, mean, deviation }) =>
+    `three.js ${revision}: ${meshes.length} meshes, ${triangles} triangles drawn, ` +
+    `mean brightness ${mean.toFixed(3)}, contrast ${deviation.toFixed(3)}`,
+});
 
 function filesOf(place, ending) {
   if (!fs.existsSync(place)) return [];
@@ -40,7 +36,6 @@ function filesOf(place, ending) {
 }
 
 function verify(report) {
-  if (report.error) return [report.error];
   const faults = [];
   if (report.meshes.length === 0) faults.push('there are no meshes');
   for (const mesh of report.meshes) {
