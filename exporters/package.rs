@@ -146,6 +146,14 @@ impl dyn Package + '_ {
     pub fn text(&mut self, path: &str, text: &str) -> Result<(), ExportError> {
         self.write(path, |file| Ok(file.write_all(text.as_bytes())?))
     }
+
+    /// Writes a value as pretty-printed JSON, whose text is never whole in memory.
+    ///
+    /// # Errors
+    /// As [`write`](#method.write).
+    pub fn json(&mut self, path: &str, value: &impl Serialize) -> Result<(), ExportError> {
+        self.write(path, |file| write_pretty(file, value))
+    }
 }
 
 /// The files of a package by path.
@@ -243,9 +251,8 @@ impl Write for HashingWriter<'_> {
     }
 }
 
-/// Pretty-printed JSON with a trailing newline.
-pub(crate) fn pretty(value: &impl Serialize) -> Result<String, ExportError> {
-    let mut text = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
-    text.push('\n');
-    Ok(text)
+/// Writes pretty-printed JSON with a trailing newline.
+pub(crate) fn write_pretty(file: &mut dyn Write, value: &impl Serialize) -> Result<(), ExportError> {
+    serde_json::to_writer_pretty(&mut *file, value).map_err(io::Error::from)?;
+    Ok(file.write_all(b"\n")?)
 }

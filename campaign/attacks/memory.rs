@@ -14,7 +14,7 @@ pub const ATTACK: Attack = Attack {
     run,
 };
 
-/// Limits in MiB, from ample to barely enough to load the program.
+/// Limits in MiB, from ample to barely enough to load the program, or too little for that.
 const LIMITS: [u64; 14] = [1024, 512, 256, 192, 128, 96, 80, 64, 56, 48, 40, 36, 32, 28];
 
 const COMMANDS: [&[&str]; 7] = [
@@ -38,8 +38,12 @@ fn run(context: &mut Context) -> Tally {
     for command in COMMANDS {
         for mebibytes in context.length.some_of(&LIMITS, 7) {
             let desk = context.desk_with_cave();
-            let words = if command[0] == "generate" { [command, &SMALL[..]].concat() } else { command.to_vec() };
             let limit = format!("--as={}", mebibytes << 20);
+            if !desk.call(&["--version"]).under(&["prlimit", &limit]).run().is_done() {
+                tally.set_apart("too little to load the program");
+                continue;
+            }
+            let words = if command[0] == "generate" { [command, &SMALL[..]].concat() } else { command.to_vec() };
             let outcome = desk.call(&words).under(&["prlimit", &limit]).within(Duration::from_secs(60)).run();
             if is_abort(&outcome) {
                 tally.set_apart("aborted by the runtime");
@@ -55,8 +59,7 @@ fn run(context: &mut Context) -> Tally {
 /// without room for the stack of its signal handler.
 const ABORTS: [&str; 2] = ["memory allocation of", "failed to allocate an alternative stack"];
 
-/// An abort of the standard library, or a program that the system cannot even load.
+/// Whether the standard library has aborted it.
 fn is_abort(outcome: &Outcome) -> bool {
-    let is_runtime = outcome.end == End::Signal(ABORT) && ABORTS.iter().any(|abort| outcome.stderr.contains(abort));
-    is_runtime || outcome.end == End::Code(127)
+    outcome.end == End::Signal(ABORT) && ABORTS.iter().any(|abort| outcome.stderr.contains(abort))
 }

@@ -24,7 +24,7 @@ use crate::format::gltf::{
 };
 use crate::frame::Axes;
 use crate::image_format::ImageFormat;
-use crate::package::{Package, pretty};
+use crate::package::Package;
 use crate::scene::{Chunk, Content, Instance, Piece, Scene};
 use crate::{Build, Summary, Target, TargetRow};
 
@@ -181,7 +181,7 @@ impl Documents {
 
     fn write(self, out: &mut dyn Package) -> Result<(), ExportError> {
         for Document { layout, path } in [Some(self.full), self.lods].into_iter().flatten() {
-            out.text(&path, &pretty(&layout.finish())?)?;
+            out.json(&path, &layout.finish())?;
         }
         Ok(())
     }

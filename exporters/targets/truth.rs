@@ -36,7 +36,7 @@ use serde_json::{Value, json};
 use crate::error::ExportError;
 use crate::frame::Axes;
 use crate::labels::Labels;
-use crate::package::{Package, pretty};
+use crate::package::Package;
 use crate::scene::Scene;
 use crate::surface::FloorBuilder;
 use crate::{Build, Summary, Target, TargetRow, template};
@@ -248,7 +248,7 @@ impl Target for Truth {
             storeys = floors.write(scratch.path(), &mut table, out)?;
             network = Some(self.write_journeys(scene, &floor, scratch.path(), &mut table, out)?);
         }
-        out.text("labels.json", &pretty(&described(&labels, scene))?)?;
+        out.json("labels.json", &described(&labels, scene))?;
         table.add(Entry::new("labels.json", "what the labels of voxels and points stand for", "1"));
         let TruthSettings { height_m, step_m, slope_deg, reach_m, robot, .. } = self.0;
         let told = json!({
@@ -262,7 +262,7 @@ impl Target for Truth {
             "sought": scene.sought,
             "files": table,
         });
-        out.text("truth.json", &pretty(&told)?)?;
+        out.json("truth.json", &told)?;
         let values = context! {
             name => &scene.name,
             description => &scene.description,

@@ -29,7 +29,7 @@
 use minijinja::context;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::bundle::Bundle;
 use crate::collision::Collision;
@@ -39,7 +39,7 @@ use crate::frame::{Axes, Up, micro};
 use crate::image_format::ImageFormat;
 use crate::instances::INSTANCES;
 use crate::package::MANIFEST;
-use crate::package::{Package, pretty};
+use crate::package::{Package, write_pretty};
 use crate::place::LICENSE;
 use crate::scene::{Chunk, Content, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
@@ -175,7 +175,7 @@ impl Writer<'_> {
         self.triangles[0] += chunk.visual.triangles();
         self.triangles[1] += match chunk.content {
             Content::Wall | Content::Gravel { .. } => self.add_wall(&chunk, index)?,
-            Content::Things { .. } => self.add_things(&chunk, &self.scene.instances(index)?)?,
+            Content::Things { .. } => self.add_things(&chunk, index)?,
         };
         Ok(())
     }
@@ -265,9 +265,12 @@ impl Writer<'_> {
             self.prefab.add_lights(&scene.lights, self.settings.pipeline.per_candela());
         }
         let path = format!("Runtime/{}.prefab", scene.name);
-        let text = self.prefab.text(&path);
-        self.assets.text(&path, &text, Importer::Prefab)?;
-        self.assets.text("package.json", &manifest(scene, name)?, Importer::Manifest)?;
+        let Self { assets, prefab, things, .. } = &mut self;
+        assets.write(&path, Importer::Prefab, |file| {
+            prefab.write(file)?;
+            things.write(scene, prefab, file)
+        })?;
+        self.assets.write("package.json", Importer::Manifest, |file| write_pretty(file, &manifest(scene, name)))?;
         let readme = self.readme(name);
         self.assets.text("README.md", &readme, Importer::Text)?;
         self.assets.finish(if self.things.are_there() { &[LICENSE, INSTANCES, MANIFEST] } else { &[LICENSE, MANIFEST] })
@@ -322,8 +325,8 @@ fn pieces(chunk: &str, pieces: Vec<Piece>) -> Vec<Shape> {
 }
 
 /// `package.json` (<https://docs.unity3d.com/Manual/upm-manifestPkg.html>).
-fn manifest(scene: &Scene, name: &str) -> Result<String, ExportError> {
-    let manifest = json!({
+fn manifest(scene: &Scene, name: &str) -> Value {
+    json!({
         "name": name,
         "version": "1.0.0",
         "displayName": scene.name.replace('_', " "),
@@ -331,6 +334,5 @@ fn manifest(scene: &Scene, name: &str) -> Result<String, ExportError> {
         "unity": "2021.3",
         "keywords": ["cave", "environment", "robotics"],
         "hideInEditor": false,
-    });
-    pretty(&manifest)
+    })
 }

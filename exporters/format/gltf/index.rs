@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::geometry::bounds;
 use crate::error::ExportError;
-use crate::package::{Package, pretty};
+use crate::package::Package;
 use crate::scene::{Chunk, Light, Piece, Scene};
 use crate::{frame, names};
 
@@ -78,7 +78,7 @@ pub fn write(scene: &Scene, entries: &[Entry], out: &mut dyn Package) -> Result<
         "spawns": scene.spawns.iter().map(spawn).collect::<Vec<_>>(),
         "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
     });
-    out.text("scene.json", &pretty(&index)?)
+    out.json("scene.json", &index)
 }
 
 fn spawn(pose: &nalgebra::Isometry3<f64>) -> Value {

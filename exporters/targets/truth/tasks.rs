@@ -13,7 +13,7 @@ use super::habitat;
 use super::table::{Entry, FRAME, Table};
 use crate::error::ExportError;
 use crate::format::npy::Archive;
-use crate::package::{Package, pretty};
+use crate::package::Package;
 use crate::scene::{Instance, Scene};
 
 /// Height over the floor of what has to be seen of a place, in metres: more than gravel, less than what lies about.
@@ -176,7 +176,7 @@ impl<'a> Tasks<'a> {
             "cells": self.territory.cells().len(),
             "views": found.iter().map(view).collect::<Vec<_>>(),
         });
-        out.text("coverage.json", &pretty(&told)?)?;
+        out.json("coverage.json", &told)?;
         let content = "places from which everything that the robot reaches is seen, in the order of a walk";
         table.add(Entry::new("coverage.json", content, "m"));
         Ok(())

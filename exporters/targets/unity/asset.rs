@@ -1,6 +1,7 @@
 //! Files and their `.meta`, without which Unity ignores an asset of a package.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
 
 use minijinja::{Value, context};
 use sha2::{Digest, Sha256};
@@ -68,7 +69,20 @@ impl<'a> Assets<'a> {
     /// # Errors
     /// If a file cannot be written.
     pub fn text(&mut self, path: &str, text: &str, importer: Importer) -> Result<Guid, ExportError> {
-        self.out.text(path, text)?;
+        self.write(path, importer, |file| Ok(file.write_all(text.as_bytes())?))
+    }
+
+    /// Writes a file with the content from `fill`, and its `.meta`.
+    ///
+    /// # Errors
+    /// If a file cannot be written, and those of `fill`.
+    pub fn write(
+        &mut self,
+        path: &str,
+        importer: Importer,
+        fill: impl FnOnce(&mut dyn Write) -> Result<(), ExportError>,
+    ) -> Result<Guid, ExportError> {
+        self.out.write(path, fill)?;
         let guid = self.guid(path);
         self.write_meta(path, guid, importer)?;
         Ok(guid)

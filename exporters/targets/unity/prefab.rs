@@ -1,4 +1,8 @@
 //! A prefab: that of the scene, with levels of detail, colliders, instances of things, start poses and lights, or that of a thing.
+//!
+//! Its game objects are in memory until it is written. Of instances, which are many times more, only the ids are.
+
+use std::io::{self, Write};
 
 use minijinja::context;
 use minijinja::value::Serde;
@@ -7,7 +11,7 @@ use serde::Serialize;
 
 use super::identity::{self, Guid};
 use super::lod::Extent;
-use super::nested::Nested;
+use super::nested::{Nested, Nesting};
 use crate::format::fbx;
 use crate::frame::{micro, unity_from_scene, unity_pose_from_scene};
 use crate::scene::{Chunk, Instance, Light, Mesh, Prototype};
@@ -117,15 +121,20 @@ struct Level {
 /// A prefab being built. Its game objects form a tree; the first is the root.
 pub struct Prefab {
     nodes: Vec<Node>,
-    things: Vec<Nested>,
 }
 
 const ROOT: usize = 0;
 
+/// How every asset in Unity's YAML begins.
+const HEAD: &str = "%YAML 1.1\n%TAG !u! tag:unity3d.com,2011:\n";
+
+/// Number of objects that are filled into the template at once, which takes many times the memory of their text.
+const BATCH: usize = 128;
+
 impl Prefab {
     /// A prefab with only the root.
     pub fn new(name: &str) -> Self {
-        let mut prefab = Self { nodes: Vec::new(), things: Vec::new() };
+        let mut prefab = Self { nodes: Vec::new() };
         prefab.push(Node::new(name.to_owned(), name, 0));
         prefab
     }
@@ -167,12 +176,10 @@ impl Prefab {
         self.add(ROOT, name)
     }
 
-    /// Adds an instance of the prefab of a thing.
+    /// Adds an instance of the prefab of a thing. Its text is [written](Prefab::write_things) later.
     pub fn add_thing(&mut self, group: usize, thing: &Instance, source: &Source) {
         let father = &mut self.nodes[group];
-        let nested = Nested::new(&father.path, father.transform, father.children.len(), thing, *source);
-        father.children.push(nested.transform);
-        self.things.push(nested);
+        father.children.push(Nesting::new(&father.path, thing, source).transform);
     }
 
     /// Adds children for levels of detail, given by the names of their meshes and their errors in metres, and what switches
@@ -231,10 +238,26 @@ impl Prefab {
         }
     }
 
-    /// The text of the prefab.
-    pub fn text(&self, path: &str) -> String {
-        let values = context! { nodes => Serde(&self.nodes), things => Serde(&self.things) };
-        template::fill(path, include_str!("../../templates/unity/prefab.jinja"), &values)
+    /// Writes its game objects. If it has things, [these](Prefab::write_things) come next.
+    ///
+    /// # Errors
+    /// Those of `file`.
+    pub fn write(&self, file: &mut dyn Write) -> io::Result<()> {
+        file.write_all(HEAD.as_bytes())?;
+        self.nodes.chunks(BATCH).try_for_each(|nodes| write_objects(nodes, &[], file))
+    }
+
+    /// Writes the things below a game object, in the order in which they were added, each with the prefab of which it is an
+    /// instance.
+    ///
+    /// # Errors
+    /// Those of `file`.
+    pub fn write_things(&self, group: usize, things: &[(&Instance, Source)], file: &mut dyn Write) -> io::Result<()> {
+        let Node { path, transform, .. } = &self.nodes[group];
+        let things = things.iter().enumerate();
+        let nested: Vec<_> =
+            things.map(|(order, (thing, source))| Nested::new(path, *transform, order, thing, *source)).collect();
+        nested.chunks(BATCH).try_for_each(|things| write_objects(&[], things, file))
     }
 
     fn add(&mut self, father: usize, name: &str) -> usize {
@@ -249,6 +272,12 @@ impl Prefab {
         self.nodes.push(node);
         self.nodes.len() - 1
     }
+}
+
+fn write_objects(nodes: &[Node], things: &[Nested], file: &mut dyn Write) -> io::Result<()> {
+    let values = context! { nodes => Serde(nodes), things => Serde(things) };
+    let text = template::fill("objects", include_str!("../../templates/unity/objects.jinja"), &values);
+    file.write_all(text.as_bytes())
 }
 
 impl Node {

@@ -6,9 +6,11 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::io::Write;
 
+use super::asset::Importer;
 use super::prefab::{Collider, Model, Prefab, Source};
-use super::{Writer, asset, maps, material, texture};
+use super::{Writer, maps, material, texture};
 use crate::error::ExportError;
 use crate::format::fbx;
 use crate::names;
@@ -19,8 +21,10 @@ pub struct Things {
     prototypes: Vec<Prototype>,
     /// Models by prototype.
     models: BTreeMap<String, Model>,
-    /// Prefabs by file.
+    /// Prefabs by name.
     sources: BTreeMap<String, Source>,
+    /// Game objects of things, and the chunks that these are in.
+    groups: Vec<(usize, usize)>,
 }
 
 impl Things {
@@ -29,21 +33,40 @@ impl Things {
     /// # Errors
     /// As [`Scene::prototypes`].
     pub fn of(scene: &Scene) -> Result<Self, ExportError> {
-        Ok(Self { prototypes: scene.prototypes()?, models: BTreeMap::new(), sources: BTreeMap::new() })
+        let prototypes = scene.prototypes()?;
+        Ok(Self { prototypes, models: BTreeMap::new(), sources: BTreeMap::new(), groups: Vec::new() })
     }
 
     /// Whether a package has any.
     pub fn are_there(&self) -> bool {
         !self.sources.is_empty()
     }
+
+    /// Writes them below their game objects in the prefab of the scene. They are loaded again, so that one chunk of them is in
+    /// memory.
+    ///
+    /// # Errors
+    /// If they cannot be loaded or are others than before, and those of `file`.
+    pub fn write(&self, scene: &Scene, prefab: &Prefab, file: &mut dyn Write) -> Result<(), ExportError> {
+        for &(group, index) in &self.groups {
+            let things = scene.instances(index)?;
+            let with_source = |thing| Some((thing, *self.sources.get(&prefab_name(thing))?));
+            let things: Option<Vec<_>> = things.iter().map(with_source).collect();
+            let fault = || format!("the things of chunk {index} have changed meanwhile");
+            let things = things.ok_or_else(|| ExportError::BadScene { scene: scene.name.clone(), fault: fault() })?;
+            prefab.write_things(group, &things, file)?;
+        }
+        Ok(())
+    }
 }
 
 impl Writer<'_> {
     /// Adds instances for the things of a chunk, and writes what they share. Returns the number of their collision triangles.
-    pub(super) fn add_things(&mut self, chunk: &Chunk, things: &[Instance]) -> Result<u64, ExportError> {
-        let group = self.prefab.add_group(&chunk.name);
+    pub(super) fn add_things(&mut self, chunk: &Chunk, index: usize) -> Result<u64, ExportError> {
+        let (group, things) = (self.prefab.add_group(&chunk.name), self.scene.instances(index)?);
+        self.things.groups.push((group, index));
         let mut triangles = 0;
-        for thing in things {
+        for thing in &things {
             triangles += thing.prototype_in(&self.things.prototypes)?.hull.triangles();
             let source = self.source(thing)?;
             self.prefab.add_thing(group, thing, &source);
@@ -53,8 +76,7 @@ impl Writer<'_> {
 
     /// The prefab of which a thing is an instance, written on first use.
     fn source(&mut self, thing: &Instance) -> Result<Source, ExportError> {
-        let movable = if thing.movable { "_movable" } else { "" };
-        let name = format!("{}_level{}{movable}", thing.prototype, thing.level);
+        let name = prefab_name(thing);
         if let Some(source) = self.things.sources.get(&name) {
             return Ok(*source);
         }
@@ -65,7 +87,7 @@ impl Writer<'_> {
         let collider = Collider { mesh: &collider, convex: true, friction };
         let prefab = Prefab::of_thing(&name, &prototype, thing, &collider, model);
         let path = format!("Runtime/Things/{name}.prefab");
-        let source = prefab.source(self.assets.text(&path, &prefab.text(&path), asset::Importer::Prefab)?);
+        let source = prefab.source(self.assets.write(&path, Importer::Prefab, |file| Ok(prefab.write(file)?))?);
         self.things.sources.insert(name, source);
         Ok(source)
     }
@@ -97,6 +119,12 @@ impl Writer<'_> {
         self.things.models.insert(prototype.name.clone(), model);
         Ok(model)
     }
+}
+
+/// The prefab of which a thing is an instance.
+fn prefab_name(thing: &Instance) -> String {
+    let movable = if thing.movable { "_movable" } else { "" };
+    format!("{}_level{}{movable}", thing.prototype, thing.level)
 }
 
 fn collider_name(prototype: &Prototype) -> String {

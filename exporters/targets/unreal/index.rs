@@ -9,7 +9,7 @@ use super::things::Shape;
 use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{unreal_from_scene, unreal_pose_from_scene};
-use crate::package::{Package, pretty};
+use crate::package::Package;
 use crate::scene::{Light, Mesh, Piece, Scene};
 
 /// Width and height of the screen for which levels of detail are chosen, in pixels; its horizontal field of view is 90°.
@@ -143,34 +143,58 @@ pub(super) fn write(
     out: &mut dyn Package,
 ) -> Result<(), ExportError> {
     let lights: &[Light] = if settings.lights { &scene.lights } else { &[] };
-    let index = json!({
-        "name": scene.name,
-        "description": scene.description,
-        "generator": scene.generator,
-        "frame": "left-handed, X forward, Y right, Z up, centimetres; rotations are those of a rotator, degrees",
-        "friction": scene.friction.floor,
-        "nanite": settings.nanite,
-        "chunks": entries,
-        "things": shapes,
-        "spawns": scene.spawns.iter().enumerate().map(spawn).collect::<Vec<_>>(),
-        "lights": lights.iter().map(light).collect::<Vec<_>>(),
-    });
-    out.text("scene.json", &pretty(&index)?)
+    let spawn = |(number, pose): (usize, &Isometry3<f64>)| Placed::new(format!("spawn_{number}"), pose);
+    let index = Index {
+        name: &scene.name,
+        description: &scene.description,
+        generator: &scene.generator,
+        frame: "left-handed, X forward, Y right, Z up, centimetres; rotations are those of a rotator, degrees",
+        friction: scene.friction.floor,
+        nanite: settings.nanite,
+        chunks: entries,
+        things: shapes,
+        spawns: scene.spawns.iter().enumerate().map(spawn).collect(),
+        lights: lights.iter().map(light).collect(),
+    };
+    out.json("scene.json", &index)
 }
 
-fn spawn((number, pose): (usize, &Isometry3<f64>)) -> Value {
-    placed(&format!("spawn_{number}"), pose)
+#[derive(Serialize)]
+struct Index<'a> {
+    name: &'a str,
+    description: &'a str,
+    generator: &'a str,
+    frame: &'a str,
+    friction: f64,
+    nanite: bool,
+    chunks: &'a [Entry],
+    things: &'a [Shape],
+    spawns: Vec<Placed>,
+    lights: Vec<Value>,
 }
 
 /// A name and a pose.
-pub(super) fn placed(name: &str, pose: &Isometry3<f64>) -> Value {
-    let (location, angles) = unreal_pose_from_scene(pose);
-    let [roll, pitch, yaw] = angles.map(micro);
-    json!({
-        "name": name,
-        "location_cm": location.map(micro),
-        "rotation_deg": { "roll": roll, "pitch": pitch, "yaw": yaw },
-    })
+#[derive(Serialize)]
+pub(super) struct Placed {
+    name: String,
+    location_cm: [f64; 3],
+    rotation_deg: Rotator,
+}
+
+#[derive(Serialize)]
+struct Rotator {
+    roll: f64,
+    pitch: f64,
+    yaw: f64,
+}
+
+impl Placed {
+    /// A name, and a pose in the frame of the scene.
+    pub fn new(name: String, pose: &Isometry3<f64>) -> Self {
+        let (location, angles) = unreal_pose_from_scene(pose);
+        let [roll, pitch, yaw] = angles.map(micro);
+        Self { name, location_cm: location.map(micro), rotation_deg: Rotator { roll, pitch, yaw } }
+    }
 }
 
 fn light(light: &Light) -> Value {

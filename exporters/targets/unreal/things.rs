@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry as Slot;
 
 use serde::Serialize;
-use serde_json::Value;
 
-use super::index::{Entry, micro, placed};
+use super::index::{Entry, Placed, micro};
 use super::{Unreal, colliders, write_textures, write_visual};
 use crate::error::ExportError;
 use crate::format::fbx;
@@ -28,7 +27,15 @@ pub(super) struct Shape {
     /// The mesh.
     #[serde(flatten)]
     pub entry: Entry,
-    instances: Vec<Value>,
+    instances: Vec<Placement>,
+}
+
+/// Where one of its instances is.
+#[derive(Serialize)]
+struct Placement {
+    #[serde(flatten)]
+    placed: Placed,
+    scale: f64,
 }
 
 impl Shape {
@@ -67,9 +74,8 @@ impl Things {
                     place.insert(Shape { entry, instances: Vec::new() })
                 }
             };
-            let mut instance = placed(&names::thing(thing), &thing.pose);
-            instance["scale"] = micro(thing.scale).into();
-            shape.instances.push(instance);
+            let placed = Placed::new(names::thing(thing), &thing.pose);
+            shape.instances.push(Placement { placed, scale: micro(thing.scale) });
         }
         Ok(())
     }
