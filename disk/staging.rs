@@ -55,6 +55,13 @@ impl Staging {
         &self.path
     }
 
+    /// Waits for other runs that hold this lock of the folder in which this one is, and keeps them from having it until the
+    /// result is dropped: for work that depends on what is next to this folder. Nothing where folders cannot be locked.
+    pub fn lock_parent(&self) -> Option<File> {
+        let parent = File::open(folder_of(&self.path)).ok()?;
+        parent.lock().is_ok().then_some(parent)
+    }
+
     /// Replaces the folder `to` with the folder `name` from here. Returns the path at which the old folder, if there was
     /// one, is kept until this staging folder is removed. A kill leaves the old or the new one in place, or, where the
     /// system cannot swap, the old one here until the next run puts it back.

@@ -55,11 +55,15 @@ fn run(context: &mut Context) -> Tally {
     tally
 }
 
-/// What the standard library says when it aborts: an allocation that cannot fail otherwise, and a thread that it started
-/// without room for the stack of its signal handler.
-const ABORTS: [&str; 2] = ["memory allocation of", "failed to allocate an alternative stack"];
+/// What the standard library and that of C say when they abort: an allocation that cannot fail otherwise, and a thread that has
+/// started without room for the stack of its signal handler, or for what it does at its end.
+const ABORTS: [&str; 3] = [
+    "memory allocation of",
+    "failed to allocate an alternative stack",
+    "failed to register TLS destructor: out of memory",
+];
 
-/// Whether the standard library has aborted it.
+/// Whether one of them has aborted it.
 fn is_abort(outcome: &Outcome) -> bool {
     outcome.end == End::Signal(ABORT) && ABORTS.iter().any(|abort| outcome.stderr.contains(abort))
 }

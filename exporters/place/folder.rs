@@ -62,6 +62,8 @@ impl Folder {
     /// [`ExportError::InTheWay`] if a file of the user has the name of one of the package, and if the disk fails; whatever
     /// was there is unchanged.
     pub fn finish(mut self) -> Result<Files, ExportError> {
+        // Another run that replaced the package after its manifest was read would have its files taken for the user's.
+        let _lock = self.staging.lock_parent();
         check_vacant(&self.asked, self.existing)?;
         match is_occupied(&self.path) {
             true => self.replace()?,

@@ -52,6 +52,26 @@ fn only_a_package_is_replaced() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+/// A file of one package must not stay as one of the user's in the next.
+#[test]
+fn runs_that_replace_a_package_at_once_leave_a_whole_one() {
+    const RUNS: usize = 8;
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("cave");
+    let replace = |text: &str| {
+        let mut package = Folder::create(&out, Existing::Replace).unwrap();
+        let sink: &mut dyn Package = &mut package;
+        sink.text(&format!("{text}.txt"), text).unwrap();
+        sink.text(MANIFEST, &format!("{{\"{text}.txt\": {{\"bytes\": 1, \"sha256\": \"0\"}}}}")).unwrap();
+        package.finish().unwrap();
+    };
+    replace("first");
+    std::thread::scope(|scope| {
+        (0..RUNS).for_each(|run| drop(scope.spawn(move || (0..60).for_each(|_| replace(&run.to_string())))));
+    });
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
+}
+
 #[test]
 fn paths_with_dots_and_links_are_resolved() {
     let folder = tempfile::tempdir().unwrap();
