@@ -14,8 +14,8 @@ pub const ATTACK: Attack = Attack {
 
 const CALLS: [&str; 9] = ["rename", "renameat", "renameat2", "link", "linkat", "unlink", "unlinkat", "mkdir", "rmdir"];
 
-/// Kills per command and system call in a short campaign: at the first call and the last.
-const FEW: usize = 2;
+/// Kills per command and system call in a short campaign: at the first call, the last, and one in between.
+const FEW: usize = 3;
 
 fn run(context: &mut Context) -> Tally {
     let mut tally = Tally::default();
