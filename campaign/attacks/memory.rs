@@ -35,16 +35,16 @@ fn run(context: &mut Context) -> Tally {
         tally.skip("prlimit: there is no such program");
         return tally;
     }
+    let limits = context.length.some_of(&LIMITS, 7);
+    let (enough, too_little): (Vec<u64>, Vec<u64>) =
+        limits.into_iter().partition(|&mebibytes| loads(context, mebibytes));
+    too_little.iter().for_each(|_| tally.set_apart("too little to load the program"));
     for command in COMMANDS {
-        for mebibytes in context.length.some_of(&LIMITS, 7) {
+        for &mebibytes in &enough {
             let desk = context.desk_with_cave();
-            let limit = format!("--as={}", mebibytes << 20);
-            if !desk.call(&["--version"]).under(&["prlimit", &limit]).run().is_done() {
-                tally.set_apart("too little to load the program");
-                continue;
-            }
             let words = if command[0] == "generate" { [command, &SMALL[..]].concat() } else { command.to_vec() };
-            let outcome = desk.call(&words).under(&["prlimit", &limit]).within(Duration::from_secs(60)).run();
+            let call = desk.call(&words).under(&["prlimit", &limit(mebibytes)]);
+            let outcome = call.within(Duration::from_secs(60)).run();
             if is_abort(&outcome) {
                 tally.set_apart("aborted by the runtime");
                 continue;
@@ -53,6 +53,15 @@ fn run(context: &mut Context) -> Tally {
         }
     }
     tally
+}
+
+/// Whether the system can load the program, which has segments of some 30 MiB.
+fn loads(context: &Context, mebibytes: u64) -> bool {
+    context.desk().call(&["--version"]).under(&["prlimit", &limit(mebibytes)]).run().is_done()
+}
+
+fn limit(mebibytes: u64) -> String {
+    format!("--as={}", mebibytes << 20)
 }
 
 /// What the standard library and that of C say when they abort: an allocation that cannot fail otherwise, and a thread that has
