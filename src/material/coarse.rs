@@ -192,6 +192,8 @@ impl CoarseBlock {
         let scalar = inlined!(|n: usize| Value::<S>(lanes(4 * JETS + n)));
         let still = inlined!(|n: usize| Jet::constant(lanes(4 * JETS + n)));
         let point = variables(simd, &self.point, at);
+        // Between nodes that are all in the second state, interpolation rounds to a little more or less than 1.
+        let state = scalar(2).within(0.0, 1.0);
         Coarse {
             site: Site {
                 point,
@@ -205,7 +207,7 @@ impl CoarseBlock {
             },
             field: jet(0),
             wall_field: jet(1),
-            wall: Wall { recess: scalar(0), cavity: scalar(1), state: scalar(2), band: scalar(3) },
+            wall: Wall { recess: scalar(0), cavity: scalar(1), state, band: scalar(3) },
             sediment: Sediment { at: vec3(point.x + jet(4), point.y + jet(5), point.z), ragged: jet(6), roll: jet(7) },
             patch: scalar(12),
             level: jet(8),

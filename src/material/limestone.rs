@@ -245,7 +245,8 @@ impl Rock for Limestone {
                 let at = p.stretched(1.0 / 0.30, 1.0 / 0.30, 1.0 / 0.24);
                 scallops = (-hollows(at, drift, n.layer(42)) + 0.30) * (scalloped * 0.095);
             }
-            let broken = (-scalloped + 1.0) * (0.022 * footprint.keep(0.14));
+            // Interpolated, so a little more than 1 in some places.
+            let broken = (-scalloped + 1.0).at_least(0.0) * (0.022 * footprint.keep(0.14));
             let mut chips = Jet::zero(site.simd());
             if broken.0.simd_gt(0.0).any_true() {
                 chips = facets(p.turned().scaled(1.0 / 0.14), 1.0, n.layer(57)) * broken;

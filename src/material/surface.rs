@@ -16,6 +16,9 @@ const SKIRT_M: f32 = 0.45;
 /// How far from a site another may be that is interpolated from it, in metres of the field: twice the diagonal of the widest
 /// lattice, since the field of a smooth wall is at most that steep.
 const NEARBY_M: f32 = 0.45;
+/// How far a bound may be off by rounding, in metres: what is left out must be out of range as it would be evaluated, because the
+/// other points of a vector decide whether it is.
+const ROUNDING_M: f32 = 1e-3;
 /// Width of the darker zone along the corner between wall and floor, in metres.
 const CORNER_M: f32 = 1.0;
 /// Steepness of the field over the floor; below 1 because flanks of stones are steep.
@@ -69,11 +72,11 @@ impl<T> Site<T> {
 #[inline(always)]
 fn carve<S: Simd, T: Real<S>, R: Rock>(rock: &R, site: &Site<T>) -> T {
     let lowest_wall = site.wall.value() - RECESS_M;
-    if site.floor_at_most().simd_le(lowest_wall - FILLET_M).all_true() {
+    if site.floor_at_most().simd_le(lowest_wall - FILLET_M - ROUNDING_M).all_true() {
         return wall_field(site, &rock.wall(site));
     }
     let over_floor = floor_field(site, &rock.floor(site, &Sediment::of(site, rock.debris().swell_m)));
-    if site.wall_at_most().simd_le(over_floor.value() - FILLET_M).all_true() {
+    if site.wall_at_most().simd_le(over_floor.value() - FILLET_M - ROUNDING_M).all_true() {
         return over_floor;
     }
     soft_max(wall_field(site, &rock.wall(site)), over_floor, FILLET_M)
@@ -163,7 +166,7 @@ fn surface<S: Simd, R: Rock>(rock: &R, coarse: &Coarse<S>, footprint: Footprint)
     let mut share = Value::zero(site.simd());
     let mut floor = Floor { height: zero, stone: zero, tint: zero };
     let mut raised = zero;
-    let floor_hidden = site.floor_at_most().simd_le(coarse.wall_field.value - SKIRT_M);
+    let floor_hidden = site.floor_at_most().simd_le(coarse.wall_field.value - SKIRT_M - ROUNDING_M);
     if !floor_hidden.all_true() {
         floor = rock.floor(site, sediment);
         let over_floor = floor_field(site, &floor);

@@ -100,11 +100,12 @@ pub trait Real<S: Simd>:
         self.at_least(low).at_most(high)
     }
 
-    /// Hermite step from 0 at `from` to 1 at `to`; exactly 0 and 1 outside. `from` may be the larger.
+    /// Hermite step from 0 at `from` to 1 at `to`; exactly 0 and 1 outside. `from` may be the larger. Where it is 1, its gradient is 0,
+    /// also where it is rounded to 1: so what is weighted by the rest adds nothing and may be left out.
     #[inline(always)]
     fn step(self, from: f32, to: f32) -> Self {
         let t = ((self - from) * (1.0 / (to - from))).within(0.0, 1.0);
-        t * t * (t * -2.0 + 3.0)
+        (t * t * (t * -2.0 + 3.0)).at_most(1.0)
     }
 
     /// A bump of half-width 1 around 0: (1 − x²)³, exactly 0 outside.
