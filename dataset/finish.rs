@@ -63,8 +63,8 @@ pub fn finish(
     let card = card(plan, &rows, &failures, sheet.is_some());
     let described = [
         ("README.md", Some(card.into_bytes())),
-        ("failed.csv", Some(index::csv(&failed)?)),
-        ("index.csv", Some(index::csv(&rows)?)),
+        ("failed.csv", Some(index::csv(&Failure::COLUMNS, &failed)?)),
+        ("index.csv", Some(index::csv(&index::columns(&rows), &rows)?)),
         ("index.json", Some(format!("{json:#}\n").into_bytes())),
         ("sheet.png", sheet),
     ];

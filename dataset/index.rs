@@ -56,16 +56,14 @@ pub fn row(plan: &Plan, record: &Record) -> Map<String, Value> {
     row
 }
 
-/// Rows as CSV: numbers as JSON has them, texts without quotes, nothing for nothing.
+/// A line of names, and rows as CSV: numbers as JSON has them, texts without quotes, nothing for nothing.
 ///
 /// # Errors
 /// None that the disk makes: it is written to memory.
-pub fn csv(rows: &[Map<String, Value>]) -> Result<Vec<u8>, CaveError> {
+pub fn csv(head: &[&str], rows: &[Map<String, Value>]) -> Result<Vec<u8>, CaveError> {
     let failed = |error: &dyn std::fmt::Display| CaveError::Failed(format!("the index: {error}"));
     let mut writer = csv::Writer::from_writer(Vec::new());
-    if let Some(first) = rows.first() {
-        writer.write_record(first.keys()).map_err(|error| failed(&error))?;
-    }
+    writer.write_record(head).map_err(|error| failed(&error))?;
     let text = |value: &Value| match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
@@ -77,7 +75,15 @@ pub fn csv(rows: &[Map<String, Value>]) -> Result<Vec<u8>, CaveError> {
     writer.into_inner().map_err(|error| failed(&error))
 }
 
+/// The names of the columns of caves; of no cave only those that all have are known.
+pub fn columns(rows: &[Map<String, Value>]) -> Vec<&str> {
+    rows.first().map_or_else(|| vec!["item", "part", "seed", "path"], |row| row.keys().map(String::as_str).collect())
+}
+
 impl Failure {
+    /// The names of its columns.
+    pub const COLUMNS: [&str; 3] = ["item", "seed", "fault"];
+
     /// The columns of a failure.
     pub fn row(&self) -> Map<String, Value> {
         let Value::Object(row) = json!({"item": self.item, "seed": self.seed, "fault": self.fault}) else {

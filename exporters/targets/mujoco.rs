@@ -3,8 +3,11 @@
 //! ```text
 //! <name>.xml          the cave alone, ready to compile
 //! <name>_world.xml    the cave without options, for the user's models
+//! <name>_shared.xml   what its chunks share: defaults, start poses, lamps, shapes of things
 //! <name>_rover.xml    the cave with the rover at the first start pose
 //! rover.xml           the rover alone
+//! chunks/             a file for each chunk, which the world includes
+//! chunks.json         the box of each, for models of a part of a large cave
 //! assets/             meshes (.msh), those of things once per shape, and textures (.png, all that MuJoCo reads; JPEG is decoded)
 //! README.md
 //! ```
@@ -25,16 +28,18 @@ use crate::frame::{self, Axes, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::rover::{self, Rover};
-use crate::scene::{Chunk, Content, Light, Scene, Zone};
+use crate::scene::{Chunk, Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
-use self::chunk::{Rock, ShapeCount};
+use self::chunk::Rock;
 use self::field::Field;
 use self::things::Things;
+use self::world::World;
 
 mod chunk;
 mod field;
 mod things;
+mod world;
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -76,11 +81,26 @@ pub struct MujocoSettings {
     /// Physics time step in seconds.
     #[schemars(range(min = 0.0001, max = 0.01))]
     pub physics_step_s: f64,
+    /// Include what cameras see: visual meshes, gravel and textures. For training without images: the model compiles in less
+    /// time, and MuJoCo, which looks at every geom in every step, steps faster along the same trajectory.
+    pub visuals: bool,
+    /// Things that are shorter than this in every direction have no collision shape, in metres: wheels and feet pass through
+    /// them. Movable ones always have one.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub least_hull_m: f64,
 }
 
 impl Default for MujocoSettings {
     fn default() -> Self {
-        Self { collision: Collision::Pieces, field_spacing_m: 0.1, lights: 4, ambient: 0.3, physics_step_s: 0.002 }
+        Self {
+            collision: Collision::Pieces,
+            field_spacing_m: 0.1,
+            lights: 4,
+            ambient: 0.3,
+            physics_step_s: 0.002,
+            visuals: true,
+            least_hull_m: 0.0,
+        }
     }
 }
 
@@ -128,37 +148,27 @@ impl Target for Mujoco {
                 fault: "its name is the rover's".to_owned(),
             });
         }
-        let (mut chunks, mut visual_triangles) = (Vec::new(), 0);
-        for index in 0..scene.chunks.len() {
-            let chunk = scene.chunk(index)?;
-            visual_triangles += chunk.visual.triangles();
-            chunk::write_images(&chunk, out)?;
-            if matches!(chunk.content, Content::Wall | Content::Gravel { .. }) {
-                chunk::write_visual(&chunk, out)?;
-            }
-            chunks.push(chunk::Names { chunk: chunk.name, material: chunk.material.name, content: chunk.content });
-        }
-        let things = Things::of(scene)?;
-        things.write_files(out)?;
         let name = &scene.name;
         let texts = self.values(scene);
         let options = template::fill("options.xml", include_str!("../templates/mujoco/options.xml.jinja"), &texts);
+        let world = World::write_files(self, scene, out)?;
         write_rover(None, &format!("{ROVER}.xml"), out)?;
         let shapes = match out.bundle() {
             Some(Bundle::Mjz) => {
-                write_rover(Some((scene, "model.xml", &things)), &format!("{name}_rover.xml"), out)?;
-                self.write_world("model.xml", &options, scene, &chunks, &things, out)?
+                write_rover(Some((scene, "model.xml", &world.things)), &format!("{name}_rover.xml"), out)?;
+                world.write_whole("model.xml", &options, out)?
             }
             _ => {
-                let (cave, world) = (format!("{name}.xml"), format!("{name}_world.xml"));
-                write_rover(Some((scene, &cave, &things)), &format!("{name}_rover.xml"), out)?;
-                let include = format!("  <include file=\"{world}\"/>");
+                let cave = format!("{name}.xml");
+                write_rover(Some((scene, &cave, &world.things)), &format!("{name}_rover.xml"), out)?;
+                let include = format!("  <include file=\"{name}_world.xml\"/>");
                 out.text(&cave, &format!("<mujoco model=\"{name}\">\n{options}{include}\n</mujoco>\n"))?;
-                self.write_world(&world, "", scene, &chunks, &things, out)?
+                world.write_parts(out)?
             }
         };
         let geoms = Some(shapes.geoms).filter(|geoms| *geoms > MOST_GEOMS_OF_WARP);
-        let texts = context! { things => things.are_there(), bodies => things.bodies(), geoms, ..texts };
+        let (things, bodies) = (world.things.are_there(), world.things.bodies());
+        let texts = context! { things, bodies, geoms, ..texts };
         out.text(
             "README.md",
             &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),
@@ -167,7 +177,7 @@ impl Target for Mujoco {
             Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
             _ => format!("python -m mujoco.viewer --mjcf={name}_rover.xml"),
         };
-        Ok(Summary { visual_triangles, collision_triangles: shapes.triangles, open })
+        Ok(Summary { visual_triangles: world.visual_triangles, collision_triangles: shapes.triangles, open })
     }
 
     fn axes(&self) -> Axes {
@@ -184,44 +194,6 @@ impl Target for Mujoco {
 }
 
 impl Mujoco {
-    /// Writes the model `path`: some text and the cave. Returns how many collision shapes it has.
-    fn write_world(
-        &self,
-        path: &str,
-        options: &str,
-        scene: &Scene,
-        chunks: &[chunk::Names],
-        things: &Things,
-        out: &mut dyn Package,
-    ) -> Result<ShapeCount, ExportError> {
-        let template = include_str!("../templates/mujoco/world.xml.jinja");
-        let world = template::fill(path, template, &self.values(scene));
-        let mut shapes = ShapeCount::default();
-        out.write(path, |file| {
-            write!(file, "<mujoco model=\"{}\">\n{options}{world}", scene.name)?;
-            things.write_assets(file, &scene.name)?;
-            for (index, chunk) in chunks.iter().enumerate() {
-                if !chunks[..index].iter().any(|before| before.material == chunk.material) {
-                    chunk::write_material(file, scene, &chunk.material)?;
-                }
-                shapes += match chunk.content {
-                    Content::Wall => {
-                        let rock = self.rock(scene, index)?;
-                        chunk::write_elements(file, scene, chunk, &rock)?;
-                        rock.shapes()
-                    }
-                    Content::Gravel { .. } => {
-                        chunk::write_elements(file, scene, chunk, &Rock::Pieces(Vec::new()))?;
-                        ShapeCount::default()
-                    }
-                    Content::Things { .. } => things.write_chunk(file, scene, index, &chunk.chunk)?,
-                };
-            }
-            Ok(writeln!(file, "</mujoco>")?)
-        })?;
-        Ok(shapes)
-    }
-
     fn rock(&self, scene: &Scene, index: usize) -> Result<Rock, ExportError> {
         Ok(match self.0.collision {
             Collision::Pieces => Rock::Pieces(scene.pieces(index)?),
@@ -248,6 +220,8 @@ impl Mujoco {
             description => &scene.description,
             generator => &scene.generator,
             chunks => scene.chunks.len(),
+            visuals => self.0.visuals,
+            least_hull_m => (self.0.least_hull_m > 0.0).then(|| micro(self.0.least_hull_m)),
             collision => Serde(self.0.collision),
             zones => zones.to_vec(),
             contact => Value::from_safe_string(chunk::CONTACT.to_owned()),

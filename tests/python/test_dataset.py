@@ -37,3 +37,9 @@ def test_the_index_is_the_same_as_a_table(tmp_path):
     assert [list(row) for row in found] == [list(row) for row in rows]
     for row, line in zip(rows, found, strict=True):
         assert {key: "" if value is None else str(value) for key, value in row.items()} == line
+
+
+def test_where_no_cave_is_left_out_there_is_still_a_table_of_them(tmp_path):
+    (tmp_path / "pair.toml").write_text(SPEC.replace('"isaac"', ""), encoding="utf-8")
+    subprocess.run([sys.executable, "-m", "plume", "dataset", "pair.toml", "--quiet"], cwd=tmp_path, check=True)
+    assert (tmp_path / "pair/failed.csv").read_text(encoding="utf-8") == "item,seed,fault\n"

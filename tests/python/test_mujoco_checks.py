@@ -1,11 +1,13 @@
 """The checks of MuJoCo packages: a good one passes, and each fault is noticed."""
 
+import json
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -38,14 +40,23 @@ def test_a_good_package_passes(name, package):
 
 
 def in_world(change):
-    """A change of the cave's own file."""
+    """A change of the cave's own elements."""
 
     def edited(package):
-        tree = ElementTree.parse(package / "cave_world.xml")
-        change(tree.getroot())
-        tree.write(package / "cave_world.xml")
+        root = whole(package / "cave_world.xml")
+        change(root)
+        ElementTree.ElementTree(root).write(package / "cave_world.xml")
 
     return edited
+
+
+def whole(file):
+    """A model with what it includes in its place."""
+    root = ElementTree.parse(file).getroot()
+    for include in root.findall("include"):
+        place = list(root).index(include)
+        root[place : place + 1] = list(ElementTree.parse(file.parent / include.get("file")).getroot())
+    return root
 
 
 def pieces(root):
@@ -130,3 +141,64 @@ def test_a_faulty_package_fails(fault, package, tmp_path):
     change(faulty)
     code, said = verify(name, faulty, package.with_name("cave"))
     assert code == 1 and message in said, said
+
+
+def exported(folder, cave, *options):
+    """Another package of a cave."""
+    settings = [word for option in options for word in ("--option", f"mujoco.{option}")]
+    export = ["export", str(cave), "--target", "mujoco", "--quiet", "--output", str(folder), *settings]
+    subprocess.run([sys.executable, "-m", "plume", *export], check=True)
+    return folder
+
+
+def driven(package):
+    """Where the rover is after a drive, and the number of geoms."""
+    model = mujoco.MjModel.from_xml_path(str(package / "cave_rover.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.ctrl[:] = 3.0
+    mujoco.mj_step(model, data, 2000)
+    return data.qpos.copy(), model
+
+
+def test_without_visuals_the_rover_drives_the_same_trajectory(package, tmp_path):
+    bare = exported(tmp_path / "bare", package.with_name("cave"), "visuals=false")
+    (there, model), (as_before, full) = driven(bare), driven(package)
+    assert np.array_equal(there, as_before)
+    collides = full.geom_contype > 0
+    assert model.ngeom < full.ngeom and np.sum(model.geom_contype > 0) == np.sum(collides)
+    assert model.ntex == 0 and not any(bare.glob("assets/*"))
+
+
+def test_short_things_have_no_hull(package, tmp_path):
+    few = exported(tmp_path / "few", package.with_name("cave"), "least_hull_m=0.3")
+    (_, model), (_, full) = driven(few), driven(package)
+    hulls = [{geom for geom in names(of) if geom.endswith("_hull")} for of in (model, full)]
+    longest_m = {geom: 2 * full.geom_aabb[full.geom(geom).id, 3:].max() for geom in hulls[1]}
+    # The axes of MuJoCo's box are those of inertia, along which a stone may be longer than along its own, by a quarter at most.
+    assert hulls[0] == {geom for geom in hulls[0] if longest_m[geom] > 0.3 * 0.75}
+    assert hulls[1] - hulls[0] == {geom for geom in hulls[1] - hulls[0] if longest_m[geom] < 0.3 * 1.25}
+    assert hulls[0] and hulls[1] - hulls[0]
+
+
+def names(model):
+    return [model.geom(geom).name for geom in range(model.ngeom)]
+
+
+def test_a_model_of_a_part_has_the_chunks_of_that_part(package, tmp_path):
+    part = tmp_path / "package"
+    shutil.copytree(package, part)
+    index = json.loads((part / "chunks.json").read_text())
+    start = driven(package)[1].key(0).qpos[:3]
+    near = [chunk["file"] for chunk in index["chunks"] if is_around(chunk["bounds_m"], start)]
+    includes = "".join(f'<include file="{file}"/>' for file in [index["shared"], *near])
+    (part / "cave_world.xml").write_text(f"<mujoco>{includes}</mujoco>")
+    there, model = driven(part)
+    as_before, full = driven(package)
+    assert 0 < len(near) < len(index["chunks"]) and model.ngeom < full.ngeom
+    assert np.array_equal(there, as_before), "it does not leave the part"
+
+
+def is_around(bounds_m, point, reach_m=4.0):
+    low, high = np.array(bounds_m)
+    return bool(np.all(low - reach_m <= point) and np.all(point <= high + reach_m))

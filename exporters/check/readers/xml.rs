@@ -47,7 +47,7 @@ fn read_element(node: Node<'_, '_>, document: &Document<'_>, path: &str, found: 
     if name == "plugin" || (name == "sdf" && node.parent_element().is_none()) {
         return;
     }
-    let folder = asset_folder(name, document);
+    let folder = format!("{}{}", including_folder(document, path), asset_folder(name, document));
     for attribute in node.attributes().filter(|attribute| is_file(attribute.name())) {
         found.reference(path, format!("{folder}{}", attribute.value()));
     }
@@ -67,6 +67,12 @@ fn is_file_element(node: Node<'_, '_>) -> bool {
 
 fn is_file(attribute: &str) -> bool {
     FILE_ATTRIBUTES.iter().any(|start| attribute.starts_with(start))
+}
+
+/// From the folder of a part of MJCF to that of the model that includes it, which is above all of its parts: MuJoCo looks for files there.
+fn including_folder(document: &Document<'_>, path: &str) -> String {
+    let depth = if document.root_element().has_tag_name("mujocoinclude") { path.matches('/').count() } else { 0 };
+    "../".repeat(depth)
 }
 
 /// The folder in which MJCF looks for the files of an element, with a trailing slash.

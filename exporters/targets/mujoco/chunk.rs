@@ -14,7 +14,7 @@ use crate::format::{msh, pixels};
 use crate::frame::micro;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, Content, Image, Mesh, Piece, Scene};
+use crate::scene::{ByZone, Chunk, Image, Mesh, Piece, Scene};
 use crate::slope;
 
 use super::field::Field;
@@ -175,31 +175,30 @@ pub fn write_material(file: &mut dyn Write, scene: &Scene, material: &str) -> io
     writeln!(file, "    </material>\n  </asset>")
 }
 
-/// A chunk by names.
-pub struct Names {
-    /// Its own.
-    pub chunk: String,
-    /// That of its material.
-    pub material: String,
-    /// What it consists of.
-    pub content: Content,
-}
-
-/// Writes the elements of a chunk of wall without its material.
+/// Writes the elements of a chunk of wall or gravel. It is drawn if it has a material.
 ///
 /// # Errors
 /// Those of `file`.
-pub fn write_elements(file: &mut dyn Write, scene: &Scene, names: &Names, rock: &Rock) -> io::Result<()> {
-    let Names { chunk, material, .. } = names;
-    let name = format!("{}_{chunk}", scene.name);
+pub fn write_elements(
+    file: &mut dyn Write,
+    scene: &Scene,
+    chunk: &str,
+    material: Option<&str>,
+    rock: &Rock,
+) -> io::Result<()> {
     let scene_name = &scene.name;
+    let name = format!("{scene_name}_{chunk}");
     writeln!(file, "  <asset>")?;
-    writeln!(file, r#"    <mesh name="{name}" file="assets/{chunk}.msh" inertia="shell"/>"#)?;
+    if material.is_some() {
+        writeln!(file, r#"    <mesh name="{name}" file="assets/{chunk}.msh" inertia="shell"/>"#)?;
+    }
     rock.write_assets(file, &name)?;
-    // A frame, not a body: geoms of the world body cost no time in a step.
+    // A frame, not a body: MuJoCo moves the geoms of bodies in each step.
     writeln!(file, "  </asset>\n  <worldbody>\n    <frame name=\"{name}\">")?;
-    let material = format!("{scene_name}_{material}");
-    writeln!(file, r#"      <geom name="{name}" class="{scene_name}_visual" mesh="{name}" material="{material}"/>"#)?;
+    if let Some(material) = material {
+        let visual = format!(r#"class="{scene_name}_visual" mesh="{name}" material="{scene_name}_{material}""#);
+        writeln!(file, r#"      <geom name="{name}" {visual}/>"#)?;
+    }
     rock.write_geoms(file, scene_name, &name)?;
     writeln!(file, "    </frame>\n  </worldbody>")?;
     rock.write_flexes(file, scene.friction, &name)

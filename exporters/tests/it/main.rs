@@ -24,6 +24,8 @@ mod ledger;
 #[path = "sample/levels.rs"]
 mod levels;
 mod meshes_read_back;
+#[path = "sample/mjcf.rs"]
+mod mjcf;
 mod mujoco_package;
 mod places;
 mod sample;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 
 use crate::changed;
+use crate::mjcf;
 use crate::sample;
 use crate::strewn::Strewn;
 use crate::told;
@@ -64,7 +65,8 @@ fn every_referenced_name_is_defined() {
     for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
         let package = with(collision);
         for path in ["chamber_world.xml", "rover.xml"] {
-            let document = Document::parse(text(&package, path)).unwrap();
+            let whole = mjcf::whole(&package, path);
+            let document = Document::parse(&whole).unwrap();
             let given = |tag: &str, key: &str| -> BTreeSet<String> {
                 let nodes = elements(&document).filter(|node| node.has_tag_name(tag));
                 nodes.filter_map(|node| node.attribute(key)).map(str::to_owned).collect()
@@ -90,7 +92,8 @@ fn every_referenced_name_is_defined() {
 fn the_world_uses_only_prefixed_names_and_sets_no_option() {
     for collision in [Collision::Pieces, Collision::Flex, Collision::FloorField] {
         let package = with(collision);
-        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let world = mjcf::whole(&package, "chamber_world.xml");
+        let document = Document::parse(&world).unwrap();
         let mut seen = BTreeSet::new();
         for node in elements(&document) {
             for name in [node.attribute("name"), node.attribute("class")].into_iter().flatten() {
@@ -116,7 +119,8 @@ fn the_world_uses_only_prefixed_names_and_sets_no_option() {
 fn every_kind_of_collision_covers_the_chamber() {
     let count = |collision, tag: &str| {
         let package = with(collision);
-        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let world = mjcf::whole(&package, "chamber_world.xml");
+        let document = Document::parse(&world).unwrap();
         elements(&document).filter(|node| node.has_tag_name(tag)).count()
     };
     let folder = tempfile::tempdir().unwrap();
@@ -140,7 +144,8 @@ fn strewn(movable: bool) -> Memory {
 fn things_of_one_size_share_their_meshes() {
     for movable in [false, true] {
         let package = strewn(movable);
-        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let world = mjcf::whole(&package, "chamber_world.xml");
+        let document = Document::parse(&world).unwrap();
         let of_boxes = |tag: &str, key: &str| {
             let nodes = elements(&document).filter(|node| node.has_tag_name(tag));
             nodes.filter(|node| node.attribute(key).is_some_and(|name| name.contains("_box_"))).count()
@@ -150,6 +155,70 @@ fn things_of_one_size_share_their_meshes() {
         assert_eq!(package.bytes.keys().filter(|path| path.contains("box_0")).count(), 1);
         assert!(!package.bytes.contains_key("assets/things_0_0_0.msh"));
         assert_eq!(of_boxes("freejoint", "name"), if movable { 3 } else { 0 });
+    }
+}
+
+#[test]
+fn things_that_are_too_short_have_no_hull() {
+    let count = |least_hull_m: f64, movable: bool| {
+        let folder = tempfile::tempdir().unwrap();
+        let strewn = Strewn::new(folder.path(), movable).unwrap();
+        let mut package = Memory::default();
+        let settings = MujocoSettings { least_hull_m, ..MujocoSettings::default() };
+        Mujoco(settings).export(&strewn.scene(), &mut package).unwrap();
+        let world = mjcf::whole(&package, "chamber_world.xml");
+        let document = Document::parse(&world).unwrap();
+        let of = |tag: &str, end: &str| {
+            let nodes = elements(&document).filter(|node| node.has_tag_name(tag));
+            nodes.filter(|node| node.attribute("mesh").or(node.attribute("name")).is_some_and(|name| name.ends_with(end))).count()
+        };
+        [of("mesh", "_hull"), of("geom", "_hull")]
+    };
+    // The boxes are 0.2, 0.3 and 0.2 m wide.
+    assert_eq!([0.0, 0.29, 0.31].map(|least_m| count(least_m, false)), [[2, 3], [1, 1], [0, 0]]);
+    assert_eq!(count(9.0, true), [2, 3], "what moves would fall through the floor");
+}
+
+#[test]
+fn a_model_without_visuals_has_the_same_shapes_to_touch() {
+    let settings = MujocoSettings { visuals: false, ..MujocoSettings::default() };
+    let folder = tempfile::tempdir().unwrap();
+    let strewn = Strewn::new(folder.path(), false).unwrap();
+    let [full, bare] = [MujocoSettings::default(), settings].map(|settings| {
+        let mut package = Memory::default();
+        Mujoco(settings).export(&strewn.scene(), &mut package).unwrap();
+        package
+    });
+    let touched = |package: &Memory| {
+        let world = mjcf::whole(package, "chamber_world.xml");
+        let document = Document::parse(&world).unwrap();
+        let is_touched = |node: &Node| node.attribute("class").is_some_and(|class| class != "chamber_visual");
+        let geoms = elements(&document).filter(|node| node.has_tag_name("geom")).filter(is_touched);
+        geoms.map(|node| node.attribute("name").map(str::to_owned)).collect::<Vec<_>>()
+    };
+    assert_eq!(touched(&bare), touched(&full));
+    let world = mjcf::whole(&bare, "chamber_world.xml");
+    assert!(!world.contains("_visual\" mesh") && !world.contains("<texture") && !world.contains("file="));
+    assert!(bare.bytes.keys().all(|path| !path.starts_with("assets/")));
+}
+
+#[test]
+fn each_chunk_can_be_included_without_the_others() {
+    let package = strewn(false);
+    let index: serde_json::Value = serde_json::from_slice(&package.bytes["chunks.json"]).unwrap();
+    let shared = text(&package, index["shared"].as_str().unwrap());
+    let boxes = index["chunks"].as_array().unwrap();
+    assert!(boxes.len() > 2);
+    for chunk in boxes {
+        let model = format!("<a>{shared}{}</a>", text(&package, chunk["file"].as_str().unwrap()));
+        let document = Document::parse(&model).unwrap();
+        let given = |tag: &str, key: &str| -> BTreeSet<&str> {
+            elements(&document).filter(|node| node.has_tag_name(tag)).filter_map(|node| node.attribute(key)).collect()
+        };
+        for (key, tag) in [("mesh", "mesh"), ("material", "material")] {
+            let missing = &given("geom", key) - &given(tag, "name");
+            assert!(missing.is_empty(), "{chunk}: {key} {missing:?}");
+        }
     }
 }
 
@@ -171,7 +240,8 @@ fn numbers(node: Node, key: &str) -> Vec<f64> {
 #[test]
 fn a_height_field_matches_the_floor() {
     let package = with(Collision::FloorField);
-    let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+    let world = mjcf::whole(&package, "chamber_world.xml");
+    let document = Document::parse(&world).unwrap();
     let spawn = numbers(elements(&document).find(|node| node.has_tag_name("site")).unwrap(), "pos");
     let mut fields = elements(&document).filter(|node| node.attribute("hfield").is_some());
     let geom = fields.find(|node| covers(&document, *node, &spawn)).unwrap();
@@ -204,7 +274,8 @@ fn the_lamps_nearest_to_the_start_are_lit() {
         [(0, vec![]), (1, vec!["chamber_lamp_west"]), (4, vec!["chamber_lamp_west", "chamber_lamp_east"])]
     {
         let package = export(MujocoSettings { lights, ..MujocoSettings::default() });
-        let document = Document::parse(text(&package, "chamber_world.xml")).unwrap();
+        let world = mjcf::whole(&package, "chamber_world.xml");
+        let document = Document::parse(&world).unwrap();
         let lit =
             elements(&document).filter(|node| node.has_tag_name("light") && node.attribute("active") == Some("true"));
         assert_eq!(lit.filter_map(|node| node.attribute("name")).collect::<Vec<_>>(), expected);
@@ -321,7 +392,7 @@ fn impossible_exports_are_refused_with_a_message() {
 #[test]
 fn texts_are_golden() {
     let package = with(Collision::FloorField);
-    for path in ["chamber.xml", "chamber_rover.xml", "README.md"] {
+    for path in ["chamber.xml", "chamber_rover.xml", "chamber_world.xml", "chunks.json", "README.md"] {
         insta::assert_snapshot!(path, text(&package, path));
     }
 }

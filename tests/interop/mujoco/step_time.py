@@ -6,11 +6,11 @@ The cave is cut to the chunks that are nearest to the rover, so that the table s
 rover goes to and fro at its start pose, in every model for as long; of several rounds the fastest counts. Nothing is checked.
 """
 
+import json
 import shutil
 import tempfile
 import time
 from pathlib import Path
-from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -22,22 +22,26 @@ ROUNDS = 7
 STRETCH_S = 0.5  # to, and as long fro
 SPEED_M_S = 0.4
 PLANE_M = 0.05  # below the start pose, as the ground
+PLANE = """<worldbody>
+  <geom type="plane" size="0 0 1" pos="{} {} {}" condim="3" priority="1" friction="0.8 0.005 0.0001"/>
+</worldbody>"""
 
 
 def verify(package):
     name = name_of(package)
     whole = mujoco.MjModel.from_xml_path(str(package / f"{name}_rover.xml"))
     start = whole.key(f"{name}_start").qpos[:3]
-    frames = ElementTree.parse(package / f"{name}_world.xml").getroot().iter("frame")
-    geoms = {frame.get("name"): next(frame.iter("geom")).get("name") for frame in frames}
-    chunks = sorted(geoms, key=lambda chunk: distance_m(whole, geoms[chunk], start))
+    index = json.loads((package / "chunks.json").read_text())
+    chunks = by_place(index["chunks"], start)
 
     print(f"{'':12}{'pieces':>8}{'compile s':>11}{'step µs':>9}{'ratio':>7}{'contacts':>10}")
     plane_us = None
     for count in [0, *(count for count in CUTS if count < len(chunks)), len(chunks)]:
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(package, folder, dirs_exist_ok=True)
-            cut(Path(folder) / f"{name}_world.xml", chunks[:count], start)
+            files = [index["shared"], *(file for chunk in chunks[:count] for file in chunk)]
+            plane = "" if count else PLANE.format(*start[:2], start[2] - PLANE_M)
+            write_world(Path(folder) / f"{name}_world.xml", files, plane)
             pieces, compile_s, step_us, contacts = measure(Path(folder), name)
         plane_us = plane_us or step_us
         title = f"{count} chunks" if count else "plane"
@@ -47,39 +51,26 @@ def verify(package):
     return f"steps of {whole.opt.timestep * 1000:g} ms"
 
 
-def distance_m(model, chunk, start):
-    """How far the middle of a chunk is: of its visual mesh, or its first thing."""
-    return np.linalg.norm(model.geom(chunk).pos - start)
+def by_place(chunks, point):
+    """Files of wall, things and gravel of each place in the grid, by the distance of the wall from a point."""
+    places = {}
+    for chunk in chunks:
+        content, place = Path(chunk["file"]).stem.split("_", 1)
+        places.setdefault(place, {})[content] = chunk
+    near = sorted(places.values(), key=lambda place: distance_m(place["chunk"]["bounds_m"], point))
+    return [[chunk["file"] for chunk in place.values()] for place in near]
 
 
-def cut(world, kept, start):
-    """Takes all other chunks out of the cave; a plane takes their place where none is left."""
-    tree = ElementTree.parse(world)
-    root = tree.getroot()
-    for world_body in root.findall("worldbody"):
-        for frame in world_body.findall("frame"):
-            if frame.get("name") not in kept:
-                world_body.remove(frame)
-    drop_meshes(root, {geom.get("mesh") for geom in root.iter("geom")})
-    if not kept:
-        pos = " ".join(map(str, start - [0, 0, PLANE_M]))
-        plane = {
-            "type": "plane",
-            "size": "0 0 1",
-            "pos": pos,
-            "condim": "3",
-            "priority": "1",
-            "friction": "0.8 0.005 0.0001",
-        }
-        ElementTree.SubElement(root.find("worldbody"), "geom", plane)
-    tree.write(world)
+def distance_m(bounds_m, point):
+    """How far a box is from a point; 0 in it."""
+    low, high = np.array(bounds_m)
+    return np.linalg.norm(np.maximum(0.0, np.maximum(low - point, point - high)))
 
 
-def drop_meshes(root, used):
-    """Takes out the meshes that no geom is of."""
-    for assets in root.findall("asset"):
-        for mesh in [mesh for mesh in assets.findall("mesh") if mesh.get("name") not in used]:
-            assets.remove(mesh)
+def write_world(file, included, elements):
+    """A cave of some of the files of a package."""
+    includes = "".join(f'<include file="{path}"/>' for path in included)
+    file.write_text(f"<mujoco>{includes}{elements}</mujoco>")
 
 
 def measure(package, name):

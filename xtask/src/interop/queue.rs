@@ -19,6 +19,15 @@ impl Check {
     }
 }
 
+/// Puts all checks by a reader but its first behind those by others: where the first run of a program compiles what the later ones
+/// load, two that start together would both compile it.
+pub(super) fn first_ahead(who: &str, checks: Vec<Check>) -> Vec<Check> {
+    let first = checks.iter().position(|check| check.who == who);
+    let is_later = |(place, check): &(usize, Check)| check.who == who && Some(*place) != first;
+    let (later, sooner): (Vec<_>, Vec<_>) = checks.into_iter().enumerate().partition(is_later);
+    sooner.into_iter().chain(later).map(|(_, check)| check).collect()
+}
+
 /// Prints a line per check and counts what must fail the run.
 #[derive(Default)]
 pub(super) struct Tally {

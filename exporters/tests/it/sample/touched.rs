@@ -5,12 +5,14 @@ use std::collections::HashMap;
 use plume_exporters::package::Memory;
 use roxmltree::{Document, Node};
 
+use crate::mjcf;
+
 /// The number of vertices of every collision shape.
 pub fn touched(package: &Memory) -> Vec<usize> {
     let shapes = |(path, bytes): (&String, &Vec<u8>)| match path.rsplit('.').next() {
         Some("sdf") => objects_of_collisions(package, bytes, "models/"),
         Some("urdf") => objects_of_collisions(package, bytes, ""),
-        Some("xml") if path.ends_with("_world.xml") => collision_meshes(bytes),
+        Some("xml") if path.ends_with("_world.xml") => collision_meshes(&mjcf::whole(package, path)),
         Some("obj") if path.ends_with("_collision.obj") && !path.contains('/') => objects(bytes),
         Some("fbx") if path.starts_with("Runtime/") => bare_meshes(bytes),
         Some("fbx") => unreal_nodes(bytes),
@@ -46,8 +48,8 @@ fn objects(mut bytes: &[u8]) -> Vec<usize> {
 }
 
 /// The meshes of collision geoms of MJCF.
-fn collision_meshes(bytes: &[u8]) -> Vec<usize> {
-    let document = Document::parse(std::str::from_utf8(bytes).unwrap()).unwrap();
+fn collision_meshes(world: &str) -> Vec<usize> {
+    let document = Document::parse(world).unwrap();
     let meshes: HashMap<&str, usize> = document
         .descendants()
         .filter(|node| node.has_tag_name("mesh"))
