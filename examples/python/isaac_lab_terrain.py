@@ -6,8 +6,8 @@
 A ball takes the place of a robot in each environment. All environments share the one cave; balls of different ones pass through each
 other.
 
-Isaac Lab is not at hand where Plume is tested: there, only `start_poses` is run, on a package, and everything else is held against what
-the documentation of Isaac Lab 2.3 says. It differs in version 3.
+Isaac Lab is not at hand where Plume is tested: there, only `start_poses` is run, on a package. Everything else was written by what
+documentation and source of Isaac Lab 2 say, and has not run. Version 3 differs.
 
 The height scanner of most tasks, `RayCasterCfg`, reads the first mesh under its path, which is one chunk. For the whole cave take
 `MultiMeshRayCasterCfg` (2.3 and later).

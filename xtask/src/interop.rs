@@ -25,6 +25,7 @@ mod formats;
 mod gazebo;
 mod gltf;
 mod graph;
+mod gym;
 pub mod mujoco;
 mod page;
 mod queue;
@@ -52,6 +53,7 @@ pub fn prepare() {
     let _ = (ensure_debian(&debian()), Plume::python());
     READERS.iter().filter(|reader| reader.may_be_used()).for_each(|reader| drop((reader.prepare)()));
     graph::CHECKS.iter().for_each(|check| drop(check.prepare()));
+    let _ = gym::make();
 }
 
 /// Installs them in one call, because each call refreshes the package index first.
@@ -87,6 +89,10 @@ fn check_samples(samples: &[Sample]) -> Result<()> {
     let scene = write_scene()?;
     // The longest checks start first, so that none of them runs alone at the end.
     let mut checks = checks_of_graphs(&tally)?;
+    match gym::make() {
+        Ok(()) => checks.push(Check::new("gym", gym::train)),
+        Err(missing) => tally.skip("gym", &missing),
+    }
     let mut opened = Opened::default();
     checks.extend(checks_of_small_things(&readers, &plume, &targets, &scene, &mut opened)?);
     for sample in samples {
