@@ -13,9 +13,9 @@ use crate::package::Package;
 use crate::scene::{Content, Scene};
 use crate::template;
 
+use super::Mujoco;
 use super::chunk::{self, Rock, ShapeCount};
 use super::things::Things;
-use super::Mujoco;
 
 /// Folder of the files of chunks.
 const FOLDER: &str = "chunks/";
@@ -51,11 +51,7 @@ impl<'a> World<'a> {
     ///
     /// # Errors
     /// If a chunk cannot be read or has images that MuJoCo does not read; those of the package.
-    pub fn write_files(
-        target: &'a Mujoco,
-        scene: &'a Scene<'a>,
-        out: &mut dyn Package,
-    ) -> Result<Self, ExportError> {
+    pub fn write_files(target: &'a Mujoco, scene: &'a Scene<'a>, out: &mut dyn Package) -> Result<Self, ExportError> {
         let is_seen = target.0.visuals;
         let (mut parts, mut visual_triangles) = (Vec::new(), 0);
         for index in 0..scene.chunks.len() {

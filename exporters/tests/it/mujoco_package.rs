@@ -170,7 +170,11 @@ fn things_that_are_too_short_have_no_hull() {
         let document = Document::parse(&world).unwrap();
         let of = |tag: &str, end: &str| {
             let nodes = elements(&document).filter(|node| node.has_tag_name(tag));
-            nodes.filter(|node| node.attribute("mesh").or(node.attribute("name")).is_some_and(|name| name.ends_with(end))).count()
+            nodes
+                .filter(|node| {
+                    node.attribute("mesh").or(node.attribute("name")).is_some_and(|name| name.ends_with(end))
+                })
+                .count()
         };
         [of("mesh", "_hull"), of("geom", "_hull")]
     };
