@@ -11,12 +11,19 @@ const SIDE: f64 = 2.0;
 pub(super) struct Cells {
     /// The lists serve points up to this distance from the surface.
     reach: f64,
-    /// The triangles near some point of a cube.
-    lists: FxHashMap<[i32; 3], Vec<u32>>,
+    /// The triangles near some point of a cube, by their distance from its centre.
+    lists: FxHashMap<[i32; 3], Vec<Entry>>,
     surface: Vec<Triangle>,
     balls: Vec<Ball>,
     /// The fallback for points further away.
     tree: Nearest,
+}
+
+/// A triangle in the list of a cube.
+struct Entry {
+    /// Distance from the centre of the cube.
+    from_centre: f64,
+    index: u32,
 }
 
 impl Cells {
@@ -25,12 +32,14 @@ impl Cells {
         let balls = surface.iter().map(Ball::around).collect();
         let mut cells = Self { reach, lists: FxHashMap::default(), balls, tree: Nearest::new(&surface), surface };
         for index in 0..cells.surface.len() {
-            cells.list(index);
+            cells.enter(index);
         }
+        let order = |a: &Entry, b: &Entry| a.from_centre.total_cmp(&b.from_centre).then(a.index.cmp(&b.index));
+        cells.lists.values_mut().for_each(|list| list.sort_unstable_by(order));
         cells
     }
 
-    fn list(&mut self, index: usize) {
+    fn enter(&mut self, index: usize) {
         let side = SIDE * self.reach;
         let triangle = self.surface[index];
         let [a, b, c] = triangle;
@@ -40,18 +49,23 @@ impl Cells {
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
-                    let centre = Point::new(x.into(), y.into(), z.into()).add_scalar(0.5) * side;
-                    if squared_distance(centre, triangle) <= far * far {
-                        self.lists.entry([x, y, z]).or_default().push(index as u32);
+                    let squared = squared_distance(self.centre([x, y, z]), triangle);
+                    if squared <= far * far {
+                        let entry = Entry { from_centre: squared.sqrt(), index: index as u32 };
+                        self.lists.entry([x, y, z]).or_default().push(entry);
                     }
                 }
             }
         }
     }
 
+    fn list(&self, cube: [i32; 3]) -> &[Entry] {
+        self.lists.get(&cube).map(Vec::as_slice).unwrap_or_default()
+    }
+
     /// A superset of the triangles near a point.
-    pub(super) fn near(&self, point: Point) -> &[u32] {
-        self.lists.get(&self.cube(point)).map(Vec::as_slice).unwrap_or_default()
+    pub(super) fn near(&self, point: Point) -> impl Iterator<Item = u32> {
+        self.list(self.cube(point)).iter().map(|entry| entry.index)
     }
 
     /// The squared distance of a point to a triangle.
@@ -61,21 +75,31 @@ impl Cells {
 
     /// The triangle nearest to a point.
     pub(super) fn nearest(&self, point: Point) -> Found {
-        let list = self.near(point);
+        let cube = self.cube(point);
+        let off_centre = (point - self.centre(cube)).norm();
         let (mut best, mut squared, mut distance) = (0, f64::INFINITY, f64::INFINITY);
-        for &index in list {
+        for &Entry { from_centre, index } in self.list(cube) {
+            // So is the rest of the list.
+            if from_centre - off_centre > distance {
+                break;
+            }
             if self.balls[index as usize].is_beyond(point, distance) {
                 continue;
             }
             let other = self.squared_distance(point, index);
-            if other < squared {
+            if other < squared || (other == squared && index < best) {
                 (best, squared, distance) = (index, other, other.sqrt());
             }
         }
         if squared > self.reach * self.reach {
-            return self.tree.nearest(point);
+            // The best of the list is in the tree, too.
+            return self.tree.nearer(point, squared.next_up()).expect("there is a triangle");
         }
         Found { triangle: self.surface[best as usize], index: best, squared }
+    }
+
+    fn centre(&self, cube: [i32; 3]) -> Point {
+        Point::from(cube.map(f64::from)).add_scalar(0.5) * (SIDE * self.reach)
     }
 
     fn cube(&self, point: Point) -> [i32; 3] {

@@ -110,12 +110,12 @@ impl RockMass {
 
     /// Whether a point is within the tolerance of a zone steeper than a floor.
     pub(super) fn is_by_steeper(&self, point: Point) -> bool {
-        let is_steep_and_near = |&index: &u32| {
+        let is_steep_and_near = |index: u32| {
             let zone = self.zones[index as usize];
             let tolerance = self.tolerances[zone as usize];
             zone != Zone::Floor && self.nearest.squared_distance(point, index) <= tolerance * tolerance
         };
-        self.nearest.near(point).iter().any(is_steep_and_near)
+        self.nearest.near(point).any(is_steep_and_near)
     }
 
     /// How far a point is in the air, relative to the tolerance there, negative in rock; `None` beyond the tolerance.
