@@ -86,9 +86,7 @@ impl Failure {
 
     /// The columns of a failure.
     pub fn row(&self) -> Map<String, Value> {
-        let Value::Object(row) = json!({"item": self.item, "seed": self.seed, "fault": self.fault}) else {
-            unreachable!("it is an object")
-        };
-        row
+        let values = [json!(self.item), json!(self.seed), json!(self.fault)];
+        Self::COLUMNS.map(str::to_owned).into_iter().zip(values).collect()
     }
 }

@@ -1,10 +1,10 @@
 """PPO, as skrl has it, learns to drive a rover through the caves of a dataset.
 
     pip install 'plume-caves[gym]' 'skrl[jax]>=2.1'
-    plume dataset samples/datasets/drive.toml -o drive
+    plume dataset rover.toml -o drive
     python examples/python/train_drive.py drive --steps 200000 --save driver.pickle
 
-It prints how often the trained driver arrives, and one that acts at random, in the same episodes.
+The specification, here `rover.toml`, has `targets = ["mujoco"]` and `robot = "rover"`. It prints how often the trained driver arrives, and one that acts at random, in the same episodes.
 """
 
 import argparse

@@ -133,10 +133,14 @@ fn every_kind_of_collision_covers_the_chamber() {
 }
 
 fn strewn(movable: bool) -> Memory {
+    strewn_with(MujocoSettings::default(), movable)
+}
+
+fn strewn_with(settings: MujocoSettings, movable: bool) -> Memory {
     let folder = tempfile::tempdir().unwrap();
     let strewn = Strewn::new(folder.path(), movable).unwrap();
     let mut memory = Memory::default();
-    Mujoco(MujocoSettings::default()).export(&strewn.scene(), &mut memory).unwrap();
+    Mujoco(settings).export(&strewn.scene(), &mut memory).unwrap();
     memory
 }
 
@@ -161,11 +165,7 @@ fn things_of_one_size_share_their_meshes() {
 #[test]
 fn things_that_are_too_short_have_no_hull() {
     let count = |least_hull_m: f64, movable: bool| {
-        let folder = tempfile::tempdir().unwrap();
-        let strewn = Strewn::new(folder.path(), movable).unwrap();
-        let mut package = Memory::default();
-        let settings = MujocoSettings { least_hull_m, ..MujocoSettings::default() };
-        Mujoco(settings).export(&strewn.scene(), &mut package).unwrap();
+        let package = strewn_with(MujocoSettings { least_hull_m, ..MujocoSettings::default() }, movable);
         let world = mjcf::whole(&package, "chamber_world.xml");
         let document = Document::parse(&world).unwrap();
         let of = |tag: &str, end: &str| {
@@ -186,13 +186,7 @@ fn things_that_are_too_short_have_no_hull() {
 #[test]
 fn a_model_without_visuals_has_the_same_shapes_to_touch() {
     let settings = MujocoSettings { visuals: false, ..MujocoSettings::default() };
-    let folder = tempfile::tempdir().unwrap();
-    let strewn = Strewn::new(folder.path(), false).unwrap();
-    let [full, bare] = [MujocoSettings::default(), settings].map(|settings| {
-        let mut package = Memory::default();
-        Mujoco(settings).export(&strewn.scene(), &mut package).unwrap();
-        package
-    });
+    let [full, bare] = [MujocoSettings::default(), settings].map(|settings| strewn_with(settings, false));
     let touched = |package: &Memory| {
         let world = mjcf::whole(package, "chamber_world.xml");
         let document = Document::parse(&world).unwrap();
