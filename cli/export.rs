@@ -197,7 +197,7 @@ impl WorkFolder {
     fn open(&self, named: Option<&Path>) -> Result<CaveFolder, CliError> {
         let folder = match self {
             Self::Named(path) => CaveFolder::open_or_new(path)?,
-            Self::Hidden(folder) => CaveFolder::open(folder.path())?,
+            Self::Hidden(folder) => CaveFolder::open(folder.path())?.ephemeral(),
         };
         match named.filter(|named| *named != folder.root()) {
             Some(named) => Ok(folder.based_on(CaveFolder::open(named)?)),

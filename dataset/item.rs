@@ -124,7 +124,10 @@ fn fill(
     let input = plan.input(item)?;
     write(&work.join(RECIPE), &input.recipe.to_toml())?;
     let recipe_sha256 = sha256(input.recipe.to_json().to_string().as_bytes());
-    let cave = Cave::make(input, CaveFolder::open_or_new(&work.join(CAVE))?, false, observer, &mut |_, _| ())?;
+    let keeps_cave = spec.keep_caves || spec.targets.is_empty();
+    let folder = CaveFolder::open_or_new(&work.join(CAVE))?;
+    let folder = if keeps_cave { folder } else { folder.ephemeral() };
+    let cave = Cave::make(input, folder, false, observer, &mut |_, _| ())?;
     let place = |folder: String| Place { path: work.join(folder), bundle: None, existing: Existing::Keep };
     let orders =
         plan.targets(library)?.into_iter().map(|wanted| Order { place: place(wanted.choice.folder()), wanted });
@@ -142,7 +145,7 @@ fn fill(
     }
     let graph_sha256 = graph_sha256(cave.graph());
     let measures = Measures::of(&cave, certified.as_ref().map(|certified| &certified.certificate));
-    if !spec.keep_caves && !orders.is_empty() {
+    if !keeps_cave {
         let folder = work.join(CAVE);
         fs::remove_dir_all(&folder).map_err(|error| StoreError::io(&folder, error))?;
     }

@@ -164,7 +164,7 @@ impl Cave {
 }
 
 /// Makes the stages up to `last` in `folder`, and the pieces that its parts have, calls `done` after each, and settles the folder. If the folder is itself the
-/// input, it follows edits of its recipe and graph; `force` replaces another cave.
+/// input, it follows edits of its recipe and graph; `force` replaces another cave. An ephemeral folder gets no maps.
 ///
 /// # Errors
 /// An impossible graph, another cave in the folder, I/O errors, the observer's stop.
@@ -188,7 +188,8 @@ pub fn make<'a>(
     };
     let has_pieces = |part: &CaveFolder| !part.units(Stage::Pieces).is_empty();
     let pieces_of_parts = folder.parts().iter().any(has_pieces).then_some(&Stage::Pieces);
-    for &stage in stages.iter().chain(pieces_of_parts.filter(|_| last == Stage::Texture)) {
+    let stages = stages.iter().filter(|stage| **stage != Stage::Preview || !folder.is_ephemeral());
+    for &stage in stages.chain(pieces_of_parts.filter(|_| last == Stage::Texture)) {
         pipeline.make(stage)?;
         done(stage, &pipeline);
     }

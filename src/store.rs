@@ -79,6 +79,8 @@ pub struct CaveFolder {
     base: Option<Box<CaveFolder>>,
     /// Folders that have parts of this cave.
     parts: Vec<CaveFolder>,
+    /// Whether it is removed once its packages are made.
+    is_ephemeral: bool,
     work: Mutex<Work>,
 }
 
@@ -162,7 +164,13 @@ impl CaveFolder {
     /// # Errors
     /// If it cannot be read or its manifest is damaged.
     pub fn open(root: &Path) -> Result<Self, StoreError> {
-        Ok(Self { root: root.to_path_buf(), base: None, parts: Vec::new(), work: Mutex::new(Work::read(root)?) })
+        Ok(Self {
+            root: root.to_path_buf(),
+            base: None,
+            parts: Vec::new(),
+            is_ephemeral: false,
+            work: Mutex::new(Work::read(root)?),
+        })
     }
 
     /// The same folder, which reuses finished units of `base` where they fit.
@@ -180,6 +188,17 @@ impl CaveFolder {
     /// The folders that have parts of this cave.
     pub fn parts(&self) -> &[Self] {
         &self.parts
+    }
+
+    /// The same folder, which will be removed once its packages are made: maps for people are not drawn.
+    #[must_use]
+    pub fn ephemeral(self) -> Self {
+        Self { is_ephemeral: true, ..self }
+    }
+
+    /// Whether it will be removed once its packages are made.
+    pub fn is_ephemeral(&self) -> bool {
+        self.is_ephemeral
     }
 
     /// Makes the folder if necessary and locks it until it is settled. Must be called before writing to it.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use plume::cave::{Cave, CaveError, Input};
 use plume::pipeline::{Disk, Needs, Unobserved};
+use plume::recipe::Recipe;
 use plume::store::CaveFolder;
 
 fn make(recipe: Option<&Path>, settings: &[&str], folder: &Path) -> Result<Cave, CaveError> {
@@ -74,4 +75,19 @@ fn too_large_a_cave_is_refused_before_work() {
      hint: raise mesh.voxel_m, make a smaller cave, or raise output.max_gb
     ");
     assert!(!root.join("cave.toml").exists());
+}
+
+#[test]
+fn an_ephemeral_folder_has_no_maps_and_the_same_chunks() {
+    let input =
+        || Input::of(Recipe::from_overrides(&["graph.nodes=3".to_owned(), "mesh.voxel_m=0.5".to_owned()]).unwrap());
+    let home = tempfile::tempdir().unwrap();
+    let [kept, passing] = ["kept", "passing"].map(|name| home.path().join(name));
+    let make = |folder| Cave::make(input(), folder, false, &Unobserved::default(), &mut |_, _| ()).unwrap();
+    make(CaveFolder::open_or_new(&kept).unwrap());
+    make(CaveFolder::open_or_new(&passing).unwrap().ephemeral());
+    let maps = |root: &Path| ["plan.png", "profile.png"].map(|map| root.join(map).exists());
+    assert_eq!((maps(&kept), maps(&passing)), ([true; 2], [false; 2]));
+    let chunks = ["chunks", "collision", "textures"];
+    assert_eq!(files(&kept, &chunks), files(&passing, &chunks));
 }
