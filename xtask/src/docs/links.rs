@@ -29,3 +29,32 @@ fn leads_somewhere(page: &Path, link: &str) -> bool {
         Some(anchor) => fs::read_to_string(target).is_ok_and(|text| anchors(&text).iter().any(|known| known == anchor)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_file_and_a_lost_heading_are_told_with_their_line() {
+        let page = root().join("README.md");
+        for (link, is_there) in [
+            ("docs/limits.md", true),
+            ("docs/limits.md#meshes", true),
+            ("docs/limits.md#no-such-heading", false),
+            ("docs/no-such-page.md", false),
+            ("#links", true),
+            ("#no-such-heading", false),
+            ("samples/cave.jpg", true),
+            ("https://example.org/no-such-page", true),
+        ] {
+            assert_eq!(leads_somewhere(&page, link), is_there, "{link}");
+        }
+        let folder = std::env::temp_dir().join(format!("plume-links-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("there is room");
+        let page = folder.join("page.md");
+        fs::write(&page, "# Page\n\n[lost](lost.md) and [found](#page)\n").expect("there is room");
+        let found = faults(&page);
+        fs::remove_dir_all(&folder).expect("it is ours");
+        assert_eq!(found, Ok(vec![format!("{}:3: lost.md", page.display())]));
+    }
+}
