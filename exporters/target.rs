@@ -63,9 +63,9 @@ pub struct TargetRow {
     pub revision: u32,
     /// Programs that open the package.
     pub opened_by: &'static str,
-    /// What is written, in full: Markdown for the README.
+    /// What is written, in full: Markdown for `docs/formats.md`.
     pub contents: &'static str,
-    /// Programs that open the package in the tests, and with which result: Markdown for the README.
+    /// Programs that open the package in the tests, and with which result: Markdown for `docs/formats.md`.
     pub tested_by: &'static str,
     /// Names of the interop checks that open the package.
     pub checks: &'static [&'static str],

@@ -63,7 +63,7 @@ pub struct GeneratorRow {
     pub name: &'static str,
     /// One line for `plume list`.
     pub summary: &'static str,
-    /// What it is based on, as Markdown for the README.
+    /// What it is based on, as Markdown for `docs/gallery.md`.
     pub source: &'static str,
     /// A sample recipe, `SAMPLE.toml`, with its picture, `SAMPLE.png`; relative to the repository.
     pub sample: &'static str,
@@ -150,7 +150,7 @@ impl GeneratorRow {
         }
     }
 
-    /// The row with the generator's source and sample recipe, as listed in the README.
+    /// The row with the generator's source and sample recipe, as listed in `docs/gallery.md`.
     pub const fn based_on(self, source: &'static str, sample: &'static str) -> Self {
         Self { source, sample, ..self }
     }

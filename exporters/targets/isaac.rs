@@ -28,7 +28,7 @@ pub const ROW: TargetRow = TargetRow {
         rigid bodies of movable stones, friction, lamps, semantic labels, start poses",
     tested_by: "UsdValidation without a message, usd-validation-nvidia without a failure; usd-core 25.11 and 26.11 read \
         the same arrays; Newton drops balls; rays, balls and friction in ovphysx, the PhysX of Isaac Sim, for \
-        those who [accept its licence](docs/decisions/0031-omniverse-licence.md)",
+        those who [accept its licence](decisions/0031-omniverse-licence.md)",
     checks: &["usd", "usd-old", "newton", "physx", "blender", "orient"],
     images: &stage::IMAGES,
     is_single_file: false,

@@ -1,8 +1,10 @@
 """A small cave, made once."""
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import plume
 import pytest
@@ -15,6 +17,15 @@ SEED = 7
 def cave(tmp_path_factory: pytest.TempPathFactory) -> Iterator[plume.Cave]:
     with plume.generate(SMALL, SEED, folder=tmp_path_factory.mktemp("cave") / "cave") as cave:
         yield cave
+
+
+@pytest.fixture(scope="session")
+def binary():
+    """The plain binary of this tree; `cargo xtask` names it."""
+    program = Path(os.environ.get("PLUME_BINARY", Path(__file__).parents[2] / "target/release/plume"))
+    if not program.exists():
+        pytest.fail("build the binary first: cargo build --release")
+    return program
 
 
 @pytest.fixture(scope="session")

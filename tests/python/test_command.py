@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import plume
 import pytest
@@ -32,15 +31,6 @@ def hidden(folder, text):
     (folder / "pxr").mkdir(parents=True)
     (folder / "pxr/__init__.py").write_text(text)
     return {**os.environ, "PYTHONPATH": str(folder)}
-
-
-@pytest.fixture(scope="module")
-def binary():
-    """The plain binary of this tree; `cargo xtask` names it."""
-    program = Path(os.environ.get("PLUME_BINARY", Path(__file__).parents[2] / "target/release/plume"))
-    if not program.exists():
-        pytest.fail("build the binary first: cargo build --release")
-    return program
 
 
 def test_the_command_tells_its_version():

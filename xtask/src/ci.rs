@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use crate::plume::cargo;
 use crate::tools::{Result, show};
-use crate::{campaign, interop, test};
+use crate::{campaign, docs, interop, test};
 
 /// Runs all steps. The table is printed even if a step fails.
 pub fn run(_arguments: &[String]) -> Result<()> {
@@ -21,6 +21,7 @@ pub fn run(_arguments: &[String]) -> Result<()> {
 
 fn steps(table: &mut Table, foreign_programs: ScopedJoinHandle<()>) -> Result<()> {
     table.step("formatting", || cargo_task(&["fmt", "--all", "--check"]))?;
+    table.step("links", docs::check)?;
     let lint = ["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"];
     table.step("clippy", || cargo_task(&lint))?;
     table.step("documentation and packages", documentation_and_packages)?;

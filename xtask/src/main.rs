@@ -7,6 +7,7 @@ mod bench;
 mod campaign;
 mod ci;
 mod demo;
+mod docs;
 mod drives;
 mod gallery;
 mod interop;
@@ -22,11 +23,12 @@ mod vslam;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 11] = [
+const TASKS: [(&str, &str, Task); 12] = [
     ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("interop", "[--all | PACKAGE_DIR...] open packages with foreign readers", interop::run),
+    ("docs", "[check]           check links and build the book of the documentation", docs::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     ("drives", "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet", drives::run),

@@ -1,4 +1,4 @@
-//! `cargo xtask realism [SEEDS]`: how closely the graphs of every generator resemble real caves, as tables for the README.
+//! `cargo xtask realism [SEEDS]`: how closely the graphs of every generator resemble real caves, as tables for `docs/realism.md`.
 
 use crate::plume::cargo;
 use crate::tools::Result;

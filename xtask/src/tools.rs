@@ -61,6 +61,21 @@ pub fn ensure_npm(folder: &Path) -> Result<()> {
     std::fs::write(stamp, lock).map_err(|error| error.to_string())
 }
 
+/// Has cargo install this version of a program below `target/tools`, once, and returns its path.
+pub fn ensure_cargo(name: &str, version: &str) -> Result<PathBuf> {
+    let tools = root().join("target/tools");
+    let program = tools.join("bin").join(name).with_extension(std::env::consts::EXE_EXTENSION);
+    let said = run(Command::new(&program).arg("--version")).unwrap_or_default();
+    if said.split_whitespace().any(|word| word.trim_start_matches('v') == version) {
+        return Ok(program);
+    }
+    eprintln!("installing {name} {version}");
+    let mut install = Command::new(env!("CARGO"));
+    install.args(["install", "--locked", "--quiet", "--root"]).arg(&tools).args([name, "--version", version]);
+    run(&mut install)?;
+    Ok(program)
+}
+
 fn is_installed(package: &str) -> bool {
     let query = ["-W", "-f", "${db:Status-Status}"];
     run(Command::new("dpkg-query").args(query).arg(package)).is_ok_and(|text| text == "installed")

@@ -13,7 +13,7 @@ const VERSIONS: [u32; 2] = [11, 15];
 pub struct Environment(PathBuf);
 
 impl Environment {
-    /// `.venv`, the environment of the README, created on demand.
+    /// `.venv`, the environment of the Python package, created on demand.
     pub fn of_project() -> Result<Self> {
         Self(root().join(".venv")).made()
     }

@@ -1,4 +1,4 @@
-"""Renders a GLB package from one of its start poses in Blender's Cycles, for the README; checks nothing.
+"""Renders a GLB package from one of its start poses in Blender's Cycles, for the gallery; checks nothing.
 
     picture.py PACKAGE_DIR PICTURE.jpg SPAWN
 

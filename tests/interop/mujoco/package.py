@@ -16,7 +16,7 @@ from trimesh.ray.ray_util import contains_points
 COLLISION_GROUP = 3
 # How far the surface of convex pieces may be from the visual mesh, before or behind it, by default; metres.
 TOLERANCE_M = {"floor": 0.02, "wall": 0.05, "ceiling": 0.05}
-# Kinds of things with an open mouth, which their convex hull closes: the README tells this among the limits.
+# Kinds of things with an open mouth, which their convex hull closes: docs/limits.md says so.
 HOLLOW = ("duct",)
 # Rays that miss an edge between two triangles, or a second wall close behind the first, tell inside from outside wrongly for 5 of
 # 1000 points, and which ones depends on the processor: the majority of many directions decides.
