@@ -241,7 +241,7 @@ fn numbers(graph: &Graph) -> Value {
 }
 
 /// Each count of a tally, its name in JSON and in words.
-fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 7] {
+fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 8] {
     [
         ("splays", tally.splays, "splays dropped"),
         ("duplicates", tally.duplicates, "duplicate legs dropped"),
@@ -250,6 +250,7 @@ fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 7] {
         ("welded", tally.welded, "zero-length legs welded"),
         ("joined", tally.joined, "passages added between parts"),
         ("left_out", tally.left_out, "stations left out"),
+        ("unplaced", tally.unplaced, "stations without a position left out"),
     ]
 }
 

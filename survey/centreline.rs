@@ -9,12 +9,16 @@ use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::measure::Measured;
 use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::traverse::{Fix, Shot, Traverse};
-use super::{Import, Parts, ReadError, Source};
+use super::unplaced::Remaining;
+use super::{Import, Parts, ReadError, Source, Tally};
 use plume_graph::echo::shown;
 
 /// Number of stations listed if a survey has disconnected pieces: one of each piece.
 const NAMED: usize = 10;
-const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, add the missing shots, or keep the `longest` part";
+const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, add the missing shots, or keep only the \
+     longest piece: `--set graph.parts=longest`, at an import `--parts longest`";
+const UNPLACED_HINT: &str =
+    "legs of style `nosurvey` have no length: fix a station in what lies behind them, or add readings";
 
 /// A name within a survey: index into [`Names`].
 pub(super) type Name = usize;
@@ -310,7 +314,7 @@ impl Centreline {
         self.end_tube();
         let mut numbers = Numbers { of: vec![None; self.names.below.len()], count: 0 };
         let legs: Vec<([Name; 2], Leg)> = std::mem::take(&mut self.legs);
-        let legs: Vec<([usize; 2], Leg)> =
+        let mut legs: Vec<([usize; 2], Leg)> =
             legs.into_iter().map(|(ends, leg)| (ends.map(|end| numbers.of(self.found(end))), leg)).collect();
         if legs.is_empty() {
             return Err(ReadError::whole(
@@ -332,19 +336,22 @@ impl Centreline {
             let hint = "errors or standard deviations are out of all proportion; check the largest ones";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
+        let remaining = Remaining::of(&placed, &legs);
+        let unplaced = remaining.retain(&mut legs);
+        if unplaced > 0 && legs.iter().all(|(_, leg)| *leg != Leg::Passage) {
+            return Err(ReadError::whole(source.path, "has no passages with a known position", UNPLACED_HINT));
+        }
         // Floating pieces have no position, so they cannot be kept or joined; all but the longest may be dropped.
-        if held + placed.adrift.len() > 1 && parts != Parts::Longest {
+        let pieces = held + remaining.adrift.len();
+        if pieces > 1 && parts != Parts::Longest {
             let those = match files.has_outside_files() {
                 true => "some".to_owned(),
                 false => {
-                    let named = &placed.adrift[..placed.adrift.len().min(NAMED)];
+                    let named = &remaining.adrift[..remaining.adrift.len().min(NAMED)];
                     format!("those of {}", self.names.told(numbers.names(named)))
                 }
             };
-            let message = format!(
-                "has {} disconnected pieces, and nothing fixes the position of {those}",
-                held + placed.adrift.len()
-            );
+            let message = format!("has {pieces} disconnected pieces, and nothing fixes the position of {those}");
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
         let station = |position| SurveyStation { position, entrance: false };
@@ -356,7 +363,8 @@ impl Centreline {
             }
         }
         survey.walls = self.walls(&numbers);
-        survey.into_import(source, parts)
+        let import = survey.into_import(source, parts)?;
+        Ok(Import { tally: Tally { unplaced, ..import.tally }, ..import })
     }
 
     /// One fix for each station; of several, an exact one.
@@ -430,4 +438,52 @@ pub(super) fn spread(spreads_m: &[f64]) -> Option<Matrix3<f64>> {
     };
     let variances = Vector3::from(spreads).map(|spread| (spread * spread).clamp(1e-6, 1e8));
     spreads.iter().any(|&spread| spread > 0.0).then(|| Matrix3::from_diagonal(&variances))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use plume_graph::NoOutside;
+
+    use super::*;
+    use crate::svx;
+
+    fn parsed(text: &str, parts: Parts) -> Result<Import, ReadError> {
+        svx::import(&Source { path: Path::new("cave.svx"), bytes: text.as_bytes(), outside: &NoOutside }, parts)
+    }
+
+    /// Two legs of 32 m, then a leg without readings to one of 7 m.
+    const BEHIND_A_GAP: &str =
+        "1 2 10 0 0\n2 3 22 90 0\n*data nosurvey from to\n3 4\n*data default\n4 5 7 0 0\n4 .. 3 0 0\n";
+
+    #[test]
+    fn stations_that_only_legs_without_readings_reach_are_left_out_and_counted() {
+        for fix in ["", "*fix 1 494000 5200000 1000\n"] {
+            for parts in [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest] {
+                let import = parsed(&format!("{BEHIND_A_GAP}{fix}"), parts).unwrap();
+                let Tally { unplaced, left_out, .. } = import.tally;
+                assert_eq!((import.graph.length_m(), import.graph.nodes.len()), (32.0, 3), "{fix}");
+                assert_eq!((unplaced, left_out), (2, 0), "{fix}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_longest_piece_stays_if_nothing_is_fixed_and_the_fixed_one_otherwise() {
+        let text = "1 2 3 0 0\n3 4 7 0 0\n4 5 7 0 0\n*data nosurvey from to\n2 3\n";
+        let import = parsed(text, Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.tally.unplaced), (14.0, 2));
+        let import = parsed(&format!("{text}*fix 1 0 0 0\n"), Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.tally.unplaced), (3.0, 3));
+        let fixed = "*data default\n9 .. 5 0 0\n*fix 9 0 0 0\n*data nosurvey from to\n9 1\n";
+        let error = parsed(&format!("{text}{fixed}"), Parts::Refuse).unwrap_err();
+        assert_eq!(error.to_string(), "cave.svx: has no passages with a known position");
+    }
+
+    #[test]
+    fn a_leg_without_readings_between_placed_stations_is_a_passage() {
+        let import = parsed("1 2 6 0 0\n2 3 8 90 0\n*data nosurvey from to\n1 3\n", Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.graph.loops(), import.tally.unplaced), (24.0, 1, 0));
+    }
 }

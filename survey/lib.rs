@@ -37,6 +37,7 @@ mod svx;
 mod text;
 mod therion;
 mod traverse;
+mod unplaced;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

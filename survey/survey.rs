@@ -89,6 +89,8 @@ pub struct Tally {
     pub joined: usize,
     /// Stations of dropped parts.
     pub left_out: usize,
+    /// Stations dropped because only legs without readings (`nosurvey`) lead there.
+    pub unplaced: usize,
     /// The origin of the graph in the coordinates of the file, in metres. A survey is moved so that its first entrance, or
     /// else its first station, is the origin; other graphs only if they reach too far away.
     pub origin_m: Point3<f64>,

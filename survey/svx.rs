@@ -3,7 +3,8 @@
 //! Follows the Survex manual 1.4, chapter 4. Supported are all data styles with any order of columns, units, calibrations,
 //! fixed declinations, standard deviations, nested surveys, equates, fixes, flags, anonymous stations, and includes. Loops
 //! are closed as in Survex, so stations are where cavern puts them, except that stations of diving shots in loops may differ
-//! by a fraction of the misclosure, because their covariances do.
+//! by a fraction of the misclosure, because their covariances do. Where cavern refuses a survey because only legs of style
+//! `nosurvey` lead on, what lies behind them is left out ([`unplaced`](super::unplaced)).
 //!
 //! Not supported: `*declination auto`, which needs a model of the earth's field, positions in a `*cs` in degrees or in
 //! several systems, and Compass files named by `*include`; the error refers the user to cavern. Covariances of fixes between
