@@ -74,7 +74,7 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, super::Rea
     let read = read_parts(super::text::utf8(source.path, source.bytes)?, parts);
     let (document, tally) =
         read.map_err(|error| super::ReadError::whole(source.path, error.to_string(), error.hint()))?;
-    Ok(Import { graph: document.graph, recipe: document.recipe, tally })
+    Ok(Import { graph: document.graph, recipe: document.recipe, tally, warnings: Vec::new() })
 }
 
 /// Writer of a row of [`FORMATS`](super::FORMATS), without a recipe.

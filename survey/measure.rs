@@ -5,6 +5,7 @@
 //! [`Instruments::shot`] turns readings into a vector (Survex manual 1.4, chapter 4; Therion book 6.1, `centreline`).
 
 mod columns;
+mod doubts;
 mod order;
 mod shot;
 mod words;

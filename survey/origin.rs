@@ -28,7 +28,7 @@ impl Draft {
         self.nodes.iter_mut().for_each(|node| node.position = counted_from(origin, node.position));
         check_reach(path, self.nodes.iter().map(|node| node.position))?;
         let (graph, tally) = self.finished(parts).map_err(|error| error.into_error(path, name))?;
-        Ok(Import { graph, recipe: None, tally: Tally { origin_m: origin, ..tally } })
+        Ok(Import { graph, recipe: None, tally: Tally { origin_m: origin, ..tally }, warnings: Vec::new() })
     }
 
     /// The origin of the file, if all nodes are near it.

@@ -91,6 +91,8 @@ pub struct Tally {
     pub left_out: usize,
     /// Stations dropped because only legs without readings (`nosurvey`) lead there.
     pub unplaced: usize,
+    /// Readings that are probably mistakes, and are taken as they are.
+    pub doubtful: usize,
     /// The origin of the graph in the coordinates of the file, in metres. A survey is moved so that its first entrance, or
     /// else its first station, is the origin; other graphs only if they reach too far away.
     pub origin_m: Point3<f64>,
@@ -126,7 +128,7 @@ impl Survey {
             return Err(no_passages(source.path));
         }
         origin::check_reach(source.path, graph.nodes.iter().map(|node| node.position))?;
-        Ok(Import { graph, recipe: None, tally })
+        Ok(Import { graph, recipe: None, tally, warnings: Vec::new() })
     }
 
     fn check(&self, path: &Path) -> Result<(), ReadError> {
