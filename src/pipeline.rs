@@ -472,9 +472,9 @@ fn station_bounds(graph: &Graph, width_per_radius: f32) -> Option<Aabb<f32>> {
     bounds.reduce(Aabb::union)
 }
 
-/// The graph without its recipe, on which the shape of the rock depends.
+/// The graph without its recipe and without names, on which the shape of the rock depends.
 fn stations(graph: &Graph) -> String {
-    plume_survey::json::write(graph, "", &Value::Null)
+    plume_survey::json::write(&graph.anonymous(), "", &Value::Null)
 }
 
 /// The graph of this recipe, passed by its gate.

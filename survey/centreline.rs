@@ -11,6 +11,7 @@ use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::traverse::{Fix, Shot, Traverse};
 use super::unplaced::Remaining;
 use super::{Import, Parts, ReadError, Source, Tally};
+use plume_graph::MAX_NAME_BYTES;
 use plume_graph::echo::shown;
 
 /// Number of stations listed if a survey has disconnected pieces: one of each piece.
@@ -62,20 +63,45 @@ impl Names {
         Ok(self.below.len() - 1)
     }
 
-    /// The full names of some stations, for messages.
-    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+    /// What each name is called, and within which other name; `None` for the root and anonymous ones.
+    fn above(&self) -> Vec<Option<(Name, &str)>> {
         let mut above: Vec<Option<(Name, &str)>> = vec![None; self.below.len()];
         for (survey, below) in self.below.iter().enumerate() {
             below.iter().for_each(|(name, &of)| above[of] = Some((survey, name)));
         }
-        let told = names.map(|name| {
-            let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
-            let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
-            parts.reverse();
-            shown(&parts.join("."))
-        });
+        above
+    }
+
+    /// The full names of some stations, for messages.
+    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+        let above = self.above();
+        let told = names.map(|name| shown(&path(&above, name)));
         told.collect::<Vec<_>>().join(", ")
     }
+
+    /// The full name of each name, such as `cave.series.12`, as far as it is short enough to be kept.
+    fn full(&self) -> impl Fn(Name) -> Option<Box<str>> {
+        let above = self.above();
+        // Names come after those above them.
+        let mut bytes = vec![0; above.len()];
+        for (name, above) in above.iter().enumerate() {
+            if let Some((survey, part)) = above {
+                bytes[name] = bytes[*survey] + usize::from(bytes[*survey] > 0) + part.len();
+            }
+        }
+        move |name| {
+            let is_short = (1..=MAX_NAME_BYTES).contains(&bytes[name]);
+            if is_short { plume_graph::name(&path(&above, name)) } else { None }
+        }
+    }
+}
+
+/// A name after those that it is within, with dots between them.
+fn path(above: &[Option<(Name, &str)>], name: Name) -> String {
+    let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
+    let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
+    parts.reverse();
+    parts.join(".")
 }
 
 /// Limit on names of stations and surveys: a station may have several names.
@@ -169,7 +195,7 @@ pub(super) struct Centreline {
     entrances: BTreeSet<Name>,
     /// The cross-sections of the passage that is being read.
     tube: Vec<(Name, [Option<f64>; 4])>,
-    /// The coordinate system.
+    /// The coordinate system, as it was first written.
     system: Option<String>,
     /// Readings that are probably mistakes, at most [`MAX_DOUBTS`].
     doubts: Vec<(FilePosition, String)>,
@@ -306,21 +332,27 @@ impl Centreline {
     /// # Errors
     /// If positions would have to be projected or rotated.
     pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
+        let name = system;
         let system = system.to_ascii_lowercase();
         if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
             return Err(format!("coordinates in {} would have to be projected", shown(&system)));
         }
         match &self.system {
             // The name of the other may be from a file of which nothing may be shown.
-            Some(known) if *known != system => Err(format!(
+            Some(known) if known.to_ascii_lowercase() != system => Err(format!(
                 "coordinates in {} would have to be projected, since others are in another system",
                 shown(&system)
             )),
             _ => {
-                self.system = Some(system);
+                self.system.get_or_insert_with(|| name.to_owned());
                 Ok(())
             }
         }
+    }
+
+    /// Sets the coordinate system to UTM in a zone of a datum.
+    pub(super) fn set_datum(&mut self, datum: &str, zone: &str) {
+        self.system = Some(format!("{datum}, UTM zone {zone}"));
     }
 
     /// The graph of everything that was read.
@@ -368,18 +400,34 @@ impl Centreline {
             let message = format!("has {pieces} disconnected pieces, and nothing fixes the position of {those}");
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
-        let station = |position| SurveyStation { position, entrance: false };
-        let mut survey =
-            Survey { stations: placed.positions.into_iter().map(station).collect(), legs, walls: Vec::new() };
+        let stations = placed.positions.into_iter().map(SurveyStation::at).collect();
+        let mut survey = Survey { stations, legs, ..Survey::default() };
         for entrance in std::mem::take(&mut self.entrances) {
             if let Some(number) = numbers.of[self.found(entrance)] {
                 survey.stations[number].entrance = true;
             }
         }
         survey.walls = self.walls(&numbers);
+        // Nothing may be shown of files outside the folder of the imported one.
+        if !files.has_outside_files() {
+            self.name_stations(&numbers, &mut survey.stations);
+            survey.system = self.system.as_deref().and_then(plume_graph::name);
+        }
         let import = survey.into_import(source, parts)?;
         let warnings = self.doubts.into_iter().map(|(at, doubt)| files.warning(at, doubt)).collect();
         Ok(Import { tally: Tally { unplaced, doubtful: self.doubtful, ..import.tally }, warnings, ..import })
+    }
+
+    /// Names stations; of several names of one, the first in the file.
+    fn name_stations(&mut self, numbers: &Numbers, stations: &mut [SurveyStation]) {
+        let found: Vec<Name> = (0..self.names.below.len()).map(|name| self.found(name)).collect();
+        let full = self.names.full();
+        for (name, found) in found.into_iter().enumerate() {
+            let Some(number) = numbers.of[found] else { continue };
+            if stations[number].name.is_none() {
+                stations[number].name = full(name);
+            }
+        }
     }
 
     /// One fix for each station; of several, an exact one.

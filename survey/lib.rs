@@ -34,6 +34,8 @@ mod parts;
 mod survex3d;
 mod survey;
 mod svx;
+#[cfg(test)]
+mod tests;
 mod text;
 mod therion;
 mod traverse;
@@ -101,12 +103,12 @@ impl Import {
     /// If nothing is left of it, or it reaches too far from the origin.
     pub fn scaled(self, factor: f64, path: &Path) -> Result<Self, ReadError> {
         let Self { graph, recipe, tally, warnings } = self;
-        let Graph { nodes, edges } = graph.scaled(factor);
+        let Graph { nodes, edges, georeference } = graph.scaled(factor);
         let is_near = |node: &Node| node.position.iter().all(|x| x.abs() <= limits::MAX_LENGTH_M);
         if !nodes.iter().all(is_near) {
             return Err(ReadError::whole(path, "is too far from the origin after scaling", text::LENGTH_HINT));
         }
-        let finished = Draft { nodes, edges }.finished(Parts::Keep);
+        let finished = Draft { nodes, edges, georeference }.finished(Parts::Keep);
         let name = |node: usize| format!("node {node}");
         let (graph, lost) = finished.map_err(|error| error.into_error(path, name))?;
         Ok(Self { graph, recipe, tally: Tally { left_out: tally.left_out + lost.left_out, ..tally }, warnings })
