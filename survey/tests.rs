@@ -190,3 +190,21 @@ fn a_scaled_or_moved_graph_knows_where_it_is() {
     let far = "x1,y1,x2,y2\n494000,5200000,494010,5200000\n";
     assert_eq!(imported([("far.csv", far)]).graph.georeference, georeference([494_000.0, 5_200_000.0, 0.0], ""));
 }
+
+/// The sample of the documentation; places are those of cavern 1.4.4, in centimetres.
+#[test]
+fn the_sample_is_in_order() {
+    let text = include_str!("../samples/survey.svx");
+    let Import { graph, tally, warnings, .. } = imported([("survey.svx", text)]);
+    assert_eq!((graph.nodes.len(), graph.loops(), graph.length_m().round()), (21, 1, 208.0));
+    assert_eq!((warnings, tally.splays, tally.unplaced, tally.left_out), (Vec::new(), 3, 0, 0));
+    assert_eq!(graph.georeference, georeference([412_350.0, 5_312_480.0, 862.0], "UTM33N"));
+    assert!(graph.nodes.iter().all(|node| node.name.is_some() && node.section.is_some()));
+    // Nodes are in the middle of their passages, so only these are at their stations in plan.
+    let distance = |name: &str, x: f64, y: f64| {
+        let node = graph.nodes.iter().find(|node| node.name.as_deref() == Some(name)).expect(name);
+        libm::hypot(node.position.x + 412_350.0 - x, node.position.y + 5_312_480.0 - y)
+    };
+    assert!(distance("badger.pit.6", 412_432.86, 5_312_461.39) < 0.06);
+    assert!(distance("badger.hall.7", 412_389.57, 5_312_481.88) < 0.3);
+}
