@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Point3};
 use plume_truth::Passage;
 
 use crate::names;
@@ -47,6 +47,13 @@ pub struct Georeference {
     pub origin_m: [f64; 3],
     /// The coordinate system as the survey names it.
     pub system: Option<String>,
+}
+
+impl Landmark<'_> {
+    /// Its place, turned like the world.
+    pub fn pose(&self) -> Isometry3<f64> {
+        Isometry3::translation(self.position.x, self.position.y, self.position.z)
+    }
 }
 
 impl Network {
