@@ -8,6 +8,9 @@ use super::echo::steers;
 /// Longest name of a station or a coordinate system that is kept, in bytes.
 pub const MAX_NAME_BYTES: usize = 200;
 
+/// Largest coordinate of an origin, in metres: no place on earth has a larger one in any grid.
+pub const MAX_ORIGIN_M: f64 = 1e8;
+
 /// The origin of a graph in the coordinates of the survey that it was made from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Georeference {
@@ -18,9 +21,11 @@ pub struct Georeference {
 }
 
 impl Georeference {
-    /// The same, or `None` if it says nothing: the origin is that of an unknown system.
+    /// The same, or `None` if it says nothing, as the origin is that of an unknown system, or is nowhere on earth.
     pub fn of(origin_m: Point3<f64>, system: Option<Box<str>>) -> Option<Self> {
-        (system.is_some() || origin_m != Point3::origin()).then_some(Self { origin_m, system })
+        let says_something = system.is_some() || origin_m != Point3::origin();
+        let is_on_earth = origin_m.iter().all(|x| x.abs() <= MAX_ORIGIN_M);
+        (says_something && is_on_earth).then_some(Self { origin_m, system })
     }
 }
 
@@ -62,5 +67,6 @@ mod tests {
         assert_eq!(Georeference::of(Point3::origin(), None), None);
         assert!(Georeference::of(Point3::origin(), name("EPSG:32633")).is_some());
         assert!(Georeference::of(Point3::new(0.0, 0.0, 7.0), None).is_some());
+        assert_eq!(Georeference::of(Point3::new(0.0, f64::NAN, 2e8), name("EPSG:32633")), None);
     }
 }

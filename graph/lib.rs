@@ -46,7 +46,7 @@ use nalgebra::Point3;
 pub use aabb::Aabb;
 pub use centreline::VertexId;
 pub use generator::{GenerateError, Generator};
-pub use georeference::{Georeference, MAX_NAME_BYTES, name};
+pub use georeference::{Georeference, MAX_NAME_BYTES, MAX_ORIGIN_M, name};
 pub use id::Id;
 pub use neighbors::Neighbors;
 pub use outside::{NoOutside, Outside, RunError, Task};

@@ -510,13 +510,14 @@ mod tests {
     use plume_graph::NoOutside;
 
     use super::*;
-    use crate::{compass, svx, therion};
+    use crate::{compass, svx, therion, walls};
 
     /// What is told of doubtful readings, as the readers of surveys tell it.
     fn warnings(name: &str, text: &str) -> String {
         let reader = match name.rsplit_once('.').expect("it has an extension").1 {
             "svx" => svx::import,
             "th" => therion::import,
+            "srv" => walls::import,
             _ => compass::import,
         };
         let source = Source { path: Path::new(name), bytes: text.as_bytes(), outside: &NoOutside };

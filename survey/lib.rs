@@ -40,6 +40,7 @@ mod text;
 mod therion;
 mod traverse;
 mod unplaced;
+mod walls;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -227,6 +228,13 @@ pub static FORMATS: &[FormatRow] = &[
         endings: &[".dat", ".mak"],
         summary: "survey data and projects of Compass",
         read: Some(compass::import),
+        write: None,
+    },
+    FormatRow {
+        name: "walls",
+        endings: &[".srv"],
+        summary: "survey data of Walls",
+        read: Some(walls::import),
         write: None,
     },
     FormatRow {

@@ -271,6 +271,11 @@ impl Instruments {
         instruments
     }
 
+    /// The settings of Walls: metres and degrees, plumbed shots and equates inferred.
+    pub(super) fn of_walls() -> Self {
+        Self { infer_plumbs: true, infer_equates: true, ..Self::default() }
+    }
+
     /// Sets what is added to readings from now on, in the current unit.
     pub(super) fn correct(&mut self, quantity: Quantity, by: f64) {
         let gauge = &mut self.gauges[quantity as usize];

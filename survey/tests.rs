@@ -208,3 +208,109 @@ fn the_sample_is_in_order() {
     assert!(distance("badger.pit.6", 412_432.86, 5_312_461.39) < 0.06);
     assert!(distance("badger.hall.7", 412_389.57, 5_312_481.88) < 0.3);
 }
+
+const WALLS: &str = include_str!("../tests/data/formats/walls/pit.srv");
+
+/// Where each named station is, relative to the first.
+fn places(graph: &Graph) -> Vec<(String, [f64; 3])> {
+    let name = |node: &plume_graph::Node| node.name.as_deref().unwrap_or("-").to_owned();
+    graph.nodes.iter().map(|node| (name(node), node.position.map(|x| (x * 100.0).round() / 100.0).into())).collect()
+}
+
+#[test]
+fn vectors_of_walls_are_read() {
+    // Without walls, nodes are at their stations.
+    let bare: String =
+        WALLS.lines().map(|line| line.split(['<', '*']).next().unwrap_or_default().to_owned() + "\n").collect();
+    let bare = bare.replace("A2 \n", "");
+    let Import { graph, tally, warnings, .. } = imported([("cave.srv", &bare)]);
+    let expected = [
+        ("deep.A1", [0.0, 0.0, 0.0]),
+        ("deep.A2", [10.0, 0.0, 0.0]),
+        ("deep.A3", [10.0, 0.0, -6.1]),
+        ("deep.A4", [10.0, -5.0, -6.1]),
+        ("B1", [6.95, -5.0, -6.1]),
+        ("deep.a5", [14.0, -2.0, -6.1]),
+    ];
+    let expected: Vec<(String, [f64; 3])> = expected.map(|(name, place)| (name.to_owned(), place)).into();
+    assert_eq!(places(&graph), expected);
+    assert_eq!((tally.splays, warnings), (1, Vec::new()));
+    assert_eq!(graph.georeference, georeference([494_000.0, 5_200_000.0, 900.0], ""));
+}
+
+#[test]
+fn walls_of_walls_are_where_they_were_measured() {
+    let graph = imported([("cave.srv", WALLS)]).graph;
+    let of = |name: &str| graph.nodes.iter().find(|node| node.name.as_deref() == Some(name)).expect(name);
+    let size = |name: &str| of(name).section.map(|section| [section.width_m, section.height_m]);
+    assert_eq!(size("deep.A1"), Some([3.0, 3.5]));
+    // Looking east from A1, left is north.
+    assert_eq!(of("deep.A1").position.y, -0.5);
+    assert_eq!(size("deep.A4"), Some([0.61, 1.829]));
+}
+
+#[test]
+fn what_is_wrong_with_walls_data_is_told() {
+    let told = |text: &str| {
+        let files = memory([("cave.srv", text)]);
+        read(Path::new("cave.srv"), Parts::Refuse, &files).expect_err(text).to_string()
+    };
+    let leg = "A B 5 0 0\n";
+    for (text, message) in [
+        ("", "cave.srv: has no legs"),
+        ("#[\nA B 5 0 0\n", "cave.srv:1: the comment is never closed"),
+        ("A B 5 0\n", "cave.srv:1: the vector has 2 readings, not 3"),
+        ("A B 5 0 0 1.5 2\n", "cave.srv:1: \"1.5\" follows the last reading"),
+        ("A B\n", "cave.srv:1: a vector is two stations and its readings"),
+        ("A B 5 x 0\n", "cave.srv:1: \"x\" is not an angle"),
+        ("A B 5 -- 0\n", "cave.srv:1: the bearing is missing, and the shot is not plumbed"),
+        ("A B 5 0 0 <1,2,3>\n", "cave.srv:1: distances to walls are left, right, up and down"),
+        ("A B 5 0 0 <1,2,3,4\n", "cave.srv:1: `<` is not followed by `>`"),
+        ("a:b:c:d:e B 5 0 0\n", "cave.srv:1: \"a:b:c:d:e\" has more than three prefixes"),
+        ("a: B 5 0 0\n", "cave.srv:1: \"a:\" is not a name"),
+        ("#units a=mils\n", "cave.srv:1: \"mils\" is not a supported unit of angles"),
+        ("#units order=DDA\n", "cave.srv:1: \"DDA\" is not an order of columns"),
+        ("#units inch=0.2\n", "cave.srv:1: \"inch\" is not a supported unit or option"),
+        ("#units $a=b\n", "cave.srv:1: \"$a\" is not a supported unit or option"),
+        ("#units restore\n", "cave.srv:1: no settings have been saved"),
+        (
+            "#units grid=1 rect\nA B 1 2 3\n",
+            "cave.srv:2: rectangular vectors would have to be turned by the grid convergence",
+        ),
+        ("#fix A W97:43 N31:16 5\n", "cave.srv:1: \"W97:43\" is not a length"),
+        ("#fix A 1 2\n", "cave.srv:1: a fix has three coordinates"),
+        ("#frobnicate\n", "cave.srv:1: #frobnicate is not a supported directive"),
+    ] {
+        assert_eq!(told(&text.replace("LEG", leg)), message);
+    }
+    let many = "#units save\n".repeat(100);
+    assert_eq!(told(&many), "cave.srv:65: settings are saved more than 64 deep");
+    let long = format!("#prefix {}\n", "p".repeat(60_000));
+    assert_eq!(told(&long), "cave.srv:1: a prefix has more than 200 letters");
+}
+
+/// Bytes that end a word, a line or a group, or begin something.
+const ODD: &[u8] = b"\n-9#:*</(;\xff";
+
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let graph = format("graphml").unwrap().write.unwrap()(&surveyed()).remove(0).bytes;
+    let json = format("json").unwrap().write.unwrap()(&surveyed()).remove(0).bytes;
+    for (name, whole) in [("cave.srv", WALLS.as_bytes().to_vec()), ("cave.graphml", graph), ("cave.json", json)] {
+        let law = |bytes: Vec<u8>| {
+            let files = Memory { files: [(name.into(), bytes)].into(), ..Memory::default() };
+            match read(Path::new(name), Parts::Longest, &files) {
+                Ok(import) => assert!(import.graph.nodes.len() >= 2),
+                Err(error) => assert!(!error.message.is_empty() && !error.hint.is_empty(), "{error}"),
+            }
+        };
+        for at in 0..whole.len() {
+            law(whole[..at].to_vec());
+            for other in ODD.iter().copied().chain([whole[at] ^ 0x01, whole[at] ^ 0x80]) {
+                let mut bytes = whole.clone();
+                bytes[at] = other;
+                law(bytes);
+            }
+        }
+    }
+}

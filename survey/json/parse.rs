@@ -8,9 +8,9 @@ use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
 
 use super::error::ReadError;
-use crate::limits::{MAX_COORDINATE_M, MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
+use crate::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use plume_graph::echo::{plain, sentence, shown};
-use plume_graph::{Georeference, Section, Shape, millimetres};
+use plume_graph::{Georeference, MAX_ORIGIN_M, Section, Shape, millimetres};
 
 /// A node as in the file.
 pub(super) struct ParsedStation {
@@ -47,7 +47,7 @@ pub(super) fn parse(text: &str) -> Result<File, ReadError> {
 /// `{"origin_m": [east, north, up], "system": "EPSG:32633"}`, the system being optional.
 fn read_georeference(value: &Value) -> Result<Georeference, ReadError> {
     let place = value.get("origin_m").and_then(|place| <[f64; 3]>::deserialize(place).ok());
-    let place = place.filter(|place| place.iter().all(|x| x.abs() <= MAX_COORDINATE_M));
+    let place = place.filter(|place| place.iter().all(|x| x.abs() <= MAX_ORIGIN_M));
     let Some(origin_m) = place.map(Point3::from) else {
         let what = "`georeference` must have an `origin_m` of three coordinates in metres".to_owned();
         return Err(ReadError::Shape { what });
