@@ -251,7 +251,7 @@ fn numbers(graph: &Graph) -> Value {
 }
 
 /// Each count of a tally, its name in JSON and in words.
-fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 8] {
+fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 9] {
     [
         ("splays", tally.splays, "splays dropped"),
         ("duplicates", tally.duplicates, "duplicate legs dropped"),
@@ -260,6 +260,7 @@ fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 8] {
         ("welded", tally.welded, "zero-length legs welded"),
         ("joined", tally.joined, "passages added between parts"),
         ("left_out", tally.left_out, "stations left out"),
+        ("afloat", tally.afloat, "pieces of unknown position laid beside the others"),
         ("unplaced", tally.unplaced, "stations without a position left out"),
     ]
 }

@@ -16,8 +16,8 @@ use plume_graph::echo::shown;
 
 /// Number of stations listed if a survey has disconnected pieces: one of each piece.
 const NAMED: usize = 10;
-const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, add the missing shots, or keep only the \
-     longest piece: `--set graph.parts=longest`, at an import `--parts longest`";
+const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, or add the missing shots; \
+     `--set graph.parts=join` (or `keep`) lays the pieces beside each other, `longest` keeps one; at an import `--parts join`";
 const UNPLACED_HINT: &str =
     "legs of style `nosurvey` have no length: fix a station in what lies behind them, or add readings";
 
@@ -378,7 +378,7 @@ impl Centreline {
         let fixes = self.fixes(&mut numbers, files)?;
         let held = usize::from(!fixes.is_empty());
         let traverse = Traverse { stations: numbers.count, shots, fixes };
-        let Some(placed) = traverse.place() else {
+        let Some(mut placed) = traverse.place() else {
             let hint = "errors or standard deviations are out of all proportion; check the largest ones";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
@@ -387,9 +387,12 @@ impl Centreline {
         if unplaced > 0 && legs.iter().all(|(_, leg)| *leg != Leg::Passage) {
             return Err(ReadError::whole(source.path, "has no passages with a known position", UNPLACED_HINT));
         }
-        // Floating pieces have no position, so they cannot be kept or joined; all but the longest may be dropped.
         let pieces = held + remaining.adrift.len();
-        if pieces > 1 && parts != Parts::Longest {
+        let afloat = match parts {
+            Parts::Join | Parts::Keep => remaining.lay_out(&mut placed),
+            Parts::Refuse | Parts::Longest => 0,
+        };
+        if pieces > 1 && parts == Parts::Refuse {
             let those = match files.has_outside_files() {
                 true => "some".to_owned(),
                 false => {
@@ -415,7 +418,7 @@ impl Centreline {
         }
         let import = survey.into_import(source, parts)?;
         let warnings = self.doubts.into_iter().map(|(at, doubt)| files.warning(at, doubt)).collect();
-        Ok(Import { tally: Tally { unplaced, doubtful: self.doubtful, ..import.tally }, warnings, ..import })
+        Ok(Import { tally: Tally { unplaced, afloat, doubtful: self.doubtful, ..import.tally }, warnings, ..import })
     }
 
     /// Names stations; of several names of one, the first in the file.
@@ -615,6 +618,28 @@ cave.svx:20: the tape reading -2 is negative
         let fixed = "*data default\n9 .. 5 0 0\n*fix 9 0 0 0\n*data nosurvey from to\n9 1\n";
         let error = parsed(&format!("{text}{fixed}"), Parts::Refuse).unwrap_err();
         assert_eq!(error.to_string(), "cave.svx: has no passages with a known position");
+    }
+
+    #[test]
+    fn pieces_without_a_position_are_laid_beside_each_other() {
+        let text = "1 2 30 90 0\n8 9 20 270 5\n9 10 4 0 0\na b 3 0 0\n";
+        let error = parsed(text, Parts::Refuse).unwrap_err();
+        assert!(error.message.starts_with("has 3 disconnected pieces"), "{error}");
+        for (fix, row) in [("", [30.0, 50.0, 89.924]), ("*fix 9 7 7 7\n", [27.0, 47.0, 97.0])] {
+            let kept = parsed(&format!("{text}{fix}"), Parts::Keep).unwrap();
+            let east = |name: &str| {
+                let node = kept.graph.nodes.iter().find(|node| node.name.as_deref() == Some(name)).expect(name);
+                node.position.x + kept.tally.origin_m.x
+            };
+            let found = if fix.is_empty() { ["2", "9", "a"] } else { ["8", "1", "a"] }.map(east);
+            let found = found.map(|x| (x * 1000.0).round() / 1000.0);
+            assert!(found.iter().zip(row).all(|(found, expected)| (found - expected).abs() < 0.1), "{found:?}");
+            assert_eq!((kept.graph.components().len(), kept.graph.nodes.len(), kept.tally.afloat), (3, 7, 2));
+            let joined = parsed(&format!("{text}{fix}"), Parts::Join).unwrap();
+            assert_eq!((joined.graph.components().len(), joined.tally.joined, joined.tally.afloat), (1, 2, 2));
+        }
+        let longest = parsed(text, Parts::Longest).unwrap();
+        assert_eq!((longest.graph.length_m(), longest.tally.afloat, longest.tally.left_out), (30.0, 0, 5));
     }
 
     #[test]

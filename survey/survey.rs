@@ -104,6 +104,8 @@ pub struct Tally {
     pub left_out: usize,
     /// Stations dropped because only legs without readings (`nosurvey`) lead there.
     pub unplaced: usize,
+    /// Pieces laid beside the others, because nothing fixes their positions.
+    pub afloat: usize,
     /// Readings that are probably mistakes, and are taken as they are.
     pub doubtful: usize,
     /// The origin of the graph in the coordinates of the file, in metres. A survey is moved so that its first entrance, or

@@ -150,12 +150,8 @@ fn foreign_graph(path: &Path, overrides: &[String], disk: Disk) -> Result<Input,
     })?;
     let file = json!({"graph": {"generator": "file", "path": name}});
     let recipe = Recipe::from_json(file, path, overrides)?;
-    // The generator refuses or joins parts. But a survey in pieces without positions can be read only if one of them is asked for.
-    let parts = match parts_of(recipe.to_json()) {
-        Parts::Longest => Parts::Longest,
-        Parts::Refuse | Parts::Join | Parts::Keep => Parts::Keep,
-    };
-    let warnings = disk.graph(path, parts)?.warnings;
+    // What to do with parts is up to the generator.
+    let warnings = disk.graph(path, Parts::Keep)?.warnings;
     Ok(Input { warnings, ..Input::of(recipe) })
 }
 

@@ -400,10 +400,20 @@ fn pieces_of_surveys_are_treated_as_asked() {
         assert_eq!(made("keep"), Some((2, nodes[0])), "{name}");
         assert_eq!(made("longest"), Some((1, nodes[1])), "{name}");
     }
-    // Without a position, a piece can only be dropped.
+    // Pieces without a position are laid beside each other.
     desk.file("adrift.svx", "1 2 30 0 0\n8 9 20 0 0\n");
-    assert!(desk.run(&["graph", "adrift.svx", "-o", "cave", "--set", "graph.parts=longest"]).status.success());
-    assert_snapshot!("pieces_adrift", desk.fault(&["graph", "adrift.svx", "-o", "no", "--set", "graph.parts=keep"]));
+    desk.file("adrift.dat", "FROM TO\n\nA1 A2 100 0 0 1 1 1 1\nB1 B2 60 0 0 1 1 1 1\n");
+    for parts in ["join", "keep", "longest"] {
+        let setting = format!("graph.parts={parts}");
+        for name in ["adrift.svx", "adrift.dat"] {
+            assert!(desk.run(&["graph", name, "-o", &format!("{name}-{parts}"), "--set", &setting]).status.success());
+        }
+    }
+    assert_snapshot!("pieces_adrift", desk.fault(&["graph", "adrift.svx", "-o", "no"]));
+    assert_snapshot!(
+        "import_adrift",
+        desk.fault(&["graph", "import", "adrift.svx", "-o", "a.json", "--parts", "join"])
+    );
 }
 
 #[test]
