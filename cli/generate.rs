@@ -11,6 +11,7 @@ use super::summary::Summary;
 use plume::cave::{self, Cave, Input};
 use plume::pipeline::Pipeline;
 use plume::store::{CaveFolder, Stage};
+use plume_graph::echo::sentence;
 
 /// Makes a cave folder. If interrupted, the same command resumes where it stopped. Given a cave folder as input, updates it
 /// to match changes of its recipe and graph.
@@ -54,8 +55,11 @@ impl Generate {
     }
 }
 
-/// Notes what has changed in a cave folder before it is updated.
+/// Notes what has changed in a cave folder before it is updated, and what is doubtful about a survey.
 pub fn note_changes(input: &Input, console: &Console) {
+    for warning in &input.warnings {
+        console.note(&format!("  warning   {}", sentence(&warning.to_string())));
+    }
     for change in &input.changes {
         console.note(&format!("  changed   {change}"));
     }

@@ -13,6 +13,7 @@ use super::signals;
 use plume::pipeline::PipelineError;
 use plume::store::{self, CaveFolder, Stage, StoreError};
 use plume_graph::Graph;
+use plume_graph::echo::sentence;
 use plume_survey::{FORMATS, FormatRow, Import, Parts, ReadError, Tally, Written};
 
 /// Makes or updates the graph of a cave folder, or exchanges graphs with other programs.
@@ -211,13 +212,15 @@ fn holds(path: &Path, bytes: &[u8]) -> bool {
 }
 
 fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), CliError> {
-    let Import { graph, tally, .. } = import;
+    let Import { graph, tally, warnings, .. } = import;
     let paths: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     if console.is_json() {
         let counts = counts(tally).into_iter().map(|(name, count, _)| (name.to_owned(), Value::from(count)));
         let origin = ("origin_m".to_owned(), json!(<[f64; 3]>::from(tally.origin_m)));
-        let tally = Value::Object(counts.chain([origin]).collect());
-        let told = json!({"graph": numbers(graph), "tally": tally, "files": paths});
+        let doubtful = ("doubtful".to_owned(), Value::from(tally.doubtful));
+        let tally = Value::Object(counts.chain([doubtful, origin]).collect());
+        let warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        let told = json!({"graph": numbers(graph), "tally": tally, "warnings": warnings, "files": paths});
         return console.result(&format!("{told:#}\n"));
     }
     let (nodes, loops) = (grouped(graph.nodes.len()), grouped(graph.loops()));
@@ -231,6 +234,13 @@ fn tell(import: &Import, paths: &[PathBuf], console: &Console) -> Result<(), Cli
     if [x, y, z] != [0.0; 3] {
         console.note(&format!("  origin    at {x:.3}, {y:.3}, {z:.3} m of the file"));
     }
+    for warning in warnings {
+        console.note(&format!("  warning   {}", sentence(&warning.to_string())));
+    }
+    if tally.doubtful > warnings.len() {
+        let more = grouped(tally.doubtful - warnings.len());
+        console.note(&format!("  warning   {more} more doubtful readings are not listed"));
+    }
     console.note(&format!("  written   {}", paths.join(", ")));
     Ok(())
 }
@@ -241,7 +251,7 @@ fn numbers(graph: &Graph) -> Value {
 }
 
 /// Each count of a tally, its name in JSON and in words.
-fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 7] {
+fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 9] {
     [
         ("splays", tally.splays, "splays dropped"),
         ("duplicates", tally.duplicates, "duplicate legs dropped"),
@@ -250,6 +260,8 @@ fn counts(tally: &Tally) -> [(&'static str, usize, &'static str); 7] {
         ("welded", tally.welded, "zero-length legs welded"),
         ("joined", tally.joined, "passages added between parts"),
         ("left_out", tally.left_out, "stations left out"),
+        ("afloat", tally.afloat, "pieces of unknown position laid beside the others"),
+        ("unplaced", tally.unplaced, "stations without a position left out"),
     ]
 }
 

@@ -63,11 +63,10 @@ fn graph(settings: &PassageSettings) -> Graph {
         active: false,
         level: 0,
         section: None,
+        name: None,
     };
-    Graph {
-        nodes: (0..).zip(STATIONS).map(node).collect(),
-        edges: StationId::pairs([[0, 1], [1, 2], [2, 3], [3, 4], [3, 6], [4, 5], [5, 8], [6, 7]]),
-    }
+    let edges = [[0, 1], [1, 2], [2, 3], [3, 4], [3, 6], [4, 5], [5, 8], [6, 7]];
+    Graph::new((0..).zip(STATIONS).map(node).collect(), StationId::pairs(edges))
 }
 
 struct Lamp {

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::ExportError;
 use crate::frame::Axes;
 use crate::package::{Files, Package};
-use crate::scene::{Image, Scene};
+use crate::scene::{Image, Landmark, Scene};
 use crate::target::Target;
 
 use self::recorder::ChunkFacts;
@@ -62,6 +62,12 @@ pub struct Manifest {
     pub axes: Frames,
     /// Bounds of all chunks.
     pub bounds: Bounds,
+    /// Where the origin lies in the coordinates of a survey, if the scene was made from one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub georeference: Option<GeoreferenceEntry>,
+    /// The stations that the survey names.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub stations: Vec<StationEntry>,
     /// Start poses.
     pub spawns: Vec<Spawn>,
     /// The chunks, in their order.
@@ -101,6 +107,29 @@ pub struct Bounds {
     pub min: [f32; 3],
     /// Metres.
     pub max: [f32; 3],
+}
+
+/// The origin of a scene in the coordinates of a survey.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeoreferenceEntry {
+    /// Place of the origin in metres: east, north, up. Add it to positions here to get those of the survey.
+    pub origin_m: [f64; 3],
+    /// The coordinate system as the survey names it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub system: Option<String>,
+}
+
+/// A surveyed station.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StationEntry {
+    /// What the survey calls it; not necessarily unique.
+    pub name: String,
+    /// Its name as a frame: `[a-z][a-z0-9_]*`, unique in the package.
+    pub frame: String,
+    /// Metres, on the axis of the passage.
+    pub position: [f64; 3],
 }
 
 /// A start pose: +X points along the passage, +Z is up, the origin is on the ground.
@@ -183,6 +212,11 @@ impl Manifest {
             units: Units { length: "metre".to_owned(), size: "byte".to_owned() },
             axes: Frames { files: target.axes(), manifest: Axes::SCENE },
             bounds: around(&chunks),
+            georeference: scene
+                .georeference
+                .as_ref()
+                .map(|known| GeoreferenceEntry { origin_m: known.origin_m, system: known.system.clone() }),
+            stations: scene.network.landmarks().into_iter().map(station).collect(),
             spawns: scene.spawns.iter().map(spawn).collect(),
             chunks,
             things,
@@ -259,6 +293,11 @@ fn around(chunks: &[ChunkEntry]) -> Bounds {
     let corners = chunks.iter().flat_map(|chunk| [chunk.bounds.min, chunk.bounds.max]);
     let [min, max] = crate::scene::bounds(corners);
     Bounds { min, max }
+}
+
+fn station(landmark: Landmark) -> StationEntry {
+    let Landmark { frame, label, position } = landmark;
+    StationEntry { name: label.to_owned(), frame, position: position.coords.into() }
 }
 
 fn spawn(pose: &Isometry3<f64>) -> Spawn {

@@ -18,7 +18,7 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::names;
 
-pub use self::network::{Network, Station};
+pub use self::network::{Georeference, Landmark, Network, Station};
 pub use self::things::{Gravel, Instance, Prototype, Stone};
 
 mod network;
@@ -47,6 +47,8 @@ pub struct Scene<'a> {
     pub lights: Vec<Light>,
     /// The passages, as far as they are known; may be empty.
     pub network: Network,
+    /// Where the world lies in the coordinates of a survey, if it was made from one.
+    pub georeference: Option<Georeference>,
     /// Classes of things that are there to be searched for.
     pub sought: Vec<String>,
     /// Coulomb friction of rubber on the rock.

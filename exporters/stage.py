@@ -146,6 +146,10 @@ def write_root(spec, arrays):
     UsdGeom.Scope.Define(stage, "/World/Spawns")
     for number, pose in enumerate(spec["spawns"]):
         place(UsdGeom.Xform.Define(stage, f"/World/Spawns/spawn_{number}"), pose)
+    if spec["stations"]:
+        UsdGeom.Scope.Define(stage, "/World/Stations")
+    for station in spec["stations"]:
+        define_station(stage, station)
     define_camera(stage, spec["camera"])
     save(stage)
 
@@ -322,6 +326,13 @@ def define_ground(stage, path, friction):
 def bind_ground(prim, ground):
     binding = UsdShade.MaterialBindingAPI.Apply(prim.GetPrim())
     binding.Bind(ground, UsdShade.Tokens.fallbackStrength, "physics")
+
+
+def define_station(stage, spec):
+    """An empty Xform, whose display name is what the survey calls the station."""
+    station = UsdGeom.Xform.Define(stage, f"/World/Stations/{spec['frame']}")
+    station.AddTranslateOp().Set(Gf.Vec3d(*spec["position"]))
+    station.GetPrim().SetMetadata("displayName", spec["name"])
 
 
 def define_light(stage, spec):

@@ -30,7 +30,7 @@ use crate::collision::Collision;
 use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{ByZone, Chunk, Content, Light, Material, Mesh, Scene, Zone};
+use crate::scene::{ByZone, Chunk, Content, Landmark, Light, Material, Mesh, Scene, Zone};
 use crate::{Summary, frame, instances, slope, template};
 
 mod colliders;
@@ -304,6 +304,7 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
         "chunks": payloads,
         "spawns": scene.spawns.iter().map(describe_pose).collect::<Vec<_>>(),
         "camera": describe_pose(&frame::camera_from_body(&view)),
+        "stations": scene.network.landmarks().iter().map(station).collect::<Vec<_>>(),
         "lights": [],
     });
     if contents.light_scale > 0.0 {
@@ -325,6 +326,10 @@ fn root_spec(scene: &Scene, contents: &Contents, payloads: Vec<Value>, path: &Pa
 fn describe_pose(pose: &Isometry3<f64>) -> Value {
     let turn = pose.rotation.quaternion();
     json!({ "position": pose.translation.vector.as_slice(), "orientation_wxyz": [turn.w, turn.i, turn.j, turn.k] })
+}
+
+fn station(landmark: &Landmark) -> Value {
+    json!({ "frame": landmark.frame, "name": landmark.label, "position": landmark.position.coords.as_slice() })
 }
 
 fn light(light: &Light, scale: f64) -> Value {

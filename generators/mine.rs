@@ -214,6 +214,7 @@ impl<'a> Survey<'a> {
                 height_m: millimetres(self.mine.drift_height_m),
                 shape: Shape::Drift,
             }),
+            name: None,
         });
         station
     }

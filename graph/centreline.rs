@@ -198,6 +198,7 @@ impl From<Vertex> for Node {
             active: true,
             level,
             section: section.map(|section| section.map(millimetres)),
+            name: None,
         }
     }
 }

@@ -22,6 +22,7 @@ pub mod clearance;
 #[doc(hidden)]
 pub mod echo;
 mod generator;
+mod georeference;
 mod id;
 mod neighbors;
 mod outside;
@@ -45,6 +46,7 @@ use nalgebra::Point3;
 pub use aabb::Aabb;
 pub use centreline::VertexId;
 pub use generator::{GenerateError, Generator};
+pub use georeference::{Georeference, MAX_NAME_BYTES, MAX_ORIGIN_M, name};
 pub use id::Id;
 pub use neighbors::Neighbors;
 pub use outside::{NoOutside, Outside, RunError, Task};
@@ -72,6 +74,8 @@ pub struct Node {
     pub level: u32,
     /// Width and height of the passage here in metres, unless they follow from the radius.
     pub section: Option<Section>,
+    /// What the station is called in the survey that it was read from; see [`name()`]. Not necessarily unique.
+    pub name: Option<Box<str>>,
 }
 
 /// A station of a graph: its place among the nodes.
@@ -84,4 +88,6 @@ pub struct Graph {
     pub nodes: Vec<Node>,
     /// Passages as pairs of stations, smaller first, sorted, unique.
     pub edges: Vec<[StationId; 2]>,
+    /// Where its origin is in the coordinates of a survey, if it was read from one.
+    pub georeference: Option<Georeference>,
 }

@@ -10,7 +10,7 @@ impl Graph {
         let mut edges: Vec<[StationId; 2]> = edges.into_iter().map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
         edges.dedup();
-        Self { nodes, edges }
+        Self { nodes, edges, georeference: None }
     }
 
     /// The same graph numbered breadth-first from the first node of each part, so that parents precede their children; ids
@@ -29,7 +29,8 @@ impl Graph {
                 ..self[old].clone()
             });
         }
-        Self::new(nodes, self.edges.into_iter().map(|edge| edge.map(|node| new[node.index()])).collect())
+        let edges = self.edges.into_iter().map(|edge| edge.map(|node| new[node.index()])).collect();
+        Self { georeference: self.georeference, ..Self::new(nodes, edges) }
     }
 
     /// Sets the radii, which were 0: the distance to the first child, or to the parent at a dead end.
@@ -102,10 +103,12 @@ impl Graph {
         Aabb::from_points(self.nodes.iter().map(|node| node.position))
     }
 
-    /// The graph scaled about the origin of its frame: positions, radii and sections, rounded to 1 mm.
+    /// The graph scaled about the origin of its frame: positions, radii and sections, rounded to 1 mm. It is no longer where
+    /// its survey has it, unless the factor is 1.
     pub fn scaled(&self, factor: f64) -> Self {
         let nodes = self.nodes.iter().map(|node| node.scaled(factor)).collect();
-        Self { nodes, edges: self.edges.clone() }
+        let georeference = self.georeference.clone().filter(|_| factor == 1.0);
+        Self { nodes, edges: self.edges.clone(), georeference }
     }
 }
 

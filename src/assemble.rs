@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Point3};
-use plume_exporters::scene::{self, ByZone, Chunks, Content, Light, Network, Scene, Station};
+use plume_exporters::scene::{self, ByZone, Chunks, Content, Georeference, Light, Network, Scene, Station};
 
 use self::dressing::{Dressing, Role};
 use crate::field::{Field, PassageSettings};
@@ -284,6 +284,10 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
         spawns: spawns(field, graph, world.spawns),
         lights: if world.lights { lights(field, graph, world) } else { Vec::new() },
         network: network(graph, recipe.passage()),
+        georeference: graph.georeference.as_ref().map(|known| Georeference {
+            origin_m: known.origin_m.into(),
+            system: known.system.as_deref().map(str::to_owned),
+        }),
         sought: recipe.kinds().sought().map(str::to_owned).collect(),
         friction: ByZone { floor: world.friction, wall: world.wall_friction, ceiling: world.wall_friction },
         gravity: world.gravity,
@@ -298,7 +302,12 @@ pub fn scene<'a>(recipe: &Recipe, graph: &Graph, field: &dyn Field, chunks: &'a 
 
 /// The stations and passages of a graph, in its order.
 fn network(graph: &Graph, sizes: &PassageSettings) -> Network {
-    let station = |node: &Node| Station { name: node.id.to_string(), position: node.position, level: node.level };
+    let station = |node: &Node| Station {
+        name: node.id.to_string(),
+        position: node.position,
+        level: node.level,
+        label: node.name.as_deref().map(str::to_owned),
+    };
     let passage = |ends: &[StationId; 2]| {
         let reaches = ends.map(|end| f64::from(sizes.reach(&graph[end]).aside_m));
         Passage { ends: ends.map(StationId::index), reach_m: reaches[0].max(reaches[1]) }

@@ -154,7 +154,7 @@ impl<'a> Pipeline<'a> {
         let kept = recipe.to_kept_json();
         let section = |keys: &[&str]| keys.iter().map(|key| kept[key].to_string()).collect::<String>();
         let stations = stations(&graph);
-        let maps = [crate::VERSION, &stations, &section(&["name", "passage"])].concat();
+        let maps = [crate::VERSION, &stations, &names(&graph), &section(&["name", "passage"])].concat();
         let preview_fingerprint = sha256(maps.as_bytes());
         let shape = [recipe.version(), stations, section(&["seed", "passage", "rock", "mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
@@ -472,9 +472,15 @@ fn station_bounds(graph: &Graph, width_per_radius: f32) -> Option<Aabb<f32>> {
     bounds.reduce(Aabb::union)
 }
 
-/// The graph without its recipe, on which the shape of the rock depends.
+/// The graph without its recipe and without names, on which the shape of the rock depends.
 fn stations(graph: &Graph) -> String {
-    plume_survey::json::write(graph, "", &Value::Null)
+    plume_survey::json::write(&graph.anonymous(), "", &Value::Null)
+}
+
+/// The names of stations, which maps show; empty without any.
+fn names(graph: &Graph) -> String {
+    let named = graph.nodes.iter().filter_map(|node| Some((node.id, node.name.as_deref()?)));
+    named.map(|(id, name)| format!("{id} {name}\n")).collect()
 }
 
 /// The graph of this recipe, passed by its gate.

@@ -9,12 +9,17 @@ use super::limits::{MAX_LEGS, MAX_STATIONS};
 use super::measure::Measured;
 use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::traverse::{Fix, Shot, Traverse};
-use super::{Import, Parts, ReadError, Source};
+use super::unplaced::Remaining;
+use super::{Import, Parts, ReadError, Source, Tally};
+use plume_graph::MAX_NAME_BYTES;
 use plume_graph::echo::shown;
 
 /// Number of stations listed if a survey has disconnected pieces: one of each piece.
 const NAMED: usize = 10;
-const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, add the missing shots, or keep the `longest` part";
+const PIECES_HINT: &str = "fix a station in each piece, equate stations of different pieces, or add the missing shots; \
+     `--set graph.parts=join` (or `keep`) lays the pieces beside each other, `longest` keeps one; at an import `--parts join`";
+const UNPLACED_HINT: &str =
+    "legs of style `nosurvey` have no length: fix a station in what lies behind them, or add readings";
 
 /// A name within a survey: index into [`Names`].
 pub(super) type Name = usize;
@@ -58,20 +63,45 @@ impl Names {
         Ok(self.below.len() - 1)
     }
 
-    /// The full names of some stations, for messages.
-    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+    /// What each name is called, and within which other name; `None` for the root and anonymous ones.
+    fn above(&self) -> Vec<Option<(Name, &str)>> {
         let mut above: Vec<Option<(Name, &str)>> = vec![None; self.below.len()];
         for (survey, below) in self.below.iter().enumerate() {
             below.iter().for_each(|(name, &of)| above[of] = Some((survey, name)));
         }
-        let told = names.map(|name| {
-            let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
-            let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
-            parts.reverse();
-            shown(&parts.join("."))
-        });
+        above
+    }
+
+    /// The full names of some stations, for messages.
+    fn told(&self, names: impl Iterator<Item = Name>) -> String {
+        let above = self.above();
+        let told = names.map(|name| shown(&path(&above, name)));
         told.collect::<Vec<_>>().join(", ")
     }
+
+    /// The full name of each name, such as `cave.series.12`, as far as it is short enough to be kept.
+    fn full(&self) -> impl Fn(Name) -> Option<Box<str>> {
+        let above = self.above();
+        // Names come after those above them.
+        let mut bytes = vec![0; above.len()];
+        for (name, above) in above.iter().enumerate() {
+            if let Some((survey, part)) = above {
+                bytes[name] = bytes[*survey] + usize::from(bytes[*survey] > 0) + part.len();
+            }
+        }
+        move |name| {
+            let is_short = (1..=MAX_NAME_BYTES).contains(&bytes[name]);
+            if is_short { plume_graph::name(&path(&above, name)) } else { None }
+        }
+    }
+}
+
+/// A name after those that it is within, with dots between them.
+fn path(above: &[Option<(Name, &str)>], name: Name) -> String {
+    let steps = std::iter::successors(above[name], |&(survey, _)| above[survey]);
+    let mut parts: Vec<&str> = steps.map(|(_, part)| part).collect();
+    parts.reverse();
+    parts.join(".")
 }
 
 /// Limit on names of stations and surveys: a station may have several names.
@@ -165,9 +195,16 @@ pub(super) struct Centreline {
     entrances: BTreeSet<Name>,
     /// The cross-sections of the passage that is being read.
     tube: Vec<(Name, [Option<f64>; 4])>,
-    /// The coordinate system.
+    /// The coordinate system, as it was first written.
     system: Option<String>,
+    /// Readings that are probably mistakes, at most [`MAX_DOUBTS`].
+    doubts: Vec<(FilePosition, String)>,
+    /// Number of all of them.
+    doubtful: usize,
 }
+
+/// Most doubtful readings that are told.
+const MAX_DOUBTS: usize = 100;
 
 impl Centreline {
     /// Adds a leg.
@@ -250,6 +287,13 @@ impl Centreline {
         self.entrances.insert(name);
     }
 
+    /// Records what is doubtful about the readings in a line.
+    pub(super) fn doubt(&mut self, file_position: FilePosition, doubts: Vec<String>) {
+        self.doubtful += doubts.len();
+        let room = MAX_DOUBTS.saturating_sub(self.doubts.len());
+        self.doubts.extend(doubts.into_iter().take(room).map(|doubt| (file_position, doubt)));
+    }
+
     /// Records distances to walls, if there are any.
     ///
     /// # Errors
@@ -288,21 +332,27 @@ impl Centreline {
     /// # Errors
     /// If positions would have to be projected or rotated.
     pub(super) fn set_system(&mut self, system: &str) -> Result<(), String> {
+        let name = system;
         let system = system.to_ascii_lowercase();
         if ["long-lat", "lat-long", "etrs", "epsg:4326", "epsg:4258", "jtsk", "jtsk03"].contains(&system.as_str()) {
             return Err(format!("coordinates in {} would have to be projected", shown(&system)));
         }
         match &self.system {
             // The name of the other may be from a file of which nothing may be shown.
-            Some(known) if *known != system => Err(format!(
+            Some(known) if known.to_ascii_lowercase() != system => Err(format!(
                 "coordinates in {} would have to be projected, since others are in another system",
                 shown(&system)
             )),
             _ => {
-                self.system = Some(system);
+                self.system.get_or_insert_with(|| name.to_owned());
                 Ok(())
             }
         }
+    }
+
+    /// Sets the coordinate system to UTM in a zone of a datum.
+    pub(super) fn set_datum(&mut self, datum: &str, zone: &str) {
+        self.system = Some(format!("{datum}, UTM zone {zone}"));
     }
 
     /// The graph of everything that was read.
@@ -310,7 +360,7 @@ impl Centreline {
         self.end_tube();
         let mut numbers = Numbers { of: vec![None; self.names.below.len()], count: 0 };
         let legs: Vec<([Name; 2], Leg)> = std::mem::take(&mut self.legs);
-        let legs: Vec<([usize; 2], Leg)> =
+        let mut legs: Vec<([usize; 2], Leg)> =
             legs.into_iter().map(|(ends, leg)| (ends.map(|end| numbers.of(self.found(end))), leg)).collect();
         if legs.is_empty() {
             return Err(ReadError::whole(
@@ -328,35 +378,59 @@ impl Centreline {
         let fixes = self.fixes(&mut numbers, files)?;
         let held = usize::from(!fixes.is_empty());
         let traverse = Traverse { stations: numbers.count, shots, fixes };
-        let Some(placed) = traverse.place() else {
+        let Some(mut placed) = traverse.place() else {
             let hint = "errors or standard deviations are out of all proportion; check the largest ones";
             return Err(ReadError::whole(source.path, "has loops that cannot be closed", hint));
         };
-        // Floating pieces have no position, so they cannot be kept or joined; all but the longest may be dropped.
-        if held + placed.adrift.len() > 1 && parts != Parts::Longest {
+        let remaining = Remaining::of(&placed, &legs);
+        let unplaced = remaining.retain(&mut legs);
+        if unplaced > 0 && legs.iter().all(|(_, leg)| *leg != Leg::Passage) {
+            return Err(ReadError::whole(source.path, "has no passages with a known position", UNPLACED_HINT));
+        }
+        let pieces = held + remaining.adrift.len();
+        let afloat = match parts {
+            Parts::Join | Parts::Keep => remaining.lay_out(&mut placed),
+            Parts::Refuse | Parts::Longest => 0,
+        };
+        if pieces > 1 && parts == Parts::Refuse {
             let those = match files.has_outside_files() {
                 true => "some".to_owned(),
                 false => {
-                    let named = &placed.adrift[..placed.adrift.len().min(NAMED)];
+                    let named = &remaining.adrift[..remaining.adrift.len().min(NAMED)];
                     format!("those of {}", self.names.told(numbers.names(named)))
                 }
             };
-            let message = format!(
-                "has {} disconnected pieces, and nothing fixes the position of {those}",
-                held + placed.adrift.len()
-            );
+            let message = format!("has {pieces} disconnected pieces, and nothing fixes the position of {those}");
             return Err(ReadError::whole(source.path, message, PIECES_HINT));
         }
-        let station = |position| SurveyStation { position, entrance: false };
-        let mut survey =
-            Survey { stations: placed.positions.into_iter().map(station).collect(), legs, walls: Vec::new() };
+        let stations = placed.positions.into_iter().map(SurveyStation::at).collect();
+        let mut survey = Survey { stations, legs, ..Survey::default() };
         for entrance in std::mem::take(&mut self.entrances) {
             if let Some(number) = numbers.of[self.found(entrance)] {
                 survey.stations[number].entrance = true;
             }
         }
         survey.walls = self.walls(&numbers);
-        survey.into_import(source, parts)
+        // Nothing may be shown of files outside the folder of the imported one.
+        if !files.has_outside_files() {
+            self.name_stations(&numbers, &mut survey.stations);
+            survey.system = self.system.as_deref().and_then(plume_graph::name);
+        }
+        let import = survey.into_import(source, parts)?;
+        let warnings = self.doubts.into_iter().map(|(at, doubt)| files.warning(at, doubt)).collect();
+        Ok(Import { tally: Tally { unplaced, afloat, doubtful: self.doubtful, ..import.tally }, warnings, ..import })
+    }
+
+    /// Names stations; of several names of one, the first in the file.
+    fn name_stations(&mut self, numbers: &Numbers, stations: &mut [SurveyStation]) {
+        let found: Vec<Name> = (0..self.names.below.len()).map(|name| self.found(name)).collect();
+        let full = self.names.full();
+        for (name, found) in found.into_iter().enumerate() {
+            let Some(number) = numbers.of[found] else { continue };
+            if stations[number].name.is_none() {
+                stations[number].name = full(name);
+            }
+        }
     }
 
     /// One fix for each station; of several, an exact one.
@@ -430,4 +504,147 @@ pub(super) fn spread(spreads_m: &[f64]) -> Option<Matrix3<f64>> {
     };
     let variances = Vector3::from(spreads).map(|spread| (spread * spread).clamp(1e-6, 1e8));
     spreads.iter().any(|&spread| spread > 0.0).then(|| Matrix3::from_diagonal(&variances))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use plume_graph::NoOutside;
+
+    use super::*;
+    use crate::{compass, svx, therion, walls};
+
+    /// What is told of doubtful readings, as the readers of surveys tell it.
+    fn warnings(name: &str, text: &str) -> String {
+        let reader = match name.rsplit_once('.').expect("it has an extension").1 {
+            "svx" => svx::import,
+            "th" => therion::import,
+            "srv" => walls::import,
+            _ => compass::import,
+        };
+        let source = Source { path: Path::new(name), bytes: text.as_bytes(), outside: &NoOutside };
+        let import = reader(&source, Parts::Refuse).unwrap();
+        assert_eq!(import.tally.doubtful, import.warnings.len());
+        import.warnings.iter().map(|warning| format!("{warning}\n")).collect()
+    }
+
+    /// Cavern 1.4.4 warns of the same readings.
+    const DOUBTFUL: &str = "\
+1 2 10 0 95
+2 3 10 400 -90
+3 4 -10 360 90
+*units compass clino grads
+4 5 10 400 100
+5 6 10 401 -101
+*units compass clino degrees
+*calibrate tape 11
+6 7 10 0 0
+*calibrate tape 0
+*data normal from to tape compass backcompass clino backclino
+7 8 10 1 181 5 -5
+8 9 10 20 190 5 -10
+*data diving station newline tape compass depthchange
+9
+5 -1 6
+10
+*data normal from to tape compass clino
+*flags splay
+10 .. -2 0 up
+";
+
+    #[test]
+    fn implausible_readings_are_told_by_line() {
+        let told = "\
+cave.svx:1: the clino reading 95 is not within -90 to 90
+cave.svx:2: the compass reading 400 is not within 0 to 360
+cave.svx:3: the tape reading -10 is negative
+cave.svx:6: the compass reading 401 is not within 0 to 400
+cave.svx:6: the clino reading -101 is not within -100 to 100
+cave.svx:9: the length is negative once it is corrected
+cave.svx:13: the clino readings of both ends differ by 5.0°
+cave.svx:13: the compass readings of both ends differ by 10.0°
+cave.svx:16: the compass reading -1 is not within 0 to 360
+cave.svx:16: the tape is shorter than the change in depth
+cave.svx:20: the tape reading -2 is negative
+";
+        assert_eq!(warnings("cave.svx", DOUBTFUL), told);
+    }
+
+    #[test]
+    fn no_more_than_a_hundred_doubts_are_told() {
+        let legs: String = (0..200).map(|leg| format!("{leg} {} 5 0 91\n", leg + 1)).collect();
+        let import = parsed(&legs, Parts::Refuse).unwrap();
+        assert_eq!((import.warnings.len(), import.tally.doubtful), (100, 200));
+    }
+
+    #[test]
+    fn implausible_readings_are_told_in_other_formats() {
+        let therion = "centreline\nunits compass grads\n1 2 9 401 0\nendcentreline\n";
+        assert_eq!(warnings("a.th", therion), "a.th:3: the compass reading 401 is not within 0 to 400\n");
+        let compass = "FROM TO\n\nA1 A2 10 370 -91 1 1 1 1\n";
+        let told = "a.dat:3: the compass reading 370 is not within 0 to 360\n\
+                    a.dat:3: the clino reading -91 is not within -90 to 90\n";
+        assert_eq!(warnings("a.dat", compass), told);
+    }
+
+    fn parsed(text: &str, parts: Parts) -> Result<Import, ReadError> {
+        svx::import(&Source { path: Path::new("cave.svx"), bytes: text.as_bytes(), outside: &NoOutside }, parts)
+    }
+
+    /// Two legs of 32 m, then a leg without readings to one of 7 m.
+    const BEHIND_A_GAP: &str =
+        "1 2 10 0 0\n2 3 22 90 0\n*data nosurvey from to\n3 4\n*data default\n4 5 7 0 0\n4 .. 3 0 0\n";
+
+    #[test]
+    fn stations_that_only_legs_without_readings_reach_are_left_out_and_counted() {
+        for fix in ["", "*fix 1 494000 5200000 1000\n"] {
+            for parts in [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest] {
+                let import = parsed(&format!("{BEHIND_A_GAP}{fix}"), parts).unwrap();
+                let Tally { unplaced, left_out, .. } = import.tally;
+                assert_eq!((import.graph.length_m(), import.graph.nodes.len()), (32.0, 3), "{fix}");
+                assert_eq!((unplaced, left_out), (2, 0), "{fix}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_longest_piece_stays_if_nothing_is_fixed_and_the_fixed_one_otherwise() {
+        let text = "1 2 3 0 0\n3 4 7 0 0\n4 5 7 0 0\n*data nosurvey from to\n2 3\n";
+        let import = parsed(text, Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.tally.unplaced), (14.0, 2));
+        let import = parsed(&format!("{text}*fix 1 0 0 0\n"), Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.tally.unplaced), (3.0, 3));
+        let fixed = "*data default\n9 .. 5 0 0\n*fix 9 0 0 0\n*data nosurvey from to\n9 1\n";
+        let error = parsed(&format!("{text}{fixed}"), Parts::Refuse).unwrap_err();
+        assert_eq!(error.to_string(), "cave.svx: has no passages with a known position");
+    }
+
+    #[test]
+    fn pieces_without_a_position_are_laid_beside_each_other() {
+        let text = "1 2 30 90 0\n8 9 20 270 5\n9 10 4 0 0\na b 3 0 0\n";
+        let error = parsed(text, Parts::Refuse).unwrap_err();
+        assert!(error.message.starts_with("has 3 disconnected pieces"), "{error}");
+        for (fix, row) in [("", [30.0, 50.0, 89.924]), ("*fix 9 7 7 7\n", [27.0, 47.0, 97.0])] {
+            let kept = parsed(&format!("{text}{fix}"), Parts::Keep).unwrap();
+            let east = |name: &str| {
+                let node = kept.graph.nodes.iter().find(|node| node.name.as_deref() == Some(name)).expect(name);
+                node.position.x + kept.tally.origin_m.x
+            };
+            let found = if fix.is_empty() { ["2", "9", "a"] } else { ["8", "1", "a"] }.map(east);
+            let found = found.map(|x| (x * 1000.0).round() / 1000.0);
+            assert!(found.iter().zip(row).all(|(found, expected)| (found - expected).abs() < 0.1), "{found:?}");
+            assert_eq!((kept.graph.components().len(), kept.graph.nodes.len(), kept.tally.afloat), (3, 7, 2));
+            let joined = parsed(&format!("{text}{fix}"), Parts::Join).unwrap();
+            assert_eq!((joined.graph.components().len(), joined.tally.joined, joined.tally.afloat), (1, 2, 2));
+        }
+        let longest = parsed(text, Parts::Longest).unwrap();
+        assert_eq!((longest.graph.length_m(), longest.tally.afloat, longest.tally.left_out), (30.0, 0, 5));
+    }
+
+    #[test]
+    fn a_leg_without_readings_between_placed_stations_is_a_passage() {
+        let import = parsed("1 2 6 0 0\n2 3 8 90 0\n*data nosurvey from to\n1 3\n", Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.graph.loops(), import.tally.unplaced), (24.0, 1, 0));
+    }
 }

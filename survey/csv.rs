@@ -9,7 +9,9 @@
 //! too, other columns are ignored. Lengths are in metres, Z is up, in any grid ([`origin`](super::origin)). Ends in the same
 //! place, to 1 mm, are one station, whose properties are those of the first row; a row with both ends in one place is welded.
 //!
-//! Preserved are positions, radii, levels, sections and passages; not ids, parents and `active`.
+//! A graph with names of stations has columns `name1` and `name2` as well.
+//!
+//! Preserved are positions, radii, levels, sections, names and passages; not ids, parents, `active` and georeference.
 
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -88,6 +90,9 @@ impl Columns {
         for (column, name) in header.iter().enumerate() {
             let Some((end, field)) = end_and_field(name) else { continue };
             if columns.iter().any(|&(_, other_end, other)| (other_end, other) == (end, field)) {
+                if field == Field::Name {
+                    continue;
+                }
                 return Err(format!("two columns have the same meaning, one of them is {}", shown(name)));
             }
             columns.push((column, end, field));
@@ -102,7 +107,7 @@ impl Columns {
 
     /// The two ends of a passage.
     fn ends(&self, record: &csv::StringRecord) -> Result<[Node; 2], (String, &'static str)> {
-        let mut ends = [Fields::default(); 2];
+        let mut ends = [Fields::default(), Fields::default()];
         for &(column, end, field) in &self.0 {
             let text = record.get(column).unwrap_or_default();
             ends[end].set(field, text)?;
@@ -152,12 +157,23 @@ impl Stations {
 /// Writes the table.
 pub(super) fn export(graph: &Graph) -> Vec<Written> {
     let header = |end: u8| format!("x{end},y{end},z{end},radius{end},level{end},width{end},height{end},shape{end}");
+    let has_names = graph.nodes.iter().any(|node| node.name.is_some());
+    let header = |end: u8| if has_names { format!("{},name{end}", header(end)) } else { header(end) };
     let mut text = format!("{},{}\n", header(1), header(2));
     for [a, b] in &graph.edges {
-        let [first, second] = [&graph[*a], &graph[*b]].map(columns);
+        let [first, second] = [&graph[*a], &graph[*b]].map(|node| match has_names {
+            true => format!("{},{}", columns(node), quoted(node.name.as_deref().unwrap_or_default())),
+            false => columns(node),
+        });
         writeln!(text, "{first},{second}").expect("writing to a string cannot fail");
     }
     vec![Written { suffix: "", bytes: text.into_bytes() }]
+}
+
+/// A text as a field of the table.
+fn quoted(text: &str) -> String {
+    let is_plain = !text.contains([',', ';', '"', '\n', '\r']);
+    if is_plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
 
 fn columns(node: &Node) -> String {

@@ -11,18 +11,20 @@ use nalgebra::Point3;
 use super::limits::MAX_LENGTH_M;
 use super::parts::{Disconnected, Fate, first_at_place};
 use super::{Parts, ReadError, Tally};
-use plume_graph::{Graph, Node, StationId, millimetres};
+use plume_graph::{Georeference, Graph, Node, StationId, millimetres};
 
 /// Nodes and edges in any order. A radius of 0 is unknown; parents are neighbours and form no cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Draft {
     pub(super) nodes: Vec<Node>,
     pub(super) edges: Vec<[StationId; 2]>,
+    /// What the file says about the origin of its coordinates.
+    pub(super) georeference: Option<Georeference>,
 }
 
 /// A node of which only the position is known.
 pub(super) fn node_at(id: u64, position: Point3<f64>) -> Node {
-    Node { id, parent: None, position, radius: 0.0, active: false, level: 0, section: None }
+    Node { id, parent: None, position, radius: 0.0, active: false, level: 0, section: None, name: None }
 }
 
 /// Why a draft is not a valid graph.
@@ -83,6 +85,7 @@ impl Draft {
         let mut merged = false;
         for (old, node) in self.nodes.into_iter().enumerate().filter(|&(old, _)| fate.stays[old]) {
             let parent = node.parent;
+            let name = node.name.clone();
             if welds[old] == old {
                 new[old] = StationId::new(graph.nodes.len());
                 graph.nodes.push(Node { parent: None, ..rounded(node) });
@@ -93,11 +96,14 @@ impl Draft {
             new[old] = new[welds[old]];
             let kept = &mut parents[new[old].index()];
             *kept = kept.or(parent);
+            let kept = &mut graph[new[old]].name;
+            *kept = kept.take().or(name);
         }
         let edges = self.edges.into_iter().filter(|edge| edge.iter().all(|end| fate.stays[end.index()]));
         let joins = fate.joins.iter().map(|join| join.map(StationId::new));
         let edges = edges.chain(joins).map(|edge| edge.map(|end| new[end.index()]));
         let mut graph = Graph::new(graph.nodes, edges.filter(|[a, b]| a != b).collect());
+        graph.georeference = self.georeference;
         let mut parents: Vec<Option<StationId>> =
             parents.into_iter().map(|parent| parent.map(|parent: StationId| new[parent.index()])).collect();
         let roots = parents.iter().filter(|parent| parent.is_none()).count();

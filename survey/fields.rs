@@ -19,6 +19,7 @@ pub(super) enum Field {
     Shape,
     Level,
     Active,
+    Name,
 }
 
 /// The spellings of each, ours first; letters and digits in lower case.
@@ -32,6 +33,7 @@ const SPELLINGS: &[(Field, &[&str])] = &[
     (Field::Shape, &["shape"]),
     (Field::Level, &["level", "layer", "storey"]),
     (Field::Active, &["active"]),
+    (Field::Name, &["name", "station", "stationname"]),
 ];
 
 /// The property of this name, ignoring case and punctuation.
@@ -42,7 +44,7 @@ pub(super) fn field(name: &str) -> Option<Field> {
 }
 
 /// What a file says about one station.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Fields {
     x: Option<f64>,
     y: Option<f64>,
@@ -53,6 +55,7 @@ pub(super) struct Fields {
     shape: Option<Shape>,
     level: u32,
     active: bool,
+    name: Option<Box<str>>,
 }
 
 impl Fields {
@@ -81,6 +84,7 @@ impl Fields {
             Field::Shape => self.shape = Some(if text == "drift" { Shape::Drift } else { Shape::Cave }),
             Field::Level => self.level = whole(text)?,
             Field::Active => self.active = truth(text)?,
+            Field::Name => self.name = plume_graph::name(text),
         }
         Ok(())
     }
@@ -97,7 +101,8 @@ impl Fields {
         let (width_m, height_m) = (self.width_m, self.height_m);
         let shape = self.shape.unwrap_or(Shape::Cave);
         let section = (width_m > 0.0 && height_m > 0.0).then_some(Section { width_m, height_m, shape });
-        Ok(Node { radius: self.radius, section, level: self.level, active: self.active, ..node_at(id, place) })
+        let Self { radius, level, active, name, .. } = self;
+        Ok(Node { radius, section, level, active, name, ..node_at(id, place) })
     }
 }
 

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::limits::{MAX_BYTES, MAX_DEPTH, MAX_FILES, MAX_LINE};
-use super::{OUTSIDE_FILE, OUTSIDE_HINT, OUTSIDE_LINE, OUTSIDE_LINE_HINT, ReadError, Source};
+use super::{
+    OUTSIDE_FILE, OUTSIDE_HINT, OUTSIDE_LINE, OUTSIDE_LINE_HINT, OUTSIDE_READING, Place, ReadError, Source, Warning,
+};
 use plume_graph::echo::shown;
 
 /// A line of a file that was read.
@@ -52,6 +54,13 @@ impl<'a> Files<'a> {
             }
             false => ReadError::line(&self.paths[file_position.file], file_position.line, message, hint),
         }
+    }
+
+    /// A doubt about readings in a line.
+    pub(super) fn warning(&self, file_position: FilePosition, message: String) -> Warning {
+        let FilePosition { file, line } = file_position;
+        let message = if self.is_outside[file] { OUTSIDE_READING.to_owned() } else { message };
+        Warning { place: Place::Line(self.paths[file].clone(), line), message }
     }
 
     /// An error of the whole file that is being read.

@@ -5,7 +5,9 @@
 //!   {"id": 0, "parent": null, "edges": [1], "coordinates": {"x": 0, "y": 0, "z": 0}, "radius": 4.2, "active": false}, …
 //! ]}
 //! ```
-//! Optional keys: `level` (default 0) and `section` (`width_m`, `height_m`). Lengths are in metres, Z is up.
+//! Optional keys: `level` (default 0), `section` (`width_m`, `height_m`) and `name`, what a survey calls the station. Lengths are
+//! in metres, Z is up. A graph from a survey also has `"georeference": {"origin_m": [east, north, up], "system": "UTM33N"}`
+//! before its nodes: where its origin is in the coordinates of the survey, and the name of that system, if known.
 //!
 //! The `data.json` of the original PLUME script (Garcia, Richard, Olivares-Mendez 2025) is read too: nodes as an object
 //! keyed by id, edges from one end or both. Stations in the same place, to 1 mm, become one node, because its overlapping
@@ -63,7 +65,9 @@ pub fn read(text: &str) -> Result<Document, ReadError> {
 /// As [`read`].
 pub fn read_parts(text: &str, parts: Parts) -> Result<(Document, Tally), ReadError> {
     let file = parse::parse(text)?;
-    let finished = join::join(&file.stations)?.finished(parts);
+    let mut draft = join::join(&file.stations)?;
+    draft.georeference = file.georeference;
+    let finished = draft.finished(parts);
     let name = |station: usize| format!("node {}", file.stations[station].id);
     let (graph, tally) = finished.map_err(|error| ReadError::of_draft(error, name))?;
     Ok((Document { graph, recipe: file.recipe, original: file.version.is_none() }, tally))
@@ -74,7 +78,7 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, super::Rea
     let read = read_parts(super::text::utf8(source.path, source.bytes)?, parts);
     let (document, tally) =
         read.map_err(|error| super::ReadError::whole(source.path, error.to_string(), error.hint()))?;
-    Ok(Import { graph: document.graph, recipe: document.recipe, tally })
+    Ok(Import { graph: document.graph, recipe: document.recipe, tally, warnings: Vec::new() })
 }
 
 /// Writer of a row of [`FORMATS`](super::FORMATS), without a recipe.

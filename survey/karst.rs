@@ -43,7 +43,8 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
         true => ReadError { message: OUTSIDE_LINE.to_owned(), hint: OUTSIDE_LINE_HINT.to_owned(), ..fault },
         false => fault,
     };
-    let mut draft = Draft { nodes: read_nodes(nodes.0, nodes.1).map_err(quiet)?, edges: Vec::new() };
+    let mut draft =
+        Draft { nodes: read_nodes(nodes.0, nodes.1).map_err(quiet)?, edges: Vec::new(), georeference: None };
     draft.edges = read_links(links.0, links.1, draft.nodes.len()).map_err(quiet)?;
     draft.into_import(nodes.0, parts, |node| format!("node {}", node + 1))
 }

@@ -34,9 +34,13 @@ mod parts;
 mod survex3d;
 mod survey;
 mod svx;
+#[cfg(test)]
+mod tests;
 mod text;
 mod therion;
 mod traverse;
+mod unplaced;
+mod walls;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -74,6 +78,23 @@ pub struct Import {
     pub recipe: Option<Value>,
     /// What was dropped or filled in.
     pub tally: Tally,
+    /// Readings that are probably mistakes, in the order of the file: the first hundred of [`Tally::doubtful`].
+    pub warnings: Vec<Warning>,
+}
+
+/// Something that can be read, but is probably a mistake.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Where it is.
+    pub place: Place,
+    /// What is doubtful, lower case.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: {}", self.place, self.message)
+    }
 }
 
 impl Import {
@@ -82,16 +103,16 @@ impl Import {
     /// # Errors
     /// If nothing is left of it, or it reaches too far from the origin.
     pub fn scaled(self, factor: f64, path: &Path) -> Result<Self, ReadError> {
-        let Self { graph, recipe, tally } = self;
-        let Graph { nodes, edges } = graph.scaled(factor);
+        let Self { graph, recipe, tally, warnings } = self;
+        let Graph { nodes, edges, georeference } = graph.scaled(factor);
         let is_near = |node: &Node| node.position.iter().all(|x| x.abs() <= limits::MAX_LENGTH_M);
         if !nodes.iter().all(is_near) {
             return Err(ReadError::whole(path, "is too far from the origin after scaling", text::LENGTH_HINT));
         }
-        let finished = Draft { nodes, edges }.finished(Parts::Keep);
+        let finished = Draft { nodes, edges, georeference }.finished(Parts::Keep);
         let name = |node: usize| format!("node {node}");
         let (graph, lost) = finished.map_err(|error| error.into_error(path, name))?;
-        Ok(Self { graph, recipe, tally: Tally { left_out: tally.left_out + lost.left_out, ..tally } })
+        Ok(Self { graph, recipe, tally: Tally { left_out: tally.left_out + lost.left_out, ..tally }, warnings })
     }
 }
 
@@ -122,6 +143,7 @@ impl Source<'_> {
 const OUTSIDE_FILE: &str = "is outside the folder of the imported file";
 const OUTSIDE_HINT: &str = "if you trust the file that includes it, add --allow-outside";
 const OUTSIDE_LINE: &str = "cannot be read";
+const OUTSIDE_READING: &str = "has an implausible reading";
 const OUTSIDE_LINE_HINT: &str = "this file is outside the folder of the imported one, so none of its text is shown";
 
 /// A file to be written.
@@ -206,6 +228,13 @@ pub static FORMATS: &[FormatRow] = &[
         endings: &[".dat", ".mak"],
         summary: "survey data and projects of Compass",
         read: Some(compass::import),
+        write: None,
+    },
+    FormatRow {
+        name: "walls",
+        endings: &[".srv"],
+        summary: "survey data of Walls",
+        read: Some(walls::import),
         write: None,
     },
     FormatRow {

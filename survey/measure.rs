@@ -5,6 +5,7 @@
 //! [`Instruments::shot`] turns readings into a vector (Survex manual 1.4, chapter 4; Therion book 6.1, `centreline`).
 
 mod columns;
+mod doubts;
 mod order;
 mod shot;
 mod words;
@@ -268,6 +269,11 @@ impl Instruments {
             gauge.unit = Unit::Length(METRES_PER_FOOT);
         }
         instruments
+    }
+
+    /// The settings of Walls: metres and degrees, plumbed shots and equates inferred.
+    pub(super) fn of_walls() -> Self {
+        Self { infer_plumbs: true, infer_equates: true, ..Self::default() }
     }
 
     /// Sets what is added to readings from now on, in the current unit.

@@ -12,6 +12,7 @@ use nalgebra::Point3;
 use super::draft::Draft;
 use super::limits::MAX_LENGTH_M;
 use super::{Import, Parts, ReadError, Tally};
+use plume_graph::Georeference;
 
 impl Draft {
     /// The graph of the file at `path`, with the file's names of nodes.
@@ -25,10 +26,17 @@ impl Draft {
         name: impl Fn(usize) -> String,
     ) -> Result<Import, ReadError> {
         let origin = self.origin();
+        if origin != Point3::origin() {
+            let (known_m, system) = match self.georeference.take() {
+                Some(known) => (known.origin_m, known.system),
+                None => (Point3::origin(), None),
+            };
+            self.georeference = Georeference::of(known_m + origin.coords, system);
+        }
         self.nodes.iter_mut().for_each(|node| node.position = counted_from(origin, node.position));
         check_reach(path, self.nodes.iter().map(|node| node.position))?;
         let (graph, tally) = self.finished(parts).map_err(|error| error.into_error(path, name))?;
-        Ok(Import { graph, recipe: None, tally: Tally { origin_m: origin, ..tally } })
+        Ok(Import { graph, recipe: None, tally: Tally { origin_m: origin, ..tally }, warnings: Vec::new() })
     }
 
     /// The origin of the file, if all nodes are near it.

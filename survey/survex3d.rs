@@ -3,7 +3,7 @@
 //! Read according to the published description of the format (survex.com/docs/3dformat.htm, 2016). A header of four lines
 //! is followed by items with a one-byte code each: moves and lines in centimetres, names of stations, cross-sections. Names
 //! are stored as differences from the previous one. Loops are closed already. Stations with the same coordinates are one,
-//! as defined by the format; names only tell where a cross-section was measured.
+//! as defined by the format; names tell where a cross-section was measured, and a station has the first of its names.
 //!
 //! Not supported are other versions (`survexport --3d` converts older ones to version 8) and extended elevations, which are
 //! not caves; dates and misclosures are skipped.
@@ -17,6 +17,7 @@ use nalgebra::Point3;
 
 use self::bytes::Bytes;
 use self::label::Label;
+use super::files;
 use super::survey::{Leg, Survey, SurveyStation, Walls};
 use super::{Import, Parts, ReadError, Source};
 
@@ -34,15 +35,16 @@ const LABEL_ENTRANCE: u8 = 0x04;
 /// Reader of a row of [`FORMATS`](super::FORMATS).
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
     let mut bytes = Bytes::new(source.path, source.bytes);
-    header(&mut bytes)?;
+    let system = header(&mut bytes)?;
     let mut reader = Reader { bytes, ..Reader::new(source) };
+    reader.survey.system = system;
     while reader.item()? {}
     reader.end_passage();
     reader.survey.into_import(source, parts)
 }
 
-/// Checks the four lines before the items.
-fn header(bytes: &mut Bytes) -> Result<(), ReadError> {
+/// Checks the four lines before the items, and returns the coordinate system, which may follow the title after a zero byte.
+fn header(bytes: &mut Bytes) -> Result<Option<Box<str>>, ReadError> {
     if bytes.line().ok() != Some(FILE_ID) {
         return Err(bytes.fault_at(0, "is not a Survex 3D file", "process the survey with `cavern`"));
     }
@@ -54,14 +56,14 @@ fn header(bytes: &mut Bytes) -> Result<(), ReadError> {
         let hint = "process the survey with a current `cavern`, or convert the file: `survexport --3d OLD.3d NEW.3d`";
         return Err(bytes.fault_at(at, message, hint));
     }
-    let _title = bytes.line()?;
+    let system = bytes.line()?.split(|&byte| byte == 0).nth(1);
     let _time = bytes.line()?;
     let at = bytes.at();
     if bytes.u8()? & EXTENDED != 0 {
         let hint = "name the .3d file that it was made from";
         return Err(bytes.fault_at(at, "is an extended elevation, which is flat", hint));
     }
-    Ok(())
+    Ok(system.and_then(|system| plume_graph::name(&files::text(system))))
 }
 
 /// Coordinates in centimetres, which identify a station.
@@ -130,7 +132,7 @@ impl<'a> Reader<'a> {
         let stations = &mut self.survey.stations;
         *self.of_place.entry(place).or_insert_with(|| {
             let position = Point3::from(place.map(|x_cm| f64::from(x_cm) / 100.0));
-            stations.push(SurveyStation { position, entrance: false });
+            stations.push(SurveyStation::at(position));
             stations.len() - 1
         })
     }
@@ -159,6 +161,9 @@ impl<'a> Reader<'a> {
         let place = self.place()?;
         let station = self.at(place);
         self.survey.stations[station].entrance |= code & LABEL_ENTRANCE != 0;
+        if self.survey.stations[station].name.is_none() {
+            self.survey.stations[station].name = self.label.name();
+        }
         self.of_label.insert(self.label.hash(), station);
         Ok(())
     }

@@ -6,12 +6,14 @@
 //!
 //! Stations may have any coordinates, such as those of a national grid. The first entrance, or else the first station,
 //! becomes the first node of the graph and its origin, because caves are exact only near the origin; [`Tally::origin_m`] is
-//! the offset. Memory and time grow with the number of stations and legs.
+//! the offset, which the graph keeps together with the coordinate system ([`Georeference`]). Nodes keep the names of their
+//! stations. Memory and time grow with the number of stations and legs.
 
 mod section;
 mod spread;
 mod weld;
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use nalgebra::Point3;
@@ -20,8 +22,8 @@ use self::section::Room;
 use super::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use super::parts::Fate;
 use super::{Import, Parts, ReadError, Source, origin};
-use plume_graph::Graph;
 use plume_graph::centreline::{CentrelineBuilder, Vertex, VertexId};
+use plume_graph::{Georeference, Graph, millimetres};
 
 /// Minimum and maximum reach of a station without measurements nearby, in metres. Legs are as long as the line of sight, up
 /// to 30 m and more, and passages are not that wide: with the default width of 0.6 reaches these are 1.5 to 3.6 m. Tuned.
@@ -34,6 +36,15 @@ pub(super) struct SurveyStation {
     pub(super) position: Point3<f64>,
     /// Whether the cave opens to the surface here.
     pub(super) entrance: bool,
+    /// Its name with those of the surveys around it, `cave.series.12`.
+    pub(super) name: Option<Box<str>>,
+}
+
+impl SurveyStation {
+    /// A station without a name.
+    pub(super) fn at(position: Point3<f64>) -> Self {
+        Self { position, entrance: false, name: None }
+    }
 }
 
 /// Distances from a station to the walls (LRUD). Missing ones are `None`.
@@ -70,6 +81,8 @@ pub(super) struct Survey {
     pub(super) stations: Vec<SurveyStation>,
     pub(super) legs: Vec<([usize; 2], Leg)>,
     pub(super) walls: Vec<Walls>,
+    /// The coordinate system as the file names it.
+    pub(super) system: Option<Box<str>>,
 }
 
 /// Counts of what was dropped or filled in when reading.
@@ -89,6 +102,12 @@ pub struct Tally {
     pub joined: usize,
     /// Stations of dropped parts.
     pub left_out: usize,
+    /// Stations dropped because only legs without readings (`nosurvey`) lead there.
+    pub unplaced: usize,
+    /// Pieces laid beside the others, because nothing fixes their positions.
+    pub afloat: usize,
+    /// Readings that are probably mistakes, and are taken as they are.
+    pub doubtful: usize,
     /// The origin of the graph in the coordinates of the file, in metres. A survey is moved so that its first entrance, or
     /// else its first station, is the origin; other graphs only if they reach too far away.
     pub origin_m: Point3<f64>,
@@ -119,12 +138,14 @@ impl Survey {
         tally.origin_m = places[first];
         let (rooms, interpolated) = section::rooms(&self, &welds, &lines);
         tally.interpolated = interpolated;
-        let graph = graph(&places, lines, &rooms, first);
+        let names = names(self.stations, &welds);
+        let mut graph = graph(&places, &names, lines, &rooms, first);
+        graph.georeference = Georeference::of(tally.origin_m, self.system);
         if graph.nodes.len() < 2 {
             return Err(no_passages(source.path));
         }
         origin::check_reach(source.path, graph.nodes.iter().map(|node| node.position))?;
-        Ok(Import { graph, recipe: None, tally })
+        Ok(Import { graph, recipe: None, tally, warnings: Vec::new() })
     }
 
     fn check(&self, path: &Path) -> Result<(), ReadError> {
@@ -170,8 +191,25 @@ fn no_passages(path: &Path) -> ReadError {
     ReadError::whole(path, "has no passages", hint)
 }
 
+/// The name of each station that stands for its place: its own, or else that of the first one there that has any.
+fn names(stations: Vec<SurveyStation>, welds: &[usize]) -> Vec<Option<Box<str>>> {
+    let mut names: Vec<Option<Box<str>>> = stations.into_iter().map(|station| station.name).collect();
+    for (station, &place) in welds.iter().enumerate() {
+        if names[place].is_none() {
+            names[place] = names[station].take();
+        }
+    }
+    names
+}
+
 /// The graph with `first` as its first node and the origin of its frame.
-fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>], first: usize) -> Graph {
+fn graph(
+    places: &[Point3<f64>],
+    names: &[Option<Box<str>>],
+    lines: Vec<[usize; 2]>,
+    rooms: &[Option<Room>],
+    first: usize,
+) -> Graph {
     let mut centreline = CentrelineBuilder::default();
     // Stations are within the limits, but the axes of passages next to them, and distances between two of them, may not be.
     let within = |length_m: f64| length_m.clamp(-MAX_LENGTH_M, MAX_LENGTH_M);
@@ -184,6 +222,7 @@ fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>],
             None => Vertex { position, section: None, level: 0 },
         });
     }
+    let named = named_places(&centreline, names, &lines);
     centreline.vertices.swap(0, first);
     // Each station becomes the vertex of the same place.
     let swapped = |station: usize| match station {
@@ -196,8 +235,29 @@ fn graph(places: &[Point3<f64>], lines: Vec<[usize; 2]>, rooms: &[Option<Room>],
     for node in &mut graph.nodes {
         let [least_m, most_m] = if node.section.is_none() { REACH_M } else { [0.0, MAX_LENGTH_M] };
         node.radius = node.radius.clamp(least_m, most_m);
+        node.name = named.get(&place_of(node.position)).and_then(|&station| names[station].clone());
     }
     graph
+}
+
+/// The first named station that passages lead to, for each place. Randomly hashed, so that no file can provoke collisions.
+fn named_places(
+    centreline: &CentrelineBuilder,
+    names: &[Option<Box<str>>],
+    lines: &[[usize; 2]],
+) -> HashMap<[u64; 3], usize> {
+    let mut ends: Vec<usize> = lines.iter().flatten().copied().filter(|&end| names[end].is_some()).collect();
+    ends.sort_unstable();
+    let mut named = HashMap::new();
+    for end in ends {
+        named.entry(place_of(centreline.vertices[end].position)).or_insert(end);
+    }
+    named
+}
+
+/// A position to 1 mm, as the graph has it.
+fn place_of(position: Point3<f64>) -> [u64; 3] {
+    position.map(millimetres).coords.map(f64::to_bits).into()
 }
 
 #[cfg(test)]
@@ -214,7 +274,7 @@ mod tests {
         let places = [0.0, -MAX_LENGTH_M, MAX_LENGTH_M].map(|x| Point3::new(x, 0.0, 0.0));
         let section = Section { width_m: 8.0, height_m: 4.0, shape: Shape::Cave };
         let room = Room { section, middle: Vector3::new(2.0, 0.0, 0.0) };
-        let graph = graph(&places, vec![[0, 1], [1, 2]], &[None, Some(room), Some(room)], 0);
+        let graph = graph(&places, &[None, None, None], vec![[0, 1], [1, 2]], &[None, Some(room), Some(room)], 0);
         let text = json::write(&graph, "", &Value::Null);
         assert_eq!(json::read(&text).expect("it is within the limits").graph, graph);
     }

@@ -3,7 +3,8 @@
 //! Follows the Survex manual 1.4, chapter 4. Supported are all data styles with any order of columns, units, calibrations,
 //! fixed declinations, standard deviations, nested surveys, equates, fixes, flags, anonymous stations, and includes. Loops
 //! are closed as in Survex, so stations are where cavern puts them, except that stations of diving shots in loops may differ
-//! by a fraction of the misclosure, because their covariances do.
+//! by a fraction of the misclosure, because their covariances do. Where cavern refuses a survey because only legs of style
+//! `nosurvey` lead on, what lies behind them is left out ([`unplaced`](super::unplaced)).
 //!
 //! Not supported: `*declination auto`, which needs a model of the earth's field, positions in a `*cs` in degrees or in
 //! several systems, and Compass files named by `*include`; the error refers the user to cavern. Covariances of fixes between
@@ -35,6 +36,7 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
         settings: Settings::default(),
         blocks: Vec::new(),
         columns: Columns::default(),
+        last_line: FilePosition::default(),
     };
     reader.read(source.bytes)?;
     reader.centreline.into_import(source, parts, &reader.files)
@@ -79,6 +81,8 @@ struct Reader<'a> {
     settings: Settings,
     blocks: Vec<Block>,
     columns: Columns,
+    /// The last line of readings.
+    last_line: FilePosition,
 }
 
 impl Reader<'_> {
@@ -93,9 +97,9 @@ impl Reader<'_> {
             match marks.command(line) {
                 Some(command) => self.command(file_position, command, blocks)?,
                 None if marks.is_comment(line) => {}
-                None => {
-                    self.data(&marks.words(line)).map_err(|message| self.files.fault(file_position, message, HINT))?
-                }
+                None => self
+                    .data(file_position, &marks.words(line))
+                    .map_err(|message| self.files.fault(file_position, message, HINT))?,
             }
         }
         self.centreline.end_tube();
@@ -107,22 +111,25 @@ impl Reader<'_> {
     }
 
     /// Reads a line of readings.
-    fn data(&mut self, words: &[&str]) -> Result<(), String> {
+    fn data(&mut self, file_position: FilePosition, words: &[&str]) -> Result<(), String> {
         let order = Rc::clone(&self.settings.order);
+        let before = std::mem::replace(&mut self.last_line, file_position);
+        let of_leg = if order.is_interleaved() { before } else { file_position };
         let marks = Rc::clone(&self.settings.marks);
         let Some(row) = self.columns.take(&order, words, &|reading, word| marks.cell(reading, word))? else {
             return Ok(());
         };
-        if order.style == Style::Passage { self.cross_section(&row) } else { self.leg(order.style, &row) }
+        if order.style == Style::Passage { self.cross_section(&row) } else { self.leg(of_leg, order.style, &row) }
     }
 
-    fn leg(&mut self, style: Style, row: &Row) -> Result<(), String> {
+    fn leg(&mut self, file_position: FilePosition, style: Style, row: &Row) -> Result<(), String> {
         let to = row.to.as_deref().unwrap_or_default();
         let [(from, from_wall), (to, to_wall)] = [self.end(&row.from)?, self.end(to)?];
         let leg = self.settings.flags.leg(from_wall || to_wall);
         let walls_m = self.settings.instruments.walls(row, false);
         self.centreline.section(Section { station: from, looking: [from, to], walls_m })?;
         let measured = self.settings.instruments.shot(style, row)?;
+        self.centreline.doubt(file_position, self.settings.instruments.doubts(style, row));
         self.centreline.leg([from, to], leg, measured)
     }
 

@@ -56,6 +56,7 @@ pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
         survey: Names::ROOT,
         settings: Settings::default(),
         columns: Columns::default(),
+        last_line: FilePosition::default(),
     };
     reader.read(source.bytes)?;
     reader.centreline.into_import(source, parts, &reader.files)
@@ -95,6 +96,8 @@ struct Reader<'a> {
     survey: Name,
     settings: Settings,
     columns: Columns,
+    /// The last line of readings.
+    last_line: FilePosition,
 }
 
 impl Reader<'_> {
@@ -180,7 +183,9 @@ impl Reader<'_> {
 
     /// A line of a centreline.
     fn measure(&mut self, file_position: FilePosition, words: &[&str], outer: usize) -> Result<(), String> {
-        let Some((&command, rest)) = words.split_first() else { return self.data(&[]) };
+        let Some((&command, rest)) = words.split_first() else {
+            return self.data(file_position, &[]);
+        };
         if matches!(command, "data" | "break" | "group" | "endgroup" | "endcentreline" | "endcenterline") {
             self.centreline.end_tube();
             self.columns = Columns::default();
@@ -218,9 +223,9 @@ impl Reader<'_> {
             ("comment", _) => self.open(file_position, BlockKind::Passed(PASSED_BLOCKS.len() - 1)),
             (passed, _) if PASSED_IN_CENTRELINE.contains(&passed) => Ok(()),
             (command, rest) => match command.strip_prefix('!') {
-                Some("") => self.data(rest),
-                Some(word) => self.data(&[&[word], rest].concat()),
-                None => self.data(words),
+                Some("") => self.data(file_position, rest),
+                Some(word) => self.data(file_position, &[&[word], rest].concat()),
+                None => self.data(file_position, words),
             },
         }
     }
@@ -266,24 +271,26 @@ impl Reader<'_> {
     }
 
     /// Reads a line of readings.
-    fn data(&mut self, words: &[&str]) -> Result<(), String> {
+    fn data(&mut self, file_position: FilePosition, words: &[&str]) -> Result<(), String> {
+        // An empty line does not end a traverse here; `break` does.
+        if words.is_empty() {
+            return Ok(());
+        }
         let order = Rc::clone(&self.settings.order);
-        let row = match words {
-            // An empty line does not end a traverse here; `break` does.
-            [] => None,
-            words => self.columns.take(&order, words, &lex::cell)?,
-        };
+        let before = std::mem::replace(&mut self.last_line, file_position);
+        let of_leg = if order.is_interleaved() { before } else { file_position };
+        let row = self.columns.take(&order, words, &lex::cell)?;
         match row {
             None => Ok(()),
             Some(row) if order.style == Style::Passage => {
                 let station = self.elsewhere(&row.from)?;
                 self.centreline.add_to_tube(station, self.settings.instruments.walls(&row, false))
             }
-            Some(row) => self.leg(order.style, &row),
+            Some(row) => self.leg(of_leg, order.style, &row),
         }
     }
 
-    fn leg(&mut self, style: Style, row: &Row) -> Result<(), String> {
+    fn leg(&mut self, file_position: FilePosition, style: Style, row: &Row) -> Result<(), String> {
         let names = [row.from.as_str(), row.to.as_deref().unwrap_or_default()];
         let at_wall = names.iter().any(|name| matches!(*name, "." | "-"));
         let [from, to] = [self.end(names[0])?, self.end(names[1])?];
@@ -293,6 +300,7 @@ impl Reader<'_> {
             self.centreline.section(Section { station, looking: [from, to], walls_m })?;
         }
         let measured = instruments.shot(style, row)?;
+        self.centreline.doubt(file_position, instruments.doubts(style, row));
         self.centreline.leg([from, to], self.settings.flags.leg(at_wall), measured)
     }
 

@@ -109,6 +109,8 @@ pub(super) struct Placed {
     /// The first station of each piece without a fix. The first piece is at the origin if nothing is fixed, each further one
     /// [`APART_M`] lower, so that no two stations coincide.
     pub(super) adrift: Vec<usize>,
+    /// The piece of each station, as a place in `adrift`; `None` if its piece is fixed.
+    pub(super) piece_of: Vec<Option<usize>>,
 }
 
 /// The stations as a spanning tree: each after the one it is reached from.
@@ -118,6 +120,7 @@ struct Tree {
     reached_by: Vec<Option<usize>>,
     positions: Vec<Vector3<f64>>,
     adrift: Vec<usize>,
+    piece_of: Vec<Option<usize>>,
 }
 
 impl Traverse {
@@ -130,8 +133,9 @@ impl Traverse {
             tree.positions.iter_mut().zip(corrections).for_each(|(position, by)| *position += by);
         }
         tree.positions.truncate(self.stations);
+        tree.piece_of.truncate(self.stations);
         let positions = tree.positions.into_iter().map(Point3::from).collect();
-        Some(Placed { positions, adrift: tree.adrift })
+        Some(Placed { positions, adrift: tree.adrift, piece_of: tree.piece_of })
     }
 
     /// Adds a shot from a virtual station, which comes after all others, to each station that is fixed inexactly.
@@ -151,6 +155,7 @@ impl Traverse {
             reached_by: vec![None; count],
             positions: vec![Vector3::zeros(); count],
             adrift: Vec::new(),
+            piece_of: vec![None; count],
         };
         let mut seen = vec![false; count];
         let mut roots: VecDeque<usize> = VecDeque::new();
@@ -166,8 +171,12 @@ impl Traverse {
                 seen[root] = true;
                 let pieces = tree.adrift.len() + usize::from(!self.fixes.is_empty());
                 tree.positions[root].z = 0.0 - APART_M * pieces as f64;
-                tree.adrift.push(root);
+                let begun = tree.order.len();
                 tree.grow(VecDeque::from([root]), &self.shots, &at, &mut seen);
+                for &station in &tree.order[begun..] {
+                    tree.piece_of[station] = Some(tree.adrift.len());
+                }
+                tree.adrift.push(root);
             }
         }
         tree
@@ -315,6 +324,7 @@ mod tests {
         let apart = [Point3::new(0.0, 0.0, -APART_M), Point3::new(-4.0, -5.0, -6.0 - APART_M)];
         assert_eq!(placed.positions[2..], apart);
         assert_eq!(placed.adrift, [2]);
+        assert_eq!(placed.piece_of, [None, None, Some(0), Some(0)]);
     }
 
     /// Hubs with many connections between them, for which naive elimination takes quadratic time.

@@ -13,6 +13,7 @@ mod geometry;
 pub mod glb;
 pub mod index;
 mod instancing;
+mod landmarks;
 mod layout;
 mod lights;
 mod material;

@@ -6,7 +6,7 @@
 //! textures/
 //! README.md
 //! ```
-//! Start poses are empty nodes `spawn_<N>`, whose +X points ahead and whose +Z is up.
+//! Start poses are empty nodes `spawn_<N>`, whose +X points ahead and whose +Z is up, as are stations that a survey names.
 //!
 //! Levels of detail are nodes `<chunk>_LOD<N>` in a group `<chunk>` (`LodGroup`). Without coarser levels there is one node
 //! `<chunk>`. Programs that do not support such groups, among them Blender and three.js, show all levels together.
@@ -140,10 +140,13 @@ impl Target for Fbx {
 }
 
 impl Fbx {
-    /// Start poses and lights.
+    /// Start poses, surveyed stations and lights.
     fn add_places(&self, scene: &Scene, document: &mut Document) -> Result<(), ExportError> {
         for (number, pose) in scene.spawns.iter().enumerate() {
             document.add_pose(&format!("spawn_{number}"), pose)?;
+        }
+        for landmark in scene.network.landmarks() {
+            document.add_pose(&landmark.frame, &landmark.pose())?;
         }
         match self.0.lights {
             true => scene.lights.iter().try_for_each(|light| document.add_light(light)),

@@ -21,8 +21,8 @@
 
 use std::f64::consts::PI;
 
-use minijinja::context;
 use minijinja::value::Serde;
+use minijinja::{Value, context};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Content, Image, Light, Material, Mesh, Piece, Scene, Zone};
+use crate::scene::{Chunk, Content, Image, Landmark, Light, Material, Mesh, Piece, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::bodies::Bodies;
@@ -163,6 +163,7 @@ impl Gazebo {
             gravity => micro(scene.gravity),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => scene.spawns.iter().map(sdf_pose).collect::<Vec<_>>(),
+            stations => scene.network.landmarks().iter().map(station_text).collect::<Vec<_>>(),
             camera => sdf_pose(&scene.viewpoint()),
             lights => Serde(lights.iter().map(LightText::new).collect::<Vec<_>>()),
             ambient => micro(self.0.ambient),
@@ -307,6 +308,11 @@ fn write_pieces(
         collisions.push(CollisionText { name, friction: micro(scene.friction.of(zone)), triangles });
     }
     Ok(collisions)
+}
+
+/// A surveyed station for the templates.
+fn station_text(landmark: &Landmark) -> Value {
+    context! { frame => &landmark.frame, pose => sdf_pose(&landmark.pose()) }
 }
 
 /// A light for the templates.

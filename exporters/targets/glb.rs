@@ -165,6 +165,7 @@ impl Glb {
         if self.0.lights {
             layout.add_lights(&scene.lights);
         }
+        layout.add_landmarks(&scene.network.landmarks());
         let root = layout.finish();
         out.write(&path, |file| {
             glb::write_head(file, &path, &root)?;

@@ -98,6 +98,7 @@ impl Target for Gltf {
         if self.0.lights {
             documents.add_lights(scene);
         }
+        documents.add_landmarks(scene);
         documents.write(out)?;
         index::write(scene, &entries, out)?;
         let (open, levels) = (format!("{}.gltf", scene.name), self.0.lods.then(|| lods_path(scene)));
@@ -171,6 +172,13 @@ impl Documents {
             out.share(&path, image)?;
         }
         Ok(entry)
+    }
+
+    fn add_landmarks(&mut self, scene: &Scene) {
+        let landmarks = scene.network.landmarks();
+        for document in [Some(&mut self.full), self.lods.as_mut()].into_iter().flatten() {
+            document.layout.add_landmarks(&landmarks);
+        }
     }
 
     fn add_lights(&mut self, scene: &Scene) {

@@ -28,7 +28,7 @@ use crate::frame::{self, Axes, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::rover::{self, Rover};
-use crate::scene::{Chunk, Light, Scene, Zone};
+use crate::scene::{Chunk, Landmark, Light, Scene, Zone};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;
@@ -226,6 +226,7 @@ impl Mujoco {
             zones => zones.to_vec(),
             contact => Value::from_safe_string(chunk::CONTACT.to_owned()),
             spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
+            stations => scene.network.landmarks().iter().map(station_text).collect::<Vec<_>>(),
             lights => Serde(self.lights(scene)),
             gravity => micro(scene.gravity),
             ambient => micro(self.0.ambient),
@@ -297,6 +298,10 @@ fn spawn_text(spawn: &Isometry3<f64>) -> Value {
 }
 
 /// A pose as attributes.
+fn station_text(landmark: &Landmark) -> Value {
+    context! { frame => &landmark.frame, position => position(&landmark.pose()) }
+}
+
 fn pose_text(pose: &Isometry3<f64>) -> Value {
     let text = format!(r#"pos="{}" quat="{}""#, position(pose), quaternion(pose));
     Value::from_safe_string(text)

@@ -261,6 +261,7 @@ impl Writer<'_> {
     fn finish(mut self, name: &str) -> Result<(), ExportError> {
         let scene = self.scene;
         self.prefab.add_spawns(&scene.spawns);
+        self.prefab.add_stations(&scene.network.landmarks());
         if self.settings.lights {
             self.prefab.add_lights(&scene.lights, self.settings.pipeline.per_candela());
         }

@@ -28,7 +28,7 @@ use crate::format::obj;
 use crate::frame::{Axes, micro, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
-use crate::scene::{Chunk, Mesh, Scene};
+use crate::scene::{Chunk, Landmark, Mesh, Scene};
 use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
@@ -130,6 +130,7 @@ impl Urdf {
             gravity => micro(scene.gravity),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => Serde(scene.spawns.iter().map(|pose| Origin::new(&sdf_pose(pose))).collect::<Vec<_>>()),
+            stations => Serde(scene.network.landmarks().into_iter().map(StationText::new).collect::<Vec<_>>()),
         };
         for (path, template) in [
             (format!("{name}/package.xml"), include_str!("../templates/urdf/package.xml.jinja")),
@@ -155,6 +156,19 @@ struct ChunkText {
 struct Origin {
     xyz: String,
     rpy: String,
+}
+
+/// A surveyed station for the templates.
+#[derive(Serialize)]
+struct StationText {
+    frame: String,
+    origin: Origin,
+}
+
+impl StationText {
+    fn new(landmark: Landmark) -> Self {
+        Self { origin: Origin::new(&sdf_pose(&landmark.pose())), frame: landmark.frame }
+    }
 }
 
 impl Origin {

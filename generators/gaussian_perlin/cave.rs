@@ -267,6 +267,7 @@ impl<'a> Cave<'a> {
                 active: station.alive && station.neighbors.len() == 1,
                 level: station.level,
                 section: None,
+                name: None,
             });
         }
         Graph::new(nodes, edges)

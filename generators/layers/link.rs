@@ -273,7 +273,7 @@ impl Stack {
 fn blend(a: &Node, b: &Node, share: f64) -> Node {
     let section = a.section.zip(b.section).map(|(a, b)| a.towards(b, share).map(millimetres));
     let radius = millimetres(a.radius + (b.radius - a.radius) * share);
-    Node { parent: None, active: false, radius, section, ..a.clone() }
+    Node { parent: None, active: false, radius, section, name: None, ..a.clone() }
 }
 
 /// Where two passages cross in the plan, as parameters on each.

@@ -41,7 +41,7 @@ pub(super) fn repaired(graph: Graph, seed: u64) -> Graph {
         record.enter(chosen, next.is_some());
         state = next.unwrap_or(state);
     }
-    state.plan.graph.numbered_by_breadth()
+    Graph { georeference: graph.georeference, ..state.plan.graph.numbered_by_breadth() }
 }
 
 /// The graph of a step, with the data for judging it. Removed stations stay without passages.

@@ -13,7 +13,10 @@ use crate::recipe::{self, Recipe};
 use crate::store::{self, CaveFolder, Stage};
 use plume_graph::Graph;
 use plume_graph::realism::RealismSettings;
-use plume_survey::{Parts, format_of};
+use plume_survey::{Parts, Warning, format_of};
+
+/// The only format whose files may carry a recipe.
+const OWN_FORMAT: &str = "json";
 
 /// The note about a cave folder whose graph was edited.
 pub const GRAPH_EDITED: &str = "graph.json has been edited";
@@ -31,6 +34,8 @@ pub struct Input {
     pub is_overridden: bool,
     /// What has changed since the cave folder was made: `graph.nodes: 8 → 9`, or an edited graph.
     pub changes: Vec<String>,
+    /// Readings of a survey that are probably mistakes.
+    pub warnings: Vec<Warning>,
 }
 
 impl Input {
@@ -54,7 +59,7 @@ impl Input {
 
     /// A recipe and nothing else.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, graph: None, folder: None, is_overridden: false, changes: Vec::new() }
+        Self { recipe, graph: None, folder: None, is_overridden: false, changes: Vec::new(), warnings: Vec::new() }
     }
 }
 
@@ -129,19 +134,25 @@ fn parts_of(recipe: &Value) -> Parts {
 
 /// A graph written by Plume carries its recipe. Any other gets the default recipe, whose `parts` setting applies.
 fn graph_file(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, CaveError> {
-    let document = disk.graph(path, Parts::Keep)?;
-    let Some(recipe) = document.recipe else {
-        let name = path.to_str().ok_or_else(|| CaveError::Usage {
-            message: format!("{}: this path cannot be written to a recipe", path.display()),
-            hint: "rename the file so that its path is valid UTF-8".into(),
-        })?;
-        let file = json!({"graph": {"generator": "file", "path": name}});
-        let recipe = Recipe::from_json(file, path, overrides)?;
-        return Ok(Input::of(recipe));
-    };
-    let recipe = Recipe::from_json(recipe, path, overrides)?;
+    let is_of_plume = format_of(path, |row| row.read.is_some()).is_some_and(|row| row.name == OWN_FORMAT);
+    let own = if is_of_plume { disk.graph(path, Parts::Keep)?.recipe } else { None };
+    let Some(own) = own else { return foreign_graph(path, overrides, disk) };
+    let recipe = Recipe::from_json(own, path, overrides)?;
     let document = disk.graph(path, parts_of(recipe.to_json()))?;
     Ok(Input { graph: Some(document.graph), ..Input::of(recipe) })
+}
+
+/// A graph or survey without a recipe. It is read here to tell what is wrong or doubtful about it before anything is made.
+fn foreign_graph(path: &Path, overrides: &[String], disk: Disk) -> Result<Input, CaveError> {
+    let name = path.to_str().ok_or_else(|| CaveError::Usage {
+        message: format!("{}: this path cannot be written to a recipe", path.display()),
+        hint: "rename the file so that its path is valid UTF-8".into(),
+    })?;
+    let file = json!({"graph": {"generator": "file", "path": name}});
+    let recipe = Recipe::from_json(file, path, overrides)?;
+    // What to do with parts is up to the generator.
+    let warnings = disk.graph(path, Parts::Keep)?.warnings;
+    Ok(Input { warnings, ..Input::of(recipe) })
 }
 
 /// The preset called `name`.

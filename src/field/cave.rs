@@ -358,8 +358,9 @@ mod tests {
                 active: false,
                 level: 0,
                 section: None,
+                name: None,
             };
-            let graph = Graph { nodes: vec![node(0, 0.0), node(1, 12.0)], edges: StationId::pairs([[0, 1]]) };
+            let graph = Graph::new(vec![node(0, 0.0), node(1, 12.0)], StationId::pairs([[0, 1]]));
             let rock = (row.read)(serde_json::json!({})).expect("an empty object is valid");
             CaveField::new(&graph, &PassageSettings::default(), rock, Look::default(), 3)
         })

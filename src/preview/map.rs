@@ -5,12 +5,14 @@
 //! exaggeration if the cave is too flat to be legible otherwise.
 //!
 //! Widths are those of the smooth passages at their stations; a passage too narrow for the paper is drawn a pixel wide. Detail
-//! below a pixel is merged, so that a map of a million stations is no larger than one of ten thousand.
+//! below a pixel is merged, so that a map of a million stations is no larger than one of ten thousand. The plan has the names of
+//! surveyed stations, as many as fit.
 
 mod frame;
 mod furniture;
 pub mod judged;
 mod marks;
+mod names;
 mod sheet;
 mod stones;
 mod thin;
@@ -18,6 +20,7 @@ mod thin;
 use self::frame::{Area, Frame};
 use self::furniture::Furniture;
 use self::marks::Marks;
+use self::names::{Names, Paper};
 use self::sheet::{Panel, Sheet, SheetStation};
 use self::stones::Stones;
 use super::image::Image;
@@ -58,6 +61,8 @@ fn drawing(subject: &Subject, order: &Order, size: Size, sheet: &Sheet, stones: 
     furniture.title(subject, sheet);
     let frames = Frame::of(&furniture.area, sheet);
     let marks = Marks::of(subject.graph);
+    let names = Names::of(subject.graph);
+    let mut paper = Paper::of(&furniture.area);
     for (panel, frame) in sheet.panels.iter().zip(&frames) {
         if sheet.is_upright {
             furniture.heights(sheet, frame);
@@ -65,6 +70,9 @@ fn drawing(subject: &Subject, order: &Order, size: Size, sheet: &Sheet, stones: 
         draw_panel(&mut furniture.svg, palette, sheet, panel, frame);
         stones.draw(&mut furniture.svg, palette, panel, frame);
         marks.draw(&mut furniture.svg, palette, sheet, panel, frame);
+        if !sheet.is_upright {
+            names.draw(&mut furniture.svg, palette, sheet, panel, frame, &mut paper);
+        }
         label(&mut furniture, panel, frame);
     }
     furniture.legend(sheet);

@@ -6,7 +6,7 @@
 use super::Reader;
 use crate::ReadError;
 use crate::centreline::Section;
-use crate::files;
+use crate::files::{self, FilePosition};
 use crate::measure::{Cell, Columns, Instruments, Measured, Order, Quantity, Reading, Style};
 use crate::survey::Leg;
 use plume_graph::echo::shown;
@@ -53,7 +53,8 @@ impl Reader<'_> {
             match words[..] {
                 [] => {}
                 [..] if in_shots => {
-                    self.shot(&table, &words).map_err(|message| self.files.fault(file_position, message, SHOT_HINT))?;
+                    self.shot(file_position, &table, &words)
+                        .map_err(|message| self.files.fault(file_position, message, SHOT_HINT))?;
                 }
                 ["DECLINATION:", ref settings @ ..] => {
                     let read = Table::read(settings);
@@ -67,7 +68,7 @@ impl Reader<'_> {
     }
 
     /// Adds a shot, unless its flags exclude it.
-    fn shot(&mut self, table: &Table, words: &[&str]) -> Result<(), String> {
+    fn shot(&mut self, file_position: FilePosition, table: &Table, words: &[&str]) -> Result<(), String> {
         let flags = table.flags(words);
         if flags.contains('X') {
             return Ok(());
@@ -78,6 +79,7 @@ impl Reader<'_> {
         let station = ends[usize::from(table.walls_at_end)];
         self.centreline.section(Section { station, looking: ends, walls_m })?;
         let mut measured = table.instruments.shot(Style::Normal, &row)?;
+        self.centreline.doubt(file_position, table.instruments.doubts(Style::Normal, &row));
         if let Measured::Shot { covariance, .. } = &mut measured {
             if !INCLINATIONS.iter().any(|&column| row.number(column).is_some()) {
                 return Err("there is no inclination".to_owned());

@@ -5,7 +5,7 @@
 //! #DEEP2.DAT,A7,A9;                   / a file that shares two stations with those before it
 //! ```
 //! A file with such links may reuse other names of earlier files for different stations, which Compass keeps apart and
-//! Survex does not. Folders, datums, zones and settings are skipped.
+//! Survex does not. Datum and zone name the coordinate system; nothing is projected. Folders and settings are skipped.
 
 use nalgebra::Point3;
 
@@ -32,6 +32,7 @@ impl Reader<'_> {
     /// Reads all files of a project.
     pub(super) fn read_project(&mut self, bytes: &[u8]) -> Result<(), ReadError> {
         let text = files::text(bytes);
+        self.set_system(&text);
         let entries = entries(&text);
         if entries.is_empty() {
             return Err(self.files.fault_of_file("names no survey file", HINT));
@@ -48,6 +49,16 @@ impl Reader<'_> {
             self.files.close();
         }
         Ok(())
+    }
+
+    /// Takes the datum (`&WGS 1984;`) and the UTM zone (`$13;`, negative in the south) as the coordinate system.
+    fn set_system(&mut self, text: &str) {
+        let lines = || text.lines().map(|line| line.split('/').next().unwrap_or_default().trim());
+        let value = |mark: char| lines().find_map(|line| line.strip_prefix(mark)?.strip_suffix(';')).map(str::trim);
+        let (Some(datum), Some(zone)) = (value('&'), value('$')) else { return };
+        if zone.parse().is_ok_and(|zone: i32| (1..=60).contains(&zone.abs())) {
+            self.centreline.set_datum(datum, zone);
+        }
     }
 
     /// Sets up the station names of a file, and fixes stations.

@@ -12,8 +12,8 @@ use crate::fields::{Field, Fields, field};
 use crate::limits::{MAX_DEPTH, MAX_LEGS, MAX_LINE, MAX_STATIONS};
 use crate::text::{LENGTH_HINT, coordinate, line_of, utf8};
 use crate::{Import, Parts, ReadError, Source};
-use plume_graph::StationId;
 use plume_graph::echo::{sentence, shown};
+use plume_graph::{Georeference, StationId};
 
 /// Reads the graph of the file.
 pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
@@ -34,7 +34,8 @@ pub(crate) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError>
     }
     walk.end().map_err(|fault| fault.at(source.path, text, text.len() as u64))?;
     walk.resolve_edges().map_err(|(fault, at)| fault.at(source.path, text, at))?;
-    let Walk { mut draft, names, .. } = walk;
+    let Walk { mut draft, names, origin_m, system, .. } = walk;
+    draft.georeference = Georeference::of(origin_m.into(), system);
     let names = by_node(names);
     number(&mut draft, &names);
     let name = |node: usize| format!("node {}", shown(&names[node]));
@@ -73,7 +74,29 @@ enum Element {
     Node,
     /// A value of a node.
     Data(Option<Field>),
+    /// A value of the graph.
+    About(Option<About>),
     Other,
+}
+
+/// What a graph may say about its origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum About {
+    /// A coordinate: 0 is east, 1 north, 2 up.
+    Origin(usize),
+    System,
+}
+
+impl About {
+    fn named(name: &str) -> Option<Self> {
+        match name {
+            "origin_x" => Some(Self::Origin(0)),
+            "origin_y" => Some(Self::Origin(1)),
+            "origin_z" => Some(Self::Origin(2)),
+            "system" => Some(Self::System),
+            _ => None,
+        }
+    }
 }
 
 #[derive(Default)]
@@ -82,6 +105,10 @@ struct Walk {
     graphs: usize,
     /// The meaning of keys, by id.
     fields: HashMap<String, Option<Field>>,
+    /// The meaning of keys of the graph, by id.
+    abouts: HashMap<String, Option<About>>,
+    origin_m: [f64; 3],
+    system: Option<Box<str>>,
     /// The key that is open.
     key: Option<Field>,
     defaults: Fields,
@@ -123,6 +150,7 @@ impl Walk {
             (Some(Element::GraphMl), "graph") => self.graph()?,
             (Some(Element::Graph), "node") => self.node(element)?,
             (Some(Element::Graph), "edge") => self.edge(element, at)?,
+            (Some(Element::Graph), "data") => self.about(element)?,
             (Some(Element::Graph), "hyperedge") => {
                 return Err(Fault::new("is a hyperedge", "replace it with edges between two nodes"));
             }
@@ -141,11 +169,12 @@ impl Walk {
     fn key(&mut self, element: &BytesStart) -> Result<Element, Fault> {
         let [id, of, name] = attributes(element, ["id", "for", "attr.name"])?;
         let id = id.ok_or_else(|| Fault::new("a key has no id", SHAPE_HINT))?;
-        let is_of_nodes = of.is_none_or(|of| of == "node" || of == "all");
+        let is_of = |what: &str| of.as_deref().is_none_or(|of| of == what || of == "all");
         if self.fields.len() == MAX_KEYS {
             return Err(Fault::new(format!("there are more than {MAX_KEYS} keys"), SHAPE_HINT));
         }
-        self.key = name.as_deref().filter(|_| is_of_nodes).and_then(field);
+        self.key = name.as_deref().filter(|_| is_of("node")).and_then(field);
+        self.abouts.insert(id.clone(), name.as_deref().filter(|_| is_of("graph")).and_then(About::named));
         if self.fields.insert(id.clone(), self.key).is_some() {
             return Err(Fault::new(format!("two keys have the id {}", shown(&id)), SHAPE_HINT));
         }
@@ -172,7 +201,7 @@ impl Walk {
             return Err(Fault::new(format!("two nodes have the id {}", shown(&id)), "give every node a unique id"));
         }
         self.names.insert(id, StationId::new(next));
-        self.node = self.defaults;
+        self.node = self.defaults.clone();
         Ok(Element::Node)
     }
 
@@ -199,6 +228,12 @@ impl Walk {
         Ok(Element::Data(self.fields.get(&key).copied().unwrap_or_else(|| field(&key))))
     }
 
+    fn about(&self, element: &BytesStart) -> Result<Element, Fault> {
+        let [key] = attributes(element, ["key"])?;
+        let key = key.unwrap_or_default();
+        Ok(Element::About(self.abouts.get(&key).copied().unwrap_or_else(|| About::named(&key))))
+    }
+
     /// The box that yEd draws for a node, y pointing down.
     fn drawn(&mut self, element: &BytesStart) -> Result<Element, Fault> {
         let [x, y, width, height] = attributes(element, ["x", "y", "width", "height"])?;
@@ -212,7 +247,7 @@ impl Walk {
     }
 
     fn text(&mut self, text: &str) -> Result<(), Fault> {
-        if !matches!(self.open.last(), Some(Element::Data(Some(_)) | Element::Default)) {
+        if !matches!(self.open.last(), Some(Element::Data(Some(_)) | Element::About(Some(_)) | Element::Default)) {
             return Ok(());
         }
         if self.value.len() + text.len() > MAX_LINE {
@@ -241,9 +276,13 @@ impl Walk {
         match (self.open.pop(), self.key) {
             (Some(Element::Data(Some(field))), _) => self.node.set(field, &value).map_err(wrong)?,
             (Some(Element::Default), Some(field)) => self.defaults.set(field, &value).map_err(wrong)?,
+            (Some(Element::About(Some(About::System))), _) => self.system = plume_graph::name(&value),
+            (Some(Element::About(Some(About::Origin(axis)))), _) => {
+                self.origin_m[axis] = coordinate(&value).map_err(|fault| Fault::new(fault, LENGTH_HINT))?;
+            }
             (Some(Element::Key), _) => self.key = None,
             (Some(Element::Node), _) => {
-                let node = self.node.node(self.draft.nodes.len() as u64);
+                let node = std::mem::take(&mut self.node).node(self.draft.nodes.len() as u64);
                 let missing =
                     |axis| Fault::new(format!("the node has no {axis}"), "give nodes data with keys x, y and z");
                 self.draft.nodes.push(node.map_err(missing)?);

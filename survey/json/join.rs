@@ -50,6 +50,7 @@ fn node(station: &ParsedStation, parent: Option<StationId>) -> Node {
         active: station.active,
         level: station.level,
         section: station.section,
+        name: station.name.clone(),
     }
 }
 

@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use super::error::ReadError;
 use crate::limits::{MAX_LEGS, MAX_LENGTH_M, MAX_STATIONS};
 use plume_graph::echo::{plain, sentence, shown};
-use plume_graph::{Section, Shape, millimetres};
+use plume_graph::{Georeference, MAX_ORIGIN_M, Section, Shape, millimetres};
 
 /// A node as in the file.
 pub(super) struct ParsedStation {
@@ -22,12 +22,14 @@ pub(super) struct ParsedStation {
     pub(super) active: bool,
     pub(super) level: u32,
     pub(super) section: Option<Section>,
+    pub(super) name: Option<Box<str>>,
 }
 
 /// A file as parsed.
 pub(super) struct File {
     pub(super) version: Option<Value>,
     pub(super) recipe: Option<Value>,
+    pub(super) georeference: Option<Georeference>,
     pub(super) stations: Vec<ParsedStation>,
 }
 
@@ -37,7 +39,21 @@ pub(super) fn parse(text: &str) -> Result<File, ReadError> {
     let stations = keys.nodes.ok_or_else(|| ReadError::Shape { what: "there is no key `nodes`".to_owned() })?;
     // An imported graph has no recipe, which is written as null.
     let recipe = keys.recipe.filter(|recipe| !recipe.is_null());
-    Ok(File { version: keys.version, recipe, stations: stations? })
+    let georeference = keys.georeference.filter(|value| !value.is_null());
+    let georeference = georeference.map(|value| read_georeference(&value)).transpose()?;
+    Ok(File { version: keys.version, recipe, georeference, stations: stations? })
+}
+
+/// `{"origin_m": [east, north, up], "system": "EPSG:32633"}`, the system being optional.
+fn read_georeference(value: &Value) -> Result<Georeference, ReadError> {
+    let place = value.get("origin_m").and_then(|place| <[f64; 3]>::deserialize(place).ok());
+    let place = place.filter(|place| place.iter().all(|x| x.abs() <= MAX_ORIGIN_M));
+    let Some(origin_m) = place.map(Point3::from) else {
+        let what = "`georeference` must have an `origin_m` of three coordinates in metres".to_owned();
+        return Err(ReadError::Shape { what });
+    };
+    let system = value.get("system").and_then(Value::as_str).and_then(plume_graph::name);
+    Ok(Georeference { origin_m, system })
 }
 
 /// The parser's error, or a better one if another program is known to be the cause.
@@ -67,6 +83,7 @@ fn explained(error: &serde_json::Error, text: &str) -> ReadError {
 struct Keys {
     version: Option<Value>,
     recipe: Option<Value>,
+    georeference: Option<Value>,
     nodes: Option<Result<Vec<ParsedStation>, ReadError>>,
 }
 
@@ -91,6 +108,7 @@ impl<'de> Visitor<'de> for KeysVisitor {
             match key.as_str() {
                 "plume" => keys.version = Some(map.next_value()?),
                 "recipe" => keys.recipe = Some(map.next_value()?),
+                "georeference" => keys.georeference = Some(map.next_value()?),
                 "nodes" if keys.nodes.is_some() => {
                     return Err(A::Error::custom("the key `nodes` appears twice"));
                 }
@@ -214,6 +232,8 @@ impl Fields {
             active: self.active()?,
             level: self.level()?,
             section: self.section()?,
+            // Other programs may keep something else under this key.
+            name: self.get("name").and_then(Value::as_str).and_then(plume_graph::name),
         })
     }
 

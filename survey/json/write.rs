@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 use serde_json::Value;
 
-use plume_graph::{Graph, Section};
+use plume_graph::{Georeference, Graph, Section};
 
 #[derive(Serialize)]
 struct WrittenStation<'a> {
@@ -19,6 +19,15 @@ struct WrittenStation<'a> {
     level: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     section: Option<Section>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct WrittenGeoreference<'a> {
+    origin_m: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    system: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -35,7 +44,13 @@ fn is_top(level: &u32) -> bool {
 /// The text of a graph file with this graph, made by this version of plume from this recipe.
 pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
     let version = Value::from(version);
-    let mut text = format!("{{\n\"plume\": {version},\n\"recipe\": {recipe},\n\"nodes\": [");
+    let mut text = format!("{{\n\"plume\": {version},\n\"recipe\": {recipe},\n");
+    if let Some(Georeference { origin_m, system }) = &graph.georeference {
+        let georeference = WrittenGeoreference { origin_m: (*origin_m).into(), system: system.as_deref() };
+        let georeference = serde_json::to_string(&georeference).expect("numbers and texts");
+        writeln!(text, "\"georeference\": {georeference},").expect("writing to a string cannot fail");
+    }
+    text.push_str("\"nodes\": [");
     let neighbors = graph.neighbors();
     for (index, (node, others)) in graph.nodes.iter().zip(neighbors.iter()).enumerate() {
         let edges: Vec<u64> = others.iter().map(|&other| graph[other].id).collect();
@@ -48,6 +63,7 @@ pub fn write(graph: &Graph, version: &str, recipe: &Value) -> String {
             active: node.active,
             level: node.level,
             section: node.section,
+            name: node.name.as_deref(),
         };
         let separator = if index == 0 { "" } else { "," };
         let line = serde_json::to_string(&station).expect("numbers, lists and texts");

@@ -29,6 +29,11 @@ pub(in super::super) struct Row {
 }
 
 impl Row {
+    /// Readings of a leg whose stations are kept elsewhere.
+    pub(in super::super) fn of(cells: Vec<(Reading, Cell)>) -> Self {
+        Self { cells, ..Self::default() }
+    }
+
     /// A number, if there is a reading.
     pub(in super::super) fn number(&self, reading: Reading) -> Option<f64> {
         match self.cell(reading) {

@@ -141,6 +141,11 @@ impl Order {
         Ok(order)
     }
 
+    /// Whether the readings of a leg are on a line of their own, between those of its stations.
+    pub(in super::super) fn is_interleaved(&self) -> bool {
+        self.lines.len() == 2
+    }
+
     fn check_measures(&self, has: &dyn Fn(Reading) -> bool) -> Result<(), String> {
         let of = |quantity| has(Reading::Of(quantity));
         let length = of(Quantity::Length)

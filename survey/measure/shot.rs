@@ -191,7 +191,7 @@ impl Instruments {
     }
 
     /// The length in metres, and its standard deviation.
-    fn length(&self, row: &Row) -> Result<(f64, f64), String> {
+    pub(super) fn length(&self, row: &Row) -> Result<(f64, f64), String> {
         let taken = [Quantity::Length, Quantity::BackLength].map(|quantity| {
             let number = row.number(Reading::Of(quantity))?;
             Some((self.value(quantity, number), self.spread(quantity)))
@@ -205,7 +205,7 @@ impl Instruments {
     }
 
     /// The rise in metres, and its standard deviation.
-    fn rise(&self, row: &Row) -> Result<(f64, f64), String> {
+    pub(super) fn rise(&self, row: &Row) -> Result<(f64, f64), String> {
         let spread = self.spread(Quantity::Depth);
         if let Some(change) = row.number(Reading::DepthChange) {
             return Ok((self.value(Quantity::Depth, change), spread * 2.0_f64.sqrt()));

@@ -1,17 +1,20 @@
 //! The current name, which items of a `.3d` file change by a few bytes each.
 
-use super::super::ReadError;
+use plume_graph::MAX_NAME_BYTES;
+
+use super::super::{ReadError, files};
 use super::bytes::Bytes;
 
 /// A prime, so that names which differ hash apart.
 const FACTOR: u64 = 0x0000_0100_0000_01b3;
 const EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// A name as the hashes (FNV-1a) of its prefixes: changing it takes time proportional to the change, however long the name
+/// A name, and the hashes (FNV-1a) of its prefixes: changing it takes time proportional to the change, however long the name
 /// is, and a file cannot claim more memory than its size. Hashes collide in one of 10⁷ caves of a million stations; the
 /// only consequence is that a cross-section is mistaken for another.
 #[derive(Default)]
 pub(super) struct Label {
+    bytes: Vec<u8>,
     hashes: Vec<u64>,
 }
 
@@ -29,10 +32,20 @@ impl Label {
             return Err(bytes.fault_at(at, message, "process the survey again with `cavern`"));
         };
         self.hashes.truncate(kept);
+        self.bytes.truncate(kept);
+        self.bytes.extend_from_slice(added);
         for &byte in added {
             self.hashes.push((self.hash() ^ u64::from(byte)).wrapping_mul(FACTOR));
         }
         Ok(())
+    }
+
+    /// The whole name; `None` if it is empty or too long to be kept.
+    pub(super) fn name(&self) -> Option<Box<str>> {
+        if self.bytes.len() > MAX_NAME_BYTES {
+            return None;
+        }
+        plume_graph::name(&files::text(&self.bytes))
     }
 
     /// The hash of the whole name.

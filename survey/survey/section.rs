@@ -180,9 +180,10 @@ mod tests {
     /// Three stations northwards, 10 m apart, with these walls at the middle one.
     fn middle_room(walls: [Option<f64>; 4]) -> Option<Room> {
         let [left_m, right_m, up_m, down_m] = walls;
-        let station = |y: f64| SurveyStation { position: Point3::new(0.0, y, 0.0), entrance: false };
+        let station = |y: f64| SurveyStation::at(Point3::new(0.0, y, 0.0));
         let walls = vec![Walls { station: 1, looking: [0, 2], left_m, right_m, up_m, down_m }];
-        let survey = Survey { stations: vec![station(0.0), station(10.0), station(20.0)], legs: Vec::new(), walls };
+        let stations = vec![station(0.0), station(10.0), station(20.0)];
+        let survey = Survey { stations, walls, ..Survey::default() };
         rooms(&survey, &[0, 1, 2], &[[0, 1], [1, 2]]).0[1]
     }
 
@@ -196,7 +197,7 @@ mod tests {
     #[test]
     fn a_shaft_followed_by_a_leg_is_not_a_ceiling() {
         let places = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [10.0, 1.0, 12.0]];
-        let stations = places.map(|place| SurveyStation { position: place.into(), entrance: false }).to_vec();
+        let stations = places.map(|place| SurveyStation::at(place.into())).to_vec();
         let walls = |station: usize, up_m: f64| Walls {
             station,
             looking: [0, 1],
@@ -205,7 +206,7 @@ mod tests {
             up_m: Some(up_m),
             down_m: Some(1.0),
         };
-        let survey = Survey { stations, legs: Vec::new(), walls: vec![walls(0, 2.0), walls(1, 11.0)] };
+        let survey = Survey { stations, walls: vec![walls(0, 2.0), walls(1, 11.0)], ..Survey::default() };
         let (rooms, interpolated) = rooms(&survey, &[0, 1, 2], &[[0, 1], [1, 2]]);
         let heights = rooms.into_iter().map(|room| room.expect("the walls are known").section.height_m);
         assert_eq!((heights.collect::<Vec<_>>(), interpolated), (vec![3.0; 3], 2));

@@ -61,6 +61,7 @@ fn ladder(rungs: usize) -> Graph {
         active: false,
         level: 0,
         section: None,
+        name: None,
     };
     let rungs_between = (0..rungs).map(|i| [2 * i, 2 * i + 1]);
     let rails = (0..rungs - 1).flat_map(|i| [[2 * i, 2 * i + 2], [2 * i + 1, 2 * i + 3]]);

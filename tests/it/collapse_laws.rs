@@ -25,6 +25,7 @@ fn gallery(section: Option<Section>) -> Graph {
         active: false,
         level: 0,
         section,
+        name: None,
     };
     Graph::new((0..21).map(node).collect(), StationId::pairs((0..20).map(|n| [n, n + 1])))
 }

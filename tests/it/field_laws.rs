@@ -20,6 +20,7 @@ fn node(id: u64, position: [f64; 3], width: f64) -> Node {
         active: false,
         level: 0,
         section: None,
+        name: None,
     }
 }
 
@@ -40,7 +41,7 @@ fn graph() -> Graph {
         drift.section = Some(Section { width_m: 3.5, height_m: 3.0, shape: Shape::Drift });
     }
     let edges = [[0, 1], [0, 4], [0, 7], [1, 2], [2, 3], [2, 5], [2, 6], [3, 4], [7, 8]];
-    Graph { nodes, edges: StationId::pairs(edges) }
+    Graph::new(nodes, StationId::pairs(edges))
 }
 
 /// A rock that relies on the defaults of its trait, with a wall that jumps by this much at every second metre.
@@ -396,7 +397,7 @@ fn a_robot_gets_through() {
     let settings = PassageSettings::default();
     let width = f64::from(settings.width_min_m);
     let nodes = vec![node(0, [0.0; 3], width), node(1, [30.0, 0.0, 0.0], width)];
-    let graph = Graph { nodes, edges: StationId::pairs([[0, 1]]) };
+    let graph = Graph::new(nodes, StationId::pairs([[0, 1]]));
     for row in MATERIALS.iter() {
         for seed in 0..3 {
             let rock = (row.read)(json!({})).expect("an empty object is valid");

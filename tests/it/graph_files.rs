@@ -146,6 +146,7 @@ fn straight(nodes: usize) -> Graph {
         active: i + 1 == nodes,
         level: 0,
         section: None,
+        name: None,
     };
     let edges = StationId::pairs((1..nodes).map(|i| [i, i - 1]));
     Graph::new((0..nodes).map(node).collect(), edges)

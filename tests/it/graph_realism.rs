@@ -25,6 +25,7 @@ fn graph(places: &[[f64; 3]], edges: &[[usize; 2]]) -> Graph {
         active: false,
         level: 0,
         section: None,
+        name: None,
     };
     Graph::new(places.iter().enumerate().map(node).collect(), StationId::pairs(edges.iter().copied()))
 }

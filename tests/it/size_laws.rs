@@ -17,7 +17,10 @@ fn make(recipe: Option<&Path>, settings: &[&str], folder: &Path) -> Result<Cave,
 /// Names and sizes of the files in these folders of a cave.
 fn files(cave: &Path, folders: &[&str]) -> Vec<(String, u64)> {
     let entries = folders.iter().flat_map(|folder| fs::read_dir(cave.join(folder)).unwrap()).map(Result::unwrap);
-    entries.map(|entry| (entry.file_name().into_string().unwrap(), entry.metadata().unwrap().len())).collect()
+    let mut files: Vec<_> =
+        entries.map(|entry| (entry.file_name().into_string().unwrap(), entry.metadata().unwrap().len())).collect();
+    files.sort();
+    files
 }
 
 /// Estimated relative to real: meshes, maps, chunks.

@@ -333,7 +333,6 @@ fn what_is_wrong_with_compass_files_is_told() {
         ("no bearing", one("A1 A2 10 -999 0 1 1 1 1\n")),
         ("no inclination", one("A1 A2 10 20 -999 1 1 1 1\n")),
         ("far wall", one("A1 A2 10 20 0 9999 1 1 1\n")),
-        ("pieces", one("A1 A2 10 20 0 1 1 1 1\nB1 B2 10 20 0 1 1 1 1\n")),
         ("empty project", ("a.mak", b"/ nothing\n".to_vec())),
         ("open end", ("a.mak", b"\n#a.dat\n".to_vec())),
         ("no file", ("a.mak", b"#sub\\A.DAT;".to_vec())),

@@ -364,8 +364,9 @@ fn chunks_agree_on_the_things_of_a_hall() {
         active: false,
         level: 0,
         section: None,
+        name: None,
     };
-    let graph = Graph { nodes: vec![node(0, 0.0, 0.0), node(1, 20.0, 6.0)], edges: StationId::pairs([[0, 1]]) };
+    let graph = Graph::new(vec![node(0, 0.0, 0.0), node(1, 20.0, 6.0)], StationId::pairs([[0, 1]]));
     let cave = Cave::new("hall".to_owned(), graph, "basalt", 16.0);
     let in_box = |bounds: Aabb<f64>| {
         let walls = || cave.walls.iter().map(|(_, wall)| wall);

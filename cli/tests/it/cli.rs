@@ -362,6 +362,69 @@ fn graphs_are_imported_and_exported() {
     works(&["graph", "kept"]);
 }
 
+/// Two pieces that nothing connects, both with a position, in each format of surveys.
+fn in_pieces(desk: &Desk) -> [&'static str; 4] {
+    let place = |code: &[u8], [x, y]: [i32; 2]| [code, &[x, y, 0].map(i32::to_le_bytes).concat()].concat();
+    let items = [(b"\0\x0f".as_slice(), [0, 0]), (b"\x60", [0, 3000]), (b"\x60", [900, 3000])];
+    let more = [(b"\x0f".as_slice(), [10_000, 0]), (b"\x60", [10_000, 2000])];
+    let items: Vec<u8> = items.iter().chain(&more).flat_map(|(code, at)| place(code, *at)).collect();
+    let survey = [b"Survex 3D Image File\nv8\ntitle\n@0\n\0".as_slice(), &items, b"\0"].concat();
+    fs::write(desk.path("pieces.3d"), survey).unwrap();
+    desk.file("pieces.svx", "1 2 30 0 0\n2 3 9 90 0\n8 9 20 0 0\n*fix 1 0 0 0\n*fix 8 100 0 0\n");
+    desk.file(
+        "pieces.th",
+        "centreline\n1 2 30 0 0\n2 3 9 90 0\n8 9 20 0 0\nfix 1 0 0 0\nfix 8 100 0 0\nendcentreline\n",
+    );
+    desk.file("pieces.dat", "FROM TO\n\nA1 A2 100 0 0 1 1 1 1\nB1 B2 60 0 0 1 1 1 1\n");
+    desk.file("pieces.mak", "#pieces.dat,A1[M,0,0,0],B1[M,100,0,0];");
+    ["pieces.3d", "pieces.svx", "pieces.th", "pieces.mak"]
+}
+
+/// What to do with pieces of a survey is decided by the settings, however the survey reaches the command.
+#[test]
+fn pieces_of_surveys_are_treated_as_asked() {
+    let desk = Desk::new();
+    for name in in_pieces(&desk) {
+        let made = |parts: &str| {
+            let setting = format!("graph.parts={parts}");
+            let folder = format!("{name}-{parts}");
+            let output = desk.run(&["graph", name, "-o", &folder, "--set", &setting]);
+            let text = fs::read_to_string(desk.path(&folder).join("graph.json")).ok()?;
+            assert!(output.status.success(), "{name} {parts}");
+            let graph = plume_survey::json::read_parts(&text, plume_survey::Parts::Keep).unwrap().0.graph;
+            Some((graph.components().len(), graph.nodes.len()))
+        };
+        let nodes = if name == "pieces.mak" { [4, 2] } else { [5, 3] };
+        assert_eq!(made("refuse"), None, "{name}");
+        assert_eq!(made("join"), Some((1, nodes[0])), "{name}");
+        assert_eq!(made("keep"), Some((2, nodes[0])), "{name}");
+        assert_eq!(made("longest"), Some((1, nodes[1])), "{name}");
+    }
+    // Pieces without a position are laid beside each other.
+    desk.file("adrift.svx", "1 2 30 0 0\n8 9 20 0 0\n");
+    desk.file("adrift.dat", "FROM TO\n\nA1 A2 100 0 0 1 1 1 1\nB1 B2 60 0 0 1 1 1 1\n");
+    for parts in ["join", "keep", "longest"] {
+        let setting = format!("graph.parts={parts}");
+        for name in ["adrift.svx", "adrift.dat"] {
+            assert!(desk.run(&["graph", name, "-o", &format!("{name}-{parts}"), "--set", &setting]).status.success());
+        }
+    }
+    assert_snapshot!("pieces_adrift", desk.fault(&["graph", "adrift.svx", "-o", "no"]));
+    assert_snapshot!(
+        "import_adrift",
+        desk.fault(&["graph", "import", "adrift.svx", "-o", "a.json", "--parts", "join"])
+    );
+}
+
+#[test]
+fn doubtful_readings_of_surveys_are_told() {
+    let desk = Desk::new();
+    desk.file("cave.svx", "1 2 10 0 95\n2 3 10 400 0\n3 4 -10 0 0\n");
+    assert_snapshot!("import_doubtful", desk.fault(&["graph", "import", "cave.svx", "-o", "graph.json"]));
+    let told = desk.fault(&["graph", "cave.svx", "-o", "cave"]);
+    assert!(told.starts_with("exit 0") && told.contains("cave.svx:2: the compass reading 400"), "{told}");
+}
+
 #[test]
 fn faulty_imports_and_exports_are_reported() {
     let desk = Desk::new();

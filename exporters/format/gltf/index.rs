@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::geometry::bounds;
 use crate::error::ExportError;
 use crate::package::Package;
-use crate::scene::{Chunk, Light, Piece, Scene};
+use crate::scene::{Chunk, Landmark, Light, Piece, Scene};
 use crate::{frame, names};
 
 /// A chunk in the index.
@@ -69,7 +69,7 @@ pub fn triangles(entries: &[Entry]) -> [u64; 2] {
 /// # Errors
 /// Those of the package.
 pub fn write(scene: &Scene, entries: &[Entry], out: &mut dyn Package) -> Result<(), ExportError> {
-    let index = json!({
+    let mut index = json!({
         "name": scene.name,
         "description": scene.description,
         "generator": scene.generator,
@@ -78,7 +78,16 @@ pub fn write(scene: &Scene, entries: &[Entry], out: &mut dyn Package) -> Result<
         "spawns": scene.spawns.iter().map(spawn).collect::<Vec<_>>(),
         "lights": scene.lights.iter().map(light).collect::<Vec<_>>(),
     });
+    let landmarks = scene.network.landmarks();
+    if !landmarks.is_empty() {
+        index["stations"] = landmarks.iter().map(station).collect();
+    }
     out.json("scene.json", &index)
+}
+
+fn station(landmark: &Landmark) -> Value {
+    let position = frame::gltf_from_scene::<f64>(landmark.position.into());
+    json!({ "frame": landmark.frame, "name": landmark.label, "position": position })
 }
 
 fn spawn(pose: &nalgebra::Isometry3<f64>) -> Value {

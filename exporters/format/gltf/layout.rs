@@ -178,6 +178,6 @@ fn screen_coverage(chunk: &Chunk) -> Vec<f32> {
     chunk.lods.iter().map(share).chain([0.0]).collect()
 }
 
-fn extras(value: &Value) -> Option<Box<RawValue>> {
+pub(super) fn extras(value: &Value) -> Option<Box<RawValue>> {
     Some(RawValue::from_string(value.to_string()).expect("a JSON value prints as JSON"))
 }

@@ -62,7 +62,7 @@ impl Topology<'_> {
         let Network { stations, passages } = &self.scene.network;
         let mut graph = GraphMl::new(&KEYS);
         let headings = self.headings();
-        for (Station { name, position, level }, heading_rad) in stations.iter().zip(headings) {
+        for (Station { name, position, level, .. }, heading_rad) in stations.iter().zip(headings) {
             let [x, y, z] = position.coords.into();
             let mut values =
                 vec![("x", x.to_string()), ("y", y.to_string()), ("z", z.to_string()), ("level", level.to_string())];

@@ -14,7 +14,7 @@ use super::lod::Extent;
 use super::nested::{Nested, Nesting};
 use crate::format::fbx;
 use crate::frame::{micro, unity_from_scene, unity_pose_from_scene};
-use crate::scene::{Chunk, Instance, Light, Mesh, Prototype};
+use crate::scene::{Chunk, Instance, Landmark, Light, Mesh, Prototype};
 use crate::{names, template};
 
 /// Static flags: occluder, occludee, navigation and reflection probes. Not batching, which would copy all meshes into one,
@@ -220,6 +220,18 @@ impl Prefab {
             let (position, rotation) = unity_pose_from_scene(pose);
             self.nodes[spawn].position = position.map(micro);
             self.nodes[spawn].rotation = rotation.map(micro);
+        }
+    }
+
+    /// Adds an empty game object for each surveyed station, if there are any.
+    pub fn add_stations(&mut self, landmarks: &[Landmark]) {
+        if landmarks.is_empty() {
+            return;
+        }
+        let group = self.add(ROOT, "stations");
+        for landmark in landmarks {
+            let station = self.add(group, &landmark.frame);
+            self.nodes[station].position = unity_from_scene::<f64>(landmark.position.into()).map(micro);
         }
     }
 

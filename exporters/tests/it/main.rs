@@ -29,6 +29,7 @@ mod mjcf;
 mod mujoco_package;
 mod places;
 mod sample;
+mod station_frames;
 #[path = "sample/strewn.rs"]
 mod strewn;
 mod thing_laws;

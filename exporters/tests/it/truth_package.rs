@@ -59,8 +59,12 @@ fn an_octomap_that_does_not_reach_is_refused() {
 
 /// Two passages along the middle of the chamber, and a side that is on its own.
 fn network() -> Network {
-    let station =
-        |(name, [x, y, z]): (&str, [f64; 3])| Station { name: name.to_owned(), position: [x, y, z].into(), level: 0 };
+    let station = |(name, [x, y, z]): (&str, [f64; 3])| Station {
+        name: name.to_owned(),
+        position: [x, y, z].into(),
+        level: 0,
+        label: None,
+    };
     let places = [("a", [-3.0, 0.0, 0.0]), ("b", [0.0, 0.0, 0.2]), ("c", [3.0, 0.2, 0.0]), ("d", [0.5, 0.0, 0.0])];
     let passage = |ends: [usize; 2]| Passage { ends, reach_m: 1.5 };
     Network { stations: places.map(station).into(), passages: [[0, 1], [1, 2]].map(passage).into() }

@@ -196,7 +196,7 @@ fn grown(plan: &Plan, rng: &mut Rng, from: StationId, mut bearing_rad: f64, leng
     let leg_m = (length_m / legs as f64).max(0.5 * plan.leg_m);
     let mut tip = from;
     for _ in 0..legs {
-        let mut node = Node { active: true, position: graph[tip].position, ..graph[from].clone() };
+        let mut node = Node { active: true, position: graph[tip].position, name: None, ..graph[from].clone() };
         shift(&mut node, towards(bearing_rad) * leg_m);
         let next = StationId::new(graph.nodes.len());
         graph.nodes.push(node);
@@ -234,7 +234,7 @@ fn inserted(mut graph: Graph, a: StationId, b: StationId, count: usize) -> (Grap
         let position = (ends[0] + (ends[1] - ends[0]) * part).map(millimetres);
         let nearer = if part < 0.5 { a } else { b };
         way.push(StationId::new(graph.nodes.len()));
-        graph.nodes.push(Node { position, active: false, ..graph[nearer].clone() });
+        graph.nodes.push(Node { position, active: false, name: None, ..graph[nearer].clone() });
     }
     way.push(b);
     graph.edges.retain(|edge| *edge != [a.min(b), a.max(b)]);

@@ -119,6 +119,7 @@ mod tests {
             active: false,
             level: 0,
             section: None,
+            name: None,
         };
         Graph::new((0..6).map(node).collect(), StationId::pairs((1..6).map(|i| [i - 1, i])))
     }

@@ -51,8 +51,9 @@ pub fn passages(humidity: f32, seed: u64) -> Vec<Baked> {
         active: false,
         level: 0,
         section: None,
+        name: None,
     };
-    let graph = Graph { nodes: vec![node(0, 0.0), node(1, 4.5)], edges: StationId::pairs([[0, 1]]) };
+    let graph = Graph::new(vec![node(0, 0.0), node(1, 4.5)], StationId::pairs([[0, 1]]));
     MATERIALS
         .iter()
         .map(|row| {

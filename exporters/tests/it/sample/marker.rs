@@ -96,6 +96,7 @@ impl Marker {
             spawns: vec![Isometry3::translation(-1.0, 1.0, 0.0)],
             lights: Vec::new(),
             network: Network::default(),
+            georeference: None,
             sought: Vec::new(),
             friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
             gravity: 9.80665,

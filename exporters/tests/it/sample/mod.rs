@@ -74,6 +74,7 @@ impl Chamber {
             )],
             lights: [-3.0, 3.0].map(lamp).into(),
             network: Network::default(),
+            georeference: None,
             sought: Vec::new(),
             friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
             gravity: 9.80665,
