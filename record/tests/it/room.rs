@@ -57,6 +57,7 @@ impl Room {
                 intensity_cd: 10.0,
                 range_m: 20.0,
             }],
+            georeference: None,
             network: Network::default(),
             sought: Vec::new(),
             friction: ByZone { floor: 0.8, wall: 0.6, ceiling: 0.6 },
