@@ -13,11 +13,13 @@ use plume::VERSION;
 const VARIABLE: &str = "PLUME_PYTHON";
 /// Number of parent folders searched for `.venv`: `target/release/plume` is three levels below a workspace.
 const FOLDERS_ABOVE: usize = 4;
-/// Prints the version of Plume in this Python, or why there is none. Finds USD without loading it.
+/// Prints the version of Plume in this Python, or why there is none that can do it. Finds the module that does it without
+/// loading it, wherever it comes from.
 const PROBE: &str = "
 try:
-    import importlib.metadata, plume
-    importlib.metadata.version('usd-core')
+    import importlib.util, sys, plume
+    if importlib.util.find_spec(sys.argv[1]) is None:
+        raise ModuleNotFoundError(f'No module named {sys.argv[1]!r}')
     print(plume.__version__)
 except Exception as error:
     print('!', error)
@@ -35,9 +37,23 @@ impl Need {
     fn reason(&self) -> String {
         match self {
             Self::Usd(target) => format!("target `{target}` is written by the Python package usd-core"),
-            Self::Ray => {
-                "the engine ray is used by the Python package plume-caves, which comes with usd-core".to_owned()
-            }
+            Self::Ray => "the engine ray is the Python package ray".to_owned(),
+        }
+    }
+
+    /// The module that does it.
+    fn module(&self) -> &'static str {
+        match self {
+            Self::Usd(_) => "pxr",
+            Self::Ray => "ray",
+        }
+    }
+
+    /// The extra of the Python package that installs this module.
+    fn extra(&self) -> &'static str {
+        match self {
+            Self::Usd(_) => "usd",
+            Self::Ray => "ray",
         }
     }
 }
@@ -50,7 +66,7 @@ impl Need {
 pub fn to_python(need: &Need, arguments: &[OsString]) -> Result<u8, CliError> {
     let mut looked = String::new();
     for candidate in candidates() {
-        match probe(&candidate.python) {
+        match probe(&candidate.python, need.module()) {
             Ok(()) => return replace(&candidate.python, arguments.get(1..).unwrap_or_default()),
             Err(reason) => {
                 looked.push_str(&format!("\n  {} ({}): {reason}", candidate.origin, candidate.python.display()));
@@ -62,7 +78,10 @@ pub fn to_python(need: &Need, arguments: &[OsString]) -> Result<u8, CliError> {
             "{}, and no Python was found that has it together with plume {VERSION}; looked at{looked}",
             need.reason()
         ),
-        hint: format!("`pip install .` in the sources of plume {VERSION}, then run that Python's `plume`, or name it in {VARIABLE}"),
+        hint: format!(
+            "`pip install '.[{}]'` in the sources of plume {VERSION}, then run that Python's `plume`, or name it in {VARIABLE}",
+            need.extra()
+        ),
     }
     .into())
 }
@@ -97,9 +116,9 @@ fn python_of(environment: &Path) -> PathBuf {
     environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
 }
 
-/// Whether this Python has our version; if not, why not.
-fn probe(python: &Path) -> Result<(), String> {
-    let output = Command::new(python).args(["-c", PROBE]).output().map_err(|error| error.to_string())?;
+/// Whether this Python has our version and `module`; if not, why not.
+fn probe(python: &Path, module: &str) -> Result<(), String> {
+    let output = Command::new(python).args(["-c", PROBE, module]).output().map_err(|error| error.to_string())?;
     match String::from_utf8_lossy(&output.stdout).trim() {
         VERSION => Ok(()),
         "" => Err(format!("it failed with {}", output.status)),

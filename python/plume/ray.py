@@ -16,10 +16,10 @@ import io
 import itertools
 import logging
 import shutil
+import sys
 import tarfile
 import tempfile
 import time
-import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from os import PathLike
@@ -29,6 +29,11 @@ from typing import Any
 import plume
 from plume import _plume
 from plume.errors import MissingPartError, PlumeError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 __all__ = ["dataset", "generate"]
 

@@ -1,4 +1,4 @@
-//! usd-core as the library that writes stages.
+//! usd-core as the library that writes stages, or another program's USD that can be imported.
 
 use std::ffi::CString;
 use std::sync::{Mutex, PoisonError};
@@ -13,9 +13,9 @@ use serde_json::Value;
 
 use crate::array;
 
-/// The requirement for pip.
-const REQUIREMENT: &str = "usd-core>=25.11,<27";
-/// Tested versions: from the first, before the second.
+/// What installs it.
+const INSTALL: &str = "pip install 'plume-caves[usd]'";
+/// Tested versions: from the first, before the second. The extra `usd` in `pyproject.toml` asks for the same.
 const VERSIONS: [(u32, u32); 2] = [(25, 11), (27, 0)];
 
 /// usd-core releases the interpreter lock while it initialises, so that two threads inside it can deadlock: targets are
@@ -45,7 +45,7 @@ impl Library for UsdCore {
         alone(|py| {
             let version = version(py).map_err(|error| missing(&format!("cannot be loaded: {error}")))?;
             if version < VERSIONS[0] || version >= VERSIONS[1] {
-                return Err(missing(&format!("has the unsupported version {}.{:02}", version.0, version.1)));
+                return Err(unsupported(&place(py), version));
             }
             self.script(py).map(drop).map_err(|error| missing(&format!("cannot be used: {error}")))
         })
@@ -84,10 +84,27 @@ fn version(py: Python<'_>) -> PyResult<(u32, u32)> {
     Ok((version.1, version.2))
 }
 
+/// Where this Python has USD from; empty if it does not tell.
+fn place(py: Python<'_>) -> String {
+    let path = || -> PyResult<String> { py.import("pxr")?.getattr("__path__")?.get_item(0)?.extract() };
+    path().map(|path| format!(" in {path}")).unwrap_or_default()
+}
+
 fn missing(what: &str) -> ExportError {
     ExportError::MissingPart {
         message: format!("USD is written by the Python package usd-core, which {what}"),
-        hint: format!("pip install '{REQUIREMENT}'"),
+        hint: INSTALL.to_owned(),
+    }
+}
+
+fn unsupported(place: &str, version: (u32, u32)) -> ExportError {
+    let [(year, month), (end, _)] = VERSIONS;
+    ExportError::MissingPart {
+        message: format!("the USD{place} has the unsupported version {}.{:02}", version.0, version.1),
+        hint: format!(
+            "{INSTALL}, which needs an environment of its own if that USD belongs to another program; \
+             versions from {year}.{month:02} to before {end}.0 are supported"
+        ),
     }
 }
 

@@ -1,7 +1,9 @@
 """The `plume` command of the Python package: the same as the binary, and the faults of what only it can do."""
 
+import importlib.metadata
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -76,11 +78,11 @@ def test_the_binary_hands_over(binary, tmp_path):
         ("raise ModuleNotFoundError(\"No module named 'pxr'\")", "which cannot be loaded: ModuleNotFoundError"),
         (
             "class Usd:\n    GetVersion = lambda: (0, 25, 5)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
-            "which has the unsupported version 25.05",
+            "fake/pxr has the unsupported version 25.05",
         ),
         (
             "class Usd:\n    GetVersion = lambda: (0, 27, 2)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
-            "which has the unsupported version 27.02",
+            "fake/pxr has the unsupported version 27.02",
         ),
         (
             "class Usd:\n    GetVersion = lambda: (0, 26, 11)\nimport sys\nsys.modules['pxr.Usd'] = Usd",
@@ -92,8 +94,18 @@ def test_a_missing_or_unsupported_usd_core_exits_with_69(text, told, tmp_path):
     result = export("gltf,isaac", tmp_path / "out", env=hidden(tmp_path / "fake", text))
     assert result.returncode == 69, result.stderr
     assert told in result.stderr
-    assert " hint: pip install 'usd-core>=25.11,<27'" in result.stderr
+    assert " hint: pip install 'plume-caves[usd]'" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_the_extra_installs_the_versions_of_usd_that_are_told(tmp_path):
+    old = "class Usd:\n    GetVersion = lambda: (0, 22, 11)\nimport sys\nsys.modules['pxr.Usd'] = Usd"
+    result = export("isaac", tmp_path / "out", env=hidden(tmp_path / "fake", old))
+    first, end = re.search(r"versions from (\d+\.\d+) to before (\d+)\.0 are supported", result.stderr).groups()
+    [extra] = [line for line in importlib.metadata.requires("plume-caves") if line.startswith("usd-core")]
+    needed, marker = extra.split(";")
+    assert set(needed.removeprefix("usd-core").strip().split(",")) == {f">={first}", f"<{end}"}
+    assert marker.strip().replace("'", '"') == 'extra == "usd"'
 
 
 def test_targets_without_usd_do_not_load_it(tmp_path):

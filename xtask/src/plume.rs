@@ -64,7 +64,7 @@ impl Plume {
         let mut maturin = Command::new(environment.program("maturin"));
         // The features that the rest of the workspace is built with.
         let features = "plume/default,plume-cli/default,plume-exporters/default";
-        let develop = ["develop", "--locked", "--quiet", "--features", features];
+        let develop = ["develop", "--locked", "--quiet", "--extras", "usd", "--features", features];
         let maturin = maturin.args(develop).args(profile.arguments()).current_dir(root());
         // Maturin looks for the environment of the user first.
         run(maturin.env_remove("CONDA_PREFIX").env("VIRTUAL_ENV", root().join(".venv")))?;

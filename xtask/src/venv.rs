@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::tools::{Result, root, run};
 
-/// Versions of Python that usd-core has wheels for: from the first, before the second.
+/// Versions of Python that all pinned packages have wheels for: from the first, before the second.
 const VERSIONS: [u32; 2] = [11, 15];
 
 /// A virtual environment.
@@ -103,7 +103,7 @@ impl List {
     }
 }
 
-/// A Python that usd-core has wheels for.
+/// A Python that all pinned packages have wheels for.
 fn base() -> Result<PathBuf> {
     let [first, end] = VERSIONS;
     let fits = format!("import sys; sys.exit(not (3, {first}) <= sys.version_info[:2] < (3, {end}))");
