@@ -38,7 +38,15 @@ from plume._plume import (
     register_generator,
     targets,
 )
-from plume.errors import Fault, InputError, MissingPartError, PlumeError, RecipeError, StorageError
+from plume.errors import (
+    Fault,
+    InputError,
+    MissingFileError,
+    MissingPartError,
+    PlumeError,
+    RecipeError,
+    StorageError,
+)
 
 __all__ = [
     "Cave",
@@ -51,6 +59,7 @@ __all__ = [
     "Light",
     "Lod",
     "Mesh",
+    "MissingFileError",
     "MissingPartError",
     "Package",
     "PlumeError",

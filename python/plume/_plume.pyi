@@ -81,6 +81,7 @@ def generate(
     Raises:
         RecipeError: The recipe is faulty.
         InputError: Such a cave is impossible.
+        MissingFileError: There is no file of this name.
         StorageError: The folder contains something else, or the disk fails.
 
     >>> seen = []
@@ -155,7 +156,8 @@ def open(folder: str | PathLike[str]) -> Cave:
     """Opens a finished cave folder without changing it.
 
     Raises:
-        InputError: There is no cave, or it is not finished; `generate(folder)` finishes it.
+        MissingFileError: There is no folder of this name.
+        InputError: There is no cave in it, or it is not finished; `generate(folder)` finishes it.
         StorageError: It cannot be read.
 
     >>> plume.open(cave.folder).recipe == cave.recipe

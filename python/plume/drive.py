@@ -304,7 +304,7 @@ def _caves(dataset: Path, part: str, difficulty: float | tuple[float, float] | N
     """Folders of the caves of a part, by their numbers: those with a path."""
     index = dataset / "index.json"
     if not index.is_file():
-        raise InputError(f"{dataset} is no finished dataset", "make one with `plume dataset`")
+        raise InputError(f"{dataset} is no finished dataset", "make one with `plume.dataset`")
     low, high = _range(difficulty)
     rows = [row for row in json.loads(index.read_text(encoding="utf-8")) if row["part"] == part]
     fitting = [row for row in rows if difficulty is None or low <= row.get("difficulty", -1.0) <= high]

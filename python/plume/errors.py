@@ -1,13 +1,21 @@
 """The exceptions of Plume.
 
-The text of an exception says what went wrong, where, and on a separate line what to do about it, in the words of the
-command line. Options of the command line are keywords here: `--force` is `force=True`.
+The text of an exception says what went wrong, where, and on a separate line what to do about it.
 """
 
+import os
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-__all__ = ["Fault", "InputError", "MissingPartError", "PlumeError", "RecipeError", "StorageError"]
+__all__ = [
+    "Fault",
+    "InputError",
+    "MissingFileError",
+    "MissingPartError",
+    "PlumeError",
+    "RecipeError",
+    "StorageError",
+]
 
 
 class PlumeError(Exception):
@@ -56,4 +64,30 @@ class MissingPartError(PlumeError, ImportError):
 
 
 class StorageError(PlumeError, OSError):
-    """A file or folder is missing, damaged, in use or in the way, or the disk fails."""
+    """A file or folder is missing, damaged, in use or in the way, or the disk fails.
+
+    `errno` and `filename` are set where the system refuses a file.
+    """
+
+    def __init__(
+        self, message: str, hint: str = "", errno: int | None = None, filename: str | os.PathLike[str] | None = None
+    ) -> None:
+        """An error with a text, a hint, and what the system says of which file."""
+        super().__init__(message, hint)
+        if errno is not None:
+            self.errno, self.strerror = errno, os.strerror(errno)
+        if filename is not None:
+            self.filename = os.fspath(filename)
+
+    def __str__(self) -> str:
+        """The text, which names the file in its own way."""
+        return str(self.args[0])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Keeps what is known of the file where the exception is sent to another process."""
+        known = {"errno": self.errno, "strerror": self.strerror, "filename": self.filename}
+        return type(self), self.args, {**vars(self), **known}
+
+
+class MissingFileError(StorageError, FileNotFoundError):
+    """There is no such file or folder."""

@@ -110,7 +110,7 @@ def _sums(folder: Path) -> Iterator[tuple[str, str]]:
     try:
         lines = (folder / SUMS).read_text(encoding="utf-8").splitlines()
     except FileNotFoundError:
-        raise InputError(f"{folder} is no finished dataset", "make one with `plume dataset`") from None
+        raise InputError(f"{folder} is no finished dataset", "make one with `plume.dataset`") from None
     for line in lines:
         expected, name = line.split("  ", 1)
         yield name, expected

@@ -1,17 +1,27 @@
-//! From the errors of Plume to the exceptions of `plume.errors`, text and hint unchanged.
+//! From the errors of Plume to the exceptions of `plume.errors`: the same text, and the hint in the words of Python.
+
+use std::io::{self, ErrorKind};
+use std::path::Path;
 
 use plume::cave::CaveError;
 use plume::pipeline::PipelineError;
 use plume::recipe::{Fault, Faults, Origin};
+use plume::store::StoreError;
 use plume_exporters::ExportError;
 use pyo3::call::PyCallArgs;
 use pyo3::prelude::*;
+
+use crate::words::in_python;
 
 /// The exception for an error.
 pub fn raised(py: Python<'_>, error: &CaveError) -> PyErr {
     match error {
         CaveError::Recipe(faults) => recipe_error(py, faults),
-        other => exception(py, class(other), (other.to_string(), other.hint())),
+        CaveError::Input { path, source }
+        | CaveError::Pipeline(PipelineError::Store(StoreError::Io { path, source })) => {
+            file_error(py, error, path, source)
+        }
+        other => exception(py, class(other), (other.to_string(), in_python(&other.hint()))),
     }
 }
 
@@ -62,12 +72,39 @@ fn class(error: &CaveError) -> &'static str {
     }
 }
 
+/// An exception about a file that the system refuses.
+fn file_error(py: Python<'_>, error: &CaveError, path: &Path, source: &io::Error) -> PyErr {
+    let class = match source.kind() {
+        ErrorKind::NotFound => "MissingFileError",
+        _ => "StorageError",
+    };
+    exception(py, class, (error.to_string(), in_python(&error.hint()), errno(py, source.kind()), path))
+}
+
+/// The number that Python has for this kind of error. That of the system is another on Windows.
+fn errno(py: Python<'_>, kind: ErrorKind) -> Option<i32> {
+    let name = match kind {
+        ErrorKind::NotFound => "ENOENT",
+        ErrorKind::PermissionDenied => "EACCES",
+        ErrorKind::StorageFull => "ENOSPC",
+        ErrorKind::NotADirectory => "ENOTDIR",
+        ErrorKind::IsADirectory => "EISDIR",
+        _ => return None,
+    };
+    py.import("errno").and_then(|errno| errno.getattr(name)?.extract()).ok()
+}
+
 fn recipe_error(py: Python<'_>, faults: &Faults) -> PyErr {
+    let faults = &Faults { told: faults.told.iter().map(with_hint_in_python).collect(), more: faults.more };
     let told = faults.told.iter().map(|fault| told(py, fault)).collect::<PyResult<Vec<_>>>();
     match told {
         Ok(told) => exception(py, "RecipeError", (faults.to_string(), told)),
         Err(error) => error,
     }
+}
+
+fn with_hint_in_python(fault: &Fault) -> Fault {
+    Fault { hint: in_python(&fault.hint), ..fault.clone() }
 }
 
 fn told<'py>(py: Python<'py>, fault: &Fault) -> PyResult<Bound<'py, PyAny>> {

@@ -20,6 +20,7 @@ mod recipe;
 mod tables;
 mod texture;
 mod usd;
+mod words;
 mod work;
 
 use std::ffi::OsString;

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use plume::cave::{self, Input};
+use plume::cave::{self, CaveError, Input};
 use plume::pipeline::Disk;
 use plume::store::CaveFolder;
 use pyo3::prelude::*;
@@ -40,6 +40,7 @@ use crate::{error, work};
 /// Raises:
 ///     RecipeError: The recipe is faulty.
 ///     InputError: Such a cave is impossible.
+///     MissingFileError: There is no file of this name.
 ///     StorageError: The folder contains something else, or the disk fails.
 ///
 /// >>> seen = []
@@ -174,7 +175,8 @@ fn whole_range(py: Python<'_>, numbers: &Bound<'_, PyRange>) -> PyResult<Range<u
 /// Opens a finished cave folder without changing it.
 ///
 /// Raises:
-///     InputError: There is no cave, or it is not finished; `generate(folder)` finishes it.
+///     MissingFileError: There is no folder of this name.
+///     InputError: There is no cave in it, or it is not finished; `generate(folder)` finishes it.
 ///     StorageError: It cannot be read.
 ///
 /// >>> plume.open(cave.folder).recipe == cave.recipe
@@ -182,7 +184,10 @@ fn whole_range(py: Python<'_>, numbers: &Bound<'_, PyRange>) -> PyResult<Range<u
 #[pyfunction]
 #[pyo3(signature = (folder))]
 pub fn open(py: Python<'_>, folder: PathBuf) -> PyResult<Bound<'_, Cave>> {
-    let cave = work::run(py, None, |watch| cave::Cave::open(&folder, watch))?;
+    let cave = work::run(py, None, |watch| {
+        found(&folder)?;
+        cave::Cave::open(&folder, watch)
+    })?;
     Cave::new(py, cave, None)
 }
 
@@ -199,7 +204,15 @@ fn input(py: Python<'_>, recipe: Option<&Bound<'_, PyAny>>, seed: Option<i128>, 
         return Ok(Input::of(recipe.resolve(py, &[])?));
     }
     let path: PathBuf = recipe.extract()?;
-    work::briefly(py, || Input::read(Some(&path), &seed_pairs, disk))
+    work::briefly(py, || {
+        found(&path)?;
+        Input::read(Some(&path), &seed_pairs, disk)
+    })
+}
+
+/// Makes sure that something is at `path`, before its name tells what kind of file to expect.
+fn found(path: &Path) -> Result<(), CaveError> {
+    path.metadata().map(drop).map_err(|source| CaveError::Input { path: path.to_owned(), source })
 }
 
 fn temporary() -> PyResult<(PathBuf, Option<TempDir>)> {

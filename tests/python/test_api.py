@@ -1,6 +1,7 @@
 """The module `plume`: its bytes against the command line, its errors, its examples."""
 
 import doctest
+import errno
 import gc
 import hashlib
 import inspect
@@ -323,12 +324,12 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
         (lambda cave, folder: plume.generate(SMALL, folder=folder), plume.StorageError, "does not contain a cave"),
         (lambda cave, folder: plume.generate(SMALL, folder=folder / "file" / "x"), plume.StorageError, "file"),
         (lambda cave, folder: plume.generate(SMALL, 8, folder=cave.folder), plume.StorageError, "another cave"),
-        (lambda cave, folder: plume.generate(folder / "nowhere.toml"), plume.StorageError, "nowhere.toml"),
+        (lambda cave, folder: plume.generate(folder / "nowhere.toml"), plume.MissingFileError, "nowhere.toml"),
         (lambda cave, folder: plume.generate(folder / "file"), plume.RecipeError, "file:1"),
         (lambda cave, folder: plume.generate({"graph.bounds_x_m": 1.0}), plume.InputError, "hint: "),
         (lambda cave, folder: plume.generate({"mesh.chunk_m": [1, 1, 1]}), plume.InputError, "hint: "),
         (lambda cave, folder: plume.open(folder), plume.InputError, "does not contain a cave"),
-        (lambda cave, folder: plume.open(folder / "nowhere"), plume.InputError, "no cave"),
+        (lambda cave, folder: plume.open(folder / "nowhere"), plume.MissingFileError, "nowhere"),
         (lambda cave, folder: plume.Recipe.load(folder / "file"), plume.RecipeError, "file:1"),
         (lambda cave, folder: plume.Recipe(seed=-1), plume.RecipeError, "seed must be at least 0"),
         (lambda cave, folder: plume.Recipe({"graph": 3}), plume.RecipeError, "graph must be a section"),
@@ -343,9 +344,45 @@ def test_faults_of_a_recipe_are_told_by_line_and_key(tmp_path: Path) -> None:
 def test_errors(use: Any, kind: type[Exception], text: str, cave: plume.Cave, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("dear diary\n")
     before = hashes(cave.folder)
-    with pytest.raises(kind, match=text):
+    with pytest.raises(kind, match=text) as raised:
         use(cave, tmp_path)
+    assert "--" not in getattr(raised.value, "hint", "")
     assert hashes(cave.folder) == before and sorted(os.listdir(tmp_path)) == ["file"]
+
+
+@pytest.mark.parametrize("name", ["nowhere.toml", "nowhere.json", "nowhere.3d", "nowhere"])
+@pytest.mark.parametrize("use", [plume.generate, plume.open, plume.Recipe.load, plume.dataset])
+def test_a_missing_file_is_one_for_python(use: Any, name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    with pytest.raises(FileNotFoundError) as raised:
+        use(path)
+    for error in (raised.value, pickle.loads(pickle.dumps(raised.value))):
+        assert isinstance(error, plume.StorageError)
+        assert (error.errno, error.filename) == (errno.ENOENT, str(path))
+        assert str(error).startswith(f"{path}: ")
+
+
+EXTERNAL = {"graph.generator": "external", "graph.command": [sys.executable, "-c", ""]}
+
+
+@pytest.mark.parametrize(
+    ("use", "hint"),
+    [
+        (lambda cave, folder: plume.generate(SMALL, 8, folder=cave.folder), "`force=True`"),
+        (lambda cave, folder: cave.export("gltf", cave.folder), "`force=True`"),
+        (lambda cave, folder: plume.generate(EXTERNAL), "`allow_run=True`"),
+        (lambda cave, folder: plume.generate(folder / "leads-out.svx"), "`allow_outside=True`"),
+        (lambda cave, folder: plume.generate(folder / "parts.csv"), '`{"graph.parts": "join"}`'),
+        (lambda cave, folder: plume.open(folder), "`plume.generate(folder=...)`"),
+    ],
+)
+def test_hints_are_those_of_python(use: Any, hint: str, cave: plume.Cave, tmp_path: Path) -> None:
+    (tmp_path / "leads-out.svx").write_text("*include ../elsewhere\n")
+    (tmp_path / "parts.csv").write_text("x1,y1,z1,x2,y2,z2\n0,0,0,10,0,0\n0,50,0,10,50,0\n")
+    with pytest.raises(plume.PlumeError) as raised:
+        use(cave, tmp_path)
+    assert hint in raised.value.hint and "--" not in raised.value.hint
+    assert raised.value.hint in str(raised.value)
 
 
 def test_a_missing_library_is_told_before_the_work(tmp_path: Path) -> None:
