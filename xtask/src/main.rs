@@ -11,6 +11,7 @@ mod docs;
 mod drives;
 mod gallery;
 mod interop;
+mod licences;
 mod plume;
 mod realism;
 mod samples;
@@ -23,7 +24,7 @@ mod vslam;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 12] = [
+const TASKS: [(&str, &str, Task); 13] = [
     ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
@@ -32,6 +33,7 @@ const TASKS: [(&str, &str, Task); 12] = [
     ("gallery", "               renew the pictures beside the samples", gallery::run),
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     ("drives", "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet", drives::run),
+    ("licences", "              write the licences of all crates that are shipped", licences::write),
     ("bench", "[ROW...|usd]     CPU seconds by stage, and the ratio to writing the same images", bench::run),
     ("scale", "[KM...]            CPU seconds, peak memory and disk of large caves by stage and target", scale::run),
     ("realism", "[SEEDS]          how like real caves the graphs of every generator are", realism::run),
