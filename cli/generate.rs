@@ -12,6 +12,7 @@ use plume::cave::{self, Cave, Input};
 use plume::pipeline::Pipeline;
 use plume::store::{CaveFolder, Stage};
 use plume_graph::echo::sentence;
+use plume_survey::Warning;
 
 /// Makes a cave folder. If interrupted, the same command resumes where it stopped. Given a cave folder as input, updates it
 /// to match changes of its recipe and graph.
@@ -57,10 +58,15 @@ impl Generate {
 
 /// Notes what has changed in a cave folder before it is updated, and what is doubtful about a survey.
 pub fn note_changes(input: &Input, console: &Console) {
-    for warning in &input.warnings {
-        console.note(&format!("  warning   {}", sentence(&warning.to_string())));
-    }
+    note_warnings(&input.warnings, console);
     for change in &input.changes {
         console.note(&format!("  changed   {change}"));
+    }
+}
+
+/// Notes what is doubtful about a survey.
+pub fn note_warnings(warnings: &[Warning], console: &Console) {
+    for warning in warnings {
+        console.note(&format!("  warning   {}", sentence(&warning.to_string())));
     }
 }

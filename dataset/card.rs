@@ -69,7 +69,7 @@ fn contents(plan: &Plan) -> String {
     line("items/000000/recipe.toml", "what this cave is made from");
     line("items/000000/item.json", "what is known about it, and SHA-256 of its files");
     spec.packages().for_each(|package| line(&format!("items/000000/{package}"), "its package"));
-    if spec.keep_caves || spec.targets.is_empty() {
+    if spec.keeps_caves() {
         line("items/000000/cave", "its cave folder, for `plume export`");
     }
     if let Some(robot) = &spec.robot {

@@ -124,9 +124,8 @@ fn fill(
     let input = plan.input(item)?;
     write(&work.join(RECIPE), &input.recipe.to_toml())?;
     let recipe_sha256 = sha256(input.recipe.to_json().to_string().as_bytes());
-    let keeps_cave = spec.keep_caves || spec.targets.is_empty();
     let folder = CaveFolder::open_or_new(&work.join(CAVE))?;
-    let folder = if keeps_cave { folder } else { folder.ephemeral() };
+    let folder = if spec.keeps_caves() { folder } else { folder.ephemeral() };
     let cave = Cave::make(input, folder, false, observer, &mut |_, _| ())?;
     let place = |folder: String| Place { path: work.join(folder), bundle: None, existing: Existing::Keep };
     let orders =
@@ -145,7 +144,7 @@ fn fill(
     }
     let graph_sha256 = graph_sha256(cave.graph());
     let measures = Measures::of(&cave, certified.as_ref().map(|certified| &certified.certificate));
-    if !keeps_cave {
+    if !spec.keeps_caves() {
         let folder = work.join(CAVE);
         fs::remove_dir_all(&folder).map_err(|error| StoreError::io(&folder, error))?;
     }

@@ -61,6 +61,11 @@ impl Default for Spec {
 }
 
 impl Spec {
+    /// Whether the cave folders are part of the dataset.
+    pub fn keeps_caves(&self) -> bool {
+        self.keep_caves || self.targets.is_empty()
+    }
+
     /// The folders of the packages of a cave; targets that are not known have none.
     pub fn packages(&self) -> impl Iterator<Item = String> {
         self.targets.iter().filter_map(|name| Some(cave::target(name).ok()?.folder()))

@@ -10,6 +10,7 @@ mod cli;
 mod command;
 mod dataset;
 mod external;
+mod graphs;
 mod handover;
 mod measure;
 mod models;
