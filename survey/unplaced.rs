@@ -106,3 +106,72 @@ impl Remaining {
         is_counted.into_iter().filter(|is_counted| *is_counted).count()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use plume_graph::NoOutside;
+
+    use crate::{Import, Parts, ReadError, Source, Tally, svx};
+
+    fn parsed(text: &str, parts: Parts) -> Result<Import, ReadError> {
+        svx::import(&Source { path: Path::new("cave.svx"), bytes: text.as_bytes(), outside: &NoOutside }, parts)
+    }
+
+    /// Two legs of 32 m, then a leg without readings to one of 7 m.
+    const BEHIND_A_GAP: &str =
+        "1 2 10 0 0\n2 3 22 90 0\n*data nosurvey from to\n3 4\n*data default\n4 5 7 0 0\n4 .. 3 0 0\n";
+
+    #[test]
+    fn stations_that_only_legs_without_readings_reach_are_left_out_and_counted() {
+        for fix in ["", "*fix 1 494000 5200000 1000\n"] {
+            for parts in [Parts::Refuse, Parts::Join, Parts::Keep, Parts::Longest] {
+                let import = parsed(&format!("{BEHIND_A_GAP}{fix}"), parts).unwrap();
+                let Tally { unplaced, left_out, .. } = import.tally;
+                assert_eq!((import.graph.length_m(), import.graph.nodes.len()), (32.0, 3), "{fix}");
+                assert_eq!((unplaced, left_out), (2, 0), "{fix}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_longest_piece_stays_if_nothing_is_fixed_and_the_fixed_one_otherwise() {
+        let text = "1 2 3 0 0\n3 4 7 0 0\n4 5 7 0 0\n*data nosurvey from to\n2 3\n";
+        let import = parsed(text, Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.tally.unplaced), (14.0, 2));
+        let import = parsed(&format!("{text}*fix 1 0 0 0\n"), Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.tally.unplaced), (3.0, 3));
+        let fixed = "*data default\n9 .. 5 0 0\n*fix 9 0 0 0\n*data nosurvey from to\n9 1\n";
+        let error = parsed(&format!("{text}{fixed}"), Parts::Refuse).unwrap_err();
+        assert_eq!(error.to_string(), "cave.svx: has no passages with a known position");
+    }
+
+    #[test]
+    fn pieces_without_a_position_are_laid_beside_each_other() {
+        let text = "1 2 30 90 0\n8 9 20 270 5\n9 10 4 0 0\na b 3 0 0\n";
+        let error = parsed(text, Parts::Refuse).unwrap_err();
+        assert!(error.message.starts_with("has 3 disconnected pieces"), "{error}");
+        for (fix, row) in [("", [30.0, 50.0, 89.924]), ("*fix 9 7 7 7\n", [27.0, 47.0, 97.0])] {
+            let kept = parsed(&format!("{text}{fix}"), Parts::Keep).unwrap();
+            let east = |name: &str| {
+                let node = kept.graph.nodes.iter().find(|node| node.name.as_deref() == Some(name)).expect(name);
+                node.position.x + kept.tally.origin_m.x
+            };
+            let found = if fix.is_empty() { ["2", "9", "a"] } else { ["8", "1", "a"] }.map(east);
+            let found = found.map(|x| (x * 1000.0).round() / 1000.0);
+            assert!(found.iter().zip(row).all(|(found, expected)| (found - expected).abs() < 0.1), "{found:?}");
+            assert_eq!((kept.graph.components().len(), kept.graph.nodes.len(), kept.tally.afloat), (3, 7, 2));
+            let joined = parsed(&format!("{text}{fix}"), Parts::Join).unwrap();
+            assert_eq!((joined.graph.components().len(), joined.tally.joined, joined.tally.afloat), (1, 2, 2));
+        }
+        let longest = parsed(text, Parts::Longest).unwrap();
+        assert_eq!((longest.graph.length_m(), longest.tally.afloat, longest.tally.left_out), (30.0, 0, 5));
+    }
+
+    #[test]
+    fn a_leg_without_readings_between_placed_stations_is_a_passage() {
+        let import = parsed("1 2 6 0 0\n2 3 8 90 0\n*data nosurvey from to\n1 3\n", Parts::Refuse).unwrap();
+        assert_eq!((import.graph.length_m(), import.graph.loops(), import.tally.unplaced), (24.0, 1, 0));
+    }
+}

@@ -15,7 +15,7 @@ mod values;
 use nalgebra::Point3;
 
 use self::units::{Settings, Vectors};
-use self::values::{angle_deg, length_m, pair};
+use self::values::{length_m, pair};
 use super::centreline::{Centreline, Name, Names, Section};
 use super::files::{self, FilePosition, Files};
 use super::limits::MAX_COORDINATE_M;
@@ -191,24 +191,15 @@ impl Reader<'_> {
                     add(Quantity::BackLength, back.map(metres).transpose()?);
                 }
                 'A' => {
-                    let fore = fore.map(|word| angle_deg(word, settings.azimuth)).transpose()?;
-                    let back = back.map(|word| angle_deg(word, settings.back_azimuth)).transpose()?;
+                    let reversed = |deg: f64| if deg < 180.0 { deg + 180.0 } else { deg - 180.0 };
+                    let [fore, back] = settings.azimuths.read(fore, back, reversed)?;
                     add(Quantity::Bearing, fore);
-                    add(
-                        Quantity::BackBearing,
-                        settings.back_azimuths.of(fore, back).map(|deg| match () {
-                            () if !settings.back_azimuths.is_corrected => deg,
-                            () if deg < 180.0 => deg + 180.0,
-                            () => deg - 180.0,
-                        }),
-                    );
+                    add(Quantity::BackBearing, back);
                 }
                 _ => {
-                    let fore = fore.map(|word| angle_deg(word, settings.vertical)).transpose()?;
-                    let back = back.map(|word| angle_deg(word, settings.back_vertical)).transpose()?;
+                    let [fore, back] = settings.verticals.read(fore, back, |deg| -deg)?;
                     add(Quantity::Gradient, fore);
-                    let turn = if settings.back_verticals.is_corrected { -1.0 } else { 1.0 };
-                    add(Quantity::BackGradient, settings.back_verticals.of(fore, back).map(|deg| turn * deg));
+                    add(Quantity::BackGradient, back);
                 }
             }
         }

@@ -49,19 +49,14 @@ impl AngleUnit {
 
 /// How backsights are to be taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Backsights {
+struct Backsights {
     /// Whether they are already reversed to match foresights.
-    pub(super) is_corrected: bool,
+    is_corrected: bool,
     /// Whether they count only where there is no foresight.
     only_alone: bool,
 }
 
 impl Backsights {
-    /// The backsight, if it counts.
-    pub(super) fn of(self, fore: Option<f64>, back: Option<f64>) -> Option<f64> {
-        back.filter(|_| !self.only_alone || fore.is_none())
-    }
-
     /// `N` or `C`, then optionally a tolerance and `X`.
     fn read(text: &str) -> Result<Self, String> {
         let mut parts = text.split(',');
@@ -71,6 +66,30 @@ impl Backsights {
             _ => return Err(format!("{} is neither `Normal` nor `Corrected`", shown(text))),
         };
         Ok(Self { is_corrected, only_alone: parts.nth(1).is_some_and(|mark| mark.eq_ignore_ascii_case("x")) })
+    }
+}
+
+/// How foresights and backsights of a kind of angle are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Sights {
+    unit: AngleUnit,
+    back_unit: AngleUnit,
+    back: Backsights,
+}
+
+impl Sights {
+    /// The foresight and the backsight in degrees, as far as they are given and count. `reversed` makes a backsight of one that has
+    /// been reversed to match foresights.
+    pub(super) fn read(
+        self,
+        fore: Option<&str>,
+        back: Option<&str>,
+        reversed: impl Fn(f64) -> f64,
+    ) -> Result<[Option<f64>; 2], String> {
+        let fore_deg = fore.map(|word| angle_deg(word, self.unit)).transpose()?;
+        let back_deg = back.map(|word| angle_deg(word, self.back_unit)).transpose()?;
+        let counted = back_deg.filter(|_| !self.back.only_alone || fore_deg.is_none());
+        Ok([fore_deg, counted.map(|deg| if self.back.is_corrected { reversed(deg) } else { deg })])
     }
 }
 
@@ -94,12 +113,8 @@ pub(super) struct Settings {
     pub(super) distance_m: f64,
     /// Metres per unit of distances to walls.
     size_m: f64,
-    pub(super) azimuth: AngleUnit,
-    pub(super) back_azimuth: AngleUnit,
-    pub(super) vertical: AngleUnit,
-    pub(super) back_vertical: AngleUnit,
-    pub(super) back_azimuths: Backsights,
-    pub(super) back_verticals: Backsights,
+    pub(super) azimuths: Sights,
+    pub(super) verticals: Sights,
     declination_deg: f64,
     grid_deg: f64,
     /// Corrections in metres and degrees.
@@ -121,12 +136,8 @@ impl Default for Settings {
             coordinates: vec!['E', 'N', 'U'],
             distance_m: 1.0,
             size_m: 1.0,
-            azimuth: AngleUnit::Degrees,
-            back_azimuth: AngleUnit::Degrees,
-            vertical: AngleUnit::Degrees,
-            back_vertical: AngleUnit::Degrees,
-            back_azimuths: Backsights::default(),
-            back_verticals: Backsights::default(),
+            azimuths: Sights::default(),
+            verticals: Sights::default(),
             declination_deg: 0.0,
             grid_deg: 0.0,
             instruments: Instruments::of_walls(),
@@ -167,20 +178,24 @@ impl Settings {
             ("rect", "") => self.vectors = Vectors::Rectangular,
             ("d", value) => self.distance_m = unit_of_length(value)?,
             ("s", value) => self.size_m = unit_of_length(value)?,
-            ("a", value) => self.azimuth = AngleUnit::named(value, false)?,
-            ("ab", value) => self.back_azimuth = AngleUnit::named(value, false)?,
-            ("v", value) => self.vertical = AngleUnit::named(value, true)?,
-            ("vb", value) => self.back_vertical = AngleUnit::named(value, true)?,
+            ("a", value) => self.azimuths.unit = AngleUnit::named(value, false)?,
+            ("ab", value) => self.azimuths.back_unit = AngleUnit::named(value, false)?,
+            ("v", value) => self.verticals.unit = AngleUnit::named(value, true)?,
+            ("vb", value) => self.verticals.back_unit = AngleUnit::named(value, true)?,
             ("order" | "o", value) => self.set_order(value)?,
             ("decl", value) => self.declination_deg = angle_deg(value, AngleUnit::Degrees)?,
             ("grid", value) => self.grid_deg = angle_deg(value, AngleUnit::Degrees)?,
             ("incd", value) => self.instruments.correct(Quantity::Length, length_m(value, self.distance_m)?),
-            ("inca", value) => self.instruments.correct(Quantity::Bearing, angle_deg(value, self.azimuth)?),
-            ("incab", value) => self.instruments.correct(Quantity::BackBearing, angle_deg(value, self.back_azimuth)?),
-            ("incv", value) => self.instruments.correct(Quantity::Gradient, angle_deg(value, self.vertical)?),
-            ("incvb", value) => self.instruments.correct(Quantity::BackGradient, angle_deg(value, self.back_vertical)?),
-            ("typeab", value) => self.back_azimuths = Backsights::read(value)?,
-            ("typevb", value) => self.back_verticals = Backsights::read(value)?,
+            ("inca", value) => self.instruments.correct(Quantity::Bearing, angle_deg(value, self.azimuths.unit)?),
+            ("incab", value) => {
+                self.instruments.correct(Quantity::BackBearing, angle_deg(value, self.azimuths.back_unit)?)
+            }
+            ("incv", value) => self.instruments.correct(Quantity::Gradient, angle_deg(value, self.verticals.unit)?),
+            ("incvb", value) => {
+                self.instruments.correct(Quantity::BackGradient, angle_deg(value, self.verticals.back_unit)?)
+            }
+            ("typeab", value) => self.azimuths.back = Backsights::read(value)?,
+            ("typevb", value) => self.verticals.back = Backsights::read(value)?,
             ("case", value) => self.set_case(value)?,
             ("prefix" | "prefix1", value) => self.set_prefix(1, value)?,
             ("prefix2", value) => self.set_prefix(2, value)?,
@@ -195,9 +210,7 @@ impl Settings {
 
     /// An order of columns: of vectors by tape or of rectangular ones.
     fn set_order(&mut self, order: &str) -> Result<(), String> {
-        let letters: Vec<char> = order.to_ascii_uppercase().chars().collect();
-        let mut sorted = letters.clone();
-        sorted.sort_unstable();
+        let [letters, sorted] = letters(order);
         match sorted[..] {
             ['A', 'D', 'V'] | ['A', 'D'] => self.columns = letters,
             ['E', 'N', 'U'] | ['E', 'N'] => self.coordinates = letters,
@@ -237,9 +250,7 @@ impl Settings {
             "t" | "tb" => true,
             _ => return Err(format!("{} is not F, T, FB or TB", shown(place))),
         };
-        let letters: Vec<char> = order.to_ascii_uppercase().chars().collect();
-        let mut sorted = letters.clone();
-        sorted.sort_unstable();
+        let [letters, sorted] = letters(order);
         if sorted != ['D', 'L', 'R', 'U'] {
             return Err(format!("{} is not an order of left, right, up and down", shown(order)));
         }
@@ -288,6 +299,14 @@ impl Settings {
             Case::Lower => name.to_lowercase(),
         }
     }
+}
+
+/// The letters of an order of columns, as they stand and sorted.
+fn letters(order: &str) -> [Vec<char>; 2] {
+    let letters: Vec<char> = order.to_ascii_uppercase().chars().collect();
+    let mut sorted = letters.clone();
+    sorted.sort_unstable();
+    [letters, sorted]
 }
 
 fn unit_of_length(name: &str) -> Result<f64, String> {

@@ -13,7 +13,7 @@ use plume_graph::{Graph, StationId};
 const SIZE: f64 = 11.0;
 /// Gap between a station and its name, in units of the paper.
 const GAP: f64 = 8.0;
-/// Pixels along the side of a square of paper that is free or taken, in units of the paper.
+/// Side of a square of paper that is free or taken, in units of the paper.
 const SQUARE: f64 = 4.0;
 /// Longest name that is drawn, in letters.
 const MOST_LETTERS: usize = 40;
