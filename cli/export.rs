@@ -30,7 +30,7 @@ pub struct Export {
     /// Where to write the package; with several targets, the parent folder of all packages [default: NAME-TARGET]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Set an option of a target, for example --option gazebo.lights=false
+    /// Set an option of a target, for example --option gazebo.lights=false; see `plume list options`
     #[arg(long, value_name = "TARGET.KEY=VALUE")]
     option: Vec<String>,
     /// Write each package as a single file: zip, tar.zst, tgz (npm, Unity) or mjz (MuJoCo)

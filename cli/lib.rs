@@ -148,7 +148,7 @@ enum Command {
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
-    /// List targets, generators, formats, materials, things, presets, views and robots
+    /// List targets and their options, generators, formats, materials, things, presets, views and robots
     List(list::List),
     /// Check that a package is intact and refers to nothing outside itself
     Check(check::Check),

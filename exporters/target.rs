@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use plume_registry::Named;
+use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -147,7 +148,7 @@ impl TargetRow {
             is_single_file: false,
             has_pieces: false,
             bundles: &[],
-            settings: || schemars::schema_for!(T),
+            settings: settings_schema::<T>,
             build: Build::Plain(|table| Ok(Box::new(serde_json::from_value::<T>(table)?))),
         }
     }
@@ -186,6 +187,12 @@ impl TargetRow {
         let format = if self.needs_format() { ":<id>" } else { "" };
         format!("{}{format}", self.name)
     }
+}
+
+/// The JSON schema of settings, for [`TargetRow::settings`]; it contains no references.
+pub fn settings_schema<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<T>()
 }
 
 impl Named for TargetRow {

@@ -10,6 +10,7 @@ mod output;
 mod print;
 mod read;
 mod schema;
+mod setting;
 mod world;
 
 use std::ops::RangeInclusive;
@@ -26,6 +27,7 @@ pub use self::fault::{Fault, Faults, Origin};
 pub use self::output::OutputSettings;
 pub use self::read::MAX_BYTES;
 pub use self::schema::editor_schema;
+pub use self::setting::{Setting, settings_of};
 pub use self::world::WorldSettings;
 use crate::field::PassageSettings;
 use crate::material::{Look, MATERIALS, Material};

@@ -12,7 +12,7 @@ use crate::package::Package;
 use crate::place::{Existing, Folder};
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Summary, Target, TargetRow, settings_schema};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -27,7 +27,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: true,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(StageSettings),
+    settings: settings_schema::<StageSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: serde_json::from_value(table)?, library }))),
 };
 

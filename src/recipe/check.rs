@@ -180,7 +180,7 @@ fn below(section: &str, key: &str) -> String {
 }
 
 /// The schema inside `anyOf [X, null]` or `type [x, null]`, and whether `null` is allowed.
-fn unwrap_optional(schema: &Value) -> (&Value, bool) {
+pub fn unwrap_optional(schema: &Value) -> (&Value, bool) {
     let is_null = |s: &Value| s["type"] == "null";
     if let Some(variants) = schema["anyOf"].as_array().filter(|v| v.iter().any(is_null)) {
         return (variants.iter().find(|v| !is_null(v)).unwrap_or(schema), true);
@@ -189,7 +189,8 @@ fn unwrap_optional(schema: &Value) -> (&Value, bool) {
     (schema, optional)
 }
 
-fn type_name(schema: &Value) -> &str {
+/// The type that a schema names, apart from `null`.
+pub fn type_name(schema: &Value) -> &str {
     match &schema["type"] {
         Value::Array(types) => types.iter().filter_map(Value::as_str).find(|t| *t != "null").unwrap_or(""),
         other => other.as_str().unwrap_or(""),
@@ -231,7 +232,7 @@ pub fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Str
     // What is much longer than any name is none of them misspelled, and comparing takes time.
     let nearest = known.filter(|k| word.len() <= 2 * k.len() + 2).map(|k| (strsim::levenshtein(word, k), k)).min();
     match nearest {
-        Some((distance, k)) if distance <= 1 + word.len() / 3 => format!("did you mean `{k}`? "),
+        Some((distance, k)) if distance <= word.len().div_ceil(3) => format!("did you mean `{k}`? "),
         _ => String::new(),
     }
 }

@@ -41,6 +41,20 @@ fn unknown_names_are_reported() {
 }
 
 #[test]
+fn options_of_targets_are_listed() {
+    let desk = Desk::new();
+    let listed = |more: &[&str]| String::from_utf8(desk.run(&[&["list", "options"], more].concat()).stdout).unwrap();
+    let gazebo = listed(&["gazebo"]);
+    assert!(gazebo.contains("  gazebo.ambient ") && gazebo.contains("[0.0 to 1.0; default 0.1]"), "{gazebo}");
+    assert!(!gazebo.contains("mujoco."), "{gazebo}");
+    let all: serde_json::Value = serde_json::from_str(&listed(&["--json"])).unwrap();
+    let lights = all["options"].as_array().unwrap().iter().find(|row| row["name"] == "gazebo.lights").unwrap();
+    assert_eq!((&lights["target"], &lights["default"]), (&json!("gazebo"), &json!(true)));
+    assert_snapshot!("options_of_no_target", desk.fault(&["list", "options", "gazeboo"]));
+    assert_snapshot!("options_of_another_table", desk.fault(&["list", "robots", "gazebo"]));
+}
+
+#[test]
 fn faulty_previews_are_reported() {
     let desk = Desk::new();
     desk.file("file", "a file");
