@@ -35,6 +35,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
 use plume_dataset::Engine;
 use plume_exporters::stage::Library;
+use plume_exporters::{TARGETS, TargetRow};
 
 pub use self::dataset::RayTasks;
 pub use self::fault::CliError;
@@ -211,7 +212,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     signals::survive_file_limit();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(usage) => return answer(clipped(usage)),
+        Err(usage) => return answer(naming_targets(clipped(usage))),
     };
     let console = Console::new(&cli.common);
     if !cli.command.only_prints() {
@@ -272,6 +273,17 @@ fn clipped(mut usage: clap::Error) -> clap::Error {
             let text = echo::plain(text);
             usage.insert(kind, ContextValue::String(text));
         }
+    }
+    usage
+}
+
+/// The same with the names of all targets if none is given.
+fn naming_targets(mut usage: clap::Error) -> clap::Error {
+    let Some(ContextValue::Strings(missing)) = usage.get(ContextKind::InvalidArg) else { return usage };
+    if missing.iter().any(|argument| argument.starts_with("--target ")) {
+        let names: Vec<String> = TARGETS.iter().map(TargetRow::usage).collect();
+        let tip = format!("known targets: {}", names.join(", "));
+        usage.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
     usage
 }

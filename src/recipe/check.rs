@@ -152,8 +152,11 @@ impl Checker<'_> {
     fn unknown(&mut self, path: &str, name: &str, known: &Value) {
         self.fault(path, |path| {
             let names: Vec<&str> = known.as_object().into_iter().flatten().map(|(k, _)| k.as_str()).collect();
-            let hint = format!("{}known: {}", did_you_mean(name, names.iter().copied()), names.join(", "));
-            (format!("{path} is not a key"), hint)
+            let meant = match sections_with(name, known) {
+                keys if keys.is_empty() => did_you_mean(name, names.iter().copied()),
+                keys => format!("did you mean {}? ", keys.join(" or ")),
+            };
+            (format!("{path} is not a key"), format!("{meant}known: {}", names.join(", ")))
         });
     }
 
@@ -172,6 +175,13 @@ impl Checker<'_> {
             Fault { origin: draft.origin(key), message, hint }
         });
     }
+}
+
+/// The same key in sections, such as `graph.nodes`.
+fn sections_with(name: &str, sections: &Value) -> Vec<String> {
+    let sections = sections.as_object().into_iter().flatten();
+    let has_key = |(_, section): &(&String, &Value)| section["properties"].get(name).is_some();
+    sections.filter(has_key).map(|(section, _)| format!("`{section}.{name}`")).collect()
 }
 
 /// The path of a key in a section, which has none at the top.
@@ -234,5 +244,21 @@ pub fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Str
     match nearest {
         Some((distance, k)) if distance <= word.len().div_ceil(3) => format!("did you mean `{k}`? "),
         _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::did_you_mean;
+
+    #[test]
+    fn only_near_names_are_suggested() {
+        let presets = ["cave", "lava-tube", "mine", "layers"];
+        let meant = |word: &str| did_you_mean(word, presets.into_iter());
+        assert_eq!(["ice", "tube", "salt", ""].map(meant), [""; 4]);
+        assert_eq!(
+            ["mines", "cav", "lavatube"].map(meant),
+            ["mine", "cave", "lava-tube"].map(|k| format!("did you mean `{k}`? "))
+        );
     }
 }

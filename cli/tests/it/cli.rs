@@ -55,6 +55,19 @@ fn options_of_targets_are_listed() {
 }
 
 #[test]
+fn hints_lead_to_what_was_meant() {
+    let desk = Desk::new();
+    assert_snapshot!("no_preset_nearby", desk.fault(&["new", "--preset", "ice"]));
+    assert_snapshot!("key_without_section", desk.fault(&["new", "--set", "nodes=5"]));
+    let export = |target: &str, option: &str| desk.fault(&["export", "--target", target, "--option", option]);
+    assert_snapshot!("option_without_target", export("gazebo", "ros2=true"));
+    assert_snapshot!("option_of_others", export("obj", "ros2=true"));
+    assert_snapshot!("option_of_no_export", export("obj, glb", "gazebo.ros2=true"));
+    let fault = desk.fault(&["export"]);
+    assert!(fault.starts_with("exit 2\n") && fault.contains("known targets: gazebo, isaac"), "{fault}");
+}
+
+#[test]
 fn faulty_previews_are_reported() {
     let desk = Desk::new();
     desk.file("file", "a file");
