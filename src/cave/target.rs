@@ -16,8 +16,9 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::CaveError;
-use crate::recipe;
+use crate::recipe::{self, Recipe};
 use crate::store::sha256;
+use crate::texture::MapFormats;
 use plume_graph::echo::{plain, shown};
 
 /// The target called `name`.
@@ -43,6 +44,27 @@ pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     let able = TARGETS.iter().filter(|row| row.has(bundle));
     let hint = format!("targets that support it: {}", able.map(|row| row.name).collect::<Vec<_>>().join(", "));
     Err(CaveError::Usage { message: format!("target `{}` does not support the bundle `{name}`", row.name), hint })
+}
+
+/// Refuses a recipe whose textures have a format that one of these targets does not take. Targets without images take any.
+///
+/// # Errors
+/// [`CaveError::Usage`], which names the formats that the target takes.
+pub fn refuse_unfit_images(rows: &[&TargetRow], recipe: &Recipe) -> Result<(), CaveError> {
+    let format = recipe.texture().format;
+    let takes = |row: &TargetRow, format: MapFormats| row.images.is_empty() || format.is_among(row.images);
+    let Some(row) = rows.iter().find(|row| !takes(row, format)) else { return Ok(()) };
+    let taken = MapFormats::ALL.into_iter().filter(|format| takes(row, *format)).map(MapFormats::name);
+    let able = TARGETS.iter().filter(|row| format.is_among(row.images)).map(|row| row.name);
+    Err(CaveError::Usage {
+        message: format!("target `{}` does not take texture.format = {:?}", row.name, format.name()),
+        hint: format!(
+            "formats that it takes: {}; targets that take {}: {}",
+            taken.collect::<Vec<_>>().join(", "),
+            format.name(),
+            able.collect::<Vec<_>>().join(", ")
+        ),
+    })
 }
 
 /// A target with its options.

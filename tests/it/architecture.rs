@@ -26,7 +26,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
     ("pipeline", &["field", "material", "mesh", "model", "preview", "recipe", "store", "texture", "things"]),
     ("trajectory", &[]),
-    ("cave", &["assemble", "field", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("cave", &["assemble", "field", "mesh", "pipeline", "preset", "preview", "recipe", "store", "texture"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -68,6 +68,16 @@ fn hints_lead_to_what_was_meant() {
 }
 
 #[test]
+fn images_that_a_target_does_not_take_are_refused_before_the_work() {
+    let desk = Desk::new();
+    let webp = ["--set", "texture.format=webp"];
+    assert_snapshot!("images_unfit", desk.fault(&[&["export", "--target", "glb,gazebo"], &webp[..]].concat()));
+    let with = ["export", "--target", "glb", "--with", "gazebo"];
+    assert!(desk.fault(&[&with, &webp[..]].concat()).contains("target `gazebo` does not take"));
+    assert_eq!(files(&desk.path("")).len(), 0);
+}
+
+#[test]
 fn faulty_previews_are_reported() {
     let desk = Desk::new();
     desk.file("file", "a file");
