@@ -167,7 +167,7 @@ impl Plan {
     fn source(&self, item: &Item, settings: &[String]) -> Result<Input, CaveError> {
         let name = item.drawn(RECIPE).and_then(Value::as_str).unwrap_or(&self.spec.recipe);
         match cave::preset(name) {
-            Ok(preset) => Ok(Input::of(Recipe::from_toml(preset.text, preset.name.as_ref(), settings)?)),
+            Ok(preset) => Ok(Input::of(Recipe::from_preset(preset, settings)?)),
             Err(_) => Input::read(Some(&self.folder.join(name)), settings, self.disk),
         }
     }

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use plume_registry::Named;
-use schemars::generate::SchemaSettings;
+use plume_registry::{Named, settings_schema};
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -187,12 +186,6 @@ impl TargetRow {
         let format = if self.needs_format() { ":<id>" } else { "" };
         format!("{}{format}", self.name)
     }
-}
-
-/// The JSON schema of settings, for [`TargetRow::settings`]; it contains no references.
-pub fn settings_schema<T: JsonSchema>() -> Schema {
-    let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
-    settings.into_generator().into_root_schema_for::<T>()
 }
 
 impl Named for TargetRow {

@@ -22,7 +22,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::Scene;
-use crate::{Build, Summary, Target, TargetRow, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 pub mod library;
 
@@ -41,7 +41,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: false,
     bundles: &[],
-    settings: settings_schema::<AssimpSettings>,
+    settings: plume_registry::settings_schema::<AssimpSettings>,
     build: Build::WithFormat(|format, table| {
         let settings = serde_json::from_value(table)?;
         Ok(Box::new(Assimp::new(settings, format, Library::load()?)?))

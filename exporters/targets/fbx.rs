@@ -34,7 +34,7 @@ use crate::frame::{Axes, Up};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::loaded::Loaded;
 
@@ -54,7 +54,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<FbxSettings>,
+    settings: plume_registry::settings_schema::<FbxSettings>,
     build: Build::Plain(|table| Ok(Box::new(Fbx(serde_json::from_value(table)?)))),
 };
 

@@ -26,7 +26,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Instance, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings_schema};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -41,7 +41,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<GltfSettings>,
+    settings: plume_registry::settings_schema::<GltfSettings>,
     build: Build::Plain(|table| {
         let settings: GltfSettings = serde_json::from_value(table)?;
         settings.compression.check()?;

@@ -16,7 +16,7 @@ use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Contents, Library};
-use crate::{Build, Summary, Target, TargetRow, settings_schema};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -34,7 +34,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<IsaacSettings>,
+    settings: plume_registry::settings_schema::<IsaacSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Isaac { settings: serde_json::from_value(table)?, library }))),
 };
 

@@ -29,7 +29,7 @@ use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::rover::{self, Rover};
 use crate::scene::{Chunk, Landmark, Light, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;
 use self::field::Field;
@@ -56,7 +56,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[Bundle::Mjz],
-    settings: settings_schema::<MujocoSettings>,
+    settings: plume_registry::settings_schema::<MujocoSettings>,
     build: Build::Plain(|table| Ok(Box::new(Mujoco(serde_json::from_value(table)?)))),
 };
 

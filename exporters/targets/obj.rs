@@ -27,7 +27,7 @@ use crate::frame::{Axes, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Material, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -42,7 +42,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<ObjSettings>,
+    settings: plume_registry::settings_schema::<ObjSettings>,
     build: Build::Plain(|table| Ok(Box::new(Obj(serde_json::from_value(table)?)))),
 };
 

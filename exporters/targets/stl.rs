@@ -17,7 +17,7 @@ use crate::format::stl;
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
-use crate::{Build, Summary, Target, TargetRow, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -32,7 +32,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: true,
     has_pieces: false,
     bundles: &[],
-    settings: settings_schema::<StlSettings>,
+    settings: plume_registry::settings_schema::<StlSettings>,
     build: Build::Plain(|table| Ok(Box::new(Stl(serde_json::from_value(table)?)))),
 };
 

@@ -33,7 +33,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Image, Instance, Material, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, names, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, names, template};
 
 /// Chunks of a region. Tuned: a tileset of some 30 kB.
 const CHUNKS_OF_REGION: usize = 64;
@@ -54,7 +54,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: false,
     bundles: &[],
-    settings: settings_schema::<TilesSettings>,
+    settings: plume_registry::settings_schema::<TilesSettings>,
     build: Build::Plain(|table| {
         let settings: TilesSettings = serde_json::from_value(table)?;
         settings.compression.check()?;

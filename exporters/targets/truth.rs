@@ -39,7 +39,7 @@ use crate::labels::Labels;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::surface::FloorBuilder;
-use crate::{Build, Summary, Target, TargetRow, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, template};
 use floors::Floors;
 use table::{Entry, FRAME, Table};
 use tasks::Tasks;
@@ -70,7 +70,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: false,
     bundles: &[],
-    settings: settings_schema::<TruthSettings>,
+    settings: plume_registry::settings_schema::<TruthSettings>,
     build: Build::Plain(|table| Ok(Box::new(Truth(serde_json::from_value(table)?)))),
 };
 

@@ -33,7 +33,7 @@ use crate::frame::{Axes, Up, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Material, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, names, settings_schema, template};
+use crate::{Build, Summary, Target, TargetRow, names, template};
 use index::{Entry, Textures};
 use things::{Shape, Things};
 
@@ -56,7 +56,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<UnrealSettings>,
+    settings: plume_registry::settings_schema::<UnrealSettings>,
     build: Build::Plain(|table| Ok(Box::new(Unreal(serde_json::from_value(table)?)))),
 };
 

@@ -7,7 +7,7 @@ use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow, settings_schema};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -22,7 +22,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<StageSettings>,
+    settings: plume_registry::settings_schema::<StageSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: serde_json::from_value(table)?, library }))),
 };
 

@@ -12,7 +12,7 @@ use crate::package::Package;
 use crate::place::{Existing, Folder};
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow, settings_schema};
+use crate::{Build, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -27,7 +27,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: true,
     has_pieces: true,
     bundles: &[],
-    settings: settings_schema::<StageSettings>,
+    settings: plume_registry::settings_schema::<StageSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: serde_json::from_value(table)?, library }))),
 };
 

@@ -20,7 +20,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("things", &["field", "material", "mesh", "model", "noise"]),
     ("placement", &["field"]),
     ("preview", &["field", "material", "mesh", "placement", "things"]),
-    ("recipe", &["field", "material", "mesh", "model", "texture", "things"]),
+    ("recipe", &["field", "material", "mesh", "model", "preset", "texture", "things"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture", "things"]),
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),

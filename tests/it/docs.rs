@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::MATERIALS;
-use plume::recipe::{Setting, settings_of};
+use plume::recipe::{SCHEMA_ADDRESS, Setting, editor_schema, settings_of};
 use plume::things::{KINDS, KindRow};
 use plume_exporters::{TARGETS, TargetRow};
 
@@ -19,6 +19,17 @@ fn lists_are_those_of_the_tables() {
     has_lists("docs/formats.md", |_| vec![("targets", targets()), ("pieces", pieces()), ("options", options())]);
     has_lists("docs/gallery.md", |page| vec![("rocks", rocks()), ("generators", generators(page))]);
     has_lists("docs/things.md", |_| vec![("things", things())]);
+}
+
+/// Recipes name it by its address, at the tag of their version.
+#[test]
+fn the_schema_is_that_of_recipes() {
+    assert!(SCHEMA_ADDRESS.ends_with(&format!("/v{}/docs/recipe.schema.json", env!("CARGO_PKG_VERSION"))));
+    let (path, schema) = (of_project("docs/recipe.schema.json"), format!("{:#}\n", editor_schema()));
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        return fs::write(&path, schema).expect("the schema can be written");
+    }
+    assert!(read(&path) == schema, "docs/recipe.schema.json is out of date, renew it by `{RENEW}`");
 }
 
 #[test]

@@ -515,9 +515,34 @@ fn the_printed_recipe_reads_back_as_itself() {
         let made = desk.run(&["graph", "printed.toml", "--output", preset, "--json"]);
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
         let kept = fs::read_to_string(desk.path(preset).join("cave.toml")).unwrap();
+        let (schema, printed) = printed.split_once("\n\n").unwrap();
+        assert!(schema.starts_with("#:schema https://") && schema.ends_with("/docs/recipe.schema.json"), "{schema}");
         let (recipe, last_line) = kept.trim_end().rsplit_once('\n').unwrap();
         assert_eq!((printed.trim_end(), last_line), (recipe.trim_end(), "# End of the recipe: keep this line."));
     }
+}
+
+#[test]
+fn every_generator_and_rock_can_be_chosen_in_a_new_recipe() {
+    let desk = Desk::new();
+    let listed: serde_json::Value = serde_json::from_slice(&desk.run(&["list", "--json"]).stdout).unwrap();
+    let names = |table: &str| -> Vec<String> {
+        listed[table].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let generators = names("generators").into_iter().map(|name| ("graph.generator", "generator", name));
+    let rocks = names("materials").into_iter().map(|name| ("rock.kind", "kind", name));
+    let choices: Vec<_> = generators.chain(rocks).collect();
+    for preset in names("presets") {
+        for (path, key, name) in &choices {
+            let made = desk.run(&["new", "--preset", &preset, "--set", &format!("{path}={name}")]);
+            let said = String::from_utf8_lossy(&made.stderr);
+            assert!(made.status.success(), "{preset} {name}: {said}");
+            let recipe = String::from_utf8(made.stdout).unwrap();
+            assert!(recipe.contains(&format!("\n{key} = \"{name}\"\n")), "{preset} {name}");
+        }
+    }
+    let printed = desk.run(&["new", "--set", "graph.generator=mine", "--set", "graph.levels=3"]).stdout;
+    assert!(String::from_utf8(printed).unwrap().contains("\nlevels = 3\n"));
 }
 
 #[test]
