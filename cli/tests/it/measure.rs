@@ -76,7 +76,11 @@ fn a_cave_folder_is_measured_from_its_graph_to_its_mesh() {
     let both = read(&desk, &["small"]);
     assert_eq!(both["graph"]["verdict"], "too_small");
     assert!(both["triangles"].as_u64().is_some_and(|count| count > 0), "{both}");
-    assert!(said(&desk, &["small"]).contains("\nmesh\n  vertices "));
+    let text = said(&desk, &["small"]);
+    assert!(
+        text.contains("\nmesh\n  vertices ") && text.contains("\nthe genus counts the handles of the wall: "),
+        "{text}"
+    );
 }
 
 #[test]
