@@ -12,7 +12,7 @@ use super::fault::CliError;
 use super::progress::Console;
 use plume::cave::{Exported, Order};
 use plume::pipeline::Pipeline;
-use plume::store::{CaveFolder, Facts, MeshFacts, Stage, Unit, WHOLE_CAVE};
+use plume::store::{CaveFolder, Facts, Stage, Unit, WHOLE_CAVE};
 use plume_graph::Graph;
 
 /// Numbers gathered while the stages run.
@@ -43,7 +43,7 @@ impl Summary {
 
     fn graph(&mut self, graph: &Graph) {
         let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
-        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": length_m});
+        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": to_thousandths(length_m)});
         self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
     }
 
@@ -55,15 +55,14 @@ impl Summary {
     fn mesh(&mut self, walls: &[Unit]) {
         let facts =
             || walls.iter().filter_map(|unit| if let Facts::Mesh(facts) = unit.facts { Some(facts) } else { None });
-        let sum = |number: fn(MeshFacts) -> f64| facts().map(number).fold(0.0, f64::add);
-        let triangles = sum(|facts| facts.triangles as f64);
-        let collision = sum(|facts| facts.collision_triangles.unwrap_or_default() as f64);
-        let area_m2 = sum(|facts| facts.area_m2.unwrap_or_default());
+        let triangles: usize = facts().map(|facts| facts.triangles).sum();
+        let collision: usize = facts().filter_map(|facts| facts.collision_triangles).sum();
+        let area_m2 = facts().filter_map(|facts| facts.area_m2).fold(0.0, f64::add);
         let chunks = walls.len();
         let numbers = json!({
-            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": area_m2
+            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": to_thousandths(area_m2)
         });
-        let text = format!("{chunks} chunks  {triangles:.0} triangles  {area_m2:.0} m²");
+        let text = format!("{chunks} chunks  {triangles} triangles  {area_m2:.0} m²");
         self.stage("mesh", &text, numbers);
     }
 
@@ -150,6 +149,11 @@ impl Summary {
         self.json.insert(name.to_owned(), numbers);
         self.lines.push(format!("  {name:9} {text}  {cpu_s:.1} CPU s"));
     }
+}
+
+/// Rounded as far as the number means anything: a length in metres to millimetres.
+pub fn to_thousandths(number: f64) -> f64 {
+    (number * 1000.0).round() / 1000.0
 }
 
 fn megabytes(bytes: u64) -> f64 {

@@ -557,6 +557,64 @@ fn results_go_to_stdout_and_notes_to_stderr() {
     assert_eq!(summary["graph"]["nodes"], 50);
 }
 
+#[test]
+fn errors_are_json_for_programs() {
+    let desk = Desk::new();
+    let told = |arguments: &[&str]| -> (i32, serde_json::Value) {
+        let output = desk.run(&[arguments, &["--json"]].concat());
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        (output.status.code().unwrap(), serde_json::from_slice(&output.stderr).unwrap())
+    };
+    let (code, preset) = told(&["new", "--preset", "mines"]);
+    assert_eq!((code, &preset["error"]), (2, &json!("there is no preset \"mines\"")));
+    assert_eq!(preset["hint"], "did you mean `mine`? known: cave, lava-tube, mine, layers");
+    desk.file("cave.toml", "sed = 3\n\n[graph]\nnodes = 1\n");
+    let (code, recipe) = told(&["generate", "cave.toml"]);
+    assert_eq!((code, &recipe["error"]), (2, &json!("cave.toml:1: sed is not a key")));
+    let faults = recipe["faults"].as_array().unwrap();
+    assert_eq!((faults.len(), &recipe["more"]), (2, &json!(0)));
+    assert_eq!(faults[1]["error"], "cave.toml:4: graph.nodes must be at least 2, found 1");
+    let (code, usage) = told(&["generate", "--sed", "3"]);
+    assert_eq!((code, &usage["error"]), (2, &json!("unexpected argument '--sed' found")));
+    assert!(usage["hint"].as_str().unwrap().contains("Usage: plume generate"), "{usage}");
+}
+
+#[test]
+fn numbers_for_programs_have_no_more_digits_than_they_mean() {
+    let desk = Desk::new();
+    let all: Vec<&str> = ["mesh", "--output", "cave", "--json"].iter().chain(&SMALL).copied().collect();
+    let told: serde_json::Value = serde_json::from_slice(&desk.run(&all).stdout).unwrap();
+    assert!(["triangles", "collision_triangles"].iter().all(|key| told["mesh"][key].is_u64()), "{told}");
+    for number in [&told["graph"]["length_m"], &told["mesh"]["area_m2"]] {
+        let digits = number.to_string().split_once('.').map_or(0, |(_, digits)| digits.len());
+        assert!(digits <= 3, "{number}");
+    }
+}
+
+#[test]
+fn shells_and_man_are_served() {
+    let desk = Desk::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = String::from_utf8(desk.run(&["completions", shell]).stdout).unwrap();
+        assert!(script.contains("preset"), "{shell}");
+    }
+    let pages = [&["manual"][..], &["manual", "export"]].map(|page| String::from_utf8(desk.run(page).stdout).unwrap());
+    assert!(pages.iter().all(|page| page.contains(".TH ")) && pages[1].contains("option"), "{}", pages[1]);
+    assert!(desk.fault(&["manual", "exprot"]).contains("did you mean `export`?"));
+}
+
+#[test]
+fn colour_heeds_no_color() {
+    let desk = Desk::new();
+    let help = |variables: &[&str]| {
+        let mut command = desk.command(&["--help"]);
+        command.env_remove("NO_COLOR").envs(variables.iter().map(|name| (name, "1")));
+        String::from_utf8(command.output().unwrap().stdout).unwrap()
+    };
+    assert!(help(&["CLICOLOR_FORCE"]).contains('\u{1b}'));
+    assert!(!help(&["CLICOLOR_FORCE", "NO_COLOR"]).contains('\u{1b}'));
+}
+
 /// The result goes to the device that is always full.
 #[cfg(target_os = "linux")]
 #[test]
@@ -569,6 +627,8 @@ fn a_result_that_cannot_be_printed_is_an_error() {
         "schema",
         "list",
         "list --json",
+        "completions bash",
+        "manual",
         "check package",
         "status cave",
         "measure cave",
