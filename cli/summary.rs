@@ -13,6 +13,7 @@ use super::progress::Console;
 use plume::cave::{Exported, Order};
 use plume::pipeline::Pipeline;
 use plume::store::{CaveFolder, Facts, Stage, Unit, WHOLE_CAVE};
+use plume_exporters::Open;
 use plume_graph::Graph;
 
 /// Numbers gathered while the stages run.
@@ -91,7 +92,7 @@ impl Summary {
 
     /// A package was written.
     pub fn package(&mut self, order: &Order, exported: &Exported) {
-        let (path, open) = (&order.place.path, &exported.summary.open);
+        let (path, open) = (&order.place.path, exported.summary.open.text());
         let (count, bytes) = (exported.files.0.len(), exported.files.bytes());
         // Packages are written in parallel, so each reports its own time.
         let cpu_s = exported.cpu.as_secs_f64();
@@ -99,7 +100,7 @@ impl Summary {
             json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
         self.row(&order.wanted.choice.name(), &text, cpu_s, numbers);
-        self.lines.push(format!("  {:9} {open}", "to open:"));
+        self.lines.push(format!("  {:9} {}", "to open:", opening(path, &exported.summary.open)));
     }
 
     /// An intact package of the same cave was there already.
@@ -151,6 +152,23 @@ impl Summary {
     }
 }
 
+/// How to open a package from where the user stands.
+fn opening(package: &Path, open: &Open) -> String {
+    match open {
+        Open::Command(command) => format!("cd {} && {command}", shell_word(&package.to_string_lossy())),
+        Open::Words(words) => words.clone(),
+    }
+}
+
+/// A word as shells take it, in quotes if it needs them.
+fn shell_word(text: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@".contains(letter);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text.to_owned(),
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
 /// Rounded as far as the number means anything: a length in metres to millimetres.
 pub fn to_thousandths(number: f64) -> f64 {
     (number * 1000.0).round() / 1000.0
@@ -166,4 +184,22 @@ fn peak_memory_bytes() -> Option<u64> {
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kib * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use plume_exporters::Open;
+
+    use super::opening;
+
+    #[test]
+    fn a_command_to_open_a_package_works_from_where_the_user_is() {
+        let command = Open::Command("gz sim cave.sdf".to_owned());
+        assert_eq!(opening(Path::new("out/gazebo"), &command), "cd out/gazebo && gz sim cave.sdf");
+        assert_eq!(opening(Path::new("my cave's"), &command), r"cd 'my cave'\''s' && gz sim cave.sdf");
+        let words = Open::Words("open cave.obj".to_owned());
+        assert_eq!(opening(Path::new("out/obj"), &words), "open cave.obj");
+    }
 }

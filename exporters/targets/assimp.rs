@@ -22,7 +22,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::Scene;
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 pub mod library;
 
@@ -142,7 +142,7 @@ impl Target for Assimp {
         let text = template::fill("README.md", include_str!("../templates/assimp/README.md.jinja"), &values);
         out.text("README.md", &text)?;
         out.text("recipe.toml", &scene.recipe)?;
-        Ok(Summary { visual_triangles, collision_triangles: 0, open: format!("open {open}") })
+        Ok(Summary { visual_triangles, collision_triangles: 0, open: Open::Words(format!("open {open}")) })
     }
 
     fn axes(&self) -> Axes {

@@ -34,7 +34,7 @@ use crate::frame::{Axes, Up};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use self::loaded::Loaded;
 
@@ -123,7 +123,7 @@ impl Target for Fbx {
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
-            open: self.how_to_open(&scene.name),
+            open: Open::Words(self.how_to_open(&scene.name)),
         })
     }
 

@@ -33,7 +33,7 @@ use crate::frame::{Axes, micro, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Image, Landmark, Light, Material, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use self::bodies::Bodies;
 
@@ -121,7 +121,7 @@ impl Target for Gazebo {
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
-            open: open_command(&scene.name),
+            open: Open::Command(open_command(&scene.name)),
         })
     }
 

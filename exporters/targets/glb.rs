@@ -24,7 +24,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Instance, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Open, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -106,7 +106,7 @@ impl Target for Glb {
         let levels = self.0.lods.then_some(&*open);
         let GlbSettings { compression, instancing, .. } = self.0;
         Readme { open: &open, levels, pieces: self.wants_pieces(), compression, instancing }.write(scene, out)?;
-        Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(format!("open {open}")) })
     }
 
     fn axes(&self) -> Axes {

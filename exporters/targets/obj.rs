@@ -27,7 +27,7 @@ use crate::frame::{Axes, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Material, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -97,7 +97,7 @@ impl Target for Obj {
         };
         let readme = include_str!("../templates/obj/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

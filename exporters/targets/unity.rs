@@ -42,7 +42,7 @@ use crate::package::MANIFEST;
 use crate::package::{Package, write_pretty};
 use crate::place::LICENSE;
 use crate::scene::{Chunk, Content, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use asset::{Assets, Importer};
 use identity::Guid;
@@ -125,7 +125,7 @@ impl Target for Unity {
             _ => format!("copy the folder to Packages/{name} of a Unity project"),
         };
         let open = format!("{install}; then drag Runtime/{}.prefab into a scene", scene.name);
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {
