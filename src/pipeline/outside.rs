@@ -1,6 +1,5 @@
 //! Access to files and programs for generators and readers.
 
-use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -9,7 +8,7 @@ use plume_disk::regular;
 
 use super::{PipelineError, program};
 use plume_graph::{Outside, RunError, Task};
-use plume_survey::{Import, Parts, ReadError};
+use plume_survey::{Import, Parts};
 
 /// Access to files only: regular ones, since a pipe may block and a device may never end.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,8 +35,6 @@ impl Disk {
     /// # Errors
     /// If it cannot be read or is not a graph.
     pub fn graph(&self, path: &Path, parts: Parts) -> Result<Import, PipelineError> {
-        // What does not exist is not said to have an unknown extension.
-        fs::metadata(path).map_err(|error| ReadError::whole(path, error.to_string(), ""))?;
         Ok(plume_survey::read(path, parts, self)?)
     }
 }

@@ -56,6 +56,8 @@ fn too_small_graphs_and_other_files_are_reported() {
     desk.file("letter.txt", "dear diary");
     assert!(said(&desk, &["letter.txt"]).starts_with("exit 2\nerror: letter.txt: has no known graph format\n"));
     assert!(said(&desk, &["nowhere"]).starts_with("exit 2\nerror: nowhere: No such file or directory"));
+    let import = desk.fault(&["graph", "import", "nowhere", "-o", "graph.json"]);
+    assert!(import.starts_with("exit 2\nerror: nowhere: No such file or directory"), "{import}");
     assert_snapshot!("no_such_parts", said(&desk, &["line.json", "--parts", "some"]));
     for rock in ["nan", "inf", "-1", "1e9"] {
         assert!(said(&desk, &["line.json", &format!("--rock={rock}")]).contains("must be a number from 0 to 100"));
