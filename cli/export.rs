@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use plume_exporters::TargetRow;
 use plume_exporters::bundle::Bundle;
 use plume_exporters::place::Existing;
 use plume_exporters::place::Place;
@@ -30,7 +31,7 @@ pub struct Export {
     /// Where to write the package; with several targets, the parent folder of all packages [default: NAME-TARGET]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Set an option of a target, for example --option gazebo.lights=false
+    /// Set an option of a target, for example --option gazebo.lights=false; see `plume list options`
     #[arg(long, value_name = "TARGET.KEY=VALUE")]
     option: Vec<String>,
     /// Write each package as a single file: zip, tar.zst, tgz (npm, Unity) or mjz (MuJoCo)
@@ -55,8 +56,10 @@ impl Export {
         let choices = self.target.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
         let inside = self.with.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
         let bundle = self.bundle.as_ref().map(|name| cave::bundle(name, &choices)).transpose()?;
+        let rows: Vec<&TargetRow> = choices.iter().chain(&inside).map(|choice| choice.row).collect();
         let wanted = cave::build(choices, &inside, &self.option, host.library())?;
         let input = self.source.resolve(console)?;
+        cave::refuse_unfit_images(&rows, &input.recipe)?;
         let outputs = self.outputs(input.recipe.name(), &wanted, bundle);
         self.refuse_same_place(&outputs)?;
         note_changes(&input, console);

@@ -5,6 +5,7 @@
 mod certify;
 mod check;
 mod chunk;
+mod completions;
 mod dataset;
 mod export;
 mod fault;
@@ -14,6 +15,7 @@ mod graph;
 mod handover;
 mod likeness;
 mod list;
+mod manual;
 mod measure;
 mod new;
 mod output;
@@ -35,6 +37,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
 use plume_dataset::Engine;
 use plume_exporters::stage::Library;
+use plume_exporters::{TARGETS, TargetRow};
 
 pub use self::dataset::RayTasks;
 pub use self::fault::CliError;
@@ -43,6 +46,7 @@ use self::progress::Console;
 use plume::cave::Input;
 use plume::store::Stage;
 use plume_graph::echo;
+use serde_json::{Value, json};
 
 /// Procedural caves, mines and lava tubes for robot simulators.
 #[derive(Parser)]
@@ -60,7 +64,7 @@ pub struct Common {
     /// Print only errors
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Print the result as JSON on stdout
+    /// Print the result as JSON on stdout, and errors as JSON on stderr
     #[arg(long, global = true)]
     json: bool,
     /// Number of threads [default: all cores]
@@ -148,7 +152,7 @@ enum Command {
     New(new::New),
     /// Print the JSON Schema of recipes, for editors
     Schema,
-    /// List targets, generators, formats, materials, things, presets, views and robots
+    /// List targets and their options, generators, formats, materials, things, presets, views and robots
     List(list::List),
     /// Check that a package is intact and refers to nothing outside itself
     Check(check::Check),
@@ -162,6 +166,10 @@ enum Command {
     Status(status::Status),
     /// Compare a graph with real caves; check the mesh of a cave folder (closed, manifold, consistent)
     Measure(measure::Measure),
+    /// Print completions of the command line for a shell
+    Completions(completions::Completions),
+    /// Print a page of the manual
+    Manual(manual::Manual),
 }
 
 impl Command {
@@ -176,7 +184,7 @@ impl Command {
 
     /// Whether it only prints built-in information, which needs no threads.
     fn only_prints(&self) -> bool {
-        matches!(self, Self::New(_) | Self::Schema | Self::List(_))
+        matches!(self, Self::New(_) | Self::Schema | Self::List(_) | Self::Completions(_) | Self::Manual(_))
     }
 }
 
@@ -211,7 +219,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
     signals::survive_file_limit();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(usage) => return answer(clipped(usage)),
+        Err(usage) => {
+            let is_json = arguments.iter().any(|argument| argument == "--json");
+            return answer(&naming_targets(clipped(usage)), is_json);
+        }
     };
     let console = Console::new(&cli.common);
     if !cli.command.only_prints() {
@@ -250,18 +261,28 @@ fn can_start(count: usize) -> bool {
 }
 
 /// Prints the help or the version, or what is wrong with the command line.
-fn answer(usage: clap::Error) -> u8 {
-    let printed = usage.print();
+fn answer(usage: &clap::Error, is_json: bool) -> u8 {
     if usage.use_stderr() {
+        match is_json {
+            true => progress::print_fault(&usage_json(usage)),
+            false => drop(usage.print()),
+        }
         return usage.exit_code() as u8;
     }
-    match progress::told(printed) {
+    match progress::told(usage.print()) {
         Ok(()) => usage.exit_code() as u8,
         Err(error) => {
             progress::fault(&error);
             fault::exit_code(&error)
         }
     }
+}
+
+/// What is wrong with the command line, for programs; the usage is the hint.
+fn usage_json(usage: &clap::Error) -> Value {
+    let text = usage.render().to_string();
+    let (error, hint) = text.split_once("\n\n").unwrap_or((&text, ""));
+    json!({"error": error.trim_start_matches("error: "), "hint": hint.trim()})
 }
 
 /// The same with the user's input clipped.
@@ -272,6 +293,17 @@ fn clipped(mut usage: clap::Error) -> clap::Error {
             let text = echo::plain(text);
             usage.insert(kind, ContextValue::String(text));
         }
+    }
+    usage
+}
+
+/// The same with the names of all targets if none is given.
+fn naming_targets(mut usage: clap::Error) -> clap::Error {
+    let Some(ContextValue::Strings(missing)) = usage.get(ContextKind::InvalidArg) else { return usage };
+    if missing.iter().any(|argument| argument.starts_with("--target ")) {
+        let names: Vec<String> = TARGETS.iter().map(TargetRow::usage).collect();
+        let tip = format!("known targets: {}", names.join(", "));
+        usage.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
     usage
 }
@@ -297,5 +329,7 @@ fn dispatch(command: &Command, console: &Console, host: &Host) -> Result<(), Cli
         Command::Path(path) => path.run(console),
         Command::Status(status) => status.run(console),
         Command::Measure(measure) => measure.run(console),
+        Command::Completions(completions) => completions.run(console),
+        Command::Manual(manual) => manual.run(console),
     }
 }

@@ -8,24 +8,30 @@ use serde_json::{Value, json};
 
 use super::fault::CliError;
 use super::progress::Console;
+use plume::cave;
 use plume::generators::GENERATORS;
 use plume::material::MATERIALS;
 use plume::preset::PRESETS;
 use plume::preview::VIEWS;
+use plume::recipe::{Setting, settings_of};
 use plume::robot::{ROBOTS, RobotRow};
 use plume::things::KINDS;
+use plume_graph::echo;
 use plume_survey::{FORMATS, FormatRow};
 
-/// Lists targets, generators, formats, materials, things, presets, views and robots.
+/// Lists targets and their options, generators, formats, materials, things, presets, views and robots.
 #[derive(Args)]
 pub struct List {
-    /// Which table [default: all]
+    /// Which table [default: all but the options]
     table: Option<Table>,
+    /// The target whose options to list [default: all targets]
+    target: Option<String>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Table {
     Targets,
+    Options,
     Generators,
     Formats,
     Materials,
@@ -53,10 +59,12 @@ impl List {
     /// Prints the tables on stdout.
     ///
     /// # Errors
-    /// None; the signature is that of all commands.
+    /// If there is no such target, or the table is not that of options.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
+        let targets = self.targets()?;
         let tables: Vec<(Table, Vec<Row>)> = vec![
             (Table::Targets, TARGETS.iter().map(target).collect()),
+            (Table::Options, targets.into_iter().flat_map(options).collect()),
             (Table::Generators, GENERATORS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Formats, FORMATS.iter().map(|row| Row::new(row.name, &format_summary(row))).collect()),
             (Table::Materials, MATERIALS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
@@ -65,7 +73,8 @@ impl List {
             (Table::Views, VIEWS.iter().map(|row| Row::new(row.name, row.summary)).collect()),
             (Table::Robots, ROBOTS.iter().map(robot).collect()),
         ];
-        let asked = tables.into_iter().filter(|(table, _)| self.table.is_none_or(|asked| asked == *table));
+        let is_asked = |table: Table| self.table.map_or(table != Table::Options, |asked| asked == table);
+        let asked = tables.into_iter().filter(|(table, _)| is_asked(*table));
         if console.is_json() {
             let json: Value = asked.map(|(table, rows)| (title(table), rows_json(&rows))).collect();
             return console.result(&format!("{json:#}\n"));
@@ -73,6 +82,37 @@ impl List {
         let text: Vec<String> = asked.map(|(table, rows)| rows_text(&title(table), &rows)).collect();
         console.result(&text.join("\n"))
     }
+
+    /// The targets whose options are listed.
+    fn targets(&self) -> Result<Vec<&'static TargetRow>, CliError> {
+        let Some(name) = &self.target else { return Ok(TARGETS.iter().collect()) };
+        if self.table != Some(Table::Options) {
+            return Err(CliError::Usage {
+                message: "only options are listed by target".into(),
+                hint: format!("`plume list options {}` lists the options of a target", echo::plain(name)),
+            });
+        }
+        Ok(vec![cave::target(name)?.row])
+    }
+}
+
+/// The options of a target, as they are passed to `plume export`.
+fn options(row: &'static TargetRow) -> Vec<Row> {
+    let settings = settings_of(&(row.settings)().to_value());
+    settings.into_iter().map(|setting| option(row, &setting)).collect()
+}
+
+fn option(row: &TargetRow, setting: &Setting) -> Row {
+    let name = format!("{}.{}", row.name, setting.key);
+    let summary = format!("{} [{}; default {}]", setting.meaning, setting.range, setting.default_text());
+    let facts = json!({
+        "target": row.name,
+        "key": setting.key,
+        "meaning": setting.meaning,
+        "range": setting.range,
+        "default": setting.default,
+    });
+    Row { facts, ..Row::new(&name, &summary) }
 }
 
 /// A target with the facts by which tests and other programs choose targets.
@@ -123,6 +163,7 @@ fn rows_json(rows: &[Row]) -> Value {
 }
 
 fn rows_text(title: &str, rows: &[Row]) -> String {
-    let lines = rows.iter().map(|Row { name, summary, .. }| format!("  {name:18} {summary}\n"));
+    let width = rows.iter().map(|row| row.name.len()).fold(18, usize::max);
+    let lines = rows.iter().map(|Row { name, summary, .. }| format!("  {name:width$} {summary}\n"));
     format!("{title}\n{}", lines.collect::<String>())
 }

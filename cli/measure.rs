@@ -122,8 +122,17 @@ fn said(console: &Console, likeness: &Likeness, graph: &Graph, rock: &RockReport
     }
     let lines = mesh.into_iter().flatten().map(|(key, value)| format!("  {key:28} {value}\n"));
     let lines: String = lines.collect();
-    let title = if lines.is_empty() { "" } else { "\nmesh\n" };
-    format!("{}{}{title}{lines}", likeness::text(likeness, graph), rock_text(rock, graph))
+    let mesh = if lines.is_empty() { lines } else { format!("\nmesh\n{lines}{}", genus_text(graph)) };
+    format!("{}{}{mesh}", likeness::text(likeness, graph), rock_text(rock, graph))
+}
+
+/// Why the genus of the mesh need not be the number of loops of the graph.
+fn genus_text(graph: &Graph) -> String {
+    format!(
+        "the genus counts the handles of the wall: one for each of the {} loops of the graph, and one more wherever passages \
+         break through into each other; a loop so tight that no rock is left inside it has none\n",
+        graph.loops()
+    )
 }
 
 /// How much rock is left between passages, and where it is thinnest.

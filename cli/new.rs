@@ -5,9 +5,9 @@ use clap::Args;
 use super::fault::CliError;
 use super::progress::Console;
 use plume::cave;
-use plume::recipe::Recipe;
+use plume::recipe::{Recipe, SCHEMA_ADDRESS};
 
-/// Prints a recipe in which every key is documented.
+/// Prints a recipe in which every key is documented. Its first line tells editors where the schema is.
 #[derive(Args)]
 pub struct New {
     /// What to start from; see `plume list presets`
@@ -25,7 +25,7 @@ impl New {
     /// If there is no such preset, or an override is faulty.
     pub fn run(&self, console: &Console) -> Result<(), CliError> {
         let row = cave::preset(&self.preset)?;
-        let recipe = Recipe::from_toml(row.text, row.name.as_ref(), &self.set)?;
-        console.result(&recipe.to_toml())
+        let recipe = Recipe::from_preset(row, &self.set)?;
+        console.result(&format!("#:schema {SCHEMA_ADDRESS}\n\n{}", recipe.to_toml()))
     }
 }

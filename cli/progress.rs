@@ -6,10 +6,12 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
 
 use super::fault::CliError;
 use super::{Common, signals};
 use plume::pipeline::{Disk, Observer};
+use plume::recipe::Fault;
 use plume::store::Stage;
 use plume_record::Watch;
 
@@ -57,7 +59,10 @@ impl Console {
     /// Prints an error and its hint.
     pub fn fault(&self, error: &CliError) {
         self.clear();
-        fault(error);
+        match self.json {
+            true => print_fault(&fault_json(error)),
+            false => fault(error),
+        }
     }
 
     /// Removes the progress bar.
@@ -89,6 +94,24 @@ pub fn fault(error: &CliError) {
     if !hint.is_empty() {
         let _ = writeln!(stderr, " hint: {hint}");
     }
+}
+
+/// Prints a fault as JSON on a line of its own, after any notes.
+pub fn print_fault(fault: &Value) {
+    let _ = writeln!(io::stderr(), "{fault}");
+}
+
+/// An error for programs: what is wrong, and what to do about it. Of a recipe with several faults, the first, and all in a list.
+fn fault_json(error: &CliError) -> Value {
+    let CliError::Recipe(faults) = error else {
+        return json!({"error": error.to_string(), "hint": error.hint()});
+    };
+    let one = |fault: &Fault| json!({"error": format!("{}: {}", fault.origin, fault.message), "hint": fault.hint});
+    let listed: Vec<Value> = faults.told.iter().map(one).collect();
+    let mut all = listed.first().cloned().unwrap_or_default();
+    all["faults"] = listed.into();
+    all["more"] = faults.more.into();
+    all
 }
 
 impl Console {

@@ -41,6 +41,7 @@ impl Status {
         }
         let mut text = format!("{}: {}, seed {}\n", self.folder.display(), recipe.name(), recipe.seed());
         stages.iter().for_each(|stage| text += &line(stage));
+        text += &without_wall(&stages, pipeline.walls().len());
         text +=
             &format!("  next      {}\n", next.unwrap_or_else(|| format!("plume export {} …", self.folder.display())));
         console.result(&text)
@@ -78,6 +79,18 @@ fn line(status: &StageStatus) -> String {
     format!("  {:9} {state}{damaged}\n", status.stage.name())
 }
 
+/// Why later stages have fewer chunks than the mesh.
+fn without_wall(stages: &[StageStatus], walls: usize) -> String {
+    let mesh = stages.iter().find(|status| status.stage == Stage::Mesh && status.state == State::Done);
+    match mesh.map_or(0, |mesh| mesh.done.saturating_sub(walls)) {
+        0 => String::new(),
+        1 => "  note      1 chunk of the mesh is all rock or all air, and has nothing to texture\n".to_owned(),
+        empty => {
+            format!("  note      {empty} chunks of the mesh are all rock or all air, and have nothing to texture\n")
+        }
+    }
+}
+
 fn units(stage: Stage, count: usize) -> String {
     match (stage, count) {
         (Stage::Graph, _) => "1 graph".to_owned(),
@@ -86,5 +99,23 @@ fn units(stage: Stage, count: usize) -> String {
         (Stage::Things, _) => format!("shapes, {} chunks", count - 1),
         (_, 1) => "1 chunk".to_owned(),
         _ => format!("{count} chunks"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use plume::pipeline::{StageStatus, State};
+    use plume::store::Stage;
+
+    use super::without_wall;
+
+    #[test]
+    fn chunks_without_a_wall_are_explained() {
+        let mesh =
+            |state, done| StageStatus { stage: Stage::Mesh, state, done, total: None, outdated: 0, damaged: vec![] };
+        assert_eq!(without_wall(&[mesh(State::Done, 6)], 6), "");
+        assert_eq!(without_wall(&[mesh(State::Partial, 6)], 4), "");
+        let said = without_wall(&[mesh(State::Done, 6)], 4);
+        assert_eq!(said, "  note      2 chunks of the mesh are all rock or all air, and have nothing to texture\n");
     }
 }

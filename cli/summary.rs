@@ -12,7 +12,8 @@ use super::fault::CliError;
 use super::progress::Console;
 use plume::cave::{Exported, Order};
 use plume::pipeline::Pipeline;
-use plume::store::{CaveFolder, Facts, MeshFacts, Stage, Unit, WHOLE_CAVE};
+use plume::store::{CaveFolder, Facts, Stage, Unit, WHOLE_CAVE};
+use plume_exporters::Open;
 use plume_graph::Graph;
 
 /// Numbers gathered while the stages run.
@@ -43,7 +44,7 @@ impl Summary {
 
     fn graph(&mut self, graph: &Graph) {
         let (nodes, loops, length_m) = (graph.nodes.len(), graph.loops(), graph.length_m());
-        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": length_m});
+        let numbers = json!({"nodes": nodes, "loops": loops, "length_m": to_thousandths(length_m)});
         self.stage("graph", &format!("{nodes} nodes  {loops} loops  {length_m:.0} m"), numbers);
     }
 
@@ -55,15 +56,14 @@ impl Summary {
     fn mesh(&mut self, walls: &[Unit]) {
         let facts =
             || walls.iter().filter_map(|unit| if let Facts::Mesh(facts) = unit.facts { Some(facts) } else { None });
-        let sum = |number: fn(MeshFacts) -> f64| facts().map(number).fold(0.0, f64::add);
-        let triangles = sum(|facts| facts.triangles as f64);
-        let collision = sum(|facts| facts.collision_triangles.unwrap_or_default() as f64);
-        let area_m2 = sum(|facts| facts.area_m2.unwrap_or_default());
+        let triangles: usize = facts().map(|facts| facts.triangles).sum();
+        let collision: usize = facts().filter_map(|facts| facts.collision_triangles).sum();
+        let area_m2 = facts().filter_map(|facts| facts.area_m2).fold(0.0, f64::add);
         let chunks = walls.len();
         let numbers = json!({
-            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": area_m2
+            "chunks": chunks, "triangles": triangles, "collision_triangles": collision, "area_m2": to_thousandths(area_m2)
         });
-        let text = format!("{chunks} chunks  {triangles:.0} triangles  {area_m2:.0} m²");
+        let text = format!("{chunks} chunks  {triangles} triangles  {area_m2:.0} m²");
         self.stage("mesh", &text, numbers);
     }
 
@@ -92,7 +92,7 @@ impl Summary {
 
     /// A package was written.
     pub fn package(&mut self, order: &Order, exported: &Exported) {
-        let (path, open) = (&order.place.path, &exported.summary.open);
+        let (path, open) = (&order.place.path, exported.summary.open.text());
         let (count, bytes) = (exported.files.0.len(), exported.files.bytes());
         // Packages are written in parallel, so each reports its own time.
         let cpu_s = exported.cpu.as_secs_f64();
@@ -100,7 +100,7 @@ impl Summary {
             json!({"path": path.to_string_lossy(), "files": count, "bytes": bytes, "open": open, "cpu_s": cpu_s});
         let text = format!("{}  {count} files  {:.0} MB", path.display(), megabytes(bytes));
         self.row(&order.wanted.choice.name(), &text, cpu_s, numbers);
-        self.lines.push(format!("  {:9} {open}", "to open:"));
+        self.lines.push(format!("  {:9} {}", "to open:", opening(path, &exported.summary.open)));
     }
 
     /// An intact package of the same cave was there already.
@@ -152,6 +152,28 @@ impl Summary {
     }
 }
 
+/// How to open a package from where the user stands.
+fn opening(package: &Path, open: &Open) -> String {
+    match open {
+        Open::Command(command) => format!("cd {} && {command}", shell_word(&package.to_string_lossy())),
+        Open::Words(words) => words.clone(),
+    }
+}
+
+/// A word as shells take it, in quotes if it needs them.
+fn shell_word(text: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@".contains(letter);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text.to_owned(),
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
+/// Rounded as far as the number means anything: a length in metres to millimetres.
+pub fn to_thousandths(number: f64) -> f64 {
+    (number * 1000.0).round() / 1000.0
+}
+
 fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
@@ -162,4 +184,22 @@ fn peak_memory_bytes() -> Option<u64> {
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kib * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use plume_exporters::Open;
+
+    use super::opening;
+
+    #[test]
+    fn a_command_to_open_a_package_works_from_where_the_user_is() {
+        let command = Open::Command("gz sim cave.sdf".to_owned());
+        assert_eq!(opening(Path::new("out/gazebo"), &command), "cd out/gazebo && gz sim cave.sdf");
+        assert_eq!(opening(Path::new("my cave's"), &command), r"cd 'my cave'\''s' && gz sim cave.sdf");
+        let words = Open::Words("open cave.obj".to_owned());
+        assert_eq!(opening(Path::new("out/obj"), &words), "open cave.obj");
+    }
 }

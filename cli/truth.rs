@@ -17,7 +17,7 @@ pub struct Truth {
     /// Where to write it [default: NAME-truth]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Set an option of the target, for example --option cell_m=0.1
+    /// Set an option of the target, for example --option cell_m=0.1; see `plume list options truth`
     #[arg(long, value_name = "KEY=VALUE")]
     option: Vec<String>,
 }

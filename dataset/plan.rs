@@ -7,6 +7,7 @@ use plume::pipeline::Disk;
 use plume::recipe::{self, Recipe};
 use plume_disk::sealed::sha256;
 use plume_exporters::stage::Library;
+use plume_exporters::{Choice, TargetRow};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -73,14 +74,16 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Makes sure that every cave has a valid recipe, and that targets and robot are known.
+    /// Makes sure that every cave has a valid recipe whose images the targets take, and that targets and robot are known.
     ///
     /// # Errors
-    /// Unknown targets, faulty options, an unknown robot, the first faulty recipe.
+    /// Unknown targets, faulty options, an unknown robot, the first faulty recipe, images that a target does not take.
     pub fn verify(&self) -> Result<(), CaveError> {
         self.targets(None)?;
         self.spec.robot.as_deref().map(named_robot).transpose()?;
-        (0..self.len()).into_par_iter().try_for_each(|number| self.input(&self.item(number)).map(drop))
+        let rows: Vec<&TargetRow> = self.choices()?.iter().map(|choice| choice.row).collect();
+        let check = |number| cave::refuse_unfit_images(&rows, &self.input(&self.item(number))?.recipe);
+        (0..self.len()).into_par_iter().try_for_each(check)
     }
 
     /// The first target of a specification that needs a USD library; none if it cannot be read.
@@ -148,7 +151,7 @@ impl Plan {
     /// # Errors
     /// Unknown targets, faulty options, a missing USD library.
     pub fn targets(&self, library: Option<&Arc<dyn Library>>) -> Result<Vec<Wanted>, CaveError> {
-        let choices = self.spec.targets.iter().map(|name| cave::target(name)).collect::<Result<Vec<_>, _>>()?;
+        let choices = self.choices()?;
         let needs_usd = choices.iter().any(|choice| choice.row.needs_usd());
         // Whoever only reads the plan needs no library.
         if needs_usd && library.is_none() {
@@ -157,10 +160,14 @@ impl Plan {
         cave::build(choices, &[], &self.spec.options, library)
     }
 
+    fn choices(&self) -> Result<Vec<Choice>, CaveError> {
+        self.spec.targets.iter().map(|name| cave::target(name)).collect()
+    }
+
     fn source(&self, item: &Item, settings: &[String]) -> Result<Input, CaveError> {
         let name = item.drawn(RECIPE).and_then(Value::as_str).unwrap_or(&self.spec.recipe);
         match cave::preset(name) {
-            Ok(preset) => Ok(Input::of(Recipe::from_toml(preset.text, preset.name.as_ref(), settings)?)),
+            Ok(preset) => Ok(Input::of(Recipe::from_preset(preset, settings)?)),
             Err(_) => Input::read(Some(&self.folder.join(name)), settings, self.disk),
         }
     }

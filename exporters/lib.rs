@@ -53,7 +53,7 @@ use plume_registry::Registry;
 
 pub use error::ExportError;
 pub use image_format::ImageFormat;
-pub use target::{Build, BuildError, Built, Choice, Lent, Summary, Target, TargetRow};
+pub use target::{Build, BuildError, Built, Choice, Lent, Open, Summary, Target, TargetRow};
 
 /// All targets, in the order in which they are listed. Programs may [register](Registry::register) their own.
 pub static TARGETS: Registry<TargetRow> = Registry::new(&[

@@ -24,7 +24,7 @@ use crate::manifest::Manifest;
 use crate::manifest::recorder::RecordingChunks;
 use crate::package::{Files, MANIFEST, Package};
 use crate::scene::Scene;
-use crate::target::{Summary, Target};
+use crate::target::{Open, Summary, Target};
 use crate::template;
 
 mod archive;
@@ -73,7 +73,7 @@ impl Place {
                 let mut archive = Archive::create(bundle, &self.path, self.existing)?;
                 let mut summary = fill(name, target, scene, &mut archive)?;
                 if Bundle::COMMON.contains(&bundle) {
-                    summary.open = format!("unpack it, then in its folder: {}", summary.open);
+                    summary.open = Open::Words(format!("unpack it, then in its folder: {}", summary.open.text()));
                 }
                 Ok((summary, archive.finish()?))
             }

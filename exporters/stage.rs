@@ -31,7 +31,7 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{ByZone, Chunk, Content, Landmark, Light, Material, Mesh, Scene, Zone};
-use crate::{Summary, frame, instances, slope, template};
+use crate::{Open, Summary, frame, instances, slope, template};
 
 mod colliders;
 mod gravel;
@@ -133,7 +133,7 @@ pub fn write_readme(
         name => &scene.name,
         description => &scene.description,
         generator => &scene.generator,
-        open => &summary.open,
+        open => summary.open.text(),
         chunks => scene.chunks.len(),
         spawns => scene.spawns.iter().map(spawn_text).collect::<Vec<_>>(),
         friction => zone_texts(scene.friction),
@@ -177,7 +177,7 @@ pub fn write(
     contents: &Contents,
     library: &dyn Library,
     out: &mut dyn Package,
-    open: String,
+    open: Open,
 ) -> Result<Summary, ExportError> {
     scene.check()?;
     let scratch = out.scratch()?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use plume_registry::Named;
+use plume_registry::{Named, settings_schema};
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -49,8 +49,26 @@ pub struct Summary {
     pub visual_triangles: u64,
     /// Collision triangles, of collision meshes or convex pieces; 0 if the target has none.
     pub collision_triangles: u64,
-    /// How to open the package: a shell command to run in its folder, or a sentence.
-    pub open: String,
+    /// How to open the package.
+    pub open: Open,
+}
+
+/// How to open a package.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Open {
+    /// A shell command to run in its folder.
+    Command(String),
+    /// What to do, in words.
+    Words(String),
+}
+
+impl Open {
+    /// The command, or the words.
+    pub fn text(&self) -> &str {
+        match self {
+            Self::Command(text) | Self::Words(text) => text,
+        }
+    }
 }
 
 /// A row of [`TARGETS`](crate::TARGETS).
@@ -115,13 +133,13 @@ impl TargetRow {
     /// JPEG; the other facts are empty or no.
     ///
     /// ```
-    /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::Scene, ExportError, Summary, Target};
+    /// # use plume_exporters::{TargetRow, package::Package, frame::Axes, scene::Scene, ExportError, Open, Summary, Target};
     /// # #[derive(Default, serde::Deserialize, schemars::JsonSchema)] #[serde(default)] struct Names {}
     /// # impl Target for Names {
     /// #     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
     /// #         let names = (0..scene.chunks.len()).map(|index| Ok(scene.chunk(index)?.name));
     /// #         out.text("names.txt", &names.collect::<Result<Vec<_>, ExportError>>()?.join("\n"))?;
-    /// #         Ok(Summary { visual_triangles: 0, collision_triangles: 0, open: "cat names.txt".to_owned() })
+    /// #         Ok(Summary { visual_triangles: 0, collision_triangles: 0, open: Open::Command("cat names.txt".to_owned()) })
     /// #     }
     /// #     fn axes(&self) -> Axes { Axes::SCENE }
     /// # }
@@ -147,7 +165,7 @@ impl TargetRow {
             is_single_file: false,
             has_pieces: false,
             bundles: &[],
-            settings: || schemars::schema_for!(T),
+            settings: settings_schema::<T>,
             build: Build::Plain(|table| Ok(Box::new(serde_json::from_value::<T>(table)?))),
         }
     }

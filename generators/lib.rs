@@ -35,7 +35,6 @@ mod tiles;
 #[doc(hidden)]
 pub mod worms;
 
-use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -55,7 +54,7 @@ pub use tiles::Tiles;
 pub use worms::Worms;
 
 use plume_graph::{GenerateError, Generator};
-use plume_registry::{Named, Registry};
+use plume_registry::{Named, Registry, settings_schema};
 
 /// A row of [`GENERATORS`].
 pub struct GeneratorRow {
@@ -145,7 +144,7 @@ impl GeneratorRow {
             summary,
             source: "",
             sample: "",
-            schema: &|| inlined::<G>(),
+            schema: &settings_schema::<G>,
             read: &|settings| Ok(Box::new(serde_json::from_value::<G>(settings)?)),
         }
     }
@@ -166,9 +165,4 @@ impl Named for GeneratorRow {
     fn name(&self) -> &'static str {
         self.name
     }
-}
-
-fn inlined<G: JsonSchema>() -> Schema {
-    let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
-    settings.into_generator().into_root_schema_for::<G>()
 }

@@ -24,6 +24,15 @@
 
 use std::sync::{PoisonError, RwLock};
 
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
+
+/// The JSON schema of the settings of a row. It contains no references, so that it can be a part of another.
+pub fn settings_schema<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<T>()
+}
+
 /// What rows are found by.
 pub trait Named {
     /// The name in recipes and on the command line: lower case, words joined by hyphens.

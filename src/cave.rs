@@ -47,7 +47,7 @@ pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read, with_p
 pub use self::preview::{preview, view_row};
 pub use self::route::Journey;
 pub use self::surface::Surface;
-pub use self::target::{Exported, Order, Wanted, build, bundle, export, target};
+pub use self::target::{Exported, Order, Wanted, build, bundle, export, refuse_unfit_images, target};
 use crate::assemble::{self, FolderChunks};
 use crate::pipeline::{self, Disk, Observer, Other, Pipeline, PipelineError};
 use crate::recipe::Recipe;

@@ -48,7 +48,7 @@ pub use site::{BLOCK, Channel, Footprint, Ground, Site, Sites, Stored, SurfaceSa
 
 use std::sync::Arc;
 
-use plume_registry::{Named, Registry};
+use plume_registry::{Named, Registry, settings_schema};
 use schemars::{JsonSchema, Schema};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -135,7 +135,7 @@ impl MaterialRow {
             name,
             summary,
             revision: 0,
-            schema: || schemars::schema_for!(M),
+            schema: settings_schema::<M>,
             read: |settings| Ok(Arc::new(serde_json::from_value::<M>(settings)?)),
         }
     }

@@ -10,6 +10,7 @@ mod output;
 mod print;
 mod read;
 mod schema;
+mod setting;
 mod world;
 
 use std::ops::RangeInclusive;
@@ -25,11 +26,13 @@ pub use self::check::did_you_mean;
 pub use self::fault::{Fault, Faults, Origin};
 pub use self::output::OutputSettings;
 pub use self::read::MAX_BYTES;
-pub use self::schema::editor_schema;
+pub use self::schema::{SCHEMA_ADDRESS, editor_schema};
+pub use self::setting::{Setting, settings_of};
 pub use self::world::WorldSettings;
 use crate::field::PassageSettings;
 use crate::material::{Look, MATERIALS, Material};
 use crate::mesh::{MeshSettings, PieceSettings};
+use crate::preset::Preset;
 use crate::texture::{LodSettings, TextureSettings};
 use crate::things::{Kinds, ThingSettings};
 use plume_graph::Generator;
@@ -82,6 +85,26 @@ impl Recipe {
     /// Every fault found, each with its line, key and hint.
     pub fn from_toml(text: &str, file: &Path, overrides: &[String]) -> Result<Self, Faults> {
         let mut draft = read::toml(text, file)?;
+        read::overrides(&mut draft, overrides)?;
+        Self::from_draft(draft)
+    }
+
+    /// Reads a preset. Where `overrides` choose another generator or rock than the preset does, its section starts from the
+    /// defaults of that one, since the keys of the preset are those of another.
+    ///
+    /// # Errors
+    /// Faults of the overrides.
+    pub fn from_preset(preset: &Preset, overrides: &[String]) -> Result<Self, Faults> {
+        let file = Path::new(preset.name);
+        let mut asked = read::Draft::new(json!({}), file);
+        read::overrides(&mut asked, overrides)?;
+        let mut draft = read::toml(preset.text, file)?;
+        for (section, key) in [("graph", "generator"), ("rock", "kind")] {
+            let choice = &asked.value[section][key];
+            if !choice.is_null() && *choice != draft.value[section][key] {
+                draft.forget(section);
+            }
+        }
         read::overrides(&mut draft, overrides)?;
         Self::from_draft(draft)
     }

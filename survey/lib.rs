@@ -43,6 +43,7 @@ mod unplaced;
 mod walls;
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -263,6 +264,10 @@ pub fn format_of(path: &Path, has: fn(&FormatRow) -> bool) -> Option<&'static Fo
 /// If the extension is unknown, the file cannot be read, or it is not a cave.
 pub fn read(path: &Path, parts: Parts, outside: &dyn Outside) -> Result<Import, ReadError> {
     let Some(row) = format_of(path, |row| row.read.is_some()) else {
+        // What does not exist is not said to have an unknown extension.
+        if let Some(error) = outside.read(path).err().filter(|error| error.kind() == ErrorKind::NotFound) {
+            return Err(ReadError::whole(path, error.to_string(), ""));
+        }
         let known = FORMATS.iter().filter(|row| row.read.is_some()).flat_map(|row| row.endings);
         let known: Vec<&str> = known.copied().collect();
         let hint = format!("known extensions: {}", known.join(", "));

@@ -27,6 +27,8 @@ use plume_graph::echo::shown;
 
 /// Hint for a survey with unsupported features.
 const HINT: &str = "run `cavern` on the survey, and import the `.3d` file it writes";
+const ROW_HINT: &str =
+    "a row has the readings that `*data` names, by default FROM TO TAPE COMPASS CLINO, as decimal numbers with a point";
 
 /// Reads a survey with all included files.
 pub(super) fn import(source: &Source, parts: Parts) -> Result<Import, ReadError> {
@@ -99,7 +101,7 @@ impl Reader<'_> {
                 None if marks.is_comment(line) => {}
                 None => self
                     .data(file_position, &marks.words(line))
-                    .map_err(|message| self.files.fault(file_position, message, HINT))?,
+                    .map_err(|message| self.files.fault(file_position, message, ROW_HINT))?,
             }
         }
         self.centreline.end_tube();

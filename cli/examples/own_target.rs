@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use plume::exporters::frame::Axes;
 use plume::exporters::package::Package;
 use plume::exporters::scene::Scene;
-use plume::exporters::{ExportError, Summary, TARGETS, Target, TargetRow};
+use plume::exporters::{ExportError, Open, Summary, TARGETS, Target, TargetRow};
 use plume::registry::RegisterError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,7 +49,7 @@ impl Target for Xyz {
             Ok(())
         })?;
         let open = format!("open {}.xyz in CloudCompare or MeshLab", scene.name);
-        Ok(Summary { visual_triangles, collision_triangles: 0, open })
+        Ok(Summary { visual_triangles, collision_triangles: 0, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

@@ -105,6 +105,16 @@ fn a_recipe_has_what_was_drawn_for_it() {
 }
 
 #[test]
+fn images_that_a_target_does_not_take_are_refused_before_the_work() {
+    let spec =
+        |format: &str| format!("seeds = [1, 2]\ntargets = [\"glb\", \"usd\"]\nset = [\"texture.format={format}\"]\n");
+    assert!(plan(&spec("png")).is_ok());
+    let error = plan(&spec("webp")).err().unwrap();
+    assert_eq!(error.to_string(), "target `usd` does not take texture.format = \"webp\"");
+    assert!(error.hint().starts_with("formats that it takes: mixed, png, jpg; "), "{}", error.hint());
+}
+
+#[test]
 fn a_cave_does_not_change_when_seeds_are_added() {
     let [few, many] = ["[5, 20]", "[5, 90]"].map(|seeds| plan(&MIXED.replace("[5, 104]", seeds)).unwrap());
     let drawn =

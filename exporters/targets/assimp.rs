@@ -22,7 +22,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::Scene;
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 pub mod library;
 
@@ -41,7 +41,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: false,
     bundles: &[],
-    settings: || schemars::schema_for!(AssimpSettings),
+    settings: plume_registry::settings_schema::<AssimpSettings>,
     build: Build::WithFormat(|format, table| {
         let settings = serde_json::from_value(table)?;
         Ok(Box::new(Assimp::new(settings, format, Library::load()?)?))
@@ -142,7 +142,7 @@ impl Target for Assimp {
         let text = template::fill("README.md", include_str!("../templates/assimp/README.md.jinja"), &values);
         out.text("README.md", &text)?;
         out.text("recipe.toml", &scene.recipe)?;
-        Ok(Summary { visual_triangles, collision_triangles: 0, open: format!("open {open}") })
+        Ok(Summary { visual_triangles, collision_triangles: 0, open: Open::Words(format!("open {open}")) })
     }
 
     fn axes(&self) -> Axes {

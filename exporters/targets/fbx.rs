@@ -34,7 +34,7 @@ use crate::frame::{Axes, Up};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use self::loaded::Loaded;
 
@@ -54,7 +54,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(FbxSettings),
+    settings: plume_registry::settings_schema::<FbxSettings>,
     build: Build::Plain(|table| Ok(Box::new(Fbx(serde_json::from_value(table)?)))),
 };
 
@@ -123,7 +123,7 @@ impl Target for Fbx {
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
-            open: self.how_to_open(&scene.name),
+            open: Open::Words(self.how_to_open(&scene.name)),
         })
     }
 

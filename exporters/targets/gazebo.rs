@@ -33,7 +33,7 @@ use crate::frame::{Axes, micro, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Image, Landmark, Light, Material, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use self::bodies::Bodies;
 
@@ -56,7 +56,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(GazeboSettings),
+    settings: plume_registry::settings_schema::<GazeboSettings>,
     build: Build::Plain(|table| ros2::build(serde_json::from_value(table)?)),
 };
 
@@ -121,7 +121,7 @@ impl Target for Gazebo {
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
-            open: open_command(&scene.name),
+            open: Open::Command(open_command(&scene.name)),
         })
     }
 

@@ -24,7 +24,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Instance, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Open, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -41,7 +41,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(GlbSettings),
+    settings: plume_registry::settings_schema::<GlbSettings>,
     build: Build::Plain(|table| {
         let settings: GlbSettings = serde_json::from_value(table)?;
         settings.compression.check()?;
@@ -106,7 +106,7 @@ impl Target for Glb {
         let levels = self.0.lods.then_some(&*open);
         let GlbSettings { compression, instancing, .. } = self.0;
         Readme { open: &open, levels, pieces: self.wants_pieces(), compression, instancing }.write(scene, out)?;
-        Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(format!("open {open}")) })
     }
 
     fn axes(&self) -> Axes {

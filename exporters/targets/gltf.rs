@@ -26,7 +26,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Instance, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Open, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -41,7 +41,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(GltfSettings),
+    settings: plume_registry::settings_schema::<GltfSettings>,
     build: Build::Plain(|table| {
         let settings: GltfSettings = serde_json::from_value(table)?;
         settings.compression.check()?;
@@ -106,7 +106,7 @@ impl Target for Gltf {
         let pieces = self.wants_pieces();
         Readme { open: &open, levels: levels.as_deref(), pieces, compression, instancing }.write(scene, out)?;
         let [visual_triangles, collision_triangles] = index::triangles(&entries);
-        Ok(Summary { visual_triangles, collision_triangles, open: format!("open {open}") })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(format!("open {open}")) })
     }
 
     fn axes(&self) -> Axes {

@@ -16,7 +16,7 @@ use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Contents, Library};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Open, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -34,7 +34,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(IsaacSettings),
+    settings: plume_registry::settings_schema::<IsaacSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Isaac { settings: serde_json::from_value(table)?, library }))),
 };
 
@@ -71,7 +71,7 @@ pub struct Isaac {
 impl Target for Isaac {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         let contents = self.contents();
-        let open = format!("File > Open {} in Isaac Sim", stage::root_name(scene));
+        let open = Open::Words(format!("File > Open {} in Isaac Sim", stage::root_name(scene)));
         let summary = stage::write("isaac", scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)

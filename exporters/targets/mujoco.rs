@@ -29,7 +29,7 @@ use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::rover::{self, Rover};
 use crate::scene::{Chunk, Landmark, Light, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use self::chunk::Rock;
 use self::field::Field;
@@ -56,7 +56,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[Bundle::Mjz],
-    settings: || schemars::schema_for!(MujocoSettings),
+    settings: plume_registry::settings_schema::<MujocoSettings>,
     build: Build::Plain(|table| Ok(Box::new(Mujoco(serde_json::from_value(table)?)))),
 };
 
@@ -174,8 +174,10 @@ impl Target for Mujoco {
             &template::fill("README.md", include_str!("../templates/mujoco/README.md.jinja"), &texts),
         )?;
         let open = match out.bundle() {
-            Some(Bundle::Mjz) => "mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned(),
-            _ => format!("python -m mujoco.viewer --mjcf={name}_rover.xml"),
+            Some(Bundle::Mjz) => {
+                Open::Words("mujoco.MjSpec.from_zip(path).compile() in Python, or MuJoCo's viewers".to_owned())
+            }
+            _ => Open::Command(format!("python -m mujoco.viewer --mjcf={name}_rover.xml")),
         };
         Ok(Summary { visual_triangles: world.visual_triangles, collision_triangles: shapes.triangles, open })
     }

@@ -27,7 +27,7 @@ use crate::frame::{Axes, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Material, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -42,7 +42,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(ObjSettings),
+    settings: plume_registry::settings_schema::<ObjSettings>,
     build: Build::Plain(|table| Ok(Box::new(Obj(serde_json::from_value(table)?)))),
 };
 
@@ -97,7 +97,7 @@ impl Target for Obj {
         };
         let readme = include_str!("../templates/obj/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

@@ -23,7 +23,7 @@ use crate::image_format::ImageFormat;
 use crate::labels::Labels;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -38,7 +38,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: true,
     has_pieces: false,
     bundles: &[],
-    settings: || schemars::schema_for!(PlySettings),
+    settings: plume_registry::settings_schema::<PlySettings>,
     build: Build::Plain(|table| Ok(Box::new(Ply(serde_json::from_value(table)?)))),
 };
 
@@ -76,7 +76,7 @@ impl Target for Ply {
         };
         let readme = include_str!("../templates/ply/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

@@ -17,7 +17,7 @@ use crate::format::stl;
 use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::{Chunk, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -32,7 +32,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: true,
     has_pieces: false,
     bundles: &[],
-    settings: || schemars::schema_for!(StlSettings),
+    settings: plume_registry::settings_schema::<StlSettings>,
     build: Build::Plain(|table| Ok(Box::new(Stl(serde_json::from_value(table)?)))),
 };
 
@@ -83,7 +83,7 @@ impl Target for Stl {
         };
         let readme = include_str!("../templates/stl/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

@@ -33,7 +33,7 @@ use crate::frame::Axes;
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Image, Instance, Material, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, names, template};
+use crate::{Build, Open, Summary, Target, TargetRow, names, template};
 
 /// Chunks of a region. Tuned: a tileset of some 30 kB.
 const CHUNKS_OF_REGION: usize = 64;
@@ -54,7 +54,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: false,
     bundles: &[],
-    settings: || schemars::schema_for!(TilesSettings),
+    settings: plume_registry::settings_schema::<TilesSettings>,
     build: Build::Plain(|table| {
         let settings: TilesSettings = serde_json::from_value(table)?;
         settings.compression.check()?;
@@ -98,7 +98,7 @@ impl Target for Tiles {
         let readme = template::fill("README.md", include_str!("../templates/tiles/README.md.jinja"), &values);
         out.text("README.md", &readme)?;
         let open = "serve this folder by HTTP and open tileset.json in a viewer of 3D Tiles".to_owned();
-        Ok(Summary { visual_triangles, collision_triangles: 0, open })
+        Ok(Summary { visual_triangles, collision_triangles: 0, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

@@ -39,7 +39,7 @@ use crate::labels::Labels;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::surface::FloorBuilder;
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 use floors::Floors;
 use table::{Entry, FRAME, Table};
 use tasks::Tasks;
@@ -70,7 +70,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: false,
     bundles: &[],
-    settings: || schemars::schema_for!(TruthSettings),
+    settings: plume_registry::settings_schema::<TruthSettings>,
     build: Build::Plain(|table| Ok(Box::new(Truth(serde_json::from_value(table)?)))),
 };
 
@@ -273,7 +273,7 @@ impl Target for Truth {
         let readme = include_str!("../templates/truth/README.md.jinja");
         out.text("README.md", &template::fill("README.md", readme, &values))?;
         let open = "python -c \"import json; print(json.load(open('truth.json')))\"".to_owned();
-        Ok(Summary { visual_triangles: world.triangles, collision_triangles: 0, open })
+        Ok(Summary { visual_triangles: world.triangles, collision_triangles: 0, open: Open::Command(open) })
     }
 
     fn axes(&self) -> Axes {

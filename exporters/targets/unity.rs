@@ -42,7 +42,7 @@ use crate::package::MANIFEST;
 use crate::package::{Package, write_pretty};
 use crate::place::LICENSE;
 use crate::scene::{Chunk, Content, Mesh, Piece, Scene, Zone};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use asset::{Assets, Importer};
 use identity::Guid;
@@ -76,7 +76,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[Bundle::Tgz],
-    settings: || schemars::schema_for!(UnitySettings),
+    settings: plume_registry::settings_schema::<UnitySettings>,
     build: Build::Plain(|table| Ok(Box::new(Unity(serde_json::from_value(table)?)))),
 };
 
@@ -125,7 +125,7 @@ impl Target for Unity {
             _ => format!("copy the folder to Packages/{name} of a Unity project"),
         };
         let open = format!("{install}; then drag Runtime/{}.prefab into a scene", scene.name);
-        Ok(Summary { visual_triangles, collision_triangles, open })
+        Ok(Summary { visual_triangles, collision_triangles, open: Open::Words(open) })
     }
 
     fn axes(&self) -> Axes {

@@ -33,7 +33,7 @@ use crate::frame::{Axes, Up, micro};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Content, Material, Piece, Scene};
-use crate::{Build, Summary, Target, TargetRow, names, template};
+use crate::{Build, Open, Summary, Target, TargetRow, names, template};
 use index::{Entry, Textures};
 use things::{Shape, Things};
 
@@ -56,7 +56,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(UnrealSettings),
+    settings: plume_registry::settings_schema::<UnrealSettings>,
     build: Build::Plain(|table| Ok(Box::new(Unreal(serde_json::from_value(table)?)))),
 };
 
@@ -107,7 +107,7 @@ impl Target for Unreal {
                 + shapes.iter().map(|shape| shape.entry.visual_triangles() * shape.count()).sum::<u64>(),
             collision_triangles: entries.iter().map(|entry| entry.collision_triangles).sum::<u64>()
                 + shapes.iter().map(|shape| shape.entry.collision_triangles * shape.count()).sum::<u64>(),
-            open: "in Unreal's command box: py <this folder>/import_cave.py".to_owned(),
+            open: Open::Words("in Unreal's command box: py <this folder>/import_cave.py".to_owned()),
         })
     }
 

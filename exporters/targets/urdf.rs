@@ -29,7 +29,7 @@ use crate::frame::{Axes, micro, sdf_pose};
 use crate::image_format::ImageFormat;
 use crate::package::Package;
 use crate::scene::{Chunk, Landmark, Mesh, Scene};
-use crate::{Build, Summary, Target, TargetRow, template};
+use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -46,7 +46,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(UrdfSettings),
+    settings: plume_registry::settings_schema::<UrdfSettings>,
     build: Build::Plain(|table| Ok(Box::new(Urdf(serde_json::from_value(table)?)))),
 };
 
@@ -81,7 +81,7 @@ impl Target for Urdf {
         Ok(Summary {
             visual_triangles: triangles[0],
             collision_triangles: triangles[1],
-            open: how_to_open(&scene.name),
+            open: Open::Words(how_to_open(&scene.name)),
         })
     }
 

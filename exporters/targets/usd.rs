@@ -7,7 +7,7 @@ use crate::frame::Axes;
 use crate::package::Package;
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Open, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -22,7 +22,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: false,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(StageSettings),
+    settings: plume_registry::settings_schema::<StageSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Usd { settings: serde_json::from_value(table)?, library }))),
 };
 
@@ -39,7 +39,7 @@ pub struct Usd {
 impl Target for Usd {
     fn export(&self, scene: &Scene, out: &mut dyn Package) -> Result<Summary, ExportError> {
         let contents = self.settings.contents();
-        let open = format!("usdview {}", stage::root_name(scene));
+        let open = Open::Command(format!("usdview {}", stage::root_name(scene)));
         let summary = stage::write("usd", scene, &contents, &*self.library, out, open)?;
         stage::write_readme(README, scene, &contents, &summary, out)?;
         Ok(summary)

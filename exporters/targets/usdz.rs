@@ -12,7 +12,7 @@ use crate::package::Package;
 use crate::place::{Existing, Folder};
 use crate::scene::Scene;
 use crate::stage::{self, Library, StageSettings};
-use crate::{Build, Summary, Target, TargetRow};
+use crate::{Build, Open, Summary, Target, TargetRow};
 
 /// The row of this target.
 pub const ROW: TargetRow = TargetRow {
@@ -27,7 +27,7 @@ pub const ROW: TargetRow = TargetRow {
     is_single_file: true,
     has_pieces: true,
     bundles: &[],
-    settings: || schemars::schema_for!(StageSettings),
+    settings: plume_registry::settings_schema::<StageSettings>,
     build: Build::WithUsd(|table, library| Ok(Box::new(Usdz { settings: serde_json::from_value(table)?, library }))),
 };
 
@@ -48,7 +48,7 @@ impl Target for Usdz {
         let scratch = out.scratch()?;
         let stage = scratch.path().join("stage");
         let mut loose = Folder::create(&stage, Existing::Keep)?;
-        let open = format!("usdview {archive}");
+        let open = Open::Command(format!("usdview {archive}"));
         let summary = stage::write("usdz", scene, &contents, &*self.library, &mut loose, open)?;
         loose.finish()?;
         let path = scratch.path().join(&archive);

@@ -337,6 +337,7 @@ impl Cave {
         let library: Arc<dyn Library> = Arc::new(UsdCore::default());
         work::run(py, None, |watch| {
             let choice = cave::target(target)?;
+            cave::refuse_unfit_images(&[choice.row], cave.recipe())?;
             let bundle = bundle.map(|name| cave::bundle(name, std::slice::from_ref(&choice))).transpose()?;
             let path = bundle.map_or(path.clone(), |bundle| bundle.file(&path));
             let wanted = cave::build(vec![choice], &[], &options, Some(&library))?.remove(0);

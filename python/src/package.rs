@@ -35,7 +35,7 @@ impl Package {
             bytes: files.bytes(),
             visual_triangles: summary.visual_triangles,
             collision_triangles: summary.collision_triangles,
-            open_with: summary.open.clone(),
+            open_with: summary.open.text().to_owned(),
         }
     }
 }

@@ -16,14 +16,17 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use super::CaveError;
-use crate::recipe;
+use crate::recipe::{self, Recipe};
 use crate::store::sha256;
+use crate::texture::MapFormats;
+use plume_graph::echo::{plain, shown};
 
 /// The target called `name`.
 ///
 /// # Errors
 /// [`CaveError::Usage`], which suggests the nearest.
 pub fn target(name: &str) -> Result<Choice, CaveError> {
+    let name = name.trim();
     let usages: Vec<String> = TARGETS.iter().map(TargetRow::usage).collect();
     let unknown = |_| CaveError::unknown("target", name, usages.iter().map(String::as_str));
     plume_exporters::target(name).map_err(unknown)
@@ -41,6 +44,27 @@ pub fn bundle(name: &str, choices: &[Choice]) -> Result<Bundle, CaveError> {
     let able = TARGETS.iter().filter(|row| row.has(bundle));
     let hint = format!("targets that support it: {}", able.map(|row| row.name).collect::<Vec<_>>().join(", "));
     Err(CaveError::Usage { message: format!("target `{}` does not support the bundle `{name}`", row.name), hint })
+}
+
+/// Refuses a recipe whose textures have a format that one of these targets does not take. Targets without images take any.
+///
+/// # Errors
+/// [`CaveError::Usage`], which names the formats that the target takes.
+pub fn refuse_unfit_images(rows: &[&TargetRow], recipe: &Recipe) -> Result<(), CaveError> {
+    let format = recipe.texture().format;
+    let takes = |row: &TargetRow, format: MapFormats| row.images.is_empty() || format.is_among(row.images);
+    let Some(row) = rows.iter().find(|row| !takes(row, format)) else { return Ok(()) };
+    let taken = MapFormats::ALL.into_iter().filter(|format| takes(row, *format)).map(MapFormats::name);
+    let able = TARGETS.iter().filter(|row| format.is_among(row.images)).map(|row| row.name);
+    Err(CaveError::Usage {
+        message: format!("target `{}` does not take texture.format = {:?}", row.name, format.name()),
+        hint: format!(
+            "formats that it takes: {}; targets that take {}: {}",
+            taken.collect::<Vec<_>>().join(", "),
+            format.name(),
+            able.collect::<Vec<_>>().join(", ")
+        ),
+    })
 }
 
 /// A target with its options.
@@ -76,6 +100,8 @@ pub fn build(
     library: Option<&Arc<dyn Library>>,
 ) -> Result<Vec<Wanted>, CaveError> {
     let all = choices.iter().chain(inside);
+    let rows: Vec<&TargetRow> = all.clone().map(|choice| choice.row).collect();
+    options.iter().try_for_each(|pair| refuse_stray(pair, &rows))?;
     let schemas: Map<String, Value> =
         all.map(|Choice { row, .. }| (row.name.to_owned(), (row.settings)().to_value())).collect();
     let schema = json!({"type": "object", "properties": schemas});
@@ -96,6 +122,34 @@ pub fn build(
         Ok(Wanted { choice, target, settings: json!([own, others]) })
     });
     wanted.collect()
+}
+
+/// Refuses an option without its target, or of a target that is not among `rows`.
+fn refuse_stray(pair: &str, rows: &[&TargetRow]) -> Result<(), CaveError> {
+    let Some((key, value)) = pair.split_once('=') else { return Ok(()) };
+    let (target, option) = match key.trim().split_once('.') {
+        Some((target, option)) => (Some(target), option),
+        None => (None, key.trim()),
+    };
+    let is_known = |row: &TargetRow| target == Some(row.name);
+    if rows.iter().any(|row| is_known(row)) {
+        return Ok(());
+    }
+    if let Some(row) = TARGETS.iter().find(|row| is_known(row)) {
+        let names: Vec<&str> = rows.iter().map(|row| row.name).collect();
+        let message = format!("{}: target `{}` is not exported", shown(pair), row.name);
+        return Err(CaveError::Usage { message, hint: format!("exported targets: {}", names.join(", ")) });
+    }
+    let has_option = |row: &TargetRow| (row.settings)().to_value()["properties"].get(option).is_some();
+    let able: Vec<&str> = TARGETS.iter().filter(|row| has_option(row)).map(|row| row.name).collect();
+    if target.is_some() || able.is_empty() {
+        return Ok(());
+    }
+    let meant = rows.iter().find(|row| has_option(row));
+    let meant =
+        meant.map(|row| format!("did you mean {}? ", plain(&format!("{}.{option}={}", row.name, value.trim()))));
+    let hint = format!("{}targets with this option: {}", meant.unwrap_or_default(), able.join(", "));
+    Err(CaveError::Usage { message: format!("{}: names an option without its target", shown(pair)), hint })
 }
 
 /// Refuses a package inside one of the same target, and two of the same target inside one.

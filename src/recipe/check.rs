@@ -152,8 +152,11 @@ impl Checker<'_> {
     fn unknown(&mut self, path: &str, name: &str, known: &Value) {
         self.fault(path, |path| {
             let names: Vec<&str> = known.as_object().into_iter().flatten().map(|(k, _)| k.as_str()).collect();
-            let hint = format!("{}known: {}", did_you_mean(name, names.iter().copied()), names.join(", "));
-            (format!("{path} is not a key"), hint)
+            let meant = match sections_with(name, known) {
+                keys if keys.is_empty() => did_you_mean(name, names.iter().copied()),
+                keys => format!("did you mean {}? ", keys.join(" or ")),
+            };
+            (format!("{path} is not a key"), format!("{meant}known: {}", names.join(", ")))
         });
     }
 
@@ -174,13 +177,20 @@ impl Checker<'_> {
     }
 }
 
+/// The same key in sections, such as `graph.nodes`.
+fn sections_with(name: &str, sections: &Value) -> Vec<String> {
+    let sections = sections.as_object().into_iter().flatten();
+    let has_key = |(_, section): &(&String, &Value)| section["properties"].get(name).is_some();
+    sections.filter(has_key).map(|(section, _)| format!("`{section}.{name}`")).collect()
+}
+
 /// The path of a key in a section, which has none at the top.
 fn below(section: &str, key: &str) -> String {
     if section.is_empty() { key.to_owned() } else { format!("{section}.{key}") }
 }
 
 /// The schema inside `anyOf [X, null]` or `type [x, null]`, and whether `null` is allowed.
-fn unwrap_optional(schema: &Value) -> (&Value, bool) {
+pub fn unwrap_optional(schema: &Value) -> (&Value, bool) {
     let is_null = |s: &Value| s["type"] == "null";
     if let Some(variants) = schema["anyOf"].as_array().filter(|v| v.iter().any(is_null)) {
         return (variants.iter().find(|v| !is_null(v)).unwrap_or(schema), true);
@@ -189,7 +199,8 @@ fn unwrap_optional(schema: &Value) -> (&Value, bool) {
     (schema, optional)
 }
 
-fn type_name(schema: &Value) -> &str {
+/// The type that a schema names, apart from `null`.
+pub fn type_name(schema: &Value) -> &str {
     match &schema["type"] {
         Value::Array(types) => types.iter().filter_map(Value::as_str).find(|t| *t != "null").unwrap_or(""),
         other => other.as_str().unwrap_or(""),
@@ -231,7 +242,23 @@ pub fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Str
     // What is much longer than any name is none of them misspelled, and comparing takes time.
     let nearest = known.filter(|k| word.len() <= 2 * k.len() + 2).map(|k| (strsim::levenshtein(word, k), k)).min();
     match nearest {
-        Some((distance, k)) if distance <= 1 + word.len() / 3 => format!("did you mean `{k}`? "),
+        Some((distance, k)) if distance <= word.len().div_ceil(3) => format!("did you mean `{k}`? "),
         _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::did_you_mean;
+
+    #[test]
+    fn only_near_names_are_suggested() {
+        let presets = ["cave", "lava-tube", "mine", "layers"];
+        let meant = |word: &str| did_you_mean(word, presets.into_iter());
+        assert_eq!(["ice", "tube", "salt", ""].map(meant), [""; 4]);
+        assert_eq!(
+            ["mines", "cav", "lavatube"].map(meant),
+            ["mine", "cave", "lava-tube"].map(|k| format!("did you mean `{k}`? "))
+        );
     }
 }

@@ -83,7 +83,8 @@ fn about(schema: &Value) -> String {
     text
 }
 
-fn literal(value: &Value) -> Option<String> {
+/// A value in TOML; `None` if it is null.
+pub fn literal(value: &Value) -> Option<String> {
     match value {
         Value::Null => None,
         Value::Object(table) => {

@@ -47,6 +47,14 @@ impl Draft {
         }
     }
 
+    /// Removes a section.
+    pub fn forget(&mut self, section: &str) {
+        if let Some(sections) = self.value.as_object_mut() {
+            sections.remove(section);
+        }
+        self.origins.retain(|key, _| key.split('.').next() != Some(section));
+    }
+
     /// A fault at `key`.
     pub fn fault(&self, key: &str, message: String) -> Faults {
         let message = format!("{key}: {}", sentence(&message));

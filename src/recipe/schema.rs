@@ -1,6 +1,7 @@
 //! The JSON Schema of recipes, assembled from the tables of generators and rocks.
 
-use schemars::{JsonSchema, generate::SchemaSettings};
+use plume_registry::settings_schema;
+use schemars::JsonSchema;
 use serde_json::{Map, Value, json};
 
 use super::{OutputSettings, WorldSettings};
@@ -11,6 +12,10 @@ use crate::texture::{LodSettings, TextureSettings};
 use crate::things::ThingSettings;
 use plume_generators::GENERATORS;
 use plume_graph::realism::RealismSettings;
+
+/// Where the schema of this version is published: in the repository, under the tag of the version.
+pub const SCHEMA_ADDRESS: &str =
+    concat!(env!("CARGO_PKG_REPOSITORY"), "/raw/v", env!("CARGO_PKG_VERSION"), "/docs/recipe.schema.json");
 
 /// The format of a string that becomes a file or folder name.
 pub const FILE_NAME: &str = "file-name";
@@ -34,17 +39,27 @@ pub fn editor_schema() -> Value {
     let rocks = rock_names();
     let graph_of = |name: &&str| of(&json!({"graph": {"generator": name}}))["properties"]["graph"].clone();
     let rock_of = |name: &&str| of(&json!({"rock": {"kind": name}}))["properties"]["rock"].clone();
-    let graph = json!({"oneOf": only(generators.iter().map(graph_of), "generator", &generators)});
-    let rock = json!({"oneOf": only(rocks.iter().map(rock_of), "kind", &rocks)});
-    let mut schema = whole(graph, rock);
-    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
-    schema["title"] = json!("Plume recipe");
+    let graph = union("generator", only(generators.iter().map(graph_of), "generator", &generators));
+    let rock = union("kind", only(rocks.iter().map(rock_of), "kind", &rocks));
+    let mut schema = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": SCHEMA_ADDRESS,
+        "title": "Plume recipe",
+    });
+    let whole = whole(graph, rock);
+    whole.as_object().into_iter().flatten().for_each(|(key, value)| schema[key] = value.clone());
     schema
+}
+
+/// Variants that differ by the value of a key. Editors that know discriminators report faults of the chosen variant only.
+fn union(key: &str, variants: Vec<Value>) -> Value {
+    json!({"discriminator": {"propertyName": key}, "oneOf": variants})
 }
 
 /// Fixes the choice of each variant to its own name; the first, being the default, may be omitted.
 fn only(variants: impl Iterator<Item = Value>, key: &str, names: &[&str]) -> Vec<Value> {
     let pin = |(i, mut variant): (usize, Value)| {
+        variant["title"] = json!(format!("{key} = \"{}\"", names[i]));
         variant["properties"][key]["enum"] = json!([names[i]]);
         variant["properties"][key]["default"] = json!(names[i]);
         if i > 0 {
@@ -96,8 +111,7 @@ fn whole(graph: Value, rock: Value) -> Value {
 
 /// Schema of a settings struct, without references.
 pub fn schema_of<T: JsonSchema>() -> Value {
-    let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
-    plain(settings.into_generator().into_root_schema_for::<T>().to_value())
+    plain(settings_schema::<T>().to_value())
 }
 
 /// Replaces numbers that passed through `f32` (0.20000000298) by the intended decimal (0.2).

@@ -57,6 +57,22 @@ impl MapFormats {
     /// All choices.
     pub const ALL: [Self; 4] = [Self::Mixed, Self::Png, Self::Jpeg, Self::WebP];
 
+    /// Its word in recipes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mixed => "mixed",
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+            Self::WebP => "webp",
+        }
+    }
+
+    /// Whether every map of a package is in one of these formats. Height maps are always PNG, and few targets take them.
+    pub fn is_among(self, formats: &[ImageFormat]) -> bool {
+        let Maps { base_color, normal, orm, roughness, .. } = self.each();
+        [base_color, normal, orm, roughness].iter().all(|format| formats.contains(format))
+    }
+
     /// The format of each map.
     pub fn each(self) -> Maps<ImageFormat> {
         let maps = |base_color, rest| Maps {

@@ -20,13 +20,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("things", &["field", "material", "mesh", "model", "noise"]),
     ("placement", &["field"]),
     ("preview", &["field", "material", "mesh", "placement", "things"]),
-    ("recipe", &["field", "material", "mesh", "model", "texture", "things"]),
+    ("recipe", &["field", "material", "mesh", "model", "preset", "texture", "things"]),
     ("preset", &[]),
     ("store", &["field", "mesh", "texture", "things"]),
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
     ("pipeline", &["field", "material", "mesh", "model", "preview", "recipe", "store", "texture", "things"]),
     ("trajectory", &[]),
-    ("cave", &["assemble", "field", "mesh", "pipeline", "preset", "preview", "recipe", "store"]),
+    ("cave", &["assemble", "field", "mesh", "pipeline", "preset", "preview", "recipe", "store", "texture"]),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use plume::generators::{GENERATORS, GeneratorRow};
 use plume::material::MATERIALS;
+use plume::recipe::{SCHEMA_ADDRESS, Setting, editor_schema, settings_of};
 use plume::things::{KINDS, KindRow};
 use plume_exporters::{TARGETS, TargetRow};
 
@@ -15,9 +16,20 @@ const README_WORDS: usize = 1000;
 
 #[test]
 fn lists_are_those_of_the_tables() {
-    has_lists("docs/formats.md", |_| vec![("targets", targets()), ("pieces", pieces())]);
+    has_lists("docs/formats.md", |_| vec![("targets", targets()), ("pieces", pieces()), ("options", options())]);
     has_lists("docs/gallery.md", |page| vec![("rocks", rocks()), ("generators", generators(page))]);
     has_lists("docs/things.md", |_| vec![("things", things())]);
+}
+
+/// Recipes name it by its address, at the tag of their version.
+#[test]
+fn the_schema_is_that_of_recipes() {
+    assert!(SCHEMA_ADDRESS.ends_with(&format!("/v{}/docs/recipe.schema.json", env!("CARGO_PKG_VERSION"))));
+    let (path, schema) = (of_project("docs/recipe.schema.json"), format!("{:#}\n", editor_schema()));
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        return fs::write(&path, schema).expect("the schema can be written");
+    }
+    assert!(read(&path) == schema, "docs/recipe.schema.json is out of date, renew it by `{RENEW}`");
 }
 
 #[test]
@@ -66,9 +78,9 @@ fn with_list(page: &str, text: &str, name: &str, list: &str) -> String {
     format!("{before}{marker}{list}<!-- end -->{after}")
 }
 
-fn table(head: [&str; 3], rows: impl Iterator<Item = [String; 3]>) -> String {
+fn table<const N: usize>(head: [&str; N], rows: impl Iterator<Item = [String; N]>) -> String {
     let lines = rows.map(|cells| format!("| {} |\n", cells.join(" | "))).collect::<String>();
-    format!("\n\n| {} |\n|---|---|---|\n{lines}\n", head.join(" | "))
+    format!("\n\n| {} |\n|{}\n{lines}\n", head.join(" | "), "---|".repeat(N))
 }
 
 fn targets() -> String {
@@ -79,6 +91,19 @@ fn targets() -> String {
 fn pieces() -> String {
     let names = TARGETS.iter().filter(|row| row.has_pieces).map(|row| format!("`{}`", row.name));
     names.collect::<Vec<_>>().join(", ")
+}
+
+fn options() -> String {
+    table(["option", "what it does", "range", "default"], TARGETS.iter().flat_map(options_of))
+}
+
+fn options_of(row: &TargetRow) -> Vec<[String; 4]> {
+    let settings = settings_of(&(row.settings)().to_value());
+    let cells = |setting: Setting| {
+        let default = format!("`{}`", setting.default_text());
+        [format!("`{}.{}`", row.name, setting.key), setting.meaning, setting.range, default]
+    };
+    settings.into_iter().map(cells).map(|cells| cells.map(|cell| cell.replace('|', "\\|"))).collect()
 }
 
 fn rocks() -> String {

@@ -88,7 +88,8 @@ def sealed(manifest: dict[str, Any]) -> str:
 @pytest.mark.parametrize("name", ["cave", "lava-tube", "mine", "layers"])
 def test_presets_are_those_of_the_command(name: str, tmp_path: Path) -> None:
     printed = command(tmp_path, "new", "--preset", name)
-    assert plume.Recipe.preset(name).to_toml() == printed and name in plume.presets()
+    _, recipe = printed.split("\n\n", 1)
+    assert plume.Recipe.preset(name).to_toml() == recipe and name in plume.presets()
     (tmp_path / "cave.toml").write_text(printed)
     assert plume.Recipe.load(tmp_path / "cave.toml") == plume.Recipe.preset(name)
 

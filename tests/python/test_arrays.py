@@ -90,6 +90,9 @@ def test_textures_are_what_another_reader_sees(form: str, cave: plume.Cave) -> N
             # Decoders of JPEG may round differently by a few levels; PNG and WebP leave no choice.
             difference = np.abs(ours.astype(int) - theirs.astype(int)).max()
             assert ours.shape == shape and ours.dtype == np.uint8 and difference <= (8 if form == "jpg" else 0)
+        if form == "webp":
+            with pytest.raises(plume.InputError, match="target `gazebo` does not take texture.format"):
+                cave.export("gazebo", cave.folder / "package")
 
 
 def test_heights_are_what_another_reader_sees(cave: plume.Cave) -> None:

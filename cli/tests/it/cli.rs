@@ -41,6 +41,43 @@ fn unknown_names_are_reported() {
 }
 
 #[test]
+fn options_of_targets_are_listed() {
+    let desk = Desk::new();
+    let listed = |more: &[&str]| String::from_utf8(desk.run(&[&["list", "options"], more].concat()).stdout).unwrap();
+    let gazebo = listed(&["gazebo"]);
+    assert!(gazebo.contains("  gazebo.ambient ") && gazebo.contains("[0.0 to 1.0; default 0.1]"), "{gazebo}");
+    assert!(!gazebo.contains("mujoco."), "{gazebo}");
+    let all: serde_json::Value = serde_json::from_str(&listed(&["--json"])).unwrap();
+    let lights = all["options"].as_array().unwrap().iter().find(|row| row["name"] == "gazebo.lights").unwrap();
+    assert_eq!((&lights["target"], &lights["default"]), (&json!("gazebo"), &json!(true)));
+    assert_snapshot!("options_of_no_target", desk.fault(&["list", "options", "gazeboo"]));
+    assert_snapshot!("options_of_another_table", desk.fault(&["list", "robots", "gazebo"]));
+}
+
+#[test]
+fn hints_lead_to_what_was_meant() {
+    let desk = Desk::new();
+    assert_snapshot!("no_preset_nearby", desk.fault(&["new", "--preset", "ice"]));
+    assert_snapshot!("key_without_section", desk.fault(&["new", "--set", "nodes=5"]));
+    let export = |target: &str, option: &str| desk.fault(&["export", "--target", target, "--option", option]);
+    assert_snapshot!("option_without_target", export("gazebo", "ros2=true"));
+    assert_snapshot!("option_of_others", export("obj", "ros2=true"));
+    assert_snapshot!("option_of_no_export", export("obj, glb", "gazebo.ros2=true"));
+    let fault = desk.fault(&["export"]);
+    assert!(fault.starts_with("exit 2\n") && fault.contains("known targets: gazebo, isaac"), "{fault}");
+}
+
+#[test]
+fn images_that_a_target_does_not_take_are_refused_before_the_work() {
+    let desk = Desk::new();
+    let webp = ["--set", "texture.format=webp"];
+    assert_snapshot!("images_unfit", desk.fault(&[&["export", "--target", "glb,gazebo"], &webp[..]].concat()));
+    let with = ["export", "--target", "glb", "--with", "gazebo"];
+    assert!(desk.fault(&[&with, &webp[..]].concat()).contains("target `gazebo` does not take"));
+    assert_eq!(files(&desk.path("")).len(), 0);
+}
+
+#[test]
 fn faulty_previews_are_reported() {
     let desk = Desk::new();
     desk.file("file", "a file");
@@ -305,9 +342,34 @@ fn the_printed_recipe_reads_back_as_itself() {
         let made = desk.run(&["graph", "printed.toml", "--output", preset, "--json"]);
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
         let kept = fs::read_to_string(desk.path(preset).join("cave.toml")).unwrap();
+        let (schema, printed) = printed.split_once("\n\n").unwrap();
+        assert!(schema.starts_with("#:schema https://") && schema.ends_with("/docs/recipe.schema.json"), "{schema}");
         let (recipe, last_line) = kept.trim_end().rsplit_once('\n').unwrap();
         assert_eq!((printed.trim_end(), last_line), (recipe.trim_end(), "# End of the recipe: keep this line."));
     }
+}
+
+#[test]
+fn every_generator_and_rock_can_be_chosen_in_a_new_recipe() {
+    let desk = Desk::new();
+    let listed: serde_json::Value = serde_json::from_slice(&desk.run(&["list", "--json"]).stdout).unwrap();
+    let names = |table: &str| -> Vec<String> {
+        listed[table].as_array().unwrap().iter().map(|row| row["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let generators = names("generators").into_iter().map(|name| ("graph.generator", "generator", name));
+    let rocks = names("materials").into_iter().map(|name| ("rock.kind", "kind", name));
+    let choices: Vec<_> = generators.chain(rocks).collect();
+    for preset in names("presets") {
+        for (path, key, name) in &choices {
+            let made = desk.run(&["new", "--preset", &preset, "--set", &format!("{path}={name}")]);
+            let said = String::from_utf8_lossy(&made.stderr);
+            assert!(made.status.success(), "{preset} {name}: {said}");
+            let recipe = String::from_utf8(made.stdout).unwrap();
+            assert!(recipe.contains(&format!("\n{key} = \"{name}\"\n")), "{preset} {name}");
+        }
+    }
+    let printed = desk.run(&["new", "--set", "graph.generator=mine", "--set", "graph.levels=3"]).stdout;
+    assert!(String::from_utf8(printed).unwrap().contains("\nlevels = 3\n"));
 }
 
 #[test]
@@ -322,6 +384,64 @@ fn results_go_to_stdout_and_notes_to_stderr() {
     assert_eq!(summary["graph"]["nodes"], 50);
 }
 
+#[test]
+fn errors_are_json_for_programs() {
+    let desk = Desk::new();
+    let told = |arguments: &[&str]| -> (i32, serde_json::Value) {
+        let output = desk.run(&[arguments, &["--json"]].concat());
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        (output.status.code().unwrap(), serde_json::from_slice(&output.stderr).unwrap())
+    };
+    let (code, preset) = told(&["new", "--preset", "mines"]);
+    assert_eq!((code, &preset["error"]), (2, &json!("there is no preset \"mines\"")));
+    assert_eq!(preset["hint"], "did you mean `mine`? known: cave, lava-tube, mine, layers");
+    desk.file("cave.toml", "sed = 3\n\n[graph]\nnodes = 1\n");
+    let (code, recipe) = told(&["generate", "cave.toml"]);
+    assert_eq!((code, &recipe["error"]), (2, &json!("cave.toml:1: sed is not a key")));
+    let faults = recipe["faults"].as_array().unwrap();
+    assert_eq!((faults.len(), &recipe["more"]), (2, &json!(0)));
+    assert_eq!(faults[1]["error"], "cave.toml:4: graph.nodes must be at least 2, found 1");
+    let (code, usage) = told(&["generate", "--sed", "3"]);
+    assert_eq!((code, &usage["error"]), (2, &json!("unexpected argument '--sed' found")));
+    assert!(usage["hint"].as_str().unwrap().contains("Usage: plume generate"), "{usage}");
+}
+
+#[test]
+fn numbers_for_programs_have_no_more_digits_than_they_mean() {
+    let desk = Desk::new();
+    let all: Vec<&str> = ["mesh", "--output", "cave", "--json"].iter().chain(&SMALL).copied().collect();
+    let told: serde_json::Value = serde_json::from_slice(&desk.run(&all).stdout).unwrap();
+    assert!(["triangles", "collision_triangles"].iter().all(|key| told["mesh"][key].is_u64()), "{told}");
+    for number in [&told["graph"]["length_m"], &told["mesh"]["area_m2"]] {
+        let digits = number.to_string().split_once('.').map_or(0, |(_, digits)| digits.len());
+        assert!(digits <= 3, "{number}");
+    }
+}
+
+#[test]
+fn shells_and_man_are_served() {
+    let desk = Desk::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = String::from_utf8(desk.run(&["completions", shell]).stdout).unwrap();
+        assert!(script.contains("preset"), "{shell}");
+    }
+    let pages = [&["manual"][..], &["manual", "export"]].map(|page| String::from_utf8(desk.run(page).stdout).unwrap());
+    assert!(pages.iter().all(|page| page.contains(".TH ")) && pages[1].contains("option"), "{}", pages[1]);
+    assert!(desk.fault(&["manual", "exprot"]).contains("did you mean `export`?"));
+}
+
+#[test]
+fn colour_heeds_no_color() {
+    let desk = Desk::new();
+    let help = |variables: &[&str]| {
+        let mut command = desk.command(&["--help"]);
+        command.env_remove("NO_COLOR").envs(variables.iter().map(|name| (name, "1")));
+        String::from_utf8(command.output().unwrap().stdout).unwrap()
+    };
+    assert!(help(&["CLICOLOR_FORCE"]).contains('\u{1b}'));
+    assert!(!help(&["CLICOLOR_FORCE", "NO_COLOR"]).contains('\u{1b}'));
+}
+
 /// The result goes to the device that is always full.
 #[cfg(target_os = "linux")]
 #[test]
@@ -334,6 +454,8 @@ fn a_result_that_cannot_be_printed_is_an_error() {
         "schema",
         "list",
         "list --json",
+        "completions bash",
+        "manual",
         "check package",
         "status cave",
         "measure cave",

@@ -55,6 +55,9 @@ fn too_small_graphs_and_other_files_are_reported() {
     assert_snapshot!("line", said(&desk, &["line.json", "--gate"]));
     desk.file("letter.txt", "dear diary");
     assert!(said(&desk, &["letter.txt"]).starts_with("exit 2\nerror: letter.txt: has no known graph format\n"));
+    assert!(said(&desk, &["nowhere"]).starts_with("exit 2\nerror: nowhere: No such file or directory"));
+    let import = desk.fault(&["graph", "import", "nowhere", "-o", "graph.json"]);
+    assert!(import.starts_with("exit 2\nerror: nowhere: No such file or directory"), "{import}");
     assert_snapshot!("no_such_parts", said(&desk, &["line.json", "--parts", "some"]));
     for rock in ["nan", "inf", "-1", "1e9"] {
         assert!(said(&desk, &["line.json", &format!("--rock={rock}")]).contains("must be a number from 0 to 100"));
@@ -75,7 +78,11 @@ fn a_cave_folder_is_measured_from_its_graph_to_its_mesh() {
     let both = read(&desk, &["small"]);
     assert_eq!(both["graph"]["verdict"], "too_small");
     assert!(both["triangles"].as_u64().is_some_and(|count| count > 0), "{both}");
-    assert!(said(&desk, &["small"]).contains("\nmesh\n  vertices "));
+    let text = said(&desk, &["small"]);
+    assert!(
+        text.contains("\nmesh\n  vertices ") && text.contains("\nthe genus counts the handles of the wall: "),
+        "{text}"
+    );
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn a_folder_and_a_tarball_have_their_own_instructions() {
     let how = |bundle: Option<Bundle>| {
         let path = folder.path().join(bundle.map_or("folder", Bundle::name));
         let place = Place { path, bundle, existing: Existing::Keep };
-        place.write("unity", &Unity(UnitySettings::default()), &chamber.scene()).unwrap().0.open
+        place.write("unity", &Unity(UnitySettings::default()), &chamber.scene()).unwrap().0.open.text().to_owned()
     };
     let drag = "; then drag Runtime/chamber.prefab into a scene";
     assert_eq!(how(None), format!("copy the folder to Packages/com.plume.chamber of a Unity project{drag}"));
