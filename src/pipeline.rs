@@ -13,6 +13,7 @@ mod pieces;
 mod program;
 mod status;
 mod things;
+mod threads;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -382,14 +383,15 @@ impl<'a> Pipeline<'a> {
         work: impl Fn(&T) -> Result<(), PipelineError> + Sync,
     ) -> Result<(), PipelineError> {
         self.observer.begin(stage, items.len());
-        items.par_iter().try_for_each(|item| {
+        let each = |item: &T| {
             if self.observer.stop().load(Ordering::Relaxed) {
                 return Err(PipelineError::Interrupted);
             }
             work(item)?;
             self.observer.advance(stage);
             Ok(())
-        })?;
+        };
+        threads::with_large_stacks(|| items.par_iter().try_for_each(each))?;
         self.observer.end(stage);
         Ok(())
     }

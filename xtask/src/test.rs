@@ -1,5 +1,6 @@
 //! `cargo xtask test`: all tests that need only cargo and python3.
 
+use std::fs;
 use std::process::Command;
 
 use crate::interop;
@@ -25,6 +26,19 @@ pub fn run(arguments: &[String]) -> Result<()> {
 /// The tests of the workspace. The Python module has none, but shares what it depends on.
 pub fn rust(arguments: &[String]) -> Result<()> {
     show(cargo().args(["test", "--workspace", "--quiet"]).args(arguments))
+}
+
+/// Builds the program in `examples/program` as its users would, without optimisation, and lets it make a cave. Its dependencies are
+/// those of the workspace.
+pub fn program() -> Result<()> {
+    let (folder, output) = (root().join("examples/program"), root().join("target/program"));
+    let lock = folder.join("Cargo.lock");
+    fs::copy(root().join("Cargo.lock"), &lock).map_err(|error| format!("{}: {error}", lock.display()))?;
+    let home = output.join("home");
+    // What an earlier run has made.
+    let _ = fs::remove_dir_all(&home);
+    let mut run = Command::new(env!("CARGO"));
+    show(run.args(["run", "--quiet", "--"]).arg(&home).env("CARGO_TARGET_DIR", &output).current_dir(folder))
 }
 
 /// Builds the Python package, checks the Python sources and runs the tests of the package.
