@@ -5,7 +5,7 @@ use crate::tools::Result;
 
 /// Prints the tables.
 pub fn run(arguments: &[String]) -> Result<()> {
-    let example = ["run", "--release", "--quiet", "--package", "plume", "--example", "realism", "--"];
+    let example = ["run", "--release", "--quiet", "--package", "plume-caves", "--example", "realism", "--"];
     match cargo().args(example).args(arguments).status() {
         Ok(status) if status.success() => Ok(()),
         Ok(status) => Err(format!("the example `realism`: {status}")),
