@@ -8,7 +8,7 @@
 //! ```
 //! Meshes are OBJ, which every Gazebo since Classic reads, Z up. The model is static, so its collision meshes may be
 //! concave. All URIs are `model://`: the package works from any folder on `GZ_SIM_RESOURCE_PATH`. Occlusion is omitted,
-//! because ogre2 does not show it.
+//! because ogre2 does not show it. Lamps and frames belong to the model, so that a world that only includes it has them.
 //!
 //! Convex pieces are the objects of an OBJ file per chunk and zone: Bullet makes a hull of each, DART uses their triangles.
 //! With a collision element per piece every reader would see convex meshes, but DART tests all pairs of its shapes in every
