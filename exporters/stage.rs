@@ -77,7 +77,7 @@ pub struct StageSettings {
     pub lights: bool,
     /// Include collision meshes, friction and gravity.
     pub physics: bool,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
 }
 

@@ -69,7 +69,7 @@ pub struct GazeboSettings {
     /// Ambient light, 0 (black) to 1: not physical underground, but without it a camera without a light sees nothing.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ambient: f64,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
     /// Maximum physics time step in seconds.
     #[schemars(range(min = 0.0001, max = 0.05))]

@@ -48,7 +48,7 @@ pub struct IsaacSettings {
     /// renderers 1, so lamps of realistic strength would look black; computed, not tuned by eye.
     #[schemars(range(min = 0.0, max = 1_000_000.0))]
     pub light_scale: f64,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
 }
 

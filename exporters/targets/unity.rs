@@ -86,7 +86,7 @@ pub const ROW: TargetRow = TargetRow {
 pub struct UnitySettings {
     /// Render pipeline for which the materials are made.
     pub pipeline: Pipeline,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
     /// Include the lights of the scene, without shadows.
     pub lights: bool,
