@@ -35,9 +35,10 @@ def main(package):
     world, model = read_world(package)
     collisions = read_collisions(model, package)
     print(f"Bullet: {verify(world, model, collisions, p.GEOM_FORCE_CONCAVE_TRIMESH)}")
-    if any(count_objects(file) > 1 for file, _ in collisions):
+    hulls = [count_objects(file) for file, _ in collisions]
+    if max(hulls) > 1:
         # Left to itself, Bullet makes a hull of each object of a file.
-        print(f"Bullet, on {sum(count_objects(file) for file, _ in collisions)} hulls: {verify(world, model, collisions, 0)}")
+        print(f"Bullet, on {sum(hulls)} hulls: {verify(world, model, collisions, 0)}")
 
 
 def verify(world, model, collisions, flags):
