@@ -247,7 +247,7 @@ def images_are_written_as_relative_paths(package, root):
             yield f"{prim.GetPath()} names {path.path}, which does not exist"
 
 
-BESIDE = {"README.md", "LICENSE.md", "manifest.json", "instances.json"}
+BESIDE = {"README.md", "LICENSE.md", "manifest.json", "instances.json", "stations.csv"}
 
 
 def every_file_is_used(package, root):
