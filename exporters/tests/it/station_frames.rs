@@ -80,6 +80,23 @@ fn every_package_has_a_table_of_named_stations() {
     }
 }
 
+/// With more, Bullet tells of no frame where it is.
+#[test]
+fn a_urdf_has_no_more_joints_than_bullet_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let chamber = Chamber::new(folder.path()).unwrap();
+    for (count, joints) in [(126, 127), (127, 127), (500, 127)] {
+        let scene = Scene { network: many(count), ..chamber.scene() };
+        let mut package = Memory::default();
+        let target = target("urdf").unwrap().build(json!({}), None).unwrap();
+        place::fill("urdf", &*target, &scene, &mut package).unwrap();
+        let text = |path: &str| String::from_utf8(package.bytes[path].clone()).unwrap();
+        assert_eq!(text("chamber/urdf/chamber.urdf").matches("<joint ").count(), joints, "{count} stations");
+        assert_eq!(text(STATIONS).lines().count(), 1 + count);
+        assert_eq!(text("README.md").contains(STATIONS), count > 126, "{count} stations");
+    }
+}
+
 #[test]
 fn a_manifest_lists_no_more_stations_than_are_frames() {
     let folder = tempfile::tempdir().unwrap();
