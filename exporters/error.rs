@@ -181,6 +181,7 @@ impl ExportError {
             Self::FileExists { .. } => Some("choose a new file, or replace this one with `--force`"),
             Self::InTheWay { .. } => Some("move it out of the package, then export again"),
             Self::NotOurs { .. } => Some("choose another path, or remove this one yourself"),
+            Self::TooLarge { format: "USD", .. } => Some("choose other collision shapes: `collision=triangles`"),
             Self::TooLarge { .. } => Some("write one file per chunk: `per_chunk = true`"),
             Self::TooFar { .. } => Some("choose larger cells (`voxel_m`), or leave the file out (`files`)"),
             Self::StackedFloors { .. } => Some("choose other collision shapes: `collision=pieces`"),

@@ -41,6 +41,7 @@ mod slope;
 mod split_nonmanifold;
 #[doc(hidden)]
 pub mod stage;
+pub mod stations;
 pub mod surface;
 mod target;
 #[doc(hidden)]

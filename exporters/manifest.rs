@@ -65,7 +65,8 @@ pub struct Manifest {
     /// Where the origin lies in the coordinates of a survey, if the scene was made from one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub georeference: Option<GeoreferenceEntry>,
-    /// The stations that the survey names.
+    /// The stations that the survey names and that are frames, not more than [`MOST_FRAMES`](crate::scene::MOST_FRAMES);
+    /// `stations.csv` has all of them.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub stations: Vec<StationEntry>,
     /// Start poses.
@@ -296,7 +297,7 @@ fn around(chunks: &[ChunkEntry]) -> Bounds {
 }
 
 fn station(landmark: Landmark) -> StationEntry {
-    let Landmark { frame, label, position } = landmark;
+    let Landmark { frame, label, position, .. } = landmark;
     StationEntry { name: label.to_owned(), frame, position: position.coords.into() }
 }
 

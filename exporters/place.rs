@@ -24,6 +24,7 @@ use crate::manifest::Manifest;
 use crate::manifest::recorder::RecordingChunks;
 use crate::package::{Files, MANIFEST, Package};
 use crate::scene::Scene;
+use crate::stations;
 use crate::target::{Open, Summary, Target};
 use crate::template;
 
@@ -101,6 +102,7 @@ pub fn fill(name: &str, target: &dyn Target, scene: &Scene, out: &mut dyn Packag
     out.text(LICENSE, &license)?;
     let facts = recording.facts(scene)?;
     let things = instances::write(target, scene, out)?;
+    stations::write(scene, out)?;
     let manifest = Manifest::new(name, target, scene, &facts, things, out);
     out.text(MANIFEST, &manifest.to_text()?)?;
     Ok(summary)

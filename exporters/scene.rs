@@ -18,7 +18,7 @@ use crate::error::ExportError;
 use crate::image_format::ImageFormat;
 use crate::names;
 
-pub use self::network::{Georeference, Landmark, Network, Station};
+pub use self::network::{Georeference, Landmark, MOST_FRAMES, Network, Station};
 pub use self::things::{Gravel, Instance, Prototype, Stone};
 
 mod network;

@@ -40,7 +40,24 @@ def write_prototypes(spec, arrays):
         UsdGeom.Xform.Define(stage, path)
         define_visual(stage, path, prototype, arrays)
         if prototype["collider"]:
-            define_collider(stage, f"{path}/Collision", prototype["collider"], arrays)
+            touched = define_body_shape(stage, prototype["name"], path) if spec["apart"] else path
+            define_collider(stage, f"{touched}/Collision", prototype["collider"], arrays)
+    save(stage)
+
+
+def define_body_shape(stage, name, path):
+    """A prototype once more, to which a collider can be added: what does not move does without."""
+    UsdGeom.Scope.Define(stage, "/Bodies")
+    body = UsdGeom.Xform.Define(stage, f"/Bodies/{name}")
+    body.GetPrim().GetReferences().AddInternalReference(path)
+    return body.GetPath()
+
+
+def write_collision(spec, arrays):
+    """A layer with the collider of all that does not move."""
+    stage = new_stage(spec["path"])
+    define_collider(stage, "/Collision", spec["collider"], arrays)
+    stage.SetDefaultPrim(stage.GetPrimAtPath("/Collision"))
     save(stage)
 
 
@@ -76,7 +93,7 @@ def define_thing(stage, spec):
     place(thing, spec)
     thing.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(spec["scale"]))
     prim = thing.GetPrim()
-    prim.GetReferences().AddReference(spec["layer"], f"/Prototypes/{spec['prototype']}")
+    prim.GetReferences().AddReference(spec["layer"], spec["prototype"])
     prim.SetInstanceable(True)
     label(prim, [spec["class"]])
     if "body" in spec:
@@ -133,12 +150,14 @@ def write_root(spec, arrays):
     world = UsdGeom.Xform.Define(stage, "/World")
     stage.SetDefaultPrim(world.GetPrim())
     describe(world.GetPrim(), spec)
+    # Before the chunks: readers that take one mesh take the first.
+    touched = [define_merged(stage, spec["collision"])] if "collision" in spec else []
     chunks = UsdGeom.Xform.Define(stage, "/World/Chunks")
     Usd.ModelAPI(chunks).SetKind(Kind.Tokens.group)
     for chunk in spec["chunks"]:
         define_payload(stage, chunk)
     if "physics" in spec:
-        define_physics(stage, chunks, spec["physics"])
+        define_physics(stage, [*touched, chunks], spec["physics"])
     if spec["lights"]:
         UsdGeom.Scope.Define(stage, "/World/Lights")
     for light in spec["lights"]:
@@ -304,14 +323,23 @@ def define_payload(stage, spec):
     UsdGeom.ModelAPI.Apply(prim).SetExtentsHint(box(spec["extent"]))
 
 
-def define_physics(stage, chunks, spec):
+def define_merged(stage, spec):
+    """The collider of all that does not move. It is a mesh even while its layer is not loaded."""
+    mesh = UsdGeom.Mesh.Define(stage, "/World/Collision")
+    mesh.GetPrim().GetPayloads().AddPayload(spec["layer"])
+    return mesh
+
+
+def define_physics(stage, touched, spec):
     # Outside the world: a stage that references the cave has its own physics scene.
     scene = UsdPhysics.Scene.Define(stage, "/PhysicsScene")
     scene.CreateGravityDirectionAttr(Gf.Vec3f(0, 0, -1))
     scene.CreateGravityMagnitudeAttr(spec["gravity_m_s2"])
     if "friction" in spec:
         UsdGeom.Scope.Define(stage, "/World/Materials")
-        bind_ground(chunks, define_ground(stage, "/World/Materials/Ground", spec["friction"]))
+        ground = define_ground(stage, "/World/Materials/Ground", spec["friction"])
+        for prim in touched:
+            bind_ground(prim, ground)
 
 
 def define_ground(stage, path, friction):

@@ -12,11 +12,12 @@
 //! collision meshes have no rigid body and keep their triangles (`approximation = "none"`), so they may be concave. They are
 //! separate from the visual meshes. On request, convex pieces replace them (`/Chunk/Collision/<zone>/piece_<n>`,
 //! `approximation = "convexHull"`), with friction per zone. Movable things are rigid bodies: the instance itself, with its
-//! mass, centre of mass and inertia, while its collider is shared like that of the others.
+//! mass, centre of mass and inertia, while its collider is shared like that of the others. On request, `/World/Collision` is
+//! the only collider of all that does not move (`chunks/collision.usdc`).
 //!
 //! The layers are written by usd-core, a Python package: a host program provides it as [`Library`]. The content of each prim
-//! is decided here and in [`SCRIPT`], nowhere else. Memory: one chunk. The bytes follow from scene, settings and the version
-//! of usd-core.
+//! is decided here and in [`SCRIPT`], nowhere else. Memory: one chunk, and that only collider. The bytes follow from scene,
+//! settings and the version of usd-core.
 
 use std::path::{Path, PathBuf};
 
@@ -35,9 +36,11 @@ use crate::{Open, Summary, frame, instances, slope, template};
 
 mod colliders;
 mod gravel;
+mod merged;
 mod things;
 
 use colliders::Colliders;
+use merged::Merged;
 use things::Prototypes;
 
 /// The Python module that authors layers; [`Library::call`] runs its functions.
@@ -77,7 +80,7 @@ pub struct StageSettings {
     pub lights: bool,
     /// Include collision meshes, friction and gravity.
     pub physics: bool,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
 }
 
@@ -91,7 +94,8 @@ impl StageSettings {
     /// The content of the stage with these settings.
     pub fn contents(&self) -> Contents {
         let light_scale = if self.lights { 1.0 } else { 0.0 };
-        Contents { physics: self.physics.then_some(self.collision), light_scale, omniverse_view: false }
+        let physics = self.physics.then_some(self.collision);
+        Contents { physics, is_merged: false, light_scale, omniverse_view: false }
     }
 }
 
@@ -100,6 +104,8 @@ impl StageSettings {
 pub struct Contents {
     /// Collision shapes, with gravity and friction, if any.
     pub physics: Option<Collision>,
+    /// Whether the triangles of all that does not move are one mesh instead of one per chunk.
+    pub is_merged: bool,
     /// Factor on the luminous intensity of the lights; 0 omits them.
     pub light_scale: f64,
     /// Whether an Omniverse viewport starts at the camera instead of outside.
@@ -143,6 +149,7 @@ pub fn write_readme(
         has_physics => contents.physics.is_some(),
         movable => if contents.moves_things() { instances::movable(scene)? } else { 0 },
         has_pieces => contents.wants_pieces(),
+        is_merged => contents.is_merged,
     };
     out.text("README.md", &template::fill("README.md", template, &values))
 }
@@ -182,11 +189,15 @@ pub fn write(
     scene.check()?;
     let scratch = out.scratch()?;
     let (mut payloads, mut triangles) = (Vec::new(), [0, 0]);
+    let mut merged = contents.is_merged.then(Merged::default);
     let prototypes = Prototypes::write(target, scene, contents, library, scratch.path(), out)?;
     for index in 0..scene.chunks.len() {
         let mut chunk = scene.chunk(index)?;
         chunk.material.refuse_unless(target, &IMAGES)?;
-        if matches!(chunk.content, Content::Things { .. }) {
+        if let Content::Things { movable } = chunk.content {
+            if let Some(merged) = merged.as_mut().filter(|_| !movable) {
+                merged.add(std::mem::take(&mut chunk.collision))?;
+            }
             let things = scene.instances(index)?;
             let (payload, colliding) = prototypes.write_chunk(&chunk, &things, library, scratch.path(), out)?;
             triangles[0] += chunk.visual.triangles();
@@ -199,7 +210,10 @@ pub fn write(
             payloads.push(gravel::write(&chunk, scene.gravel(index)?, library, scratch.path(), out)?);
             continue;
         }
-        let colliders = Colliders::of(scene, index, &mut chunk, contents.physics)?;
+        let colliders = match &mut merged {
+            Some(merged) => merged.add(std::mem::take(&mut chunk.collision)).map(|()| Colliders::None)?,
+            None => Colliders::of(scene, index, &mut chunk, contents.physics)?,
+        };
         triangles[0] += chunk.visual.triangles();
         triangles[1] += colliders.triangles();
         let zones = colliders.zones(scene.friction);
@@ -207,7 +221,12 @@ pub fn write(
     }
     let file = root_name(scene);
     let path = scratch.path().join(&file);
-    library.call("write_root", &root_spec(scene, contents, payloads, &path), Vec::new())?;
+    let mut spec = root_spec(scene, contents, payloads, &path);
+    if let Some(merged) = merged {
+        triangles[1] += merged.triangles();
+        spec["collision"] = merged.write(library, scratch.path(), out)?;
+    }
+    library.call("write_root", &spec, Vec::new())?;
     out.copy(&file, &path)?;
     Ok(Summary { visual_triangles: triangles[0], collision_triangles: triangles[1], open })
 }

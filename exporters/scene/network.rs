@@ -7,6 +7,10 @@ use plume_truth::Passage;
 
 use crate::names;
 
+/// Most stations that are frames in files. Chosen: editors and simulators open ten thousand empty nodes, but hardly a hundred
+/// thousand.
+pub const MOST_FRAMES: usize = 10_000;
+
 /// Stations, and the passages between them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Network {
@@ -32,6 +36,8 @@ pub struct Station {
 /// A station that a survey names, as a frame in files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landmark<'a> {
+    /// Its number among the stations of the network.
+    pub station: usize,
     /// A safe name, unique among the landmarks: `station_` and what the survey calls it, as far as that is safe.
     pub frame: String,
     /// What the survey calls it.
@@ -63,12 +69,36 @@ impl Network {
         plume_truth::Network { stations, passages: self.passages.clone() }
     }
 
-    /// The stations that a survey names, in their order.
+    /// The stations that are frames in files, in their order: the [foremost](Self::foremost) [`MOST_FRAMES`].
     pub fn landmarks(&self) -> Vec<Landmark<'_>> {
+        self.foremost(MOST_FRAMES)
+    }
+
+    /// Not more than `most` of the stations that a survey names, in their order. If these are more, those where passages end or
+    /// meet come before the others.
+    pub fn foremost(&self, most: usize) -> Vec<Landmark<'_>> {
+        let mut landmarks = self.named();
+        if landmarks.len() > most {
+            let mut degrees = vec![0_usize; self.stations.len()];
+            self.passages.iter().flat_map(|passage| passage.ends).for_each(|end| degrees[end] += 1);
+            landmarks.sort_by_key(|landmark| degrees[landmark.station] == 2);
+            landmarks.truncate(most);
+            landmarks.sort_by_key(|landmark| landmark.station);
+        }
+        landmarks
+    }
+
+    /// Whether a survey names any station.
+    pub fn has_names(&self) -> bool {
+        self.stations.iter().any(|station| station.label.is_some())
+    }
+
+    /// All stations that a survey names, in their order.
+    pub fn named(&self) -> Vec<Landmark<'_>> {
         let mut taken = BTreeSet::new();
         let mut counts: BTreeMap<String, usize> = BTreeMap::new();
         let mut landmarks = Vec::new();
-        for station in &self.stations {
+        for (number, station) in self.stations.iter().enumerate() {
             let Some(label) = station.label.as_deref() else { continue };
             let base = names::safe(&format!("station {label}"));
             let count = counts.entry(base.clone()).or_insert(1);
@@ -77,7 +107,7 @@ impl Network {
                 *count += 1;
                 frame = format!("{base}_{count}");
             }
-            landmarks.push(Landmark { frame, label, position: station.position });
+            landmarks.push(Landmark { station: number, frame, label, position: station.position });
         }
         landmarks
     }
@@ -123,5 +153,29 @@ mod tests {
         assert_eq!(frames, expected);
         assert!(frames.iter().all(|frame| names::is_safe(frame)));
         assert_eq!((landmarks[1].label, landmarks[1].position.x), ("hall.1", 2.0));
+    }
+
+    /// A long passage with a short one off its middle.
+    #[test]
+    fn of_too_many_stations_ends_and_junctions_are_frames() {
+        let count = MOST_FRAMES + 3;
+        let station = |number: usize| Station {
+            name: number.to_string(),
+            position: Point3::new(number as f64, 0.0, 0.0),
+            level: 0,
+            label: Some(format!("{number}")),
+        };
+        let passage = |ends| Passage { ends, reach_m: 1.0 };
+        let mut passages: Vec<Passage> = (2..count).map(|number| passage([number - 1, number])).collect();
+        passages.push(passage([0, count - 2]));
+        let network = Network { stations: (0..count).map(station).collect(), passages };
+        assert_eq!(network.named().len(), count);
+        let kept: Vec<usize> = network.landmarks().iter().map(|landmark| landmark.station).collect();
+        assert_eq!(kept.len(), MOST_FRAMES);
+        assert!(kept.is_sorted());
+        assert!([0, 1, count - 2, count - 1].iter().all(|station| kept.contains(station)));
+        let names = |landmarks: Vec<Landmark>| landmarks.into_iter().map(|each| (each.station, each.frame)).collect();
+        let (some, all): (BTreeMap<_, _>, BTreeMap<_, _>) = (names(network.landmarks()), names(network.named()));
+        assert!(some.iter().all(|(station, frame)| all[station] == *frame), "a frame has the same name in the table");
     }
 }

@@ -15,11 +15,16 @@ use crate::scene::{ByZone, Chunk, Instance, Prototype, Scene, Zone};
 
 /// File of the layer with the prototypes, beside those of the chunks.
 const LAYER: &str = "prototypes.usdc";
+/// Its prims: the prototypes, and if those have no collider the same with one.
+const PROTOTYPES: &str = "Prototypes";
+const BODIES: &str = "Bodies";
 
 /// The prototypes of a stage, which its things refer to.
 pub(super) struct Prototypes {
     all: Vec<Prototype>,
     physics: Option<Collision>,
+    /// Whether things that do not move are part of one mesh with the rock, and have no collider of their own.
+    is_merged: bool,
     friction: ByZone,
 }
 
@@ -33,7 +38,8 @@ impl Prototypes {
         scratch: &Path,
         out: &mut dyn Package,
     ) -> Result<Self, ExportError> {
-        let made = Self { all: scene.prototypes()?, physics: contents.physics, friction: scene.friction };
+        let Contents { physics, is_merged, .. } = *contents;
+        let made = Self { all: scene.prototypes()?, physics, is_merged, friction: scene.friction };
         if made.all.is_empty() {
             return Ok(made);
         }
@@ -52,7 +58,8 @@ impl Prototypes {
             let textures = textures(material, out)?;
             prototypes.push(json!({ "name": name, "levels": described, "collider": hull, "textures": textures }));
         }
-        library.call("write_prototypes", &json!({ "path": path, "prototypes": prototypes }), arrays)?;
+        let spec = json!({ "path": path, "prototypes": prototypes, "apart": made.is_merged });
+        library.call("write_prototypes", &spec, arrays)?;
         out.copy(&format!("chunks/{LAYER}"), &path)?;
         Ok(made)
     }
@@ -69,7 +76,7 @@ impl Prototypes {
         let (mut described, mut triangles) = (Vec::new(), 0);
         for thing in things {
             let prototype = thing.prototype_in(&self.all)?;
-            triangles += self.physics.map_or(0, |_| prototype.hull.triangles());
+            triangles += if self.collides(thing) { prototype.hull.triangles() } else { 0 };
             described.push(self.describe(thing, prototype)?);
         }
         let levels: Vec<String> = (0..=chunk.lods.len()).map(|level| format!("LOD{level}")).collect();
@@ -89,12 +96,18 @@ impl Prototypes {
         Ok((place_layer(&chunk.name, chunk.visual.bounds(), scratch, out)?, triangles))
     }
 
+    /// Whether a thing has a collider of its own.
+    fn collides(&self, thing: &Instance) -> bool {
+        self.physics.is_some() && (thing.movable || !self.is_merged)
+    }
+
     fn describe(&self, thing: &Instance, prototype: &Prototype) -> Result<Value, ExportError> {
         let levels: Vec<String> = (thing.level..prototype.levels.len()).map(|level| format!("LOD{level}")).collect();
         let mut described = describe_pose(&thing.pose);
         described["name"] = names::thing(thing).into();
         described["class"] = thing.class.as_str().into();
-        described["prototype"] = prototype.name.as_str().into();
+        let scope = if self.is_merged && self.collides(thing) { BODIES } else { PROTOTYPES };
+        described["prototype"] = format!("/{scope}/{}", prototype.name).into();
         described["layer"] = format!("./{LAYER}").into();
         described["zone"] = prototype.zone.name().into();
         described["levels"] = levels.into();

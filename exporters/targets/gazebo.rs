@@ -8,7 +8,7 @@
 //! ```
 //! Meshes are OBJ, which every Gazebo since Classic reads, Z up. The model is static, so its collision meshes may be
 //! concave. All URIs are `model://`: the package works from any folder on `GZ_SIM_RESOURCE_PATH`. Occlusion is omitted,
-//! because ogre2 does not show it.
+//! because ogre2 does not show it. Lamps and frames belong to the model, so that a world that only includes it has them.
 //!
 //! Convex pieces are the objects of an OBJ file per chunk and zone: Bullet makes a hull of each, DART uses their triangles.
 //! With a collision element per piece every reader would see convex meshes, but DART tests all pairs of its shapes in every
@@ -69,7 +69,7 @@ pub struct GazeboSettings {
     /// Ambient light, 0 (black) to 1: not physical underground, but without it a camera without a light sees nothing.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ambient: f64,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
     /// Maximum physics time step in seconds.
     #[schemars(range(min = 0.0001, max = 0.05))]

@@ -25,7 +25,8 @@ pub const ROW: TargetRow = TargetRow {
     revision: 0,
     opened_by: "Isaac Sim 4.5 and later, Isaac Lab",
     contents: "USD stage: a payload per chunk with levels of detail, UsdPreviewSurface, static triangle colliders, \
-        rigid bodies of movable stones, friction, lamps, semantic labels, start poses",
+        rigid bodies of movable stones, friction, lamps, semantic labels, start poses; with `isaac.collision=merged` one \
+        collision mesh for all that does not move",
     tested_by: "UsdValidation without a message, usd-validation-nvidia without a failure; usd-core 25.11 and 26.11 read \
         the same arrays; Newton drops balls; rays, balls and friction in ovphysx, the PhysX of Isaac Sim, for \
         those who [accept its licence](decisions/0031-omniverse-licence.md)",
@@ -48,13 +49,28 @@ pub struct IsaacSettings {
     /// renderers 1, so lamps of realistic strength would look black; computed, not tuned by eye.
     #[schemars(range(min = 0.0, max = 1_000_000.0))]
     pub light_scale: f64,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
-    pub collision: Collision,
+    /// Collision shapes: `triangles`, a concave mesh per chunk; `pieces`, convex pieces of the rock behind the wall, with
+    /// separate friction for floor, wall and ceiling instead of that of the floor; `merged`, the triangles of all chunks and of
+    /// the things that do not move as one mesh, the first of the stage, for the ray caster of Isaac Lab, which reads no other.
+    pub collision: Shapes,
+}
+
+/// Collision shapes of a stage for Isaac Sim.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shapes {
+    /// A concave mesh per chunk: exactly the collision mesh of the wall, and the fastest to load.
+    #[default]
+    Triangles,
+    /// Convex pieces of the rock behind the wall, for engines that only support convex meshes.
+    Pieces,
+    /// One concave mesh of all that does not move. It is in memory as a whole, and chunks cannot be unloaded without it.
+    Merged,
 }
 
 impl Default for IsaacSettings {
     fn default() -> Self {
-        Self { lights: true, light_scale: 870.0, collision: Collision::Triangles }
+        Self { lights: true, light_scale: 870.0, collision: Shapes::Triangles }
     }
 }
 
@@ -93,6 +109,8 @@ impl Target for Isaac {
 impl Isaac {
     fn contents(&self) -> Contents {
         let light_scale = if self.settings.lights { self.settings.light_scale } else { 0.0 };
-        Contents { physics: Some(self.settings.collision), light_scale, omniverse_view: true }
+        let shapes = self.settings.collision;
+        let physics = Some(if shapes == Shapes::Pieces { Collision::Pieces } else { Collision::Triangles });
+        Contents { physics, is_merged: shapes == Shapes::Merged, light_scale, omniverse_view: true }
     }
 }

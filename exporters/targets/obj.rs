@@ -88,6 +88,7 @@ impl Target for Obj {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
+            stations => scene.network.has_names(),
             per_chunk => self.0.per_chunk,
             lods => self.0.lods,
             collision => Serde(self.0.collision),

@@ -70,6 +70,7 @@ impl Target for Ply {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
+            stations => scene.network.has_names(),
             per_chunk => self.0.per_chunk,
             triangles => visual_triangles,
             labels => labels.texts(),

@@ -76,6 +76,7 @@ impl Target for Stl {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
+            stations => scene.network.has_names(),
             per_chunk => self.0.per_chunk,
             touched => self.0.mesh == Shape::Collision,
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,

@@ -93,6 +93,7 @@ impl Target for Tiles {
             name => &scene.name,
             description => &scene.description,
             generator => &scene.generator,
+            stations => scene.network.has_names(),
             is_packed => self.0.compression == Compression::Meshopt,
         };
         let readme = template::fill("README.md", include_str!("../templates/tiles/README.md.jinja"), &values);

@@ -42,6 +42,7 @@ use crate::package::MANIFEST;
 use crate::package::{Package, write_pretty};
 use crate::place::LICENSE;
 use crate::scene::{Chunk, Content, Mesh, Piece, Scene, Zone};
+use crate::stations::STATIONS;
 use crate::{Build, Open, Summary, Target, TargetRow, template};
 
 use asset::{Assets, Importer};
@@ -86,7 +87,7 @@ pub const ROW: TargetRow = TargetRow {
 pub struct UnitySettings {
     /// Render pipeline for which the materials are made.
     pub pipeline: Pipeline,
-    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling.
+    /// Collision shapes. Pieces have separate friction for floor, wall and ceiling; triangles have that of the floor.
     pub collision: Collision,
     /// Include the lights of the scene, without shadows.
     pub lights: bool,
@@ -274,7 +275,14 @@ impl Writer<'_> {
         self.assets.write("package.json", Importer::Manifest, |file| write_pretty(file, &manifest(scene, name)))?;
         let readme = self.readme(name);
         self.assets.text("README.md", &readme, Importer::Text)?;
-        self.assets.finish(if self.things.are_there() { &[LICENSE, INSTANCES, MANIFEST] } else { &[LICENSE, MANIFEST] })
+        let later = [
+            (LICENSE, true),
+            (INSTANCES, self.things.are_there()),
+            (STATIONS, scene.network.has_names()),
+            (MANIFEST, true),
+        ];
+        let later: Vec<&str> = later.into_iter().filter(|(_, is_there)| *is_there).map(|(path, _)| path).collect();
+        self.assets.finish(&later)
     }
 
     fn readme(&self, package: &str) -> String {

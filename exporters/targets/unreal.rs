@@ -168,6 +168,7 @@ impl Unreal {
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => scene.spawns.len(),
             lights => if self.0.lights { scene.lights.len() } else { 0 },
+            stations => scene.network.has_names(),
         };
         template::fill("README.md", include_str!("../templates/unreal/README.md.jinja"), &values)
     }

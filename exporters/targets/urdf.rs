@@ -50,6 +50,9 @@ pub const ROW: TargetRow = TargetRow {
     build: Build::Plain(|table| Ok(Box::new(Urdf(serde_json::from_value(table)?)))),
 };
 
+/// Joints that Bullet holds in a body: with more it loads the world, but tells no more where its frames are.
+const MOST_JOINTS: usize = 127;
+
 /// Settings of target `urdf`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields, rename_all = "snake_case")]
@@ -120,6 +123,8 @@ impl Urdf {
 
     fn write_texts(&self, scene: &Scene, chunks: &[ChunkText], out: &mut dyn Package) -> Result<(), ExportError> {
         let name = &scene.name;
+        let stations = scene.network.foremost(MOST_JOINTS.saturating_sub(scene.spawns.len()));
+        let is_short = stations.len() < scene.network.named().len();
         let values = context! {
             name,
             description => &scene.description,
@@ -130,7 +135,8 @@ impl Urdf {
             gravity => micro(scene.gravity),
             collision_error_mm => (scene.collision_error_m * 1000.0).ceil() as u64,
             spawns => Serde(scene.spawns.iter().map(|pose| Origin::new(&sdf_pose(pose))).collect::<Vec<_>>()),
-            stations => Serde(scene.network.landmarks().into_iter().map(StationText::new).collect::<Vec<_>>()),
+            stations => Serde(stations.into_iter().map(StationText::new).collect::<Vec<_>>()),
+            is_short => is_short,
         };
         for (path, template) in [
             (format!("{name}/package.xml"), include_str!("../templates/urdf/package.xml.jinja")),

@@ -15,7 +15,8 @@ pub struct WorldSettings {
     /// Coulomb friction coefficient of rubber on the floor: about 0.8 on dry rock, 0.5 on wet limestone.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub friction: f64,
-    /// Coulomb friction coefficient of walls and ceilings.
+    /// Coulomb friction coefficient of walls and ceilings, in packages whose collision shapes have one for each zone: most of
+    /// those with convex pieces. In all others `friction` is that of all rock.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub wall_friction: f64,
     /// Gravity, m/s²: Earth 9.81, Mars 3.71, Moon 1.62.

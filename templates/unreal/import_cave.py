@@ -204,7 +204,7 @@ def set_collision(part: dict[str, Any], mesh: unreal.StaticMesh, rock: unreal.Ph
 
 
 def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.StaticMesh]) -> None:
-    """A level with the chunks, the things, the lights and a PlayerStart at each pose."""
+    """A level with the chunks, the things, the lights, a PlayerStart at each pose and a TargetPoint at each station."""
     open_level(place)
     for chunk in scene["chunks"]:
         actor = spawn(unreal.StaticMeshActor, chunk["name"], [0.0, 0.0, 0.0])
@@ -218,6 +218,8 @@ def make_level(place: str, scene: dict[str, Any], meshes: dict[str, unreal.Stati
         x, y, z = pose["location_cm"]
         turn = unreal.Rotator(**pose["rotation_deg"])
         change(spawn(unreal.PlayerStart, pose["name"], [x, y, z + HALF_PLAYER_CM], turn), player_start_tag=pose["name"])
+    for station in scene["stations"]:
+        change(spawn(unreal.TargetPoint, station["name"], station["location_cm"]), tags=[TAG, station["station"]])
     for light in scene["lights"]:
         add_light(light)
     check(unreal.get_editor_subsystem(unreal.LevelEditorSubsystem).save_current_level(), f"{place} was not saved")

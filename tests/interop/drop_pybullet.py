@@ -3,7 +3,7 @@
     drop_pybullet.py PACKAGE_DIR
 
 Bullet knows nothing of our exporter: it loads the collision meshes that the model names as exact triangles, and meshes
-made of convex pieces once more as a hull of each piece. From each spawn pose of the world the ball must fall onto the
+made of convex pieces once more as a hull of each piece. From each spawn pose of the model the ball must fall onto the
 floor and stay, and rays in all directions must hit rock.
 The last line of a success gives the heights of the ball and of the floor under it at the first pose.
 """
@@ -34,16 +34,17 @@ AWAY_M = 2.0  # the ball may slide a little, but not leave the place
 def main(package):
     world, model = read_world(package)
     collisions = read_collisions(model, package)
-    print(f"Bullet: {verify(world, collisions, p.GEOM_FORCE_CONCAVE_TRIMESH)}")
-    if any(count_objects(file) > 1 for file, _ in collisions):
+    print(f"Bullet: {verify(world, model, collisions, p.GEOM_FORCE_CONCAVE_TRIMESH)}")
+    hulls = [count_objects(file) for file, _ in collisions]
+    if max(hulls) > 1:
         # Left to itself, Bullet makes a hull of each object of a file.
-        print(f"Bullet, on {sum(count_objects(file) for file, _ in collisions)} hulls: {verify(world, collisions, 0)}")
+        print(f"Bullet, on {sum(hulls)} hulls: {verify(world, model, collisions, 0)}")
 
 
-def verify(world, collisions, flags):
+def verify(world, model, collisions, flags):
     with connected():
         load_collisions(collisions, flags)
-        for number, spawn in enumerate(spawn_points(world)):
+        for number, spawn in enumerate(spawn_points(model)):
             check_closed(spawn, number)
             check_grounded(spawn, number)
             floor_z, ball = drop_ball(spawn, number, gravity(world))
@@ -107,9 +108,9 @@ def gravity(world):
     return [float(part) for part in world.findtext("gravity").split()]
 
 
-def spawn_points(world):
-    poses = [frame.findtext("pose") for frame in world.iterfind("frame") if frame.get("name").startswith("spawn_")]
-    require(poses, "the world has no frame spawn_0")
+def spawn_points(model):
+    poses = [frame.findtext("pose") for frame in model.iterfind("frame") if frame.get("name").startswith("spawn_")]
+    require(poses, "the model has no frame spawn_0")
     return [np.array([float(part) for part in pose.split()[:3]]) for pose in poses]
 
 

@@ -1,12 +1,18 @@
 """The stage holds the cave bit for bit: against the PLY files of the cave folder, read by `plyfile`."""
 
+import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from plyfile import PlyData
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+
+sys.path.append(str(Path(__file__).parents[1] / "interop/usd"))
+
+import validate  # noqa: E402 - next to the check
 
 ZONES = ["floor", "wall", "ceiling"]
 
@@ -68,6 +74,47 @@ def test_collision_arrays_are_those_of_the_cave(kept):
         # Vertices in which two parts of a chunk touch have copies at the end.
         assert points[: len(expected)].tobytes() == expected.tobytes()
         assert points[corners].tobytes() == expected[indices(ply)].tobytes()
+
+
+@pytest.fixture(scope="module")
+def merged(kept, tmp_path_factory):
+    """The package of the same cave with one collision mesh."""
+    folder = tmp_path_factory.mktemp("merged") / "isaac"
+    arguments = ["export", str(kept / "cave"), "--target", "isaac", "--output", str(folder), "--quiet"]
+    subprocess.run([sys.executable, "-m", "plume", *arguments, "--option", "isaac.collision=merged"], check=True)
+    return folder
+
+
+def test_the_merged_collider_is_the_first_mesh_and_has_all_triangles(kept, merged):
+    chunks = json.loads((kept / "isaac/manifest.json").read_text(encoding="utf-8"))["chunks"]
+    stage = Usd.Stage.Open(str(merged / "cave.usda"))
+    first = next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    assert first.GetPath() == "/World/Collision"
+    mesh = UsdGeom.Mesh(first)
+    assert len(mesh.GetFaceVertexCountsAttr().Get()) == sum(chunk["collision_triangles"] for chunk in chunks)
+    assert UsdGeom.Imageable(first).ComputePurpose() == UsdGeom.Tokens.guide
+    ground, _ = UsdShade.MaterialBindingAPI(first).ComputeBoundMaterial("physics")
+    assert ground.GetPath() == "/World/Materials/Ground"
+    every = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
+    assert [prim.GetPath() for prim in every if prim.HasAPI(UsdPhysics.CollisionAPI)] == [first.GetPath()]
+
+
+def test_the_merged_collider_is_where_those_of_the_chunks_are(kept, merged):
+    points, corners = arrays(Usd.Stage.Open(str(merged / "cave.usda")).GetPrimAtPath("/World/Collision"))
+    whole = {triangle.tobytes() for triangle in points[corners]}
+    for layer in layers(kept):
+        points, corners = arrays(Usd.Stage.Open(str(layer)).GetPrimAtPath("/Chunk/Collision"))
+        assert whole.issuperset(triangle.tobytes() for triangle in points[corners])
+
+
+def arrays(prim):
+    """Points, and the corners of triangles."""
+    mesh = UsdGeom.Mesh(prim)
+    return np.asarray(mesh.GetPointsAttr().Get()), np.asarray(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
+
+
+def test_the_validators_accept_a_merged_collider(merged):
+    validate.verify(merged)
 
 
 def test_pieces_are_those_of_the_cave(pieces):

@@ -175,6 +175,16 @@ def test_the_level_has_everything_in_its_place(package):
     assert [place(lamp) for lamp in lamps] == [[-300, 0, 100], [300, 0, 100]]
 
 
+def test_named_stations_are_target_points(package):
+    station = {"name": "station_hall_1", "station": "Hall.1", "location_cm": [100.0, -25.0, 50.0]}
+    (package / "scene.json").write_text(json.dumps(scene(package) | {"stations": [station]}), encoding="utf-8")
+    project = run(package)
+    run(package, project)
+    (point,) = actors(project, "TargetPoint")
+    assert place(point) == station["location_cm"]
+    assert (point.fields["label"], point.fields["tags"]) == ("station_hall_1", ["plume", "Hall.1"])
+
+
 def instances(project):
     """The instances of the only mesh of things."""
     (actor,) = actors(project, "Actor")

@@ -10,7 +10,7 @@ use crate::scene::Landmark;
 impl Layout {
     /// Adds an empty node for each station, named like its frame; what the survey calls it is in the extras.
     pub fn add_landmarks(&mut self, landmarks: &[Landmark]) {
-        for Landmark { frame, label, position } in landmarks {
+        for Landmark { frame, label, position, .. } in landmarks {
             let position = frame::gltf_from_scene::<f64>((*position).into());
             self.add_node(Node {
                 name: Some(frame.clone()),

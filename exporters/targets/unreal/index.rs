@@ -10,7 +10,7 @@ use crate::error::ExportError;
 use crate::format::fbx;
 use crate::frame::{unreal_from_scene, unreal_pose_from_scene};
 use crate::package::Package;
-use crate::scene::{Light, Mesh, Piece, Scene};
+use crate::scene::{Landmark, Light, Mesh, Piece, Scene};
 
 /// Width and height of the screen for which levels of detail are chosen, in pixels; its horizontal field of view is 90°.
 const SCREEN_PX: [f64; 2] = [1920.0, 1080.0];
@@ -154,6 +154,7 @@ pub(super) fn write(
         chunks: entries,
         things: shapes,
         spawns: scene.spawns.iter().enumerate().map(spawn).collect(),
+        stations: scene.network.landmarks().iter().map(station).collect(),
         lights: lights.iter().map(light).collect(),
     };
     out.json("scene.json", &index)
@@ -170,6 +171,7 @@ struct Index<'a> {
     chunks: &'a [Entry],
     things: &'a [Shape],
     spawns: Vec<Placed>,
+    stations: Vec<Value>,
     lights: Vec<Value>,
 }
 
@@ -195,6 +197,14 @@ impl Placed {
         let [roll, pitch, yaw] = angles.map(micro);
         Self { name, location_cm: location.map(micro), rotation_deg: Rotator { roll, pitch, yaw } }
     }
+}
+
+fn station(landmark: &Landmark) -> Value {
+    json!({
+        "name": landmark.frame,
+        "station": landmark.label,
+        "location_cm": unreal_from_scene(landmark.position.into()).map(micro),
+    })
 }
 
 fn light(light: &Light) -> Value {

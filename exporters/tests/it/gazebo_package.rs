@@ -154,9 +154,23 @@ fn pieces_have_the_friction_of_their_zone() {
 fn lights_can_be_omitted() {
     for lights in [true, false] {
         let package = export(GazeboSettings { lights, ..GazeboSettings::default() });
-        let document = Document::parse(text(&package, "worlds/chamber.sdf")).unwrap();
+        let document = Document::parse(text(&package, "models/chamber/model.sdf")).unwrap();
         let found = document.descendants().filter(|node| node.has_tag_name("light")).count();
         assert_eq!(found, if lights { 2 } else { 0 });
+    }
+}
+
+/// So that those who include the model in a world of their own have them, too.
+#[test]
+fn lights_and_frames_are_in_the_model() {
+    let package = export(GazeboSettings::default());
+    let count = |path: &str, tag: &str| {
+        let document = Document::parse(text(&package, path)).unwrap();
+        document.descendants().filter(|node| node.has_tag_name(tag)).count()
+    };
+    for (tag, in_model) in [("light", 2), ("frame", 1)] {
+        assert_eq!(count("models/chamber/model.sdf", tag), in_model);
+        assert_eq!(count("worlds/chamber.sdf", tag), 0);
     }
 }
 

@@ -11,6 +11,7 @@ mod fbx_reads_back;
 mod fbx_things;
 #[path = "sample/forge.rs"]
 mod forge;
+mod friction;
 mod gazebo_package;
 mod glb_package;
 mod gltf_instancing;

@@ -53,6 +53,29 @@ fn nothing_else_is_a_body() {
     }
 }
 
+/// The mesh has the triangles of all chunks, whose layers have no collider; of the things, only those that move have one.
+#[test]
+fn all_that_does_not_move_can_be_one_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    for (movable, scope) in [(false, "Prototypes"), (true, "Bodies")] {
+        let strewn = Strewn::new(folder.path(), movable).unwrap();
+        let export = |collision: &str| {
+            let mut package = Memory::default();
+            let target = built("isaac", json!({ "collision": collision }));
+            (target.export(&strewn.scene(), &mut package).unwrap(), package)
+        };
+        let ((apart, _), (merged, package)) = (export("triangles"), export("merged"));
+        assert_eq!(merged, apart, "the triangles are the same, whether movable: {movable}");
+        let bodies: u64 = if movable { 12 * strewn.things().len() as u64 } else { 0 };
+        let said = |path: &str| String::from_utf8_lossy(&package.bytes[path]).into_owned();
+        let normals = format!("Collision.normals {}\n", merged.collision_triangles - bodies);
+        assert!(said("chunks/collision.usdc").contains(&normals), "not {normals}");
+        assert!(said("chamber.usda").contains("./chunks/collision.usdc"));
+        assert!(said("chunks/chunk_0_0_0.usdc").contains("\"colliders\": []"));
+        assert!(said("chunks/things_0_0_0.usdc").contains(&format!("\"/{scope}/box_0\"")));
+    }
+}
+
 #[test]
 fn bodies_are_told_of_where_there_is_physics() {
     for name in ["isaac", "usd", "usdz"] {

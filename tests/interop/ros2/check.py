@@ -109,6 +109,7 @@ class Package:
         [self.world_file] = (folder / "worlds").glob("*.sdf")
         self.world = ElementTree.parse(self.world_file).find("world")
         self.name = self.world.get("name")
+        self.cave = ElementTree.parse(folder / "models" / self.name / "model.sdf").find("model")
         self.model = folder / "models" / f"{self.name}_rover" / "model.sdf"
         self.read = {}
         self.robot = Robot(self.model, self.ros2 / "urdf" / "rover.urdf")
@@ -241,7 +242,7 @@ class Running:
         words = dict(zip(create.arguments[::2], create.arguments[1::2], strict=True))
         require(words["-world"] == package.name, f"the rover is created in world {words['-world']}")
         require(package.file(words["-file"]) == package.model, f"{words['-file']} is created")
-        spawn = np.array(package.world.find("frame[@name='spawn_0']/pose").text.split(), dtype=float)
+        spawn = np.array(package.cave.find("frame[@name='spawn_0']/pose").text.split(), dtype=float)
         place = np.array([float(words[flag]) for flag in ("-x", "-y", "-z", "-R", "-P", "-Y")])
         up = np.linalg.norm(place[:3] - spawn[:3])
         require(abs(up - START_HEIGHT_M) < 1e-4, f"the rover starts {up} m from the first start pose")

@@ -96,7 +96,7 @@ def verify(package):
 
 def check_table(package, files):
     """`truth.json` lists every file of ground truth, with its unit and frame."""
-    others = {"manifest.json", "instances.json", "truth.json", "README.md", "LICENSE.md"}
+    others = {"manifest.json", "instances.json", "stations.csv", "truth.json", "README.md", "LICENSE.md"}
     listed = {entry["file"] for entry in files} | {path.name for path in package.glob("*.yaml")}
     there = {path.name for path in package.iterdir()} - others
     require(listed == there, f"truth.json lists other files than there are: {sorted(listed ^ there)}")

@@ -123,15 +123,18 @@ def physics_is_whole(stage):
     colliders = packages.colliders(stage)
     if not colliders:
         return
-    rough = {mesh.GetPath().GetPrefixes()[2] for mesh in colliders}
+    merged = packages.merged(stage)
+    rough = {mesh.GetPath().GetPrefixes()[2] for mesh in colliders if mesh.GetPrim() != merged}
     shared = [mesh.GetPrim().GetPrimInPrototype() for mesh in colliders if packages.is_of_instance(mesh)]
     hard = {prim.GetPath().GetPrefixes()[0] for prim in shared}
     for thing in packages.instances(stage):
         if thing.GetPrototype().GetPath() in hard:
             rough.add(thing.GetPath().GetPrefixes()[2])
-        else:
+        elif not merged or packages.is_body(thing):
             yield f"{thing.GetPath()} does not collide"
     wanted = {chunk.GetPath() for chunk in packages.chunks(stage) if not packages.is_gravel(chunk)}
+    if merged:
+        wanted = {thing.GetPath().GetPrefixes()[2] for thing in packages.bodies(stage)}
     if rough != wanted:
         yield f"{len(rough)} chunks collide, not {len(wanted)}"
     scenes = [UsdPhysics.Scene(prim) for prim in stage.TraverseAll() if prim.IsA(UsdPhysics.Scene)]
@@ -244,7 +247,7 @@ def images_are_written_as_relative_paths(package, root):
             yield f"{prim.GetPath()} names {path.path}, which does not exist"
 
 
-BESIDE = {"README.md", "LICENSE.md", "manifest.json", "instances.json"}
+BESIDE = {"README.md", "LICENSE.md", "manifest.json", "instances.json", "stations.csv"}
 
 
 def every_file_is_used(package, root):

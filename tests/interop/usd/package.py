@@ -49,8 +49,14 @@ def meshes(stage, name):
 
 
 def colliders(stage):
-    """Every mesh that bodies touch: the collision mesh of each chunk, or its convex pieces, and a hull of each prototype."""
+    """Every mesh that bodies touch: the collision mesh of each chunk, its convex pieces, or one mesh for all that does not move;
+    and a hull of each prototype."""
     return [UsdGeom.Mesh(prim) for prim in prims(stage) if is_collider(prim)]
+
+
+def merged(stage):
+    """The collision mesh of all that does not move, if there is one."""
+    return stage.GetPrimAtPath("/World/Collision")
 
 
 def is_collider(prim):

@@ -77,7 +77,7 @@ static FAULTS: [Fault; 32] = [
         name: "a spawn pose in the air",
         reader: "pybullet",
         message: "spawn_0 is 0.50 m above the floor",
-        file: "gazebo/worlds/chamber.sdf",
+        file: "gazebo/models/chamber/model.sdf",
         rewrite: |bytes| replace(&bytes, "<pose>0 0 -1.84 ", "<pose>0 0 -1.34 "),
     },
     Fault {

@@ -53,7 +53,8 @@ impl Library for Ledger {
 /// References of a layer: its images, or the layers of chunks.
 fn references(spec: &Value) -> Vec<&str> {
     let images = spec["textures"].as_object().into_iter().flatten().map(|(_, file)| file);
-    let layers = spec["chunks"].as_array().into_iter().flatten().map(|chunk| &chunk["layer"]);
+    let layers = spec["chunks"].as_array().into_iter().flatten().chain(spec.get("collision"));
+    let layers = layers.map(|layer| &layer["layer"]);
     images.chain(layers).map(|file| file.as_str().unwrap()).collect()
 }
 
