@@ -37,6 +37,7 @@ pub mod urdf;
 pub mod usd;
 
 pub use blender::{contrast, picture};
+pub use formats::side_by_side;
 
 /// The task.
 pub fn run(arguments: &[String]) -> Result<()> {

@@ -16,6 +16,7 @@ mod plume;
 mod realism;
 mod samples;
 mod scale;
+mod strips;
 mod targets;
 mod test;
 mod tools;
@@ -24,13 +25,14 @@ mod vslam;
 
 type Task = fn(&[String]) -> tools::Result<()>;
 
-const TASKS: [(&str, &str, Task); 13] = [
+const TASKS: [(&str, &str, Task); 14] = [
     ("ci", "                    all that must hold before anything lands", ci::run),
     ("demo", "                  make the default cave for Gazebo and Isaac Sim in demo", demo::run),
     ("test", "[ARGUMENT...]     run all tests that need cargo and python3 alone", test::run),
     ("interop", "[--all | PACKAGE_DIR...] open packages with foreign readers", interop::run),
     ("docs", "[check]           check links and build the book of the documentation", docs::run),
     ("gallery", "               renew the pictures beside the samples", gallery::run),
+    ("strips", "[NAME...]        renew the rows of previews in the documentation", strips::run),
     ("campaign", "[--minutes N] [ATTACK...] attack the built program; a few minutes unless told more", campaign::run),
     ("drives", "[SEEDS | campaign] hold certificates of many caves to drives in MuJoCo and Bullet", drives::run),
     ("licences", "              write the licences of all crates that are shipped", licences::write),

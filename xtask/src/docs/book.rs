@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::markdown::{is_foreign, links, prose};
+use crate::strips;
 use crate::tools::{Result, root};
 
 /// Where links lead that leave the book: files of the repository that are neither pages nor pictures.
@@ -24,8 +25,8 @@ pub fn stage(pages: &[PathBuf], folder: &Path, reference: &str) -> Result<()> {
         pictures.extend(page.links().filter_map(|link| page.picture(link)));
         write(&folder.join(in_book(&page.name)), &page.text_in_book(&docs, pages, reference)?)?;
     }
-    for picture in pictures {
-        copy(&root().join(&picture), &folder.join(&picture))?;
+    for picture in pictures.into_iter().chain(strips::all()) {
+        copy(&root().join(&picture), &folder.join(picture.strip_prefix("docs").unwrap_or(&picture)))?;
     }
     copy(&docs.join("book.toml"), &folder.join("book.toml"))
 }
@@ -52,11 +53,11 @@ impl Page {
         normal(&Path::new("docs").join(&self.name).with_file_name(file))
     }
 
-    /// The same if it is a picture outside `docs`.
+    /// The same if it is a picture.
     fn picture(&self, link: &str) -> Option<PathBuf> {
         let target = self.target(link);
         let is_picture = target.extension().is_some_and(|end| ["png", "jpg", "svg"].iter().any(|known| end == *known));
-        (is_picture && !target.starts_with("docs")).then_some(target)
+        is_picture.then_some(target)
     }
 
     fn text_in_book(&self, docs: &Path, pages: &[PathBuf], reference: &str) -> Result<String> {
@@ -71,11 +72,13 @@ impl Page {
         }
     }
 
-    /// Pages stay where they are, pictures come nearer by the folder `docs`, and all else is in the repository only.
+    /// Pages and their pictures stay where they are, other pictures come nearer by the folder `docs`, and all else is in the
+    /// repository only.
     fn link_in_book(&self, link: &str) -> String {
         let target = self.target(link);
-        if self.picture(link).is_some() {
-            return link.strip_prefix("../").unwrap_or(link).to_owned();
+        if let Some(picture) = self.picture(link) {
+            let nearer = link.strip_prefix("../").filter(|_| !picture.starts_with("docs"));
+            return nearer.unwrap_or(link).to_owned();
         }
         if target.starts_with("docs") && target.extension().is_some_and(|end| end == "md") {
             return link.replace("README.md", "index.md");

@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value};
 
+use crate::strips::SETTINGS;
 use crate::tools::Result;
 
 /// A table for each section of recipes, and for each generator and rock.
@@ -22,15 +23,26 @@ fn is_section(value: &Value) -> bool {
 fn of_section(name: &str, section: &Value) -> String {
     let heading = format!("### `[{name}]`\n\n");
     let Some(alternatives) = section["oneOf"].as_array() else {
-        return heading + &keys_of(section);
+        return heading + &keys_of(section) + &pictures(name, None);
     };
     let (chooser, usual) = alternatives.first().and_then(choice).unwrap_or_default();
     let tables = alternatives.iter().map(|alternative| {
         let (_, value) = choice(alternative).unwrap_or_default();
-        format!("#### `{value}`\n\n{}", keys_of(alternative))
+        format!("#### `{value}`\n\n{}{}", keys_of(alternative), pictures(name, Some(value)))
     });
     let tables = tables.collect::<Vec<_>>().join("\n");
     format!("{heading}The keys depend on `{chooser}`, which is `\"{usual}\"` by default.\n\n{tables}")
+}
+
+/// What the settings of a section change, as far as that can be seen; `rock` is the kind whose settings they are.
+fn pictures(section: &str, rock: Option<&str>) -> String {
+    let is_here = |key: &str, of: &str| key.split('.').next() == Some(section) && rock.is_none_or(|rock| rock == of);
+    let here = SETTINGS.iter().filter(|(key, _, of)| is_here(key, of));
+    let shown = here.map(|(key, values, _)| {
+        let (_, name) = key.split_once('.').unwrap_or(("", key));
+        format!("\n`{name}` = {}:\n\n![](pictures/{key}.jpg)\n", values.join(", "))
+    });
+    shown.collect()
 }
 
 /// The key that tells alternatives apart, with its value.

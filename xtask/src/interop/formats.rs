@@ -5,7 +5,7 @@ use std::process::Command;
 
 use super::faults::copy_folder;
 use crate::targets::Target;
-use crate::tools::{Result, ensure_debian, root};
+use crate::tools::{Result, ensure_debian, root, run};
 use crate::venv::Environment;
 
 /// Common formats without a dedicated reader.
@@ -39,6 +39,12 @@ pub(super) fn shelve(sample: &Path, targets: &[Target]) -> Result<PathBuf> {
 fn environment() -> Result<Environment> {
     super::usd::environment()?
         .with(&["tests/interop/mujoco/requirements.txt", "tests/interop/formats/requirements.txt"])
+}
+
+/// Joins pictures of the same size from left to right.
+pub fn side_by_side(pictures: &[PathBuf], joined: &Path) -> Result<()> {
+    let mut command = script(&environment()?, "side_by_side.py", joined);
+    run(command.args(pictures)).map(drop)
 }
 
 /// Installs the readers that share one Python environment.
