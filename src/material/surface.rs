@@ -343,6 +343,7 @@ impl<R: Rock> Material for R {
         out: &mut SurfaceSamples,
     ) {
         dispatched!(simd => surface_samples(simd, self, block, look, footprint, normals, out));
+        look.tint(&mut out.color);
     }
 }
 

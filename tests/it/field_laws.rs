@@ -436,6 +436,26 @@ fn seed_changes_the_rock_and_look_does_not() {
     assert_ne!(texels(&one, bounds, &points), texels(&same, bounds, &points));
 }
 
+/// A tint multiplies colours and nothing else, in every rock.
+#[test]
+fn tints_multiply_colours() {
+    let factors = [0.5, 1.0, 1.7];
+    for row in MATERIALS.iter() {
+        let tinted = |tint| {
+            let rock = (row.read)(json!({})).expect("an empty object is valid");
+            CaveField::new(&graph(), &PassageSettings::default(), rock, Look { tint, ..Look::default() }, 7)
+        };
+        let points = near_wall(&tinted([1.0; 3]), 2000);
+        let [plain, tinted] = [[1.0; 3], factors].map(|tint| texels(&tinted(tint), around(&points), &points));
+        for (mut plain, tinted) in plain.into_iter().zip(tinted) {
+            for (value, factor) in plain.color.iter_mut().zip(factors) {
+                *value = (*value * factor).clamp(0.0, 1.0);
+            }
+            assert_eq!(plain, tinted, "{}", row.name);
+        }
+    }
+}
+
 /// The share of walls that glisten follows the humidity, in every rock.
 #[test]
 fn humidity_is_even_in_effect() {
