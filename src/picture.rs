@@ -4,7 +4,7 @@
 
 use std::io::Cursor;
 
-use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits, guess_format};
+use image::{ColorType, DynamicImage, ImageError, ImageFormat, ImageReader, Limits, guess_format};
 use plume_graph::echo::sentence;
 
 use crate::srgb::linear;
@@ -115,7 +115,10 @@ fn decoded(bytes: &[u8]) -> Result<DynamicImage, String> {
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(MOST_PX), Some(MOST_PX));
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| unread(error.to_string()))?;
+    let image = reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => format!("is too large: more than {MOST_PX} pixels a side"),
+        other => unread(other.to_string()),
+    })?;
     if image.width() == 0 || image.height() == 0 { Err(unread("it is empty".to_owned())) } else { Ok(image) }
 }
 
@@ -221,6 +224,7 @@ mod tests {
         let fault = |bytes: &[u8]| Image::read_tile(bytes, Tile::Colors).unwrap_err();
         assert_eq!(fault(&png([4, 2], ColorType::Rgb8)), "is not square, but 4 x 2 pixels");
         assert_eq!(fault(b"a text"), "is not a PNG file");
+        assert_eq!(fault(&png([8193, 1], ColorType::L8)), "is too large: more than 8192 pixels a side");
         let whole = png([64, 64], ColorType::Rgb8);
         assert!(fault(&whole[..whole.len() / 2]).starts_with("cannot be read: "));
     }
