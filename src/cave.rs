@@ -261,8 +261,8 @@ fn start<'a>(
 /// An impossible graph.
 pub fn fingerprint(input: &Input, observer: &dyn Observer) -> Result<String, CaveError> {
     let graph = preview::graph_of(input, observer)?;
-    let models = pipeline::models(&input.recipe, observer)?;
-    Ok(pipeline::cave_fingerprint(&input.recipe, &graph, &models))
+    let files = pipeline::user_files(&input.recipe, observer)?;
+    Ok(pipeline::cave_fingerprint(&input.recipe, &graph, &files))
 }
 
 fn unfit(root: &Path, what: &str) -> CaveError {

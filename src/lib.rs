@@ -43,6 +43,8 @@ pub mod assemble;
 #[doc(hidden)]
 pub mod model;
 #[doc(hidden)]
+pub mod picture;
+#[doc(hidden)]
 pub mod pipeline;
 #[doc(hidden)]
 pub mod placement;

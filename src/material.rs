@@ -19,6 +19,7 @@
 //! ```
 
 mod basalt;
+mod clad;
 mod coarse;
 mod color;
 mod drilled;
@@ -33,6 +34,7 @@ mod site;
 mod surface;
 
 pub use basalt::Basalt;
+pub use clad::{Clad, OwnMaps};
 pub use coarse::{CHANNELS, Coarse, CoarseBlock, CoarseTone, JETS, MARKS, OVERSHOOT};
 pub use color::Shades;
 pub use drilled::{Drilled, Lithology};

@@ -5,7 +5,6 @@
 //! metalness, transparency and light.
 
 mod glb;
-mod image;
 mod obj;
 
 use std::path::Path;
@@ -13,7 +12,7 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 
-pub use self::image::{Image, Wrap};
+use crate::picture::{Image, Wrap};
 
 /// Most triangles of a model. Tuned: the charts of one leave room for those of all other things in their images.
 pub const MOST_TRIANGLES: usize = 10_000;
@@ -136,6 +135,14 @@ impl Model {
         self.triangles.push(triangle);
         Ok(())
     }
+}
+
+/// Reads a texture.
+fn texture(bytes: &[u8]) -> Result<Image, ModelError> {
+    Image::read(bytes).map_err(|problem| {
+        let message = format!("has a texture that {problem}");
+        ModelError::new(message, "use PNG, JPEG or WebP of at most 8192 pixels a side")
+    })
 }
 
 /// A vector of a file whose y axis is up, with z up.

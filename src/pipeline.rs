@@ -4,31 +4,35 @@
 //! threads work on chunks; memory is a few chunks per thread, however many there are.
 
 mod error;
+mod files;
 mod maps;
 mod models;
 mod needs;
 mod outside;
 mod part;
 mod pieces;
+mod preview;
 mod program;
 mod status;
 mod things;
 mod threads;
 
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use serde_json::Value;
 
 pub use self::error::PipelineError;
-pub use self::models::Models;
+pub use self::files::UserFiles;
 pub use self::needs::Needs;
 pub use self::outside::{Disk, Machine};
 pub use self::part::chunk_grid;
 pub use self::status::{StageStatus, State};
 pub use self::things::stock;
 use crate::field::{Aabb, CaveField};
+use crate::material::Material;
 use crate::mesh::{self, ChunkIndex, Grid, GridError};
 use crate::preview::{Furnishing, Subject};
 use crate::recipe::Recipe;
@@ -92,7 +96,7 @@ pub struct Pipeline<'a> {
     folder: &'a CaveFolder,
     observer: &'a dyn Observer,
     graph: Graph,
-    models: Models,
+    files: UserFiles,
     graph_fingerprint: String,
     preview_fingerprint: String,
     mesh_fingerprint: String,
@@ -150,8 +154,8 @@ impl<'a> Pipeline<'a> {
             Some(graph) => graph,
             None => generated(recipe, observer)?,
         };
-        let models = models(recipe, observer)?;
-        let graph_fingerprint = cave_fingerprint(recipe, &graph, &models);
+        let files = user_files(recipe, observer)?;
+        let graph_fingerprint = cave_fingerprint(recipe, &graph, &files);
         let kept = recipe.to_kept_json();
         let section = |keys: &[&str]| keys.iter().map(|key| kept[key].to_string()).collect::<String>();
         let stations = stations(&graph);
@@ -159,9 +163,11 @@ impl<'a> Pipeline<'a> {
         let preview_fingerprint = sha256(maps.as_bytes());
         let shape = [recipe.version(), stations, section(&["seed", "passage", "rock", "mesh"])].concat();
         let mesh_fingerprint = sha256(shape.as_bytes());
-        let colour = [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"])].concat();
+        let colour =
+            [mesh_fingerprint.as_str(), &section(&["look", "texture", "lod"]), &files.maps.copies.fingerprint()]
+                .concat();
         let texture_fingerprint = sha256(colour.as_bytes());
-        let things = [texture_fingerprint.as_str(), &section(&["things"]), &models.fingerprint()].concat();
+        let things = [texture_fingerprint.as_str(), &section(&["things"]), &files.models.copies.fingerprint()].concat();
         let things_fingerprint = sha256(things.as_bytes());
         let pieces_fingerprint = sha256([mesh_fingerprint.as_str(), &section(&["pieces"])].concat().as_bytes());
         Ok(Self {
@@ -169,7 +175,7 @@ impl<'a> Pipeline<'a> {
             folder,
             observer,
             graph,
-            models,
+            files,
             graph_fingerprint,
             preview_fingerprint,
             mesh_fingerprint,
@@ -186,7 +192,7 @@ impl<'a> Pipeline<'a> {
 
     /// The field of this cave.
     pub fn field(&self) -> CaveField {
-        field(self.recipe, &self.graph)
+        field_with(self.recipe, &self.graph, &self.files)
     }
 
     /// Runs a stage, given the stages before it.
@@ -344,7 +350,7 @@ impl<'a> Pipeline<'a> {
             let graph = self
                 .folder
                 .write(store::GRAPH, |out| out.write_all(kept_graph_text(self.recipe, &self.graph).as_bytes()))?;
-            let files = [vec![recipe, graph], self.models.keep(self.folder)?].concat();
+            let files = [vec![recipe, graph], self.files.keep(self.folder)?].concat();
             Ok((files, Facts::Graph((&self.graph).into())))
         })
     }
@@ -398,22 +404,31 @@ impl<'a> Pipeline<'a> {
 }
 
 /// SHA-256 of everything that a cave follows from.
-pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph, models: &Models) -> String {
+pub fn cave_fingerprint(recipe: &Recipe, graph: &Graph, files: &UserFiles) -> String {
     let text = kept_graph_text(recipe, graph);
-    sha256(format!("{}\n{text}{}", recipe.version(), models.fingerprint()).as_bytes())
+    sha256(format!("{}\n{text}{}", recipe.version(), files.fingerprint()).as_bytes())
 }
 
-/// The models that a recipe names.
+/// The files that a recipe names beside those of its graph.
 ///
 /// # Errors
-/// If one cannot be read or is not fit to be a thing.
-pub fn models(recipe: &Recipe, observer: &dyn Observer) -> Result<Models, PipelineError> {
-    Models::read(recipe, Disk { allows_outside_files: observer.allows_outside_files() })
+/// If one cannot be read or is not fit for its purpose.
+pub fn user_files(recipe: &Recipe, observer: &dyn Observer) -> Result<UserFiles, PipelineError> {
+    UserFiles::read(recipe, Disk { allows_outside_files: observer.allows_outside_files() })
 }
 
-/// The field of the cave described by this recipe and graph.
+/// The shape of the cave described by this recipe and graph: the field without the user's maps.
 pub fn field(recipe: &Recipe, graph: &Graph) -> CaveField {
-    CaveField::new(graph, recipe.passage(), recipe.rock().clone(), recipe.look().clone(), recipe.seed())
+    field_of(recipe, graph, Arc::clone(recipe.rock()))
+}
+
+/// The field with the looks that these files give it.
+pub fn field_with(recipe: &Recipe, graph: &Graph, files: &UserFiles) -> CaveField {
+    field_of(recipe, graph, files.maps.on(Arc::clone(recipe.rock())))
+}
+
+fn field_of(recipe: &Recipe, graph: &Graph, rock: Arc<dyn Material>) -> CaveField {
+    CaveField::new(graph, recipe.passage(), rock, recipe.look().clone(), recipe.seed())
 }
 
 /// The field, and the grid over it.

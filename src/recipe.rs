@@ -131,9 +131,12 @@ impl Recipe {
         let schema = schema::of(&draft.value);
         check::against(&schema, &draft)?;
         let resolved = schema::filled(&schema, &draft.value);
-        let graph = generator(&resolved["graph"], &draft)?;
-        let rock = rock(&resolved["rock"], &draft)?;
-        let things = things(&schema["properties"]["things"], &resolved["things"], &draft)?;
+        let mut placed = resolved.clone();
+        anchor(&schema, &mut placed, "", &draft)?;
+        let graph = generator(&placed["graph"], &draft)?;
+        let rock = rock(&placed["rock"], &draft)?;
+        let things: ThingSettings = typed(&placed, "things", &draft)?;
+        files::check(&things.files, &draft)?;
         Ok(Self {
             name: typed(&resolved, "name", &draft)?,
             seed: typed(&resolved, "seed", &draft)?,
@@ -144,7 +147,7 @@ impl Recipe {
             look: typed(&resolved, "look", &draft)?,
             mesh: typed(&resolved, "mesh", &draft)?,
             things,
-            texture: typed(&resolved, "texture", &draft)?,
+            texture: typed(&placed, "texture", &draft)?,
             lod: typed(&resolved, "lod", &draft)?,
             pieces: typed(&resolved, "pieces", &draft)?,
             world: typed(&resolved, "world", &draft)?,
@@ -270,9 +273,9 @@ impl Recipe {
         print::commented(&schema::of(&self.resolved), &self.resolved)
     }
 
-    /// The recipe as JSON that names model files as a cave folder keeps them: the same wherever they came from.
+    /// The recipe as JSON that names files of models and maps as a cave folder keeps them: the same wherever they came from.
     pub fn to_kept_json(&self) -> Value {
-        files::kept(&self.resolved, &self.things.files)
+        files::kept(&self.resolved, &self.things.files, &self.texture)
     }
 
     /// That as commented TOML.
@@ -385,12 +388,8 @@ pub fn has_key(text: &str, file: &Path, key: &str) -> Result<bool, Faults> {
 }
 
 fn generator(section: &Value, draft: &read::Draft) -> Result<Box<dyn Generator>, Faults> {
-    let (name, mut settings) = split_choice(section, "generator");
+    let (name, settings) = split_choice(section, "generator");
     let row = plume_generators::GENERATORS.find(name).expect("the schema admits only rows of the table");
-    let schema = (row.schema)().to_value();
-    for (key, setting) in &mut settings {
-        anchor(&schema["properties"][key], setting, &format!("graph.{key}"), draft)?;
-    }
     (row.read)(Value::Object(settings)).map_err(|e| draft.fault("graph", e.to_string()))
 }
 
@@ -406,22 +405,12 @@ fn anchor(schema: &Value, settings: &mut Value, key: &str, draft: &read::Draft) 
         }
         Value::Object(map) => {
             for (name, setting) in map {
-                anchor(&schema["properties"][name], setting, &format!("{key}.{name}"), draft)?;
+                anchor(&schema["properties"][name], setting, &check::below(key, name), draft)?;
             }
         }
         _ => {}
     }
     Ok(())
-}
-
-/// The settings of things, with the paths of model files resolved.
-fn things(schema: &Value, section: &Value, draft: &read::Draft) -> Result<ThingSettings, Faults> {
-    let mut section = section.clone();
-    anchor(schema, &mut section, "things", draft)?;
-    let things: ThingSettings =
-        serde_json::from_value(section).map_err(|error| draft.fault("things", error.to_string()))?;
-    files::check(&things.files, draft)?;
-    Ok(things)
 }
 
 fn rock(section: &Value, draft: &read::Draft) -> Result<Arc<dyn Material>, Faults> {

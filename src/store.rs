@@ -57,7 +57,7 @@ use self::records::Event;
 pub use self::temporary::TemporaryFolder;
 pub use self::thing::{read_things, write_things};
 pub use self::unit::{
-    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_index, chunk_name, collision_path, image_path, is_model_path,
+    PROTOTYPES, Stage, Unit, WHOLE_CAVE, adjacent, chunk_index, chunk_name, collision_path, image_path, is_copy_path,
     is_plain_name, lod_path, pieces_path, textured_path, things_path, wall_path,
 };
 
@@ -287,7 +287,7 @@ impl CaveFolder {
         let files: Vec<FileRecord> = self.work().files.values().cloned().collect();
         let files: Vec<&FileRecord> = files
             .iter()
-            .filter(|file| ![RECIPE, GRAPH].contains(&file.path.as_str()) && !is_model_path(&file.path))
+            .filter(|file| ![RECIPE, GRAPH].contains(&file.path.as_str()) && !is_copy_path(&file.path))
             .collect();
         let states: Result<Vec<FileState>, StoreError> = files.par_iter().map(|record| self.state(record)).collect();
         let changed = files.iter().zip(states?).filter(|(_, state)| *state == FileState::Changed);

@@ -28,7 +28,7 @@ use crate::field::Surface;
 use crate::mesh::Mesh;
 pub use lod::{Level, LodSettings, levels};
 pub use maps::{HEIGHT_AMPLITUDE_M, Maps};
-pub use settings::{MapFormats, TextureSettings};
+pub use settings::{KEPT_MAPS, MapFormats, OwnMap, TextureSettings};
 
 /// A chunk ready for a renderer. Its vertices are those of the mesh, copied along seams.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -20,11 +20,11 @@ impl Certified<'_> {
     /// where there is no place for a camera.
     ///
     /// # Errors
-    /// If a model file of the recipe cannot be read; if work was stopped.
+    /// If a model or a map of the recipe cannot be read; if work was stopped.
     pub fn pictures(&self, observer: &dyn Observer) -> Result<Vec<Option<Vec<u8>>>, CaveError> {
-        let field = pipeline::field(self.recipe, self.graph);
-        let models = pipeline::models(self.recipe, observer)?;
-        let stock = pipeline::stock(self.recipe, &models);
+        let files = pipeline::user_files(self.recipe, observer)?;
+        let field = pipeline::field_with(self.recipe, self.graph, &files);
+        let stock = pipeline::stock(self.recipe, &files);
         let subject = pipeline::furnished(self.recipe, self.graph, &field, stock.as_ref());
         let inside = view("inside").expect("it is a view");
         let picture = |(number, _, at_m): (usize, _, [f64; 3])| {

@@ -88,6 +88,10 @@ impl CaveError {
     }
 }
 
+/// What a folder of maps of the user's own has to hold.
+const OWN_MAPS: &str = "texture.own names a folder, relative to the recipe, with base_color.png and, if you like, normal.png, both \
+                        RGB, and roughness.png: square, of at most 8192 pixels a side, without transparency";
+
 fn pipeline_hint(error: &PipelineError) -> String {
     match error {
         PipelineError::Generate(error) => error.hint.clone(),
@@ -95,6 +99,7 @@ fn pipeline_hint(error: &PipelineError) -> String {
         PipelineError::Preview(error) => error.hint().to_owned(),
         PipelineError::Grid(error) => error.hint().to_owned(),
         PipelineError::Model { error, .. } => error.hint.to_owned(),
+        PipelineError::Map { .. } => OWN_MAPS.into(),
         PipelineError::TooLarge { remedy, .. } => format!("{remedy}, or raise output.max_gb"),
         PipelineError::OtherCave { .. } => "choose another folder, or make it anew with --force".into(),
         PipelineError::OtherPart { .. } => "make the part again, or leave it out".into(),

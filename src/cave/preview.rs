@@ -21,9 +21,9 @@ pub fn view_row(name: &str) -> Result<&'static ViewRow, CaveError> {
 /// An impossible graph, nothing to see, the order's stop.
 pub fn preview(input: &Input, row: &ViewRow, order: &Order, observer: &dyn Observer) -> Result<Drawn, CaveError> {
     let graph = graph_of(input, observer)?;
-    let field = pipeline::field(&input.recipe, &graph);
-    let models = pipeline::models(&input.recipe, observer)?;
-    let stock = row.shows_things.then(|| pipeline::stock(&input.recipe, &models)).flatten();
+    let files = pipeline::user_files(&input.recipe, observer)?;
+    let field = pipeline::field_with(&input.recipe, &graph, &files);
+    let stock = row.shows_things.then(|| pipeline::stock(&input.recipe, &files)).flatten();
     let subject = pipeline::furnished(&input.recipe, &graph, &field, stock.as_ref());
     Ok(row.draw(&subject, order)?)
 }

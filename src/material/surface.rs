@@ -287,7 +287,7 @@ const LEAST_STEEPNESS: f32 = 0.25;
 /// The unit normal of a surface with this gradient of its field, limited to the allowed angle from the mesh normal, and the
 /// magnitude of the gradient.
 #[inline(always)]
-fn leaning<S: Simd>(gradient: [Lanes<S>; 3], mesh_normal: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Lanes<S>) {
+pub(super) fn leaning<S: Simd>(gradient: [Lanes<S>; 3], mesh_normal: [Lanes<S>; 3]) -> ([Lanes<S>; 3], Lanes<S>) {
     let length = inlined!(|v: [Lanes<S>; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt());
     let steepness = length(gradient);
     let scale = -Lanes::<S>::splat(steepness.token(), 1.0) / steepness.max(1e-6);
@@ -343,6 +343,7 @@ impl<R: Rock> Material for R {
         out: &mut SurfaceSamples,
     ) {
         dispatched!(simd => surface_samples(simd, self, block, look, footprint, normals, out));
+        look.tint(&mut out.color);
     }
 }
 

@@ -12,7 +12,8 @@ use gltf::{Accessor, Document, Gltf, Node, Semantic, buffer, json};
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use plume_graph::echo::{sentence, shown};
 
-use super::{Corner, Image, MOST_TEXTURES, Material, Model, ModelError, Texture, Triangle, Wrap, z_up};
+use super::{Corner, MOST_TEXTURES, Material, Model, ModelError, Texture, Triangle, texture, z_up};
+use crate::picture::{Image, Wrap};
 
 /// Most nodes of a scene: those of a circle would never end.
 const MOST_NODES: usize = 10_000;
@@ -209,7 +210,7 @@ fn materials(document: &Document, bin: &[u8]) -> Result<Vec<Material>, ModelErro
 fn decoded(document: &Document, image: usize, bin: &[u8]) -> Result<Image, ModelError> {
     let view = document.as_json().images[image].buffer_view.and_then(|view| document.views().nth(view.value()));
     let bytes = view.and_then(|view| bytes_of(&view, bin));
-    Image::read(bytes.ok_or_else(|| ModelError::new("has a texture that is not in the file", PLAIN))?)
+    texture(bytes.ok_or_else(|| ModelError::new("has a texture that is not in the file", PLAIN))?)
 }
 
 fn wrap(mode: WrappingMode) -> Wrap {

@@ -9,7 +9,8 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 use plume_graph::echo::shown;
 
-use super::{Beside, Corner, Image, MOST_TEXTURES, Material, Model, ModelError, Texture, Triangle, Wrap, z_up};
+use super::{Beside, Corner, MOST_TEXTURES, Material, Model, ModelError, Texture, Triangle, texture, z_up};
+use crate::picture::Wrap;
 
 /// What has no material, and what one that says nothing has.
 const GREY: [f32; 3] = [0.8; 3];
@@ -147,7 +148,7 @@ impl Reader {
                 "map_Kd" => {
                     // Options come before the name, which may have spaces if there are none.
                     let name = if rest.starts_with('-') { words.last().unwrap_or_default() } else { rest };
-                    let image = Arc::new(Image::read(&beside(name)?)?);
+                    let image = Arc::new(texture(&beside(name)?)?);
                     // The texture is the colour: many programs write black beside it.
                     material.color = [1.0; 3];
                     material.texture = Some(Texture { image, wrap: [Wrap::Repeat; 2] });

@@ -74,6 +74,14 @@ pub enum PipelineError {
         /// What is wrong with it.
         error: ModelError,
     },
+    /// A map of the user's own cannot be put onto the rock.
+    #[error("{}: {problem}", path.display())]
+    Map {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// There is no wall in the whole cave.
     #[error("mesh: the cave has no open space at this voxel size")]
     Empty,

@@ -1,43 +1,68 @@
-//! Plan and profile of the cave, for people who look into its folder.
+//! The maps of the user's own that a recipe names: read, and put onto the rock.
 
-use super::{Pipeline, PipelineError, field, refuse_absurd_size, subject};
-use crate::preview::{Drawn, Format, Order, Pace, Subject, Theme, view};
-use crate::store::{self, Facts, FileRecord, Stage};
+use std::io::ErrorKind;
+use std::path::Path;
+use std::sync::Arc;
 
-/// The views that are drawn, and their files.
-const MAPS: [(&str, &str); 2] = [("plan", store::PLAN), ("profile", store::PROFILE)];
+use plume_disk::regular;
 
-impl Pipeline<'_> {
-    /// Draws the maps of the cave.
+use super::PipelineError;
+use super::files::Copies;
+use crate::material::{Clad, Material, OwnMaps};
+use crate::picture::{Image, Tile};
+use crate::texture::{OwnMap, TextureSettings};
+
+/// Most bytes of a file. Tuned: enough for most images of the largest size that is read.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// The maps of a recipe.
+#[derive(Default)]
+pub(super) struct Maps {
+    /// Their files.
+    pub copies: Copies,
+    own: Option<Arc<OwnMaps>>,
+}
+
+impl Maps {
+    /// Reads the maps that these settings name.
     ///
     /// # Errors
-    /// If there is nothing to draw, the cave is too large, the disk fails, or the observer stops.
-    pub fn preview(&self) -> Result<(), PipelineError> {
-        self.each(Stage::Preview, &[store::WHOLE_CAVE], |name| {
-            self.unit(Stage::Preview, name, || {
-                refuse_absurd_size(self.recipe, &self.graph)?;
-                let field = field(self.recipe, &self.graph);
-                let subject = subject(self.recipe, &self.graph, &field);
-                let maps: Result<Vec<_>, _> = MAPS.iter().map(|map| self.draw(map, &subject)).collect();
-                Ok((maps?, Facts::Preview {}))
-            })
-        })
+    /// If there is no base colour, or a file is not such an image.
+    pub fn read(settings: &TextureSettings) -> Result<Self, PipelineError> {
+        let mut maps = Self::default();
+        if let Some(folder) = &settings.own {
+            let missing = || fault(&folder.join(OwnMap::BaseColor.file_name()), "is missing".to_owned());
+            maps.own = Some(Arc::new(OwnMaps {
+                base_color: maps.add(folder, OwnMap::BaseColor, Tile::Colors)?.ok_or_else(missing)?,
+                normal: maps.add(folder, OwnMap::Normal, Tile::Vectors)?,
+                roughness: maps.add(folder, OwnMap::Roughness, Tile::Numbers)?,
+                tile_m: settings.own_m,
+            }));
+        }
+        Ok(maps)
     }
 
-    /// On white paper, in the default size of the view.
-    fn draw(&self, (map, path): &(&str, &str), subject: &Subject) -> Result<FileRecord, PipelineError> {
-        let order = Order {
-            format: Format::Png,
-            theme: Theme::Light,
-            size: None,
-            at: None,
-            look_rad: None,
-            pace: Pace::default(),
-            stop: self.observer.stop(),
+    /// Reads a map, if it is there.
+    fn add(&mut self, folder: &Path, map: OwnMap, tile: Tile) -> Result<Option<Image>, PipelineError> {
+        let path = folder.join(map.file_name());
+        let bytes = match regular::read(&path, MAX_BYTES) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            read => read.map_err(|error| fault(&path, format!("cannot be read: {error}")))?,
         };
-        let Drawn::File(bytes) = view(map).expect("a map is a view").draw(subject, &order)? else {
-            unreachable!("a map stands still");
-        };
-        Ok(self.folder.write(path, |out| out.write_all(&bytes))?)
+        let image = Image::read_tile(&bytes, tile).map_err(|problem| fault(&path, problem))?;
+        self.copies.0.push((map.kept_path(), bytes));
+        Ok(Some(image))
     }
+
+    /// A rock with these maps on it; without any, the rock.
+    pub fn on(&self, rock: Arc<dyn Material>) -> Arc<dyn Material> {
+        match &self.own {
+            Some(maps) => Arc::new(Clad { rock, maps: Arc::clone(maps) }),
+            None => rock,
+        }
+    }
+}
+
+fn fault(path: &Path, problem: String) -> PipelineError {
+    PipelineError::Map { path: path.to_path_buf(), problem }
 }

@@ -1,4 +1,4 @@
-//! The model files of a recipe: read, made into things, and kept in the cave folder.
+//! The model files of a recipe: read, and made into things.
 
 use std::io;
 use std::path::Path;
@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use plume_disk::regular;
 
+use super::files::Copies;
 use super::{Disk, PipelineError};
 use crate::model::{Format, ModelError};
 use crate::recipe::Recipe;
-use crate::store::{CaveFolder, FileRecord, StoreError, is_plain_name, sha256};
+use crate::store::is_plain_name;
 use crate::things::{FileSettings, Replica};
 use plume_graph::Outside;
 use plume_graph::echo::shown;
@@ -20,9 +21,9 @@ const MAX_BYTES: u64 = 64 << 20;
 const MOST_FILES: usize = 16;
 
 /// The models of a recipe.
-pub struct Models {
-    /// Every file by its path in the cave folder.
-    files: Vec<(String, Vec<u8>)>,
+pub(super) struct Models {
+    /// Every file.
+    pub copies: Copies,
     /// In the order of the recipe.
     replicas: Vec<Arc<Replica>>,
 }
@@ -33,7 +34,7 @@ impl Models {
     /// # Errors
     /// If a file cannot be read, is no model, or is not fit to be a thing.
     pub fn read(recipe: &Recipe, disk: Disk) -> Result<Self, PipelineError> {
-        let mut models = Self { files: Vec::new(), replicas: Vec::new() };
+        let mut models = Self { copies: Copies::default(), replicas: Vec::new() };
         for file in &recipe.things().files {
             models.add(file, disk).map_err(|error| PipelineError::Model { path: file.path.clone(), error })?;
         }
@@ -62,24 +63,14 @@ impl Models {
         let model = format.read(&bytes, &mut beside)?;
         self.replicas.push(Arc::new(Replica::new(model, file.scale)?));
         let kept = named.into_iter().map(|(name, bytes)| (format!("{}/{name}", file.kept_folder()), bytes));
-        self.files.push((file.kept_path(), bytes));
-        self.files.extend(kept);
+        self.copies.0.push((file.kept_path(), bytes));
+        self.copies.0.extend(kept);
         Ok(())
     }
 
     /// The models as things, in the order of the recipe.
-    pub(super) fn replicas(&self) -> &[Arc<Replica>] {
+    pub fn replicas(&self) -> &[Arc<Replica>] {
         &self.replicas
-    }
-
-    /// What follows from the models follows from this text; empty without any.
-    pub(super) fn fingerprint(&self) -> String {
-        self.files.iter().map(|(path, bytes)| format!("\n{path} {}", sha256(bytes))).collect()
-    }
-
-    /// Writes all files into a cave folder.
-    pub(super) fn keep(&self, folder: &CaveFolder) -> Result<Vec<FileRecord>, StoreError> {
-        self.files.iter().map(|(path, bytes)| folder.write(path, |out| out.write_all(bytes))).collect()
     }
 }
 

@@ -31,7 +31,7 @@ impl Pipeline<'_> {
             self.things_on(&field, &grid, &own, &all)?;
         }
         if stages.contains(&Stage::Texture) {
-            self.textures(&field, &own)?;
+            self.textures(&self.field(), &own)?;
         }
         if stages.contains(&Stage::Pieces) {
             self.pieces_behind(&own, &all)?;

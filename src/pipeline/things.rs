@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Models, Pipeline, PipelineError, field_and_grid};
+use super::{Pipeline, PipelineError, UserFiles, field_and_grid};
 use crate::field::CaveField;
 use crate::material::Material;
 use crate::mesh::Grid;
@@ -51,7 +51,7 @@ impl Pipeline<'_> {
         if self.recipe.things().cover <= 0.0 {
             return Ok((Vec::new(), Facts::Things(ThingFacts::default())));
         }
-        let shelf = shelf(self.recipe, &self.models);
+        let shelf = shelf(self.recipe, &self.files);
         let texture = self.recipe.texture();
         let density_px_per_m = TEXEL_RATIO * texture.density_px_per_m;
         let size_px = texture.size_px.map(|size_px| size_px.clamp(SIZE_PX[0], SIZE_PX[1]));
@@ -102,16 +102,16 @@ fn library<'a>(recipe: &'a Recipe, folder: &store::CaveFolder) -> Result<Library
 }
 
 /// The shapes of the things of a recipe.
-fn shelf(recipe: &Recipe, models: &Models) -> Shelf {
-    let material = |setting| rock_with(recipe, setting);
-    let (kinds, replicas, look) = (recipe.kinds(), models.replicas(), recipe.look());
+fn shelf(recipe: &Recipe, files: &UserFiles) -> Shelf {
+    let material = |setting| files.maps.on(rock_with(recipe, setting));
+    let (kinds, replicas, look) = (recipe.kinds(), files.models.replicas(), recipe.look());
     Shelf::new(&Dress { kinds, replicas, material: &material, look, seed: recipe.seed() })
 }
 
 /// The shapes of the things of a recipe, and the prototypes made of them; `None` if it has no things.
-pub fn stock<'a>(recipe: &'a Recipe, models: &Models) -> Option<(Shelf, Library<'a>)> {
+pub fn stock<'a>(recipe: &'a Recipe, files: &UserFiles) -> Option<(Shelf, Library<'a>)> {
     (recipe.things().cover > 0.0).then(|| {
-        let shelf = shelf(recipe, models);
+        let shelf = shelf(recipe, files);
         let (library, _) = Library::of_shelf(recipe.kinds(), &shelf);
         (shelf, library)
     })

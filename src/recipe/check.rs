@@ -185,7 +185,7 @@ fn sections_with(name: &str, sections: &Value) -> Vec<String> {
 }
 
 /// The path of a key in a section, which has none at the top.
-fn below(section: &str, key: &str) -> String {
+pub fn below(section: &str, key: &str) -> String {
     if section.is_empty() { key.to_owned() } else { format!("{section}.{key}") }
 }
 

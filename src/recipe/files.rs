@@ -1,10 +1,11 @@
-//! The model files of a recipe: what they may be called, and how a cave folder names them.
+//! The files of a recipe: what models may be called, and how a cave folder names models and maps.
 
 use serde_json::{Value, json};
 
 use super::fault::{Fault, Faults};
 use super::read::Draft;
 use crate::model::Format;
+use crate::texture::{KEPT_MAPS, TextureSettings};
 use crate::things::{FileSettings, KINDS};
 use plume_graph::echo::{plain, shown};
 
@@ -40,10 +41,13 @@ pub fn check(files: &[FileSettings], draft: &Draft) -> Result<(), Faults> {
 }
 
 /// A recipe that names the copies in its cave folder instead of its files.
-pub fn kept(recipe: &Value, files: &[FileSettings]) -> Value {
+pub fn kept(recipe: &Value, files: &[FileSettings], texture: &TextureSettings) -> Value {
     let mut kept = recipe.clone();
     for (place, file) in files.iter().enumerate() {
         kept["things"]["files"][place]["path"] = json!(file.kept_path());
+    }
+    if texture.own.is_some() {
+        kept["texture"]["own"] = json!(KEPT_MAPS);
     }
     kept
 }

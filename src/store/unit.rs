@@ -10,7 +10,7 @@ use super::facts::Facts;
 use super::file::FileRecord;
 use super::{GRAPH, IMAGES, PLAN, PROFILE, RECIPE};
 use crate::mesh::ChunkIndex;
-use crate::texture::MapFormats;
+use crate::texture::{MapFormats, OwnMap};
 use crate::things::KEPT;
 use plume_exporters::ImageFormat;
 use plume_graph::echo::shown;
@@ -65,7 +65,7 @@ impl Stage {
     /// Whether a unit of this stage with this name may write the file at `path`.
     fn writes(self, name: &str, path: &str) -> bool {
         match self {
-            Self::Graph => [RECIPE, GRAPH].contains(&path) || is_model_path(path),
+            Self::Graph => [RECIPE, GRAPH].contains(&path) || is_copy_path(path),
             Self::Preview => [PLAN, PROFILE].contains(&path),
             Self::Mesh => [wall_path(name), collision_path(name)].iter().any(|own| own == path),
             Self::Things if name == WHOLE_CAVE => is_texture_path(PROTOTYPES, path),
@@ -175,8 +175,13 @@ pub fn pieces_path(name: &str) -> String {
     format!("pieces/{name}.ply")
 }
 
+/// Whether this may be the copy of a file that the recipe names.
+pub fn is_copy_path(path: &str) -> bool {
+    is_model_path(path) || OwnMap::is_kept_at(path)
+}
+
 /// Whether this may be a file of a model: below a folder of its own, by names that lead nowhere else.
-pub fn is_model_path(path: &str) -> bool {
+fn is_model_path(path: &str) -> bool {
     let Some(below) = path.strip_prefix(KEPT).and_then(|path| path.strip_prefix('/')) else { return false };
     below.contains('/') && below.split('/').all(is_plain_name)
 }
@@ -212,6 +217,7 @@ mod tests {
             ("graph", "cave", "cave.toml"),
             ("graph", "cave", "models/crate/Crate (1).glb"),
             ("graph", "cave", "models/crate/textures/wood.png"),
+            ("graph", "cave", "maps/base_color.png"),
             ("preview", "cave", "profile.png"),
             ("mesh", "chunk_0_-1_12", "collision/chunk_0_-1_12.ply"),
             ("texture", "chunk_0_0_0", "textures/chunk_0_0_0_lod3.ply"),
@@ -250,6 +256,9 @@ mod tests {
             ("graph", "cave", "models//victim"),
             ("graph", "cave", "models/crate/..\\victim"),
             ("graph", "cave", "models/c:/victim"),
+            ("graph", "cave", "maps/height.png"),
+            ("graph", "cave", "maps/../normal.png"),
+            ("texture", "chunk_0_0_0", "maps/normal.png"),
             ("things", "cave", "models/crate/crate.glb"),
             ("graph", "chunk_0_0_0", "cave.toml"),
         ] {

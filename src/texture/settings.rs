@@ -1,5 +1,7 @@
 //! Settings of textures.
 
+use std::path::PathBuf;
+
 use plume_exporters::ImageFormat;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,11 +30,65 @@ pub struct TextureSettings {
     pub format: MapFormats,
     /// Whether to also bake a height map, a 16-bit PNG, for renderers with displacement.
     pub height: bool,
+    /// A folder with maps of your own for the rock, relative to the recipe: `base_color.png` (sRGB) and, if you like, `normal.png`
+    /// (OpenGL, y up) and `roughness.png` (linear), each square and tileable. They replace the colours of the rock and, if there is
+    /// such a map, its roughness; normals are added to those of the rock, whose shape remains. Stones and dripstone, which are of
+    /// that rock, have them too.
+    #[schemars(extend("format" = "path", "minLength" = 1))]
+    pub own: Option<PathBuf>,
+    /// Side of a tile of these maps in metres. At most 2048 pixels of it are shown.
+    #[schemars(range(min = 0.05, max = 100.0))]
+    pub own_m: f32,
 }
+
+/// A map of the user's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OwnMap {
+    /// Colours.
+    BaseColor,
+    /// Normals in tangent space.
+    Normal,
+    /// Perceptual roughness.
+    Roughness,
+}
+
+impl OwnMap {
+    /// All of them.
+    const ALL: [Self; 3] = [Self::BaseColor, Self::Normal, Self::Roughness];
+
+    /// Its file in the folder that a recipe names.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::BaseColor => "base_color.png",
+            Self::Normal => "normal.png",
+            Self::Roughness => "roughness.png",
+        }
+    }
+
+    /// Where a cave folder keeps it.
+    pub fn kept_path(self) -> String {
+        format!("{KEPT_MAPS}/{}", self.file_name())
+    }
+
+    /// Whether a cave folder keeps one there.
+    pub fn is_kept_at(path: &str) -> bool {
+        Self::ALL.into_iter().any(|map| map.kept_path() == path)
+    }
+}
+
+/// The folder of a cave folder for maps of the user's own.
+pub const KEPT_MAPS: &str = "maps";
 
 impl Default for TextureSettings {
     fn default() -> Self {
-        Self { density_px_per_m: 128.0, size_px: None, format: MapFormats::default(), height: false }
+        Self {
+            density_px_per_m: 128.0,
+            size_px: None,
+            format: MapFormats::default(),
+            height: false,
+            own: None,
+            own_m: 2.0,
+        }
     }
 }
 

@@ -12,8 +12,9 @@ use syn::{ItemMod, ItemUse, UseTree};
 const ARROWS: &[(&str, &[&str])] = &[
     ("noise", &[]),
     ("srgb", &[]),
-    ("model", &["srgb"]),
-    ("material", &["noise"]),
+    ("picture", &["srgb"]),
+    ("model", &["picture"]),
+    ("material", &["noise", "picture"]),
     ("field", &["material", "noise"]),
     ("mesh", &["field"]),
     ("texture", &["field", "mesh", "noise", "srgb"]),
@@ -24,7 +25,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("preset", &[]),
     ("store", &["field", "mesh", "texture", "things"]),
     ("assemble", &["field", "mesh", "recipe", "store", "texture", "things", "placement"]),
-    ("pipeline", &["field", "material", "mesh", "model", "preview", "recipe", "store", "texture", "things"]),
+    ("pipeline", &["field", "material", "mesh", "model", "picture", "preview", "recipe", "store", "texture", "things"]),
     ("trajectory", &[]),
     ("cave", &["assemble", "field", "mesh", "pipeline", "preset", "preview", "recipe", "store", "texture"]),
 ];

@@ -1,13 +1,16 @@
 //! What holds for the field of any cave, whatever its rock.
 
+use std::io::Cursor;
 use std::sync::Arc;
 
 use fearless_simd::Simd;
+use image::{ImageFormat, Rgb, RgbImage};
 use nalgebra::Point3;
 use plume::field::{Aabb, CaveField, Field, PassageSettings, Region, Surface, Texel};
 use plume::graph::{Graph, Node, Section, Shape, StationId};
-use plume::material::{DomainWarp, JUMP_M, Look, MATERIALS, Material, Rock, STEEPEST, Site, Wall};
+use plume::material::{Clad, DomainWarp, JUMP_M, Look, MATERIALS, Material, OwnMaps, Rock, STEEPEST, Site, Wall};
 use plume::noise::Real;
+use plume::picture::{Image, Tile};
 use proptest::prelude::*;
 use serde_json::{Map, Value, json};
 
@@ -434,6 +437,71 @@ fn seed_changes_the_rock_and_look_does_not() {
     assert_ne!(one.distances_at(&points), other.distances_at(&points));
     let bounds = around(&points);
     assert_ne!(texels(&one, bounds, &points), texels(&same, bounds, &points));
+}
+
+/// A tint multiplies colours and nothing else, in every rock.
+#[test]
+fn tints_multiply_colours() {
+    let factors = [0.5, 1.0, 1.7];
+    for row in MATERIALS.iter() {
+        let tinted = |tint| {
+            let rock = (row.read)(json!({})).expect("an empty object is valid");
+            CaveField::new(&graph(), &PassageSettings::default(), rock, Look { tint, ..Look::default() }, 7)
+        };
+        let points = near_wall(&tinted([1.0; 3]), 2000);
+        let [plain, tinted] = [[1.0; 3], factors].map(|tint| texels(&tinted(tint), around(&points), &points));
+        for (mut plain, tinted) in plain.into_iter().zip(tinted) {
+            for (value, factor) in plain.color.iter_mut().zip(factors) {
+                *value = (*value * factor).clamp(0.0, 1.0);
+            }
+            assert_eq!(plain, tinted, "{}", row.name);
+        }
+    }
+}
+
+/// A tile of one value.
+fn tile(value: [u8; 3], tile: Tile) -> Image {
+    let mut png = Cursor::new(Vec::new());
+    RgbImage::from_pixel(4, 4, Rgb(value)).write_to(&mut png, ImageFormat::Png).expect("it is written to memory");
+    Image::read_tile(png.get_ref(), tile).expect("it is a tile")
+}
+
+/// Maps of the user's own give a rock its colours, tilt its normals as far as a normal map can hold, and leave its shape.
+#[test]
+fn own_maps_change_looks_and_no_shape() {
+    const STEEP: [u8; 3] = [255, 128, 128];
+    const FLAT: [u8; 3] = [128, 128, 255];
+    for row in MATERIALS.iter() {
+        let rock = || (row.read)(json!({})).expect("an empty object is valid");
+        let clad = |normal: [u8; 3]| {
+            let maps = OwnMaps {
+                base_color: tile([255, 0, 0], Tile::Colors),
+                normal: Some(tile(normal, Tile::Vectors)),
+                roughness: Some(tile([51; 3], Tile::Numbers)),
+                tile_m: 2.0,
+            };
+            cave(Arc::new(Clad { rock: rock(), maps: Arc::new(maps) }))
+        };
+        let (bare, steep, flat) = (cave(rock()), clad(STEEP), clad(FLAT));
+        let points = near_wall(&bare, 2000);
+        assert_eq!(bare.distances_at(&points), steep.distances_at(&points));
+        let mesh_normals = bare.normals_at(&points);
+        let [bare, steep, flat] = [bare, steep, flat].map(|field| texels(&field, around(&points), &points));
+        let cosine = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let mut tilted = 0;
+        for (n, mesh_normal) in mesh_normals.into_iter().enumerate() {
+            for texel in [steep[n], flat[n]] {
+                let far = texel.color.iter().zip([1.0, 0.0, 0.0]).any(|(value, wanted)| (value - wanted).abs() > 1e-5);
+                assert!(!far && (texel.roughness - 0.2).abs() < 1e-5, "{}: {texel:?}", row.name);
+                assert!((cosine(texel.normal, texel.normal) - 1.0).abs() < 1e-4, "{}: {texel:?}", row.name);
+                assert!(cosine(texel.normal, mesh_normal) > 0.499, "{}: {texel:?}", row.name);
+                assert_eq!((texel.height_m, texel.occlusion), (bare[n].height_m, bare[n].occlusion), "{}", row.name);
+            }
+            assert!(cosine(flat[n].normal, bare[n].normal) > 0.999, "{}: {:?}", row.name, flat[n]);
+            tilted += usize::from(cosine(steep[n].normal, bare[n].normal) < 0.9);
+        }
+        assert!(4 * tilted > 3 * points.len(), "{}: {tilted} of {} normals", row.name, points.len());
+    }
 }
 
 /// The share of walls that glisten follows the humidity, in every rock.

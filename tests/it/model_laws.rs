@@ -8,7 +8,8 @@ use std::path::Path;
 use crate::common::damage::damaged;
 use insta::assert_snapshot;
 use plume::field::Aabb;
-use plume::model::{Format, Model, ModelError, Wrap};
+use plume::model::{Format, Model, ModelError};
+use plume::picture::Wrap;
 use plume::things::Replica;
 use serde_json::{Value, json};
 

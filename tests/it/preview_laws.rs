@@ -222,8 +222,8 @@ fn views_show_things_on_any_number_of_threads() {
     let graph = world::small(GENERATORS.default_row(), NODES, 3);
     let recipe = Recipe::from_overrides(&[]).unwrap();
     let field = pipeline::field(&recipe, &graph);
-    let models = pipeline::models(&recipe, &Unobserved::default()).unwrap();
-    let stock = pipeline::stock(&recipe, &models).unwrap();
+    let files = pipeline::user_files(&recipe, &Unobserved::default()).unwrap();
+    let stock = pipeline::stock(&recipe, &files).unwrap();
     for row in VIEWS.iter().filter(|row| row.shows_things) {
         let order = Order { size: Some(Size::new(640, 360).unwrap()), ..order(row.formats[0], &stop) };
         let bare = row.draw(&pipeline::subject(&recipe, &graph, &field), &order).unwrap();

@@ -15,4 +15,5 @@ mod handover;
 mod measure;
 mod models;
 mod nothing_lost;
+mod own_maps;
 mod record;
