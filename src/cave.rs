@@ -43,7 +43,7 @@ use plume_exporters::scene::Scene;
 
 pub use self::certify::{Certified, NamedRobot, named_robot};
 pub use self::error::CaveError;
-pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read, with_parts};
+pub use self::input::{GRAPH_EDITED, Input, is_graph_edited, preset, read, start_from, with_parts};
 pub use self::preview::{preview, view_row};
 pub use self::route::Journey;
 pub use self::surface::Surface;

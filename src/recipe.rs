@@ -74,6 +74,8 @@ pub struct Recipe {
     world: WorldSettings,
     output: OutputSettings,
     resolved: Value,
+    /// The same, with paths as they are from the current folder.
+    placed: Value,
     /// What it was read from.
     draft: read::Draft,
 }
@@ -89,16 +91,23 @@ impl Recipe {
         Self::from_draft(draft)
     }
 
-    /// Reads a preset. Where `overrides` choose another generator or rock than the preset does, its section starts from the
-    /// defaults of that one, since the keys of the preset are those of another.
+    /// Reads a preset as [`Recipe::from_base`] does.
     ///
     /// # Errors
     /// Faults of the overrides.
     pub fn from_preset(preset: &Preset, overrides: &[String]) -> Result<Self, Faults> {
-        let file = Path::new(preset.name);
+        Self::from_base(preset.text, Path::new(preset.name), overrides)
+    }
+
+    /// Reads TOML to start from. Where `overrides` choose another generator or rock than it does, its section starts from the
+    /// defaults of that one, since its keys are those of another.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_toml`].
+    pub fn from_base(text: &str, file: &Path, overrides: &[String]) -> Result<Self, Faults> {
         let mut asked = read::Draft::new(json!({}), file);
         read::overrides(&mut asked, overrides)?;
-        let mut draft = read::toml(preset.text, file)?;
+        let mut draft = read::toml(text, file)?;
         for (section, key) in [("graph", "generator"), ("rock", "kind")] {
             let choice = &asked.value[section][key];
             if !choice.is_null() && *choice != draft.value[section][key] {
@@ -153,6 +162,7 @@ impl Recipe {
             world: typed(&resolved, "world", &draft)?,
             output: typed(&resolved, "output", &draft)?,
             resolved,
+            placed,
             draft,
         })
     }
@@ -271,6 +281,11 @@ impl Recipe {
     /// The recipe as commented TOML that reads back as itself.
     pub fn to_toml(&self) -> String {
         print::commented(&schema::of(&self.resolved), &self.resolved)
+    }
+
+    /// That with paths as they are from the current folder, for a recipe that is to be kept there.
+    pub fn to_placed_toml(&self) -> String {
+        print::commented(&schema::of(&self.placed), &self.placed)
     }
 
     /// The recipe as JSON that names files of models and maps as a cave folder keeps them: the same wherever they came from.

@@ -62,6 +62,8 @@ fn class(error: &CaveError) -> &'static str {
             PipelineError::Generate(_)
             | PipelineError::GraphFile(_)
             | PipelineError::Grid(_)
+            | PipelineError::Map { .. }
+            | PipelineError::Model { .. }
             | PipelineError::TooLarge { .. }
             | PipelineError::Empty,
         )

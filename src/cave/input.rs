@@ -164,6 +164,19 @@ pub fn preset(name: &str) -> Result<&'static Preset, CaveError> {
     row.ok_or_else(|| CaveError::unknown("preset", name, PRESETS.iter().map(|row| row.name)))
 }
 
+/// The recipe that starts from a preset, or from a recipe file: a name with a folder or with the ending `.toml`.
+///
+/// # Errors
+/// If there is no such preset or file, or it or an override is faulty.
+pub fn start_from(base: &str, overrides: &[String]) -> Result<Recipe, CaveError> {
+    let is_file = base.ends_with(".toml") || base.contains(std::path::is_separator);
+    if !is_file {
+        return Ok(Recipe::from_preset(preset(base)?, overrides)?);
+    }
+    let file = Path::new(base);
+    Ok(Recipe::from_base(&read(file)?, file, overrides)?)
+}
+
 /// Reads a recipe that the user named.
 ///
 /// # Errors

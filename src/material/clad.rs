@@ -78,8 +78,8 @@ impl Material for Clad {
         let width = footprint.texel_m / tile_m;
         let mut bent = out.normal;
         for lane in 0..block.count {
-            let at = |columns: &[[f32; BLOCK]; 3]| columns.map(|column| column[lane]);
-            let views = views(block.point.map(|column| column[lane]), at(normals), *tile_m);
+            let at = |columns: &[[f32; BLOCK]; 3]| columns.each_ref().map(|column| column[lane]);
+            let views = views(block.point.each_ref().map(|column| column[lane]), at(normals), *tile_m);
             put(&mut out.color, lane, blended(&views, base_color, width));
             if let Some(roughness) = roughness {
                 out.roughness[lane] = blended(&views, roughness, width)[0].clamp(0.05, 1.0);

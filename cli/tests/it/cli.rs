@@ -350,6 +350,29 @@ fn the_printed_recipe_reads_back_as_itself() {
 }
 
 #[test]
+fn a_recipe_file_can_be_started_from_like_a_preset() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("own")).unwrap();
+    desk.file("own/cave.toml", "[graph]\ngenerator = \"file\"\npath = \"a.json\"\n\n[rock]\nkind = \"basalt\"\n");
+    let printed = |arguments: &[&str]| {
+        let output = desk.run(&[&["new", "--preset"], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let recipe = printed(&["own/cave.toml", "--set", "seed=9"]);
+    // The path leads there from where the recipe is printed.
+    for line in ["seed = 9", "path = \"own/a.json\"", "kind = \"basalt\""] {
+        assert!(recipe.lines().any(|other| other == line), "{line}: {recipe}");
+    }
+    fs::copy(desk.path("own/cave.toml"), desk.path("own.toml")).unwrap();
+    let mine = printed(&["own.toml", "--set", "graph.generator=mine"]);
+    assert!(mine.contains("\ngenerator = \"mine\"\n") && mine.contains("\nkind = \"basalt\"\n"), "{mine}");
+    assert_snapshot!("no_such_preset_file", desk.fault(&["new", "--preset", "none.toml"]));
+    desk.file("own.toml", "sed = 3\n");
+    assert_snapshot!("faulty_preset_file", desk.fault(&["new", "--preset", "./own.toml"]));
+}
+
+#[test]
 fn every_generator_and_rock_can_be_chosen_in_a_new_recipe() {
     let desk = Desk::new();
     let listed: serde_json::Value = serde_json::from_slice(&desk.run(&["list", "--json"]).stdout).unwrap();

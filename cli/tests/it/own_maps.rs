@@ -103,5 +103,8 @@ fn folders_keep_maps_and_follow_their_changes() {
     let now = desk.hashes("cave");
     let remade: Vec<&str> = whole.iter().filter(|file| !now.contains(file)).map(|(path, _)| path.as_str()).collect();
     assert!(remade.iter().all(|path| *path == "manifest.json" || path.ends_with("base_color.png")), "{remade:?}");
-    assert!(remade.contains(&"maps/base_color.png") && remade.contains(&"textures/things_base_color.png"), "{remade:?}");
+    assert!(
+        remade.contains(&"maps/base_color.png") && remade.contains(&"textures/things_base_color.png"),
+        "{remade:?}"
+    );
 }
