@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::access::Threads;
 use super::fault::CliError;
 use super::output;
 use super::progress::Console;
@@ -30,6 +31,8 @@ pub struct Certify {
     /// A folder for pictures of what stops the robot: stop_1.png and so on, numbered as printed, replacing existing ones
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) threads: Threads,
 }
 
 impl Certify {

@@ -18,7 +18,7 @@ use plume::store::CaveFolder;
 #[derive(Args)]
 pub struct Chunk {
     #[command(flatten)]
-    source: Source,
+    pub(super) source: Source,
     /// A chunk, or the first and the last, such as 20-39; the first of all is 0
     #[arg(value_name = "CHUNKS", value_parser = numbers)]
     numbers: Option<Range<usize>>,

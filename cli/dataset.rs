@@ -14,6 +14,7 @@ use plume_dataset::{Engine, Outcome, Plan, Reply, Watch, item, run};
 use serde_json::{Value, json};
 
 use super::Host;
+use super::access::Making;
 use super::fault::CliError;
 use super::handover::Need;
 use super::progress::Console;
@@ -41,6 +42,8 @@ pub struct Dataset {
     /// Make the caves whose numbers come on standard input
     #[arg(long, hide = true)]
     worker: bool,
+    #[command(flatten)]
+    pub(super) making: Making,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

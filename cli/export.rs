@@ -21,7 +21,7 @@ use plume::store::{CaveFolder, TemporaryFolder};
 #[derive(Args)]
 pub struct Export {
     #[command(flatten)]
-    source: Source,
+    pub(super) source: Source,
     /// Targets, separated by commas; see `plume list targets`
     #[arg(long, short, value_name = "TARGET", value_delimiter = ',', required = true)]
     target: Vec<String>,

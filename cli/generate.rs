@@ -19,7 +19,7 @@ use plume_survey::Warning;
 #[derive(Args)]
 pub struct Generate {
     #[command(flatten)]
-    source: Source,
+    pub(super) source: Source,
     /// The cave folder to write [default: the name of the cave, or the cave folder given as input]
     #[arg(short, long, value_name = "CAVE_DIR")]
     output: Option<PathBuf>,

@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 use plume_disk::Existing;
 use serde_json::{Value, json};
 
+use super::access::{Access, Outside};
 use super::fault::CliError;
 use super::generate::Generate;
 use super::generate::note_warnings;
@@ -35,6 +36,14 @@ enum Exchange {
 }
 
 impl GraphCommand {
+    /// What it may use.
+    pub fn access(&self) -> Access {
+        match &self.exchange {
+            None => self.generate.source.named.making.into(),
+            Some(Exchange::Import(Bring { outside, .. }) | Exchange::Export(Hand { outside, .. })) => (*outside).into(),
+        }
+    }
+
     /// Runs the command.
     ///
     /// # Errors
@@ -75,6 +84,8 @@ struct Bring {
     scale: f64,
     #[command(flatten)]
     to: Output,
+    #[command(flatten)]
+    outside: Outside,
 }
 
 impl Bring {
@@ -102,6 +113,8 @@ struct Hand {
     input: PathBuf,
     #[command(flatten)]
     to: Output,
+    #[command(flatten)]
+    outside: Outside,
 }
 
 impl Hand {

@@ -2,6 +2,7 @@
 //!
 //! The only code that prints. Results go to stdout; progress, notes and errors go to stderr.
 
+mod access;
 mod certify;
 mod check;
 mod chunk;
@@ -39,6 +40,7 @@ use plume_dataset::Engine;
 use plume_exporters::stage::Library;
 use plume_exporters::{TARGETS, TargetRow};
 
+use self::access::{Access, Making};
 pub use self::dataset::RayTasks;
 pub use self::fault::CliError;
 use self::handover::Need;
@@ -67,15 +69,6 @@ pub struct Common {
     /// Print the result as JSON on stdout, and errors as JSON on stderr
     #[arg(long, global = true)]
     json: bool,
-    /// Number of threads [default: all cores]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Allow recipes to run programs, as the generator `external` does
-    #[arg(long, global = true)]
-    allow_run: bool,
-    /// Allow surveys to include files from outside their own folder
-    #[arg(long, global = true)]
-    allow_outside: bool,
 }
 
 /// What a cave is made from.
@@ -90,6 +83,8 @@ pub struct Named {
     /// Set the seed
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<String>,
+    #[command(flatten)]
+    making: Making,
 }
 
 /// What a cave is made from, and whether it may replace another.
@@ -182,6 +177,29 @@ impl Command {
         }
     }
 
+    /// What it may use.
+    fn access(&self) -> Access {
+        match self {
+            Self::Export(export) => export.source.named.making.into(),
+            Self::Generate(make) | Self::Mesh(make) | Self::Things(make) | Self::Texture(make) | Self::Pieces(make) => {
+                make.source.named.making.into()
+            }
+            Self::Graph(graph) => graph.access(),
+            Self::Chunk(chunk) => chunk.source.named.making.into(),
+            Self::Preview(preview) => preview.named.making.into(),
+            Self::Truth(truth) => truth.source.named.making.into(),
+            Self::Dataset(dataset) => dataset.making.into(),
+            Self::Certify(certify) => certify.threads.into(),
+            Self::Path(path) => path.threads.into(),
+            Self::Record(record) => record.threads.into(),
+            Self::Measure(measure) => measure.access(),
+            Self::Status(status) => status.outside.into(),
+            Self::New(_) | Self::Schema | Self::List(_) | Self::Check(_) | Self::Completions(_) | Self::Manual(_) => {
+                Access::default()
+            }
+        }
+    }
+
     /// Whether it only prints built-in information, which needs no threads.
     fn only_prints(&self) -> bool {
         matches!(self, Self::New(_) | Self::Schema | Self::List(_) | Self::Completions(_) | Self::Manual(_))
@@ -224,9 +242,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, host: &Host) -> u8 {
             return answer(&naming_targets(clipped(usage)), is_json);
         }
     };
-    let console = Console::new(&cli.common);
+    let access = cli.command.access();
+    let console = Console::new(&cli.common, access);
     if !cli.command.only_prints() {
-        start_threads(cli.common.threads.map_or(0, usize::from));
+        start_threads(access.threads.map_or(0, usize::from));
     }
     let result = match (host, cli.command.need()) {
         (Host::Binary, Some(need)) => handover::to_python(&need, &arguments),

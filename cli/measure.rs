@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::access::{Access, Outside, Threads};
 use super::fault::CliError;
 use super::graph::parts;
 use super::likeness;
@@ -36,9 +37,18 @@ pub struct Measure {
     /// Fail unless the graph is like that of a real cave
     #[arg(long)]
     gate: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    outside: Outside,
 }
 
 impl Measure {
+    /// What it may use.
+    pub fn access(&self) -> Access {
+        Access { threads: Access::from(self.threads).threads, ..self.outside.into() }
+    }
+
     /// Prints the report on stdout.
     ///
     /// # Errors

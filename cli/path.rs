@@ -6,6 +6,7 @@ use clap::Args;
 use plume_truth::Class;
 use serde_json::json;
 
+use super::access::Threads;
 use super::fault::CliError;
 use super::output;
 use super::progress::Console;
@@ -36,6 +37,8 @@ pub struct PathCommand {
     /// The file to write, replacing an existing one: .tum, .csv, or .yaml for nav_msgs/Path
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    pub(super) threads: Threads,
 }
 
 impl PathCommand {

@@ -21,7 +21,7 @@ use plume::store::StoreError;
 #[derive(Args)]
 pub struct Preview {
     #[command(flatten)]
-    named: Named,
+    pub(super) named: Named,
     /// What to draw; see `plume list views` [default: the first view that fits the extension of FILE]
     #[arg(long)]
     view: Option<String>,

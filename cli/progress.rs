@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
+use super::access::Access;
 use super::fault::CliError;
 use super::{Common, signals};
 use plume::pipeline::{Disk, Observer};
@@ -19,16 +20,14 @@ use plume_record::Watch;
 pub struct Console {
     quiet: bool,
     json: bool,
-    allow_run: bool,
-    disk: Disk,
+    access: Access,
     bar: Mutex<Option<(ProgressBar, Instant)>>,
 }
 
 impl Console {
     /// A console.
-    pub fn new(common: &Common) -> Self {
-        let disk = Disk { allows_outside_files: common.allow_outside };
-        Self { quiet: common.quiet, json: common.json, allow_run: common.allow_run, disk, bar: Mutex::new(None) }
+    pub fn new(common: &Common, access: Access) -> Self {
+        Self { quiet: common.quiet, json: common.json, access, bar: Mutex::new(None) }
     }
 
     /// Whether results are to be printed as JSON.
@@ -38,7 +37,7 @@ impl Console {
 
     /// The disk, with the access that the user allows.
     pub fn disk(&self) -> Disk {
-        self.disk
+        Disk { allows_outside_files: self.access.outside_files }
     }
 
     /// Prints a result.
@@ -167,11 +166,11 @@ impl Observer for Console {
     }
 
     fn allows_programs(&self) -> bool {
-        self.allow_run
+        self.access.programs
     }
 
     fn allows_outside_files(&self) -> bool {
-        self.disk.allows_outside_files
+        self.access.outside_files
     }
 }
 

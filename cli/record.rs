@@ -12,6 +12,7 @@ use plume_record::trajectory::{Trajectory, tum};
 use plume_record::{Order, RecordError, Recording, Watch, record};
 use serde_json::json;
 
+use super::access::Threads;
 use super::fault::CliError;
 use super::progress::Console;
 use super::signals;
@@ -42,6 +43,8 @@ pub struct Record {
     /// Print a rig in which every key is explained, or another that is built in
     #[arg(long, value_name = "NAME", num_args = 0..=1, default_missing_value = PRESETS[0].0)]
     print_rig: Option<String>,
+    #[command(flatten)]
+    pub(super) threads: Threads,
 }
 
 impl Record {

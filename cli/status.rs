@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::access::Outside;
 use super::fault::CliError;
 use super::progress::Console;
 use plume::cave::Input;
@@ -17,6 +18,8 @@ pub struct Status {
     /// A cave folder, finished or not
     #[arg(value_name = "CAVE_DIR")]
     folder: PathBuf,
+    #[command(flatten)]
+    pub(super) outside: Outside,
 }
 
 impl Status {

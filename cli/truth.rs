@@ -13,7 +13,7 @@ use super::{Host, Source};
 #[derive(Args)]
 pub struct Truth {
     #[command(flatten)]
-    source: Source,
+    pub(super) source: Source,
     /// Where to write it [default: NAME-truth]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
